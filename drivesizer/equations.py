@@ -1,0 +1,545 @@
+"""The paper's equations (1)-(20), each once.
+
+C. Prados Sesmero, L. R. Buonocore, M. Di Castro, *Omnidirectional Robotic Platform for Surveillance of Particle
+Accelerator Environments with Limited Space Areas*, Appl. Sci. 2021, 11, 6631, doi:10.3390/app11146631.
+
+Every function takes SI floats or arrays and gives SI back; called with pint quantities it checks dimensions.
+Three factors that the paper all calls η have three names here: ``eta_speed`` in (1), ``eta_robot`` in (10) and
+``eta_gear`` in (17), (18). What the paper uses without a number follows its place, declared with number None.
+Rotary speeds are rad/s: the factors 60/π and π/30 of the printed forms only convert to and from rpm.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drivesizer.declare import Value, equation
+
+__all__ = [
+    "acceleration",
+    "acceleration_torque",
+    "cylinder_inertia",
+    "cylinder_mass",
+    "deceleration_torque",
+    "maximum_power_per_motor",
+    "maximum_torque",
+    "maximum_torque_at_motor",
+    "maximum_torque_per_motor",
+    "mechanical_power_per_motor",
+    "no_load_speed",
+    "nominal_force",
+    "nominal_power_per_motor",
+    "nominal_speed",
+    "nominal_torque",
+    "nominal_torque_per_motor",
+    "rms_power_per_motor",
+    "rms_speed",
+    "rms_torque",
+    "rms_torque_at_motor",
+    "rms_torque_per_motor",
+    "rolling_resistance_coefficient",
+    "rotor_inertia_at_wheel",
+    "speed_constant",
+]
+
+
+@equation(
+    1, "n_nom", "rotary_speed", "rpm",
+    printed="60 * V_nom / (pi * d * eta_speed)",
+    note="Numerical-value equation: 60/π converts to rpm. Computed in rad/s, shown in rpm.",
+)  # fmt: skip
+def nominal_speed(V_nom: Value, d: Value, eta_speed: Value) -> Value:
+    """Wheel speed at nominal velocity.
+
+    Parameters
+    ----------
+    V_nom: nominal velocity of the vehicle [m/s]
+    d: wheel diameter [m]
+    eta_speed: speed reserve, the friction factor η of (1), 0 to 1 [1]
+
+    Returns
+    -------
+    n_nom: wheel speed with its reserve [rad/s]
+    """
+    return 2 * V_nom / (d * eta_speed)
+
+
+@equation(2, "M_nom", "torque", "N*m", printed="d / 2 * F_nom / delta")
+def nominal_torque(d: Value, F_nom: Value, delta: Value) -> Value:
+    """Nominal torque, whole vehicle.
+
+    Parameters
+    ----------
+    d: wheel diameter [m]
+    F_nom: nominal force [N]
+    delta: bearing factor, 0 to 1 [1]
+
+    Returns
+    -------
+    M_nom: torque at the wheels that keeps the nominal velocity [N*m]
+    """
+    return d / 2 * F_nom / delta
+
+
+@equation(
+    3, "F_nom", "force", "N",
+    printed="C_rr * m_R * g",
+    note="The paper's case is level ground. On a slope F_N = m_R g cos θ, and m_R g sin θ is added: a "
+    "generalisation of ours that leaves the level case as printed.",
+)  # fmt: skip
+def nominal_force(C_rr: Value, m_R: Value, g: Value, theta: Value = 0.0) -> Value:
+    """Nominal force.
+
+    Parameters
+    ----------
+    C_rr: rolling-resistance coefficient [1]
+    m_R: mass of the vehicle [kg]
+    g: gravity [m/s^2]
+    theta: slope, uphill positive [rad]
+
+    Returns
+    -------
+    F_nom: force that keeps the nominal velocity [N]
+    """
+    return C_rr * m_R * g * np.cos(theta) + m_R * g * np.sin(theta)
+
+
+@equation(
+    4, "C_rr", "dimensionless", "1",
+    printed="sqrt(z / d)",
+    note="The radical is lost in some copies of the text; this is the standard form for a rigid wheel on an elastic "
+    "surface. A spec gives C_rr or z, never both.",
+)  # fmt: skip
+def rolling_resistance_coefficient(z: Value, d: Value) -> Value:
+    """Rolling-resistance coefficient.
+
+    Parameters
+    ----------
+    z: sinking depth [m]
+    d: wheel diameter [m]
+
+    Returns
+    -------
+    C_rr: rolling-resistance coefficient [1]
+    """
+    return np.sqrt(z / d)
+
+
+@equation(5, "M_nom/m", "torque", "N*m", printed="M_nom / N")
+def nominal_torque_per_motor(M_nom: Value, N: Value) -> Value:
+    """Nominal torque per motor set.
+
+    Parameters
+    ----------
+    M_nom: nominal torque, whole vehicle [N*m]
+    N: driven wheels [1]
+
+    Returns
+    -------
+    M_nom_m: nominal torque at one wheel [N*m]
+    """
+    return M_nom / N
+
+
+@equation(6, "a", "acceleration", "m/s^2", printed="V_nom / t_acc")
+def acceleration(V_nom: Value, t_acc: Value) -> Value:
+    """Acceleration.
+
+    Parameters
+    ----------
+    V_nom: nominal velocity of the vehicle [m/s]
+    t_acc: time to reach it; the deceleration takes as long [s]
+
+    Returns
+    -------
+    a: acceleration [m/s^2]
+    """
+    return V_nom / t_acc
+
+
+@equation(
+    7, "P_nom/m", "power", "W",
+    printed="PF * m_R * V_nom * (a + g * sin(theta)) / (2 * pi * kappa * N)",
+    note="The units agree, the physics does not: 2π has no place in force times velocity, and rolling resistance is "
+    "missing. Computed as printed; the mechanical power at the end of the acceleration is shown beside it.",
+)  # fmt: skip
+def nominal_power_per_motor(
+    PF: Value, m_R: Value, V_nom: Value, a: Value, g: Value, theta: Value, kappa: Value, N: Value
+) -> Value:
+    """Nominal power per motor set.
+
+    Parameters
+    ----------
+    PF: power factor (oversize) [1]
+    m_R: mass of the vehicle [kg]
+    V_nom: nominal velocity of the vehicle [m/s]
+    a: acceleration [m/s^2]
+    g: gravity [m/s^2]
+    theta: slope [rad]
+    kappa: confidence factor, 0 to 1 [1]
+    N: driven wheels [1]
+
+    Returns
+    -------
+    P_nom_m: nominal power of one motor set [W]
+    """
+    return PF * m_R * V_nom * (a + g * np.sin(theta)) / (2 * np.pi * kappa * N)
+
+
+@equation(
+    None, "P_mech/m", "power", "W",
+    note="Not in the paper; shown beside (7).",
+)  # fmt: skip
+def mechanical_power_per_motor(
+    PF: Value, F_nom: Value, m_R: Value, a: Value, V_nom: Value, kappa: Value, N: Value
+) -> Value:
+    """Mechanical power per motor set at the end of the acceleration.
+
+    Parameters
+    ----------
+    PF: power factor (oversize) [1]
+    F_nom: nominal force, the slope's share included [N]
+    m_R: mass of the vehicle [kg]
+    a: acceleration [m/s^2]
+    V_nom: nominal velocity of the vehicle [m/s]
+    kappa: confidence factor, 0 to 1 [1]
+    N: driven wheels [1]
+
+    Returns
+    -------
+    P_mech_m: force times velocity at one wheel, with the factors of (7) [W]
+    """
+    return PF * (F_nom + m_R * a) * V_nom / (kappa * N)
+
+
+@equation(8, "m_i", "mass", "kg", printed="rho * pi * (r_a**2 - r_i**2) * h")
+def cylinder_mass(rho: Value, r_a: Value, r_i: Value, h: Value) -> Value:
+    """Mass of a hollow cylinder.
+
+    Parameters
+    ----------
+    rho: density [kg/m^3]
+    r_a: outer radius [m]
+    r_i: inner radius, 0 when solid [m]
+    h: width [m]
+
+    Returns
+    -------
+    m_i: mass of the wheel or shaft [kg]
+    """
+    return rho * np.pi * (r_a**2 - r_i**2) * h
+
+
+@equation(9, "J", "inertia", "kg*m^2", printed="1 / 2 * m_i * (r_a**2 + r_i**2)")
+def cylinder_inertia(m_i: Value, r_a: Value, r_i: Value) -> Value:
+    """Moment of inertia of a hollow cylinder.
+
+    Parameters
+    ----------
+    m_i: mass [kg]
+    r_a: outer radius [m]
+    r_i: inner radius, 0 when solid [m]
+
+    Returns
+    -------
+    J: moment of inertia about the axis [kg*m^2]
+    """
+    return m_i * (r_a**2 + r_i**2) / 2
+
+
+@equation(
+    10, "M_acc", "torque", "N*m",
+    printed="(N * (J_w + J_m + J_s) + m_R / eta_robot * d**2 / 4) * a * PF",
+    note="Printed with a, kg·m² · m/s² is no torque; the angular acceleration α = 2a/d in its place makes it one. "
+    "Also, J_m is the rotor's inertia at the motor shaft: seen from the wheel it counts K² times. The paper omits "
+    "K², and so does this method; the term is shown beside it.",
+)  # fmt: skip
+def acceleration_torque(
+    N: Value, J_w: Value, J_m: Value, J_s: Value, m_R: Value, eta_robot: Value, d: Value, a: Value, PF: Value
+) -> Value:
+    """Acceleration torque, whole vehicle.
+
+    Parameters
+    ----------
+    N: driven wheels [1]
+    J_w: inertia of a wheel [kg*m^2]
+    J_m: inertia of a rotor, at the motor shaft [kg*m^2]
+    J_s: inertia of a wheel's shaft [kg*m^2]
+    m_R: mass of the vehicle [kg]
+    eta_robot: robot efficiency, the η of (10), 0 to 1 [1]
+    d: wheel diameter [m]
+    a: acceleration [m/s^2]
+    PF: power factor (oversize) [1]
+
+    Returns
+    -------
+    M_acc: torque at the wheels that accelerates the vehicle [N*m]
+    """
+    return (N * (J_w + J_m + J_s) + m_R / eta_robot * d**2 / 4) * (2 * a / d) * PF
+
+
+@equation(
+    None, "J_m K²", "inertia", "kg*m^2",
+    note="Not in the paper; what (10) leaves out.",
+)  # fmt: skip
+def rotor_inertia_at_wheel(J_m: Value, K: Value) -> Value:
+    """Rotor inertia seen from the wheel.
+
+    Parameters
+    ----------
+    J_m: inertia of a rotor, at the motor shaft [kg*m^2]
+    K: whole reduction, motor to wheel [1]
+
+    Returns
+    -------
+    J_mK2: inertia of the rotor at the wheel, from equal kinetic energy [kg*m^2]
+    """
+    return J_m * K**2
+
+
+@equation(
+    None, "M_max", "torque", "N*m",
+    printed="M_nom + M_acc",
+    note="The numerator of (11).",
+)  # fmt: skip
+def maximum_torque(M_nom: Value, M_acc: Value) -> Value:
+    """Maximum torque, whole vehicle.
+
+    Parameters
+    ----------
+    M_nom: nominal torque, whole vehicle [N*m]
+    M_acc: acceleration torque, whole vehicle [N*m]
+
+    Returns
+    -------
+    M_max: torque at the wheels at the end of the acceleration [N*m]
+    """
+    return M_nom + M_acc
+
+
+@equation(11, "M_max/m", "torque", "N*m", printed="(M_nom + M_acc) / N")
+def maximum_torque_per_motor(M_max: Value, N: Value) -> Value:
+    """Maximum torque per motor set.
+
+    Parameters
+    ----------
+    M_max: maximum torque, whole vehicle: M_nom + M_acc [N*m]
+    N: driven wheels [1]
+
+    Returns
+    -------
+    M_max_m: maximum torque at one wheel [N*m]
+    """
+    return M_max / N
+
+
+@equation(12, "M_dec", "torque", "N*m", printed="M_nom - M_acc", note="Usually negative: the drive brakes.")
+def deceleration_torque(M_nom: Value, M_acc: Value) -> Value:
+    """Deceleration torque, whole vehicle.
+
+    Parameters
+    ----------
+    M_nom: nominal torque, whole vehicle [N*m]
+    M_acc: acceleration torque, whole vehicle [N*m]
+
+    Returns
+    -------
+    M_dec: torque at the wheels while the vehicle slows down [N*m]
+    """
+    return M_nom - M_acc
+
+
+@equation(
+    13, "M_rms", "torque", "N*m",
+    printed="((t_acc * M_max**2 + t_nom * M_nom**2 + t_dec * M_dec**2 + t_rest * M_rest**2) / "
+    "(t_acc + t_nom + t_dec + t_rest)) ** (1 / 2)",
+    note="t_total is the sum of the four times; the paper has t_rest = 0 and M_rest = 0.",
+)  # fmt: skip
+def rms_torque(
+    t_acc: Value, M_max: Value, t_nom: Value, M_nom: Value, t_dec: Value, M_dec: Value, t_rest: Value, M_rest: Value
+) -> Value:
+    """RMS torque, whole vehicle.
+
+    Parameters
+    ----------
+    t_acc: time of acceleration [s]
+    M_max: torque while accelerating [N*m]
+    t_nom: time at nominal velocity [s]
+    M_nom: torque at nominal velocity [N*m]
+    t_dec: time of deceleration [s]
+    M_dec: torque while decelerating [N*m]
+    t_rest: time at rest [s]
+    M_rest: torque at rest [N*m]
+
+    Returns
+    -------
+    M_rms: root mean square of the torque at the wheels [N*m]
+    """
+    return np.sqrt(
+        (t_acc * M_max**2 + t_nom * M_nom**2 + t_dec * M_dec**2 + t_rest * M_rest**2)
+        / (t_acc + t_nom + t_dec + t_rest)
+    )
+
+
+@equation(14, "M_rms/m", "torque", "N*m", printed="M_rms / N")
+def rms_torque_per_motor(M_rms: Value, N: Value) -> Value:
+    """RMS torque per motor set.
+
+    Parameters
+    ----------
+    M_rms: RMS torque, whole vehicle [N*m]
+    N: driven wheels [1]
+
+    Returns
+    -------
+    M_rms_m: RMS torque at one wheel [N*m]
+    """
+    return M_rms / N
+
+
+@equation(
+    15, "P_max/m", "power", "W",
+    printed="M_max_m * n_nom * pi / 30",
+    note="Numerical-value equation: π/30 converts from rpm.",
+)  # fmt: skip
+def maximum_power_per_motor(M_max_m: Value, n_nom: Value) -> Value:
+    """Maximum power per motor set.
+
+    Parameters
+    ----------
+    M_max_m: maximum torque at one wheel [N*m]
+    n_nom: wheel speed [rad/s]
+
+    Returns
+    -------
+    P_max_m: maximum power of one motor set [W]
+    """
+    return M_max_m * n_nom
+
+
+@equation(
+    None, "n_rms", "rotary_speed", "rpm",
+    note="Used in (16) and never defined in the paper: the RMS of the profile's speed, √(∫n² dt / T).",
+)  # fmt: skip
+def rms_speed(n_nom: Value, t_acc: Value, t_nom: Value, t_dec: Value, t_rest: Value) -> Value:
+    """RMS of the wheel speed over the trapezoid.
+
+    Parameters
+    ----------
+    n_nom: wheel speed at nominal velocity [rad/s]
+    t_acc: time of acceleration [s]
+    t_nom: time at nominal velocity [s]
+    t_dec: time of deceleration [s]
+    t_rest: time at rest [s]
+
+    Returns
+    -------
+    n_rms: root mean square of the wheel speed [rad/s]
+    """
+    return n_nom * np.sqrt((t_acc / 3 + t_nom + t_dec / 3) / (t_acc + t_nom + t_dec + t_rest))
+
+
+@equation(
+    16, "P_rms/m", "power", "W",
+    printed="M_rms_m * n_rms * pi / 30",
+    note="Numerical-value equation. The product of two RMS values bounds the mean power; it is not the RMS of power.",
+)  # fmt: skip
+def rms_power_per_motor(M_rms_m: Value, n_rms: Value) -> Value:
+    """RMS power per motor set.
+
+    Parameters
+    ----------
+    M_rms_m: RMS torque at one wheel [N*m]
+    n_rms: RMS of the wheel speed [rad/s]
+
+    Returns
+    -------
+    P_rms_m: product of the RMS values of torque and speed [W]
+    """
+    return M_rms_m * n_rms
+
+
+@equation(
+    17, "M_rms/m0", "torque", "mN*m",
+    printed="M_rms_m / (K_g * eta_gear)",
+    note="The printed form omits the belt; with one, its ratio and efficiency divide too.",
+)  # fmt: skip
+def rms_torque_at_motor(M_rms_m: Value, K_g: Value, eta_gear: Value, i_b: Value = 1.0, eta_b: Value = 1.0) -> Value:
+    """RMS torque at the motor.
+
+    Parameters
+    ----------
+    M_rms_m: RMS torque at one wheel [N*m]
+    K_g: reduction of the gearhead [1]
+    eta_gear: efficiency of the gearhead, the η of (17) and (18) [1]
+    i_b: reduction of the belt [1]
+    eta_b: efficiency of the belt [1]
+
+    Returns
+    -------
+    M_rms_m0: RMS torque at the motor shaft [N*m]
+    """
+    return M_rms_m / (K_g * eta_gear * i_b * eta_b)
+
+
+@equation(
+    18, "M_max/m0", "torque", "mN*m",
+    printed="M_max_m / (K_g * eta_gear)",
+    note="The printed form omits the belt; with one, its ratio and efficiency divide too.",
+)  # fmt: skip
+def maximum_torque_at_motor(M_max_m: Value, K_g: Value, eta_gear: Value, i_b: Value = 1.0, eta_b: Value = 1.0) -> Value:
+    """Maximum torque at the motor.
+
+    Parameters
+    ----------
+    M_max_m: maximum torque at one wheel [N*m]
+    K_g: reduction of the gearhead [1]
+    eta_gear: efficiency of the gearhead, the η of (17) and (18) [1]
+    i_b: reduction of the belt [1]
+    eta_b: efficiency of the belt [1]
+
+    Returns
+    -------
+    M_max_m0: maximum torque at the motor shaft [N*m]
+    """
+    return M_max_m / (K_g * eta_gear * i_b * eta_b)
+
+
+@equation(19, "C_v", "speed_constant", "rpm/V", printed="V_0 / U", note="The paper writes υ for the motor voltage.")
+def speed_constant(V_0: Value, U: Value) -> Value:
+    """Required speed constant.
+
+    Parameters
+    ----------
+    V_0: required no-load speed [rad/s]
+    U: motor voltage, its nominal one [V]
+
+    Returns
+    -------
+    C_v: speed constant that the motor needs at least [rad/s/V]
+    """
+    return V_0 / U
+
+
+@equation(
+    20, "V_0", "rotary_speed", "rpm",
+    printed="V_nom + tau * M_max_m0",
+    printed_units={"V_nom": "m/s"},
+    note="Printed with V_nom, a velocity is added to a rotary speed. The term is the motor's speed at nominal "
+    "velocity: n_nom times the whole reduction.",
+)  # fmt: skip
+def no_load_speed(n_nom: Value, K: Value, tau: Value, M_max_m0: Value) -> Value:
+    """Required no-load speed.
+
+    Parameters
+    ----------
+    n_nom: wheel speed at nominal velocity [rad/s]
+    K: whole reduction, motor to wheel [1]
+    tau: speed/torque gradient of the motor [rad/s/(N*m)]
+    M_max_m0: maximum torque at the motor shaft [N*m]
+
+    Returns
+    -------
+    V_0: no-load speed that the motor needs at least [rad/s]
+    """
+    return n_nom * K + tau * M_max_m0
