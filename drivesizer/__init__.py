@@ -1,0 +1,61 @@
+"""drivesizer: size electric drives from one YAML file.
+
+The command line is ``drivesizer``; from Python::
+
+    from drivesizer import load_spec, size
+
+    result = size(load_spec("robot.yaml"))
+    print(result.sets[0].motor.part, result.sets[0].gearhead.part)
+
+Names are loaded on first use, so that importing the package costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "CatalogError",
+    "DrivesizerError",
+    "InputError",
+    "RobotSpec",
+    "SizingResult",
+    "load_catalog",
+    "load_spec",
+    "size",
+    "validate",
+]
+
+if TYPE_CHECKING:
+    from drivesizer.catalog import load as load_catalog
+    from drivesizer.errors import CatalogError, DrivesizerError, InputError
+    from drivesizer.results import SizingResult
+    from drivesizer.simulate import validate
+    from drivesizer.sizing import size
+    from drivesizer.spec import RobotSpec, load_spec
+
+_HOME = {
+    "CatalogError": "errors",
+    "DrivesizerError": "errors",
+    "InputError": "errors",
+    "RobotSpec": "spec",
+    "SizingResult": "results",
+    "load_catalog": "catalog:load",
+    "load_spec": "spec",
+    "size": "sizing",
+    "validate": "simulate",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'drivesizer' has no attribute {name!r}")
+    module, _, attribute = _HOME[name].partition(":")
+    return getattr(import_module(f"drivesizer.{module}"), attribute or name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

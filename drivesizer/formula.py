@@ -13,7 +13,7 @@ import inspect
 import re
 import textwrap
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -38,7 +38,7 @@ def find(key: str) -> Equation | None:
     return everything.get(bare)
 
 
-@lru_cache(maxsize=None)
+@cache
 def computed(declared: Equation) -> str:
     """The expression that a declared equation computes, from its source.
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -19,7 +19,7 @@ from drivesizer.errors import InputError, quoted
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["KINDS", "Kind", "from_si", "kind_of_unit", "label", "number", "registry", "show", "to_si"]
+__all__ = ["KINDS", "Kind", "from_si", "kind_of_unit", "label", "noun", "number", "registry", "scale", "show", "to_si"]
 
 
 class Kind(NamedTuple):
@@ -61,7 +61,7 @@ KINDS: dict[str, Kind] = {
     "voltage": Kind("V", "24 V", {"V": "", "mV": "", "kV": ""}),
     "current": Kind("A", "1.16 A", {"A": "", "mA": "", "uA": ""}),
     "charge": Kind("A*s", "7 A*h", {"A*s": "", "A*h": "", "mA*h": ""}),
-    "resistance": Kind("ohm", "2.32 ohm", {"ohm": "Ohm ohms R", "mohm": "mOhm", "kohm": "kOhm"}),
+    "resistance": Kind("ohm", "2.32 ohm", {"ohm": "Ohm ohms", "mohm": "mOhm", "kohm": "kOhm"}),
     "inductance": Kind("H", "0.238 mH", {"H": "", "mH": "", "uH": ""}),
     "torque_constant": Kind("N*m/A", "23.4 mN*m/A", {
         "N*m/A": "", "mN*m/A": "", "N*cm/A": "", "ozf*in/A": "oz*in/A ozin/A", "lbf*in/A": "lb*in/A",
@@ -106,7 +106,7 @@ def _key(spelling: str) -> str:
     return re.sub(r"(?<=[A-Za-z])[\s-]+(?=[A-Za-z])", "*", text)
 
 
-@lru_cache(maxsize=None)
+@cache
 def _spellings(kind: str) -> dict[str, str]:
     """Every accepted spelling of a kind's units, as keys to the pint expression."""
     found: dict[str, str] = {}
@@ -119,7 +119,7 @@ def _spellings(kind: str) -> dict[str, str]:
     return found
 
 
-@lru_cache(maxsize=None)
+@cache
 def _factor(unit: str, si: str) -> float:
     if unit == si:
         return 1.0
@@ -188,6 +188,26 @@ def to_si(text: object, kind: str) -> float:
     if not math.isfinite(result):
         raise InputError(f"{quoted(text)} is outside the range of numbers that can be computed with; {hint}")
     return result
+
+
+def scale(unit: str, kind: str) -> tuple[float, float]:
+    """Factor and offset that bring numbers in a listed unit to SI: ``si = number * factor + offset``.
+
+    Raises
+    ------
+    InputError
+        When the unit is not one of the kind's.
+
+    >>> scale("gcm2", "inertia")
+    (1e-07, 0.0)
+    """
+    name = _spellings(kind).get(_key(unit))
+    if name is None:
+        raise InputError(f"{_misfit(unit, kind)}; expected one such as in {KINDS[kind].example}")
+    if kind == "temperature":
+        zero = float(registry().Quantity(0.0, name).to("K").magnitude)
+        return _factor(f"delta_{registry().get_name(name)}" if zero else name, "K"), zero
+    return _factor(name, KINDS[kind].si), 0.0
 
 
 def _kelvin(value: float, unit: str, text: object) -> float:

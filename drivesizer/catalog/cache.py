@@ -1,0 +1,134 @@
+"""Compiled catalogues: the columns of a catalogue file as plain bytes in the user's cache folder.
+
+A compiled file is named by the digest of what it was made from (this package's version, the schema, the YAML's
+bytes), so a changed catalogue is never met by an old compilation. It starts with the digest of its own
+contents and is thrown away when that does not hold. Numbers are npy arrays read without pickle, texts are
+JSON. Writing goes to a private file that then takes the name at once, so two processes cannot disturb each
+other; when the folder cannot be written, the program goes on without.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import tempfile
+import warnings
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog.parts import PARTS, columns_of
+from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
+
+__all__ = ["CacheWarning", "digest_of", "folder", "recall", "store"]
+
+_DIGEST = 32  # bytes of blake2b at the head of a compiled file
+_RELATIONS = ("motor_gearhead", "motor_encoder")
+
+
+class CacheWarning(UserWarning):
+    """The compiled catalogue could not be kept; the next start is slower."""
+
+
+def folder() -> Path:
+    """Where compiled catalogues are kept: ``$DRIVESIZER_CACHE``, or the user's cache folder."""
+    given = os.environ.get("DRIVESIZER_CACHE")
+    if given:
+        return Path(given)
+    from platformdirs import user_cache_path
+
+    return user_cache_path("drivesizer", appauthor=False)
+
+
+def digest_of(*parts: bytes) -> str:
+    """Digest of some bytes, as text for a file name."""
+    mixed = hashlib.blake2b(digest_size=16)
+    for part in parts:
+        mixed.update(len(part).to_bytes(8, "big") + part)
+    return mixed.hexdigest()
+
+
+def recall(path: Path) -> Catalog | None:
+    """The compiled catalogue at a path, or None when there is none or it is damaged."""
+    try:
+        raw = path.read_bytes()
+    except OSError:
+        return None
+    body = raw[_DIGEST:]
+    if hashlib.blake2b(body, digest_size=_DIGEST).digest() != raw[:_DIGEST]:
+        return None
+    try:
+        with np.load(io.BytesIO(body), allow_pickle=False) as arrays:
+            return _unpacked({name: arrays[name] for name in arrays.files})
+    except (zipfile.BadZipFile, ValueError, KeyError, TypeError, EOFError):
+        return None  # an intact file of another layout: compiled again
+
+
+def store(path: Path, catalog: Catalog) -> None:
+    """Keep a compiled catalogue; older compilations of the same file are removed.
+
+    Warns
+    -----
+    CacheWarning
+        When the folder cannot be written.
+    """
+    buffer = io.BytesIO()
+    np.savez(buffer, **_packed(catalog))
+    body = buffer.getvalue()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=".compiling-")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(hashlib.blake2b(body, digest_size=_DIGEST).digest() + body)
+            os.replace(name, path)
+        except OSError:
+            os.unlink(name)
+            raise
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        warnings.warn(f"the compiled catalogue is not kept in {path.parent} ({reason})", CacheWarning, stacklevel=2)
+        return
+    for old in path.parent.glob(f"{path.stem.split('-')[0]}-*{path.suffix}"):
+        if old != path:
+            old.unlink(missing_ok=True)
+
+
+def _packed(catalog: Catalog) -> dict[str, NDArray[Any]]:
+    arrays: dict[str, NDArray[Any]] = {}
+    texts: dict[str, Any] = {"sources": catalog.sources, "notes": catalog.notes, "digests": dict(catalog.digests)}
+    for section in PARTS:
+        table, schema = catalog.table(section), columns_of(section)
+        figures = [name for name, column in schema.items() if column.kind != "text"]
+        arrays[f"{section}.figures"] = np.array([table[name] for name in figures])
+        arrays[f"{section}.source"] = table.source
+        arrays[f"{section}.excluded"] = table.excluded
+        texts[section] = {name: table[name].tolist() for name in schema if name not in figures}
+    for relation in _RELATIONS:
+        arrays[relation] = np.array(getattr(catalog, relation))
+    arrays["texts"] = np.frombuffer(json.dumps(texts).encode(), np.uint8)
+    return arrays
+
+
+def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
+    texts = json.loads(arrays["texts"].tobytes())
+    tables: dict[str, Any] = {}
+    for section in PARTS:
+        schema = columns_of(section)
+        figures = [name for name, column in schema.items() if column.kind != "text"]
+        columns: dict[str, NDArray[Any]] = dict(zip(figures, arrays[f"{section}.figures"], strict=True))
+        columns |= {name: np.array(values, str) for name, values in texts[section].items()}
+        tables[section] = Table(section, columns, arrays[f"{section}.source"], arrays[f"{section}.excluded"])
+    return Catalog(
+        **tables,
+        motor_gearhead=Pairs(*arrays["motor_gearhead"]),
+        motor_encoder=Pairs(*arrays["motor_encoder"]),
+        sources=tuple(Source(*s) for s in texts["sources"]),
+        notes=tuple(Note(n[0], tuple(n[1]), tuple(n[2]), *n[3:]) for n in texts["notes"]),
+        digests=texts["digests"],
+    )

@@ -1,0 +1,332 @@
+"""A catalogue file, read and checked: YAML in the project's own schema to columns.
+
+The schema is ``parts``: a table's header names fields and the unit of each column, so a unit is read once per
+column and not once per cell. Whatever does not fit is one line that names file, line, table and field.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Callable, Iterable
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog.parts import PARTS, Column, columns_of
+from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
+from drivesizer.errors import CatalogError, InputError, quoted
+from drivesizer.units import scale, to_si
+from drivesizer.yaml_source import Path_, YamlSource
+
+__all__ = ["SCHEMA", "parse"]
+
+SCHEMA = 1
+_TOP = {"catalog", "manufacturer", "sources", *PARTS, "compatibility"}
+_TABLE = {"family", "source", "common", "columns", "rows", "notes"}
+_NOTE = {"parts", "fields", "text", "confidence", "source", "exclude", "accepted"}
+_SOURCE = {"document", "date", "confidence", "url"}
+_RELATIONS = {
+    "motor_gearhead": ("motors", "gearheads"),
+    "motor_encoder": ("motors", "encoders"),
+    "triples": ("motors", "gearheads", "encoders"),
+}
+_CONFIDENCE = ("quoted", "secondary", "derived", "recalled")
+_HEADER = re.compile(r"(\w+)(?:\s*\((.+)\))?")
+
+
+class _Reader:
+    """Walks one file; ``fail`` knows where it is."""
+
+    def __init__(self, source: YamlSource) -> None:
+        self.file = source
+        self.sources: dict[str, Source] = {}
+        self.notes: list[Note] = []
+
+    def fail(self, path: Path_, message: str) -> CatalogError:
+        return CatalogError(f"{self.file.where(path)}: {message}")
+
+    def mapping(self, value: Any, path: Path_, allowed: Iterable[str], required: Iterable[str] = ()) -> dict[str, Any]:
+        if not isinstance(value, dict):
+            raise self.fail(path, f"expected fields such as {', '.join(sorted(required) or sorted(allowed)[:3])}")
+        for key in value:
+            if key not in allowed:
+                raise self.fail((*path, key), f"unknown key {quoted(key)}{_nearest(key, allowed)}")
+        for key in sorted(required):
+            if key not in value:
+                raise self.fail(path, f"{quoted(key)} is missing")
+        return value
+
+    def sequence(self, value: Any, path: Path_) -> list[Any]:
+        if not isinstance(value, list):
+            raise self.fail(path, "expected a list")
+        return value
+
+    def source_number(self, name: Any, path: Path_) -> int:
+        if name not in self.sources:
+            raise self.fail(path, f"{quoted(name)} is not one of the file's sources ({', '.join(self.sources)})")
+        return list(self.sources).index(name)
+
+
+def _nearest(key: str, allowed: Iterable[str]) -> str:
+    close = difflib.get_close_matches(key, sorted(allowed), 1)
+    return f"; did you mean {quoted(close[0])}?" if close else f"; expected one of {', '.join(sorted(allowed))}"
+
+
+def parse(source: YamlSource, name: str, digest: str) -> Catalog:
+    """A catalogue from its YAML.
+
+    Parameters
+    ----------
+    source
+        The file as read.
+    name, digest
+        The catalogue's name and the digest of its bytes, kept with the result.
+
+    Raises
+    ------
+    CatalogError
+        When anything in the file is not what the schema asks for.
+    """
+    reader = _Reader(source)
+    data = reader.mapping(source.data, (), _TOP, {"catalog", "manufacturer", "sources"})
+    if data["catalog"] != SCHEMA:
+        raise reader.fail(("catalog",), f"schema {quoted(data['catalog'])} is not known; expected {SCHEMA}")
+    _read_sources(reader, data["sources"])
+    maker = _plain_text(reader, data["manufacturer"], ("manufacturer",))
+    tables: dict[str, Any] = {s: _section(reader, s, data.get(s) or [], maker) for s in PARTS}
+    pairs = _relations(reader, tables, data.get("compatibility") or {})
+    return Catalog(
+        **tables,
+        motor_gearhead=pairs["motor_gearhead"],
+        motor_encoder=pairs["motor_encoder"],
+        sources=tuple(reader.sources.values()),
+        notes=tuple(reader.notes),
+        digests={name: digest},
+    )
+
+
+def _read_sources(reader: _Reader, given: Any) -> None:
+    for key, entry in reader.mapping(given, ("sources",), given or ()).items():
+        path: Path_ = ("sources", key)
+        entry = reader.mapping(entry, path, _SOURCE, {"document", "confidence"})
+        _known_confidence(reader, entry["confidence"], path)
+        texts = {k: _plain_text(reader, v, (*path, k)) for k, v in entry.items()}
+        reader.sources[key] = Source(**texts)
+
+
+def _known_confidence(reader: _Reader, value: Any, path: Path_) -> str:
+    if value not in _CONFIDENCE:
+        raise reader.fail(path, f"confidence {quoted(value)} is not one of {', '.join(_CONFIDENCE)}")
+    return str(value)
+
+
+def _plain_text(reader: _Reader, value: Any, path: Path_) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise reader.fail(path, "expected text")
+    return str(value)
+
+
+def _part_number(reader: _Reader, value: Any, path: Path_) -> str:
+    if isinstance(value, bool) or not isinstance(value, str | int) or not str(value).strip():
+        raise reader.fail(path, f"{quoted(value)} is not a part number; quote it")
+    return str(value)
+
+
+def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any]:
+    """All tables of a section under each other."""
+    schema = columns_of(section)
+    parts: list[dict[str, NDArray[Any]]] = []
+    source: list[NDArray[np.int32]] = []
+    for index, entry in enumerate(reader.sequence(given, (section,))):
+        path: Path_ = (section, index)
+        entry = reader.mapping(entry, path, _TABLE, {"family", "source", "columns", "rows"})
+        columns = _table(reader, section, entry, path)
+        count = len(columns["part"])
+        columns["manufacturer"] = np.full(count, maker)
+        columns["family"] = np.full(count, _plain_text(reader, entry["family"], (*path, "family")))
+        parts.append({name: columns.get(name, _unknown(column, count)) for name, column in schema.items()})
+        source.append(np.full(count, reader.source_number(entry["source"], (*path, "source")), np.int32))
+        _read_notes(reader, section, entry, path, columns)
+    empty = {name: _unknown(column, 0) for name, column in schema.items()}
+    columns = {name: np.concatenate([p[name] for p in parts] or [empty[name]]) for name in schema}
+    _unique(reader, section, columns["part"])
+    out = {p for note in reader.notes if note.section == section and note.exclude for p in note.parts}
+    excluded = np.isin(columns["part"], sorted(out)) if out else np.zeros(len(columns["part"]), bool)
+    return Table(section, columns, np.concatenate(source or [np.zeros(0, np.int32)]), excluded)
+
+
+def _unknown(column: Column, count: int) -> NDArray[Any]:
+    return np.full(count, "") if column.kind == "text" else np.full(count, np.nan)
+
+
+def _unique(reader: _Reader, section: str, parts: NDArray[Any]) -> None:
+    names, counts = np.unique(parts, return_counts=True)
+    if len(names) < len(parts):
+        raise reader.fail((section,), f"part {quoted(names[counts > 1][0])} is given twice")
+
+
+def _table(reader: _Reader, section: str, entry: dict[str, Any], path: Path_) -> dict[str, NDArray[Any]]:
+    """The columns that one table gives, its common figures spread over the rows."""
+    headers = _headers(reader, section, entry["columns"], (*path, "columns"))
+    rows = reader.sequence(entry["rows"], (*path, "rows"))
+    for index, row in enumerate(rows):
+        if not isinstance(row, list) or len(row) != len(headers):
+            have = len(row) if isinstance(row, list) else 0
+            raise reader.fail((*path, "rows", index), f"expected {len(headers)} cells as in `columns`, found {have}")
+    found: dict[str, NDArray[Any]] = {}
+    for place, (column, unit) in enumerate(headers):
+        cells = [row[place] for row in rows]
+        at = _cell_path(path, place)
+        found[column.name] = _column(reader, column, unit, cells, at)
+    schema = columns_of(section)
+    for name, value in reader.mapping(entry.get("common") or {}, (*path, "common"), schema).items():
+        figure = _figure(reader, schema[name], value, (*path, "common", name))
+        found[name] = np.full(len(rows), figure)
+    return found
+
+
+def _cell_path(path: Path_, place: int) -> Callable[[int], Path_]:
+    return lambda row: (*path, "rows", row, place)
+
+
+def _headers(reader: _Reader, section: str, given: Any, path: Path_) -> list[tuple[Column, str]]:
+    schema = columns_of(section)
+    headers: list[tuple[Column, str]] = []
+    for index, text in enumerate(reader.sequence(given, path)):
+        match = _HEADER.fullmatch(str(text).strip())
+        name = match.group(1) if match else str(text)
+        if name not in schema:
+            raise reader.fail((*path, index), f"unknown column {quoted(name)}{_nearest(name, schema)}")
+        column, unit = schema[name], (match.group(2) or "") if match else ""
+        if column.kind not in ("text", "ratio", "dimensionless") and not unit:
+            raise reader.fail((*path, index), f"{name} needs its unit in brackets, e.g. {name} ({column.unit})")
+        headers.append((column, unit))
+    names = [column.name for column, _ in headers]
+    if len(set(names)) < len(names) or "part" not in names:
+        raise reader.fail(path, "a table needs the column `part`, and every column once")
+    return headers
+
+
+def _column(reader: _Reader, column: Column, unit: str, cells: list[Any], at: Callable[[int], Path_]) -> NDArray[Any]:
+    """One column of cells in SI (or text)."""
+    if column.name == "part":
+        return np.array([_part_number(reader, cell, at(row)) for row, cell in enumerate(cells)] or [""])[: len(cells)]
+    if column.kind == "text":
+        return np.array([_plain_text(reader, cell, at(row)) for row, cell in enumerate(cells)] or [""])[: len(cells)]
+    try:
+        factor, offset = scale(unit, column.kind) if unit else (1.0, 0.0)
+    except InputError as error:
+        raise reader.fail(at(0)[:-3], f"{column.name}: {error}") from None
+    values = np.array([_cell(reader, column, cell, at(row)) for row, cell in enumerate(cells)], float)
+    values = values * factor + offset
+    bad = np.flatnonzero(values < column.least)
+    if len(bad):
+        raise reader.fail(at(int(bad[0])), f"{column.name} {quoted(cells[bad[0]])} is below {column.least:g}")
+    return values
+
+
+def _cell(reader: _Reader, column: Column, cell: Any, path: Path_) -> float:
+    if cell is None:
+        return np.nan
+    if isinstance(cell, int | float) and not isinstance(cell, bool):
+        return float(cell)
+    if column.kind == "ratio" and isinstance(cell, str) and re.fullmatch(r"[0-9]+/[1-9][0-9]*", cell):
+        return float(Fraction(cell))
+    raise reader.fail(path, f"{column.name}: {quoted(cell)} is not a number; unknown is written ~")
+
+
+def _figure(reader: _Reader, column: Column, value: Any, path: Path_) -> Any:
+    """A figure with its unit, as `common` gives it."""
+    if column.kind == "text":
+        return _plain_text(reader, value, path)
+    if value is None:
+        return np.nan
+    if column.kind == "ratio":
+        return _cell(reader, column, value, path)
+    try:
+        figure = to_si(value, column.kind)
+    except InputError as error:
+        raise reader.fail(path, str(error)) from None
+    if figure < column.least:
+        raise reader.fail(path, f"{quoted(value)} is below {column.least:g}")
+    return figure
+
+
+def _read_notes(
+    reader: _Reader, section: str, entry: dict[str, Any], path: Path_, columns: dict[str, NDArray[Any]]
+) -> None:
+    here = {str(part) for part in columns["part"]}
+    for index, given in enumerate(reader.sequence(entry.get("notes") or [], (*path, "notes"))):
+        at: Path_ = (*path, "notes", index)
+        note = reader.mapping(given, at, _NOTE, {"text"})
+        parts = tuple(str(p) for p in reader.sequence(note.get("parts") or sorted(here), (*at, "parts")))
+        names = tuple(str(f) for f in reader.sequence(note.get("fields") or [], (*at, "fields")))
+        for part in parts:
+            if part not in here:
+                raise reader.fail((*at, "parts"), f"{quoted(part)} is not a part of this table")
+        for name in names:
+            if name not in columns:
+                raise reader.fail((*at, "fields"), f"{quoted(name)} is not a figure of this table")
+        if "confidence" in note:
+            _known_confidence(reader, note["confidence"], at)
+        if "source" in note:
+            reader.source_number(note["source"], (*at, "source"))
+        texts = [_plain_text(reader, note.get(key), (*at, key)) for key in ("text", "confidence", "source")]
+        exclude, accepted = (note.get(key, False) is True for key in ("exclude", "accepted"))
+        reader.notes.append(Note(section, parts, names, *texts, exclude, accepted))
+
+
+def _relations(reader: _Reader, tables: dict[str, Table[Any]], given: Any) -> dict[str, Pairs]:
+    """Which parts go together, families and part numbers resolved to rows."""
+    members = {section: _members(table) for section, table in tables.items()}
+    found: dict[str, list[tuple[NDArray[Any], NDArray[Any], int]]] = {"motor_gearhead": [], "motor_encoder": []}
+    for relation, groups in reader.mapping(given, ("compatibility",), _RELATIONS).items():
+        sections = _RELATIONS[relation]
+        for index, group in enumerate(reader.sequence(groups, ("compatibility", relation))):
+            path: Path_ = ("compatibility", relation, index)
+            group = reader.mapping(group, path, {"name", "source", "without", *sections}, {"source", *sections})
+            rows = {s: _rows(reader, members[s], group[s], (*path, s)) for s in sections}
+            if "without" in group:
+                out = _rows(reader, members[sections[1]], group["without"], (*path, "without"))
+                rows[sections[1]] = np.setdiff1d(rows[sections[1]], out)
+            source = reader.source_number(group["source"], (*path, "source"))
+            for right in sections[1:]:
+                found[f"motor_{right[:-1]}"].append((rows["motors"], rows[right], source))
+    return {relation: _pairs(groups) for relation, groups in found.items()}
+
+
+def _members(table: Table[Any]) -> dict[str, NDArray[Any]]:
+    """Rows by part number and by family name."""
+    order = np.argsort(table["family"], kind="stable")
+    names, first = np.unique(table["family"][order], return_index=True)
+    families = dict(zip(names.tolist(), np.split(order, first[1:]), strict=True)) if len(table) else {}
+    return {part: np.array([row]) for part, row in table.rows.items()} | families
+
+
+def _rows(reader: _Reader, members: dict[str, NDArray[Any]], given: Any, path: Path_) -> NDArray[Any]:
+    found = []
+    for index, name in enumerate(reader.sequence(given, path)):
+        if str(name) not in members:
+            close = difflib.get_close_matches(str(name), members, 1)
+            hint = f"; did you mean {quoted(close[0])}?" if close else ""
+            raise reader.fail((*path, index), f"{quoted(name)} is neither a family nor a part of this catalogue{hint}")
+        found.append(members[str(name)])
+    return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
+
+
+def _pairs(groups: list[tuple[NDArray[Any], NDArray[Any], int]]) -> Pairs:
+    """Groups multiplied out, each pair once (the first source that states it), sorted."""
+    lefts, rights, sources = [], [], []
+    for left, right, source in groups:
+        lefts.append(np.repeat(left, len(right)))
+        rights.append(np.tile(right, len(left)))
+        sources.append(np.full(len(left) * len(right), source))
+    empty = np.zeros(0, np.int64)
+    left, right, origin = (np.concatenate(part or [empty]) for part in (lefts, rights, sources))
+    _, first = np.unique(left.astype(np.int64) << 32 | right.astype(np.int64), return_index=True)
+    return Pairs(left[first].astype(np.int32), right[first].astype(np.int32), origin[first].astype(np.int32))

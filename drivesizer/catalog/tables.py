@@ -1,0 +1,145 @@
+"""A catalogue in memory: parts as columns for the search, as records for people."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
+
+__all__ = ["Catalog", "Note", "Pairs", "Source", "Table"]
+
+Part = TypeVar("Part", Motor, Gearhead, Encoder, Controller)
+
+
+class Source(NamedTuple):
+    """Where figures come from."""
+
+    document: str
+    confidence: str  # quoted, secondary, derived or recalled
+    date: str = ""
+    url: str = ""
+
+
+class Note(NamedTuple):
+    """A remark on some parts' figures: another confidence, another source, an exclusion, an accepted oddity."""
+
+    section: str
+    parts: tuple[str, ...]
+    fields: tuple[str, ...]  # empty: the whole row
+    text: str
+    confidence: str = ""
+    source: str = ""
+    exclude: bool = False
+    accepted: bool = False
+
+
+class Pairs(NamedTuple):
+    """Which rows of two tables go together, and which source says so."""
+
+    left: NDArray[np.int32]
+    right: NDArray[np.int32]
+    source: NDArray[np.int32]  # index into Catalog.sources
+
+
+@dataclass(frozen=True)
+class Table(Generic[Part]):
+    """All parts of one kind: one array per field, NaN or an empty text where the figure is unknown."""
+
+    section: str
+    columns: Mapping[str, NDArray[Any]]
+    source: NDArray[np.int32]  # per row, index into Catalog.sources
+    excluded: NDArray[np.bool_]  # per row: in the file with its reason, but not offered
+
+    def __len__(self) -> int:
+        return len(self.source)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.columns[name]
+
+    def record(self, row: int) -> Part:
+        """One part, as its record."""
+        kind = PARTS[self.section]
+        return kind(**{f.name: self.columns[f.name][row].item() for f in fields(kind)})  # type: ignore[return-value]
+
+    @cached_property
+    def rows(self) -> dict[str, int]:
+        """Row by part number."""
+        return {str(part): row for row, part in enumerate(self.columns["part"])}
+
+
+@dataclass(frozen=True)
+class Catalog:
+    """Everything that was loaded: parts, which go together, and where each figure comes from."""
+
+    motors: Table[Motor]
+    gearheads: Table[Gearhead]
+    encoders: Table[Encoder]
+    controllers: Table[Controller]
+    motor_gearhead: Pairs
+    motor_encoder: Pairs
+    sources: tuple[Source, ...]
+    notes: tuple[Note, ...]
+    digests: Mapping[str, str]  # catalogue name -> digest of its file, so that a result can be traced
+
+    def table(self, section: str) -> Table[Any]:
+        """The table of a section, such as ``motors``."""
+        found: Table[Any] = getattr(self, section)
+        return found
+
+    def notes_on(self, section: str, part: str) -> list[Note]:
+        """What the catalogue remarks on a part."""
+        return [note for note in self.notes if note.section == section and part in note.parts]
+
+    def confidence(self, section: str, row: int) -> dict[str, str]:
+        """How sure each known figure of a part is: its row's confidence, changed by the notes on it."""
+        table = self.table(section)
+        base = self.sources[table.source[row]].confidence
+        known = {name for name, column in columns_of(section).items() if _is_known(table[name][row], column.kind)}
+        found = dict.fromkeys((n for n in columns_of(section) if n in known), base)
+        for note in self.notes_on(section, str(table["part"][row])):
+            if note.confidence:
+                found |= {name: note.confidence for name in (note.fields or known) if name in known}
+        return found
+
+
+def _is_known(value: Any, kind: str) -> bool:
+    return bool(value != "") if kind == "text" else bool(value == value)
+
+
+def joined(catalogs: Sequence[Catalog]) -> Catalog:
+    """Several catalogues as one."""
+    if len(catalogs) == 1:
+        return catalogs[0]
+    first_source = np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]
+    tables = {name: _joined_tables([c.table(name) for c in catalogs], first_source) for name in PARTS}
+    return Catalog(
+        **tables,
+        motor_gearhead=_joined_pairs(catalogs, "motor_gearhead", "gearheads", first_source),
+        motor_encoder=_joined_pairs(catalogs, "motor_encoder", "encoders", first_source),
+        sources=tuple(source for c in catalogs for source in c.sources),
+        notes=tuple(note for c in catalogs for note in c.notes),
+        digests={name: digest for c in catalogs for name, digest in c.digests.items()},
+    )
+
+
+def _joined_tables(tables: Sequence[Table[Any]], first_source: NDArray[Any]) -> Table[Any]:
+    columns = {name: np.concatenate([t[name] for t in tables]) for name in tables[0].columns}
+    source = np.concatenate([t.source + first for t, first in zip(tables, first_source, strict=True)])
+    return Table(tables[0].section, columns, source, np.concatenate([t.excluded for t in tables]))
+
+
+def _joined_pairs(catalogs: Sequence[Catalog], name: str, right: str, first_source: NDArray[Any]) -> Pairs:
+    motors = np.cumsum([0, *(len(c.motors) for c in catalogs)])
+    others = np.cumsum([0, *(len(c.table(right)) for c in catalogs)])
+    pairs: list[Pairs] = [getattr(c, name) for c in catalogs]
+    return Pairs(
+        np.concatenate([p.left + motors[k] for k, p in enumerate(pairs)]),
+        np.concatenate([p.right + others[k] for k, p in enumerate(pairs)]),
+        np.concatenate([p.source + first_source[k] for k, p in enumerate(pairs)]),
+    )

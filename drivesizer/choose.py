@@ -1,0 +1,132 @@
+"""Encoder and controller for every candidate at once, out of small tables.
+
+Encoder: of those that fit the motor and are allowed, the fewest sufficient counts. Controller: of those with the
+bus, the voltage and the kind of motor, the smallest sufficient current. Ties go by part number. Where nothing
+suffices the nearest is named, so that its check can say by how much it falls short.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog, Table
+from drivesizer.checks import CheckColumn, at_least, at_most, fits
+from drivesizer.spec import Choice, RobotSpec
+
+__all__ = ["Chosen", "controllers", "encoders", "selected"]
+
+
+class Chosen(NamedTuple):
+    """For each candidate the row of the chosen part (-1: none), and the checks that it brings."""
+
+    row: NDArray[np.int64]
+    checks: list[CheckColumn]
+
+
+def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
+    """Which rows a choice of families and part numbers leaves."""
+    keep = ~table.excluded
+    if choice.family:
+        keep &= np.isin(table["family"], choice.family)
+    if choice.part:
+        keep &= np.isin(table["part"], choice.part)
+    return keep
+
+
+def _order(table: Table[Any], figure: str) -> NDArray[np.int64]:
+    """Rows by a figure, then by part number; unknown figures last."""
+    return np.lexsort((table["part"], table[figure]))
+
+
+def encoders(spec: RobotSpec, catalog: Catalog, motor: NDArray[Any]) -> Chosen:
+    """The encoder of each candidate.
+
+    Parameters
+    ----------
+    spec, catalog
+        What is asked for, and what there is.
+    motor
+        Row of each candidate's motor.
+
+    Notes
+    -----
+    Tables of what fits are partial: a motor without any listed encoder has an unknown one, which is a reason to
+    fall only when the spec asks for an encoder.
+    """
+    table, choice = catalog.encoders, spec.select.encoder
+    required = max(spec.needs.encoder_counts or 0, choice.min_counts or 0)
+    order = _order(table, "counts_per_turn")
+    listed = np.zeros((len(catalog.motors), len(table)), bool)
+    listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
+    fitting = listed & selected(table, choice)
+    enough = fitting & (table["counts_per_turn"] >= required)
+    row = np.where(enough.any(1), order[np.argmax(enough[:, order], 1)], _last(fitting, order))[motor]
+    asked = bool(required or choice.family or choice.part)
+    if not asked:
+        return Chosen(row, [])
+    counts = np.where(row >= 0, np.append(table["counts_per_turn"], np.nan)[row], 0.0)
+    return Chosen(row, [at_least("encoder_counts", float(required or 1), counts, "dimensionless", "1")])
+
+
+def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The last row in order that a mask allows, -1 where it allows none."""
+    if not len(order):
+        return np.full(len(mask), -1)
+    place = mask.shape[1] - 1 - np.argmax(mask[:, order[::-1]], 1)
+    return np.where(mask.any(1), order[place], -1)
+
+
+def controllers(
+    spec: RobotSpec, catalog: Catalog, motor: NDArray[Any], rms_current: NDArray[Any], peak_current: NDArray[Any]
+) -> Chosen:
+    """The controller of each candidate.
+
+    Parameters
+    ----------
+    spec, catalog
+        What is asked for, and what there is.
+    motor
+        Row of each candidate's motor.
+    rms_current, peak_current
+        Motor currents of each candidate [A]; NaN unknown.
+    """
+    table = catalog.controllers
+    order = _order(table, "continuous_current")
+    usable = _usable(spec, table)
+    drives = np.array([[_can_drive(text, kind) for text in table["drives"]] for kind in ("brushed", "brushless")])
+    can = np.vstack([drives, drives.any(0)]) & usable  # rows: brushed, brushless, motor kind unknown
+    kind = catalog.motors["kind"][motor]
+    allowed = can[np.where(kind == "brushed", 0, np.where(kind == "brushless", 1, 2))]
+    with np.errstate(invalid="ignore"):
+        enough = ~(table["continuous_current"] < rms_current[:, None]) & ~(table["peak_current"] < peak_current[:, None])
+        sure = ~np.isnan(table["continuous_current"]) & ~np.isnan(table["peak_current"])
+    row = np.full(len(motor), -1, np.int64)
+    for mask in (allowed, allowed & enough, allowed & enough & sure):  # better ones overwrite
+        found = mask.any(1)
+        pick = order[np.argmax(mask[:, order], 1)] if mask is not allowed else _last(mask, order)
+        row = np.where(found, pick, row)
+    figures = {name: np.append(table[name], np.nan)[row] for name in ("continuous_current", "peak_current")}
+    return Chosen(row, [
+        fits("controller_available", row >= 0, True),
+        at_most("controller_continuous_current", rms_current, figures["continuous_current"], "current", "A"),
+        at_most("controller_peak_current", peak_current, figures["peak_current"], "current", "A"),
+    ])  # fmt: skip
+
+
+def _usable(spec: RobotSpec, table: Table[Any]) -> NDArray[np.bool_]:
+    """Controllers that the spec allows, with the bus it names, at its supply voltages."""
+    keep = selected(table, spec.select.controller)
+    keep &= (table["supply_min"] <= spec.supply.lowest) & (table["supply_max"] >= spec.supply.highest)
+    bus = (spec.select.controller.bus or "").casefold()
+    if bus:
+        offered = [[b.strip().casefold() for b in str(text).split(";")] for text in table["buses"]]
+        keep &= np.array([any(b == bus or b.startswith(f"{bus} ") for b in buses) for buses in offered], bool)
+    return keep
+
+
+def _can_drive(drives: str, kind: str) -> bool:
+    """Whether a controller may drive a kind of motor; an unknown entry does not rule it out."""
+    return drives in ("", "both", kind)

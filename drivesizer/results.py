@@ -1,0 +1,205 @@
+"""What a sizing gives: requirements, drive sets and their checks, as plain records.
+
+Terminal, JSON, CSV and reports all print these records and compute nothing of their own. Figures are SI
+floats; each carries its kind and the unit of the trade it is shown in. NaN is *unknown*.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from math import isnan
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog, Controller, Encoder, Gearhead, Motor
+from drivesizer.declare import Equation
+from drivesizer.spec import RobotSpec
+from drivesizer.units import from_si, show
+
+__all__ = ["Check", "Counts", "DriveSet", "Figure", "Gains", "Relaxation", "Requirement", "SizingResult", "Status",
+    "Validation", "worst",
+]
+
+Status = Literal["pass", "fail", "unknown"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Requirement:
+    """A quantity that the load asks for, with the equation and the numbers it came from."""
+
+    name: str
+    title: str
+    symbol: str
+    value: Any  # SI; one figure, or a column while the search runs
+    kind: str
+    unit: str  # of the trade
+    declared: Equation | None = None  # None: given in the spec
+    inputs: dict[str, Any] = field(default_factory=dict)  # SI, by the equation's own names
+    note: str = ""
+
+    @property
+    def equation(self) -> int | None:
+        """The paper's number, None for what it does not number."""
+        return self.declared.number if self.declared else None
+
+    @property
+    def shown(self) -> float:
+        """The value in the unit of the trade."""
+        return float(from_si(self.value, self.unit, self.kind))
+
+    @property
+    def text(self) -> str:
+        """The value as it is printed."""
+        return show(self.value, self.unit, self.kind)
+
+    def at(self, index: int) -> Requirement:
+        """The figure of one candidate out of a column."""
+
+        def pick(value: Any) -> Any:
+            return float(value[index]) if getattr(value, "ndim", 0) else value
+
+        return replace(self, value=pick(self.value), inputs={k: pick(v) for k, v in self.inputs.items()})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
+    """One demand against one limit."""
+
+    name: str
+    title: str
+    method: str
+    case: str = ""
+    demand: float  # SI; for a required minimum, what is required
+    limit: float  # SI; for a required minimum, what there is
+    kind: str
+    unit: str
+    margin: float  # NaN where there is none
+    status: Status
+    at_time: float | None = None  # s, of the worst moment
+    note: str = ""
+
+    def shown(self, figure: float) -> str:
+        """Demand or limit as it is printed."""
+        return show(figure, self.unit, self.kind)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveSet:
+    """Motor, gearhead, belt, encoder and controller that belong together, and how they do."""
+
+    rank: int
+    status: Status
+    motor: Motor
+    gearhead: Gearhead
+    encoder: Encoder | None
+    controller: Controller | None
+    belt_ratio: float
+    belt_efficiency: float
+    total_ratio: float
+    mass: float
+    mass_of: tuple[str, ...]
+    objective: float
+    objective_of: tuple[str, ...]
+    requirements: tuple[Requirement, ...]  # (17)-(20) for this set
+    checks: tuple[Check, ...]
+
+    @property
+    def label(self) -> str:
+        """The set in a line: motor, gearhead, belt."""
+        belt = f" + belt {self.belt_ratio:g}" if self.belt_ratio != 1.0 else ""
+        return (
+            f"{self.motor.family} {self.motor.part} + {self.gearhead.family} "
+            f"{self.gearhead.reduction} {self.gearhead.part}{belt}"
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Counts:
+    """How many sets were looked at, how many stand, and how many fell by which check."""
+
+    considered: int
+    feasible: int
+    failed_by: dict[str, int]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Relaxation:
+    """How far one figure of the spec must move until a set passes."""
+
+    field: str
+    now: str
+    needed: str
+    set_label: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SizingResult:
+    """Everything that a sizing found."""
+
+    spec: RobotSpec
+    catalog: Catalog
+    method: str
+    objective: str
+    requirements: tuple[Requirement, ...]
+    sets: tuple[DriveSet, ...]  # that pass or are unknown, best first
+    misses: tuple[DriveSet, ...]  # the nearest that fall, when none stands
+    relaxations: tuple[Relaxation, ...]
+    counts: Counts
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+    unrestricted: DriveSet | None = None  # what the whole catalogue would give, where the spec restricts it
+
+
+def worst(checks: tuple[Check, ...]) -> Check | None:
+    """The check with the smallest margin, None when no check has one."""
+    known = [check for check in checks if not isnan(check.margin)]
+    return min(known, key=lambda check: check.margin, default=None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gains:
+    """A velocity controller's gains and where they come from."""
+
+    kp: float  # V per rad/s at the motor
+    ki: float  # V per rad
+    kd: float  # V per rad/s^2
+    filter_time: float  # s, of the derivative
+    period: float  # s, at which the controller runs
+    rule: str  # "given in the spec", or the design rule's name
+    source: str  # the rule's citation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figure:
+    """A figure of the closed loop that has no limit of its own."""
+
+    name: str
+    title: str
+    value: float  # SI
+    kind: str
+    unit: str
+    at_time: float | None = None  # s
+
+    @property
+    def text(self) -> str:
+        """The value as it is printed."""
+        return show(self.value, self.unit, self.kind)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Validation:
+    """A drive set driven through a profile in closed loop."""
+
+    spec: RobotSpec
+    drive_set: DriveSet
+    profile: str
+    status: Status  # fail when a check fails; unknown figures leave a pass a pass, and are told
+    checks: tuple[Check, ...]  # with the time of the worst moment
+    figures: tuple[Figure, ...]  # tracking error, bandwidth, margins of stability ...
+    gains: Gains
+    series: dict[str, NDArray[np.float64]]  # SI columns over time, "time" first
+    series_units: dict[str, tuple[str, str]]  # per column: kind and unit of the trade
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]

@@ -1,0 +1,143 @@
+"""What pydantic found wrong with a spec, as one line for the engineer who wrote it.
+
+Form: ``file:line: field: found; expected, example``. The first fault in the file is told; how many more there
+are stands at the end.
+"""
+
+from __future__ import annotations
+
+import difflib
+from types import UnionType
+from typing import Any, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from drivesizer.errors import quoted
+from drivesizer.yaml_source import Path_, YamlSource
+
+__all__ = ["explained"]
+
+
+def explained(error: ValidationError, source: YamlSource, model: type[BaseModel]) -> str:
+    """One line for a validation error.
+
+    Parameters
+    ----------
+    error
+        What pydantic raised.
+    source
+        The file that was validated.
+    model
+        The model it was validated against, for the known keys.
+    """
+    faults = [(_path(dict(fault), source.data), dict(fault)) for fault in error.errors(include_url=False)]
+    # A misspelt key also leaves the right one missing: the misspelling is what to tell.
+    faults.sort(key=lambda pair: (pair[1]["type"] != "extra_forbidden", source.line(pair[0]) or 0))
+    path, fault = faults[0]
+    more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+    return f"{source.where(path)}: {_message(fault, path, source, model)}{more}"
+
+
+def _path(fault: dict[str, Any], data: Any) -> Path_:
+    """The fault's place in the file: pydantic's location without the names of union members."""
+    path: list[str | int] = []
+    for step in fault["loc"]:
+        if (isinstance(data, dict) and step in data) or (isinstance(data, list) and isinstance(step, int) and step < len(data)):
+            data = data[step]
+        elif step != fault["loc"][-1] or fault["type"] not in ("missing", "extra_forbidden"):
+            continue
+        path.append(step)
+    return tuple(path)
+
+
+def _message(fault: dict[str, Any], path: Path_, source: YamlSource, model: type[BaseModel]) -> str:
+    found = quoted(_brief(fault.get("input")))
+    match fault["type"]:
+        case "missing":
+            return f"is missing; expected {_example(model, path, source.data)}"
+        case "int_type" | "int_from_float":
+            return f"{found} is not a whole number"
+        case "string_type":
+            return "is empty; expected text" if fault["input"] is None else f"{found} is not text; put it in quotes"
+        case "greater_than_equal" | "less_than_equal":
+            return f"{found} must be {fault['msg'].removeprefix('Input should be ')}"
+        case "extra_forbidden":
+            return f"unknown key; {_nearest(str(path[-1]), _known_keys(model, path[:-1], source.data))}"
+        case "value_error":
+            text = str(fault["ctx"]["error"])
+            alone = text.startswith(('"', "give", "expected", "transmission", "inner", "sinkage", "ki"))
+            return text if alone else f"{found} {text}"
+        case "literal_error":
+            return f"{found} is not known; expected {fault['ctx']['expected']}"
+        case "union_tag_invalid":
+            return f"kind {quoted(fault['ctx']['tag'])} is not known; expected {fault['ctx']['expected_tags']}"
+        case "union_tag_not_found":
+            return "kind is missing"
+        case "model_type" | "model_attributes_type" | "dict_type":
+            return f"{found} is not a group of fields; expected fields such as {_some(model, path)}"
+        case _:
+            text = fault["msg"][0].lower() + fault["msg"][1:]
+            return f"{found}: {text.replace('input ', '')}"
+
+
+def _brief(value: Any) -> Any:
+    if isinstance(value, dict):
+        return "{" + ", ".join(value) + "}"
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    return "nothing" if value is None else value
+
+
+def _example(model: type[BaseModel], path: Path_, data: Any) -> str:
+    """What belongs into a missing field."""
+    owners = _models_at(model, path[:-1], data)
+    field = next((m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields), None)
+    schemas = [part.json_schema for part in (field.metadata if field else []) if hasattr(part, "json_schema")]
+    examples = schemas[0].get("examples") if schemas and schemas[0] else None
+    inner = _models_in(field.annotation) if field else []
+    if inner:
+        return f"fields such as {', '.join(list(inner[0].model_fields)[:4])}"
+    return f"e.g. {examples[0]}" if examples else (field.description if field and field.description else "a value")
+
+
+def _nearest(key: str, known: list[str]) -> str:
+    close = difflib.get_close_matches(key, known, 1, 0.5)
+    return f"did you mean {quoted(close[0])}?" if close else f"expected one of {', '.join(known)}"
+
+
+def _some(model: type[BaseModel], path: Path_) -> str:
+    return ", ".join(_known_keys(model, path, None)[:4])
+
+
+def _known_keys(model: type[BaseModel], path: Path_, data: Any) -> list[str]:
+    """The fields that are known at a path."""
+    return list(dict.fromkeys(name for m in _models_at(model, path, data) for name in m.model_fields))
+
+
+def _models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[BaseModel]]:
+    """The models that may stand at a path; `kind`, where it is given, decides between them."""
+    models: list[type[BaseModel]] = [model]
+    for step in path:
+        try:
+            data = data[step]
+        except (TypeError, KeyError, IndexError):
+            data = None
+        if isinstance(step, str):
+            fields = [m.model_fields[step] for m in models if step in m.model_fields]
+            models = [found for f in fields for found in _models_in(f.annotation)]
+        kind = data.get("kind") if isinstance(data, dict) else None
+        models = [m for m in models if _is_kind(m, kind)] or models
+    return models
+
+
+def _is_kind(model: type[BaseModel], kind: Any) -> bool:
+    field = model.model_fields.get("kind")
+    return field is not None and kind in get_args(field.annotation)
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    if get_origin(annotation) in (Union, UnionType, list) or get_origin(annotation) is not None:
+        return [found for inner in get_args(annotation) for found in _models_in(inner)]
+    return []
