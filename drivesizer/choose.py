@@ -101,7 +101,8 @@ def controllers(
     kind = catalog.motors["kind"][motor]
     allowed = can[np.where(kind == "brushed", 0, np.where(kind == "brushless", 1, 2))]
     with np.errstate(invalid="ignore"):
-        enough = ~(table["continuous_current"] < rms_current[:, None]) & ~(table["peak_current"] < peak_current[:, None])
+        enough = ~(table["continuous_current"] < rms_current[:, None])
+        enough &= ~(table["peak_current"] < peak_current[:, None])
         sure = ~np.isnan(table["continuous_current"]) & ~np.isnan(table["peak_current"])
     row = np.full(len(motor), -1, np.int64)
     for mask in (allowed, allowed & enough, allowed & enough & sure):  # better ones overwrite

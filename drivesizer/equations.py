@@ -376,8 +376,7 @@ def rms_torque(
     M_rms: root mean square of the torque at the wheels [N*m]
     """
     return np.sqrt(
-        (t_acc * M_max**2 + t_nom * M_nom**2 + t_dec * M_dec**2 + t_rest * M_rest**2)
-        / (t_acc + t_nom + t_dec + t_rest)
+        (t_acc * M_max**2 + t_nom * M_nom**2 + t_dec * M_dec**2 + t_rest * M_rest**2) / (t_acc + t_nom + t_dec + t_rest)
     )
 
 

@@ -23,9 +23,11 @@ from drivesizer.units import label, registry
 
 __all__ = ["computed", "find", "printed_failure", "symbol_text", "symbol_typst", "text", "typst"]
 
-_GREEK = {"eta": "η", "delta": "δ", "theta": "θ", "kappa": "κ", "rho": "ρ", "tau": "τ", "pi": "π", "alpha": "α", "omega": "ω"}
+_GREEK = {
+    "eta": "η", "delta": "δ", "theta": "θ", "kappa": "κ", "rho": "ρ", "tau": "τ", "pi": "π", "alpha": "α", "omega": "ω",
+}  # fmt: skip
 _NAMES = {"eta_speed": "eta_v", "eta_robot": "eta_R", "eta_gear": "eta_g", "eta_b": "eta_b", "J_mK2": "J_m K²"}
-_PAPER = {"eta_speed": "eta", "eta_robot": "eta", "eta_gear": "eta", "U": "upsilon", "n_nom_wheel": "n_nom"}
+_PAPER = {"eta_speed": "eta", "eta_robot": "eta", "eta_gear": "eta", "U": "upsilon"}
 _BINDING = {ast.Add: 1, ast.Sub: 1, ast.Mult: 2, ast.Div: 2, ast.USub: 3, ast.Pow: 4}
 
 
@@ -82,7 +84,7 @@ def text(expression: str, *, paper: bool = False) -> str:
         return f"√({a})"
 
     def power(a: str, b: str) -> str:
-        return f"{a}{ {'2': '²', '3': '³'}.get(b) or '^' + b}"
+        return f"{a}{ {'2': '²', '3': '³'}.get(b) or '^' + b }"
 
     return _render(expression, lambda n: symbol_text(n, paper=paper), divide, root, power, bracket=True)
 
@@ -188,8 +190,8 @@ def printed_failure(declared: Equation) -> str | None:
         return f"{label(f'{error.units1:~C}')} cannot be added to {label(f'{error.units2:~C}')}"
     wanted = ureg.Quantity(1.0, declared.result.unit if declared.result.unit != "1" else "")
     if value.dimensionality != wanted.dimensionality:
-        excess = (value / wanted).to_base_units().units
-        return f"its unit is {label(declared.result.unit)} times {label(f'{excess:~C}')}, not {label(declared.result.unit)}"
+        excess, si = (value / wanted).to_base_units().units, label(declared.result.unit)
+        return f"its unit is {si} times {label(f'{excess:~C}')}, not {si}"
     return None
 
 

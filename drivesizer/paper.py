@@ -89,7 +89,7 @@ def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
     M_max = d.step(eq.maximum_torque, M_nom=M_nom, M_acc=M_acc)
     M_max_m = d.step(eq.maximum_torque_per_motor, M_max=M_max, N=N)
     M_dec = d.step(eq.deceleration_torque, M_nom=M_nom, M_acc=M_acc)
-    times = {"t_acc": t_acc, "t_nom": t_nom, "t_dec": t_acc, "t_rest": t_rest}
+    times: dict[str, Any] = {"t_acc": t_acc, "t_nom": t_nom, "t_dec": t_acc, "t_rest": t_rest}
     M_rms = d.step(eq.rms_torque, M_max=M_max, M_nom=M_nom, M_dec=M_dec, M_rest=0.0, **times)
     M_rms_m = d.step(eq.rms_torque_per_motor, M_rms=M_rms, N=N)
     d.step(eq.maximum_power_per_motor, M_max_m=M_max_m, n_nom=n_nom)

@@ -18,8 +18,18 @@ from drivesizer.declare import Equation
 from drivesizer.spec import RobotSpec
 from drivesizer.units import from_si, show
 
-__all__ = ["Check", "Counts", "DriveSet", "Figure", "Gains", "Relaxation", "Requirement", "SizingResult", "Status",
-    "Validation", "worst",
+__all__ = [
+    "Check",
+    "Counts",
+    "DriveSet",
+    "Figure",
+    "Gains",
+    "Relaxation",
+    "Requirement",
+    "SizingResult",
+    "Status",
+    "Validation",
+    "worst",
 ]
 
 Status = Literal["pass", "fail", "unknown"]

@@ -106,7 +106,7 @@ def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates) -> Evaluation
     )
 
 
-_OBJECTIVES = {  # figure and the parts that it is summed over
+_OBJECTIVES: dict[str, tuple[str, tuple[str, ...]]] = {  # figure and the parts that it is summed over
     "mass": ("mass", ("motor", "gearhead")),
     "price": ("price", ("motor", "gearhead")),
     "length": ("length", ("motor", "gearhead")),
@@ -116,7 +116,7 @@ _OBJECTIVES = {  # figure and the parts that it is summed over
 
 def _sum(evaluation: Evaluation, figure: str, parts: tuple[str, ...]) -> tuple[NDArray[Any], NDArray[Any]]:
     """The sum of what is known, and for how many parts it is unknown."""
-    tables = {"motor": evaluation.catalog.motors, "gearhead": evaluation.catalog.gearheads}
+    tables: dict[str, Table[Any]] = {"motor": evaluation.catalog.motors, "gearhead": evaluation.catalog.gearheads}
     rows = {"motor": evaluation.candidates.motor, "gearhead": evaluation.candidates.gearhead}
     figures = np.array([tables[part][figure][rows[part]] for part in parts])
     return np.nansum(figures, 0), np.isnan(figures).sum(0)
@@ -125,7 +125,8 @@ def _sum(evaluation: Evaluation, figure: str, parts: tuple[str, ...]) -> tuple[N
 def _smallest_margin(evaluation: Evaluation) -> NDArray[np.float64]:
     """The smallest margin of each candidate that is known."""
     margins = np.array([check.margin for check in evaluation.checks])
-    return np.min(np.where(np.isnan(margins), np.inf, margins), 0)
+    smallest: NDArray[np.float64] = np.where(np.isnan(margins), np.inf, margins).min(0)
+    return smallest
 
 
 def ranking(evaluation: Evaluation, objective: str) -> NDArray[np.int64]:
@@ -187,7 +188,8 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: str) -> 
 
     mass, mass_of = summed("mass", ("motor", "gearhead"))
     if objective == "margin":
-        value, value_of = float(_smallest_margin(evaluation)[index]), ("smallest margin of all checks",)
+        value = float(_smallest_margin(evaluation)[index])
+        value_of: tuple[str, ...] = ("smallest margin of all checks",)
     else:
         value, value_of = summed(*_OBJECTIVES[objective])
     return DriveSet(

@@ -13,7 +13,7 @@ from drivesizer.catalog import Catalog, load
 from drivesizer.errors import InputError, quoted
 from drivesizer.results import DriveSet, Relaxation, Requirement, SizingResult
 from drivesizer.search import Candidates, Evaluation, candidates, counts, drive_set, evaluate, ranking
-from drivesizer.spec import Choice, ControllerChoice, EncoderChoice, RobotSpec, Select
+from drivesizer.spec import Choice, ControllerChoice, EncoderChoice, RobotSpec
 from drivesizer.units import show
 
 __all__ = ["explain", "load_parts", "size"]
@@ -24,7 +24,9 @@ def load_parts(spec: RobotSpec) -> Catalog:
     return load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None)
 
 
-def size(spec: RobotSpec, *, catalog: Catalog | None = None, top: int = 5, objective: str | None = None) -> SizingResult:
+def size(
+    spec: RobotSpec, *, catalog: Catalog | None = None, top: int = 5, objective: str | None = None
+) -> SizingResult:
     """Size a drive.
 
     Parameters
@@ -51,7 +53,7 @@ def size(spec: RobotSpec, *, catalog: Catalog | None = None, top: int = 5, objec
     catalog = catalog or load_parts(spec)
     objective = objective or spec.select.objective
     _known_choices(spec, catalog)
-    evaluation = evaluate(spec, catalog, candidates(spec, catalog))
+    evaluation = _evaluated(spec, catalog)
     tally = counts(evaluation)
     order = ranking(evaluation, objective)
     shown = [drive_set(evaluation, int(i), rank, objective) for rank, i in enumerate(order[:top], 1)]
@@ -124,16 +126,14 @@ def _unrestricted(spec: RobotSpec, catalog: Catalog, objective: str) -> DriveSet
     """The best set of the whole catalogue, where the spec names families or parts."""
     if not spec.select.is_restricted:
         return None
-    kept = {"catalogs": spec.select.catalogs, "objective": spec.select.objective, "unknown": spec.select.unknown}
-    select = Select.model_construct(
-        **kept,
-        motor=Choice(),
-        gearhead=Choice(),
-        encoder=EncoderChoice(min_counts=spec.select.encoder.min_counts),
-        controller=ControllerChoice(bus=spec.select.controller.bus),
-    )
-    evaluation = evaluate(spec.model_copy(update={"select": select}), catalog, candidates(
-        spec.model_copy(update={"select": select}), catalog))  # fmt: skip
+    free = {
+        "motor": Choice(),
+        "gearhead": Choice(),
+        "encoder": EncoderChoice(min_counts=spec.select.encoder.min_counts),
+        "controller": ControllerChoice(bus=spec.select.controller.bus),
+    }
+    whole = spec.model_copy(update={"select": spec.select.model_copy(update=free)})
+    evaluation = _evaluated(whole, catalog)
     order = ranking(evaluation, objective)
     if not len(order) or evaluation.failed[order[0]]:
         return None

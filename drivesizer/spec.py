@@ -7,72 +7,81 @@ the file's schema; their descriptions are the documentation that ``drivesizer sc
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
-    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
     PrivateAttr,
     ValidationError,
-    WithJsonSchema,
     model_validator,
 )
+from pydantic_core import core_schema
 
 from drivesizer.errors import InputError
 from drivesizer.spec_errors import explained
-from drivesizer.units import KINDS, noun, to_si
+from drivesizer.units import KINDS, label, noun, to_si
 from drivesizer.yaml_source import Path_, YamlSource, read
 
 __all__ = ["RobotSpec", "load_spec", "read_spec"]
 
 
-def _quantity(kind: str, *, above: float | None = None, least: float | None = None, most: float | None = None) -> Any:
-    """A field type: text with unit in, SI float out, inside its range."""
-    unit = KINDS[kind].si if kind != "dimensionless" else ""
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A field's type: text with unit in, SI float out, inside its range."""
 
-    def check(value: float) -> float:
-        if above is not None and not value > above:
-            raise ValueError(f"must be above {above:g} {unit}".rstrip())
-        if least is not None and not value >= least:
-            raise ValueError(f"must be at least {least:g} {unit}".rstrip())
-        if most is not None and not value <= most:
-            raise ValueError(f"must be at most {most:g} {unit}".rstrip())
+    kind: str
+    above: float = -math.inf
+    least: float = -math.inf
+    most: float = math.inf
+
+    def read(self, text: object) -> float:
+        """The SI value of a text; a value outside the range is a ValueError."""
+        value = to_si(text, self.kind)
+        example = KINDS[self.kind].example
+        for bad, words in (
+            (not value > self.above, f"above {self.above:g}"),
+            (not value >= self.least, f"at least {self.least:g}"),
+            (not value <= self.most, f"at most {self.most:g}"),
+        ):
+            if bad:
+                unit = label(KINDS[self.kind].si)
+                raise ValueError(f"must be {words} {unit}".rstrip() + f", e.g. {example}")
         return value
 
-    def schema() -> dict[str, Any]:
-        if kind == "dimensionless":
-            return {"anyOf": [{"type": "number"}, {"type": "string"}], "description": "a plain number or percent"}
-        return {"type": "string", "description": f"{noun(kind)} with unit", "examples": [KINDS[kind].example]}
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
 
-    reader = BeforeValidator(lambda value: to_si(value, kind))
-    return Annotated[float, reader, AfterValidator(check), WithJsonSchema(schema())]
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        if self.kind == "dimensionless":
+            return {"type": ["number", "string"], "description": "a plain number or percent"}
+        return {"type": "string", "description": f"{noun(self.kind)} with unit", "examples": [KINDS[self.kind].example]}
 
 
-Length = _quantity("length", above=0.0)
-Thickness = _quantity("length", least=0.0)
-Mass = _quantity("mass", above=0.0)
-Inertia = _quantity("inertia", least=0.0)
-Speed = _quantity("speed", above=0.0)
-Duration = _quantity("time", above=0.0)
-Pause = _quantity("time", least=0.0)
-Gravity = _quantity("acceleration", above=0.0)
-Slope = _quantity("angle", least=-math.pi / 3, most=math.pi / 3)
-Angle = _quantity("angle", above=0.0)
-Density = _quantity("density", above=0.0)
-Voltage = _quantity("voltage", above=0.0)
-Current = _quantity("current", above=0.0)
-Frequency = _quantity("frequency", above=0.0)
-Temperature = _quantity("temperature", above=0.0)
-Share = _quantity("dimensionless", above=0.0, most=1.0)  # a factor or efficiency, 0 to 1
-Part = _quantity("dimensionless", least=0.0, most=1.0)
-Coefficient = _quantity("dimensionless", least=0.0)
-Factor = _quantity("dimensionless", least=1.0)
-Ratio = _quantity("dimensionless", above=0.0)
-Gain = _quantity("dimensionless", least=0.0)
+Length = Annotated[float, Quantity("length", above=0.0)]
+Thickness = Annotated[float, Quantity("length", least=0.0)]
+Mass = Annotated[float, Quantity("mass", above=0.0)]
+Inertia = Annotated[float, Quantity("inertia", least=0.0)]
+Speed = Annotated[float, Quantity("speed", above=0.0)]
+Duration = Annotated[float, Quantity("time", above=0.0)]
+Pause = Annotated[float, Quantity("time", least=0.0)]
+Gravity = Annotated[float, Quantity("acceleration", above=0.0)]
+Slope = Annotated[float, Quantity("angle", least=-math.pi / 3, most=math.pi / 3)]
+Angle = Annotated[float, Quantity("angle", above=0.0)]
+Density = Annotated[float, Quantity("density", above=0.0)]
+Voltage = Annotated[float, Quantity("voltage", above=0.0)]
+Current = Annotated[float, Quantity("current", above=0.0)]
+Frequency = Annotated[float, Quantity("frequency", above=0.0)]
+Temperature = Annotated[float, Quantity("temperature", above=0.0)]
+Share = Annotated[float, Quantity("dimensionless", above=0.0, most=1.0)]  # a factor or efficiency
+Coefficient = Annotated[float, Quantity("dimensionless", least=0.0)]
+Factor = Annotated[float, Quantity("dimensionless", least=1.0)]
+Ratio = Annotated[float, Quantity("dimensionless", above=0.0)]
+Gain = Annotated[float, Quantity("dimensionless", least=0.0)]
 Names = Annotated[list[str], BeforeValidator(lambda value: _listed(value))]
 
 
@@ -80,6 +89,11 @@ def _listed(value: Any) -> Any:
     """One name or several, as a list of texts; order numbers may be bare."""
     values = value if isinstance(value, list) else [value]
     return [str(v) if isinstance(v, int) and not isinstance(v, bool) else v for v in values]
+
+
+def _default(text: Any, **more: Any) -> Any:
+    """A default as a user would write it; it goes through the same reader."""
+    return Field(default=text, **more)
 
 
 class _Section(BaseModel):
@@ -91,7 +105,7 @@ class Cylinder(_Section):
 
     density: Density
     outer_diameter: Length
-    inner_diameter: Thickness = Field(default="0 mm", description="0 when solid")
+    inner_diameter: Thickness = _default("0 mm", description="0 when solid")
     width: Length
 
     @model_validator(mode="after")
@@ -118,7 +132,7 @@ class WheeledVehicle(_Section):
     rolling_resistance: Coefficient | None = Field(default=None, description="C_rr; or give sinkage")
     sinkage: Thickness | None = Field(default=None, description="sinking depth z of (4); or give rolling_resistance")
     friction_coefficient: Coefficient | None = Field(default=None, description="between wheel and floor, for traction")
-    slope: Slope = Field(default="0 deg", description="uphill positive")
+    slope: Slope = _default("0 deg", description="uphill positive")
     cylinders: Cylinders | None = Field(default=None, description="wheel and shaft; or give inertia")
     inertia: Inertia | None = Field(default=None, description="of one wheel with its shaft; or give cylinders")
 
@@ -145,7 +159,7 @@ class Trapezoid(_Section):
     speed: Speed = Field(description="cruising speed")
     acceleration_time: Duration = Field(description="also the time of deceleration")
     cruise_time: Pause
-    rest_time: Pause = Field(default="0 s")
+    rest_time: Pause = _default("0 s")
 
 
 class GearheadStage(_Section):
@@ -209,8 +223,8 @@ class Supply(_Section):
 class Environment(_Section):
     """Where the machine works."""
 
-    ambient: Temperature = Field(default="25 degC")
-    gravity: Gravity = Field(default="9.80665 m/s^2")
+    ambient: Temperature = _default("25 degC")
+    gravity: Gravity = _default("9.80665 m/s^2")
 
 
 class Needs(_Section):
@@ -284,8 +298,8 @@ class RobotSpec(_Section):
     method: Literal["paper"] = Field(default="paper", description="how the drive is sized")
     load: WheeledVehicle
     motion: Trapezoid
-    transmission: Annotated[list[Stage], Field(min_length=1, max_length=2)] = Field(
-        default=[{"kind": "gearhead"}], description="from the motor to the load"
+    transmission: Annotated[list[Stage], Field(min_length=1, max_length=2)] = _default(
+        [{"kind": "gearhead"}], description="from the motor to the load"
     )
     paper_factors: PaperFactors = Field(default_factory=PaperFactors)
     supply: Supply

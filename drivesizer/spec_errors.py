@@ -13,6 +13,7 @@ from typing import Any, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from drivesizer.errors import quoted
+from drivesizer.units import KINDS, noun
 from drivesizer.yaml_source import Path_, YamlSource
 
 __all__ = ["explained"]
@@ -42,10 +43,12 @@ def _path(fault: dict[str, Any], data: Any) -> Path_:
     """The fault's place in the file: pydantic's location without the names of union members."""
     path: list[str | int] = []
     for step in fault["loc"]:
-        if (isinstance(data, dict) and step in data) or (isinstance(data, list) and isinstance(step, int) and step < len(data)):
+        try:
             data = data[step]
-        elif step != fault["loc"][-1] or fault["type"] not in ("missing", "extra_forbidden"):
-            continue
+        except (TypeError, KeyError, IndexError):
+            absent = fault["type"] in ("missing", "extra_forbidden") and step == fault["loc"][-1]
+            if not absent:
+                continue
         path.append(step)
     return tuple(path)
 
@@ -92,12 +95,13 @@ def _example(model: type[BaseModel], path: Path_, data: Any) -> str:
     """What belongs into a missing field."""
     owners = _models_at(model, path[:-1], data)
     field = next((m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields), None)
-    schemas = [part.json_schema for part in (field.metadata if field else []) if hasattr(part, "json_schema")]
-    examples = schemas[0].get("examples") if schemas and schemas[0] else None
+    kinds = [part.kind for part in (field.metadata if field else []) if hasattr(part, "kind")]
     inner = _models_in(field.annotation) if field else []
     if inner:
         return f"fields such as {', '.join(list(inner[0].model_fields)[:4])}"
-    return f"e.g. {examples[0]}" if examples else (field.description if field and field.description else "a value")
+    if kinds:
+        return f"{noun(kinds[0])}, e.g. {KINDS[kinds[0]].example}"
+    return field.description if field and field.description else "a value"
 
 
 def _nearest(key: str, known: list[str]) -> str:

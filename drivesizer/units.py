@@ -23,71 +23,78 @@ __all__ = ["KINDS", "Kind", "from_si", "kind_of_unit", "label", "noun", "number"
 
 
 class Kind(NamedTuple):
-    """A kind of quantity: its SI unit, an example for messages, and the units accepted for it."""
+    """A kind of quantity: its name in a sentence, its SI unit, an example, and the units accepted for it."""
 
+    noun: str
     si: str
     example: str
     units: dict[str, str]  # pint expression -> further spellings, separated by blanks
-    noun: str = ""
 
 
-_PREFIXED_TORQUE = {
-    "N*m": "", "mN*m": "", "uN*m": "", "kN*m": "", "N*cm": "", "ozf*in": "oz*in ozin in*oz in*ozf",
-    "lbf*in": "lb*in in*lb in*lbf lbin", "lbf*ft": "lb*ft ft*lb ft*lbf lbft",
-    "kgf*cm": "kg*cm kgcm", "kgf*m": "kg*m kgm kp*m kpm", "gf*cm": "g*cm gcm",
-}  # fmt: skip
+# kind | example | accepted units, the SI unit first, each followed by its further spellings.
+# What follows from a unit by rule is not listed: N*m is also read as N·m, N m, N-m and Nm; m^2 as m2, m² and m**2.
+_KINDS = """
+length               | 118 mm      | m; mm; cm; um; km; in inch inches "; ft foot feet
+mass                 | 45 kg       | kg; g; mg; t; lb lbs; oz
+inertia              | 142 g*cm^2  | kg*m^2; g*cm^2; kg*cm^2; g*m^2; g*mm^2; kg*mm^2; lb*in^2; oz*in^2; lb*ft^2
+.                    |             | ozf*in*s^2 oz*in*s^2; lbf*in*s^2 lb*in*s^2
+torque               | 71 mN*m     | N*m; mN*m; uN*m; kN*m; N*cm; ozf*in oz*in in*oz in*ozf; lbf*in lb*in in*lb in*lbf
+.                    |             | lbf*ft lb*ft ft*lb ft*lbf; kgf*cm kg*cm; kgf*m kg*m kp*m; gf*cm g*cm
+energy               | 12 W*h      | J; kJ; MJ; mJ; W*h; kW*h; W*s
+power                | 20 W        | W; mW; kW; hp HP; PS
+force                | 50 N        | N; mN; kN; lbf; ozf; kgf kp; gf
+speed                | 1.5 m/s     | m/s; mm/s; cm/s; km/h kmh kph; m/min; mm/min; ft/s fps; ft/min fpm
+.                    |             | in/s ips; mi/h mph
+rotary_speed         | 3000 rpm    | rad/s; rpm RPM 1/min min-1 r/min rev/min U/min; krpm; deg/s; turn/s rev/s rps
+frequency            | 5 Hz        | Hz; kHz; MHz
+acceleration         | 0.75 m/s^2  | m/s^2; mm/s^2; cm/s^2; ft/s^2; in/s^2; g_0
+angular_acceleration | 10 rad/s^2  | rad/s^2; deg/s^2; rpm/s; turn/s^2 rev/s^2
+jerk                 | 5 m/s^3     | m/s^3; mm/s^3
+time                 | 2 s         | s sec; ms; us; min; h hr; d
+voltage              | 24 V        | V; mV; kV
+current              | 1.16 A      | A; mA; uA
+charge               | 7 A*h       | A*s; A*h; mA*h
+resistance           | 2.32 ohm    | ohm Ohm ohms; mohm mOhm; kohm kOhm
+inductance           | 0.238 mH    | H; mH; uH
+torque_constant      | 23.4 mN*m/A | N*m/A; mN*m/A; N*cm/A; ozf*in/A oz*in/A; lbf*in/A lb*in/A; V*s/rad V*s
+.                    |             | V/rpm; mV/rpm; V/krpm
+speed_constant       | 408 rpm/V   | rad/s/V rad/(V*s) rad/(s*V); rpm/V 1/min/V min-1/V
+speed_torque_gradient | 40.5 rpm/mN*m | rad/s/(N*m); rpm/(mN*m) 1/min/mNm min-1/mNm; rpm/(N*m); rpm/(ozf*in) rpm/oz*in
+thermal_resistance   | 3.1 K/W     | K/W degC/W
+heat_capacity        | 12 J/K      | J/K
+temperature          | 25 degC     | K; degC C; degF F
+temperature_difference | 75 K      | K
+angle                | 2 deg       | rad; deg; arcmin '; arcsec "; turn rev
+density              | 7850 kg/m^3 | kg/m^3; g/cm^3 g/cc; lb/in^3; lb/ft^3
+stiffness            | 20 N/mm     | N/m; N/mm; kN/m; lbf/in lb/in
+torsional_stiffness  | 1.2 N*m/arcmin | N*m/rad; N*m/deg; N*m/arcmin; mN*m/rad
+damping              | 1e-6 N*m*s  | N*m*s/rad N*m*s; mN*m/rpm mNm*min
+dimensionless        | 0.02 or 2 % | 1; %
+price                | 46.55 EUR   | EUR €
+price_chf            | 51.20 CHF   | CHF
+"""
+_NOUNS = {
+    "speed_torque_gradient": "speed/torque gradient",
+    "dimensionless": "plain number",
+    "price": "price in EUR",
+    "price_chf": "price in CHF",
+}
 
-KINDS: dict[str, Kind] = {
-    "length": Kind("m", "118 mm", {"m": "", "mm": "", "cm": "", "um": "", "km": "", "in": "inch inches \"", "ft": "foot feet"}),
-    "mass": Kind("kg", "45 kg", {"kg": "", "g": "", "mg": "", "t": "", "lb": "lbs", "oz": ""}),
-    "inertia": Kind("kg*m^2", "142 g*cm^2", {
-        "kg*m^2": "", "g*cm^2": "", "kg*cm^2": "", "g*m^2": "", "g*mm^2": "", "kg*mm^2": "",
-        "lb*in^2": "lbin2", "oz*in^2": "ozin2", "lb*ft^2": "lbft2", "ozf*in*s^2": "oz*in*s^2 oz*in*s2 ozins2",
-        "lbf*in*s^2": "lb*in*s^2 lbins2"}),
-    "torque": Kind("N*m", "71 mN*m", _PREFIXED_TORQUE),
-    "energy": Kind("J", "12 W*h", {"J": "", "kJ": "", "MJ": "", "mJ": "", "W*h": "", "kW*h": "", "W*s": ""}),
-    "power": Kind("W", "20 W", {"W": "", "mW": "", "kW": "", "hp": "HP", "PS": ""}),
-    "force": Kind("N", "50 N", {"N": "", "mN": "", "kN": "", "lbf": "", "ozf": "", "kgf": "kp", "gf": ""}),
-    "speed": Kind("m/s", "1.5 m/s", {
-        "m/s": "", "mm/s": "", "cm/s": "", "km/h": "kmh kph", "m/min": "", "mm/min": "", "ft/s": "fps",
-        "ft/min": "fpm", "in/s": "ips", "mi/h": "mph"}),
-    "rotary_speed": Kind("rad/s", "3000 rpm", {
-        "rad/s": "", "rpm": "RPM 1/min min-1 r/min rev/min U/min", "krpm": "", "deg/s": "", "turn/s": "rev/s rps"}, "rotary speed"),
-    "frequency": Kind("Hz", "5 Hz", {"Hz": "", "kHz": "", "MHz": ""}),
-    "acceleration": Kind("m/s^2", "0.75 m/s^2", {"m/s^2": "", "mm/s^2": "", "cm/s^2": "", "ft/s^2": "", "in/s^2": "", "g_0": ""}),
-    "angular_acceleration": Kind("rad/s^2", "10 rad/s^2", {"rad/s^2": "", "deg/s^2": "", "rpm/s": "", "turn/s^2": "rev/s2"}, "angular acceleration"),
-    "jerk": Kind("m/s^3", "5 m/s^3", {"m/s^3": "", "mm/s^3": ""}),
-    "time": Kind("s", "2 s", {"s": "sec", "ms": "", "us": "", "min": "", "h": "hr", "d": ""}),
-    "voltage": Kind("V", "24 V", {"V": "", "mV": "", "kV": ""}),
-    "current": Kind("A", "1.16 A", {"A": "", "mA": "", "uA": ""}),
-    "charge": Kind("A*s", "7 A*h", {"A*s": "", "A*h": "", "mA*h": ""}),
-    "resistance": Kind("ohm", "2.32 ohm", {"ohm": "Ohm ohms", "mohm": "mOhm", "kohm": "kOhm"}),
-    "inductance": Kind("H", "0.238 mH", {"H": "", "mH": "", "uH": ""}),
-    "torque_constant": Kind("N*m/A", "23.4 mN*m/A", {
-        "N*m/A": "", "mN*m/A": "", "N*cm/A": "", "ozf*in/A": "oz*in/A ozin/A", "lbf*in/A": "lb*in/A",
-        "V*s/rad": "V*s", "V/rpm": "", "mV/rpm": "", "V/krpm": ""}, "torque constant"),
-    "speed_constant": Kind("rad/s/V", "408 rpm/V", {"rad/s/V": "rad/(V*s) rad/(s*V)", "rpm/V": "1/min/V min-1/V"}, "speed constant"),
-    "gradient": Kind("rad/s/(N*m)", "40.5 rpm/mN*m", {
-        "rad/s/(N*m)": "", "rpm/(mN*m)": "1/min/mNm min-1/mNm", "rpm/(N*m)": "", "rpm/(ozf*in)": "rpm/oz*in rpm/ozin"}, "speed/torque gradient"),
-    "thermal_resistance": Kind("K/W", "3.1 K/W", {"K/W": "degC/W"}, "thermal resistance"),
-    "heat_capacity": Kind("J/K", "12 J/K", {"J/K": ""}, "heat capacity"),
-    "temperature": Kind("K", "25 degC", {"K": "", "degC": "C", "degF": "F"}),
-    "temperature_difference": Kind("K", "75 K", {"K": ""}, "temperature difference"),
-    "angle": Kind("rad", "2 deg", {"rad": "", "deg": "", "arcmin": "'", "arcsec": "\"", "turn": "rev"}),
-    "density": Kind("kg/m^3", "7850 kg/m^3", {"kg/m^3": "", "g/cm^3": "g/cc", "lb/in^3": "", "lb/ft^3": ""}),
-    "stiffness": Kind("N/m", "20 N/mm", {"N/m": "", "N/mm": "", "kN/m": "", "lbf/in": "lb/in"}),
-    "torsional_stiffness": Kind("N*m/rad", "1.2 N*m/arcmin", {"N*m/rad": "", "N*m/deg": "", "N*m/arcmin": "", "mN*m/rad": ""}, "torsional stiffness"),
-    "damping": Kind("N*m*s/rad", "1e-6 N*m*s", {"N*m*s/rad": "N*m*s Nms", "mN*m/rpm": "mNm*min"}),
-    "dimensionless": Kind("1", "0.02 or 2 %", {"1": "", "%": ""}, "plain number"),
-    "price": Kind("EUR", "46.55 EUR", {"EUR": "€"}, "price in EUR"),
-    "price_chf": Kind("CHF", "51.20 CHF", {"CHF": ""}, "price in CHF"),
-}  # fmt: skip
+
+def _kinds() -> dict[str, Kind]:
+    joined = _KINDS.replace("\n.                    |             |", ";")
+    found = {}
+    for line in joined.strip().splitlines():
+        name, example, listed = (cell.strip() for cell in line.split("|"))
+        units = {words[0]: " ".join(words[1:]) for words in (entry.split() for entry in listed.split(";"))}
+        found[name] = Kind(_NOUNS.get(name, name.replace("_", " ")), next(iter(units)), example, units)
+    return found
+
+
+KINDS: dict[str, Kind] = _kinds()
 
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
-_CHARACTERS = str.maketrans(
-    {"·": "*", "⋅": "*", "×": "*", "µ": "u", "μ": "u", "Ω": "ohm", "\u2126": "ohm", "²": "2", "³": "3", "−": "-",
-     "\u00a0": " ", "\u202f": " ", "⁻": "-", "¹": "1", "′": "'", "″": '"'}  # fmt: skip
-)
+_CHARACTERS = str.maketrans("·⋅×µμ²³¹⁻−′″\u00a0\u202f", "***uu231--'\"  ") | {ord("Ω"): "ohm", 0x2126: "ohm"}
 
 
 @lru_cache(maxsize=1)
@@ -231,7 +238,7 @@ def kind_of_unit(unit: str) -> str | None:
 
 def noun(kind: str) -> str:
     """A kind's name in a sentence."""
-    return KINDS[kind].noun or kind
+    return KINDS[kind].noun
 
 
 def from_si(value: Any, unit: str, kind: str) -> Any:

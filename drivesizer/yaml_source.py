@@ -104,7 +104,8 @@ def _events(text: str, name: str) -> Iterator[Any]:
         line = mark.line + 1 if mark else 1
         problem = error.problem or "unreadable"
         tab = "\t" in (text.splitlines() or [""])[min(line, text.count("\n") + 1) - 1]
-        raise InputError(f"{name}:{line}: not YAML: {problem}{'; indent with blanks, not tabs' if tab else ''}") from None
+        hint = "; indent with blanks, not tabs" if tab else ""
+        raise InputError(f"{name}:{line}: not YAML: {problem}{hint}") from None
 
 
 def _build(text: str, name: str, note: Callable[[Path_, int], object]) -> Any:

@@ -86,9 +86,9 @@ def store(path: Path, catalog: Catalog) -> None:
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(hashlib.blake2b(body, digest_size=_DIGEST).digest() + body)
-            os.replace(name, path)
+            Path(name).replace(path)
         except OSError:
-            os.unlink(name)
+            Path(name).unlink()
             raise
     except OSError as error:
         reason = (error.strerror or str(error)).lower()

@@ -55,7 +55,7 @@ class Motor:
     inductance: float = _figure("inductance", "mH")
     torque_constant: float = _figure("torque_constant", "mN*m/A")
     speed_constant: float = _figure("speed_constant", "rpm/V")
-    speed_torque_gradient: float = _figure("gradient", "rpm/(mN*m)")
+    speed_torque_gradient: float = _figure("speed_torque_gradient", "rpm/(mN*m)")
     mechanical_time_constant: float = _figure("time", "ms")
     rotor_inertia: float = _figure("inertia", "g*cm^2")
     thermal_resistance_winding: float = _figure("thermal_resistance", "K/W")  # winding to housing
