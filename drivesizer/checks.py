@@ -47,6 +47,7 @@ class CheckColumn:
     failed: NDArray[np.bool_]  # neither passed nor failed: unknown
     kind: str
     unit: str
+    by_choice: bool = False
 
     def at(self, index: int, method: str, note: str = "") -> Check:
         """The check of one candidate."""
@@ -61,11 +62,14 @@ class CheckColumn:
             unit=self.unit,
             margin=float(self.margin[index]),
             status=status,
+            by_choice=self.by_choice,
             note=note,
         )
 
 
-def _column(name: str, demand: Any, limit: Any, kind: str, unit: str, sense: Literal["most", "least"]) -> CheckColumn:
+def _column(
+    name: str, demand: Any, limit: Any, kind: str, unit: str, sense: Literal["most", "least"], by_choice: bool = False
+) -> CheckColumn:
     demand, limit = np.broadcast_arrays(np.asarray(demand, float), np.asarray(limit, float))
     with np.errstate(divide="ignore", invalid="ignore"):
         margin = limit / demand - 1.0
@@ -81,6 +85,7 @@ def _column(name: str, demand: Any, limit: Any, kind: str, unit: str, sense: Lit
         failed=known & ~good,
         kind=kind,
         unit=unit,
+        by_choice=by_choice,
     )
 
 
@@ -93,9 +98,12 @@ def at_most(name: str, demand: Any, limit: Any, kind: str, unit: str) -> CheckCo
     return _column(name, demand, limit, kind, unit, "most")
 
 
-def at_least(name: str, required: Any, actual: Any, kind: str, unit: str) -> CheckColumn:
-    """A minimum that must be reached; margin = actual/required - 1."""
-    return _column(name, required, actual, kind, unit, "least")
+def at_least(name: str, required: Any, actual: Any, kind: str, unit: str, *, by_choice: bool = False) -> CheckColumn:
+    """A minimum that must be reached; margin = actual/required - 1.
+
+    ``by_choice`` marks what the search keeps as small as it may be, so that its margin says nothing of the load.
+    """
+    return _column(name, required, actual, kind, unit, "least", by_choice)
 
 
 def fits(name: str, good: Any, known: Any) -> CheckColumn:

@@ -68,7 +68,7 @@ def encoders(spec: RobotSpec, catalog: Catalog, motor: NDArray[Any]) -> Chosen:
     if not asked:
         return Chosen(row, [])
     counts = np.where(row >= 0, np.append(table["counts_per_turn"], np.nan)[row], 0.0)
-    return Chosen(row, [at_least("encoder_counts", float(required or 1), counts, "dimensionless", "1")])
+    return Chosen(row, [at_least("encoder_counts", float(required or 1), counts, "dimensionless", "1", by_choice=True)])
 
 
 def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -187,7 +187,8 @@ def printed_failure(declared: Equation) -> str | None:
     try:
         value = eval(declared.printed, {"__builtins__": {}}, space)  # noqa: S307 - our own declarations
     except DimensionalityError as error:
-        return f"{label(f'{error.units1:~C}')} cannot be added to {label(f'{error.units2:~C}')}"
+        one, other = (label(f"{ureg.Unit(str(unit)):~C}") for unit in (error.units1, error.units2))
+        return f"{one} cannot be added to {other}"
     wanted = ureg.Quantity(1.0, declared.result.unit if declared.result.unit != "1" else "")
     if value.dimensionality != wanted.dimensionality:
         excess, si = (value / wanted).to_base_units().units, label(declared.result.unit)

@@ -186,7 +186,7 @@ def rule(
 
 
 def largest_allowed(
-    catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any], total: NDArray[Any], allowed: NDArray[np.bool_]
+    catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any], total: NDArray[Any], gear: list[CheckColumn]
 ) -> CheckColumn:
     """The rule that one reduction remains per motor and gearhead family: the largest that is allowed.
 
@@ -198,13 +198,18 @@ def largest_allowed(
         Rows of each candidate's parts.
     total
         Whole reduction of each candidate.
-    allowed
-        Whether the gearhead stands the candidate's torques and input speed.
+    gear
+        The checks on the gearhead's torques and input speed. Where a family has no reduction that passes them and
+        some that are unknown, the largest of those remains.
     """
+    allowed = np.logical_and.reduce([check.passed for check in gear])
+    possible = ~np.logical_or.reduce([check.failed for check in gear])
     families = np.unique(catalog.gearheads["family"], return_inverse=True)[1]
     group = motor.astype(np.int64) * (families.max(initial=0) + 1) + families[gearhead]
     _, group = np.unique(group, return_inverse=True)
     largest = np.full(group.max(initial=-1) + 1, -np.inf)
     np.maximum.at(largest, group[allowed], total[allowed])
+    doubtful = possible & ~np.isfinite(largest[group])
+    np.maximum.at(largest, group[doubtful], total[doubtful])
     required = np.where(np.isfinite(largest[group]), largest[group], total)
-    return at_least("largest_reduction", required, total, "dimensionless", "1")
+    return at_least("largest_reduction", required, total, "dimensionless", "1", by_choice=True)

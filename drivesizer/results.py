@@ -88,6 +88,7 @@ class Check:
     margin: float  # NaN where there is none
     status: Status
     at_time: float | None = None  # s, of the worst moment
+    by_choice: bool = False  # the smallest sufficient part was taken: its margin says nothing of the load
     note: str = ""
 
     def shown(self, figure: float) -> str:
@@ -163,8 +164,11 @@ class SizingResult:
 
 
 def worst(checks: tuple[Check, ...]) -> Check | None:
-    """The check with the smallest margin, None when no check has one."""
-    known = [check for check in checks if not isnan(check.margin)]
+    """The check with the smallest margin, None when no check has one.
+
+    Those where the smallest sufficient part was taken on purpose count only when they fail.
+    """
+    known = [c for c in checks if not isnan(c.margin) and not (c.by_choice and c.status == "pass")]
     return min(known, key=lambda check: check.margin, default=None)
 
 

@@ -88,10 +88,9 @@ def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates) -> Evaluation
     shaft = paper.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
     checks = [fits("compatibility", True, given.listed)]
     checks += paper.rule(spec, wheel, shaft, motor, gearhead, given.belt)
-    gear = [check.passed for check in checks if check.name.startswith("gearhead")]
+    gear = [check for check in checks if check.name.startswith("gearhead")]
     total = gearhead["ratio"] * given.belt
-    allowed = np.logical_and.reduce(gear)
-    checks.append(paper.largest_allowed(catalog, given.motor, given.gearhead, total, allowed))
+    checks.append(paper.largest_allowed(catalog, given.motor, given.gearhead, total, gear))
     encoder = encoders(spec, catalog, given.motor)
     currents = (
         shaft[f"{which}_torque_at_motor"].value / motor["torque_constant"] + motor["no_load_current"]
@@ -123,8 +122,8 @@ def _sum(evaluation: Evaluation, figure: str, parts: tuple[str, ...]) -> tuple[N
 
 
 def _smallest_margin(evaluation: Evaluation) -> NDArray[np.float64]:
-    """The smallest margin of each candidate that is known."""
-    margins = np.array([check.margin for check in evaluation.checks])
+    """The smallest margin of each candidate that is known; what passes by choice is left out."""
+    margins = np.array([np.where(c.by_choice & c.passed, np.nan, c.margin) for c in evaluation.checks])
     smallest: NDArray[np.float64] = np.where(np.isnan(margins), np.inf, margins).min(0)
     return smallest
 

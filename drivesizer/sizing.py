@@ -116,9 +116,15 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
 def _warnings(spec: RobotSpec, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """What the paper's method does not look at and the reader should know."""
     said = ["the paper's method does not check heat, permissible motor speed or supply sag; `drivesizer validate` does"]
-    if sets and any(check.status == "unknown" for check in sets[0].checks):
-        missing = [check.title for check in sets[0].checks if check.status == "unknown"]
+    if not sets:
+        return tuple(said)
+    best = sets[0]
+    missing = [check.title for check in best.checks if check.status == "unknown"]
+    if missing:
         said.append(f"unknown for the best set: {', '.join(missing)}")
+    if best.motor.nominal_voltage > spec.supply.highest:
+        volts = [show(v, "V", "voltage") for v in (best.motor.nominal_voltage, spec.supply.highest)]
+        said.append(f"the best set's motor is wound for {volts[0]}, the supply gives {volts[1]} at most")
     return tuple(said)
 
 

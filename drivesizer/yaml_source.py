@@ -164,7 +164,7 @@ class _Builder:
         self.open.append((container, self.place(container, event)))
 
     def key(self, event: Any) -> str:
-        if not isinstance(event, yaml.ScalarEvent):
+        if type(event).__name__ != "ScalarEvent":
             raise self.fail(event, "a key must be plain text")
         container, path = self.open[-1]
         key = str(event.value)

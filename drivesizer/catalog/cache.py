@@ -78,7 +78,7 @@ def store(path: Path, catalog: Catalog) -> None:
         When the folder cannot be written.
     """
     buffer = io.BytesIO()
-    np.savez(buffer, **_packed(catalog))
+    np.savez(buffer, **_packed(catalog))  # type: ignore[arg-type]  # its allow_pickle is no array
     body = buffer.getvalue()
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -276,9 +276,10 @@ def _read_notes(
             _known_confidence(reader, note["confidence"], at)
         if "source" in note:
             reader.source_number(note["source"], (*at, "source"))
-        texts = [_plain_text(reader, note.get(key), (*at, key)) for key in ("text", "confidence", "source")]
-        exclude, accepted = (note.get(key, False) is True for key in ("exclude", "accepted"))
-        reader.notes.append(Note(section, parts, names, *texts, exclude, accepted))
+        texts = {key: _plain_text(reader, note.get(key), (*at, key)) for key in ("text", "confidence", "source")}
+        flags = {key: note.get(key, False) is True for key in ("exclude", "accepted")}
+        values: dict[str, Any] = texts | flags
+        reader.notes.append(Note(section=section, parts=parts, fields=names, **values))
 
 
 def _relations(reader: _Reader, tables: dict[str, Table[Any]], given: Any) -> dict[str, Pairs]:

@@ -1,0 +1,144 @@
+"""``--json``: the document that other programs rely on. null where a figure is unknown, never NaN."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from math import isfinite
+from typing import Any
+
+from drivesizer import __version__
+from drivesizer.catalog import Controller, Encoder, Gearhead, Motor
+from drivesizer.results import Check, DriveSet, Figure, Requirement, SizingResult, Validation, worst
+from drivesizer.units import from_si
+
+__all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "sizing", "validation"]
+
+SCHEMA_VERSION = 1
+
+
+def as_text(document: dict[str, Any]) -> str:
+    """A document as JSON text."""
+    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=2)
+
+
+def _number(value: float) -> float | None:
+    return float(value) if isfinite(value) else None
+
+
+def _requirement(r: Requirement) -> dict[str, Any]:
+    return {
+        "symbol": r.symbol,
+        "equation": r.equation,
+        "value": _number(r.shown),
+        "unit": r.unit,
+        "si": _number(r.value),
+        "title": r.title,
+        "note": r.note,
+    }
+
+
+def _part(part: Motor | Gearhead | Encoder | Controller | None) -> dict[str, Any] | None:
+    """A part with all its figures in SI."""
+    if part is None:
+        return None
+    values = {f.name: getattr(part, f.name) for f in fields(part)}
+    return {k: _number(v) if isinstance(v, float) else (v or None) for k, v in values.items()}
+
+
+def _check(check: Check) -> dict[str, Any]:
+    def shown(value: float) -> float | None:
+        return _number(from_si(value, check.unit, check.kind)) if isfinite(value) else None
+
+    return {
+        "name": check.name,
+        "method": check.method,
+        "case": check.case or None,
+        "demand": shown(check.demand),
+        "limit": shown(check.limit),
+        "unit": check.unit,
+        "margin": _number(check.margin),
+        "status": check.status,
+        "at_time_s": check.at_time,
+        "note": check.note,
+    }
+
+
+def drive_set(found: DriveSet, method: str) -> dict[str, Any]:
+    """One set of the contract."""
+    tightest = worst(found.checks)
+    return {
+        "rank": found.rank,
+        "status": found.status,
+        "motor": _part(found.motor),
+        "gearhead": _part(found.gearhead),
+        "belt": {"ratio": found.belt_ratio, "efficiency": found.belt_efficiency},
+        "encoder": _part(found.encoder),
+        "controller": _part(found.controller),
+        "total_ratio": found.total_ratio,
+        "mass_kg": _number(found.mass),
+        "mass_of": list(found.mass_of),
+        "objective": _number(found.objective),
+        "objective_of": list(found.objective_of),
+        "requirements": {r.name: _requirement(r) for r in found.requirements},
+        "results": {
+            method: {
+                "status": found.status,
+                "smallest_margin": _number(tightest.margin) if tightest else None,
+                "tightest_check": tightest.name if tightest else None,
+                "failed": [c.name for c in found.checks if c.status == "fail"],
+                "unknown": [c.name for c in found.checks if c.status == "unknown"],
+            }
+        },
+        "checks": [_check(check) for check in found.checks],
+    }
+
+
+def sizing(result: SizingResult) -> dict[str, Any]:
+    """The document of ``drivesizer size --json``."""
+    method = result.method
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "drivesizer": __version__,
+        "catalogs": dict(result.catalog.digests),
+        "spec": result.spec.entered,
+        "method": method,
+        "objective": result.objective,
+        "requirements": {r.name: _requirement(r) for r in result.requirements},
+        "sets": [drive_set(s, method) for s in result.sets],
+        "misses": [drive_set(s, method) for s in result.misses],
+        "relaxations": [
+            {"field": r.field, "now": r.now, "needed": r.needed, "set": r.set_label} for r in result.relaxations
+        ],
+        "unrestricted": drive_set(result.unrestricted, method) if result.unrestricted else None,
+        "counts": {
+            "considered": result.counts.considered,
+            "feasible": result.counts.feasible,
+            "failed_by": result.counts.failed_by,
+        },
+        "assumptions": list(result.assumptions),
+        "warnings": list(result.warnings),
+    }
+
+
+def _figure(figure: Figure) -> dict[str, Any]:
+    shown = _number(from_si(figure.value, figure.unit, figure.kind)) if isfinite(figure.value) else None
+    return {"value": shown, "unit": figure.unit, "si": _number(figure.value), "at_time_s": figure.at_time}
+
+
+def validation(proof: Validation) -> dict[str, Any]:
+    """The document of ``drivesizer validate --json``."""
+    gains = proof.gains
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "drivesizer": __version__,
+        "spec": proof.spec.entered,
+        "profile": proof.profile,
+        "status": proof.status,
+        "set": drive_set(proof.drive_set, proof.spec.method),
+        "gains": {f.name: getattr(gains, f.name) for f in fields(gains)},
+        "figures": {figure.name: _figure(figure) for figure in proof.figures},
+        "checks": [_check(check) for check in proof.checks],
+        "assumptions": list(proof.assumptions),
+        "warnings": list(proof.warnings),
+    }

@@ -1,0 +1,50 @@
+"""The parts of a set as the report prints them: every known figure, how sure it is, and where it comes from."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drivesizer.catalog import Catalog, Note, columns_of
+from drivesizer.results import DriveSet
+from drivesizer.units import show
+
+__all__ = ["datasheets"]
+
+_NAMES = {"part", "family", "manufacturer"}  # in the heading already
+_ROLES = (("motor", "motors"), ("gearhead", "gearheads"), ("encoder", "encoders"), ("controller", "controllers"))
+
+
+def datasheets(drive_set: DriveSet, catalog: Catalog) -> list[dict[str, Any]]:
+    """The known figures of each part of a set, those that are not quoted from a maker's document marked."""
+    parts = ((role, section, getattr(drive_set, role)) for role, section in _ROLES)
+    return [_datasheet(role, section, part, catalog) for role, section, part in parts if part is not None]
+
+
+def _datasheet(role: str, section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
+    table = catalog.table(section)
+    row = table.rows[part.part]
+    source = catalog.sources[table.source[row]]
+    sure = catalog.confidence(section, row)
+    return {
+        "role": role,
+        "part": part.part,
+        "family": part.family,
+        "maker": part.manufacturer,
+        "rows": [_row(part, name, section, sure) for name in columns_of(section) if name in sure and name not in _NAMES],
+        "source": ", ".join(text for text in (source.document, source.date) if text),
+        "confidence": source.confidence,
+        "url": source.url,
+        "notes": [_note(note) for note in catalog.notes_on(section, part.part)],
+    }
+
+
+def _row(part: Any, name: str, section: str, sure: dict[str, str]) -> dict[str, str]:
+    column, value = columns_of(section)[name], getattr(part, name)
+    text = value if column.kind == "text" else show(value, column.unit, column.kind)
+    mark = "" if sure[name] == "quoted" else sure[name]
+    return {"name": name.replace("_", " "), "text": text, "mark": mark}
+
+
+def _note(note: Note) -> dict[str, str]:
+    where = ", ".join(name.replace("_", " ") for name in note.fields)
+    return {"where": where, "text": note.text, "confidence": note.confidence, "source": note.source}

@@ -1,0 +1,209 @@
+"""The content of the PDF report as plain data: what the template prints, in its order.
+
+Nothing is computed here but texts. The template receives one JSON document; strings of it are printed as
+strings, so that no text of a spec or a catalogue is ever read as markup.
+"""
+
+from __future__ import annotations
+
+from math import isnan
+from typing import Any
+
+from drivesizer import __version__
+from drivesizer.checks import TITLES
+from drivesizer.report import figures
+from drivesizer.report.datasheet import datasheets
+from drivesizer.report.derivation import step
+from drivesizer.report.operating import operating_field
+from drivesizer.report.sums import price_of, unknown_of
+from drivesizer.report.wording import cleaned, margin, short, use
+from drivesizer.results import Check, DriveSet, SizingResult, Validation
+from drivesizer.units import show
+
+__all__ = ["document"]
+
+
+def document(result: SizingResult, validation: Validation | None) -> dict[str, Any]:
+    """Everything that the template prints.
+
+    Parameters
+    ----------
+    result
+        What the sizing found.
+    validation
+        The closed loop, where it was simulated.
+    """
+    sets = result.sets or result.misses
+    best = sets[0] if sets else None
+    return {
+        **cleaned(_content(result, validation, best)),
+        "header": cleaned(short(result.spec.name)),
+        "spec_lines": cleaned(result.spec.text.splitlines()),
+    }
+
+
+def _content(result: SizingResult, validation: Validation | None, best: DriveSet | None) -> dict[str, Any]:
+    return {
+        "name": result.spec.name,
+        "version": __version__,
+        "method": result.method,
+        "objective": result.objective,
+        "catalogs": [[name, digest] for name, digest in result.catalog.digests.items()],
+        "file": result.spec.file.replace("\\", "/").rsplit("/", 1)[-1],
+        "found": bool(result.sets),
+        "status": result.sets[0].status if result.sets else "fail",
+        "motor_sets": result.spec.load.driven_wheels,
+        "best": _best(best) if best else None,
+        "spec": _spec(result.spec.entered),
+        "wheel_steps": [_step(r) for r in result.requirements],
+        "motor_steps": [_step(r) for r in best.requirements] if best else [],
+        "candidates": _candidates(result),
+        "datasheets": datasheets(best, result.catalog) if best else [],
+        "checks": [_check(c) for c in best.checks] if best else [],
+        "figures": _figures(result, validation, best),
+        "loop": _loop(validation) if validation else None,
+        "assumptions": list(result.assumptions),
+        "warnings": list(result.warnings),
+    }
+
+
+def _step(r: Any) -> dict[str, Any]:
+    made = step(r)
+    return {**made, "value_math": made.pop("value")}
+
+
+def _best(best: DriveSet) -> dict[str, Any]:
+    price, price_over = price_of(best)
+    tight = sorted((c for c in best.checks if not isnan(c.margin)), key=lambda c: c.margin)
+    failed = [c for c in best.checks if c.status == "fail" and isnan(c.margin)]
+    return {
+        "label": best.label,
+        "parts": _parts(best),
+        "total_ratio": f"{best.total_ratio:.4g}",
+        "mass": show(best.mass, "g", "mass"),
+        "mass_of": " + ".join(best.mass_of),
+        "mass_lacks": ", ".join(unknown_of(best.mass_of)),
+        "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
+        "price_of": " + ".join(price_over),
+        "price_lacks": ", ".join(unknown_of(price_over)),
+        "tightest": [_check(c) for c in [*failed, *tight][:5]],
+        "failed": [c.title for c in best.checks if c.status == "fail"],
+        "unknown": [c.title for c in best.checks if c.status == "unknown"],
+    }
+
+
+def _parts(best: DriveSet) -> list[dict[str, str]]:
+    motor, gearhead = best.motor, best.gearhead
+    belt = f"{best.belt_ratio:g} : 1, efficiency {100 * best.belt_efficiency:.4g} %"
+    rows = [
+        ("Motor", motor, f"{show(motor.assigned_power, 'W', 'power')}, {show(motor.nominal_voltage, 'V', 'voltage')}"),
+        ("Gearhead", gearhead, f"{gearhead.reduction}, exactly {gearhead.ratio:.5g}"),
+        ("Belt", None, belt),
+        ("Encoder", best.encoder, f"{best.encoder.counts_per_turn:g} counts per turn" if best.encoder else ""),
+        ("Controller", best.controller, best.controller.buses.replace(";", ",") if best.controller else ""),
+    ]
+    if best.belt_ratio == 1.0 and best.belt_efficiency == 1.0:
+        rows = [row for row in rows if row[0] != "Belt"]
+    return [{
+        "role": role,
+        "family": f"{part.manufacturer} {part.family}" if part else "" if role == "Belt" else "unknown",
+        "part": part.part if part else "",
+        "said": said,
+    } for role, part, said in rows]  # fmt: skip
+
+
+def _check(c: Check) -> dict[str, Any]:
+    return {
+        "title": c.title,
+        "case": c.case,
+        "demand": "" if isnan(c.demand) and isnan(c.limit) else c.shown(c.demand),
+        "limit": "" if isnan(c.demand) and isnan(c.limit) else c.shown(c.limit),
+        "margin": margin(c.margin),
+        "use": use(c.margin),
+        "status": c.status,
+        "at": "" if c.at_time is None else f"{c.at_time:.4g} s",
+        "note": c.note,
+    }
+
+
+def _spec(entered: dict[str, Any]) -> list[dict[str, Any]]:
+    """The spec as it was entered, by section; what stands at the top level goes into one of its own."""
+    top = [[key, _scalar(value)] for key, value in entered.items() if not isinstance(value, dict | list)]
+    sections = [{"title": key.replace("_", " "), "rows": _flat(value)} for key, value in entered.items()
+                if isinstance(value, dict | list)]  # fmt: skip
+    return [section for section in ({"title": "general", "rows": top}, *sections) if section["rows"]]
+
+
+def _flat(value: Any, path: tuple[str, ...] = ()) -> list[list[str]]:
+    if isinstance(value, dict):
+        return [row for key, entry in value.items() for row in _flat(entry, (*path, str(key)))]
+    if isinstance(value, list) and any(isinstance(entry, dict) for entry in value):
+        return [row for n, entry in enumerate(value, 1) for row in _flat(entry, (*path, str(n)))]
+    shown = ", ".join(_scalar(entry) for entry in value) if isinstance(value, list) else _scalar(value)
+    return [[" › ".join(path), shown]]
+
+
+def _scalar(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return "" if value is None else str(value)
+
+
+def _candidates(result: SizingResult) -> dict[str, Any]:
+    counts, other = result.counts, result.unrestricted
+    fell = sorted(counts.failed_by.items(), key=lambda item: (-item[1], item[0]))
+    return {
+        "considered": counts.considered,
+        "feasible": counts.feasible,
+        "sets": [_row(s) for s in result.sets or result.misses],
+        "fell": [{"title": TITLES.get(name, name), "count": n, "share": n / counts.considered} for name, n in fell],
+        "relaxations": [[r.field, r.now, r.needed, r.set_label] for r in result.relaxations],
+        "unrestricted": _best(other) if other else None,
+    }
+
+
+def _row(s: DriveSet) -> dict[str, Any]:
+    checks = sorted((c for c in s.checks if not isnan(c.margin)), key=lambda c: c.margin)
+    failed = [c.title for c in s.checks if c.status == "fail"]
+    price, _ = price_of(s)
+    return {
+        "rank": str(s.rank),
+        "motor": f"{s.motor.family} {s.motor.part}",
+        "gearhead": f"{s.gearhead.family} {s.gearhead.reduction} {s.gearhead.part}",
+        "ratio": f"{s.total_ratio:.4g}",
+        "mass": show(s.mass, "g", "mass"),
+        "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
+        "margin": margin(checks[0].margin) if checks else "",
+        "check": ", ".join(failed) if failed else checks[0].title if checks else "",
+        "status": s.status,
+    }
+
+
+def _figures(result: SizingResult, validation: Validation | None, best: DriveSet | None) -> dict[str, Any]:
+    made = {"profile": figures.velocity_profile(result.spec.motion)}
+    if best:
+        field = operating_field(best, result.requirements)
+        if not isnan(field.no_load_speed) and not isnan(field.stall_torque):
+            made["field"] = figures.torque_speed(field)
+    if validation:
+        made["loop"] = figures.closed_loop(validation)
+    return {name: {"svg": svg.decode()} for name, svg in made.items()}
+
+
+def _loop(v: Validation) -> dict[str, Any]:
+    gains = (("K_p", v.gains.kp, "V·s/rad"), ("K_i", v.gains.ki, "V/rad"), ("K_d", v.gains.kd, "V·s²/rad"),
+             ("filter of the derivative", v.gains.filter_time, "s"), ("period", v.gains.period, "s"))  # fmt: skip
+    figures_ = [{"title": f.title, "text": f.text, "at": "" if f.at_time is None else f"{f.at_time:.4g} s"}
+                for f in v.figures]  # fmt: skip
+    return {
+        "label": v.drive_set.label,
+        "profile": v.profile,
+        "status": v.status,
+        "checks": [_check(c) for c in v.checks],
+        "figures": figures_,
+        "gains": [[name, f"{value:.4g} {unit}"] for name, value, unit in gains],
+        "rule": v.gains.rule,
+        "source": v.gains.source,
+        "assumptions": list(v.assumptions),
+        "warnings": list(v.warnings),
+    }

@@ -1,0 +1,59 @@
+"""Which stretch of a long record a figure shows, and which of its samples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Window", "thinned", "windows"]
+
+_MOST = 1500  # samples that a trace keeps: finer than print
+
+
+class Window(NamedTuple):
+    """A stretch of time with its title."""
+
+    title: str
+    start: float
+    end: float
+
+
+def windows(series: Mapping[str, NDArray[np.float64]]) -> list[Window]:
+    """The first and the last stretch in which the reference changes; all of it where it changes most of the time.
+
+    Parameters
+    ----------
+    series
+        Columns of a record, ``time`` and ``speed_reference`` among them.
+    """
+    time, reference = series["time"], series["speed_reference"]
+    whole = Window("whole cycle", float(time[0]), float(time[-1]))
+    changing = np.flatnonzero(np.abs(np.diff(reference)) > 1e-6 * np.abs(reference).max(initial=0.0))
+    if not len(changing):
+        return [whole]
+    gap = int(np.argmax(np.diff(time[changing]))) if len(changing) > 1 else 0
+    if len(changing) < 2 or time[changing[gap + 1]] - time[changing[gap]] < 0.5 * (whole.end - whole.start):
+        return [whole]
+    first = whole.start, float(time[changing[gap] + 1])
+    last = float(time[changing[gap + 1]]), float(time[changing[-1] + 1])
+    room = 0.35 * max(first[1] - first[0], last[1] - last[0])
+    return [
+        Window("acceleration", first[0], first[1] + room),
+        Window("deceleration", last[0] - room, min(last[1] + room, whole.end)),
+    ]
+
+
+def thinned(time: NDArray[np.float64], values: NDArray[np.float64], window: Window) -> NDArray[np.int64]:
+    """Rows of a window to draw: all when they are few, else the extremes of equal bins, so that no peak is lost."""
+    rows = np.flatnonzero((time >= window.start) & (time <= window.end))
+    size = -(-len(rows) // (_MOST // 2))
+    if size <= 2:
+        return rows
+    whole = rows[: len(rows) // size * size].reshape(-1, size)
+    held = np.where(np.isnan(values[whole]), 0.0, values[whole])
+    pick = np.arange(len(whole))
+    kept = np.concatenate([whole[pick, held.argmin(1)], whole[pick, held.argmax(1)], rows[[0, -1]]])
+    return np.unique(kept)

@@ -1,0 +1,27 @@
+"""Sums over the parts of a set that more than one report prints."""
+
+from __future__ import annotations
+
+from math import isnan, nan
+
+from drivesizer.results import DriveSet
+
+__all__ = ["price_of", "unknown_of"]
+
+_PARTS = ("motor", "gearhead", "encoder", "controller")
+
+
+def price_of(drive_set: DriveSet) -> tuple[float, tuple[str, ...]]:
+    """The sum of the prices that are known [EUR], and of which parts it is; NaN when none is known."""
+    parts = {name: getattr(drive_set, name) for name in _PARTS}
+    prices = {name: part.price for name, part in parts.items() if part is not None and not isnan(part.price)}
+    return (sum(prices.values()) if prices else nan), tuple(prices)
+
+
+def unknown_of(known: tuple[str, ...]) -> tuple[str, ...]:
+    """The parts of a set that a sum does not cover.
+
+    >>> unknown_of(("motor", "gearhead"))
+    ('encoder', 'controller')
+    """
+    return tuple(name for name in _PARTS if name not in known)

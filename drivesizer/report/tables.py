@@ -1,0 +1,185 @@
+"""CSV: one tidy table of everything that was found, the closed loop over time, and the sets in rows.
+
+UTF-8, lines end with a newline. Numbers are written with every digit that they have, an unknown figure is an
+empty cell. Units are spelled as a spec accepts them.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from drivesizer.report.sums import price_of
+from drivesizer.results import Check, DriveSet, Figure, Requirement, SizingResult, Validation, worst
+from drivesizer.units import KINDS, from_si
+
+__all__ = ["COLUMNS", "render", "report_csv", "sets_csv", "timeseries_csv"]
+
+COLUMNS = (
+    "section", "set_rank", "name", "title", "symbol", "equation", "method", "case", "value", "limit", "unit",
+    "si_value", "si_limit", "si_unit", "margin", "status", "at_time_s", "note",
+)  # fmt: skip
+
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # a spreadsheet computes a cell that begins so
+
+
+def render(result: SizingResult, validation: Validation | None, path: Path) -> dict[Path, bytes]:
+    """The files of a CSV report: the table, and beside it the time series when there is one."""
+    files = {path: report_csv(result, validation)}
+    if validation is not None:
+        files[path.with_name(f"{path.stem}-timeseries{path.suffix}")] = timeseries_csv(validation)
+    return files
+
+
+def report_csv(result: SizingResult, validation: Validation | None) -> bytes:
+    """Requirements, sets, checks and the closed loop, one figure in a row."""
+    rows = (row for part in _sections(result, validation) for row in part)
+    return _encoded(COLUMNS, ([row.get(column, "") for column in COLUMNS] for row in rows))
+
+
+def _sections(result: SizingResult, validation: Validation | None) -> Iterator[Iterable[dict[str, Any]]]:
+    yield (_requirement(r) for r in result.requirements)
+    for drive_set in result.sets or result.misses:
+        rank = {"set_rank": drive_set.rank}
+        yield ({**row, **rank} for row in _set(drive_set, result.objective))
+        yield ({**_requirement(r), **rank} for r in drive_set.requirements)
+        yield ({**_check("check", c), **rank} for c in drive_set.checks)
+    if validation is not None:
+        yield _validation(validation)
+
+
+def _figure(section: str, name: str, title: str, value: float, kind: str, unit: str) -> dict[str, Any]:
+    return {
+        "section": section,
+        "name": name,
+        "title": title,
+        "value": from_si(value, unit, kind),
+        "unit": unit,
+        "si_value": value,
+        "si_unit": KINDS[kind].si,
+    }
+
+
+def _requirement(r: Requirement) -> dict[str, Any]:
+    row = _figure("requirement", r.name, r.title, float(r.value), r.kind, r.unit)
+    return row | {"symbol": r.symbol, "equation": r.equation or "", "note": r.note}
+
+
+def _check(section: str, c: Check) -> dict[str, Any]:
+    return _figure(section, c.name, c.title, c.demand, c.kind, c.unit) | {
+        "method": c.method,
+        "case": c.case,
+        "limit": from_si(c.limit, c.unit, c.kind),
+        "si_limit": c.limit,
+        "margin": c.margin,
+        "status": c.status,
+        "at_time_s": "" if c.at_time is None else c.at_time,
+        "note": c.note,
+    }
+
+
+def _set(s: DriveSet, objective: str) -> Iterator[dict[str, Any]]:
+    parts = {"motor": s.motor, "gearhead": s.gearhead, "encoder": s.encoder, "controller": s.controller}
+    for name, part in parts.items():
+        title = f"{part.manufacturer} {part.family}" if part else ""
+        said = part.part if part else ""
+        yield {"section": "set", "name": name, "title": title, "value": said, "status": "" if part else "unknown"}
+    figures = {
+        "gearhead_ratio": ("Reduction of the gearhead", s.gearhead.ratio, "dimensionless", "1", ()),
+        "belt_ratio": ("Reduction of the belt", s.belt_ratio, "dimensionless", "1", ()),
+        "total_ratio": ("Whole reduction", s.total_ratio, "dimensionless", "1", ()),
+        "mass": ("Mass", s.mass, "mass", "g", s.mass_of),
+        "price": ("Price", *_priced(s)),
+    }
+    for name, (title, value, kind, unit, over) in figures.items():
+        yield _figure("set", name, title, value, kind, unit) | {"note": f"sum of {', '.join(over)}" if over else ""}
+    yield {"section": "set", "name": "objective", "title": f"Objective: {objective}", "si_value": s.objective,
+           "note": f"of {', '.join(s.objective_of)}" if s.objective_of else ""}  # fmt: skip
+    yield {"section": "set", "name": "verdict", "title": "All checks", "status": s.status}
+
+
+def _priced(s: DriveSet) -> tuple[float, str, str, tuple[str, ...]]:
+    value, over = price_of(s)
+    return value, "price", "EUR", over
+
+
+def _validation(v: Validation) -> Iterator[dict[str, Any]]:
+    rank = {"set_rank": v.drive_set.rank}
+    yield {"section": "validation", "name": "verdict", "title": f"Closed loop, {v.profile}", "status": v.status, **rank}
+    yield from (_check("validation", c) | rank for c in v.checks)
+    yield from (_loop_figure(f) | rank for f in v.figures)
+    for name, title, unit in _GAINS:
+        value = getattr(v.gains, name)
+        yield {"section": "validation", "name": name, "title": title, "value": value, "unit": unit, "si_value": value,
+               "si_unit": unit, "note": f"{v.gains.rule}; {v.gains.source}", **rank}  # fmt: skip
+
+
+_GAINS = (
+    ("kp", "Proportional gain, at the motor", "V*s/rad"),
+    ("ki", "Integral gain", "V/rad"),
+    ("kd", "Derivative gain", "V*s^2/rad"),
+    ("filter_time", "Filter of the derivative", "s"),
+    ("period", "Period of the controller", "s"),
+)
+
+
+def _loop_figure(f: Figure) -> dict[str, Any]:
+    at_time = "" if f.at_time is None else f.at_time
+    return _figure("validation", f.name, f.title, f.value, f.kind, f.unit) | {"at_time_s": at_time}
+
+
+def timeseries_csv(validation: Validation) -> bytes:
+    """The closed loop over time: a column per signal, its unit in the head."""
+    heads, columns = [], []
+    for name, values in validation.series.items():
+        kind, unit = validation.series_units[name]
+        heads.append(f"{name} ({unit})")
+        columns.append(from_si(values, unit, kind).tolist())
+    return _encoded(heads, zip(*columns, strict=True))
+
+
+def sets_csv(result: SizingResult) -> bytes:
+    """One row per set, or per nearest miss when none stands."""
+    sets = result.sets or result.misses
+    checks = list(dict.fromkeys(c.name for s in sets for c in s.checks))
+    heads = [*_SET_HEADS, "price_of", f"objective_{result.objective}_si", "smallest_margin", "smallest_margin_check"]
+    return _encoded([*heads, *(f"margin_{name}" for name in checks)], (_set_row(s, checks) for s in sets))
+
+
+_SET_HEADS = (
+    "rank", "status", "motor_family", "motor_part", "gearhead_family", "gearhead_part", "gearhead_ratio",
+    "belt_ratio", "encoder_family", "encoder_part", "controller_family", "controller_part", "total_ratio", "mass_kg",
+    "mass_of", "price_EUR",
+)  # fmt: skip
+
+
+def _set_row(s: DriveSet, checks: list[str]) -> list[Any]:
+    tightest, (price, price_over) = worst(s.checks), price_of(s)
+    margins = {c.name: c.margin for c in s.checks}
+    chosen = [text for part in (s.encoder, s.controller) for text in ((part.family, part.part) if part else ("", ""))]
+    return [
+        s.rank, s.status, s.motor.family, s.motor.part, s.gearhead.family, s.gearhead.part, s.gearhead.ratio,
+        s.belt_ratio, *chosen, s.total_ratio, s.mass, " + ".join(s.mass_of), price, " + ".join(price_over), s.objective,
+        tightest.margin if tightest else "", tightest.name if tightest else "",
+        *(margins.get(name, "") for name in checks),
+    ]  # fmt: skip
+
+
+def _encoded(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(heads)
+    writer.writerows([_cell(value) for value in row] for row in rows)
+    return text.getvalue().encode()
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else ""  # numpy's floats print as their constructor
+    if isinstance(value, str) and value.startswith(_FORMULA):
+        return f"'{value}"
+    return value

@@ -1,0 +1,310 @@
+"""What a person sees at the terminal: tables that fit 80 columns and use what there is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import isnan
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.rule import Rule
+from rich.table import Table
+from rich.text import Text
+
+from drivesizer import formula
+from drivesizer.catalog import Catalog, columns_of
+from drivesizer.declare import COMPANIONS, EQUATIONS, Equation
+from drivesizer.results import Check, DriveSet, Requirement, SizingResult, Validation, worst
+from drivesizer.units import label, show
+
+__all__ = ["equation", "equations", "explained", "sizing", "validation"]
+
+_STYLE = {"pass": "green", "fail": "bold red", "unknown": "yellow"}
+_MARK = {"pass": "pass", "fail": "FAIL", "unknown": "unknown"}
+
+
+def _console() -> Console:
+    return Console(highlight=False, soft_wrap=False)
+
+
+def _table(*columns: tuple[str, str], title: str = "", wide: bool = False) -> Table:
+    """A plain table; a column is its header and its alignment."""
+    table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", title_style="bold", pad_edge=False)
+    for header, justify in columns:
+        table.add_column(header, justify=justify, overflow="fold")  # type: ignore[arg-type]
+    table.expand = wide
+    return table
+
+
+def _percent(margin: float) -> str:
+    if isnan(margin):
+        return "–"
+    return f"{margin:+.0%}" if abs(margin) < 10 else f"×{margin + 1:.0f}"
+
+
+def _heading(console: Console, name: str, right: str, style: str = "") -> None:
+    grid = Table.grid(expand=True)
+    grid.add_column(overflow="fold")
+    grid.add_column(justify="right", no_wrap=True)
+    grid.add_row(Text(name, style="bold"), Text(right, style=style))
+    console.print(grid)
+    console.print(Rule(style="dim"))
+
+
+def _requirements(requirements: Iterable[Requirement], title: str) -> Table:
+    table = _table(("eq.", "right"), ("", "left"), ("", "left"), ("", "right"), title=title)
+    for r in requirements:
+        number = f"({r.equation})" if r.equation else ""
+        table.add_row(number, r.symbol, Text(r.title + ("" if r.declared else ", given")), r.text)
+    table.show_header = False
+    return table
+
+
+def _checks(checks: Iterable[Check], title: str) -> Table:
+    timed = any(check.at_time is not None for check in checks)
+    columns = [("check", "left"), ("demand", "right"), ("limit", "right"), ("margin", "right"), ("", "left")]
+    table = _table(*columns, *([("at", "right")] if timed else []), title=title)
+    for check in checks:
+        status = Text(_MARK[check.status], style=_STYLE[check.status])
+        figures = [_plain(check, check.demand), _plain(check, check.limit)]
+        when = [f"{check.at_time:.3g} s" if check.at_time is not None else ""] if timed else []
+        table.add_row(check.title, *figures, _percent(check.margin), status, *when)
+    return table
+
+
+def _plain(check: Check, figure: float) -> str:
+    if check.status != "unknown" and isnan(figure):
+        return ""
+    return check.shown(figure)
+
+
+_PARTS: dict[str, tuple[tuple[str, str, str, str], ...]] = {  # figure, unit, kind, words
+    "motor": (
+        ("assigned_power", "W", "power", ""),
+        ("nominal_voltage", "V", "voltage", ""),
+        ("mass", "g", "mass", ""),
+        ("price", "EUR", "price", ""),
+    ),
+    "gearhead": (
+        ("efficiency", "%", "dimensionless", "efficient"),
+        ("mass", "g", "mass", ""),
+        ("price", "EUR", "price", ""),
+    ),
+    "encoder": (("counts_per_turn", "1", "dimensionless", "counts per turn"),),
+    "controller": (("continuous_current", "A", "current", "continuous"), ("peak_current", "A", "current", "peak")),
+}
+
+
+def _parts(found: DriveSet, catalog: Catalog) -> Table:
+    """The set, part by part, with what the catalogue is less sure of."""
+    table = _table(("", "left"), ("", "left"), ("", "left"))
+    table.show_header = False
+    for name, facts in _PARTS.items():
+        part: Any = getattr(found, name)
+        if part is None:
+            table.add_row(name, Text("unknown", style="yellow"), "none is listed for this motor")
+            continue
+        reduction = f" {part.reduction}" if name == "gearhead" else ""
+        values = [(getattr(part, field), unit, kind, words) for field, unit, kind, words in facts]
+        shown = [f"{show(v, unit, kind)} {words}".strip() for v, unit, kind, words in values if not isnan(v)]
+        doubt = _doubt(catalog, f"{name}s", part.part)
+        text = Text(" · ".join(shown)) + (Text(f"\n{doubt}", style="yellow") if doubt else Text(""))
+        table.add_row(name, Text(f"{part.family}{reduction}", style="bold") + Text(f"\n{part.part}"), text)
+        if name == "gearhead" and found.belt_ratio != 1.0:
+            table.add_row(
+                "belt", f"{found.belt_ratio:g}", show(found.belt_efficiency, "%", "dimensionless") + " efficient"
+            )
+    return table
+
+
+def _doubt(catalog: Catalog, section: str, part: str) -> str:
+    """How many figures are not quoted from the maker's own document, the shakiest ones by name."""
+    sure = catalog.confidence(section, catalog.table(section).rows[part])
+    figures = {
+        name: sure[name] for name, column in columns_of(section).items() if name in sure and column.kind != "text"
+    }
+    said = []
+    for level in ("secondary", "derived", "recalled"):
+        names = [name.replace("_", " ") for name, value in figures.items() if value == level]
+        if names and level == "secondary":
+            said.append(f"{len(names)} of {len(figures)} figures secondary")
+        elif names:
+            more = f" and {len(names) - 4} more" if len(names) > 5 else ""
+            said.append(f"{level}: {', '.join(names[: 4 if more else 5])}{more}")
+    return "; ".join(said)
+
+
+def sizing(result: SizingResult, *, quiet: bool = False) -> None:
+    """Print a sizing: requirements, the chosen set, the next best, and why the rest fell."""
+    console = _console()
+    _heading(console, result.spec.name, f"method: {result.method}")
+    if not quiet:
+        console.print(_requirements(result.requirements, "Requirements at the wheel"))
+    if result.sets:
+        _chosen(console, result, result.sets[0], quiet=quiet)
+    else:
+        _none(console, result)
+    if len(result.sets) > 1 or result.misses:
+        console.print(_ranking(result.sets or result.misses, result))
+    _tally(console, result)
+
+
+def _chosen(console: Console, result: SizingResult, best: DriveSet, *, quiet: bool) -> None:
+    tight = worst(best.checks)
+    line = Text("The drive: ", style="bold") + Text(_MARK[best.status], style=_STYLE[best.status])
+    console.print(line)
+    console.print(_parts(best, result.catalog))
+    mass = f"{show(best.mass, 'g', 'mass')} ({' + '.join(best.mass_of)})"
+    console.print(f"whole reduction {best.total_ratio:.4g} · mass {mass}")
+    if tight:
+        console.print(f"tightest: {tight.title}, margin {_percent(tight.margin)}")
+    if not quiet:
+        console.print()
+        console.print(_requirements(best.requirements, "Requirements at the motor"))
+        console.print(_checks(best.checks, "Checks"))
+
+
+def _none(console: Console, result: SizingResult) -> None:
+    console.print(Text("No set stands.", style="bold red"))
+    for r in result.relaxations:
+        console.print(f"  {r.field} {r.now} → {r.needed}: then {r.set_label}")
+    if not result.relaxations and result.counts.considered:
+        console.print("  No single change of speed, acceleration time or mass, up to 20 times, is enough.")
+    if not result.counts.considered:
+        console.print("  No listed pair of motor and gearhead is left by the families and parts that the spec names.")
+    if result.misses:
+        console.print()
+        console.print(_checks(result.misses[0].checks, f"Nearest miss: {result.misses[0].label}"))
+
+
+def _ranking(sets: Iterable[DriveSet], result: SizingResult) -> Table:
+    title = "Best first" if result.sets else "Nearest misses"
+    table = _table(
+        ("", "right"), ("motor", "left"), ("gearhead", "left"), ("encoder", "left"), ("controller", "left"),
+        (result.objective, "right"), ("tightest", "right"), title=title,
+    )  # fmt: skip
+    for found in sets:
+        tight = worst(found.checks)
+        belt = f" × {found.belt_ratio:g}" if found.belt_ratio != 1.0 else ""
+        table.add_row(
+            str(found.rank),
+            f"{found.motor.family}\n{found.motor.part}",
+            f"{found.gearhead.family} {found.gearhead.reduction}{belt}\n{found.gearhead.part}",
+            f"{found.encoder.family}\n{found.encoder.part}" if found.encoder else "unknown",
+            f"{found.controller.family}\n{found.controller.part}" if found.controller else "none",
+            _objective(found, result.objective),
+            Text(_percent(tight.margin) if tight else "–", style=_STYLE[found.status]),
+        )
+    return table
+
+
+_OBJECTIVE_UNITS = {
+    "mass": ("g", "mass"),
+    "price": ("EUR", "price"),
+    "length": ("mm", "length"),
+    "power": ("W", "power"),
+}
+
+
+def _objective(found: DriveSet, objective: str) -> str:
+    if objective == "margin":
+        return _percent(found.objective)
+    text = show(found.objective, *_OBJECTIVE_UNITS[objective])
+    whole = 1 if objective == "power" else 2
+    return text if len(found.objective_of) in (0, whole) else f"{text}\n({found.objective_of[0]} only)"
+
+
+def _tally(console: Console, result: SizingResult) -> None:
+    from drivesizer.checks import TITLES
+
+    counts = result.counts
+    console.print(
+        f"{counts.considered:,} sets considered, {counts.feasible:,} stand{'s' if counts.feasible == 1 else ''}.",
+        end="",
+    )
+    if counts.failed_by:
+        console.print(" The others fell by:")
+        for name, count in sorted(counts.failed_by.items(), key=lambda item: -item[1]):
+            words = "not the largest reduction" if name == "largest_reduction" else TITLES[name].lower()
+            console.print(f"  {count:>8,}  {words}")
+    else:
+        console.print()
+    other = result.unrestricted
+    if other:
+        encoder = f", encoder {other.encoder.part}" if other.encoder else ""
+        controller = f", controller {other.controller.family}" if other.controller else ""
+        value = _objective(other, result.objective).replace("\n", " ")
+        console.print(
+            Text(
+                f"Without the families and parts that the spec names, the whole catalogue gives {other.label}{encoder}"
+                f"{controller}: {result.objective} {value}."
+            )
+        )
+
+
+def explained(sets: list[DriveSet], catalog: Catalog) -> None:
+    """Print one pair check by check, for every belt ratio."""
+    console = _console()
+    for found in sets:
+        _heading(console, found.label, _MARK[found.status], _STYLE[found.status])
+        console.print(_parts(found, catalog))
+        console.print(_requirements(found.requirements, "Requirements at the motor"))
+        console.print(_checks(found.checks, "Checks"))
+
+
+def validation(proof: Validation) -> None:
+    """Print a closed-loop verdict."""
+    console = _console()
+    _heading(console, f"{proof.spec.name}: {proof.profile}", _MARK[proof.status], _STYLE[proof.status])
+    console.print(Text(proof.drive_set.label))
+    gains = proof.gains
+    console.print(
+        f"Gains kp {gains.kp:.4g} V/(rad/s), ki {gains.ki:.4g} V/rad, kd {gains.kd:.4g} V/(rad/s²) every "
+        f"{show(gains.period, 'ms', 'time')}; {gains.rule}"
+    )
+    console.print(_checks(proof.checks, "Demand against limit"))
+    table = _table(("", "left"), ("", "right"), ("", "right"), title="The closed loop")
+    table.show_header = False
+    for figure in proof.figures:
+        when = f"at {figure.at_time:.4g} s" if figure.at_time is not None else ""
+        table.add_row(figure.title, figure.text, when)
+    console.print(table)
+
+
+def equations() -> None:
+    """Print all equations, a line each."""
+    console = _console()
+    table = _table(("", "right"), ("quantity", "left"), ("computed", "left"), ("unit", "left"))
+    for declared in [*EQUATIONS.values(), *COMPANIONS.values()]:
+        number = f"({declared.number})" if declared.number else ""
+        mark = " *" if formula.printed_failure(declared) else ""
+        computed = f"{declared.symbol} = {formula.text(formula.computed(declared))}{mark}"
+        table.add_row(number, Text(declared.title), Text(computed), label(declared.shown))
+    console.print(table)
+    console.print("* the printed form fails the unit check; `drivesizer equations 10` says why.")
+
+
+def equation(declared: Equation) -> None:
+    """Print one equation: as printed, as computed, why they differ, units, source."""
+    console = _console()
+    _heading(console, declared.title, f"equation ({declared.number})" if declared.number else "not in the paper")
+    rows = []
+    failure = formula.printed_failure(declared)
+    if declared.printed:
+        rows.append(("as printed", f"{declared.symbol} = {formula.text(declared.printed, paper=True)}"))
+        rows.append(("unit check", f"fails: {failure}" if failure else "passes"))
+    rows.append(("as computed", f"{declared.symbol} = {formula.text(formula.computed(declared))}"))
+    if declared.note:
+        rows.append(("note", declared.note))
+    rows.append(("result", f"{declared.result.meaning} [{label(declared.shown) or '1'}]"))
+    table = _table(("", "left"), ("", "left"))
+    table.show_header = False
+    for name, words in rows:
+        table.add_row(Text(name, style="dim"), Text(words, style="red" if words.startswith("fails") else ""))
+    for term in declared.terms:
+        table.add_row(formula.symbol_text(term.name), Text(f"{term.meaning} [{label(term.unit) or '1'}]"))
+    table.add_row(
+        Text("source", style="dim"), "Prados Sesmero et al., Appl. Sci. 2021, 11, 6631, doi:10.3390/app11146631"
+    )
+    console.print(table)

@@ -1,0 +1,149 @@
+"""The paper's robot: by hand, as the paper found it, and the same in any units."""
+
+import math
+
+import pytest
+
+from drivesizer.sizing import explain, size
+from drivesizer.spec import read_spec
+from drivesizer.yaml_source import YamlSource
+
+RPM = 30 / math.pi
+
+
+@pytest.fixture(scope="module")
+def result(spec, catalog):
+    return size(spec, catalog=catalog)
+
+
+def checks(found):
+    return {check.name: check for check in found.checks}
+
+
+def test_the_papers_drive(result):
+    best = result.sets[0]
+    assert best.status == "pass"
+    assert (best.motor.family, best.motor.part) == ("RE 25", "118752")
+    assert (best.gearhead.family, best.gearhead.part, best.gearhead.reduction) == ("GP 26 A", "406764", "27:1")
+    assert (best.encoder.family, best.encoder.part, best.encoder.counts_per_turn) == ("MR type ML", "225778", 500)
+    assert (best.controller.family, best.controller.part) == ("EPOS4 Compact 50/5", "541718")
+    assert best.belt_ratio == 1.1
+    assert best.gearhead.ratio == pytest.approx(3249 / 121)
+
+
+def test_by_hand(result):
+    """Figures worked by hand from the printed equations with the example's numbers."""
+    r = {q.name: q for q in result.requirements} | {q.name: q for q in result.sets[0].requirements}
+    assert r["nominal_speed"].value * RPM == pytest.approx(60 * 1.5 / (math.pi * 0.1524 * 0.9), rel=1e-12)
+    assert r["nominal_speed"].shown == pytest.approx(208.865, abs=5e-4)
+    assert r["nominal_force"].value == pytest.approx(0.02 * 45 * 9.80665, rel=1e-12)
+    assert r["nominal_torque"].value == pytest.approx(0.0762 * 8.825985 / 0.95, abs=1e-9)
+    wheel = 0.847768 / 2 * (0.0762**2 + 0.03**2)
+    shaft = 7850 * math.pi * 0.006**2 * 0.08 / 2 * 0.006**2
+    acc = (4 * (wheel + shaft + 10.8e-7) + 45 / 0.9 * 0.1524**2 / 4) * (2 * 0.75 / 0.1524) * 1.2
+    assert r["acceleration_torque"].value == pytest.approx(acc, rel=1e-6)
+    nom = 0.0762 * 8.825985 / 0.95
+    rms = math.sqrt((2 * (nom + acc) ** 2 + 240 * nom**2 + 2 * (nom - acc) ** 2) / 244) / 4
+    assert r["rms_torque_per_motor"].value == pytest.approx(rms, rel=1e-6)
+    assert r["rms_torque_per_motor"].value == pytest.approx(0.211, abs=5e-4)
+    at_motor = rms / (3249 / 121 * 0.8 * 1.1 * 0.95)
+    assert r["rms_torque_at_motor"].value == pytest.approx(at_motor, rel=1e-6)
+
+
+def test_35_to_1_falls_by_input_speed(spec, catalog):
+    found = checks(explain(spec, "118752", "406767", catalog=catalog)[0])["gearhead_input_speed"]
+    assert found.status == "fail"
+    assert found.demand * RPM == pytest.approx(8036, abs=0.5)
+    assert found.limit * RPM == pytest.approx(8000)
+
+
+def test_the_10_w_winding_falls_by_speed(spec, catalog):
+    found = checks(explain(spec, "118743", "406764", catalog=catalog)[0])["motor_speed"]
+    assert found.status == "fail"
+    assert found.demand * RPM == pytest.approx(6169, abs=0.5)
+    assert found.limit * RPM == pytest.approx(4860)
+
+
+def test_19_to_1_is_not_the_largest(spec, catalog):
+    found = checks(explain(spec, "118752", "406762", catalog=catalog)[0])
+    assert found["largest_reduction"].status == "fail"
+    assert found["gearhead_input_speed"].status == "pass"
+
+
+def test_required_speed_constant(result):
+    """408 rpm/V against 317 as printed and 337 with the belt, says the transcription."""
+    best = result.sets[0]
+    C_v = {r.name: r for r in best.requirements}["speed_constant"]
+    assert C_v.shown == pytest.approx(337, abs=0.5)
+    assert best.motor.speed_constant * RPM == pytest.approx(408)
+
+
+def test_the_unrestricted_search_is_told(result):
+    other = result.unrestricted
+    assert other is not None
+    assert other.mass < result.sets[0].mass
+    assert other.encoder.counts_per_turn >= 500
+
+
+def test_without_encoder_and_controller_families_others_suffice_too(example_text, catalog):
+    text = example_text.replace("  encoder: {family: MR type ML}\n", "").replace("family: EPOS4 Compact 50/5, ", "")
+    best = size(read_spec(YamlSource(text, "robot.yaml")), catalog=catalog).sets[0]
+    assert best.motor.part == "118752"
+    assert best.encoder.family == "HEDL 5540"
+    assert best.controller.continuous_current < 5.0
+    fitting = catalog.motor_encoder.right[catalog.motor_encoder.left == catalog.motors.rows["118752"]]
+    hedl = [catalog.encoders.record(int(row)) for row in fitting]
+    assert sum(e.family == "HEDL 5540" and e.counts_per_turn == 500 for e in hedl) == 4
+
+
+def test_unknown_is_never_a_pass(result):
+    motor = result.sets[0].motor
+    assert math.isnan(motor.max_speed)
+    assert math.isnan(motor.max_winding_temperature)
+
+
+IMPERIAL = [
+    ("45 kg", f"{45 / 0.45359237!r} lb"),
+    ("wheel_diameter: 152.4 mm", "wheel_diameter: 6 in"),
+    ("outer_diameter: 152.4 mm", "outer_diameter: 0.5 ft"),
+    ("width: 50 mm", f"width: {50 / 25.4!r} inch"),
+    ("1100 kg/m^3", "1.1 g/cm^3"),
+    ("1.5 m/s", f"{1.5 / 0.3048!r} ft/s"),
+    ("acceleration_time: 2 s", f"acceleration_time: {2 / 60!r} min"),
+    ("cruise_time: 240 s", "cruise_time: 4 min"),
+    ("24 V", "24000 mV"),
+    ("slope: 0 deg", "slope: 0 rad"),
+    ("ambient: 25 degC", "ambient: 77 degF"),
+    ("0.95", "95 %"),
+]
+
+
+def test_the_same_robot_in_other_units(example_text, catalog, result):
+    text = example_text
+    for old, new in IMPERIAL:
+        assert old in text
+        text = text.replace(old, new)
+    other = size(read_spec(YamlSource(text, "robot.yaml")), catalog=catalog)
+    assert other.sets[0].label == result.sets[0].label
+    for a, b in zip(result.requirements, other.requirements, strict=True):
+        assert b.value == pytest.approx(a.value, rel=1e-12), a.name
+    for a, b in zip(result.sets[0].checks, other.sets[0].checks, strict=True):
+        assert b.demand == pytest.approx(a.demand, rel=1e-12, nan_ok=True), a.name
+        assert b.limit == pytest.approx(a.limit, rel=1e-12, nan_ok=True), a.name
+
+
+def test_sinkage_gives_the_coefficient_by_equation_4(example_text, catalog, result):
+    z = 0.02**2 * 0.1524
+    text = example_text.replace("rolling_resistance: 0.02", f"sinkage: {z!r} m")
+    other = size(read_spec(YamlSource(text, "robot.yaml")), catalog=catalog)
+    mine = {r.name: r for r in other.requirements}
+    assert mine["rolling_resistance_coefficient"].equation == 4
+    assert mine["rolling_resistance_coefficient"].value == pytest.approx(0.02)
+    assert mine["rms_torque"].value == pytest.approx({r.name: r for r in result.requirements}["rms_torque"].value)
+
+
+def test_a_slope_adds_its_share(example_text, catalog, result):
+    text = example_text.replace("slope: 0 deg", "slope: 3 deg")
+    other = {r.name: r for r in size(read_spec(YamlSource(text, "robot.yaml")), catalog=catalog).requirements}
+    force = 45 * 9.80665 * (0.02 * math.cos(math.radians(3)) + math.sin(math.radians(3)))
+    assert other["nominal_force"].value == pytest.approx(force)
