@@ -156,15 +156,18 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
         part = getattr(drive_set, name)
         missing = [figure.replace("_", " ") for figure in needed if not getattr(part, figure) > 0.0]
         if missing:
-            raise InputError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; the validation needs them")
+            raise InputError(
+                f"{name} {part.part}: {', '.join(missing)} not in the catalogue; the validation needs them"
+            )
     said: list[str] = []
     motor, gearhead, load = drive_set.motor, drive_set.gearhead, spec.load
-    inertias = {"gearhead": gearhead.inertia, "encoder": drive_set.encoder.inertia if drive_set.encoder else 0.0}
+    encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0
     train = DriveTrain(
         resistance=motor.resistance,
         inductance=motor.inductance,
         torque_constant=motor.torque_constant,
-        friction=motor.torque_constant * _known(motor.no_load_current, "no-load current of the motor: no friction", said),
+        friction=motor.torque_constant
+        * _known(motor.no_load_current, "no-load current of the motor: no friction", said),
         motor_inertia=motor.rotor_inertia + sum(_known(J, f"inertia of the {n}", said) for n, J in inertias.items()),
         gear_ratio=gearhead.ratio,
         gear_efficiency=gearhead.efficiency,
@@ -181,8 +184,9 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
 
 
 def _known(value: float, what: str, said: list[str]) -> float:
+    """A figure of small weight, 0 where the catalogue lacks it; that is told."""
     if isnan(value):
-        said.append(f"{what} is unknown and taken as 0" if ":" not in what else f"unknown {what}")
+        said.append(f"the {what} is unknown and taken as 0")
         return 0.0
     return value
 
@@ -196,7 +200,7 @@ def _at_the_wheel(spec: RobotSpec) -> dict[str, Any]:
     rolling = eq.nominal_force(C_rr=C_rr, **terms) - weight
 
     def torque(force: float, direction: float) -> float:
-        """(2), its bearing loss always against the motion, where the printed form lets it push downhill."""
+        """(2), with its bearing loss always against the motion: as printed it would push downhill."""
         bare, full = (eq.nominal_torque(load.wheel_diameter, force, d) for d in (1.0, spec.paper_factors.bearing))
         return float(eq.nominal_torque_per_motor(bare + direction * abs(full - bare), load.driven_wheels))
 
@@ -204,5 +208,5 @@ def _at_the_wheel(spec: RobotSpec) -> dict[str, Any]:
         "turning_inertia": float(sum(steps[name].value for name in turning if name in steps)),
         "forward_torque": torque(weight + rolling, +1.0),
         "backward_torque": torque(weight - rolling, -1.0),
-        "slope_torque": float(eq.nominal_torque_per_motor(load.wheel_diameter / 2 * weight, load.driven_wheels)),
+        "slope_torque": torque(weight, 0.0),
     }

@@ -129,9 +129,13 @@ def from_csv(path: str | Path) -> Profile:
     for line, cells in rows:
         if len(cells) != len(_COLUMNS):
             raise InputError(f"{path}:{line}: row: {_miscount(cells)}; expected a time and a speed, e.g. {_EXAMPLE}")
-        values = [_number(path, line, *cell) * f for cell, f in zip(zip(_COLUMNS, cells, strict=True), factors, strict=True)]
+        values = [
+            _number(path, line, *cell) * f for cell, f in zip(zip(_COLUMNS, cells, strict=True), factors, strict=True)
+        ]
         if time and not values[0] > time[-1]:
-            raise InputError(f"{path}:{line}: time: {quoted(cells[0])} is not after the row before; expected rising times")
+            raise InputError(
+                f"{path}:{line}: time: {quoted(cells[0])} is not after the row before; expected rising times"
+            )
         if len(time) == _MOST_ROWS:
             raise InputError(f"{path}:{line}: row: more than {_MOST_ROWS} rows; expected a thinned recording")
         time.append(values[0])
@@ -160,7 +164,9 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
 def _text(path: Path) -> str:
     try:
         if path.stat().st_size > _LARGEST:
-            raise InputError(f"{path}: the file is larger than {_LARGEST // 1_000_000} MB; expected a thinned recording")
+            raise InputError(
+                f"{path}: the file is larger than {_LARGEST // 1_000_000} MB; expected a thinned recording"
+            )
         raw = path.read_bytes()
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         raise InputError(f"{path}: cannot be read ({(getattr(error, 'strerror', '') or str(error)).lower()})") from None
@@ -182,7 +188,9 @@ def _factors(path: Path, row: tuple[int, list[str]] | None) -> list[float]:
         try:
             factors.append(scale(cell.strip(), kind)[0])
         except InputError as error:
-            raise InputError(f"{path}:{line}: {kind}: {error}; the second row holds the units, e.g. {example}") from None
+            raise InputError(
+                f"{path}:{line}: {kind}: {error}; the second row holds the units, e.g. {example}"
+            ) from None
     return factors
 
 

@@ -155,7 +155,7 @@ class SizingResult:
     objective: str
     requirements: tuple[Requirement, ...]
     sets: tuple[DriveSet, ...]  # that pass or are unknown, best first
-    misses: tuple[DriveSet, ...]  # the nearest that fall, when none stands
+    misses: tuple[DriveSet, ...]  # the nearest that fall, where fewer stand than were asked for
     relaxations: tuple[Relaxation, ...]
     counts: Counts
     assumptions: tuple[str, ...]

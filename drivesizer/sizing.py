@@ -56,9 +56,10 @@ def size(
     evaluation = _evaluated(spec, catalog)
     tally = counts(evaluation)
     order = ranking(evaluation, objective)
-    shown = [drive_set(evaluation, int(i), rank, objective) for rank, i in enumerate(order[:top], 1)]
-    sets = tuple(shown[: tally.feasible])
-    misses = () if sets else tuple(shown)
+    standing = min(top, tally.feasible)
+    fallen = top if not tally.feasible else min(_MISSES, top - standing)
+    shown = [drive_set(evaluation, int(i), n, objective) for n, i in enumerate(order[: standing + fallen], 1)]
+    sets, misses = tuple(shown[:standing]), tuple(shown[standing:])
     return SizingResult(
         spec=spec,
         catalog=catalog,
@@ -145,6 +146,8 @@ def _unrestricted(spec: RobotSpec, catalog: Catalog, objective: str) -> DriveSet
         return None
     return drive_set(evaluation, int(order[0]), 1, objective)
 
+
+_MISSES = 3  # of those that fell, how many are shown below those that stand
 
 # What may be relaxed when nothing fits: field, how to scale it, the direction, and how to show it.
 _FIELDS: tuple[tuple[str, str, str, str, int], ...] = (

@@ -40,7 +40,7 @@ def _table(*columns: tuple[str, str], title: str = "", wide: bool = False) -> Ta
 def _percent(margin: float) -> str:
     if isnan(margin):
         return "–"
-    return f"{margin:+.0%}" if abs(margin) < 10 else f"×{margin + 1:.0f}"
+    return f"{100 * margin:+.0f} %" if abs(margin) < 10 else f"×{margin + 1:.0f}"
 
 
 def _heading(console: Console, name: str, right: str, style: str = "") -> None:
@@ -145,8 +145,10 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
         _chosen(console, result, result.sets[0], quiet=quiet)
     else:
         _none(console, result)
-    if len(result.sets) > 1 or result.misses:
-        console.print(_ranking(result.sets or result.misses, result))
+    if len(result.sets) > 1:
+        console.print(_ranking(result.sets, result))
+    if result.misses:
+        console.print(_nearest(result.misses))
     _tally(console, result)
 
 
@@ -178,23 +180,47 @@ def _none(console: Console, result: SizingResult) -> None:
         console.print(_checks(result.misses[0].checks, f"Nearest miss: {result.misses[0].label}"))
 
 
-def _ranking(sets: Iterable[DriveSet], result: SizingResult) -> Table:
-    title = "Best first" if result.sets else "Nearest misses"
+def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
     table = _table(
         ("", "right"), ("motor", "left"), ("gearhead", "left"), ("encoder", "left"), ("controller", "left"),
-        (result.objective, "right"), ("tightest", "right"), title=title,
+        (result.objective, "right"), ("tightest", "right"), title="Best first",
     )  # fmt: skip
     for found in sets:
         tight = worst(found.checks)
-        belt = f" × {found.belt_ratio:g}" if found.belt_ratio != 1.0 else ""
         table.add_row(
             str(found.rank),
             f"{found.motor.family}\n{found.motor.part}",
-            f"{found.gearhead.family} {found.gearhead.reduction}{belt}\n{found.gearhead.part}",
+            f"{_gearhead(found, sets)}\n{found.gearhead.part}",
             f"{found.encoder.family}\n{found.encoder.part}" if found.encoder else "unknown",
             f"{found.controller.family}\n{found.controller.part}" if found.controller else "none",
             _objective(found, result.objective),
             Text(_percent(tight.margin) if tight else "–", style=_STYLE[found.status]),
+        )
+    return table
+
+
+def _gearhead(found: DriveSet, among: tuple[DriveSet, ...]) -> str:
+    """Gearhead and reduction, with the belt's where the sets differ in it."""
+    belt = f" × {found.belt_ratio:g}" if len({s.belt_ratio for s in among}) > 1 else ""
+    return f"{found.gearhead.family} {found.gearhead.reduction}{belt}"
+
+
+def _nearest(misses: tuple[DriveSet, ...]) -> Table:
+    """The nearest that fell, each with its worst check."""
+    table = _table(
+        ("motor", "left"), ("gearhead", "left"), ("falls by", "left"), ("demand", "right"), ("limit", "right"),
+        title="Nearest of those that fell",
+    )  # fmt: skip
+    for found in misses:
+        failed = [check for check in found.checks if check.status != "pass"]
+        check = worst(tuple(failed)) or failed[0]
+        others = f" (+{len(failed) - 1})" if len(failed) > 1 else ""
+        table.add_row(
+            f"{found.motor.family} {found.motor.part}",
+            _gearhead(found, misses),
+            check.title + others,
+            _plain(check, check.demand),
+            _plain(check, check.limit),
         )
     return table
 

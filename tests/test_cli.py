@@ -1,0 +1,213 @@
+"""The command line as a user meets it: output, exit status, one-line errors, nothing written when wrong."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from drivesizer import cli
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Run the program in an empty folder; its status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+
+    def call(*args):
+        monkeypatch.setattr(sys, "argv", ["drivesizer", *map(str, args)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        out = capsys.readouterr()
+        return end.value.code, out.out, out.err
+
+    return call
+
+
+def test_size_prints_the_papers_drive(run, example):
+    status, out, err = run("size", example)
+    assert status == 0
+    for words in ("RE 25", "118752", "GP 26 A 27:1", "406764", "225778", "EPOS4 Compact 50/5", "541718", "1.1"):
+        assert words in out
+    assert "208.9 rpm" in out
+    assert "(13)" in out
+    assert "derived: nominal torque" in " ".join(out.split())
+    assert "the whole catalogue gives" in " ".join(out.split())
+    assert max(len(line.rstrip()) for line in out.splitlines()) <= 80
+    assert "note: " in err
+
+
+def test_wide_terminals_are_used(run, example, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "140")
+    status, out, _ = run("size", example)
+    assert status == 0
+    assert max(len(line.rstrip()) for line in out.splitlines()) <= 140
+
+
+def test_robot_yaml_is_the_default(run, example):
+    status, _, err = run("size")
+    assert (status, err.count("\n")) == (2, 1)
+    assert "drivesizer init" in err
+    assert run("init")[0] == 0
+    assert run("size")[0] == 0
+    status, _, err = run("init")
+    assert status == 2
+    assert "exists" in err
+
+
+def test_json_contract(run, example):
+    status, out, _ = run("size", example, "--json", "--top", "2")
+    document = json.loads(out, parse_constant=lambda c: pytest.fail(f"{c} in the JSON"))
+    assert status == 0
+    assert document["schema_version"] == 1
+    assert document["method"] == "paper"
+    assert document["spec"]["load"]["mass"] == "45 kg"
+    assert list(document["requirements"]) == [
+        "nominal_speed", "rolling_resistance_coefficient", "nominal_force", "nominal_torque",
+        "nominal_torque_per_motor", "acceleration", "nominal_power_per_motor", "mechanical_power_per_motor",
+        "wheel_mass", "wheel_inertia", "shaft_mass", "shaft_inertia", "acceleration_torque", "maximum_torque",
+        "maximum_torque_per_motor", "deceleration_torque", "rms_torque", "rms_torque_per_motor",
+        "maximum_power_per_motor", "rms_speed", "rms_power_per_motor",
+    ]  # fmt: skip
+    rms = document["requirements"]["rms_torque_per_motor"]
+    assert (rms["symbol"], rms["equation"], rms["unit"]) == ("M_rms/m", 14, "N*m")
+    assert rms["value"] == rms["si"] == pytest.approx(0.211, abs=5e-4)
+    assert document["requirements"]["rms_speed"]["equation"] is None
+    best = document["sets"][0]
+    assert (best["rank"], best["status"], best["motor"]["part"]) == (1, "pass", "118752")
+    assert best["motor"]["max_speed"] is None
+    assert best["mass_of"] == ["motor", "gearhead"]
+    assert best["total_ratio"] == pytest.approx(3249 / 121 * 1.1)
+    assert {"rms_torque_at_motor", "maximum_torque_at_motor", "speed_constant", "no_load_speed"} <= set(
+        best["requirements"]
+    )
+    assert set(best["checks"][0]) >= {"name", "method", "case", "demand", "limit", "unit", "margin", "status", "at_time_s"}
+    counts = document["counts"]
+    assert counts["considered"] == 18
+    assert counts["feasible"] == 1
+    assert counts["failed_by"]["gearhead_input_speed"] == 12
+
+
+def test_nothing_fits_is_status_1(run, example_text, tmp_path):
+    (tmp_path / "heavy.yaml").write_text(example_text.replace("mass: 45 kg", "mass: 450 kg"))
+    status, out, _ = run("size", "heavy.yaml")
+    assert status == 1
+    assert "No set stands" in out
+    assert "load.mass 450 kg →" in " ".join(out.split())
+    status, out, _ = run("size", "heavy.yaml", "--json")
+    document = json.loads(out)
+    assert (status, document["sets"]) == (1, [])
+    assert document["misses"][0]["status"] == "fail"
+    status, _, err = run("validate", "heavy.yaml")
+    assert (status, err.count("\n")) == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (["size", "nothing.yaml"], "cannot be read"),
+        (["size", "EXAMPLE", "--objective", "beauty"], "expected mass"),
+        (["size", "EXAMPLE", "--top", "0"], "--top"),
+        (["size", "EXAMPLE", "--nonsense"], "--nonsense"),
+        (["sizee"], "sizee"),
+        (["explain", "EXAMPLE", "--motor", "118752"], "--gearhead"),
+        (["explain", "EXAMPLE", "--motor", "nix", "--gearhead", "406764"], "in no catalogue"),
+        (["equations", "21"], "1 to 20"),
+        (["equations", "0"], "1 to 20"),
+        (["init", "--kind", "spaceship"], "wheeled_vehicle"),
+        (["init", "-o", "no/such/folder.yaml"], "cannot be written"),
+        (["validate", "EXAMPLE", "--set", "118752"], "MOTOR/GEARHEAD"),
+        (["validate", "EXAMPLE", "--profile", "nothing.csv"], "nothing.csv"),
+        (["validate", "EXAMPLE", "--profile", "zigzag"], "trapezoid"),
+        (["report", "EXAMPLE", "-o", "report.doc"], ".pdf"),
+        (["report", "EXAMPLE", "-o", "no/such/folder/report.csv"], "no/such"),
+        (["report", "EXAMPLE"], "--output"),
+    ],
+)
+def test_wrong_calls_are_one_line_and_write_nothing(run, example, tmp_path, args, words):
+    status, out, err = run(*[str(example) if a == "EXAMPLE" else a for a in args])
+    assert status == 2
+    assert out == ""
+    assert words in err
+    assert err.count("\n") == 1
+    assert err.startswith("drivesizer: ")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_explain_shows_why(run, example):
+    status, out, _ = run("explain", example, "--motor", "118743", "--gearhead", "406764")
+    text = " ".join(out.split())
+    assert status == 1
+    assert "Motor speed (no-load speed) 6169 rpm 4860 rpm -21 % FAIL" in text
+    status, out, _ = run("explain", example, "--motor", "118752", "--gearhead", "406764", "--json")
+    assert (status, json.loads(out)["sets"][0]["status"]) == (0, "pass")
+
+
+def test_equations_listed_and_shown(run):
+    status, out, _ = run("equations")
+    assert status == 0
+    assert all(f"({n})" in out for n in range(1, 21))
+    _, out, _ = run("equations", "20")
+    text = " ".join(out.split())
+    assert "V_0 = V_nom + τ M_max/m0" in text
+    assert "m/s cannot be added to rad/s" in text
+    assert "V_0 = n_nom K + τ M_max/m0" in text
+    _, out, _ = run("equations", "1")
+    assert "unit check passes" in " ".join(out.split())
+
+
+def test_validate_the_papers_set(run, example):
+    status, out, err = run("validate", example)
+    text = " ".join(out.split())
+    assert status == 0
+    assert "118752" in text
+    assert "FAIL" not in text
+    assert "unknown" in text
+    assert "unknown" in err
+    status, out, _ = run("validate", example, "--json", "--set", "118752/406764")
+    document = json.loads(out)
+    by_name = {c["name"]: c["status"] for c in document["checks"]}
+    assert status == 0
+    assert document["status"] == "pass"
+    assert "fail" not in by_name.values()
+    assert by_name["motor_speed"] == "unknown"
+    assert by_name["winding_temperature"] == "unknown"
+
+
+def test_files_of_size_validate_and_report(run, example, tmp_path):
+    assert run("size", example, "--csv", "sets.csv")[0] == 0
+    assert run("validate", example, "--csv", "loop.csv")[0] == 0
+    status, out, _ = run("report", example, "-o", "report.csv")
+    assert status == 0
+    assert "report.csv" in out
+    assert "406764" in (tmp_path / "sets.csv").read_text()
+    assert (tmp_path / "loop.csv").stat().st_size > 1000
+    assert "208.8" in (tmp_path / "report.csv").read_text()
+
+
+def test_version_help_and_schema(run):
+    import drivesizer
+
+    assert run("--version")[1].strip() == f"drivesizer {drivesizer.__version__}"
+    status, out, _ = run("--help")
+    assert status == 0
+    for command in ("size", "validate", "report", "explain", "equations", "init", "schema"):
+        assert command in out
+        assert "Example: drivesizer" in run(command, "--help")[1]
+    assert json.loads(run("schema")[1])["title"] == "RobotSpec"
+
+
+def test_a_reader_that_goes_away_is_no_error(example):
+    command = f"{sys.executable} -m drivesizer equations | head -1"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60, check=False)
+    assert "Traceback" not in done.stderr
+
+
+def test_sizing_loads_nothing_slow(example):
+    code = (
+        "import sys; from drivesizer.cli import app; app(['size', sys.argv[1]], standalone_mode=False); "
+        "print([m for m in ('control', 'scipy', 'matplotlib', 'typst') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code, str(example)], capture_output=True, text=True, check=True)
+    assert done.stdout.rstrip().endswith("[]")
