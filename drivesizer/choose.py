@@ -16,7 +16,7 @@ from drivesizer.catalog import Catalog, Table
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
 from drivesizer.spec import Choice, RobotSpec
 
-__all__ = ["Chosen", "controllers", "encoders", "selected"]
+__all__ = ["Chosen", "controllers", "encoders", "offered_buses", "offers", "selected"]
 
 
 class Chosen(NamedTuple):
@@ -121,11 +121,28 @@ def _usable(spec: RobotSpec, table: Table[Any]) -> NDArray[np.bool_]:
     """Controllers that the spec allows, with the bus it names, at its supply voltages."""
     keep = selected(table, spec.select.controller)
     keep &= (table["supply_min"] <= spec.supply.lowest) & (table["supply_max"] >= spec.supply.highest)
-    bus = (spec.select.controller.bus or "").casefold()
+    bus = spec.select.controller.bus
     if bus:
-        offered = [[b.strip().casefold() for b in str(text).split(";")] for text in table["buses"]]
-        keep &= np.array([any(b == bus or b.startswith(f"{bus} ") for b in buses) for buses in offered], bool)
+        keep &= np.array([any(offers(b, bus) for b in _split(text)) for text in table["buses"]], bool)
     return keep
+
+
+def _split(buses: str) -> list[str]:
+    return [bus.strip() for bus in str(buses).split(";") if bus.strip()]
+
+
+def offers(offered: str, bus: str) -> bool:
+    """Whether an entry such as ``EtherCAT option card`` is the bus that is asked for.
+
+    >>> offers("EtherCAT option card", "ethercat")
+    True
+    """
+    return f"{offered.casefold()} ".startswith(f"{bus.casefold()} ")
+
+
+def offered_buses(table: Table[Any]) -> set[str]:
+    """All buses that the controllers of a table list."""
+    return {bus for text in table["buses"] for bus in _split(text)}
 
 
 def _can_drive(drives: str, kind: str) -> bool:

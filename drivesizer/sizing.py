@@ -10,6 +10,7 @@ import numpy as np
 
 from drivesizer import paper
 from drivesizer.catalog import Catalog, load
+from drivesizer.choose import offered_buses, offers
 from drivesizer.errors import InputError, quoted
 from drivesizer.results import DriveSet, Relaxation, Requirement, SizingResult
 from drivesizer.search import Candidates, Evaluation, candidates, counts, drive_set, evaluate, ranking
@@ -97,6 +98,12 @@ def _known_choices(spec: RobotSpec, catalog: Catalog) -> None:
                     hint = f"; the nearest are {', '.join(close)}" if close else ""
                     where = spec.where(("select", section, key))
                     raise InputError(f"{where}: {quoted(name)} is in no catalogue that the spec names{hint}")
+    bus, buses = spec.select.controller.bus, offered_buses(catalog.controllers)
+    if bus and not any(offers(b, bus) for b in buses):
+        where = spec.where(("select", "controller", "bus"))
+        raise InputError(
+            f"{where}: no controller has the bus {quoted(bus)}; expected one of {', '.join(sorted(buses))}"
+        )
 
 
 def _assumptions(spec: RobotSpec) -> tuple[str, ...]:

@@ -82,7 +82,7 @@ Coefficient = Annotated[float, Quantity("dimensionless", least=0.0)]
 Factor = Annotated[float, Quantity("dimensionless", least=1.0)]
 Ratio = Annotated[float, Quantity("dimensionless", above=0.0)]
 Gain = Annotated[float, Quantity("dimensionless", least=0.0)]
-Names = Annotated[list[str], BeforeValidator(lambda value: _listed(value))]
+Names = Annotated[list[str], Field(min_length=1), BeforeValidator(lambda value: _listed(value))]
 
 
 def _listed(value: Any) -> Any:

@@ -179,6 +179,7 @@ def test_rejecting_unknowns(example_text, catalog):
     [
         ("family: RE 25}", "family: RE25}", "RE 25"),
         ("family: GP 26 A}", "part: 4067644}", "406764"),
+        ("bus: CANopen", "bus: CANopn", "CANopen"),
         ("catalogs: [maxon]", "catalogs: [maxn]", "maxon"),
         ("catalogs: [maxon]", "catalogs: [nothing.yaml]", "cannot be read"),
     ],
