@@ -10,10 +10,12 @@ load asks to be driven forward. Symbols: i current [A], w motor speed [rad/s], u
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
-from math import inf, isnan
+from math import inf, isfinite, isnan
 from typing import Any
+
+import numpy as np
 
 from drivesizer import equations as eq
 from drivesizer import paper
@@ -166,9 +168,10 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
         resistance=motor.resistance,
         inductance=motor.inductance,
         torque_constant=motor.torque_constant,
-        friction=motor.torque_constant
-        * _known(motor.no_load_current, "no-load current of the motor: no friction", said),
-        motor_inertia=motor.rotor_inertia + sum(_known(J, f"inertia of the {n}", said) for n, J in inertias.items()),
+        friction=motor.torque_constant * _known(motor.no_load_current, "no-load current of the motor", said),
+        motor_inertia=motor.rotor_inertia
+        + _known(gearhead.inertia, "inertia of the gearhead", said)
+        + _known(encoder, "inertia of the encoder", said),
         gear_ratio=gearhead.ratio,
         gear_efficiency=gearhead.efficiency,
         belt_ratio=drive_set.belt_ratio,
@@ -180,6 +183,8 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
     if not train.inductance > 0.0:  # NaN too
         said.append("the motor's inductance is unknown: the current follows the voltage at once")
         train = replace(train, inductance=_NO_INDUCTANCE * period * train.resistance)
+    if not all(isfinite(getattr(train, f.name)) for f in fields(train)):
+        raise InputError("the load's figures leave the range of numbers that can be computed with")
     return train, said
 
 
@@ -191,6 +196,7 @@ def _known(value: float, what: str, said: list[str]) -> float:
     return value
 
 
+@np.errstate(all="ignore")  # what is out of range is refused by the caller
 def _at_the_wheel(spec: RobotSpec) -> dict[str, Any]:
     """Resistances and turning inertia at one wheel, by the paper's equations (2)-(5), (8), (9)."""
     load, steps = spec.load, paper.vehicle(spec, 0.0).steps

@@ -31,6 +31,7 @@ def _console() -> Console:
 def _table(*columns: tuple[str, str], title: str = "", wide: bool = False) -> Table:
     """A plain table; a column is its header and its alignment."""
     table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", title_style="bold", pad_edge=False)
+    table.padding = (0, 2, 0, 0)
     for header, justify in columns:
         table.add_column(header, justify=justify, overflow="fold")  # type: ignore[arg-type]
     table.expand = wide

@@ -70,6 +70,7 @@ stiffness            | 20 N/mm     | N/m; N/mm; kN/m; lbf/in lb/in
 torsional_stiffness  | 1.2 N*m/arcmin | N*m/rad; N*m/deg; N*m/arcmin; mN*m/rad
 damping              | 1e-6 N*m*s  | N*m*s/rad N*m*s; mN*m/rpm mNm*min
 dimensionless        | 0.02 or 2 % | 1; %
+ratio                | 27          | 1
 price                | 46.55 EUR   | EUR €
 price_chf            | 51.20 CHF   | CHF
 """
@@ -184,7 +185,7 @@ def to_si(text: object, kind: str) -> float:
         value, unit = number(text) if isinstance(text, str) else number(repr(text))
     except InputError as error:
         raise InputError(f"{error}; {hint}") from None
-    if not unit and kind != "dimensionless":
+    if not unit and expected.si != "1":
         raise InputError(f"{quoted(text)} has no unit; {hint}")
     name = _spellings(kind).get(_key(unit)) if unit else "1"
     if name is None:
@@ -257,7 +258,7 @@ def label(unit: str) -> str:
     if unit == "1":
         return ""
     pretty = unit.replace("*", "·").replace("degC", "°C").replace("deg", "°").replace("ohm", "Ω")
-    pretty = pretty.replace("ozf·in", "oz·in").replace("(", "").replace(")", "").replace("^2", "²").replace("^3", "³")
+    pretty = pretty.replace("ozf·in", "oz·in").replace("^2", "²").replace("^3", "³")
     return re.sub(r"\bu(?=[A-Za-z])", "µ", pretty)
 
 

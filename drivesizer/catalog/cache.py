@@ -94,9 +94,14 @@ def store(path: Path, catalog: Catalog) -> None:
         reason = (error.strerror or str(error)).lower()
         warnings.warn(f"the compiled catalogue is not kept in {path.parent} ({reason})", CacheWarning, stacklevel=2)
         return
-    for old in path.parent.glob(f"{path.stem.split('-')[0]}-*{path.suffix}"):
-        if old != path:
+    for old in path.parent.iterdir():
+        if _catalogue(old) == _catalogue(path) and old != path:
             old.unlink(missing_ok=True)
+
+
+def _catalogue(path: Path) -> tuple[str, str]:
+    """The name of the catalogue that a compiled file holds (before the digest), and the file's ending."""
+    return path.stem.rpartition("-")[0], path.suffix
 
 
 def _packed(catalog: Catalog) -> dict[str, NDArray[Any]]:

@@ -34,6 +34,7 @@ _RELATIONS = {
     "triples": ("motors", "gearheads", "encoders"),
 }
 _CONFIDENCE = ("quoted", "secondary", "derived", "recalled")
+_AT_THE_HEAD = {"family": "table", "manufacturer": "file"}
 _HEADER = re.compile(r"(\w+)(?:\s*\((.+)\))?")
 
 
@@ -65,7 +66,7 @@ class _Reader:
         return value
 
     def source_number(self, name: Any, path: Path_) -> int:
-        if name not in self.sources:
+        if not isinstance(name, str) or name not in self.sources:
             raise self.fail(path, f"{quoted(name)} is not one of the file's sources ({', '.join(self.sources)})")
         return list(self.sources).index(name)
 
@@ -92,7 +93,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     """
     reader = _Reader(source)
     data = reader.mapping(source.data, (), _TOP, {"catalog", "manufacturer", "sources"})
-    if data["catalog"] != SCHEMA:
+    if data["catalog"] != SCHEMA or data["catalog"] is True:
         raise reader.fail(("catalog",), f"schema {quoted(data['catalog'])} is not known; expected {SCHEMA}")
     _read_sources(reader, data["sources"])
     maker = _plain_text(reader, data["manufacturer"], ("manufacturer",))
@@ -109,7 +110,9 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
 
 
 def _read_sources(reader: _Reader, given: Any) -> None:
-    for key, entry in reader.mapping(given, ("sources",), given or ()).items():
+    if not given:
+        raise reader.fail(("sources",), "expected at least one, e.g. sheet: {document: ..., confidence: quoted}")
+    for key, entry in reader.mapping(given, ("sources",), given).items():
         path: Path_ = ("sources", key)
         entry = reader.mapping(entry, path, _SOURCE, {"document", "confidence"})
         _known_confidence(reader, entry["confidence"], path)
@@ -142,6 +145,7 @@ def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any
     schema = columns_of(section)
     parts: list[dict[str, NDArray[Any]]] = []
     source: list[NDArray[np.int32]] = []
+    places: list[Path_] = []  # of every row, for messages
     for index, entry in enumerate(reader.sequence(given, (section,))):
         path: Path_ = (section, index)
         entry = reader.mapping(entry, path, _TABLE, {"family", "source", "columns", "rows"})
@@ -150,11 +154,12 @@ def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any
         columns["manufacturer"] = np.full(count, maker)
         columns["family"] = np.full(count, _plain_text(reader, entry["family"], (*path, "family")))
         parts.append({name: columns.get(name, _unknown(column, count)) for name, column in schema.items()})
+        places += [(*path, "rows", row) for row in range(count)]
         source.append(np.full(count, reader.source_number(entry["source"], (*path, "source")), np.int32))
         _read_notes(reader, section, entry, path, columns)
     empty = {name: _unknown(column, 0) for name, column in schema.items()}
     columns = {name: np.concatenate([p[name] for p in parts] or [empty[name]]) for name in schema}
-    _unique(reader, section, columns["part"])
+    _unique(reader, columns["part"], places)
     out = {p for note in reader.notes if note.section == section and note.exclude for p in note.parts}
     excluded = np.isin(columns["part"], sorted(out)) if out else np.zeros(len(columns["part"]), bool)
     return Table(section, columns, np.concatenate(source or [np.zeros(0, np.int32)]), excluded)
@@ -164,10 +169,11 @@ def _unknown(column: Column, count: int) -> NDArray[Any]:
     return np.full(count, "") if column.kind == "text" else np.full(count, np.nan)
 
 
-def _unique(reader: _Reader, section: str, parts: NDArray[Any]) -> None:
-    names, counts = np.unique(parts, return_counts=True)
-    if len(names) < len(parts):
-        raise reader.fail((section,), f"part {quoted(names[counts > 1][0])} is given twice")
+def _unique(reader: _Reader, parts: NDArray[Any], places: list[Path_]) -> None:
+    first = np.unique(parts, return_index=True)[1]
+    again = np.setdiff1d(np.arange(len(parts)), first)
+    if len(again):
+        raise reader.fail(places[again[0]], f"part {quoted(parts[again[0]])} is given twice")
 
 
 def _table(reader: _Reader, section: str, entry: dict[str, Any], path: Path_) -> dict[str, NDArray[Any]]:
@@ -179,14 +185,17 @@ def _table(reader: _Reader, section: str, entry: dict[str, Any], path: Path_) ->
             have = len(row) if isinstance(row, list) else 0
             raise reader.fail((*path, "rows", index), f"expected {len(headers)} cells as in `columns`, found {have}")
     found: dict[str, NDArray[Any]] = {}
-    for place, (column, unit) in enumerate(headers):
+    for place, (column, *factors) in enumerate(headers):
         cells = [row[place] for row in rows]
-        at = _cell_path(path, place)
-        found[column.name] = _column(reader, column, unit, cells, at)
+        found[column.name] = _column(reader, column, factors, cells, _cell_path(path, place))
     schema = columns_of(section)
     for name, value in reader.mapping(entry.get("common") or {}, (*path, "common"), schema).items():
-        figure = _figure(reader, schema[name], value, (*path, "common", name))
-        found[name] = np.full(len(rows), figure)
+        at: Path_ = (*path, "common", name)
+        if name in found:
+            raise reader.fail(at, f"{name} is a column of this table as well; give it once")
+        if name in _AT_THE_HEAD:
+            raise reader.fail(at, f"{name} stands at the head of its {_AT_THE_HEAD[name]}")
+        found[name] = np.full(len(rows), _figure(reader, schema[name], value, at))
     return found
 
 
@@ -194,39 +203,52 @@ def _cell_path(path: Path_, place: int) -> Callable[[int], Path_]:
     return lambda row: (*path, "rows", row, place)
 
 
-def _headers(reader: _Reader, section: str, given: Any, path: Path_) -> list[tuple[Column, str]]:
+def _headers(reader: _Reader, section: str, given: Any, path: Path_) -> list[tuple[Column, float, float]]:
+    """The columns that a table names, each with the factor and offset of its unit."""
     schema = columns_of(section)
-    headers: list[tuple[Column, str]] = []
+    headers: list[tuple[Column, float, float]] = []
     for index, text in enumerate(reader.sequence(given, path)):
         match = _HEADER.fullmatch(str(text).strip())
         name = match.group(1) if match else str(text)
         if name not in schema:
             raise reader.fail((*path, index), f"unknown column {quoted(name)}{_nearest(name, schema)}")
-        column, unit = schema[name], (match.group(2) or "") if match else ""
-        if column.kind not in ("text", "ratio", "dimensionless") and not unit:
-            raise reader.fail((*path, index), f"{name} needs its unit in brackets, e.g. {name} ({column.unit})")
-        headers.append((column, unit))
-    names = [column.name for column, _ in headers]
+        unit = (match.group(2) or "") if match else ""
+        headers.append((schema[name], *_unit(reader, schema[name], unit, (*path, index))))
+    names = [header[0].name for header in headers]
     if len(set(names)) < len(names) or "part" not in names:
         raise reader.fail(path, "a table needs the column `part`, and every column once")
     return headers
 
 
-def _column(reader: _Reader, column: Column, unit: str, cells: list[Any], at: Callable[[int], Path_]) -> NDArray[Any]:
+def _unit(reader: _Reader, column: Column, unit: str, path: Path_) -> tuple[float, float]:
+    """Factor and offset that bring a column's numbers to SI."""
+    if column.kind in ("text", "ratio") and unit:
+        raise reader.fail(path, f"{column.name} has no unit, found {quoted(unit)}")
+    if not unit:
+        if column.kind not in ("text", "ratio", "dimensionless"):
+            raise reader.fail(path, f"{column.name} needs its unit in brackets, e.g. {column.name} ({column.unit})")
+        return 1.0, 0.0
+    try:
+        return scale(unit, column.kind)
+    except InputError as error:
+        raise reader.fail(path, f"{column.name}: {error}") from None
+
+
+def _column(
+    reader: _Reader, column: Column, factors: list[float], cells: list[Any], at: Callable[[int], Path_]
+) -> NDArray[Any]:
     """One column of cells in SI (or text)."""
     if column.name == "part":
         return np.array([_part_number(reader, cell, at(row)) for row, cell in enumerate(cells)] or [""])[: len(cells)]
     if column.kind == "text":
         return np.array([_plain_text(reader, cell, at(row)) for row, cell in enumerate(cells)] or [""])[: len(cells)]
-    try:
-        factor, offset = scale(unit, column.kind) if unit else (1.0, 0.0)
-    except InputError as error:
-        raise reader.fail(at(0)[:-3], f"{column.name}: {error}") from None
+    factor, offset = factors
     values = np.array([_cell(reader, column, cell, at(row)) for row, cell in enumerate(cells)], float)
     values = values * factor + offset
-    bad = np.flatnonzero(values < column.least)
+    bad = np.flatnonzero(values <= 0.0 if column.kind == "ratio" else values < column.least)
     if len(bad):
-        raise reader.fail(at(int(bad[0])), f"{column.name} {quoted(cells[bad[0]])} is below {column.least:g}")
+        least = "not above 0" if column.kind == "ratio" else f"below {column.least:g}"
+        raise reader.fail(at(int(bad[0])), f"{column.name} {quoted(cells[bad[0]])} is {least}")
     return values
 
 
@@ -235,7 +257,7 @@ def _cell(reader: _Reader, column: Column, cell: Any, path: Path_) -> float:
         return np.nan
     if isinstance(cell, int | float) and not isinstance(cell, bool):
         return float(cell)
-    if column.kind == "ratio" and isinstance(cell, str) and re.fullmatch(r"[0-9]+/[1-9][0-9]*", cell):
+    if column.kind == "ratio" and isinstance(cell, str) and re.fullmatch(r"[0-9]{1,15}/[1-9][0-9]{0,14}", cell):
         return float(Fraction(cell))
     raise reader.fail(path, f"{column.name}: {quoted(cell)} is not a number; unknown is written ~")
 
@@ -277,7 +299,12 @@ def _read_notes(
         if "source" in note:
             reader.source_number(note["source"], (*at, "source"))
         texts = {key: _plain_text(reader, note.get(key), (*at, key)) for key in ("text", "confidence", "source")}
-        flags = {key: note.get(key, False) is True for key in ("exclude", "accepted")}
+        for key in ("exclude", "accepted"):
+            if not isinstance(note.get(key, False), bool):
+                raise reader.fail((*at, key), f"{quoted(note[key])} is not true or false")
+        flags = {key: note.get(key, False) for key in ("exclude", "accepted")}
+        if texts["source"]:
+            texts["source"] = reader.sources[texts["source"]].document
         values: dict[str, Any] = texts | flags
         reader.notes.append(Note(section=section, parts=parts, fields=names, **values))
 
@@ -298,7 +325,8 @@ def _relations(reader: _Reader, tables: dict[str, Table[Any]], given: Any) -> di
             source = reader.source_number(group["source"], (*path, "source"))
             for right in sections[1:]:
                 found[f"motor_{right[:-1]}"].append((rows["motors"], rows[right], source))
-    return {relation: _pairs(groups) for relation, groups in found.items()}
+    sure = [_CONFIDENCE.index(source.confidence) for source in reader.sources.values()]
+    return {relation: _pairs(sorted(groups, key=lambda g: sure[g[2]])) for relation, groups in found.items()}
 
 
 def _members(table: Table[Any]) -> dict[str, NDArray[Any]]:
@@ -321,7 +349,7 @@ def _rows(reader: _Reader, members: dict[str, NDArray[Any]], given: Any, path: P
 
 
 def _pairs(groups: list[tuple[NDArray[Any], NDArray[Any], int]]) -> Pairs:
-    """Groups multiplied out, each pair once (the first source that states it), sorted."""
+    """Groups multiplied out, each pair once with the first source that states it (the surest comes first), sorted."""
     lefts, rights, sources = [], [], []
     for left, right, source in groups:
         lefts.append(np.repeat(left, len(right)))

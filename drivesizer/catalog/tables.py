@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
+from drivesizer.errors import CatalogError, quoted
 
 __all__ = ["Catalog", "Note", "Pairs", "Source", "Table"]
 
@@ -34,7 +35,7 @@ class Note(NamedTuple):
     fields: tuple[str, ...]  # empty: the whole row
     text: str
     confidence: str = ""
-    source: str = ""
+    source: str = ""  # the document
     exclude: bool = False
     accepted: bool = False
 
@@ -116,6 +117,7 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
     """Several catalogues as one."""
     if len(catalogs) == 1:
         return catalogs[0]
+    _no_part_twice(catalogs)
     first_source = np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]
     tables = {name: _joined_tables([c.table(name) for c in catalogs], first_source) for name in PARTS}
     return Catalog(
@@ -126,6 +128,19 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
         notes=tuple(note for c in catalogs for note in c.notes),
         digests={name: digest for c in catalogs for name, digest in c.digests.items()},
     )
+
+
+def _no_part_twice(catalogs: Sequence[Catalog]) -> None:
+    """Refuse a part that two catalogues give: which one counts would depend on their order."""
+    owner: dict[tuple[str, str], str] = {}
+    for catalog in catalogs:
+        name = ", ".join(catalog.digests)
+        for section in PARTS:
+            for part in catalog.table(section).rows:
+                if (section, part) in owner:
+                    first = owner[section, part]
+                    raise CatalogError(f"part {quoted(part)} is in two catalogues: {first} and {name}")
+                owner[section, part] = name
 
 
 def _joined_tables(tables: Sequence[Table[Any]], first_source: NDArray[Any]) -> Table[Any]:

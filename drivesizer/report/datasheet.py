@@ -30,7 +30,9 @@ def _datasheet(role: str, section: str, part: Any, catalog: Catalog) -> dict[str
         "part": part.part,
         "family": part.family,
         "maker": part.manufacturer,
-        "rows": [_row(part, name, section, sure) for name in columns_of(section) if name in sure and name not in _NAMES],
+        "rows": [
+            _row(part, name, section, sure) for name in columns_of(section) if name in sure and name not in _NAMES
+        ],
         "source": ", ".join(text for text in (source.document, source.date) if text),
         "confidence": source.confidence,
         "url": source.url,
@@ -40,7 +42,10 @@ def _datasheet(role: str, section: str, part: Any, catalog: Catalog) -> dict[str
 
 def _row(part: Any, name: str, section: str, sure: dict[str, str]) -> dict[str, str]:
     column, value = columns_of(section)[name], getattr(part, name)
-    text = value if column.kind == "text" else show(value, column.unit, column.kind)
+    if column.kind.startswith("price"):
+        text = f"{value:.2f} {column.unit}"  # to the cent, as money is
+    else:
+        text = value if column.kind == "text" else show(value, column.unit, column.kind)
     mark = "" if sure[name] == "quoted" else sure[name]
     return {"name": name.replace("_", " "), "text": text, "mark": mark}
 

@@ -17,20 +17,23 @@ from drivesizer.formula import computed, printed_failure, symbol_typst, typst
 from drivesizer.results import Requirement
 from drivesizer.units import KINDS, from_si
 
-__all__ = ["quantity", "step", "symbol"]
+__all__ = ["MATHEMATICS", "quantity", "step", "symbol"]
+
+MATHEMATICS = ("symbol_value", "printed", "used", "numbers", "result")  # the entries of a step that are typst source
 
 
 def step(r: Requirement) -> dict[str, Any]:
-    """A requirement as the report prints it: texts, and typst mathematics under ``printed``, ``used``, ``numbers``."""
+    """A requirement as the report prints it: texts, and typst mathematics under the names in ``MATHEMATICS``."""
     left = symbol(r.symbol)
     made = {
         "number": str(r.equation or ""),
         "title": r.title,
-        "value": f"{left} = {quantity(float(r.value), r.unit, r.kind)}",
+        "symbol_value": f"{left} = {quantity(float(r.value), r.unit, r.kind)}",
         "note": r.note,
         "printed": "",
         "used": "",
         "numbers": "",
+        "result": "",
         "failure": "",
     }
     if r.declared is None:
@@ -38,8 +41,9 @@ def step(r: Requirement) -> dict[str, Any]:
     expression = _expression(r)
     printed, used = _forms(r.declared, expression)
     made["printed"] = f"{left} = {printed}" if printed else ""
-    made["used"] = f"{left} = {used}" if used else ""
-    made["numbers"] = f"{left} = {_put_in(r, expression)} = {_result(r)}"
+    made["used"] = f"{left} = {used}" if used.replace("^(2)", "^2") not in ("", left) else ""
+    made["numbers"] = f"{left} = {_put_in(r, expression)}"
+    made["result"] = _result(r)
     made["failure"] = _failure(r.declared) or ""
     return made
 
@@ -50,7 +54,9 @@ def symbol(text: str) -> str:
     >>> symbol("J_m K²")
     'J_"m" K^2'
     """
-    return " ".join(f"{symbol_typst(part[:-1])}^2" if part.endswith("²") else symbol_typst(part) for part in text.split())
+    return " ".join(
+        f"{symbol_typst(part[:-1])}^2" if part.endswith("²") else symbol_typst(part) for part in text.split()
+    )
 
 
 def quantity(value: float, unit: str, kind: str) -> str:
@@ -71,8 +77,7 @@ def _with_unit(value: float, unit: str) -> str:
 def _number(value: float) -> str:
     """Four digits; powers of ten for what is very large or very small."""
     if value == 0.0 or 1e-3 <= abs(value) < 1e6:
-        shown = f"{value:.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
-        return shown
+        return f"{value:.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
     mantissa, _, exponent = f"{value:.3e}".partition("e")
     return f"{float(mantissa):g} dot 10^({int(exponent)})"
 
@@ -118,7 +123,11 @@ def _put_in(r: Requirement, expression: str) -> str:
 
 def _raised(expression: str) -> set[str]:
     """Names that stand under an exponent: with its unit, such a figure needs brackets."""
-    powers = (node.left for node in ast.walk(ast.parse(expression)) if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow))
+    powers = (
+        node.left
+        for node in ast.walk(ast.parse(expression))
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow)
+    )
     return {base.id for base in powers if isinstance(base, ast.Name)}
 
 

@@ -17,7 +17,7 @@ from drivesizer.report.derivation import step
 from drivesizer.report.operating import operating_field
 from drivesizer.report.sums import price_of, unknown_of
 from drivesizer.report.wording import cleaned, margin, short, use
-from drivesizer.results import Check, DriveSet, SizingResult, Validation
+from drivesizer.results import Check, DriveSet, SizingResult, Validation, worst
 from drivesizer.units import show
 
 __all__ = ["document"]
@@ -33,8 +33,7 @@ def document(result: SizingResult, validation: Validation | None) -> dict[str, A
     validation
         The closed loop, where it was simulated.
     """
-    sets = result.sets or result.misses
-    best = sets[0] if sets else None
+    best = next(iter((*result.sets, *result.misses)), None)
     return {
         **cleaned(_content(result, validation, best)),
         "header": cleaned(short(result.spec.name)),
@@ -55,8 +54,8 @@ def _content(result: SizingResult, validation: Validation | None, best: DriveSet
         "motor_sets": result.spec.load.driven_wheels,
         "best": _best(best) if best else None,
         "spec": _spec(result.spec.entered),
-        "wheel_steps": [_step(r) for r in result.requirements],
-        "motor_steps": [_step(r) for r in best.requirements] if best else [],
+        "wheel_steps": [step(r) for r in result.requirements],
+        "motor_steps": [step(r) for r in best.requirements] if best else [],
         "candidates": _candidates(result),
         "datasheets": datasheets(best, result.catalog) if best else [],
         "checks": [_check(c) for c in best.checks] if best else [],
@@ -67,14 +66,8 @@ def _content(result: SizingResult, validation: Validation | None, best: DriveSet
     }
 
 
-def _step(r: Any) -> dict[str, Any]:
-    made = step(r)
-    return {**made, "value_math": made.pop("value")}
-
-
 def _best(best: DriveSet) -> dict[str, Any]:
     price, price_over = price_of(best)
-    tight = sorted((c for c in best.checks if not isnan(c.margin)), key=lambda c: c.margin)
     failed = [c for c in best.checks if c.status == "fail" and isnan(c.margin)]
     return {
         "label": best.label,
@@ -86,16 +79,22 @@ def _best(best: DriveSet) -> dict[str, Any]:
         "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
         "price_of": " + ".join(price_over),
         "price_lacks": ", ".join(unknown_of(price_over)),
-        "tightest": [_check(c) for c in [*failed, *tight][:5]],
+        "tightest": [_check(c) for c in [*failed, *_tightest(best)][:5]],
         "failed": [c.title for c in best.checks if c.status == "fail"],
         "unknown": [c.title for c in best.checks if c.status == "unknown"],
     }
 
 
+def _tightest(s: DriveSet) -> list[Check]:
+    """Checks with a margin, the smallest first; what was kept small by choice says nothing and is left out."""
+    known = (c for c in s.checks if not isnan(c.margin) and not (c.by_choice and c.status == "pass"))
+    return sorted(known, key=lambda c: c.margin)
+
+
 def _parts(best: DriveSet) -> list[dict[str, str]]:
     motor, gearhead = best.motor, best.gearhead
     belt = f"{best.belt_ratio:g} : 1, efficiency {100 * best.belt_efficiency:.4g} %"
-    rows = [
+    rows: list[tuple[str, Any, str]] = [
         ("Motor", motor, f"{show(motor.assigned_power, 'W', 'power')}, {show(motor.nominal_voltage, 'V', 'voltage')}"),
         ("Gearhead", gearhead, f"{gearhead.reduction}, exactly {gearhead.ratio:.5g}"),
         ("Belt", None, belt),
@@ -122,7 +121,7 @@ def _check(c: Check) -> dict[str, Any]:
         "use": use(c.margin),
         "status": c.status,
         "at": "" if c.at_time is None else f"{c.at_time:.4g} s",
-        "note": c.note,
+        "note": c.note or ("so by choice: says nothing of the load" if c.by_choice and c.status == "pass" else ""),
     }
 
 
@@ -155,7 +154,8 @@ def _candidates(result: SizingResult) -> dict[str, Any]:
     return {
         "considered": counts.considered,
         "feasible": counts.feasible,
-        "sets": [_row(s) for s in result.sets or result.misses],
+        "sets": [_row(s) for s in (*result.sets, *result.misses)],
+        "fallen": len(result.misses),
         "fell": [{"title": TITLES.get(name, name), "count": n, "share": n / counts.considered} for name, n in fell],
         "relaxations": [[r.field, r.now, r.needed, r.set_label] for r in result.relaxations],
         "unrestricted": _best(other) if other else None,
@@ -163,7 +163,7 @@ def _candidates(result: SizingResult) -> dict[str, Any]:
 
 
 def _row(s: DriveSet) -> dict[str, Any]:
-    checks = sorted((c for c in s.checks if not isnan(c.margin)), key=lambda c: c.margin)
+    tight = worst(s.checks)
     failed = [c.title for c in s.checks if c.status == "fail"]
     price, _ = price_of(s)
     return {
@@ -173,10 +173,16 @@ def _row(s: DriveSet) -> dict[str, Any]:
         "ratio": f"{s.total_ratio:.4g}",
         "mass": show(s.mass, "g", "mass"),
         "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
-        "margin": margin(checks[0].margin) if checks else "",
-        "check": ", ".join(failed) if failed else checks[0].title if checks else "",
+        "margin": margin(tight.margin) if tight else "",
+        "check": _some(failed) if failed else tight.title if tight else "",
         "status": s.status,
     }
+
+
+def _some(titles: list[str], most: int = 2) -> str:
+    """The first of several titles, and how many more there are."""
+    more = len(titles) - most
+    return ", ".join(titles[:most]) + (f" and {more} more" if more > 0 else "")
 
 
 def _figures(result: SizingResult, validation: Validation | None, best: DriveSet | None) -> dict[str, Any]:
@@ -195,7 +201,10 @@ def _loop(v: Validation) -> dict[str, Any]:
              ("filter of the derivative", v.gains.filter_time, "s"), ("period", v.gains.period, "s"))  # fmt: skip
     figures_ = [{"title": f.title, "text": f.text, "at": "" if f.at_time is None else f"{f.at_time:.4g} s"}
                 for f in v.figures]  # fmt: skip
+    tight = worst(v.checks)
     return {
+        "tightest": f"{tight.title} {margin(tight.margin)}" if tight else "",
+        "unknown": ", ".join(c.title for c in v.checks if c.status == "unknown"),
         "label": v.drive_set.label,
         "profile": v.profile,
         "status": v.status,

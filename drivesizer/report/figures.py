@@ -26,7 +26,7 @@ COLOURS = {  # Okabe and Ito
     "blue": "#0072B2", "vermillion": "#D55E00", "green": "#009E73", "purple": "#CC79A7", "grey": "#555555",
 }  # fmt: skip
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 7.5,
     "axes.labelsize": 7.5,
@@ -100,10 +100,10 @@ def torque_speed(field: OperatingField) -> bytes:
     def draw(figure: Figure) -> None:
         axes = figure.add_subplot()
         unit = "mN*m" if field.stall_torque < 1.0 else "N*m"
-        torque = lambda value: float(from_si(value, unit, "torque"))  # noqa: E731
-        speed = lambda value: float(from_si(value, "rpm", "rotary_speed"))  # noqa: E731
-        stall, no_load, nominal = torque(field.stall_torque), speed(field.no_load_speed), torque(field.nominal_torque)
-        points = [(p.name, torque(p.torque), speed(p.speed)) for p in field.points]
+        stall, nominal = (float(from_si(t, unit, "torque")) for t in (field.stall_torque, field.nominal_torque))
+        no_load = float(from_si(field.no_load_speed, "rpm", "rotary_speed"))
+        points = [(p.name, float(from_si(p.torque, unit, "torque")), float(from_si(p.speed, "rpm", "rotary_speed")))
+                  for p in field.points]  # fmt: skip
         axes.plot([0, stall], [no_load, 0], color=COLOURS["blue"], label=f"no load to stall at {field.voltage:g} V")
         if nominal == nominal:
             reach = no_load * (1 - nominal / stall)
@@ -112,7 +112,9 @@ def torque_speed(field: OperatingField) -> bytes:
                       label=f"continuous, up to {nominal:.4g} {label(unit)}")  # fmt: skip
         _mark(axes, points, unit)
         left, right = min(0.0, *(t for _, t, _ in points)), max(stall, *(t for _, t, _ in points))
-        axes.set(xlim=(left - 0.04 * (right - left), right * 1.02), ylim=(0, 1.12 * max(no_load, *(n for *_, n in points))))
+        axes.set(
+            xlim=(left - 0.04 * (right - left), right * 1.02), ylim=(0, 1.12 * max(no_load, *(n for *_, n in points)))
+        )
         axes.axvline(0, color="black", linewidth=0.6)
         axes.set_xlabel(f"torque at the motor shaft ({label(unit)})")
         axes.set_ylabel("motor speed (rpm)")
@@ -148,7 +150,7 @@ def closed_loop(validation: Validation) -> bytes:
     def draw(figure: Figure) -> None:
         grid = figure.subplots(len(rows), len(shown), sharex="col", sharey="row", squeeze=False)
         for line, (names, title) in zip(grid, rows, strict=True):
-            kind, unit = validation.series_units[names[-1]]
+            _, unit = validation.series_units[names[-1]]
             line[0].set_ylabel(f"{title} ({label(unit)})")
             for axes, window in zip(line, shown, strict=True):
                 _traces(axes, validation, names, window)
@@ -164,10 +166,11 @@ def closed_loop(validation: Validation) -> bytes:
 
 
 def _traces(axes: Axes, validation: Validation, names: tuple[str, ...], window: Window) -> None:
-    looks = ((COLOURS["vermillion"], (0, (4, 2)), 1.0), (COLOURS["blue"], "solid", 1.2))
-    for name, (colour, dashes, width) in zip(names, looks[-len(names) :], strict=True):
+    looks = ((COLOURS["vermillion"], (0, (4, 3)), 1.0), (COLOURS["blue"], "solid", 1.4))
+    for layer, (name, (colour, dashes, width)) in enumerate(zip(names, looks[-len(names) :], strict=True)):
         kind, unit = validation.series_units[name]
         rows = thinned(validation.series["time"], validation.series[name], window)
-        axes.plot(validation.series["time"][rows], from_si(validation.series[name][rows], unit, kind), color=colour,
-                  linestyle=dashes, linewidth=width, label="reference" if name.endswith("reference") else name)  # fmt: skip
+        time, values = validation.series["time"][rows], from_si(validation.series[name][rows], unit, kind)
+        said = "reference" if name.endswith("reference") else name
+        axes.plot(time, values, color=colour, linestyle=dashes, linewidth=width, label=said, zorder=4 - layer)
     axes.set_xlim(window.start, window.end)

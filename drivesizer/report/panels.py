@@ -47,8 +47,12 @@ def windows(series: Mapping[str, NDArray[np.float64]]) -> list[Window]:
 
 
 def thinned(time: NDArray[np.float64], values: NDArray[np.float64], window: Window) -> NDArray[np.int64]:
-    """Rows of a window to draw: all when they are few, else the extremes of equal bins, so that no peak is lost."""
-    rows = np.flatnonzero((time >= window.start) & (time <= window.end))
+    """Rows of a window to draw: all when they are few, else the extremes of equal bins, so that no peak is lost.
+
+    The neighbours outside the window are among them: where nothing changes a record may have few samples.
+    """
+    first, last = np.searchsorted(time, [window.start, window.end])
+    rows = np.arange(max(first - 1, 0), min(last + 1, len(time)))
     size = -(-len(rows) // (_MOST // 2))
     if size <= 2:
         return rows

@@ -48,13 +48,16 @@ def report_pdf(result: SizingResult, validation: Validation | None) -> bytes:
 
     content = document(result, validation)
     data = json.dumps(content, ensure_ascii=False, allow_nan=False)
+    # Fonts of the machine only where ours lack letters: they would make the file depend on the machine.
+    fonts = typst.Fonts(
+        include_system_fonts=any(ord(letter) > _LAST_OWN_LETTER for letter in data),
+        font_paths=[str(Path(matplotlib.get_data_path()) / "fonts" / "ttf")],
+    )
     try:
         made: bytes = typst.compile(
             resources.files("drivesizer.report").joinpath("template.typ").read_bytes(),
             sys_inputs={"data": data},
-            font_paths=[Path(matplotlib.get_data_path()) / "fonts" / "ttf"],
-            # Fonts of the machine only where ours lack letters: they would make the file depend on the machine.
-            ignore_system_fonts=all(ord(letter) <= _LAST_OWN_LETTER for letter in data),
+            font_paths=fonts,
             format="pdf",
         )
     except RuntimeError as error:

@@ -43,7 +43,7 @@ def report_csv(result: SizingResult, validation: Validation | None) -> bytes:
 
 def _sections(result: SizingResult, validation: Validation | None) -> Iterator[Iterable[dict[str, Any]]]:
     yield (_requirement(r) for r in result.requirements)
-    for drive_set in result.sets or result.misses:
+    for drive_set in (*result.sets, *result.misses):
         rank = {"set_rank": drive_set.rank}
         yield ({**row, **rank} for row in _set(drive_set, result.objective))
         yield ({**_requirement(r), **rank} for r in drive_set.requirements)
@@ -83,7 +83,12 @@ def _check(section: str, c: Check) -> dict[str, Any]:
 
 
 def _set(s: DriveSet, objective: str) -> Iterator[dict[str, Any]]:
-    parts = {"motor": s.motor, "gearhead": s.gearhead, "encoder": s.encoder, "controller": s.controller}
+    parts: dict[str, Any] = {
+        "motor": s.motor,
+        "gearhead": s.gearhead,
+        "encoder": s.encoder,
+        "controller": s.controller,
+    }
     for name, part in parts.items():
         title = f"{part.manufacturer} {part.family}" if part else ""
         said = part.part if part else ""
@@ -143,8 +148,8 @@ def timeseries_csv(validation: Validation) -> bytes:
 
 
 def sets_csv(result: SizingResult) -> bytes:
-    """One row per set, or per nearest miss when none stands."""
-    sets = result.sets or result.misses
+    """One row per set, and per nearest miss where fewer stand than were asked for."""
+    sets = (*result.sets, *result.misses)
     checks = list(dict.fromkeys(c.name for s in sets for c in s.checks))
     heads = [*_SET_HEADS, "price_of", f"objective_{result.objective}_si", "smallest_margin", "smallest_margin_check"]
     return _encoded([*heads, *(f"margin_{name}" for name in checks)], (_set_row(s, checks) for s in sets))
@@ -180,6 +185,8 @@ def _encoded(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
 def _cell(value: Any) -> Any:
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else ""  # numpy's floats print as their constructor
-    if isinstance(value, str) and value.startswith(_FORMULA):
-        return f"'{value}"
-    return value
+    if not isinstance(value, str):
+        return value
+    # A lone carriage return would end the row for most readers, and the csv module does not quote it.
+    text = value.replace("\r\n", "\n").replace("\r", "\n")
+    return f"'{text}" if value.startswith(_FORMULA) else text

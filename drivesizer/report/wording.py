@@ -10,10 +10,12 @@ import math
 import re
 from typing import Any
 
+from drivesizer.report.derivation import MATHEMATICS
+
 __all__ = ["clean", "cleaned", "margin", "short", "use"]
 
 _BREAK = "\u200b"  # zero width space: a line may end here
-_LONG = 22  # letters of a word that fit every column
+_LONG = 40  # letters of a word that fit a line of text; narrower columns are minded by the template
 
 
 def clean(text: str) -> str:
@@ -39,7 +41,7 @@ def cleaned(value: Any) -> Any:
     return clean(value) if isinstance(value, str) else value
 
 
-_RAW = {"value_math", "printed", "used", "numbers", "svg"}  # made by us
+_RAW = {*MATHEMATICS, "svg"}  # made by us
 
 
 def short(text: str, longest: int = 60) -> str:

@@ -1,0 +1,47 @@
+# make run, make test: nothing but Python 3.11 or later (with pip) and make are needed.
+# Another Python: make PYTHON=python3.12 run
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+# One stamp per Python: another PYTHON makes the environment anew.
+READY := $(VENV)/.ready-$(notdir $(PYTHON))
+WHEEL := build/wheel
+
+.PHONY: run test lint wheel bench clean
+
+run: $(READY)
+	$(BIN)/drivesizer size examples/sps_robot.yaml
+
+test: $(READY)
+	$(BIN)/pytest
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+# The wheel, built out of the source archive, at work in an empty environment and in another folder.
+wheel: $(READY)
+	rm -rf dist $(WHEEL)
+	$(BIN)/python -m build --outdir dist > /dev/null
+	$(PYTHON) -m venv $(WHEEL)
+	$(WHEEL)/bin/pip install --quiet --disable-pip-version-check dist/*.whl
+	bin="$$PWD/$(WHEEL)/bin" && spec="$$PWD/examples/sps_robot.yaml" && away=$$(mktemp -d) && \
+	trap 'rm -rf "$$away"' EXIT && cd "$$away" && export DRIVESIZER_CACHE="$$away/cache" && \
+	cp "$$spec" robot.yaml && "$$bin/drivesizer" size --quiet && "$$bin/drivesizer" validate && \
+	"$$bin/drivesizer" report -o report.pdf && test -s report.pdf
+
+bench: $(READY)
+	$(BIN)/python benchmarks/size_start.py
+	$(BIN)/python benchmarks/catalog_load.py
+
+clean:
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(READY): pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "drivesizer needs Python 3.11 or later; try make PYTHON=python3.12")'
+	$(PYTHON) -m venv --clear $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev]'
+	touch $@

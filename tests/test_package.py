@@ -1,0 +1,173 @@
+"""What another program sees of the package, and what importing it costs."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from graphlib import TopologicalSorter
+from importlib import import_module, metadata, resources
+from pathlib import Path
+
+import pytest
+
+import drivesizer
+from drivesizer.spec import read_spec
+from drivesizer.yaml_source import YamlSource
+
+ROOT = Path(__file__).resolve().parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def modules_after(code: str) -> set[str]:
+    """The names of all modules that a fresh interpreter has loaded after some code."""
+    script = f"import sys\n{code}\nsys.stderr.write('\\n'.join(sys.modules))"
+    run = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=dict(os.environ)
+    )
+    return set(run.stderr.split())
+
+
+HEAVY = {"control", "matplotlib", "typst", "scipy.signal", "scipy.linalg", "scipy.integrate", "scipy.sparse"}
+
+
+def test_importing_the_package_loads_nothing_but_itself() -> None:
+    loaded = modules_after("import drivesizer")
+    assert loaded & (HEAVY | {"numpy", "pint", "pydantic", "typer", "rich", "yaml"}) == set()
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import drivesizer.cli",
+        "from drivesizer import load_spec, load_catalog, size",
+        "from drivesizer import load_spec, size; size(load_spec({spec!r}))",
+        "import drivesizer.cli; sys.argv = ['drivesizer', 'size', {spec!r}]\n"
+        "try: drivesizer.cli.main()\nexcept SystemExit: pass",
+    ],
+    ids=["command line", "names", "sizing", "drivesizer size"],
+)
+def test_sizing_loads_neither_control_nor_figures(code: str, example: Path) -> None:
+    assert modules_after(code.format(spec=str(example))) & HEAVY == set()
+
+
+def test_the_public_names() -> None:
+    assert drivesizer.__all__ == [
+        "CatalogError",
+        "DrivesizerError",
+        "InputError",
+        "RobotSpec",
+        "SizingResult",
+        "load_catalog",
+        "load_spec",
+        "size",
+        "validate",
+    ]
+
+
+@pytest.mark.parametrize("name", drivesizer.__all__)
+def test_every_public_name_is_there_and_described(name: str) -> None:
+    assert getattr(drivesizer, name).__doc__
+    assert name in dir(drivesizer)
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="has no attribute 'sise'"):
+        drivesizer.sise  # noqa: B018
+
+
+def _modules() -> list[str]:
+    package = Path(drivesizer.__file__).parent
+    paths = (path.relative_to(package.parent).with_suffix("") for path in package.rglob("*.py"))
+    return sorted(".".join(path.parts).removesuffix(".__init__") for path in paths if path.name != "__main__")
+
+
+@pytest.mark.parametrize("name", _modules())
+def test_every_module_says_what_it_offers(name: str) -> None:
+    module = import_module(name)
+    assert module.__doc__
+    for public in module.__all__:
+        assert hasattr(module, public), f"{name}.{public}"
+
+
+def _imports(name: str) -> set[str]:
+    """The package's own modules that one of them imports, also inside functions."""
+    tree = ast.parse(Path(str(import_module(name).__file__)).read_text(encoding="utf-8"))
+    found: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+    return (found & set(_modules())) - {name, "drivesizer"}  # the package itself only gives its version
+
+
+def test_nothing_points_backwards() -> None:
+    """Imports have a direction: no module is reached again from what it imports."""
+    graph = {name: _imports(name) for name in _modules() if name != "drivesizer"}
+    assert graph["drivesizer.sizing"] >= {"drivesizer.search", "drivesizer.paper"}
+    order = list(TopologicalSorter(graph).static_order())  # raises CycleError
+    assert order.index("drivesizer.errors") < order.index("drivesizer.units") < order.index("drivesizer.cli")
+
+
+def test_the_version_is_one() -> None:
+    assert "version" in PROJECT["project"]["dynamic"]
+    assert metadata.version("drivesizer") == drivesizer.__version__
+    assert re.search(rf"^## {re.escape(drivesizer.__version__)}\b", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert f"\nversion: {drivesizer.__version__}\n" in (ROOT / "CITATION.cff").read_text()
+
+
+def test_what_ships_beside_the_code() -> None:
+    package = resources.files("drivesizer")
+    assert (package / "py.typed").is_file()  # type checkers read our types
+    assert (package / "units.txt").is_file()
+    assert PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]["catalogs"] == "drivesizer/catalogs"
+
+
+def test_errors_that_the_user_can_mend_are_value_errors() -> None:
+    assert issubclass(drivesizer.InputError, drivesizer.DrivesizerError) and issubclass(
+        drivesizer.InputError, ValueError
+    )
+    assert issubclass(drivesizer.CatalogError, drivesizer.DrivesizerError)
+    assert issubclass(drivesizer.CatalogError, ValueError)
+    assert not issubclass(drivesizer.CatalogError, drivesizer.InputError)
+
+
+# --- what the README promises --------------------------------------------------------------------------------------
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def _blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
+
+
+def test_the_spec_in_the_readme_finds_a_drive() -> None:
+    (text,) = _blocks("yaml")
+    assert drivesizer.size(read_spec(YamlSource(text, "README.md"))).sets[0].status == "pass"
+
+
+def test_the_python_in_the_readme_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    (text,) = _blocks("python")
+    monkeypatch.chdir(ROOT)
+    exec(text, {})
+    comments = [line.split("# ", 1)[1] for line in text.splitlines() if line.startswith("print")]
+    assert capsys.readouterr().out.splitlines() == comments
+
+
+def test_every_command_is_in_the_readme_and_every_command_in_the_readme_is_there() -> None:
+    from drivesizer.cli import app
+
+    there = {command.name or command.callback.__name__ for command in app.registered_commands if command.callback}
+    assert set(re.findall(r"^drivesizer ([a-z]+)", README, re.MULTILINE)) == there
+
+
+def test_the_output_in_the_readme_is_what_the_program_prints() -> None:
+    (shown,) = _blocks("text")
+    command = [sys.executable, "-m", "drivesizer", "size", "examples/sps_robot.yaml", "--quiet"]
+    environment = {**os.environ, "COLUMNS": "80", "PYTHONIOENCODING": "utf-8"}
+    run = subprocess.run(command, capture_output=True, check=True, cwd=ROOT, env=environment, encoding="utf-8")
+    assert [line.rstrip() for line in run.stdout.splitlines()] == shown.splitlines()

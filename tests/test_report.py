@@ -1,0 +1,279 @@
+"""Reports: what they say is what was found, hostile text stays text, and a file is whole or untouched."""
+
+import csv
+import io
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from math import isnan, nan
+from pathlib import Path
+
+import pytest
+from test_figures import synthetic_validation
+
+from drivesizer.errors import InputError
+from drivesizer.report import pdf, tables, write, write_series, write_sets
+from drivesizer.report.derivation import step
+from drivesizer.report.files import put
+from drivesizer.report.sums import price_of
+from drivesizer.results import SizingResult
+from drivesizer.sizing import size
+from drivesizer.spec import RobotSpec, read_spec
+from drivesizer.yaml_source import read
+
+HOSTILE = '#import "x" $y$ *b* \\ <a> "q"'
+
+
+@pytest.fixture(scope="module")
+def result(spec: RobotSpec) -> SizingResult:
+    return size(spec)
+
+
+def changed(text: str, folder: Path, *pairs: tuple[str, str]) -> RobotSpec:
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    path = folder / "robot.yaml"
+    path.write_text(text, encoding="utf-8")
+    return read_spec(read(path))
+
+
+def rows_of(content: bytes) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(content.decode(), newline="")))
+
+
+def text_of(content: bytes) -> str:
+    """The text of a PDF, runs of white space as one blank."""
+    import pypdf
+
+    pages = pypdf.PdfReader(io.BytesIO(content)).pages
+    return re.sub(r"\s+", " ", " ".join(page.extract_text() for page in pages)).replace("\u200b", "")
+
+
+# -- CSV
+
+
+def test_csv_read_back_has_every_number_of_the_result(result):
+    rows = rows_of(tables.report_csv(result, None))
+    wheel = {r["name"]: r for r in rows if r["section"] == "requirement" and not r["set_rank"]}
+    for r in result.requirements:
+        row = wheel[r.name]
+        assert float(row["si_value"]) == float(r.value)  # every digit
+        assert float(row["value"]) == r.shown
+        assert row["equation"] == str(r.equation or "")
+    checks = {r["name"]: r for r in rows if r["section"] == "check" and r["set_rank"] == "1"}
+    for c in result.sets[0].checks:
+        row = checks[c.name]
+        for cell, figure in (("si_value", c.demand), ("si_limit", c.limit), ("margin", c.margin)):
+            assert row[cell] == "" if isnan(figure) else float(row[cell]) == figure
+        assert row["status"] == c.status
+    assert {r["set_rank"] for r in rows} == {"", *(str(s.rank) for s in (*result.sets, *result.misses))}
+
+
+def test_csv_shows_the_units_of_the_trade(result):
+    rows = {r["name"]: r for r in rows_of(tables.report_csv(result, None)) if r["set_rank"] in ("", "1")}
+    # EQUATIONS.md: n_nom = 208.865 rpm; the set of the paper
+    assert rows["nominal_speed"]["unit"] == "rpm"
+    assert float(rows["nominal_speed"]["value"]) == pytest.approx(208.865, abs=0.0005)
+    assert (rows["motor"]["value"], rows["gearhead"]["value"]) == ("118752", "406764")
+    assert rows["price"]["note"] == "sum of gearhead"
+
+
+def test_time_series_beside_the_table(result, tmp_path):
+    validation = synthetic_validation(result)
+    written = write(result, validation, tmp_path / "report.csv")
+    assert [path.name for path in written] == ["report.csv", "report-timeseries.csv"]
+    raw = written[1].read_bytes()
+    assert b"\r" not in raw
+    rows = rows_of(raw)
+    assert list(rows[0])[:2] == ["time (s)", "speed_reference (m/s)"]
+    assert "motor_speed (rpm)" in rows[0]
+    assert [float(r["current (A)"]) for r in rows] == validation.series["current"].tolist()
+    table = [r for r in rows_of(written[0].read_bytes()) if r["section"] == "validation"]
+    assert {r["name"]: r["status"] for r in table}["winding"] == "unknown"
+    assert {r["name"]: r["si_limit"] for r in table}["winding"] == ""
+    assert {r["name"]: r["at_time_s"] for r in table}["current"] == "1.98"
+    alone = write_series(validation, tmp_path / "alone.csv")
+    assert alone[0].read_bytes() == raw
+
+
+def test_sets_in_rows(result, tmp_path):
+    (path,) = write_sets(result, tmp_path / "sets.csv")
+    rows = rows_of(path.read_bytes())
+    assert len(rows) == len(result.sets) + len(result.misses)
+    best = result.sets[0]
+    assert (rows[0]["rank"], rows[0]["status"], rows[0]["motor_part"]) == ("1", "pass", best.motor.part)
+    assert float(rows[0]["total_ratio"]) == best.total_ratio
+    for check in best.checks:
+        cell = rows[0][f"margin_{check.name}"]
+        assert cell == "" if isnan(check.margin) else float(cell) == check.margin
+    assert rows[0]["smallest_margin_check"] == "speed_constant"  # what was kept small by choice does not count
+
+
+@pytest.mark.parametrize("start", ["=", "+", "-", "@", "\t", "\r"])
+def test_no_cell_of_text_is_a_formula(result, start):
+    best = result.sets[0]
+    hostile = replace(best, motor=replace(best.motor, family=f"{start}1+1", part=f"{start}HYPERLINK()"))
+    content = tables.sets_csv(replace(result, sets=(hostile,), misses=()))
+    row = rows_of(content)[0]
+    start = start.replace("\r", "\n")  # line ends have one form
+    assert row["motor_family"] == f"'{start}1+1"
+    assert row["motor_part"] == f"'{start}HYPERLINK()"
+
+
+def test_negative_numbers_stay_numbers(result):
+    rows = {r["name"]: r for r in rows_of(tables.report_csv(result, None)) if not r["set_rank"]}
+    assert float(rows["deceleration_torque"]["value"]) < 0
+
+
+def test_a_price_sums_what_is_known(result):
+    best = result.sets[0]
+    known = replace(best, motor=replace(best.motor, price=100.0), gearhead=replace(best.gearhead, price=27.5))
+    assert price_of(known) == (127.5, ("motor", "gearhead"))
+    nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None, controller=None)
+    assert isnan(price_of(nothing)[0])
+
+
+# -- PDF
+
+
+def test_pdf_says_what_was_found_and_has_the_same_bytes_each_time(result, tmp_path):
+    validation = synthetic_validation(result)
+    (path,) = write(result, validation, tmp_path / "report.pdf")
+    content = path.read_bytes()
+    assert content.startswith(b"%PDF")
+    assert pdf.report_pdf(result, validation) == content
+    assert b"CreationDate" not in content
+    text, best = text_of(content), result.sets[0]
+    for part in (best.motor, best.gearhead, best.encoder, best.controller):
+        assert part is not None and part.part in text
+    for number in (*range(1, 4), *range(5, 21)):  # the spec gives C_rr: no (4)
+        assert f"({number})" in text
+    for said in (
+        "A set was found",
+        "208.9",
+        "337.3",
+        "secondary",
+        "derived",
+        "recalled",
+        "Kessler 1955",
+        "drivesizer 0",
+    ):
+        assert said in text
+    assert "fails the unit check" in text
+    assert next(iter(result.catalog.digests.values())) in text
+    assert "# assumed: rubber on concrete" in text  # the spec file, comments included
+
+
+def test_hostile_text_is_printed_letter_by_letter(example_text, tmp_path):
+    spec = changed(example_text, tmp_path, ("name: SPS surveillance robot", f"name: '{HOSTILE}'"))
+    result = size(spec)
+    best = result.sets[0]
+    named = replace(best, motor=replace(best.motor, family='#eval("1+1") `raw` $x$ @ref'))
+    text = text_of(pdf.report_pdf(replace(result, sets=(named,)), None))
+    assert HOSTILE in text
+    assert '#eval("1+1") `raw` $x$ @ref' in text
+
+
+def test_a_report_without_a_set_names_the_nearest_misses(example_text, tmp_path):
+    long_name = "a name of some length " * 3 + "W" * 100
+    spec = changed(
+        example_text,
+        tmp_path,
+        ("speed: 1.5 m/s", "speed: 9 m/s"),
+        ("name: SPS surveillance robot", f"name: {long_name}"),
+    )
+    result = size(spec)
+    assert not result.sets
+    text = text_of(pdf.report_pdf(result, None))
+    assert "No set." in text
+    assert result.misses[0].motor.part in text
+    assert "What would have to move" in text
+
+
+def test_letters_of_other_scripts_and_control_characters_do_no_harm(result):
+    named = result.spec.model_copy(update={"name": "測試 робот 😀 \x00\x1b[31m \u202e"})
+    content = pdf.report_pdf(replace(result, spec=named), None)
+    assert "робот" in text_of(content)
+    assert "\\x1b[31m" in text_of(content)
+
+
+def test_nothing_to_look_at_at_all(result):
+    empty = replace(result.counts, considered=0, feasible=0, failed_by={})
+    bare = replace(result, sets=(), misses=(), counts=empty, unrestricted=None)
+    assert "no pair of motor and gearhead" in text_of(pdf.report_pdf(bare, None))
+    assert tables.report_csv(bare, None)
+
+
+def test_every_requirement_has_its_numbers_put_in(result):
+    for r in (*result.requirements, *result.sets[0].requirements):
+        if r.declared is not None:
+            made = step(r)
+            assert made["numbers"] and made["result"]
+            assert bool(made["failure"]) == (r.equation in (10, 20))
+    made = {r.name: step(r) for r in result.requirements}
+    assert made["rms_torque"]["numbers"].count("(-2.855 thin") == 1  # a negative figure under a square has brackets
+    assert made["wheel_mass"]["numbers"].count('(0.0762 thin "m")^(2)') == 1
+
+
+# -- files
+
+
+def test_an_unknown_kind_is_named_with_the_known_ones(result, tmp_path):
+    with pytest.raises(InputError, match=r'"report\.docx".*\.csv or \.pdf'):
+        write(result, None, tmp_path / "report.docx")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_failing_render_leaves_the_older_file_alone(result, tmp_path, monkeypatch):
+    path = tmp_path / "report.pdf"
+    path.write_bytes(b"older")
+    monkeypatch.setattr(pdf, "document", lambda *_: {"name": "no template can set this"})
+    with pytest.raises(pdf.ReportError, match="could not be set"):
+        write(result, None, path)
+    assert path.read_bytes() == b"older"
+    assert [p.name for p in tmp_path.iterdir()] == ["report.pdf"]
+
+
+def test_a_target_that_cannot_be_written(result, tmp_path):
+    with pytest.raises(InputError, match="there is no folder"):
+        write(result, None, tmp_path / "missing" / "report.csv")
+    (tmp_path / "taken.csv").mkdir()
+    with pytest.raises(InputError, match="it is a folder"):
+        write_sets(result, tmp_path / "taken.csv")
+    assert [p.name for p in tmp_path.iterdir()] == ["taken.csv"]
+
+
+def test_no_file_changes_when_one_of_several_cannot_be_written(tmp_path, monkeypatch):
+    first, second = tmp_path / "a.csv", tmp_path / "b.csv"
+    first.write_bytes(b"older")
+    real = Path.open
+
+    def refuse(path, *args, **kwargs):
+        if path.name.endswith("-1.part"):
+            raise PermissionError(13, "Permission denied")
+        return real(path, *args, **kwargs)
+
+    monkeypatch.setattr(Path, "open", refuse)
+    with pytest.raises(InputError, match=r"b\.csv: cannot be written \(permission denied\)"):
+        put({first: b"new", second: b"new"})
+    assert first.read_bytes() == b"older"
+    assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (tmp_path / "real.csv").write_bytes(b"older")
+    link = tmp_path / "link.csv"
+    try:
+        link.symlink_to(tmp_path / "real.csv")
+    except OSError:
+        pytest.skip("no links here")
+    put({link: b"new"})
+    assert link.is_symlink() and (tmp_path / "real.csv").read_bytes() == b"new"
+
+
+def test_csv_and_the_package_load_neither_matplotlib_nor_typst():
+    code = "import sys, drivesizer.report, drivesizer.report.tables; print({'matplotlib', 'typst'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"

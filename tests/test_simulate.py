@@ -1,0 +1,421 @@
+"""The closed loop: closed forms, an independent integrator, linear theory, energy, and verdicts in plain words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from math import nan
+
+import control
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from drivesizer import march as marching
+from drivesizer.control_design import analyse, design, effective_delay, open_loop
+from drivesizer.errors import InputError
+from drivesizer.motion import Motion
+from drivesizer.plant import DriveTrain, Regime, drive_train, modes
+from drivesizer.profile import Profile
+from drivesizer.simulate import validate
+from drivesizer.sizing import explain
+
+PERIOD = 4e-4  # s, of the EPOS4's speed loop
+
+
+@pytest.fixture(scope="module")
+def chosen(spec, catalog):
+    """The paper's set: RE 25 20 W 24 V, GP 26 A 27:1, MR, EPOS4 Compact 50/5 CAN."""
+    return explain(spec, "118752", "406764", catalog=catalog)[0]
+
+
+@pytest.fixture(scope="module")
+def proof(spec, chosen):
+    return validate(spec, chosen)
+
+
+def changed(spec, section, **figures):
+    return spec.model_copy(update={section: getattr(spec, section).model_copy(update=figures)})
+
+
+def check(proof, name):
+    return next(c for c in proof.checks if c.name == name)
+
+
+def figure(proof, name):
+    return next(f.value for f in proof.figures if f.name == name)
+
+
+def finite(proof):
+    """Nothing but an unknown limit, and a figure that does not exist, may be no number."""
+    return all(np.isfinite(column).all() for column in proof.series.values())
+
+
+def train_of(**figures):
+    """A drive train with ratio and efficiencies far from 1."""
+    given = {
+        "resistance": 2.0, "inductance": 1e-9, "torque_constant": 0.05, "friction": 0.0, "motor_inertia": 2e-5,
+        "gear_ratio": 7.0, "gear_efficiency": 0.8, "belt_ratio": 1.3, "belt_efficiency": 0.9, "turning_inertia": 1e-3,
+        "mass": 8.0, "radius": 0.1, "forward_torque": 0.0, "backward_torque": 0.0, "slope_torque": 0.0,
+    }  # fmt: skip
+    return DriveTrain(**(given | figures))
+
+
+# --- the machine against closed forms
+
+
+def test_voltage_step_rises_like_first_order():
+    train, volts = train_of(), 10.0
+    motion = Motion(train, PERIOD)
+    load = (1e-3 + 8.0 * 0.1**2) / (7.0 * 1.3) ** 2 / (0.8 * 0.9)  # seen through the gears, their loss included
+    tau = 2.0 * (2e-5 + load) / 0.05**2
+    late = PERIOD / 16  # a start from rest is met to a sixteenth of a period
+    for n in range(1, 5001):
+        motion.advance(volts, n * PERIOD)
+        if n % 500 == 0:
+            expected, slope = (
+                volts / 0.05 * f for f in (-math.expm1(-n * PERIOD / tau), math.exp(-n * PERIOD / tau) / tau)
+            )
+            assert motion.w == pytest.approx(expected, abs=1.01 * slope * late)  # 5 mrad/s of 200 at most
+    assert 1.5 * tau < 5000 * PERIOD
+
+
+def test_steady_speed_is_no_load_speed_less_what_drag_takes():
+    train = train_of(friction=2e-3, forward_torque=0.3, backward_torque=-0.3)
+    motion = Motion(train, PERIOD)
+    for n in range(100_000):
+        motion.advance(10.0, n * PERIOD)
+    drag = 2e-3 + 0.3 / (7.0 * 1.3 * 0.8 * 0.9)
+    assert motion.w == pytest.approx((10.0 - 2.0 * drag / 0.05) / 0.05, abs=1e-5)  # rad/s
+    assert motion.i == pytest.approx(drag / 0.05, abs=1e-6)
+
+
+@pytest.mark.parametrize("amperes", [0.99, -0.99, 1.01, -1.01])
+def test_breakaway(amperes):
+    train = train_of(friction=2e-3, forward_torque=0.5, backward_torque=-0.1)
+    up = (2e-3 + 0.5 / (7.0 * 1.3 * 0.8 * 0.9)) / 0.05
+    down = (2e-3 + 0.1 / (7.0 * 1.3 * 0.8 * 0.9)) / 0.05
+    motion = Motion(train, PERIOD)
+    volts = amperes * (up if amperes > 0 else down) * 2.0  # R i
+    for n in range(50):
+        motion.advance(volts, n * PERIOD)
+    assert np.sign(motion.w) == (0 if abs(amperes) < 1.0 else np.sign(amperes))
+
+
+def test_steep_slope_is_not_held_by_friction_and_rolls_back():
+    train = train_of(friction=2e-3, forward_torque=3.2, backward_torque=2.8, slope_torque=3.0)
+    motion = Motion(train, PERIOD)
+    assert motion.i == pytest.approx(3.0 / (7.0 * 1.3) / 0.05)  # the start: the weight is held, ideally
+    for n in range(100_000):
+        motion.advance(0.0, n * PERIOD)
+    braking = (2.8 * 0.8 * 0.9 / (7.0 * 1.3) - 2e-3) / 0.05  # the weight drives the shorted motor
+    assert motion.regime == Regime.BACKWARD_BRAKING
+    assert motion.i == pytest.approx(braking, abs=1e-6)
+    assert motion.w == pytest.approx(-2.0 * braking / 0.05, abs=1e-6)
+
+
+def saturated(chosen, train, volts, times):
+    """Current and speed at times after a voltage is switched on at rest: friction, then the driving load."""
+    R, L, k = train.resistance, train.inductance, train.torque_constant
+    K, e = train.ratio, train.efficiency
+    J = train.motor_inertia + train.load_inertia / (K * K * e)
+    drag = k * chosen.motor.no_load_current + train.forward_torque / (K * e)
+    away = -L / R * math.log(1.0 - drag / k * R / volts)  # the current reaches the drag
+
+    def rhs(_, state):
+        i, w = state
+        return (volts - R * i - k * w) / L, (k * i - drag) / J
+
+    found = solve_ivp(rhs, (away, times[-1]), (drag / k, 0.0), "Radau", times, rtol=1e-11, atol=1e-12)
+    return found.y
+
+
+def test_saturated_start_against_an_integrator(spec, chosen):
+    free = replace(chosen, controller=replace(chosen.controller, peak_current=1000.0))
+    proof = validate(spec, free, profile=Profile("step", (0.0, 1e-3, 0.05), (0.0, 4.0, 4.0)))
+    train, _ = drive_train(spec, free, PERIOD)
+    volts = 0.9 * (22.0 - 1.0)
+    on = np.flatnonzero(np.isclose(proof.series["voltage"], volts))
+    first, last = on[0], on[-1]
+    assert np.all(np.diff(on) == 1) and last - first > 100
+    rows = slice(first + 1, last + 1)
+    # before, the samples asked for some volts already: the comparison starts where those had not moved it
+    assert proof.series["speed"][first] < 1e-4
+    times = proof.series["time"][rows] - proof.series["time"][first]
+    current, speed = saturated(chosen, train, volts, times)
+    late = times > 0.005  # what came before has died away in the current, not in the speed
+    assert proof.series["speed"][rows][late] * train.motor_per_speed == pytest.approx(speed[late], abs=0.05)  # rad/s
+    assert proof.series["speed"][rows][late] == pytest.approx(speed[late] / train.motor_per_speed, abs=1e-4)  # m/s
+    assert proof.series["current"][rows][late] == pytest.approx(current[late], abs=1e-3)  # A of 8
+
+
+def test_limits_hold(spec, chosen):
+    weak = replace(chosen, controller=replace(chosen.controller, peak_current=3.0))
+    proof = validate(spec, weak, profile=Profile("steep", (0.0, 0.2, 0.6, 0.8, 1.0), (0.0, 1.5, 1.5, -1.5, -1.5)))
+    assert np.abs(proof.series["voltage"]).max() <= 0.9 * (22.0 - 1.0)
+    assert np.abs(proof.series["current"]).max() == pytest.approx(
+        3.0, abs=1e-3
+    )  # A: the power may turn within a period
+    assert check(proof, "controller_peak_current").status == "fail"
+    assert figure(proof, "current_limitation") > 0.1
+
+
+# --- the loop against linear theory
+
+
+def test_unsaturated_loop_is_the_sampled_linear_loop(spec, chosen):
+    asked = Profile("small", (0.0, 0.05, 0.15, 0.4), (1.0, 1.0, 1.02, 1.02))
+    proof = validate(spec, chosen, profile=asked)
+    train, _ = drive_train(spec, chosen, PERIOD)
+    loop = open_loop(train, modes(train)[Regime.FORWARD_DRIVING], proof.gains)
+    time = np.arange(1001) * PERIOD
+    change = (np.interp(time, asked.time, asked.speed) - 1.0) * train.motor_per_speed
+    linear = control.forced_response(control.feedback(loop, 1), time, change).outputs
+    kept = np.rint(proof.series["time"] / PERIOD).astype(int)  # carried stretches leave samples out
+    assert len(kept) > 250
+    assert proof.series["motor_speed"] - train.motor_per_speed == pytest.approx(linear[kept], abs=1e-8)  # rad/s
+
+
+def test_gains_by_the_rule(spec, chosen):
+    train, _ = drive_train(spec, chosen, PERIOD)
+    gains = design(changed(spec, "control", bandwidth=20.0), train, PERIOD)
+    inertia = 1.08e-6 + 5.4e-8 + train.load_inertia / (train.ratio**2 * 0.8 * 0.95)
+    mechanical, electrical = 2.32 * inertia / 0.0234**2, 0.238e-3 / 2.32
+    tau_c, delay = 1.0 / (2 * math.pi * 20.0), electrical / 2 + 1.5 * PERIOD
+    # the fast root of the motor's two is its electrical time constant but for a part in 4000
+    assert gains.kp == pytest.approx(0.0234 * mechanical / (tau_c + delay), rel=1e-3)
+    assert gains.kp / gains.ki == pytest.approx(4 * (tau_c + delay), rel=1e-3)
+    assert "SIMC" in gains.rule and "Skogestad" in gains.source
+
+
+def test_half_rule_of_complex_roots_keeps_their_sum():
+    train = train_of(inductance=1.0)
+    lag, delay = effective_delay(train, modes(train)[Regime.FORWARD_DRIVING], PERIOD)
+    mechanical = 2.0 * modes(train)[Regime.FORWARD_DRIVING].inertia / 0.05**2
+    assert (lag, delay) == pytest.approx((0.75 * mechanical, 0.25 * mechanical + 1.5 * PERIOD))
+
+
+def test_gain_margin_is_where_the_loop_becomes_unstable(spec, chosen):
+    train, _ = drive_train(spec, chosen, PERIOD)
+    gains = design(spec, train, PERIOD)
+    margin = analyse(train, gains).gain_margin
+    for factor, stable in ((0.999, True), (1.001, False)):
+        higher = replace(gains, kp=gains.kp * margin * factor, ki=gains.ki * margin * factor)
+        assert analyse(train, higher).stable is stable
+
+
+def test_bandwidth_asked_for_is_reached_or_refused(spec, chosen):
+    assert check(validate(changed(spec, "needs", bandwidth=20.0), chosen), "bandwidth").status == "pass"
+    assert check(validate(changed(spec, "needs", bandwidth=2000.0), chosen), "bandwidth").status == "fail"
+    with pytest.raises(InputError, match=r"control\.bandwidth: 2000 Hz is faster .* expected at most"):
+        validate(changed(spec, "control", bandwidth=2000.0), chosen)
+
+
+# --- energy and time
+
+
+@pytest.mark.parametrize("degrees", [0.0, 2.0, -6.0])
+def test_energy_balance(spec, chosen, degrees):
+    """Electrical work = copper + friction + gears + work on the load, to 0.1 % of what is turned over."""
+    hilly = changed(changed(spec, "load", slope=math.radians(degrees)), "motion", cruise_time=1.0, rest_time=0.5)
+    proof = validate(hilly, chosen)
+    train, s = drive_train(hilly, chosen, PERIOD)[0], proof.series
+    wheel = s["motor_speed"] / train.ratio
+    driving = s["gearhead_torque"] * wheel > 0.0
+    at_wheel = s["gearhead_torque"] * 1.1 * np.where(driving, 0.95, 1 / 0.95)
+    gears = np.abs(at_wheel * wheel) * np.where(driving, 1 / (0.8 * 0.95) - 1, 1 - 0.8 * 0.95)
+    resistance = train.forward_torque * wheel  # it never goes backward
+    lost = {
+        "copper": figure(proof, "rms_current") ** 2 * 2.32 * s["time"][-1],
+        "friction": np.trapezoid(0.0234 * 0.0369 * s["motor_speed"], s["time"]),
+        "gears": np.trapezoid(gears, s["time"]),
+        "load": np.trapezoid(resistance, s["time"]),
+    }
+    electrical = (figure(proof, "energy_in") - figure(proof, "energy_returned")) / 4
+    assert s["speed"].min() > -1e-3  # m/s, a stop overshoots a little
+    assert electrical == pytest.approx(sum(lost.values()), abs=1e-3 * sum(map(abs, lost.values())))
+
+
+def test_a_steady_stretch_that_is_carried_is_as_good_as_one_that_is_marched(spec, chosen, monkeypatch):
+    short = changed(spec, "motion", cruise_time=3.0, rest_time=1.0)
+    carried = validate(short, chosen)
+    monkeypatch.setattr(marching, "_STEADY", -1.0)  # nothing is ever steady
+    marched = validate(short, chosen)
+    assert len(marched.series["time"]) > 1.2 * len(carried.series["time"])
+    for name in ("rms_current", "tracking_error_rms", "energy_in", "energy_returned"):
+        assert figure(carried, name) == pytest.approx(figure(marched, name), rel=1e-9)
+    for a, b in zip(carried.checks, marched.checks, strict=True):
+        assert a.demand == pytest.approx(b.demand, rel=1e-9, nan_ok=True)
+
+
+def test_long_marches_keep_few_rows_and_are_bounded(spec, chosen, monkeypatch):
+    saw = Profile("saw", tuple(0.5 * n for n in range(9)), tuple(1.0 + n % 2 for n in range(9)))
+    monkeypatch.setattr(marching, "_MOST_ROWS", 400)
+    proof = validate(spec, chosen, profile=saw)
+    assert 200 < len(proof.series["time"]) <= 402
+    assert np.all(np.diff(proof.series["time"]) > 0.0)
+    monkeypatch.setattr(marching, "_MOST_STEPS", 9000)
+    with pytest.raises(InputError, match="more than 9000 control periods"):
+        validate(spec, chosen, profile=saw)
+
+
+# --- verdicts
+
+
+def test_the_paper_s_drive_passes(proof):
+    """The paper's conclusion of section 3.1.5: the motor does not reach its limits."""
+    assert proof.status == "pass"
+    by_status = {s: {c.name for c in proof.checks if c.status == s} for s in ("pass", "fail", "unknown")}
+    assert by_status["unknown"] == {"motor_speed", "winding_temperature"}  # RE 25: not in the catalogue
+    assert not by_status["fail"]
+    assert {"supply_voltage", "controller_peak_current", "gearhead_intermittent_torque", "encoder_speed"} < by_status[
+        "pass"
+    ]
+    assert any(w.startswith("unknown: ") and "Winding temperature" in w for w in proof.warnings)
+    assert check(proof, "supply_voltage").limit == pytest.approx(0.9 * (22.0 - 1.0))
+    assert finite(proof)
+
+
+def test_the_paper_s_drive_in_steady_state(proof):
+    """Cruise by hand: speed from the wheel, current from resistance through the gears and no-load current."""
+    ratio = 3249 / 121 * 1.1
+    speed = 1.5 / 0.0762 * ratio
+    torque = 0.02 * 45 * 9.80665 * 0.0762 / 0.95 / 4
+    current = torque / (ratio * 0.8 * 0.95) / 0.0234 + 0.0369
+    cruise = int(np.searchsorted(proof.series["time"], 241.999)) - 1
+    assert proof.series["motor_speed"][cruise] == pytest.approx(speed, abs=1e-6)
+    assert proof.series["current"][cruise] == pytest.approx(current, abs=1e-6)
+    assert proof.series["voltage"][cruise] == pytest.approx(2.32 * current + 0.0234 * speed, abs=1e-6)
+    assert proof.series["gearhead_torque"][cruise] == pytest.approx(torque / 1.1 / 0.95, abs=1e-6)
+    lines = check(proof, "encoder_frequency")
+    assert lines.demand == pytest.approx(500 * speed / (2 * math.pi), rel=2e-3)  # a slight overshoot
+
+
+def test_series_have_their_units(proof):
+    assert list(proof.series) == list(proof.series_units)
+    assert next(iter(proof.series)) == "time"
+    assert proof.series["time"][-1] == pytest.approx(244.0)
+    assert len({len(column) for column in proof.series.values()}) == 1
+
+
+@pytest.mark.parametrize(
+    ("section", "figures", "failed"),
+    [
+        pytest.param("motion", {"acceleration_time": 0.05}, "tracking_error", id="too steep"),
+        pytest.param("motion", {"speed": 3.0}, "supply_voltage", id="too fast"),
+        pytest.param("load", {"slope": math.radians(12.0)}, "motor_nominal_current", id="too steep a slope"),
+        pytest.param("load", {"friction_coefficient": 0.1}, "traction", id="slips"),
+        pytest.param("supply", {"current": 4.0}, "supply_current", id="battery too small"),
+        pytest.param("control", {"kp": 0.0}, "tracking_error", id="no gains"),
+    ],
+)
+def test_what_fails(spec, chosen, section, figures, failed):
+    proof = validate(changed(spec, section, **figures), chosen)
+    assert proof.status == "fail"
+    assert check(proof, failed).status == "fail"
+    assert finite(proof)
+
+
+def test_a_weak_motor_says_that_the_voltage_does_not_suffice(spec, chosen):
+    proof = validate(spec, replace(chosen, motor=replace(chosen.motor, resistance=60.0)))
+    assert proof.status == "fail"
+    assert any("does not follow" in w and "the voltage does not suffice" in w for w in proof.warnings)
+    assert finite(proof)
+
+
+@pytest.mark.parametrize("gains", [{"kp": 60.0}, {"kp": 1e9, "ki": 1e9, "kd": 1e9}, {"kp": 0.0, "ki": 1e5}])
+def test_unstable_gains_end_in_words(spec, chosen, gains):
+    proof = validate(changed(changed(spec, "control", **gains), "motion", cruise_time=1.0), chosen)
+    assert check(proof, "stability").status == "fail"
+    assert any("unstable" in w for w in proof.warnings)
+    assert finite(proof)
+
+
+def test_gains_beyond_any_controller_are_refused(spec, chosen):
+    with pytest.raises(InputError, match=r"control\.kp: 1e\+300"):
+        validate(changed(spec, "control", kp=1e300), chosen)
+
+
+def test_without_gains_the_robot_stands_and_on_a_slope_it_rolls_back(spec, chosen):
+    idle = changed(changed(spec, "control", kp=0.0), "motion", cruise_time=5.0)
+    level = validate(idle, chosen)
+    assert not level.series["speed"].any()
+    uphill = validate(changed(idle, "load", slope=math.radians(20.0)), chosen)
+    downhill = validate(changed(idle, "load", slope=math.radians(-20.0)), chosen)
+    assert uphill.series["speed"][-1] < -0.1
+    assert downhill.series["speed"][-1] == pytest.approx(-uphill.series["speed"][-1], abs=1e-9)
+
+
+def test_standing_on_a_slope(spec, chosen):
+    proof = validate(
+        changed(spec, "load", slope=math.radians(20.0)), chosen, profile=Profile("rest", (2.0, 9.0), (0.0, 0.0))
+    )
+    ratio = 3249 / 121 * 1.1
+    weight = 45 / 4 * 9.80665 * math.sin(math.radians(20.0)) * 0.0762
+    assert not proof.series["speed"].any()
+    assert proof.series["current"] == pytest.approx(weight / ratio / 0.0234)
+    assert check(proof, "gearhead_intermittent_torque").demand == pytest.approx(weight / 1.1)
+    assert check(proof, "gearhead_continuous_torque").demand == 0.0  # it never runs
+
+
+def test_there_and_back_again_is_symmetric(spec, chosen):
+    there = validate(spec, chosen, profile=Profile("there", (0.0, 1.0, 2.0, 3.0), (0.0, 1.2, 1.2, 0.0)))
+    back = validate(spec, chosen, profile=Profile("back", (0.0, 1.0, 2.0, 3.0), (0.0, -1.2, -1.2, 0.0)))
+    assert back.series["current"] == pytest.approx(-there.series["current"], abs=1e-12)
+    for a, b in zip(there.checks, back.checks, strict=True):
+        assert a.demand == pytest.approx(b.demand, nan_ok=True)
+
+
+def test_what_is_not_known_is_unknown_and_never_passes(spec, chosen):
+    proof = validate(spec, replace(chosen, controller=None, encoder=None))
+    unknown = {c.name for c in proof.checks if c.status == "unknown"}
+    assert {"supply_voltage", "controller_peak_current", "controller_peak_time", "controller_continuous_current",
+            "encoder_speed", "encoder_frequency", "controller_frequency"} < unknown  # fmt: skip
+    assert proof.status == "pass" and proof.gains.period == 1e-3
+    assert any("rate is unknown" in a for a in proof.assumptions)
+
+
+def test_unknown_motor_figures(spec, chosen):
+    with pytest.raises(InputError, match="motor 118752: resistance, rotor inertia not in the catalogue"):
+        validate(spec, replace(chosen, motor=replace(chosen.motor, resistance=nan, rotor_inertia=nan)))
+    proof = validate(spec, replace(chosen, motor=replace(chosen.motor, inductance=nan, no_load_current=nan)))
+    assert sum("unknown" in a for a in proof.assumptions) >= 3  # both, and the encoder's inertia
+
+
+def test_heat(spec, chosen):
+    motor = replace(chosen.motor, max_winding_temperature=125.0 + 273.15, max_speed=14000 * math.pi / 30)
+    warm = changed(spec, "environment", ambient=40.0 + 273.15)
+    proof = validate(warm, replace(chosen, motor=motor))
+    heating = 17.1 * 2.32 * figure(proof, "rms_current") ** 2
+    rise = heating * (1 + 0.0039 * 15.0) / (1 - 0.0039 * heating)
+    found = check(proof, "winding_temperature")
+    assert found.demand == pytest.approx(313.15 + rise)
+    assert found.margin == pytest.approx(85.0 / rise - 1.0)
+    assert check(proof, "motor_nominal_current").limit == pytest.approx(1.16 * math.sqrt(85.0 / 100.0))
+    assert check(proof, "motor_speed").status == "pass"
+
+
+def test_time_above_the_continuous_current(spec, chosen):
+    small = replace(chosen, controller=replace(chosen.controller, continuous_current=1.2, peak_time=1.0))
+    found = check(validate(spec, small), "controller_peak_time")
+    assert found.demand == pytest.approx(2.0, abs=0.02)  # the whole acceleration
+    assert (found.status, found.at_time) == ("fail", pytest.approx(2.0, abs=0.02))
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        pytest.param(Profile("blink", (0.0, 1e-9, 2e-9), (0.0, 1.5, 0.0)), "between two samples", id="unseen"),
+        pytest.param(Profile("light", (0.0, 1.0), (0.0, 1e300)), "no speed", id="too fast for numbers"),
+        pytest.param(Profile("age", (0.0, 1e300), (1.0, 1.0)), "too long", id="too long for numbers"),
+        pytest.param(Profile("ramp", (0.0, 1e6), (0.0, 1.0)), "control periods in which", id="too many steps"),
+    ],
+)
+def test_profiles_that_cannot_be_driven_are_refused(spec, chosen, asked, message):
+    with pytest.raises(InputError, match=message):
+        validate(spec, chosen, profile=asked)
+
+
+def test_figures_out_of_range_are_refused(spec, chosen):
+    with pytest.raises(InputError, match="range of numbers"):
+        validate(changed(spec, "load", mass=1e308, wheel_diameter=1e10), chosen)
