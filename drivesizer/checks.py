@@ -49,12 +49,14 @@ class CheckColumn:
     unit: str
     by_choice: bool = False
 
-    def at(self, index: int, method: str, note: str = "") -> Check:
-        """The check of one candidate."""
+    def at(
+        self, index: int | tuple[()], method: str, *, title: str = "", at_time: float | None = None, note: str = ""
+    ) -> Check:
+        """The check of one candidate; ``()`` for a column that is a single figure."""
         status: Status = "pass" if self.passed[index] else "fail" if self.failed[index] else "unknown"
         return Check(
             name=self.name,
-            title=TITLES[self.name],
+            title=title or TITLES[self.name],
             method=method,
             demand=float(self.demand[index]),
             limit=float(self.limit[index]),
@@ -62,6 +64,7 @@ class CheckColumn:
             unit=self.unit,
             margin=float(self.margin[index]),
             status=status,
+            at_time=at_time,
             by_choice=self.by_choice,
             note=note,
         )

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.spec import RobotSpec, Trapezoid
+from drivesizer.textfile import read_text
 from drivesizer.units import KINDS, scale
 
 __all__ = ["Profile", "from_csv", "profile", "trapezoid"]
@@ -21,7 +22,6 @@ __all__ = ["Profile", "from_csv", "profile", "trapezoid"]
 _COLUMNS = ("time", "speed")  # header of a file; also the kinds of quantity
 _EXAMPLE = "0.5,1.2"
 _MOST_ROWS = 1_000_000
-_LARGEST = 64_000_000  # bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +147,7 @@ def from_csv(path: str | Path) -> Profile:
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Line number and cells of each row; blank lines at the end are left out."""
-    reader = csv.reader(_text(path).splitlines(), strict=True)
+    reader = csv.reader(read_text(path).splitlines(), strict=True)
     blank = 0
     try:
         for cells in reader:
@@ -159,22 +159,6 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
             yield reader.line_num, cells
     except csv.Error as error:
         raise InputError(f"{path}:{reader.line_num}: row: {error}; expected e.g. {_EXAMPLE}") from None
-
-
-def _text(path: Path) -> str:
-    try:
-        if path.stat().st_size > _LARGEST:
-            raise InputError(
-                f"{path}: the file is larger than {_LARGEST // 1_000_000} MB; expected a thinned recording"
-            )
-        raw = path.read_bytes()
-    except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        raise InputError(f"{path}: cannot be read ({(getattr(error, 'strerror', '') or str(error)).lower()})") from None
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = raw[: error.start].count(b"\n") + 1
-        raise InputError(f"{path}:{line}: the file is not UTF-8 text; save it as UTF-8") from None
 
 
 def _factors(path: Path, row: tuple[int, list[str]] | None) -> list[float]:

@@ -17,7 +17,7 @@ from drivesizer.control_design import LinearLoop
 from drivesizer.march import FOLLOWS, Peak, Run
 from drivesizer.plant import DriveTrain, Mode, Regime
 from drivesizer.profile import Profile
-from drivesizer.results import Check, DriveSet, Figure, Status
+from drivesizer.results import Check, DriveSet, Figure
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import current_derating, steady_winding_temperature
 
@@ -58,20 +58,7 @@ class Case(NamedTuple):
 
 def _check(column: CheckColumn, title: str, at_time: float | None = None, note: str = "") -> Check:
     """The record of a check of single figures."""
-    status: Status = "pass" if column.passed else "fail" if column.failed else "unknown"
-    return Check(
-        name=column.name,
-        title=title,
-        method=METHOD,
-        demand=float(column.demand),
-        limit=float(column.limit),
-        kind=column.kind,
-        unit=column.unit,
-        margin=float(column.margin),
-        status=status,
-        at_time=at_time,
-        note=note,
-    )
+    return column.at((), METHOD, title=title, at_time=at_time, note=note)
 
 
 def checks(case: Case) -> tuple[Check, ...]:

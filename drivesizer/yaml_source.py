@@ -17,6 +17,7 @@ from typing import Any
 import yaml
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.textfile import read_text
 
 __all__ = ["Path_", "YamlSource", "read"]
 
@@ -24,7 +25,6 @@ Path_ = tuple[str | int, ...]  # keys and indices from the top of the document t
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _DEEPEST = 20
-_LARGEST = 64_000_000  # bytes
 _NULL = {"", "~", "null", "Null", "NULL"}
 _BOOL = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
 _INT = re.compile(r"[-+]?[0-9]+", re.ASCII)
@@ -64,18 +64,7 @@ def read(path: Path) -> YamlSource:
     InputError
         When the file cannot be read, is too large, is not UTF-8, or is not the YAML that is accepted here.
     """
-    try:
-        if path.stat().st_size > _LARGEST:
-            raise InputError(f"{path}: the file is larger than {_LARGEST // 1_000_000} MB")
-        raw = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({(error.strerror or str(error)).lower()})") from None
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = raw[: error.start].count(b"\n") + 1
-        raise InputError(f"{path}:{line}: the file is not UTF-8 text; save it as UTF-8") from None
-    return YamlSource(text, str(path))
+    return YamlSource(read_text(path), str(path))
 
 
 def _scalar(event: Any) -> Any:

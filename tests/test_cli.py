@@ -82,7 +82,17 @@ def test_json_contract(run, example):
     assert {"rms_torque_at_motor", "maximum_torque_at_motor", "speed_constant", "no_load_speed"} <= set(
         best["requirements"]
     )
-    assert set(best["checks"][0]) >= {"name", "method", "case", "demand", "limit", "unit", "margin", "status", "at_time_s"}
+    assert set(best["checks"][0]) >= {
+        "name",
+        "method",
+        "case",
+        "demand",
+        "limit",
+        "unit",
+        "margin",
+        "status",
+        "at_time_s",
+    }
     counts = document["counts"]
     assert counts["considered"] == 18
     assert counts["feasible"] == 1

@@ -190,7 +190,7 @@ def test_names_that_are_in_no_catalogue(example_text, old, new, words):
 
 
 def test_unknown_part_in_explain(spec, catalog):
-    with pytest.raises(InputError, match="motor .* the nearest are"):
+    with pytest.raises(InputError, match=r"motor .* the nearest are"):
         explain(spec, "118755", "406764", catalog=catalog)
 
 

@@ -16,6 +16,7 @@ from drivesizer.catalog.cache import CacheWarning, digest_of, folder, recall, st
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table, joined
 from drivesizer.errors import InputError, quoted
+from drivesizer.textfile import decoded, read_bytes
 
 __all__ = [
     "PARTS", "CacheWarning", "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs", "Source",
@@ -64,18 +65,15 @@ def _path(name: str, beside: Path | None) -> Path:
 
 
 def _one(name: str, path: Path) -> Catalog:
-    try:
-        raw = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({(error.strerror or str(error)).lower()})") from None
+    raw = read_bytes(path)
     schema = repr([columns_of(section) for section in PARTS]).encode()
     content = digest_of(raw)
     compiled = folder() / f"{path.stem}-{digest_of(__version__.encode(), schema, raw)}.catalog"
     found = recall(compiled)
     if found is None:
         from drivesizer.catalog.reading import parse
-        from drivesizer.yaml_source import read
+        from drivesizer.yaml_source import YamlSource
 
-        found = parse(read(path), path.stem, content)
+        found = parse(YamlSource(decoded(raw, path), str(path)), path.stem, content)
         store(compiled, found)
     return found

@@ -1,0 +1,48 @@
+"""Reading a user's text file: bounded, UTF-8, and every failure one line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from drivesizer.errors import InputError
+
+__all__ = ["decoded", "read_bytes", "read_text"]
+
+
+def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
+    """A file's bytes.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, or is larger than `largest` [bytes].
+    """
+    try:
+        if path.stat().st_size > largest:
+            raise InputError(f"{path}: the file is larger than {largest // 1_000_000} MB")
+        return path.read_bytes()
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        if isinstance(error, InputError):
+            raise
+        reason = getattr(error, "strerror", "") or str(error)
+        raise InputError(f"{path}: cannot be read ({reason.lower()})") from None
+
+
+def decoded(raw: bytes, path: Path) -> str:
+    """Bytes as UTF-8 text, a byte-order mark left out.
+
+    Raises
+    ------
+    InputError
+        When the bytes are no UTF-8 text: names the line.
+    """
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw[: error.start].count(b"\n") + 1
+        raise InputError(f"{path}:{line}: the file is not UTF-8 text; save it as UTF-8") from None
+
+
+def read_text(path: Path, largest: int = 64_000_000) -> str:
+    """A file's text; both failures above apply."""
+    return decoded(read_bytes(path, largest), path)
