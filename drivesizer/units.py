@@ -1,13 +1,14 @@
 """Units at the door: user text to SI floats, SI floats to the units of the trade.
 
-One strict reader serves specs, catalogues and the command line. Text never reaches pint unread: the number
-is parsed here, the unit must be one that is listed for the quantity's kind, and only its listed name is
-handed to the one pint registry (definitions in ``units.txt``). Kinds that share a dimension stay apart:
+One strict reader serves specs, catalogues and the command line. Text never reaches pint: the number is parsed
+here, and the unit must be one that is listed for the quantity's kind. What a listed unit is in SI comes from the one
+pint registry (definitions in ``units.txt``) and is kept in ``units.json``. Kinds that share a dimension stay apart:
 torque and energy, rotary speed and frequency, temperature and temperature difference.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from functools import cache, lru_cache
@@ -19,7 +20,20 @@ from drivesizer.errors import InputError, quoted
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["KINDS", "Kind", "from_si", "kind_of_unit", "label", "noun", "number", "registry", "scale", "show", "to_si"]
+__all__ = [
+    "KINDS",
+    "Kind",
+    "from_si",
+    "kind_of_unit",
+    "label",
+    "noun",
+    "number",
+    "registry",
+    "scale",
+    "show",
+    "tabulate",
+    "to_si",
+]
 
 
 class Kind(NamedTuple):
@@ -128,10 +142,27 @@ def _spellings(kind: str) -> dict[str, str]:
 
 
 @cache
-def _factor(unit: str, si: str) -> float:
-    if unit == si:
-        return 1.0
-    return float(registry().Quantity(1.0, unit).to(si).magnitude)
+def _table() -> dict[str, dict[str, list[float]]]:
+    """Factor and offset of every unit by kind: what :func:`tabulate` found, kept so that no start waits for pint."""
+    found: dict[str, dict[str, list[float]]] = json.loads(
+        (resources.files("drivesizer") / "units.json").read_text(encoding="utf-8")
+    )
+    return found
+
+
+def tabulate() -> dict[str, dict[str, list[float]]]:
+    """Factor and offset to SI of every listed unit, from pint: ``si = number * factor + offset``.
+
+    ``python -m drivesizer.units`` prints it as ``units.json``; a test holds file and pint together.
+    """
+    ureg, found = registry(), {}
+    for name, kind in KINDS.items():
+        found[name] = {unit: [1.0, 0.0] for unit in kind.units}
+        for unit in (u for u in kind.units if u != kind.si):
+            step = f"delta_{ureg.get_name(unit)}" if name == "temperature" else unit
+            zero = ureg.Quantity(0.0, unit).to(kind.si).magnitude if name == "temperature" else 0.0
+            found[name][unit] = [float(ureg.Quantity(1.0, step).to(kind.si).magnitude), float(zero)]
+    return found
 
 
 def number(text: str) -> tuple[float, str]:
@@ -190,11 +221,12 @@ def to_si(text: object, kind: str) -> float:
     name = _spellings(kind).get(_key(unit)) if unit else "1"
     if name is None:
         raise InputError(f"{quoted(text)}: {_misfit(unit, kind)}; {hint}")
-    if kind == "temperature":
-        return _kelvin(value, name, text)
-    result = value * _factor(name, expected.si)
+    factor, offset = _table()[kind][name]
+    result = value * factor + offset
     if not math.isfinite(result):
         raise InputError(f"{quoted(text)} is outside the range of numbers that can be computed with; {hint}")
+    if kind == "temperature" and result < 0.0:
+        raise InputError(f"{quoted(text)} is below absolute zero; {hint}")
     return result
 
 
@@ -212,17 +244,8 @@ def scale(unit: str, kind: str) -> tuple[float, float]:
     name = _spellings(kind).get(_key(unit))
     if name is None:
         raise InputError(f"{_misfit(unit, kind)}; expected one such as in {KINDS[kind].example}")
-    if kind == "temperature":
-        zero = float(registry().Quantity(0.0, name).to("K").magnitude)
-        return _factor(f"delta_{registry().get_name(name)}" if zero else name, "K"), zero
-    return _factor(name, KINDS[kind].si), 0.0
-
-
-def _kelvin(value: float, unit: str, text: object) -> float:
-    kelvin = float(registry().Quantity(value, unit).to("K").magnitude)
-    if not kelvin >= 0.0:
-        raise InputError(f"{quoted(text)} is below absolute zero; expected temperature, e.g. 25 degC")
-    return kelvin
+    factor, offset = _table()[kind][name]
+    return factor, offset
 
 
 def _misfit(unit: str, kind: str) -> str:
@@ -248,9 +271,8 @@ def from_si(value: Any, unit: str, kind: str) -> Any:
     >>> from_si(1.0, "rpm", "rotary_speed")
     9.549296585513721
     """
-    if kind == "temperature" and unit != "K":
-        return registry().Quantity(value, "K").to(unit).magnitude
-    return value / _factor(unit, KINDS[kind].si)
+    factor, offset = _table()[kind][unit]
+    return (value - offset) / factor
 
 
 def label(unit: str) -> str:
@@ -274,3 +296,8 @@ def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
     if "e" in text and abs(float(text)) < 1e6:
         text = f"{float(text):f}".rstrip("0").rstrip(".") if abs(float(text)) >= 1e-3 else text
     return f"{text} {label(unit)}".rstrip()
+
+
+if __name__ == "__main__":
+    lines = (f"{json.dumps(kind)}: {json.dumps(units)}" for kind, units in tabulate().items())
+    print("{\n" + ",\n".join(lines) + "\n}")

@@ -154,3 +154,8 @@ def test_the_example_of_every_kind_is_read():
 
 def test_one_registry():
     assert units.registry() is units.registry()
+
+
+def test_the_kept_table_is_what_pint_gives():
+    """units.json is made by `python -m drivesizer.units`; a unit that was added or changed shows here."""
+    assert units._table() == units.tabulate()
