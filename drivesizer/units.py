@@ -243,7 +243,7 @@ def scale(unit: str, kind: str) -> tuple[float, float]:
     """
     name = _spellings(kind).get(_key(unit))
     if name is None:
-        raise InputError(f"{_misfit(unit, kind)}; expected one such as in {KINDS[kind].example}")
+        raise InputError(_misfit(unit, kind))
     factor, offset = _table()[kind][name]
     return factor, offset
 

@@ -319,6 +319,14 @@ def test_loading_by_name_and_by_file(tmp_path: Path) -> None:
     assert "maxon" in shipped()
 
 
+def test_two_files_of_one_name(tmp_path: Path) -> None:
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "own.yaml").write_text(OTHER)
+    with pytest.raises(InputError, match='two catalogues are called "own"'):
+        load(["a/own.yaml", "b/own.yaml"], beside=tmp_path)
+
+
 @pytest.mark.parametrize(
     ("name", "said"),
     [
@@ -370,6 +378,7 @@ WRONG = [
     ("column twice", "columns: [part, ratio]", "columns: [part, part]", "34: gearheads[2].columns", "every column once"),
     ("column and common", "diameter: 40 mm", "mass: 40 g", "9: motors[1].common.mass", "mass is a column of this table as well; give it once"),
     ("part in common", "diameter: 40 mm", "part: X", "9: motors[1].common.part", "part is a column of this table as well"),
+    ("family as a column", "columns: [part, ratio]", "columns: [part, family]", "34: gearheads[2].columns[2]", "family stands at the head of its table"),
     ("family in common", "diameter: 40 mm", "family: X", "9: motors[1].common.family", "family stands at the head of its table"),
     ("unknown confidence", "confidence: quoted}", "confidence: sure}", "4: sources.sheet", 'confidence "sure" is not one of quoted, secondary, derived, recalled'),
     ("source without document", 'document: "Acme M40, rev. C", ', "", "4: sources.sheet", '"document" is missing'),

@@ -51,7 +51,12 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     CatalogError
         When a file is not what the schema asks for.
     """
-    return joined([_one(name, _path(name, beside)) for name in dict.fromkeys(names)])
+    paths = [_path(name, beside) for name in dict.fromkeys(names)]
+    stems = [path.stem for path in paths]
+    for stem in stems:
+        if stems.count(stem) > 1:
+            raise InputError(f"two catalogues are called {quoted(stem)}; rename one of the files")
+    return joined([_one(path) for path in paths])
 
 
 def _path(name: str, beside: Path | None) -> Path:
@@ -64,7 +69,7 @@ def _path(name: str, beside: Path | None) -> Path:
     raise InputError(f"no catalogue is called {quoted(name)}; expected {', '.join(known)} or a .yaml file")
 
 
-def _one(name: str, path: Path) -> Catalog:
+def _one(path: Path) -> Catalog:
     raw = read_bytes(path)
     schema = repr([columns_of(section) for section in PARTS]).encode()
     content = digest_of(raw)

@@ -212,6 +212,8 @@ def _headers(reader: _Reader, section: str, given: Any, path: Path_) -> list[tup
         name = match.group(1) if match else str(text)
         if name not in schema:
             raise reader.fail((*path, index), f"unknown column {quoted(name)}{_nearest(name, schema)}")
+        if name in _AT_THE_HEAD:
+            raise reader.fail((*path, index), f"{name} stands at the head of its {_AT_THE_HEAD[name]}")
         unit = (match.group(2) or "") if match else ""
         headers.append((schema[name], *_unit(reader, schema[name], unit, (*path, index))))
     names = [header[0].name for header in headers]
@@ -231,7 +233,7 @@ def _unit(reader: _Reader, column: Column, unit: str, path: Path_) -> tuple[floa
     try:
         return scale(unit, column.kind)
     except InputError as error:
-        raise reader.fail(path, f"{column.name}: {error}") from None
+        raise reader.fail(path, f"{column.name}: {error}; expected e.g. {column.name} ({column.unit})") from None
 
 
 def _column(
