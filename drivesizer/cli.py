@@ -208,7 +208,7 @@ def explain(
         from drivesizer import contract
 
         document = {"schema_version": contract.SCHEMA_VERSION, "drivesizer": __version__}
-        typer.echo(contract.as_text(document | {"sets": [contract.drive_set(s, robot.method) for s in sets]}))
+        typer.echo(contract.as_text(document | {"sets": [contract.drive_set(s) for s in sets]}))
     else:
         from drivesizer import terminal
 

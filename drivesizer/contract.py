@@ -9,7 +9,7 @@ from typing import Any
 
 from drivesizer import __version__
 from drivesizer.catalog import Controller, Encoder, Gearhead, Motor
-from drivesizer.results import Check, DriveSet, Figure, Requirement, SizingResult, Validation, worst
+from drivesizer.results import Check, DriveSet, Figure, Requirement, SizingResult, Validation, verdict, worst
 from drivesizer.units import from_si
 
 __all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "sizing", "validation"]
@@ -64,9 +64,19 @@ def _check(check: Check) -> dict[str, Any]:
     }
 
 
-def drive_set(found: DriveSet, method: str) -> dict[str, Any]:
+def _result(checks: tuple[Check, ...]) -> dict[str, Any]:
+    tightest = worst(checks)
+    return {
+        "status": verdict(checks),
+        "smallest_margin": _number(tightest.margin) if tightest else None,
+        "tightest_check": tightest.name if tightest else None,
+        "failed": [c.name for c in checks if c.status == "fail"],
+        "unknown": [c.name for c in checks if c.status == "unknown"],
+    }
+
+
+def drive_set(found: DriveSet) -> dict[str, Any]:
     """One set of the contract."""
-    tightest = worst(found.checks)
     return {
         "rank": found.rank,
         "status": found.status,
@@ -82,15 +92,9 @@ def drive_set(found: DriveSet, method: str) -> dict[str, Any]:
         "objective_of": list(found.objective_of),
         "requirements": {r.name: _requirement(r) for r in found.requirements},
         "results": {
-            method: {
-                "status": found.status,
-                "smallest_margin": _number(tightest.margin) if tightest else None,
-                "tightest_check": tightest.name if tightest else None,
-                "failed": [c.name for c in found.checks if c.status == "fail"],
-                "unknown": [c.name for c in found.checks if c.status == "unknown"],
-            }
+            name: _result(checks) for name, checks in (("paper", found.checks), ("physics", found.physics)) if checks
         },
-        "checks": [_check(check) for check in found.checks],
+        "checks": [_check(check) for check in (*found.checks, *found.physics)],
     }
 
 
@@ -105,12 +109,12 @@ def sizing(result: SizingResult) -> dict[str, Any]:
         "method": method,
         "objective": result.objective,
         "requirements": {r.name: _requirement(r) for r in result.requirements},
-        "sets": [drive_set(s, method) for s in result.sets],
-        "misses": [drive_set(s, method) for s in result.misses],
+        "sets": [drive_set(s) for s in result.sets],
+        "misses": [drive_set(s) for s in result.misses],
         "relaxations": [
             {"field": r.field, "now": r.now, "needed": r.needed, "set": r.set_label} for r in result.relaxations
         ],
-        "unrestricted": drive_set(result.unrestricted, method) if result.unrestricted else None,
+        "unrestricted": drive_set(result.unrestricted) if result.unrestricted else None,
         "counts": {
             "considered": result.counts.considered,
             "feasible": result.counts.feasible,
@@ -135,7 +139,7 @@ def validation(proof: Validation) -> dict[str, Any]:
         "spec": proof.spec.entered,
         "profile": proof.profile,
         "status": proof.status,
-        "set": drive_set(proof.drive_set, proof.spec.method),
+        "set": drive_set(proof.drive_set),
         "gains": {f.name: getattr(gains, f.name) for f in fields(gains)},
         "figures": {figure.name: _figure(figure) for figure in proof.figures},
         "checks": [_check(check) for check in proof.checks],

@@ -20,6 +20,7 @@ from drivesizer.units import from_si, show
 
 __all__ = [
     "Check",
+    "Comparison",
     "Counts",
     "DriveSet",
     "Figure",
@@ -29,6 +30,7 @@ __all__ = [
     "SizingResult",
     "Status",
     "Validation",
+    "verdict",
     "worst",
 ]
 
@@ -97,6 +99,15 @@ class Check:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Comparison:
+    """One limit as both methods see it, and why they differ."""
+
+    paper: Check
+    physics: Check
+    why: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class DriveSet:
     """Motor, gearhead, belt, encoder and controller that belong together, and how they do."""
 
@@ -114,7 +125,14 @@ class DriveSet:
     objective: float
     objective_of: tuple[str, ...]
     requirements: tuple[Requirement, ...]  # (17)-(20) for this set
-    checks: tuple[Check, ...]
+    checks: tuple[Check, ...]  # of the method that ranked
+    physics: tuple[Check, ...] = ()  # of the drive model, for the same set
+    comparison: tuple[Comparison, ...] = ()  # where both methods look at the same limit
+
+    @property
+    def physics_status(self) -> Status:
+        """What the drive model says of the set."""
+        return verdict(self.physics)
 
     @property
     def label(self) -> str:
@@ -161,6 +179,12 @@ class SizingResult:
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     unrestricted: DriveSet | None = None  # what the whole catalogue would give, where the spec restricts it
+
+
+def verdict(checks: tuple[Check, ...]) -> Status:
+    """What checks amount to: one that fails fails all, one that is unknown leaves all unknown."""
+    found = {check.status for check in checks}
+    return "fail" if "fail" in found else "unknown" if "unknown" in found else "pass"
 
 
 def worst(checks: tuple[Check, ...]) -> Check | None:

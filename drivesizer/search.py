@@ -18,7 +18,7 @@ from drivesizer.choose import controllers, encoders, selected
 from drivesizer.results import Counts, DriveSet, Requirement
 from drivesizer.spec import RobotSpec
 
-__all__ = ["Candidates", "Evaluation", "candidates", "counts", "drive_set", "evaluate", "ranking"]
+__all__ = ["Candidates", "Evaluation", "Rows", "candidates", "counts", "drive_set", "evaluate", "ranking"]
 
 
 class Candidates(NamedTuple):
@@ -45,15 +45,17 @@ class Evaluation(NamedTuple):
     unknown: NDArray[np.bool_]
 
 
-class _Rows:
-    """The columns of a table at some rows, taken when asked for."""
+class Rows:
+    """The columns of a table at some rows, taken when asked for; at row -1 every figure is unknown."""
 
     def __init__(self, table: Table[Any], rows: NDArray[np.int64]) -> None:
         self.table, self.rows = table, rows
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        column: NDArray[Any] = self.table[name][self.rows]
-        return column
+        column: NDArray[Any] = self.table[name]
+        if (self.rows < 0).any():
+            column = np.append(column, np.array([np.nan if column.dtype.kind == "f" else ""], column.dtype))
+        return column[self.rows]
 
 
 def candidates(spec: RobotSpec, catalog: Catalog, also: tuple[int, int] | None = None) -> Candidates:
@@ -83,7 +85,7 @@ def candidates(spec: RobotSpec, catalog: Catalog, also: tuple[int, int] | None =
 
 def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates) -> Evaluation:
     """Requirements and checks of every candidate by the paper's method."""
-    motor, gearhead = _Rows(catalog.motors, given.motor), _Rows(catalog.gearheads, given.gearhead)
+    motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
     wheel = paper.vehicle(spec, motor["rotor_inertia"]).steps
     shaft = paper.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
     checks = [fits("compatibility", True, given.listed)]

@@ -11,6 +11,7 @@ import numpy as np
 from drivesizer import paper
 from drivesizer.catalog import Catalog, load
 from drivesizer.choose import offered_buses, offers
+from drivesizer.compare import with_physics
 from drivesizer.errors import InputError, quoted
 from drivesizer.results import DriveSet, Relaxation, Requirement, SizingResult
 from drivesizer.search import Candidates, Evaluation, candidates, counts, drive_set, evaluate, ranking
@@ -60,7 +61,7 @@ def size(
     standing = min(top, tally.feasible)
     fallen = top if not tally.feasible else min(_MISSES, top - standing)
     shown = [drive_set(evaluation, int(i), n, objective) for n, i in enumerate(order[: standing + fallen], 1)]
-    sets, misses = tuple(shown[:standing]), tuple(shown[standing:])
+    sets, misses = with_physics(spec, catalog, shown[:standing]), tuple(shown[standing:])
     return SizingResult(
         spec=spec,
         catalog=catalog,
@@ -235,7 +236,8 @@ def explain(spec: RobotSpec, motor: str, gearhead: str, *, catalog: Catalog | No
     given: Candidates = candidates(narrowed, catalog, also=rows)
     evaluation = evaluate(narrowed, catalog, given)
     found = np.flatnonzero((given.motor == rows[0]) & (given.gearhead == rows[1]))
-    return [drive_set(evaluation, int(i), n, spec.select.objective) for n, i in enumerate(found, 1)]
+    sets = [drive_set(evaluation, int(i), n, spec.select.objective) for n, i in enumerate(found, 1)]
+    return list(with_physics(spec, catalog, sets))
 
 
 def _row(catalog: Catalog, section: str, part: str) -> int:

@@ -156,7 +156,7 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
 def _chosen(console: Console, result: SizingResult, best: DriveSet, *, quiet: bool) -> None:
     tight = worst(best.checks)
     line = Text("The drive: ", style="bold") + Text(_MARK[best.status], style=_STYLE[best.status])
-    console.print(line)
+    console.print(line + _by_physics(best))
     console.print(_parts(best, result.catalog))
     mass = f"{show(best.mass, 'g', 'mass')} ({' + '.join(best.mass_of)})"
     console.print(f"whole reduction {best.total_ratio:.4g} · mass {mass}")
@@ -165,7 +165,31 @@ def _chosen(console: Console, result: SizingResult, best: DriveSet, *, quiet: bo
     if not quiet:
         console.print()
         console.print(_requirements(best.requirements, "Requirements at the motor"))
-        console.print(_checks(best.checks, "Checks"))
+        console.print(_checks(best.checks, f"Checks by the method of the {result.method}"))
+        console.print(_checks(best.physics, "The same set by the whole load cycle (physics)"))
+        console.print(_both(best))
+
+
+def _by_physics(found: DriveSet) -> Text:
+    """What the drive model says of the set, in a few words."""
+    status = found.physics_status
+    which = ", ".join(check.title.lower() for check in found.physics if check.status == status != "pass")
+    words = Text(", by physics ") + Text(_MARK[status], style=_STYLE[status])
+    return words + Text(f" ({which})") if which else words
+
+
+def _both(found: DriveSet) -> Table:
+    """Where both methods look at the same limit: both demands, and why they differ."""
+    table = _table(
+        ("", "left"), ("paper", "right"), ("physics", "right"), ("why they differ", "left"), title="Both methods"
+    )
+    for pair in found.comparison:
+        figures = []
+        for check in (pair.paper, pair.physics):
+            mark = f"\n{_MARK[check.status]}" if pair.paper.status != pair.physics.status else ""
+            figures.append(Text(check.shown(check.demand) + mark))
+        table.add_row(pair.paper.title, *figures, pair.why)
+    return table
 
 
 def _none(console: Console, result: SizingResult) -> None:
@@ -277,7 +301,9 @@ def explained(sets: list[DriveSet], catalog: Catalog) -> None:
         _heading(console, found.label, _MARK[found.status], _STYLE[found.status])
         console.print(_parts(found, catalog))
         console.print(_requirements(found.requirements, "Requirements at the motor"))
-        console.print(_checks(found.checks, "Checks"))
+        console.print(_checks(found.checks, "Checks by the method of the paper"))
+        console.print(_checks(found.physics, "The same set by the whole load cycle (physics)"))
+        console.print(_both(found))
 
 
 def validation(proof: Validation) -> None:

@@ -32,6 +32,8 @@ def test_size_prints_the_papers_drive(run, example):
         assert words in out
     assert "208.9 rpm" in out
     assert "(13)" in out
+    assert "by physics unknown (motor permissible speed" in " ".join(out.split())
+    assert "why they differ" in out
     assert "derived: nominal torque" in " ".join(out.split())
     assert "the whole catalogue gives" in " ".join(out.split())
     assert max(len(line.rstrip()) for line in out.splitlines()) <= 80
@@ -75,6 +77,10 @@ def test_json_contract(run, example):
     assert rms["value"] == rms["si"] == pytest.approx(0.211, abs=5e-4)
     assert document["requirements"]["rms_speed"]["equation"] is None
     best = document["sets"][0]
+    assert set(best["results"]) == {"paper", "physics"}
+    assert best["results"]["physics"]["status"] == "unknown"
+    assert best["results"]["physics"]["unknown"] == ["motor_speed", "winding_temperature"]
+    assert {c["method"] for c in best["checks"]} == {"paper", "physics"}
     assert (best["rank"], best["status"], best["motor"]["part"]) == (1, "pass", "118752")
     assert best["motor"]["max_speed"] is None
     assert best["mass_of"] == ["motor", "gearhead"]

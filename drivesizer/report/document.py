@@ -17,7 +17,7 @@ from drivesizer.report.derivation import step
 from drivesizer.report.operating import operating_field
 from drivesizer.report.sums import price_of, unknown_of
 from drivesizer.report.wording import cleaned, margin, short, use
-from drivesizer.results import Check, DriveSet, SizingResult, Validation, worst
+from drivesizer.results import Check, Comparison, DriveSet, SizingResult, Validation, worst
 from drivesizer.units import show
 
 __all__ = ["document"]
@@ -59,6 +59,8 @@ def _content(result: SizingResult, validation: Validation | None, best: DriveSet
         "candidates": _candidates(result),
         "datasheets": datasheets(best, result.catalog) if best else [],
         "checks": [_check(c) for c in best.checks] if best else [],
+        "physics": [_check(c) for c in best.physics] if best else [],
+        "comparison": [_compared(pair) for pair in best.comparison] if best else [],
         "figures": _figures(result, validation, best),
         "loop": _loop(validation) if validation else None,
         "assumptions": list(result.assumptions),
@@ -122,6 +124,17 @@ def _check(c: Check) -> dict[str, Any]:
         "status": c.status,
         "at": "" if c.at_time is None else f"{c.at_time:.4g} s",
         "note": c.note or ("so by choice: says nothing of the load" if c.by_choice and c.status == "pass" else ""),
+    }
+
+
+def _compared(pair: Comparison) -> dict[str, Any]:
+    return {
+        "title": pair.paper.title,
+        "paper": pair.paper.shown(pair.paper.demand),
+        "physics": pair.physics.shown(pair.physics.demand),
+        "paper_status": pair.paper.status,
+        "physics_status": pair.physics.status,
+        "why": pair.why,
     }
 
 

@@ -1,0 +1,125 @@
+"""The load cycle: what the driven shaft of one motor set is asked for, whatever the machine.
+
+Segments over time, each with its values at the left and the right end and straight lines between. Segments, not
+points: at the corner of a trapezoid the torque jumps, and a point has one value only. Every machine is reduced to
+this (``loads``), and whatever follows knows nothing else.
+Symbols: w speed [rad/s], a acceleration [rad/s^2], T torque that the load takes, its own inertia included [N*m].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.errors import InputError
+
+__all__ = ["LoadCycle", "integral", "rms"]
+
+Ends = NDArray[np.float64]  # shape (segments, 2): values at the left and the right end
+
+
+@dataclass(frozen=True, slots=True)
+class LoadCycle:
+    """Speed, acceleration and torque of the driven shaft over one cycle."""
+
+    name: str
+    duration: NDArray[np.float64]  # s, of each segment
+    speed: Ends  # rad/s
+    acceleration: Ends  # rad/s^2
+    torque: Ends  # N*m, the load's own inertia included
+
+    def __post_init__(self) -> None:
+        shape = (len(self.duration), 2)
+        if not len(self.duration) or any(c.shape != shape for c in (self.speed, self.acceleration, self.torque)):
+            raise InputError(f"load cycle {self.name}: expected segments with two ends each")
+        if not (self.duration > 0.0).all():  # written so that NaN fails too
+            raise InputError(f"load cycle {self.name}: a segment must last longer than 0 s")
+        if not all(np.isfinite(c).all() for c in (self.duration, self.speed, self.acceleration, self.torque)):
+            raise InputError(f"load cycle {self.name}: a figure leaves the range of numbers that can be computed with")
+
+    @property
+    def total(self) -> float:
+        """Length of the cycle [s]."""
+        return float(self.duration.sum())
+
+    @property
+    def time(self) -> Ends:
+        """Time at both ends of each segment, from the start of the cycle [s]."""
+        end = np.cumsum(self.duration)
+        return np.stack([end - self.duration, end], axis=1)
+
+    @property
+    def power(self) -> Ends:
+        """Mechanical power to the load at both ends of each segment [W]."""
+        return self.torque * self.speed
+
+    def split(self) -> LoadCycle:
+        """The same cycle, cut where speed or torque changes sign: within a segment the direction of power is one.
+
+        >>> up_and_down = LoadCycle("x", np.array([4.0]), np.array([[-1.0, 3.0]]), np.ones((1, 2)), np.ones((1, 2)))
+        >>> up_and_down.split().duration
+        array([1., 3.])
+        """
+        cycle = self
+        for name in ("speed", "torque"):
+            cycle = cycle._cut(name)
+        return cycle
+
+    def _cut(self, name: str) -> LoadCycle:
+        column: Ends = getattr(self, name)
+        left, right = column.T
+        crosses = left * right < 0.0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = np.where(crosses, left / (left - right), 0.5)  # share of the segment before the crossing
+        # an end that lies beyond the crossing by less than numbers can tell lies on it
+        column = np.where(np.stack([crosses & (at <= 0.0), crosses & (at >= 1.0)], axis=1), 0.0, column)
+        crosses &= (at > 0.0) & (at < 1.0)
+        at = np.where(crosses, at, 1.0)
+        pieces = np.where(crosses, 2, 1)
+        first = np.cumsum(pieces) - pieces  # place of each segment's first piece
+        second = (first + 1)[crosses]
+
+        def cut(ends: Ends, *, zero: bool = False) -> Ends:
+            out = np.repeat(ends, pieces, axis=0)
+            middle = np.zeros(crosses.sum()) if zero else (ends[:, 0] + at * (ends[:, 1] - ends[:, 0]))[crosses]
+            out[first[crosses], 1] = middle
+            out[second, 0] = middle
+            return out
+
+        duration = np.repeat(self.duration, pieces)
+        duration[first] *= at
+        duration[second] *= (1.0 - at)[crosses]
+        columns = {n: cut(column, zero=True) if n == name else cut(getattr(self, n)) for n in _COLUMNS}
+        return LoadCycle(name=self.name, duration=duration, **columns)
+
+
+_COLUMNS = ("speed", "acceleration", "torque")
+
+
+def integral(duration: NDArray[np.float64], a: Ends, b: Ends) -> float:
+    r"""Integral of a product of two quantities over the cycle, exact for straight lines.
+
+    .. math:: \int a b \, dt = \sum \Delta t \, (2 a_0 b_0 + a_0 b_1 + a_1 b_0 + 2 a_1 b_1) / 6
+
+    Parameters
+    ----------
+    duration
+        Of each segment [s].
+    a, b
+        The quantities at both ends of each segment.
+
+    Examples
+    --------
+    >>> integral(np.array([3.0]), np.array([[0.0, 2.0]]), np.array([[0.0, 2.0]]))
+    4.0
+    """
+    a_0, a_1, b_0, b_1 = a[:, 0], a[:, 1], b[:, 0], b[:, 1]
+    return float(duration @ (2 * a_0 * b_0 + a_0 * b_1 + a_1 * b_0 + 2 * a_1 * b_1) / 6)
+
+
+def rms(duration: NDArray[np.float64], a: Ends) -> float:
+    """Root mean square of a quantity over segments, exact for straight lines; 0 without any."""
+    total = duration.sum()
+    return float(np.sqrt(integral(duration, a, a) / total)) if total else 0.0
