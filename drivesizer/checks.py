@@ -6,7 +6,7 @@ makes the check *unknown*; a demand of zero passes and has no margin.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -14,24 +14,41 @@ from numpy.typing import NDArray
 
 from drivesizer.results import Check, Status
 
-__all__ = ["TITLES", "CheckColumn", "at_least", "at_most", "fits"]
+__all__ = ["TITLES", "CheckColumn", "at_least", "at_most", "fits", "in_order"]
 
-TITLES = {
+_SHARED = {
     "compatibility": "Motor and gearhead fit together",
     "gearhead_continuous_torque": "Gearhead continuous torque",
     "gearhead_intermittent_torque": "Gearhead intermittent torque",
-    "gearhead_input_speed": "Gearhead input speed",
-    "largest_reduction": "Largest reduction allowed",
-    "motor_speed": "Motor speed (no-load speed)",
-    "motor_continuous_torque": "Motor continuous torque",
-    "motor_maximum_torque": "Motor maximum torque (stall)",
-    "motor_power": "Motor continuous power",
-    "speed_constant": "Speed constant",
     "backlash_at_load": "Backlash at the load",
     "encoder_counts": "Encoder counts per turn",
     "controller_available": "Controller for bus, voltage and motor",
     "controller_continuous_current": "Controller continuous current",
     "controller_peak_current": "Controller peak current",
+}
+TITLES = {
+    "paper": _SHARED
+    | {
+        "gearhead_input_speed": "Gearhead input speed",
+        "largest_reduction": "Largest reduction allowed",
+        "motor_speed": "Motor speed (no-load speed)",
+        "motor_continuous_torque": "Motor continuous torque",
+        "motor_maximum_torque": "Motor maximum torque (stall)",
+        "motor_power": "Motor continuous power",
+        "speed_constant": "Speed constant",
+    },
+    "physics": _SHARED
+    | {
+        "gearhead_continuous_speed": "Gearhead continuous input speed",
+        "gearhead_intermittent_speed": "Gearhead intermittent input speed",
+        "gearhead_continuous_power": "Gearhead continuous power",
+        "gearhead_intermittent_power": "Gearhead intermittent power",
+        "motor_speed": "Motor permissible speed",
+        "winding_temperature": "Winding temperature, steady",
+        "motor_nominal_current": "Motor nominal current (RMS)",
+        "supply_voltage": "Motor voltage, cold and hot",
+        "encoder_speed": "Encoder speed",
+    },
 }
 
 
@@ -48,6 +65,7 @@ class CheckColumn:
     kind: str
     unit: str
     by_choice: bool = False
+    time: NDArray[np.float64] | None = None  # s, of the worst moment
 
     def at(
         self, index: int | tuple[()], method: str, *, title: str = "", at_time: float | None = None, note: str = ""
@@ -56,7 +74,7 @@ class CheckColumn:
         status: Status = "pass" if self.passed[index] else "fail" if self.failed[index] else "unknown"
         return Check(
             name=self.name,
-            title=title or TITLES[self.name],
+            title=title or TITLES[method][self.name],
             method=method,
             demand=float(self.demand[index]),
             limit=float(self.limit[index]),
@@ -64,7 +82,7 @@ class CheckColumn:
             unit=self.unit,
             margin=float(self.margin[index]),
             status=status,
-            at_time=at_time,
+            at_time=at_time if self.time is None else float(self.time[index]),
             by_choice=self.by_choice,
             note=note,
         )
@@ -123,3 +141,18 @@ def fits(name: str, good: Any, known: Any) -> CheckColumn:
         kind="dimensionless",
         unit="1",
     )
+
+
+def in_order(found: list[tuple[NDArray[np.int64], list[CheckColumn]]], count: int) -> list[CheckColumn]:
+    """Checks that were made for some rows at a time, put together to columns over all of them."""
+    together = []
+    for same in zip(*(columns for _, columns in found), strict=True):
+        arrays = {}
+        for name in ("demand", "limit", "margin", "passed", "failed", "time"):
+            parts = [getattr(column, name) for column in same]
+            if parts[0] is not None:
+                arrays[name] = np.empty(count, parts[0].dtype)
+                for (rows, _), part in zip(found, parts, strict=True):
+                    arrays[name][rows] = part
+        together.append(replace(same[0], **arrays))
+    return together

@@ -16,7 +16,7 @@ from drivesizer.catalog import Catalog, Table
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
 from drivesizer.spec import Choice, RobotSpec
 
-__all__ = ["Chosen", "controllers", "encoders", "offered_buses", "offers", "selected"]
+__all__ = ["Chosen", "controllers", "encoders", "offered_buses", "offers", "selected", "usable_voltage"]
 
 
 class Chosen(NamedTuple):
@@ -79,8 +79,22 @@ def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64
     return np.where(mask.any(1), order[place], -1)
 
 
+def usable_voltage(lowest: float, max_duty: Any, voltage_drop: Any) -> Any:
+    """What a controller can give a motor at the lowest supply voltage [V]: duty times what its stages leave.
+
+    >>> round(float(usable_voltage(24.0, 0.9, 1.0)), 1)
+    20.7
+    """
+    return np.maximum(max_duty * (lowest - voltage_drop), 0.0)
+
+
 def controllers(
-    spec: RobotSpec, catalog: Catalog, motor: NDArray[Any], rms_current: NDArray[Any], peak_current: NDArray[Any]
+    spec: RobotSpec,
+    catalog: Catalog,
+    motor: NDArray[Any],
+    rms_current: NDArray[Any],
+    peak_current: NDArray[Any],
+    voltage: NDArray[Any] | None = None,
 ) -> Chosen:
     """The controller of each candidate.
 
@@ -92,6 +106,8 @@ def controllers(
         Row of each candidate's motor.
     rms_current, peak_current
         Motor currents of each candidate [A]; NaN unknown.
+    voltage
+        Motor voltage of each candidate [V], where the method looks at it.
     """
     table = catalog.controllers
     order = _order(table, "continuous_current")
@@ -104,6 +120,10 @@ def controllers(
         enough = ~(table["continuous_current"] < rms_current[:, None])
         enough &= ~(table["peak_current"] < peak_current[:, None])
         sure = ~np.isnan(table["continuous_current"]) & ~np.isnan(table["peak_current"])
+        if voltage is not None:
+            usable = usable_voltage(spec.supply.lowest, table["max_duty"], table["voltage_drop"])
+            enough &= ~(usable < voltage[:, None])
+            sure &= ~np.isnan(usable)
     row = np.full(len(motor), -1, np.int64)
     for mask in (allowed, allowed & enough, allowed & enough & sure):  # better ones overwrite
         found = mask.any(1)

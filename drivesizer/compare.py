@@ -8,15 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from drivesizer.catalog import Catalog
-from drivesizer.loads import wheeled_vehicle
-from drivesizer.physics import at_gearhead
-from drivesizer.physics_limits import limits, record
-from drivesizer.profile import trapezoid
-from drivesizer.results import Comparison, DriveSet
-from drivesizer.search import Rows
-from drivesizer.spec import RobotSpec
+from drivesizer.results import Check, Comparison, DriveSet
+from drivesizer.search import candidates, evaluate
+from drivesizer.spec import Choice, RobotSpec
 
-__all__ = ["with_physics"]
+__all__ = ["with_both_methods"]
 
 # what the paper checks, what physics checks in its place, and why the two figures differ
 _PAIRS = (
@@ -33,8 +29,8 @@ _PAIRS = (
 )  # fmt: skip
 
 
-def with_physics(spec: RobotSpec, catalog: Catalog, sets: Sequence[DriveSet]) -> tuple[DriveSet, ...]:
-    """The same sets with the checks of the drive model and a comparison of both methods.
+def with_both_methods(spec: RobotSpec, catalog: Catalog, sets: Sequence[DriveSet]) -> tuple[DriveSet, ...]:
+    """The same sets with the checks of the other method, and both compared.
 
     Parameters
     ----------
@@ -43,28 +39,35 @@ def with_physics(spec: RobotSpec, catalog: Catalog, sets: Sequence[DriveSet]) ->
     sets
         Sets as the search found them.
     """
-    cycle = wheeled_vehicle(spec, trapezoid(spec.motion))
-    behind = {ratio: at_gearhead(cycle, ratio, spec.belt_efficiency) for ratio in {s.belt_ratio for s in sets}}
-    found = []
-    for one in sets:
-        parts = [Rows(catalog.table(f"{n}s"), np.array([_row(catalog, one, n)])) for n in _PARTS]
-        asked, columns = limits(spec, behind[one.belt_ratio], *parts)
-        checks = tuple(record(column, 0, asked) for column in columns)
-        found.append(replace(one, physics=checks, comparison=_compared(replace(one, physics=checks))))
-    return tuple(found)
+    return tuple(_with(one, _other(spec, catalog, one)) for one in sets)
 
 
-_PARTS = ("motor", "gearhead", "encoder", "controller")
+def _with(one: DriveSet, beside: tuple[Check, ...]) -> DriveSet:
+    by_method = {checks[0].method: {c.name: c for c in checks} for checks in (one.checks, beside) if checks}
+    paper, physics = (by_method.get(method, {}) for method in ("paper", "physics"))
+    both = [(a, b, why) for a, b, why in _PAIRS if a in paper and b in physics]
+    compared = tuple(Comparison(paper=paper[a], physics=physics[b], why=why) for a, b, why in both)
+    return replace(one, beside=beside, comparison=compared)
 
 
-def _row(catalog: Catalog, one: DriveSet, name: str) -> int:
-    """Row of a set's part; -1, the row of unknowns, where it has none."""
-    part = getattr(one, name)
-    return catalog.table(f"{name}s").rows[part.part] if part else -1
+def _other(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> tuple[Check, ...]:
+    """The other method's checks of a set.
 
-
-def _compared(one: DriveSet) -> tuple[Comparison, ...]:
-    paper, physics = ({c.name: c for c in checks} for checks in (one.checks, one.physics))
-    return tuple(
-        Comparison(paper=paper[a], physics=physics[b], why=why) for a, b, why in _PAIRS if a in paper and b in physics
-    )
+    The gearhead's whole family comes along, as the paper's rule looks at the other reductions too.
+    """
+    fixed = {
+        "motor": Choice(part=[one.motor.part]),
+        "gearhead": Choice(family=[one.gearhead.family]),
+        "encoder": spec.select.encoder.model_copy(update={"part": [one.encoder.part]} if one.encoder else {}),
+        "controller": spec.select.controller.model_copy(
+            update={"part": [one.controller.part]} if one.controller else {}
+        ),
+    }
+    method = "physics" if spec.method == "paper" else "paper"
+    select = spec.select.model_copy(update=fixed)
+    narrowed = spec.model_copy(update={"select": select, "method": method})
+    rows = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
+    given = candidates(narrowed, catalog, also=rows)
+    evaluation = evaluate(narrowed, catalog, given)
+    found = (given.motor == rows[0]) & (given.gearhead == rows[1]) & (given.belt == one.belt_ratio)
+    return tuple(check.at(int(np.flatnonzero(found)[0]), method) for check in evaluation.checks)

@@ -91,10 +91,8 @@ def drive_set(found: DriveSet) -> dict[str, Any]:
         "objective": _number(found.objective),
         "objective_of": list(found.objective_of),
         "requirements": {r.name: _requirement(r) for r in found.requirements},
-        "results": {
-            name: _result(checks) for name, checks in (("paper", found.checks), ("physics", found.physics)) if checks
-        },
-        "checks": [_check(check) for check in (*found.checks, *found.physics)],
+        "results": {checks[0].method: _result(checks) for checks in (found.checks, found.beside) if checks},
+        "checks": [_check(check) for check in (*found.checks, *found.beside)],
     }
 
 

@@ -25,6 +25,7 @@ class AtGearhead(NamedTuple):
     """A load cycle at the gearhead's output, behind one belt."""
 
     cycle: LoadCycle
+    belt: float  # its ratio
     functions: NDArray[np.float64]  # (segments, 2, 6)
     moments: NDArray[np.float64]  # (6, 6): means of their products over the cycle
     torque: Ends  # N*m
@@ -77,7 +78,7 @@ def at_gearhead(cycle: LoadCycle, ratio: float, efficiency: float) -> AtGearhead
     moments = np.array([
         [integral(cycle.duration, functions[:, :, a], functions[:, :, b]) for a in range(6)] for b in range(6)
     ]) / cycle.total  # fmt: skip
-    return AtGearhead(cycle, functions, moments, torque, speed, **_extremes(cycle, torque, speed, running))
+    return AtGearhead(cycle, ratio, functions, moments, torque, speed, **_extremes(cycle, torque, speed, running))
 
 
 def _extremes(cycle: LoadCycle, torque: Ends, speed: Ends, running: NDArray[np.bool_]) -> dict[str, float]:

@@ -126,13 +126,8 @@ class DriveSet:
     objective_of: tuple[str, ...]
     requirements: tuple[Requirement, ...]  # (17)-(20) for this set
     checks: tuple[Check, ...]  # of the method that ranked
-    physics: tuple[Check, ...] = ()  # of the drive model, for the same set
+    beside: tuple[Check, ...] = ()  # of the other method, for the same set
     comparison: tuple[Comparison, ...] = ()  # where both methods look at the same limit
-
-    @property
-    def physics_status(self) -> Status:
-        """What the drive model says of the set."""
-        return verdict(self.physics)
 
     @property
     def label(self) -> str:

@@ -13,8 +13,12 @@ from numpy.typing import NDArray
 
 from drivesizer import paper
 from drivesizer.catalog import Catalog, Table
-from drivesizer.checks import CheckColumn, fits
+from drivesizer.checks import CheckColumn, fits, in_order
 from drivesizer.choose import controllers, encoders, selected
+from drivesizer.loads import wheeled_vehicle
+from drivesizer.physics import at_gearhead, demands
+from drivesizer.physics_limits import limits, stress
+from drivesizer.profile import trapezoid
 from drivesizer.results import Counts, DriveSet, Requirement
 from drivesizer.spec import RobotSpec
 
@@ -84,27 +88,58 @@ def candidates(spec: RobotSpec, catalog: Catalog, also: tuple[int, int] | None =
 
 
 def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates) -> Evaluation:
-    """Requirements and checks of every candidate by the paper's method."""
+    """The paper's requirements of every candidate, and its checks by the spec's method."""
     motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
     wheel = paper.vehicle(spec, motor["rotor_inertia"]).steps
     shaft = paper.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
-    checks = [fits("compatibility", True, given.listed)]
-    checks += paper.rule(spec, wheel, shaft, motor, gearhead, given.belt)
+    encoder = encoders(spec, catalog, given.motor)
+    if spec.method == "paper":
+        checks, controller = _by_the_paper(spec, catalog, given, wheel, shaft)
+    else:
+        checks, controller = _by_physics(spec, catalog, given, encoder.row)
+    checks = [fits("compatibility", True, given.listed), *checks, *encoder.checks]
+    failed = np.logical_or.reduce([check.failed for check in checks])
+    passed = np.logical_and.reduce([check.passed for check in checks])
+    return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder.row, controller, failed, ~failed & ~passed)
+
+
+def _by_the_paper(
+    spec: RobotSpec, catalog: Catalog, given: Candidates, wheel: dict[str, Requirement], shaft: dict[str, Requirement]
+) -> tuple[list[CheckColumn], NDArray[np.int64]]:
+    """The rule of section 3.1.3, and the controller by the torques of (17) and (18)."""
+    motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
+    checks = paper.rule(spec, wheel, shaft, motor, gearhead, given.belt)
     gear = [check for check in checks if check.name.startswith("gearhead")]
     total = gearhead["ratio"] * given.belt
     checks.append(paper.largest_allowed(catalog, given.motor, given.gearhead, total, gear))
-    encoder = encoders(spec, catalog, given.motor)
     currents = (
         shaft[f"{which}_torque_at_motor"].value / motor["torque_constant"] + motor["no_load_current"]
         for which in ("rms", "maximum")
     )
     controller = controllers(spec, catalog, given.motor, *currents)
-    checks += [*encoder.checks, *controller.checks]
-    failed = np.logical_or.reduce([check.failed for check in checks])
-    passed = np.logical_and.reduce([check.passed for check in checks])
-    return Evaluation(
-        spec, catalog, given, wheel, shaft, checks, encoder.row, controller.row, failed, ~failed & ~passed
-    )
+    return [*checks, *controller.checks], controller.row
+
+
+def _by_physics(
+    spec: RobotSpec, catalog: Catalog, given: Candidates, encoder: NDArray[np.int64]
+) -> tuple[list[CheckColumn], NDArray[np.int64]]:
+    """Every limit against the whole load cycle, a belt at a time."""
+    cycle = wheeled_vehicle(spec, trapezoid(spec.motion))
+    controller = np.full(len(given.motor), -1, np.int64)
+    found: list[tuple[NDArray[np.int64], list[CheckColumn]]] = []
+    for belt in np.unique(given.belt):
+        rows = np.flatnonzero(given.belt == belt)
+        parts = [Rows(catalog.motors, given.motor[rows]), Rows(catalog.gearheads, given.gearhead[rows])]
+        parts.append(Rows(catalog.encoders, encoder[rows]))
+        at = at_gearhead(cycle, float(belt), spec.belt_efficiency)
+        asked = demands(at, *parts)
+        under = stress(spec, at, asked, parts[0], parts[1])
+        currents = asked.rms_current, asked.peak_current
+        chosen = controllers(spec, catalog, given.motor[rows], *currents, under.voltage)
+        controller[rows] = chosen.row
+        parts.append(Rows(catalog.controllers, chosen.row))
+        found.append((rows, [chosen.checks[0], *limits(spec, at, asked, under, *parts)]))
+    return in_order(found, len(given.motor)), controller
 
 
 _OBJECTIVES: dict[str, tuple[str, tuple[str, ...]]] = {  # figure and the parts that it is summed over

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.choose import usable_voltage
 from drivesizer.control_design import COMPUTING, analyse, design
 from drivesizer.errors import InputError
 from drivesizer.march import Limits, Run, march
@@ -107,7 +108,7 @@ def _usable_voltage(spec: RobotSpec, drive_set: DriveSet) -> float:
     controller = drive_set.controller
     if controller is None:
         return math.nan
-    return max(controller.max_duty * (spec.supply.lowest - controller.voltage_drop), 0.0)
+    return float(usable_voltage(spec.supply.lowest, controller.max_duty, controller.voltage_drop))
 
 
 def _limits(spec: RobotSpec, drive_set: DriveSet, usable: float) -> Limits:

@@ -11,7 +11,7 @@ import numpy as np
 from drivesizer import paper
 from drivesizer.catalog import Catalog, load
 from drivesizer.choose import offered_buses, offers
-from drivesizer.compare import with_physics
+from drivesizer.compare import with_both_methods
 from drivesizer.errors import InputError, quoted
 from drivesizer.results import DriveSet, Relaxation, Requirement, SizingResult
 from drivesizer.search import Candidates, Evaluation, candidates, counts, drive_set, evaluate, ranking
@@ -61,7 +61,7 @@ def size(
     standing = min(top, tally.feasible)
     fallen = top if not tally.feasible else min(_MISSES, top - standing)
     shown = [drive_set(evaluation, int(i), n, objective) for n, i in enumerate(order[: standing + fallen], 1)]
-    sets, misses = with_physics(spec, catalog, shown[:standing]), tuple(shown[standing:])
+    sets, misses = with_both_methods(spec, catalog, shown[:standing]), tuple(shown[standing:])
     return SizingResult(
         spec=spec,
         catalog=catalog,
@@ -109,6 +109,14 @@ def _known_choices(spec: RobotSpec, catalog: Catalog) -> None:
 
 def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
     """What the method takes for granted, as sentences."""
+    if spec.method == "physics":
+        return (
+            "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well",
+            "brushed motors lose k_t I_0 at any speed; of brushless ones the no-load loss rises with speed",
+            "the winding's temperature is its steady mean, from copper loss alone; voltage is with it cold and hot",
+            "an encoder's unknown inertia is left out; sustained speed is the highest at which the profile stays",
+            "requirements (1)-(20) are the paper's, for comparison; the paper factors do not enter the checks",
+        )
     said = [
         "J_m of (10) is each candidate's own rotor inertia at the motor shaft, without K², as the paper has it",
         "the motor's speed is its no-load speed at nominal voltage, its maximum torque the stall torque",
@@ -123,15 +131,19 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
 
 
 def _warnings(spec: RobotSpec, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
-    """What the paper's method does not look at and the reader should know."""
-    said = ["the paper's method does not check heat, permissible motor speed or supply sag; `drivesizer validate` does"]
+    """What the method does not look at and the reader should know."""
+    said = []
+    if spec.method == "paper":
+        said.append(
+            "the paper's rule does not look at heat, permissible motor speed or supply sag; the physics beside it does"
+        )
     if not sets:
         return tuple(said)
     best = sets[0]
     missing = [check.title for check in best.checks if check.status == "unknown"]
     if missing:
         said.append(f"unknown for the best set: {', '.join(missing)}")
-    if best.motor.nominal_voltage > spec.supply.highest:
+    if spec.method == "paper" and best.motor.nominal_voltage > spec.supply.highest:
         volts = [show(v, "V", "voltage") for v in (best.motor.nominal_voltage, spec.supply.highest)]
         said.append(f"the best set's motor is wound for {volts[0]}, the supply gives {volts[1]} at most")
     return tuple(said)
@@ -237,7 +249,7 @@ def explain(spec: RobotSpec, motor: str, gearhead: str, *, catalog: Catalog | No
     evaluation = evaluate(narrowed, catalog, given)
     found = np.flatnonzero((given.motor == rows[0]) & (given.gearhead == rows[1]))
     sets = [drive_set(evaluation, int(i), n, spec.select.objective) for n, i in enumerate(found, 1)]
-    return list(with_physics(spec, catalog, sets))
+    return list(with_both_methods(spec, catalog, sets))
 
 
 def _row(catalog: Catalog, section: str, part: str) -> int:

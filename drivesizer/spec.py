@@ -295,7 +295,9 @@ class RobotSpec(_Section):
     """A robot.yaml: the load, its motion, and what the drive may be made of."""
 
     name: str = Field(min_length=1, max_length=200)
-    method: Literal["paper"] = Field(default="paper", description="how the drive is sized")
+    method: Literal["paper", "physics"] = Field(
+        default="paper", description="what ranks: the paper's equations and rule, or the whole load cycle"
+    )
     load: WheeledVehicle
     motion: Trapezoid
     transmission: Annotated[list[Stage], Field(min_length=1, max_length=2)] = _default(

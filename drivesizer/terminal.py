@@ -15,7 +15,7 @@ from rich.text import Text
 from drivesizer import formula
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.declare import COMPANIONS, EQUATIONS, Equation
-from drivesizer.results import Check, DriveSet, Requirement, SizingResult, Validation, worst
+from drivesizer.results import Check, DriveSet, Requirement, SizingResult, Validation, verdict, worst
 from drivesizer.units import label, show
 
 __all__ = ["equation", "equations", "explained", "sizing", "validation"]
@@ -156,7 +156,7 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
 def _chosen(console: Console, result: SizingResult, best: DriveSet, *, quiet: bool) -> None:
     tight = worst(best.checks)
     line = Text("The drive: ", style="bold") + Text(_MARK[best.status], style=_STYLE[best.status])
-    console.print(line + _by_physics(best))
+    console.print(line + _by_the_other(best))
     console.print(_parts(best, result.catalog))
     mass = f"{show(best.mass, 'g', 'mass')} ({' + '.join(best.mass_of)})"
     console.print(f"whole reduction {best.total_ratio:.4g} · mass {mass}")
@@ -165,16 +165,27 @@ def _chosen(console: Console, result: SizingResult, best: DriveSet, *, quiet: bo
     if not quiet:
         console.print()
         console.print(_requirements(best.requirements, "Requirements at the motor"))
-        console.print(_checks(best.checks, f"Checks by the method of the {result.method}"))
-        console.print(_checks(best.physics, "The same set by the whole load cycle (physics)"))
-        console.print(_both(best))
+        _both_methods(console, best)
 
 
-def _by_physics(found: DriveSet) -> Text:
-    """What the drive model says of the set, in a few words."""
-    status = found.physics_status
-    which = ", ".join(check.title.lower() for check in found.physics if check.status == status != "pass")
-    words = Text(", by physics ") + Text(_MARK[status], style=_STYLE[status])
+_METHODS = {"paper": "by the paper's equations and rule", "physics": "by physics, over the whole load cycle"}
+
+
+def _both_methods(console: Console, found: DriveSet) -> None:
+    """The checks of the method that ranked, those of the other, and where they look at the same limit."""
+    console.print(_checks(found.checks, f"Checks {_METHODS[found.checks[0].method]}"))
+    if found.beside:
+        console.print(_checks(found.beside, f"The same set {_METHODS[found.beside[0].method]}"))
+        console.print(_both(found))
+
+
+def _by_the_other(found: DriveSet) -> Text:
+    """What the other method says of the set, in a few words."""
+    if not found.beside:
+        return Text()
+    status = verdict(found.beside)
+    which = ", ".join(check.title.lower() for check in found.beside if check.status == status != "pass")
+    words = Text(f", by {found.beside[0].method} ") + Text(_MARK[status], style=_STYLE[status])
     return words + Text(f" ({which})") if which else words
 
 
@@ -277,7 +288,7 @@ def _tally(console: Console, result: SizingResult) -> None:
     if counts.failed_by:
         console.print(" The others fell by:")
         for name, count in sorted(counts.failed_by.items(), key=lambda item: -item[1]):
-            words = "not the largest reduction" if name == "largest_reduction" else TITLES[name].lower()
+            words = "not the largest reduction" if name == "largest_reduction" else TITLES[result.method][name].lower()
             console.print(f"  {count:>8,}  {words}")
     else:
         console.print()
@@ -301,9 +312,7 @@ def explained(sets: list[DriveSet], catalog: Catalog) -> None:
         _heading(console, found.label, _MARK[found.status], _STYLE[found.status])
         console.print(_parts(found, catalog))
         console.print(_requirements(found.requirements, "Requirements at the motor"))
-        console.print(_checks(found.checks, "Checks by the method of the paper"))
-        console.print(_checks(found.physics, "The same set by the whole load cycle (physics)"))
-        console.print(_both(found))
+        _both_methods(console, found)
 
 
 def validation(proof: Validation) -> None:

@@ -3,15 +3,17 @@
 import itertools
 import math
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from drivesizer.loads import wheeled_vehicle
+from drivesizer.paper import vehicle
 from drivesizer.physics import at_gearhead, demands, peak_voltage
 from drivesizer.profile import Profile, trapezoid
 from drivesizer.search import Rows
-from drivesizer.sizing import explain
+from drivesizer.sizing import explain, size
 from drivesizer.spec import read_spec
 from drivesizer.yaml_source import YamlSource
 
@@ -131,7 +133,7 @@ def _bulge(cycle):
 def test_35_to_1_is_admitted_by_physics_for_its_speed_but_not_its_voltage(spec, catalog):
     """The transcription: physics knows no reserve, the wheel turns at 188.0 rpm, 35:1 at 7232 rpm."""
     found = explain(spec, "118752", "406767", catalog=catalog)[0]
-    checks = {c.name: c for c in found.physics}
+    checks = {c.name: c for c in found.beside}
     rpm = 30 / math.pi
     assert checks["gearhead_continuous_speed"].demand * rpm == pytest.approx(7232, abs=0.5)
     assert checks["gearhead_continuous_speed"].status == "pass"
@@ -144,3 +146,55 @@ def test_35_to_1_is_admitted_by_physics_for_its_speed_but_not_its_voltage(spec, 
 def test_wheel_speed_by_hand(spec):
     cycle = wheeled_vehicle(spec, trapezoid(spec.motion))
     assert cycle.speed.max() * 30 / math.pi == pytest.approx(188.0, abs=0.05)
+
+
+@pytest.fixture(scope="module")
+def by_physics(example_text):
+    return read_spec(YamlSource(example_text.replace("method: paper", "method: physics"), "robot.yaml"))
+
+
+def test_a_set_has_the_same_checks_whichever_method_ranked(spec, by_physics, catalog):
+    """What stands beside a set that the paper ranked is what ranks it by physics, and the other way round."""
+    one, other = (explain(s, "118752", "406764", catalog=catalog)[0] for s in (spec, by_physics))
+    assert (one.checks[0].method, other.checks[0].method) == ("paper", "physics")
+    for mine, theirs in ((one.beside, other.checks), (other.beside, one.checks)):
+        assert [repr(c) for c in mine] == [repr(c) for c in theirs]
+    assert [repr(c) for c in one.comparison] == [repr(c) for c in other.comparison]
+
+
+def test_physics_ranks_the_whole_catalogue(example_text, catalog):
+    """Every set that stands obeys its limits, worked out again from the records; several belts at once."""
+    text = example_text[: example_text.index("select:")] + "select: {objective: price}\n"
+    text = text.replace("method: paper", "method: physics").replace("ratio: 1.1 ", "ratios: [0.9, 1.1, 1.6]")
+    spec = read_spec(YamlSource(text, "robot.yaml"))
+    result = size(spec, catalog=catalog, top=300)
+    assert result.method == "physics"
+    assert len(result.sets) == 300
+    assert len({s.belt_ratio for s in result.sets}) == 3
+    usable = 22.0
+    for s in result.sets:
+        checks = {c.name: c for c in s.checks}
+        rms, peak, volts, gear_rms, gear_peak = moments_of_example(spec, s)
+        assert checks["controller_peak_current"].demand == pytest.approx(peak, rel=1e-9)
+        assert checks["motor_nominal_current"].demand == pytest.approx(rms, rel=1e-9)
+        assert checks["gearhead_continuous_torque"].demand == pytest.approx(gear_rms, rel=1e-9)
+        assert gear_peak <= s.gearhead.intermittent_torque
+        assert not volts > s.controller.max_duty * (usable - s.controller.voltage_drop)
+        assert not rms > s.controller.continuous_current
+        assert not peak > s.controller.peak_current
+    prices = [s.objective for s in result.sets if s.status == "pass" and len(s.objective_of) == 2]
+    assert prices == sorted(prices)
+
+
+def moments_of_example(spec, s):
+    """The same walk for the SPS robot, whose wheel's inertia comes from its cylinders."""
+    wheel = 1100 * math.pi * (0.0762**2 - 0.03**2) * 0.05 / 2 * (0.0762**2 + 0.03**2)
+    turning = next(r for r in vehicle(spec, 0.0).steps.values() if r.name == "wheel_inertia").value
+    assert turning == pytest.approx(wheel, rel=1e-12)
+    turning += next(r for r in vehicle(spec, 0.0).steps.values() if r.name == "shaft_inertia").value
+    load = spec.load.model_copy(update={"inertia": turning})
+    encoder = 0.0 if s.encoder is None or math.isnan(s.encoder.inertia) else s.encoder.inertia
+    motor = replace(s.motor, rotor_inertia=s.motor.rotor_inertia + encoder)
+    plain = spec.model_copy(update={"load": load})
+    profile = trapezoid(spec.motion)
+    return moments_by_hand(plain, profile, s.belt_ratio, spec.belt_efficiency, motor, s.gearhead, motor.resistance)

@@ -59,7 +59,7 @@ def _content(result: SizingResult, validation: Validation | None, best: DriveSet
         "candidates": _candidates(result),
         "datasheets": datasheets(best, result.catalog) if best else [],
         "checks": [_check(c) for c in best.checks] if best else [],
-        "physics": [_check(c) for c in best.physics] if best else [],
+        "beside": [_check(c) for c in best.beside] if best else [],
         "comparison": [_compared(pair) for pair in best.comparison] if best else [],
         "figures": _figures(result, validation, best),
         "loop": _loop(validation) if validation else None,
@@ -169,7 +169,9 @@ def _candidates(result: SizingResult) -> dict[str, Any]:
         "feasible": counts.feasible,
         "sets": [_row(s) for s in (*result.sets, *result.misses)],
         "fallen": len(result.misses),
-        "fell": [{"title": TITLES.get(name, name), "count": n, "share": n / counts.considered} for name, n in fell],
+        "fell": [
+            {"title": TITLES[result.method][name], "count": n, "share": n / counts.considered} for name, n in fell
+        ],
         "relaxations": [[r.field, r.now, r.needed, r.set_label] for r in result.relaxations],
         "unrestricted": _best(other) if other else None,
     }

@@ -47,7 +47,7 @@ def _sections(result: SizingResult, validation: Validation | None) -> Iterator[I
         rank = {"set_rank": drive_set.rank}
         yield ({**row, **rank} for row in _set(drive_set, result.objective))
         yield ({**_requirement(r), **rank} for r in drive_set.requirements)
-        yield ({**_check("check", c), **rank} for c in (*drive_set.checks, *drive_set.physics))
+        yield ({**_check("check", c), **rank} for c in (*drive_set.checks, *drive_set.beside))
     if validation is not None:
         yield _validation(validation)
 
