@@ -75,8 +75,8 @@ def _checks(checks: Iterable[Check], title: str) -> Table:
 
 
 def _plain(check: Check, figure: float) -> str:
-    if check.status != "unknown" and isnan(figure):
-        return ""
+    if isnan(check.demand) and isnan(check.limit) and check.status != "unknown":
+        return ""  # a condition that is met or not, without figures
     return check.shown(figure)
 
 

@@ -292,6 +292,8 @@ def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
     """
     if math.isnan(value):
         return "unknown"
+    if math.isinf(value):
+        return "without end" if value > 0 else "minus without end"
     text = f"{from_si(value, unit, kind):.{digits}g}"
     if "e" in text and abs(float(text)) < 1e6:
         text = f"{float(text):f}".rstrip("0").rstrip(".") if abs(float(text)) >= 1e-3 else text

@@ -141,6 +141,7 @@ def test_output_in_the_units_of_the_trade():
     assert show(0.0263, "mN*m", "torque") == "26.3 mN·m"
     assert show(298.15, "degC", "temperature") == "25 °C"
     assert show(math.nan, "rpm", "rotary_speed") == "unknown"
+    assert show(math.inf, "degC", "temperature") == "without end"
     assert label("rpm/(mN*m)") == "rpm/(mN·m)"
     assert label("uN*m") == "µN·m"
     assert label("ohm") == "Ω"
