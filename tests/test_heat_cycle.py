@@ -6,6 +6,7 @@ Resistances, time constants and durations differ everywhere: no ratio is 1.
 from __future__ import annotations
 
 from dataclasses import replace
+from decimal import Decimal, localcontext
 from itertools import pairwise
 from math import exp, inf, isnan, log, nan, sqrt
 
@@ -273,6 +274,20 @@ def test_a_recorded_cycle_of_36000_samples():
     copper = (halves[0] - halves[1]) / MOTOR.R_th1
     assert MOTOR.R_25 * squares.mean() < copper < 1.5 * MOTOR.R_25 * squares.mean()
     assert found.winding_peak == pytest.approx(found.winding.max(), abs=1e-6)
+
+
+@pytest.mark.parametrize("spread", [1e-12, 1e-6, 1e-3, 0.1, 0.99, 1.01, 7.0, 90.0])
+@pytest.mark.parametrize("shares", [(1.0, 0.0), (1.0, 0.3, 0.0), (1.0, 0.999, 0.2, 0.0), (1.0, 0.6, 1e-4, 0.0)])
+def test_divided_differences_hold_to_rounding_at_any_spread(spread, shares):
+    nodes = [-0.4 - spread * share for share in shares]
+    with localcontext() as context:
+        context.prec = 120
+        exact_nodes = [Decimal(node) for node in nodes]
+        table = [node.exp() for node in exact_nodes]
+        for width in range(1, len(nodes)):
+            table = [(b - a) / (exact_nodes[n + width] - exact_nodes[n]) for n, (a, b) in enumerate(pairwise(table))]
+    found = heat_cycle._divided_exp(*(np.array([node]) for node in nodes))
+    assert found[0] == pytest.approx(float(table[0]), rel=1e-14)
 
 
 # --- edges -----------------------------------------------------------------------------------------------------------
