@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
 
-__all__ = ["LoadCycle", "integral", "rms"]
+__all__ = ["LoadCycle", "integral", "mean_product", "rms"]
 
 Ends = NDArray[np.float64]  # shape (segments, 2): values at the left and the right end
 
@@ -115,8 +115,14 @@ def integral(duration: NDArray[np.float64], a: Ends, b: Ends) -> float:
     >>> integral(np.array([3.0]), np.array([[0.0, 2.0]]), np.array([[0.0, 2.0]]))
     4.0
     """
+    return float(duration @ mean_product(a, b))
+
+
+def mean_product(a: Ends, b: Ends) -> NDArray[np.float64]:
+    """Mean of a product of two quantities over each segment, exact for straight lines."""
     a_0, a_1, b_0, b_1 = a[:, 0], a[:, 1], b[:, 0], b[:, 1]
-    return float(duration @ (2 * a_0 * b_0 + a_0 * b_1 + a_1 * b_0 + 2 * a_1 * b_1) / 6)
+    mean: NDArray[np.float64] = (2 * a_0 * b_0 + a_0 * b_1 + a_1 * b_0 + 2 * a_1 * b_1) / 6
+    return mean
 
 
 def rms(duration: NDArray[np.float64], a: Ends) -> float:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.loadcycle import Ends, LoadCycle, integral, rms
+from drivesizer.loadcycle import Ends, LoadCycle, integral, mean_product, rms
 
 __all__ = ["AtGearhead", "Demands", "at_gearhead", "demands"]
 
@@ -85,7 +85,7 @@ def _extremes(cycle: LoadCycle, torque: Ends, speed: Ends, running: NDArray[np.b
     time = cycle.duration[running]
     level = running & (speed[:, 0] == speed[:, 1])
     fastest = np.abs(speed).max()
-    worked = float(np.sum(time * np.abs(_mean_product(torque, speed)[running])))
+    worked = float(np.sum(time * np.abs(mean_product(torque, speed)[running])))
     return {
         "rms_torque": rms(time, torque[running]),
         "peak_torque": float(np.abs(torque).max()),
@@ -94,14 +94,6 @@ def _extremes(cycle: LoadCycle, torque: Ends, speed: Ends, running: NDArray[np.b
         "mean_power": worked / time.sum() if time.sum() else 0.0,
         "peak_power": float(np.abs(torque * speed).max()),
     }
-
-
-def _mean_product(a: Ends, b: Ends) -> NDArray[np.float64]:
-    """Mean of a product over each segment, exact for straight lines."""
-    mean: NDArray[np.float64] = (
-        2 * a[:, 0] * b[:, 0] + a[:, 0] * b[:, 1] + a[:, 1] * b[:, 0] + 2 * a[:, 1] * b[:, 1]
-    ) / 6
-    return mean
 
 
 def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
