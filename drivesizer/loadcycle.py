@@ -8,16 +8,29 @@ Symbols: w speed [rad/s], a acceleration [rad/s^2], T torque that the load takes
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import nan
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
 
-__all__ = ["LoadCycle", "integral", "mean_product", "rms"]
+__all__ = ["Ends", "LoadCycle", "OwnLimit", "cut_points", "integral", "mean_product", "rms"]
 
 Ends = NDArray[np.float64]  # shape (segments, 2): values at the left and the right end
+
+
+class OwnLimit(NamedTuple):
+    """A limit of the load itself, whatever drives it, such as the grip of a wheel."""
+
+    name: str
+    demand: float  # SI; NaN unknown
+    limit: float
+    kind: str
+    unit: str  # of the trade
+    time: float = nan  # s, of the worst moment
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +42,8 @@ class LoadCycle:
     speed: Ends  # rad/s
     acceleration: Ends  # rad/s^2
     torque: Ends  # N*m, the load's own inertia included
+    inertia: float = nan  # kg*m^2, of all that moves with the shaft, seen at it
+    own: tuple[OwnLimit, ...] = ()
 
     def __post_init__(self) -> None:
         shape = (len(self.duration), 2)
@@ -68,34 +83,44 @@ class LoadCycle:
         return cycle
 
     def _cut(self, name: str) -> LoadCycle:
-        column: Ends = getattr(self, name)
-        left, right = column.T
-        crosses = left * right < 0.0
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = np.where(crosses, left / (left - right), 0.5)  # share of the segment before the crossing
-        # an end that lies beyond the crossing by less than numbers can tell lies on it
-        column = np.where(np.stack([crosses & (at <= 0.0), crosses & (at >= 1.0)], axis=1), 0.0, column)
-        crosses &= (at > 0.0) & (at < 1.0)
-        at = np.where(crosses, at, 1.0)
-        pieces = np.where(crosses, 2, 1)
+        pieces, shares, column = cut_points(getattr(self, name))
         first = np.cumsum(pieces) - pieces  # place of each segment's first piece
+        crosses = pieces == 2
         second = (first + 1)[crosses]
 
         def cut(ends: Ends, *, zero: bool = False) -> Ends:
             out = np.repeat(ends, pieces, axis=0)
-            middle = np.zeros(crosses.sum()) if zero else (ends[:, 0] + at * (ends[:, 1] - ends[:, 0]))[crosses]
+            middle = np.zeros(crosses.sum()) if zero else (ends[:, 0] + shares * (ends[:, 1] - ends[:, 0]))[crosses]
             out[first[crosses], 1] = middle
             out[second, 0] = middle
             return out
 
         duration = np.repeat(self.duration, pieces)
-        duration[first] *= at
-        duration[second] *= (1.0 - at)[crosses]
+        duration[first] *= shares
+        duration[second] *= (1.0 - shares)[crosses]
         columns = {n: cut(column, zero=True) if n == name else cut(getattr(self, n)) for n in _COLUMNS}
-        return LoadCycle(name=self.name, duration=duration, **columns)
+        return replace(self, duration=duration, **columns)
 
 
 _COLUMNS = ("speed", "acceleration", "torque")
+
+
+def cut_points(column: Ends) -> tuple[NDArray[np.int64], NDArray[np.float64], Ends]:
+    """Where a quantity changes sign within segments.
+
+    Returns
+    -------
+    tuple
+        Per segment in how many pieces it falls (1 or 2) and the share of it before the change (1 without one); and the
+        column, with an end that lies beyond its change of sign by less than numbers can tell set to 0.
+    """
+    left, right = column.T
+    crosses = left * right < 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = np.where(crosses, left / (left - right), 0.5)
+    column = np.where(np.stack([crosses & (at <= 0.0), crosses & (at >= 1.0)], axis=1), 0.0, column)
+    crosses &= (at > 0.0) & (at < 1.0)
+    return np.where(crosses, 2, 1), np.where(crosses, at, 1.0), column
 
 
 def integral(duration: NDArray[np.float64], a: Ends, b: Ends) -> float:

@@ -15,8 +15,10 @@ from drivesizer import equations as eq
 from drivesizer.catalog import Catalog
 from drivesizer.checks import CheckColumn, at_least, at_most
 from drivesizer.declare import Equation
+from drivesizer.machines import Cylinder, WheeledVehicle
+from drivesizer.motions import Trapezoid
 from drivesizer.results import Requirement
-from drivesizer.spec import Cylinder, RobotSpec, WheeledVehicle
+from drivesizer.spec import RobotSpec
 
 __all__ = ["Derivation", "at_the_motor", "largest_allowed", "rule", "vehicle"]
 
@@ -68,6 +70,7 @@ def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
         J_m of (10) [kg*m^2], one figure or a column over candidates.
     """
     d, load, motion, factors = Derivation(), spec.load, spec.motion, spec.paper_factors
+    assert isinstance(load, WheeledVehicle) and isinstance(motion, Trapezoid)  # nothing else: RobotSpec.paper_applies
     g, N, wheel, m_R = spec.environment.gravity, load.driven_wheels, load.wheel_diameter, load.mass
     t_acc, t_nom, t_rest = motion.acceleration_time, motion.cruise_time, motion.rest_time
     PF, V_nom = factors.oversize, motion.speed

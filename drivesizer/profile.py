@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.spec import RobotSpec, Trapezoid
+from drivesizer.motions import Trapezoid
+from drivesizer.spec import RobotSpec
 from drivesizer.textfile import read_text
 from drivesizer.units import KINDS, scale
 
-__all__ = ["Profile", "from_csv", "profile", "trapezoid"]
+__all__ = ["Profile", "from_csv", "profile", "profile_of", "trapezoid"]
 
 _COLUMNS = ("time", "speed")  # header of a file; also the kinds of quantity
 _EXAMPLE = "0.5,1.2"
@@ -30,7 +31,8 @@ class Profile:
 
     name: str
     time: tuple[float, ...]  # s, strictly rising
-    speed: tuple[float, ...]  # m/s
+    speed: tuple[float, ...]  # m/s, or rad/s of a load that turns
+    acceleration: tuple[float, ...] | None = None  # where it is continuous; else that of each straight piece
 
     @property
     def duration(self) -> float:
@@ -81,6 +83,12 @@ def trapezoid(motion: Trapezoid) -> Profile:
     return Profile("trapezoid", tuple(t for t, _ in points), tuple(v for _, v in points))
 
 
+def profile_of(spec: RobotSpec) -> Profile:
+    """The spec's motion as a profile."""
+    assert isinstance(spec.motion, Trapezoid)
+    return trapezoid(spec.motion)
+
+
 def profile(spec: RobotSpec, name_or_file: str) -> Profile:
     """The profile that a name or a file stands for.
 
@@ -97,7 +105,7 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
         When it is neither, or the file is wrong.
     """
     if name_or_file == "trapezoid":
-        return trapezoid(spec.motion)
+        return profile_of(spec)
     if name_or_file.lower().endswith(".csv"):
         return from_csv(Path(name_or_file))
     raise InputError(f"profile {quoted(name_or_file)} is not known; expected trapezoid or a file that ends in .csv")

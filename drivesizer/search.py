@@ -15,10 +15,9 @@ from drivesizer import paper
 from drivesizer.catalog import Catalog, Table
 from drivesizer.checks import CheckColumn, fits, in_order
 from drivesizer.choose import controllers, encoders, selected
-from drivesizer.loads import wheeled_vehicle
+from drivesizer.loads import load_cycle
 from drivesizer.physics import at_gearhead, demands
 from drivesizer.physics_limits import limits, stress
-from drivesizer.profile import trapezoid
 from drivesizer.results import Counts, DriveSet, Requirement
 from drivesizer.spec import RobotSpec
 
@@ -124,7 +123,7 @@ def _by_physics(
     spec: RobotSpec, catalog: Catalog, given: Candidates, encoder: NDArray[np.int64]
 ) -> tuple[list[CheckColumn], NDArray[np.int64]]:
     """Every limit against the whole load cycle, a belt at a time."""
-    cycle = wheeled_vehicle(spec, trapezoid(spec.motion))
+    cycle = load_cycle(spec)
     controller = np.full(len(given.motor), -1, np.int64)
     found: list[tuple[NDArray[np.int64], list[CheckColumn]]] = []
     for belt in np.unique(given.belt):

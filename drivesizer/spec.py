@@ -1,191 +1,83 @@
 """robot.yaml to typed data: the only place where a user's file becomes numbers.
 
-Every quantity is read by the strict reader of ``units`` and is an SI float from here on. The models below are
-the file's schema; their descriptions are the documentation that ``drivesizer schema`` prints.
+Every quantity is read by the strict reader of ``units`` and is an SI float from here on. The models here, in
+``machines`` (what is moved) and in ``motions`` (how) are the file's schema; their descriptions are the documentation
+that ``drivesizer schema`` prints.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    PrivateAttr,
-    ValidationError,
-    model_validator,
-)
-from pydantic_core import core_schema
+from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
 
 from drivesizer.errors import InputError
+from drivesizer.fields import (
+    Allowance,
+    Angle,
+    Capacitance,
+    Current,
+    Factor,
+    Force,
+    Frequency,
+    Gain,
+    Gravity,
+    Length,
+    Mass,
+    Names,
+    Part,
+    Power,
+    Price,
+    Ratio,
+    Section,
+    Share,
+    Speed,
+    Stiffness,
+    Temperature,
+    Voltage,
+    default,
+    exactly_one,
+)
+from drivesizer.machines import AXES, Load, WheeledVehicle
+from drivesizer.motions import Motion, Trapezoid
 from drivesizer.spec_errors import explained
-from drivesizer.units import KINDS, label, noun, to_si
 from drivesizer.yaml_source import Path_, YamlSource, read
 
-__all__ = ["RobotSpec", "load_spec", "read_spec"]
+__all__ = ["OBJECTIVES", "RobotSpec", "load_spec", "read_spec"]
 
 
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """A field's type: text with unit in, SI float out, inside its range."""
-
-    kind: str
-    above: float = -math.inf
-    least: float = -math.inf
-    most: float = math.inf
-
-    def read(self, text: object) -> float:
-        """The SI value of a text; a value outside the range is a ValueError."""
-        value = to_si(text, self.kind)
-        example = KINDS[self.kind].example
-        for bad, words in (
-            (not value > self.above, f"above {self.above:g}"),
-            (not value >= self.least, f"at least {self.least:g}"),
-            (not value <= self.most, f"at most {self.most:g}"),
-        ):
-            if bad:
-                unit = label(KINDS[self.kind].si)
-                raise ValueError(f"must be {words} {unit}".rstrip() + f", e.g. {example}")
-        return value
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        if self.kind == "dimensionless":
-            return {"type": ["number", "string"], "description": "a plain number or percent"}
-        return {"type": "string", "description": f"{noun(self.kind)} with unit", "examples": [KINDS[self.kind].example]}
-
-
-Length = Annotated[float, Quantity("length", above=0.0)]
-Thickness = Annotated[float, Quantity("length", least=0.0)]
-Mass = Annotated[float, Quantity("mass", above=0.0)]
-Inertia = Annotated[float, Quantity("inertia", least=0.0)]
-Speed = Annotated[float, Quantity("speed", above=0.0)]
-Duration = Annotated[float, Quantity("time", above=0.0)]
-Pause = Annotated[float, Quantity("time", least=0.0)]
-Gravity = Annotated[float, Quantity("acceleration", above=0.0)]
-Slope = Annotated[float, Quantity("angle", least=-math.pi / 3, most=math.pi / 3)]
-Angle = Annotated[float, Quantity("angle", above=0.0)]
-Density = Annotated[float, Quantity("density", above=0.0)]
-Voltage = Annotated[float, Quantity("voltage", above=0.0)]
-Current = Annotated[float, Quantity("current", above=0.0)]
-Frequency = Annotated[float, Quantity("frequency", above=0.0)]
-Temperature = Annotated[float, Quantity("temperature", above=0.0)]
-Share = Annotated[float, Quantity("dimensionless", above=0.0, most=1.0)]  # a factor or efficiency
-Coefficient = Annotated[float, Quantity("dimensionless", least=0.0)]
-Factor = Annotated[float, Quantity("dimensionless", least=1.0)]
-Ratio = Annotated[float, Quantity("dimensionless", above=0.0)]
-Gain = Annotated[float, Quantity("dimensionless", least=0.0)]
-Names = Annotated[list[str], Field(min_length=1), BeforeValidator(lambda value: _listed(value))]
-
-
-def _listed(value: Any) -> Any:
-    """One name or several, as a list of texts; order numbers may be bare."""
-    values = value if isinstance(value, list) else [value]
-    return [str(v) if isinstance(v, int) and not isinstance(v, bool) else v for v in values]
-
-
-def _default(text: Any, **more: Any) -> Any:
-    """A default as a user would write it; it goes through the same reader."""
-    return Field(default=text, **more)
-
-
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, validate_default=True)
-
-
-class Cylinder(_Section):
-    """A rotating hollow cylinder, (8) and (9)."""
-
-    density: Density
-    outer_diameter: Length
-    inner_diameter: Thickness = _default("0 mm", description="0 when solid")
-    width: Length
-
-    @model_validator(mode="after")
-    def _hollow(self) -> Cylinder:
-        if not self.inner_diameter < self.outer_diameter:
-            raise ValueError("inner_diameter must be below outer_diameter")
-        return self
-
-
-class Cylinders(_Section):
-    """The cylinders that turn with each driven wheel."""
-
-    wheel: Cylinder
-    shaft: Cylinder | None = None
-
-
-class WheeledVehicle(_Section):
-    """A vehicle on driven wheels, each with its own motor set."""
-
-    kind: Literal["wheeled_vehicle"]
-    mass: Mass = Field(description="whole vehicle, payload included")
-    driven_wheels: Annotated[int, Field(ge=1, le=100)] = Field(description="wheels with a motor set")
-    wheel_diameter: Length
-    rolling_resistance: Coefficient | None = Field(default=None, description="C_rr; or give sinkage")
-    sinkage: Thickness | None = Field(default=None, description="sinking depth z of (4); or give rolling_resistance")
-    friction_coefficient: Coefficient | None = Field(default=None, description="between wheel and floor, for traction")
-    slope: Slope = _default("0 deg", description="uphill positive")
-    cylinders: Cylinders | None = Field(default=None, description="wheel and shaft; or give inertia")
-    inertia: Inertia | None = Field(default=None, description="of one wheel with its shaft; or give cylinders")
-
-    @model_validator(mode="after")
-    def _one_of_each(self) -> WheeledVehicle:
-        _exactly_one(self, "rolling_resistance", "sinkage")
-        _exactly_one(self, "cylinders", "inertia")
-        if self.sinkage is not None and self.sinkage >= self.wheel_diameter:
-            raise ValueError("sinkage must be below wheel_diameter")
-        return self
-
-
-def _exactly_one(section: BaseModel, first: str, second: str) -> None:
-    given = [name for name in (first, second) if getattr(section, name) is not None]
-    if len(given) != 1:
-        both = "both are given" if given else "neither is given"
-        raise ValueError(f"give {first} or {second}, exactly one of them; {both}")
-
-
-class Trapezoid(_Section):
-    """Accelerate, cruise, decelerate in the same time, rest; repeated."""
-
-    profile: Literal["trapezoid"] = "trapezoid"
-    speed: Speed = Field(description="cruising speed")
-    acceleration_time: Duration = Field(description="also the time of deceleration")
-    cruise_time: Pause
-    rest_time: Pause = _default("0 s")
-
-
-class GearheadStage(_Section):
+class GearheadStage(Section):
     """A gearhead out of the catalogues: searched."""
 
     kind: Literal["gearhead"]
 
 
-class BeltStage(_Section):
+class BeltStage(Section):
     """A belt between gearhead and load: one ratio, or several to search."""
 
     kind: Literal["belt"]
     ratio: Ratio | None = Field(default=None, description="gearhead turns per turn of the load; or give ratios")
     ratios: Annotated[list[Ratio], Field(min_length=1, max_length=1000)] | None = None
-    efficiency: Share
+    efficiency: Share = Field(description="in either direction of power")
+    stiffness: Stiffness | None = Field(default=None, description="of the belt, seen at the load's shaft")
+    pulley_diameter: Length | None = Field(default=None, description="of the load's pulley")
+    max_tension: Force | None = Field(default=None, description="permitted effective tension, with pulley_diameter")
+    max_speed: Speed | None = Field(default=None, description="permitted belt speed, with pulley_diameter")
 
     @model_validator(mode="after")
     def _one_of_each(self) -> BeltStage:
-        _exactly_one(self, "ratio", "ratios")
+        exactly_one(self, "ratio", "ratios")
+        if self.pulley_diameter is None and (self.max_tension or self.max_speed):
+            raise ValueError("give pulley_diameter beside max_tension and max_speed")
         return self
 
 
 Stage = Annotated[GearheadStage | BeltStage, Field(discriminator="kind")]
 
 
-class PaperFactors(_Section):
+class PaperFactors(Section):
     """The paper's factors; it gives no values for them."""
 
     speed_reserve: Share = Field(default=1, description="η of (1)")
@@ -195,13 +87,16 @@ class PaperFactors(_Section):
     oversize: Factor = Field(default=1, description="PF of (7) and (10)")
 
 
-class Supply(_Section):
+class Supply(Section):
     """The electrical supply of the motor controllers."""
 
     nominal: Voltage
     min: Voltage | None = Field(default=None, description="lowest voltage; nominal where not given")
     max: Voltage | None = Field(default=None, description="highest voltage; nominal where not given")
     current: Current | None = Field(default=None, description="what the supply can give to all motor sets")
+    power: Power | None = Field(default=None, description="what the supply can give to all motor sets")
+    regeneration: Part = Field(default=0, description="share of returned energy that the supply takes back; 0 none")
+    capacitance: Capacitance | None = Field(default=None, description="of the bus, where returned energy has to stay")
 
     @model_validator(mode="after")
     def _ordered(self) -> Supply:
@@ -220,22 +115,39 @@ class Supply(_Section):
         return float(self.max or self.nominal)
 
 
-class Environment(_Section):
+class Environment(Section):
     """Where the machine works."""
 
-    ambient: Temperature = _default("25 degC")
-    gravity: Gravity = _default("9.80665 m/s^2")
+    ambient: Temperature = default("25 degC")
+    gravity: Gravity = default("9.80665 m/s^2")
 
 
-class Needs(_Section):
+class Margins(Section):
+    """How much every limit must exceed what is asked, by physics; the paper has its own factors."""
+
+    torque: Allowance = Field(default=0, description="of gearhead torques, motor and controller currents, traction")
+    speed: Allowance = Field(default=0, description="of motor, gearhead and encoder speeds, and of voltage")
+    temperature: Allowance = Field(default=0, description="of the winding's permitted rise over the ambient")
+
+
+class Needs(Section):
     """What the drive must offer beyond moving the load."""
 
     encoder_counts: Annotated[int, Field(ge=1)] | None = Field(default=None, description="counts per motor turn")
     backlash_at_load: Angle | None = Field(default=None, description="lost motion of the gearhead, seen at the load")
     bandwidth: Frequency | None = Field(default=None, description="of the closed velocity loop")
+    resolution_at_load: Angle | None = Field(default=None, description="angle of the load per edge of the encoder")
+    inertia_ratio: Ratio | None = Field(default=None, description="load's inertia over the motor's, at most")
+    resonance: Frequency | None = Field(default=None, description="of motor and load on the belt, at least")
+    hold_unpowered: bool = Field(default=False, description="the load must stay where it is without power")
+    radial_load: Force | None = Field(default=None, description="on the gearhead's shaft, such as a belt's pull")
+    diameter: Length | None = Field(default=None, description="of motor and gearhead, at most")
+    length: Length | None = Field(default=None, description="of motor and gearhead together, at most")
+    mass: Mass | None = Field(default=None, description="of motor and gearhead together, at most")
+    price: Price | None = Field(default=None, description="of motor and gearhead together, at most")
 
 
-class Control(_Section):
+class Control(Section):
     """The velocity controller of the validation; gains are designed where none are given."""
 
     kp: Gain | None = Field(default=None, description="proportional gain [V per rad/s at the motor]")
@@ -252,7 +164,7 @@ class Control(_Section):
         return self
 
 
-class Choice(_Section):
+class Choice(Section):
     """Restricts a kind of part to some families or part numbers."""
 
     family: Names | None = None
@@ -271,10 +183,18 @@ class ControllerChoice(Choice):
     bus: str | None = Field(default=None, description="such as CANopen or EtherCAT")
 
 
-Objective = Literal["mass", "price", "power", "length", "margin"]
+Objective = Literal["mass", "price", "length", "power", "energy", "peak_current", "winding_temperature", "margin"]
+OBJECTIVES: tuple[str, ...] = Objective.__args__  # type: ignore[attr-defined]
 
 
-class Select(_Section):
+class Weighted(Section):
+    """One of several objectives: its weight counts shares of the smallest value that any set has."""
+
+    objective: Objective
+    weight: Ratio
+
+
+class Select(Section):
     """Which parts may be chosen, and what makes one set better than another."""
 
     catalogs: Names = Field(default=["maxon"])
@@ -282,7 +202,7 @@ class Select(_Section):
     gearhead: Choice = Field(default_factory=Choice)
     encoder: EncoderChoice = Field(default_factory=EncoderChoice)
     controller: ControllerChoice = Field(default_factory=ControllerChoice)
-    objective: Objective = "mass"
+    objective: Objective | Annotated[list[Weighted], Field(min_length=1, max_length=8)] = "mass"
     unknown: Literal["allow", "reject"] = Field(default="allow", description="sets with a check that is unknown")
 
     @property
@@ -291,26 +211,44 @@ class Select(_Section):
         return any(c.family or c.part for c in (self.motor, self.gearhead, self.encoder, self.controller))
 
 
-class RobotSpec(_Section):
+class Case(Section):
+    """What differs in another load case; everything else is as the spec says."""
+
+    name: str = Field(min_length=1, max_length=60)
+    load: dict[str, Any] = Field(default_factory=dict)
+    motion: dict[str, Any] = Field(default_factory=dict)
+    supply: dict[str, Any] = Field(default_factory=dict)
+    environment: dict[str, Any] = Field(default_factory=dict)
+
+
+_VARIED = ("load", "motion", "supply", "environment")
+
+
+class RobotSpec(Section):
     """A robot.yaml: the load, its motion, and what the drive may be made of."""
 
     name: str = Field(min_length=1, max_length=200)
     method: Literal["paper", "physics"] = Field(
-        default="paper", description="what ranks: the paper's equations and rule, or the whole load cycle"
+        default="physics", description="what ranks: the whole load cycle, or the paper's equations and rule"
     )
-    load: WheeledVehicle
-    motion: Trapezoid
-    transmission: Annotated[list[Stage], Field(min_length=1, max_length=2)] = _default(
+    load: Load
+    motion: Motion | None = Field(default=None, description="one cycle, repeated; a recorded load brings its own")
+    transmission: Annotated[list[Stage], Field(min_length=1, max_length=2)] = default(
         [{"kind": "gearhead"}], description="from the motor to the load"
     )
     paper_factors: PaperFactors = Field(default_factory=PaperFactors)
+    margins: Margins = Field(default_factory=Margins)
     supply: Supply
     environment: Environment = Field(default_factory=Environment)
     needs: Needs = Field(default_factory=Needs)
     control: Control = Field(default_factory=Control)
     select: Select = Field(default_factory=Select)
+    cases: Annotated[list[Case], Field(max_length=100)] = Field(
+        default_factory=list, description="further load cases; a set must pass all"
+    )
 
     _source: YamlSource | None = PrivateAttr(default=None)
+    _cases: tuple[RobotSpec, ...] = PrivateAttr(default=())
 
     @model_validator(mode="after")
     def _chain(self) -> RobotSpec:
@@ -318,6 +256,47 @@ class RobotSpec(_Section):
         if kinds not in (["gearhead"], ["gearhead", "belt"]):
             raise ValueError("transmission must be a gearhead, or a gearhead and then a belt")
         return self
+
+    @field_validator("cases")
+    @classmethod
+    def _named_apart(cls, cases: list[Case]) -> list[Case]:
+        names = [case.name for case in cases]
+        if len(set(names)) != len(names):
+            raise ValueError("expected cases with names of their own")
+        return cases
+
+    @model_validator(mode="after")
+    def _moved(self) -> RobotSpec:
+        recorded = self.load.kind == "recorded"
+        if recorded and self.motion is not None:
+            raise ValueError("motion: a recorded load brings its own motion; leave this one out")
+        if not recorded and self.motion is None:
+            raise ValueError("motion is missing; expected fields such as speed, acceleration_time, cruise_time")
+        if self.method == "paper" and not self.paper_applies:
+            raise ValueError(
+                "method: the paper treats a wheeled_vehicle without wind on a trapezoid that decelerates as it "
+                "accelerates, in one case; expected method: physics"
+            )
+        return self
+
+    @property
+    def paper_applies(self) -> bool:
+        """Whether the paper's equations (1)-(20) treat this load and motion."""
+        load, motion = self.load, self.motion
+        return (
+            isinstance(load, WheeledVehicle)
+            and isinstance(motion, Trapezoid)
+            and motion.deceleration_time in (None, motion.acceleration_time)
+            and not motion.there_and_back
+            and load.drag_area == 0.0
+            and not self.cases
+        )
+
+    @property
+    def load_cases(self) -> tuple[tuple[str, RobotSpec], ...]:
+        """The spec itself and its further cases, by name."""
+        first = "as specified" if self._cases else ""
+        return ((first, self), *((case.name, spec) for case, spec in zip(self.cases, self._cases, strict=True)))
 
     @property
     def belt(self) -> BeltStage | None:
@@ -367,12 +346,30 @@ def read_spec(source: YamlSource) -> RobotSpec:
     """
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
+    spec = _validated(source, source.data)
+    spec._cases = tuple(_case(source, number) for number in range(len(spec.cases)))
+    return spec
+
+
+def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> RobotSpec:
+    kind = data["load"].get("kind") if isinstance(data.get("load"), dict) else None
     try:
-        spec = RobotSpec.model_validate(source.data)
+        spec = RobotSpec.model_validate(data, context={"axis": AXES.get(str(kind), "linear")})
     except ValidationError as error:
-        raise InputError(explained(error, source, RobotSpec)) from None
+        raise InputError(explained(error, source, RobotSpec, data, at)) from None
     spec._source = source
     return spec
+
+
+def _case(source: YamlSource, number: int) -> RobotSpec:
+    """The spec as one of its cases changes it, read as a spec of its own."""
+    case, data = source.data["cases"][number], deepcopy(source.data)
+    del data["cases"]
+    for section in _VARIED:
+        if section in case:
+            another = "kind" in case[section] or "profile" in case[section]  # another load or motion altogether
+            data[section] = {**({} if another else data.get(section) or {}), **case[section]}
+    return _validated(source, data, ("cases", number))
 
 
 def load_spec(path: str | Path) -> RobotSpec:

@@ -19,7 +19,9 @@ from drivesizer.yaml_source import Path_, YamlSource
 __all__ = ["explained"]
 
 
-def explained(error: ValidationError, source: YamlSource, model: type[BaseModel]) -> str:
+def explained(
+    error: ValidationError, source: YamlSource, model: type[BaseModel], data: Any = None, at: Path_ = ()
+) -> str:
     """One line for a validation error.
 
     Parameters
@@ -30,13 +32,26 @@ def explained(error: ValidationError, source: YamlSource, model: type[BaseModel]
         The file that was validated.
     model
         The model it was validated against, for the known keys.
+    data
+        What was validated, where it is not the file's data as a whole.
+    at
+        Path to the part of the file that data was changed by: a load case.
     """
-    faults = [(_path(dict(fault), source.data), dict(fault)) for fault in error.errors(include_url=False)]
+    data = source.data if data is None else data
+    faults = [(_path(dict(fault), data), dict(fault)) for fault in error.errors(include_url=False)]
     # A misspelt key also leaves the right one missing: the misspelling is what to tell.
     faults.sort(key=lambda pair: (pair[1]["type"] != "extra_forbidden", source.line(pair[0]) or 0))
     path, fault = faults[0]
     more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
-    return f"{source.where(path)}: {_message(fault, path, source, model)}{more}"
+    where = source.where(at + path if _changed(source.data, at, path) else path)
+    return f"{where}: {_message(fault, path, data, model)}{more}"
+
+
+def _changed(data: Any, at: Path_, path: Path_) -> bool:
+    """Whether the part of the file at a path holds the field that another path leads to."""
+    for step in at:
+        data = data[step]
+    return bool(at) and bool(path) and path[0] in data
 
 
 def _path(fault: dict[str, Any], data: Any) -> Path_:
@@ -50,14 +65,16 @@ def _path(fault: dict[str, Any], data: Any) -> Path_:
             if not absent:
                 continue
         path.append(step)
+    if fault["type"] == "union_tag_invalid":
+        path.append(fault["ctx"]["discriminator"].strip("'"))
     return tuple(path)
 
 
-def _message(fault: dict[str, Any], path: Path_, source: YamlSource, model: type[BaseModel]) -> str:
+def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseModel]) -> str:
     found = quoted(_brief(fault.get("input")))
     match fault["type"]:
         case "missing":
-            return f"is missing; expected {_example(model, path, source.data)}"
+            return f"is missing; expected {_example(model, path, data)}"
         case "int_type" | "int_from_float":
             return f"{found} is not a whole number"
         case "string_type":
@@ -65,15 +82,15 @@ def _message(fault: dict[str, Any], path: Path_, source: YamlSource, model: type
         case "greater_than_equal" | "less_than_equal":
             return f"{found} must be {fault['msg'].removeprefix('Input should be ')}"
         case "extra_forbidden":
-            return f"unknown key; {_nearest(str(path[-1]), _known_keys(model, path[:-1], source.data))}"
+            return f"unknown key; {_nearest(str(path[-1]), _known_keys(model, path[:-1], data))}"
         case "value_error":
             text = str(fault["ctx"]["error"])
-            alone = text.startswith(('"', "give", "expected", "transmission", "inner", "sinkage", "ki"))
+            alone = text.startswith(('"', "give", "expected", "transmission", "inner", "sinkage", "ki", "motion", "method"))
             return text if alone else f"{found} {text}"
         case "literal_error":
             return f"{found} is not known; expected {fault['ctx']['expected']}"
         case "union_tag_invalid":
-            return f"kind {quoted(fault['ctx']['tag'])} is not known; expected {fault['ctx']['expected_tags']}"
+            return f"{quoted(fault['ctx']['tag'])} is not known; expected {fault['ctx']['expected_tags']}"
         case "union_tag_not_found":
             return "kind is missing"
         case "model_type" | "model_attributes_type" | "dict_type":
@@ -119,7 +136,7 @@ def _known_keys(model: type[BaseModel], path: Path_, data: Any) -> list[str]:
 
 
 def _models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[BaseModel]]:
-    """The models that may stand at a path; `kind`, where it is given, decides between them."""
+    """The models that may stand at a path; `kind` or `profile` decides between them."""
     models: list[type[BaseModel]] = [model]
     for step in path:
         try:
@@ -129,14 +146,15 @@ def _models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[Base
         if isinstance(step, str):
             fields = [m.model_fields[step] for m in models if step in m.model_fields]
             models = [found for f in fields for found in _models_in(f.annotation)]
-        kind = data.get("kind") if isinstance(data, dict) else None
-        models = [m for m in models if _is_kind(m, kind)] or models
+        found = data if isinstance(data, dict) else {}
+        models = [m for m in models if _is_named(m, found)] or models
     return models
 
 
-def _is_kind(model: type[BaseModel], kind: Any) -> bool:
-    field = model.model_fields.get("kind")
-    return field is not None and kind in get_args(field.annotation)
+def _is_named(model: type[BaseModel], data: dict[str, Any]) -> bool:
+    """Whether the field that tells models apart, kind or profile, names this one."""
+    named = {key: model.model_fields[key] for key in ("kind", "profile") if key in model.model_fields}
+    return any(data.get(key, field.default) in get_args(field.annotation) for key, field in named.items())
 
 
 def _models_in(annotation: Any) -> list[type[BaseModel]]:

@@ -2,16 +2,14 @@
 
 Convention: temperatures are absolute. Copper loss heats the winding; where a function takes a housing loss, that loss
 (friction of a brushed motor, iron losses) enters at the housing and warms the winding through R_th2 alone.
-Not here: how the temperature moves in time (see ``heat_cycle``); magnets that weaken with heat.
+Not here: how the temperature moves in time (see ``heat_cycle``, ``overload``); magnets that weaken with heat.
 Symbols: T temperature [K], R resistance [ohm], R_th thermal resistance [K/W], I current [A], P loss [W], k_t torque
 constant [N*m/A], I_0 no-load current [A], w speed of the motor [rad/s].
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,14 +17,13 @@ from numpy.typing import NDArray
 __all__ = [
     "COPPER",
     "DATA_TEMPERATURE",
-    "State",
     "TwoBodies",
-    "cold",
+    "Value",
     "continuous_current",
     "continuous_torque",
     "current_derating",
     "nominal_current",
-    "steady_state",
+    "settled",
     "steady_winding_temperature",
 ]
 
@@ -38,42 +35,69 @@ DATA_TEMPERATURE = 298.15  # K, at which datasheets give resistance and nominal 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TwoBodies:
-    """A motor's winding and housing as bodies of heat; a figure that is not above zero is unknown."""
+    """A winding and a housing as bodies of heat: one motor's floats, or columns over motors.
 
-    R_25: float  # ohm, winding at 25 degC
-    R_th1: float  # K/W, winding to housing
-    R_th2: float  # K/W, housing to ambient
-    tau_w: float  # s, winding time constant, C_w R_th1
-    tau_h: float  # s, motor (housing) time constant, C_h R_th2
+    A figure that is not above zero and finite is unknown.
+    """
+
+    R_25: Value  # ohm, winding at 25 degC
+    R_th1: Value  # K/W, winding to housing
+    R_th2: Value  # K/W, housing to ambient
+    tau_w: Value  # s, winding time constant, C_w R_th1
+    tau_h: Value  # s, motor (housing) time constant, C_h R_th2
 
     @property
-    def capacity_w(self) -> float:
+    def capacity_w(self) -> Value:
         """Heat capacity of the winding [J/K]."""
         return self.tau_w / self.R_th1
 
     @property
-    def capacity_h(self) -> float:
+    def capacity_h(self) -> Value:
         """Heat capacity of the housing [J/K]."""
         return self.tau_h / self.R_th2
 
     @property
-    def known(self) -> bool:
-        """Whether all figures are there."""
-        figures = (self.R_25, self.R_th1, self.R_th2, self.tau_w, self.tau_h)
-        return all(0.0 < figure < math.inf for figure in figures)
+    def known(self) -> NDArray[np.bool_]:
+        """Whether all figures are there, of each motor."""
+        figures = np.broadcast_arrays(self.R_25, self.R_th1, self.R_th2, self.tau_w, self.tau_h)
+        found: NDArray[np.bool_] = np.all([(x > 0.0) & (x < np.inf) for x in figures], axis=0)
+        return found
 
 
-class State(NamedTuple):
-    """Temperatures of winding and housing [K]."""
+def settled(ambient: Value, heating: Value, rest: Value = 0.0) -> Value:
+    r"""Temperature of a winding whose copper loss grows with it, where that loss is carried off.
 
-    winding: float
-    housing: float
+    .. math:: T_w = T_a + \frac{\vartheta (1 + \alpha (T_a - T_{25})) + \vartheta_0}{1 - \alpha \vartheta}
+
+    Parameters
+    ----------
+    ambient
+        Temperature around the motor, :math:`T_a` [K].
+    heating
+        Rise by copper loss, were the winding at 25 degC, :math:`\vartheta` [K].
+    rest
+        Rise by losses that do not depend on the winding's temperature, :math:`\vartheta_0` [K].
+
+    Returns
+    -------
+    float or array
+        :math:`T_w` [K]; infinite where the loss grows faster than the heat is carried off (thermal runaway),
+        NaN where anything is unknown. All arguments may be arrays.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        growth = 1.0 - COPPER * np.asarray(heating)
+        rise = np.divide(heating * (1.0 + COPPER * (ambient - DATA_TEMPERATURE)) + rest, growth)
+        found: Value = (ambient + np.where(growth <= 0.0, np.inf + np.asarray(rest), rise))[()]
+    return found
 
 
-def steady_winding_temperature(ambient: float, R_25: float, R_th: float, I_rms: float) -> float:
+def steady_winding_temperature(
+    ambient: Value, R_25: Value, R_th1: Value, R_th2: Value, I_rms: Value, P_h: Value = 0.0
+) -> Value:
     r"""Mean temperature of a winding in the long run, its resistance growing with it.
 
-    .. math:: T_w = T_a + R_{th} R_{25} I^2 \frac{1 + \alpha (T_a - T_{25})}{1 - \alpha R_{th} R_{25} I^2}
+    .. math:: T_w = T_a + \frac{(R_{th1} + R_{th2}) R_{25} I^2 (1 + \alpha (T_a - T_{25})) + R_{th2} P_h}
+              {1 - \alpha (R_{th1} + R_{th2}) R_{25} I^2}
 
     Parameters
     ----------
@@ -81,78 +105,40 @@ def steady_winding_temperature(ambient: float, R_25: float, R_th: float, I_rms: 
         Temperature around the motor, :math:`T_a` [K].
     R_25
         Resistance of the winding at 25 degC [ohm].
-    R_th
-        Thermal resistance from winding to ambient, :math:`R_{th1} + R_{th2}` [K/W].
+    R_th1
+        Thermal resistance from winding to housing [K/W].
+    R_th2
+        Thermal resistance from housing to ambient [K/W].
     I_rms
         RMS current [A].
+    P_h
+        Mean loss at the housing [W].
 
     Returns
     -------
-    float
-        :math:`T_w` [K]; infinite where the loss grows faster than the heat is carried off (thermal runaway),
-        NaN where a figure is unknown.
+    float or array
+        :math:`T_w` [K]; infinite at thermal runaway, NaN where a figure is unknown.
+
+    Notes
+    -----
+    All arguments may be arrays. The mean of the copper loss is taken as that of mean resistance and mean square current:
+    exact for a constant current, and never above the peak of any cycle (see ``winding_bounds``).
 
     Examples
     --------
-    >>> round(steady_winding_temperature(298.15, 2.32, 17.1, 1.0) - 298.15, 2)
+    >>> round(float(steady_winding_temperature(298.15, 2.32, 3.1, 14.0, 1.0)) - 298.15, 2)
     46.93
 
     References
     ----------
-    .. [1] maxon academy, *Formulae Handbook*, 2nd ed., 2012, section "Thermal behavior".
+    .. [1] maxon academy, *Formulae Handbook*, 2nd ed., 2012, section "Thermal behavior"; the housing's loss added.
     """
-    heating = R_th * R_25 * I_rms * I_rms  # K, were the winding at 25 degC
-    growth = 1.0 - COPPER * heating
-    if growth <= 0.0:
-        return math.inf
-    return ambient + heating * (1.0 + COPPER * (ambient - DATA_TEMPERATURE)) / growth
+    with np.errstate(invalid="ignore", over="ignore"):
+        heating = (R_th1 + R_th2) * R_25 * I_rms * I_rms
+        return settled(ambient, heating, R_th2 * np.asarray(P_h))
 
 
-def cold(ambient: float) -> State:
-    """A motor as warm as what is around it [K]."""
-    return State(ambient, ambient)
-
-
-def steady_state(motor: TwoBodies, ambient: float, I_rms: float, P_h: float = 0.0) -> State:
-    r"""Temperatures in the long run at a constant RMS current.
-
-    .. math:: T_w = T_a + \frac{R_{th} R_{25} I^2 (1 + \alpha (T_a - T_{25})) + R_{th2} P_h}
-              {1 - \alpha R_{th} R_{25} I^2}, \quad T_h = T_a + R_{th2} (P_{copper} + P_h)
-
-    Parameters
-    ----------
-    motor
-        Winding and housing.
-    ambient
-        Temperature around the motor, :math:`T_a` [K].
-    I_rms
-        RMS current [A].
-    P_h
-        Loss at the housing [W].
-
-    Returns
-    -------
-    State
-        :math:`T_w, T_h` [K]; infinite at runaway, NaN where a figure is unknown.
-
-    Examples
-    --------
-    >>> motor = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)
-    >>> [round(T - 298.15, 2) for T in steady_state(motor, 298.15, 1.0)]
-    [46.93, 38.43]
-    """
-    loss = motor.R_25 * I_rms * I_rms  # W, were the winding at 25 degC
-    heating = (motor.R_th1 + motor.R_th2) * loss
-    if not motor.known or math.isnan(heating + ambient + P_h):
-        return State(math.nan, math.nan)
-    if COPPER * heating >= 1.0:
-        return State(math.inf, math.inf)
-    at_ambient = 1.0 + COPPER * (ambient - DATA_TEMPERATURE)
-    w = (heating * at_ambient + motor.R_th2 * P_h) / (1.0 - COPPER * heating)
-    return State(ambient + w, ambient + motor.R_th2 * (loss * (at_ambient + COPPER * w) + P_h))
-
-
-def current_derating(ambient: float, T_max: float) -> float:
+def current_derating(ambient: Value, T_max: Value) -> Value:
     r"""Share of the nominal current that remains in another ambient than the datasheet's 25 degC.
 
     .. math:: \sqrt{(T_{max} - T_a) / (T_{max} - T_{25})}
@@ -166,14 +152,15 @@ def current_derating(ambient: float, T_max: float) -> float:
 
     Returns
     -------
-    float
+    float or array
         The share [1]; where the permitted temperature is unknown, 1 at 25 degC and NaN elsewhere.
+        Both arguments may be arrays.
     """
-    if math.isnan(T_max):
-        return 1.0 if ambient == DATA_TEMPERATURE else math.nan
-    if not T_max > DATA_TEMPERATURE:
-        return math.nan
-    return math.sqrt(max(T_max - ambient, 0.0) / (T_max - DATA_TEMPERATURE))
+    span = np.asarray(T_max - DATA_TEMPERATURE)
+    rise, span = np.broadcast_arrays(np.maximum(T_max - ambient, 0.0), span)
+    share = np.divide(rise, span, out=np.full(span.shape, np.nan), where=span > 0.0)
+    found: Value = np.where(np.isnan(span) & (ambient == DATA_TEMPERATURE), 1.0, np.sqrt(share))[()]
+    return found
 
 
 def continuous_current(
@@ -206,7 +193,7 @@ def continuous_current(
 
     Notes
     -----
-    The inverse of ``steady_winding_temperature``, which has no housing loss; all arguments may be arrays.
+    The inverse of ``steady_winding_temperature``; all arguments may be arrays.
 
     Examples
     --------

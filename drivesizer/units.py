@@ -64,6 +64,9 @@ frequency            | 5 Hz        | Hz; kHz; MHz
 acceleration         | 0.75 m/s^2  | m/s^2; mm/s^2; cm/s^2; ft/s^2; in/s^2; g_0
 angular_acceleration | 10 rad/s^2  | rad/s^2; deg/s^2; rpm/s; turn/s^2 rev/s^2
 jerk                 | 5 m/s^3     | m/s^3; mm/s^3
+angular_jerk         | 100 rad/s^3 | rad/s^3; deg/s^3; turn/s^3 rev/s^3
+area                 | 0.6 m^2     | m^2; cm^2; mm^2; ft^2; in^2
+capacitance          | 4.7 mF      | F; mF; uF
 time                 | 2 s         | s sec; ms; us; min; h hr; d
 voltage              | 24 V        | V; mV; kV
 current              | 1.16 A      | A; mA; uA

@@ -106,7 +106,7 @@ def _electrical(case: Case) -> Iterator[Check]:
         "Controller continuous current (RMS)",
     )  # fmt: skip
     if case.spec.supply.current is not None:
-        power = run.motion.tally.power * case.spec.load.driven_wheels
+        power = run.motion.tally.power * case.spec.load.motors
         drawn = power / case.spec.supply.lowest
         yield _check(
             at_most("supply_current", drawn, case.spec.supply.current, "current", "A"), "Supply current, all sets",
@@ -242,7 +242,7 @@ def _running_torque(case: Case) -> float:
 def figures(case: Case) -> tuple[Figure, ...]:
     """What the closed loop did, where nothing limits it."""
     run, per_speed, top = case.run, case.train.motor_per_speed, case.profile.top_speed
-    tally, sets = run.motion.tally, case.spec.load.driven_wheels
+    tally, sets = run.motion.tally, case.spec.load.motors
     peak, rms = run.error.value / per_speed, math.sqrt(run.error_square / run.duration) / per_speed
     speed, share, energy = ("speed", "m/s"), ("dimensionless", "%"), ("energy", "W*h")
     loop, when, of_top = case.loop, run.error.time, 1.0 / top if top else math.nan

@@ -17,9 +17,10 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from drivesizer import heat_cycle
+from drivesizer import heat_modes
 from drivesizer.errors import InputError
-from drivesizer.heat_cycle import overload_time, periodic_heat
+from drivesizer.heat_cycle import periodic_heat
+from drivesizer.overload import State, cold, overload_time, steady_state
 from drivesizer.thermal import (
     COPPER,
     DATA_TEMPERATURE,
@@ -250,7 +251,7 @@ def test_resistance_that_grows_counts_and_so_does_the_ripple(monkeypatch):
     rms = sqrt(9.0 * 12.0 / 90.0)
     mean = steady_winding_temperature(AMBIENT, MOTOR.R_25, MOTOR.R_th1 + MOTOR.R_th2, rms)
     peak = periodic_heat(MOTOR, AMBIENT, dt, squares).winding_peak
-    monkeypatch.setattr(heat_cycle, "COPPER", 0.0)
+    monkeypatch.setattr(heat_modes, "COPPER", 0.0)
     held = replace(MOTOR, R_25=MOTOR.R_25 * (1.0 + COPPER * (mean - DATA_TEMPERATURE)))
     frozen = periodic_heat(held, AMBIENT, dt, squares).winding_peak
     assert mean + 20.0 < frozen

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from drivesizer.errors import InputError
 from drivesizer.loadcycle import LoadCycle, integral, rms
-from drivesizer.loads import wheeled_vehicle
+from drivesizer.loads import load_cycle
 from drivesizer.profile import Profile, trapezoid
 from drivesizer.spec import read_spec
 from drivesizer.yaml_source import YamlSource
@@ -51,7 +51,7 @@ def test_cutting_changes_no_integral_and_leaves_one_sign(rows):
 
 def test_four_points_would_get_the_trapezoid_wrong(spec):
     """The torque of the SPS robot jumps at the corners; the mean square is that of the three levels."""
-    c = wheeled_vehicle(spec, trapezoid(spec.motion))
+    c = load_cycle(spec, trapezoid(spec.motion))
     r, m, g = 0.0762, 45.0, 9.80665
     inertia = 0.847768 / 2 * (0.0762**2 + 0.03**2) + 0.071026 / 2 * 0.006**2 + m * r**2 / 4
     roll, jolt = 0.02 * m * g * r / 4, inertia * 0.75 / r
@@ -74,7 +74,7 @@ supply: {{nominal: 24 V}}
     spec = read_spec(YamlSource(text, "x.yaml"))
     v = [0.0, *speeds, 0.0]
     profile = Profile("x", tuple(1.3 * k for k in range(len(v))), tuple(v))
-    c = wheeled_vehicle(spec, profile)
+    c = load_cycle(spec, profile)
     work = 3 * integral(c.duration, c.torque, c.speed)
     way = sum(
         abs(a + b) / 2 * 1.3 if a * b >= 0 else (a * a + b * b) / abs(a - b) / 2 * 1.3 for a, b in itertools.pairwise(v)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivesizer.loads import wheeled_vehicle
+from drivesizer.loads import load_cycle
 from drivesizer.paper import vehicle
 from drivesizer.physics import at_gearhead, demands, peak_voltage
 from drivesizer.profile import Profile, trapezoid
@@ -80,7 +80,7 @@ def test_random_pairs_by_hand(catalog, slope, name):
     m, g = catalog.motor_gearhead.left[rows], catalog.motor_gearhead.right[rows]
     motor, head = Rows(catalog.motors, m), Rows(catalog.gearheads, g)
     none = Rows(catalog.encoders, np.full(len(rows), -1))
-    at = at_gearhead(wheeled_vehicle(spec, profile), 1.35, 0.92)
+    at = at_gearhead(load_cycle(spec, profile), 1.35, 0.92)
     asked = demands(at, motor, head, none)
     volts = peak_voltage(at, asked, motor, head, motor["resistance"])
     compared = 0
@@ -102,7 +102,7 @@ def test_random_pairs_by_hand(catalog, slope, name):
 def test_power_balance_of_a_whole_cycle(catalog):
     """Work of the motor = work at the load + what belt and gearhead keep; rotors give back what they took."""
     spec = read_spec(YamlSource(SPEC.format(slope=-6.0), "x.yaml"))
-    cycle = wheeled_vehicle(spec, PROFILES["there and back"])
+    cycle = load_cycle(spec, PROFILES["there and back"])
     at = at_gearhead(cycle, 1.35, 0.92)
     motor = Rows(catalog.motors, np.array([catalog.motors.rows["148867"]]))
     head = Rows(catalog.gearheads, np.array([catalog.gearheads.rows["203119"]]))
@@ -144,7 +144,7 @@ def test_35_to_1_is_admitted_by_physics_for_its_speed_but_not_its_voltage(spec, 
 
 
 def test_wheel_speed_by_hand(spec):
-    cycle = wheeled_vehicle(spec, trapezoid(spec.motion))
+    cycle = load_cycle(spec, trapezoid(spec.motion))
     assert cycle.speed.max() * 30 / math.pi == pytest.approx(188.0, abs=0.05)
 
 

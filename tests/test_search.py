@@ -12,6 +12,7 @@ from drivesizer.yaml_source import YamlSource
 
 OPEN = """
 name: open search
+method: paper
 load: {kind: wheeled_vehicle, mass: MASS, driven_wheels: 2, wheel_diameter: 180 mm, rolling_resistance: 0.017,
        slope: SLOPE, inertia: 30 kg*cm^2}
 motion: {speed: SPEED, acceleration_time: 1.3 s, cruise_time: 17 s, rest_time: 4 s}

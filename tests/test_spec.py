@@ -47,7 +47,7 @@ WRONG = [
     ("ratio: 1.1 ", "ratios: [] ", ":37:", ["ratios"]),
     ("confidence: 0.9 ", "confidence: 1.9 ", ":44:", ["at most 1"]),
     ("min: 22 V", "min: 25 V", ":47:", ["min <= nominal <= max"]),
-    ("kind: wheeled_vehicle", "kind: hoist", ":9:", ["hoist", "wheeled_vehicle"]),
+    ("kind: wheeled_vehicle", "kind: boat", ":9:", ["boat", "wheeled_vehicle", "hoist"]),
     ("method: paper", "method: guess", ":6:", ["guess", "paper"]),
     ("objective: mass", "objective: weight", ":68:", ["weight", "mass"]),
     ("objective: mass", "objektive: mass", ":68:", ["objective"]),

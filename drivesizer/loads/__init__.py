@@ -1,5 +1,50 @@
 """Machines as load cycles: one file per kind of load, each a function that returns a ``LoadCycle``."""
 
-from drivesizer.loads.wheeled_vehicle import wheeled_vehicle
+from __future__ import annotations
 
-__all__ = ["wheeled_vehicle"]
+from collections.abc import Callable
+from importlib import import_module
+
+from drivesizer.course import Course, course
+from drivesizer.loadcycle import LoadCycle
+from drivesizer.profile import Profile, profile_of
+from drivesizer.spec import RobotSpec
+
+__all__ = ["load_cycle"]
+
+_HOME = {  # kind -> module, where the function has the same name
+    "wheeled_vehicle": "wheeled_vehicle",
+    "conveyor": "conveyor",
+    "hoist": "hoist",
+    "lead_screw": "screw",
+    "ball_screw": "screw",
+    "rack_pinion": "rack_pinion",
+    "rotary_table": "rotary_table",
+    "arm": "arm",
+    "fan": "fan",
+    "flywheel": "fan",
+}
+
+
+def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
+    """What the driven shaft of one motor set is asked for.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    profile
+        Its motion; the spec's own when not given.
+
+    Raises
+    ------
+    InputError
+        When a figure leaves the range of numbers that can be computed with, or a recording is wrong.
+    """
+    if spec.load.kind == "recorded":
+        from drivesizer.loads.recorded import recorded
+
+        return recorded(spec)
+    name = _HOME[spec.load.kind]
+    function: Callable[[RobotSpec, Course], LoadCycle] = getattr(import_module(f"drivesizer.loads.{name}"), name)
+    return function(spec, course(profile or profile_of(spec)))

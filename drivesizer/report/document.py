@@ -51,7 +51,7 @@ def _content(result: SizingResult, validation: Validation | None, best: DriveSet
         "file": result.spec.file.replace("\\", "/").rsplit("/", 1)[-1],
         "found": bool(result.sets),
         "status": result.sets[0].status if result.sets else "fail",
-        "motor_sets": result.spec.load.driven_wheels,
+        "motor_sets": result.spec.load.motors,
         "best": _best(best) if best else None,
         "spec": _spec(result.spec.entered),
         "wheel_steps": [step(r) for r in result.requirements],

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from drivesizer.report.operating import OperatingField
 from drivesizer.report.panels import Window, thinned, windows
 from drivesizer.results import Validation
-from drivesizer.spec import Trapezoid
+from drivesizer.motions import Trapezoid
 from drivesizer.units import from_si, label
 
 if TYPE_CHECKING:

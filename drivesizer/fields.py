@@ -1,0 +1,189 @@
+"""Types of a spec's fields: text with a unit in, SI float out, inside its range.
+
+Every quantity is read by the strict reader of ``units``. A motion is given in the terms of its load: along a line or
+about an axis. Which of the two it is comes with the validation (``context``), so that the line of a wrong unit is told.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
+from pydantic_core import core_schema
+
+from drivesizer.units import KINDS, label, noun, to_si
+
+__all__ = [
+    "Acceleration",
+    "Allowance",
+    "Angle",
+    "Area",
+    "Axis",
+    "Bearing",
+    "Capacitance",
+    "Coefficient",
+    "Current",
+    "Density",
+    "Distance",
+    "Duration",
+    "Exponent",
+    "Factor",
+    "Force",
+    "Frequency",
+    "Gain",
+    "Gravity",
+    "Incline",
+    "Inertia",
+    "Jerk",
+    "Length",
+    "Mass",
+    "Counterweight",
+    "Names",
+    "Part",
+    "Pause",
+    "Power",
+    "Price",
+    "Pull",
+    "Quantity",
+    "Ratio",
+    "Section",
+    "Share",
+    "SignedSpeed",
+    "SignedTorque",
+    "SignedVelocity",
+    "Slope",
+    "Speed",
+    "Stiffness",
+    "Temperature",
+    "Thickness",
+    "Torque",
+    "TorqueAbove",
+    "Turning",
+    "Velocity",
+    "Voltage",
+    "default",
+    "exactly_one",
+]
+
+Axis = Literal["linear", "rotary"]
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A field's type: text with unit in, SI float out, inside its range."""
+
+    kind: str
+    above: float = -math.inf
+    least: float = -math.inf
+    most: float = math.inf
+    rotary: str = ""  # the kind in its place where the load turns about an axis
+
+    def read(self, text: object, info: ValidationInfo) -> float:
+        """The SI value of a text; a value outside the range is a ValueError."""
+        turns = bool(self.rotary) and (info.context or {}).get("axis") == "rotary"
+        kind = KINDS[self.rotary if turns else self.kind]
+        value = to_si(text, self.rotary if turns else self.kind)
+        for bad, words in (
+            (not value > self.above, f"above {self.above:g}"),
+            (not value >= self.least, f"at least {self.least:g}"),
+            (not value <= self.most, f"at most {self.most:g}"),
+        ):
+            if bad:
+                raise ValueError(f"must be {words} {label(kind.si)}".rstrip() + f", e.g. {kind.example}")
+        return value
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        return core_schema.with_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        if self.kind == "dimensionless":
+            return {"type": ["number", "string"], "description": "a plain number or percent"}
+        kinds = [self.kind, self.rotary] if self.rotary else [self.kind]
+        return {
+            "type": "string",
+            "description": f"{' or '.join(noun(kind) for kind in kinds)} with unit",
+            "examples": [KINDS[kind].example for kind in kinds],
+        }
+
+
+Length = Annotated[float, Quantity("length", above=0.0)]
+Thickness = Annotated[float, Quantity("length", least=0.0)]
+Mass = Annotated[float, Quantity("mass", above=0.0)]
+Counterweight = Annotated[float, Quantity("mass", least=0.0)]
+Inertia = Annotated[float, Quantity("inertia", least=0.0)]
+Speed = Annotated[float, Quantity("speed", above=0.0)]
+SignedSpeed = Annotated[float, Quantity("speed")]
+Turning = Annotated[float, Quantity("rotary_speed", above=0.0)]
+Duration = Annotated[float, Quantity("time", above=0.0)]
+Pause = Annotated[float, Quantity("time", least=0.0)]
+Gravity = Annotated[float, Quantity("acceleration", above=0.0)]
+Slope = Annotated[float, Quantity("angle", least=-math.pi / 3, most=math.pi / 3)]
+Incline = Annotated[float, Quantity("angle", least=-math.pi / 2, most=math.pi / 2)]
+Angle = Annotated[float, Quantity("angle", above=0.0)]
+Bearing = Annotated[float, Quantity("angle", least=-2 * math.pi, most=2 * math.pi)]
+Area = Annotated[float, Quantity("area", least=0.0)]
+Density = Annotated[float, Quantity("density", above=0.0)]
+Force = Annotated[float, Quantity("force", least=0.0)]
+Pull = Annotated[float, Quantity("force")]  # with its sign
+Torque = Annotated[float, Quantity("torque", least=0.0)]
+TorqueAbove = Annotated[float, Quantity("torque", above=0.0)]
+SignedTorque = Annotated[float, Quantity("torque")]
+Stiffness = Annotated[float, Quantity("torsional_stiffness", above=0.0)]
+Voltage = Annotated[float, Quantity("voltage", above=0.0)]
+Current = Annotated[float, Quantity("current", above=0.0)]
+Power = Annotated[float, Quantity("power", above=0.0)]
+Capacitance = Annotated[float, Quantity("capacitance", above=0.0)]
+Frequency = Annotated[float, Quantity("frequency", above=0.0)]
+Temperature = Annotated[float, Quantity("temperature", above=0.0)]
+Price = Annotated[float, Quantity("price", above=0.0)]
+Share = Annotated[float, Quantity("dimensionless", above=0.0, most=1.0)]  # a factor or efficiency
+Part = Annotated[float, Quantity("dimensionless", least=0.0, most=1.0)]
+Exponent = Annotated[float, Quantity("dimensionless", least=0.0, most=4.0)]
+Coefficient = Annotated[float, Quantity("dimensionless", least=0.0)]
+Allowance = Annotated[float, Quantity("dimensionless", least=0.0, most=100.0)]
+Factor = Annotated[float, Quantity("dimensionless", least=1.0)]
+Ratio = Annotated[float, Quantity("dimensionless", above=0.0)]
+Gain = Annotated[float, Quantity("dimensionless", least=0.0)]
+# of a motion, along a line or about an axis
+Velocity = Annotated[float, Quantity("speed", above=0.0, rotary="rotary_speed")]
+SignedVelocity = Annotated[float, Quantity("speed", rotary="rotary_speed")]
+Distance = Annotated[float, Quantity("length", above=0.0, rotary="angle")]
+Acceleration = Annotated[float, Quantity("acceleration", above=0.0, rotary="angular_acceleration")]
+Jerk = Annotated[float, Quantity("jerk", above=0.0, rotary="angular_jerk")]
+
+Names = Annotated[list[str], Field(min_length=1), BeforeValidator(lambda value: _listed(value))]
+
+
+def _listed(value: Any) -> Any:
+    """One name or several, as a list of texts; order numbers may be bare."""
+    values = value if isinstance(value, list) else [value]
+    return [str(v) if isinstance(v, int) and not isinstance(v, bool) else v for v in values]
+
+
+def default(text: Any, **more: Any) -> Any:
+    """A default as a user would write it; it goes through the same reader."""
+    return Field(default=text, **more)
+
+
+class Section(BaseModel):
+    """A group of fields: no unknown keys, nothing converted, nothing changed later."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, validate_default=True)
+
+
+def exactly_one(section: BaseModel, *names: str) -> None:
+    """Refuse a section that gives none or several of some fields.
+
+    Raises
+    ------
+    ValueError
+        What is given, and what is expected.
+    """
+    given = [name for name in names if getattr(section, name) is not None]
+    if len(given) != 1:
+        found = "neither is given" if not given and len(names) == 2 else "none is given" if not given else (
+            "both are given" if len(names) == 2 else f"{' and '.join(given)} are given"
+        )  # fmt: skip
+        raise ValueError(f"give {' or '.join(names)}, exactly one of them; {found}")

@@ -1,0 +1,103 @@
+"""The motions that a spec may ask for: one cycle, repeated, along a line or about an axis as the load moves."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from drivesizer.fields import (
+    Acceleration,
+    Distance,
+    Duration,
+    Jerk,
+    Pause,
+    Section,
+    SignedVelocity,
+    Velocity,
+    default,
+)
+
+__all__ = ["Csv", "Harmonic", "Motion", "SCurve", "Segment", "Segments", "Trapezoid", "Triangle"]
+
+
+class _Repeated(Section):
+    rest_time: Pause = default("0 s", description="standing still at the end of the cycle")
+    there_and_back: bool = Field(default=False, description="the same back again, each way with its rest")
+
+
+class Trapezoid(_Repeated):
+    """Accelerate, cruise, decelerate, rest; repeated."""
+
+    profile: Literal["trapezoid"] = "trapezoid"
+    speed: Velocity = Field(description="cruising speed")
+    acceleration_time: Duration = Field(description="also the time of deceleration, where that is not given")
+    deceleration_time: Duration | None = None
+    cruise_time: Pause
+
+
+class Triangle(_Repeated):
+    """Accelerate half the way, decelerate the other half, rest."""
+
+    profile: Literal["triangle"]
+    distance: Distance
+    time: Duration = Field(description="of the whole move")
+
+
+class SCurve(_Repeated):
+    """From rest to rest over a distance, as fast as limits of speed, acceleration and jerk allow."""
+
+    profile: Literal["s_curve"]
+    distance: Distance
+    speed: Velocity = Field(description="limit")
+    acceleration: Acceleration = Field(description="limit, for deceleration too")
+    jerk: Jerk = Field(description="limit")
+
+
+class Harmonic(Section):
+    """To and fro in a sine: position = -amplitude cos(2 pi t / period)."""
+
+    profile: Literal["harmonic"]
+    amplitude: Distance = Field(description="half the way from end to end")
+    period: Duration
+
+
+class Segment(Section):
+    """A straight piece: to another speed, or at the same."""
+
+    time: Duration
+    to: SignedVelocity | None = Field(default=None, description="speed at its end; the present one where not given")
+
+
+class Segments(Section):
+    """Straight pieces one after the other, from standstill to standstill; those at speed 0 are dwells."""
+
+    profile: Literal["segments"]
+    segments: Annotated[list[Segment], Field(min_length=1, max_length=10_000)]
+
+    @model_validator(mode="after")
+    def _ends_at_rest(self) -> Segments:
+        speeds = [s.to for s in self.segments if s.to is not None]
+        if not speeds or speeds[-1] != 0.0:
+            raise ValueError("expected the last speed to be 0: a cycle starts and ends at standstill")
+        if not any(speeds):
+            raise ValueError("expected a segment that moves")
+        return self
+
+
+class Csv(Section):
+    """A recorded speed: a CSV file with the columns time and speed."""
+
+    profile: Literal["csv"]
+    file: str = Field(min_length=1, description="CSV: columns time and speed, then a row of units")
+
+
+def _named(motion: Any) -> Any:
+    """A motion that names no profile is a trapezoid."""
+    return {"profile": "trapezoid", **motion} if isinstance(motion, dict) else motion
+
+
+Motion = Annotated[
+    Annotated[Trapezoid | Triangle | SCurve | Harmonic | Segments | Csv, Field(discriminator="profile")],
+    BeforeValidator(_named),
+]
