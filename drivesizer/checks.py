@@ -1,20 +1,22 @@
 """Demand against limit, for all candidates at once: the one place where margins are made.
 
-An upper limit has margin limit/demand - 1, a required minimum actual/required - 1. A figure that is missing
-makes the check *unknown*; a demand of zero passes and has no margin.
+An upper limit has margin limit/demand - 1, a required minimum actual/required - 1, a temperature the same of its rise
+over the ambient. A figure that is missing makes the check *unknown*; a demand of zero passes and has no margin.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from math import nan
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.results import Check, Status
 
-__all__ = ["TITLES", "CheckColumn", "at_least", "at_most", "fits", "in_order"]
+__all__ = ["TITLES", "CheckColumn", "at_least", "at_most", "fits", "worst_case"]
 
 _SHARED = {
     "compatibility": "Motor and gearhead fit together",
@@ -37,122 +39,178 @@ TITLES = {
         "motor_power": "Motor continuous power",
         "speed_constant": "Speed constant",
     },
-    "physics": _SHARED
-    | {
+    "physics": {  # in the order in which people read them
+        "compatibility": _SHARED["compatibility"],
+        "gearhead_continuous_torque": _SHARED["gearhead_continuous_torque"],
+        "gearhead_intermittent_torque": _SHARED["gearhead_intermittent_torque"],
         "gearhead_continuous_speed": "Gearhead continuous input speed",
         "gearhead_intermittent_speed": "Gearhead intermittent input speed",
         "gearhead_continuous_power": "Gearhead continuous power",
         "gearhead_intermittent_power": "Gearhead intermittent power",
+        "gearhead_radial_load": "Gearhead radial load",
+        "gearhead_temperature_range": "Gearhead temperature range",
+        "backlash_at_load": _SHARED["backlash_at_load"],
         "motor_speed": "Motor permissible speed",
-        "winding_temperature": "Winding temperature, steady",
         "motor_nominal_current": "Motor nominal current (RMS)",
+        "winding_temperature": "Winding temperature, peak",
+        "motor_temperature_range": "Motor temperature range",
+        "inertia_ratio": "Inertia ratio, load to motor",
+        "first_resonance": "First resonance",
+        "holding": "Holding without power",
+        "controller_available": _SHARED["controller_available"],
         "supply_voltage": "Motor voltage, cold and hot",
+        "controller_continuous_current": _SHARED["controller_continuous_current"],
+        "controller_peak_current": _SHARED["controller_peak_current"],
+        "controller_peak_time": "Time above continuous current",
+        "controller_speed": "Controller electrical speed",
+        "supply_current": "Supply current, all motor sets",
+        "supply_power": "Supply power, all motor sets",
+        "bus_voltage": "Bus voltage, energy returned",
+        "encoder_counts": _SHARED["encoder_counts"],
         "encoder_speed": "Encoder speed",
+        "encoder_frequency": "Encoder frequency",
+        "encoder_resolution": "Encoder resolution at the load",
+        "traction": "Traction per wheel",
+        "belt_tension": "Belt effective tension",
+        "belt_speed": "Belt speed",
+        "diameter": "Diameter of motor and gearhead",
+        "length": "Length of motor and gearhead",
+        "mass": "Mass of motor and gearhead",
+        "price": "Price of motor and gearhead",
     },
 }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckColumn:
-    """One check over all candidates."""
+    """One check over all candidates; where it neither passed nor failed it is unknown."""
 
     name: str
     demand: NDArray[np.float64]
     limit: NDArray[np.float64]
-    margin: NDArray[np.float64]
     passed: NDArray[np.bool_]
-    failed: NDArray[np.bool_]  # neither passed nor failed: unknown
+    failed: NDArray[np.bool_]
     kind: str
     unit: str
+    zero: float = 0.0  # from where the margin counts; NaN where there is none
+    needed: float = 0.0  # margin that the spec asks for
     by_choice: bool = False
     time: NDArray[np.float64] | None = None  # s, of the worst moment
+    case: NDArray[np.int64] | None = None  # the load case that is worst, by number
+    note: str = ""
+
+    @property
+    def margin(self) -> NDArray[np.float64]:
+        """Share by which the limit exceeds the demand; NaN where unknown or without demand."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = (self.limit - self.zero) / (self.demand - self.zero) - 1.0
+        return np.where(self.demand == self.zero, nan, found)
 
     def at(
-        self, index: int | tuple[()], method: str, *, title: str = "", at_time: float | None = None, note: str = ""
+        self,
+        index: int | tuple[()],
+        method: str,
+        *,
+        title: str = "",
+        at_time: float | None = None,
+        note: str = "",
+        cases: Sequence[str] = ("",),
     ) -> Check:
         """The check of one candidate; ``()`` for a column that is a single figure."""
         status: Status = "pass" if self.passed[index] else "fail" if self.failed[index] else "unknown"
+        time = at_time if self.time is None else float(self.time[index])
         return Check(
             name=self.name,
             title=title or TITLES[method][self.name],
             method=method,
+            case=cases[0 if self.case is None else int(self.case[index])],
             demand=float(self.demand[index]),
             limit=float(self.limit[index]),
             kind=self.kind,
             unit=self.unit,
             margin=float(self.margin[index]),
+            needed=self.needed,
             status=status,
-            at_time=at_time if self.time is None else float(self.time[index]),
+            at_time=None if time is None or time != time else time,
             by_choice=self.by_choice,
-            note=note,
+            note=note or self.note,
         )
 
+    def on(self, rows: NDArray[np.int64]) -> CheckColumn:
+        """The same check of some of the candidates."""
+        columns = ("demand", "limit", "passed", "failed", "time", "case")
+        return replace(self, **{n: getattr(self, n)[rows] for n in columns if getattr(self, n) is not None})
 
-def _column(
-    name: str, demand: Any, limit: Any, kind: str, unit: str, sense: Literal["most", "least"], by_choice: bool = False
-) -> CheckColumn:
+
+    def on_all(self, rows: NDArray[np.int64]) -> CheckColumn:
+        """A check of one figure, the same for all candidates."""
+        columns = ("demand", "limit", "passed", "failed", "time", "case")
+        alike = {n: np.full(len(rows), getattr(self, n)) for n in columns if getattr(self, n) is not None}
+        return replace(self, **alike)  # type: ignore[arg-type]
+
+
+def _column(name: str, demand: Any, limit: Any, kind: str, unit: str, **more: Any) -> CheckColumn:
     demand, limit = np.broadcast_arrays(np.asarray(demand, float), np.asarray(limit, float))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        margin = limit / demand - 1.0
-    known = ~(np.isnan(demand) | np.isnan(limit))
-    idle = known & (demand == 0.0)
-    good = idle | (limit >= demand) if sense == "least" else idle | (demand <= limit)
+    zero = more.get("zero", 0.0)
+    idle = demand == zero
+    above = demand if not more.get("needed") else zero + (demand - zero) * (1.0 + more["needed"])
     return CheckColumn(
         name=name,
         demand=demand,
         limit=limit,
-        margin=np.where(known & ~idle, margin, np.nan),
-        passed=known & good,
-        failed=known & ~good,
+        passed=(above <= limit) | idle,
+        failed=((above > limit) | np.isposinf(demand)) & ~idle,  # what grows without end passes no limit, known or not
         kind=kind,
         unit=unit,
-        by_choice=by_choice,
+        **more,
     )
 
 
-def at_most(name: str, demand: Any, limit: Any, kind: str, unit: str) -> CheckColumn:
+def at_most(name: str, demand: Any, limit: Any, kind: str, unit: str, **more: Any) -> CheckColumn:
     """A demand that must not exceed a limit; margin = limit/demand - 1.
+
+    ``more``: ``needed`` is the margin that must be there, ``zero`` from where it counts, ``time`` of the worst moment.
 
     >>> at_most("motor_power", 10.0, 20.0, "power", "W").margin.item()
     1.0
     """
-    return _column(name, demand, limit, kind, unit, "most")
+    return _column(name, demand, limit, kind, unit, **more)
 
 
-def at_least(name: str, required: Any, actual: Any, kind: str, unit: str, *, by_choice: bool = False) -> CheckColumn:
+def at_least(name: str, required: Any, actual: Any, kind: str, unit: str, **more: Any) -> CheckColumn:
     """A minimum that must be reached; margin = actual/required - 1.
 
     ``by_choice`` marks what the search keeps as small as it may be, so that its margin says nothing of the load.
     """
-    return _column(name, required, actual, kind, unit, "least", by_choice)
+    return _column(name, required, actual, kind, unit, **more)
 
 
 def fits(name: str, good: Any, known: Any) -> CheckColumn:
     """A condition that is met or not, without figures."""
     good, known = np.broadcast_arrays(np.asarray(good, bool), np.asarray(known, bool))
-    nothing = np.full(good.shape, np.nan)
+    nothing = np.full(good.shape, nan)
     return CheckColumn(
-        name=name,
-        demand=nothing,
-        limit=nothing,
-        margin=nothing,
-        passed=good & known,
-        failed=~good & known,
-        kind="dimensionless",
-        unit="1",
-    )
+        name=name, demand=nothing, limit=nothing, passed=good & known, failed=~good & known,
+        kind="dimensionless", unit="1",
+    )  # fmt: skip
 
 
-def in_order(found: list[tuple[NDArray[np.int64], list[CheckColumn]]], count: int) -> list[CheckColumn]:
-    """Checks that were made for some rows at a time, put together to columns over all of them."""
-    together = []
-    for same in zip(*(columns for _, columns in found), strict=True):
-        arrays = {}
-        for name in ("demand", "limit", "margin", "passed", "failed", "time"):
-            parts = [getattr(column, name) for column in same]
-            if parts[0] is not None:
-                arrays[name] = np.empty(count, parts[0].dtype)
-                for (rows, _), part in zip(found, parts, strict=True):
-                    arrays[name][rows] = part
-        together.append(replace(same[0], **arrays))
-    return together
+def worst_case(found: Sequence[CheckColumn]) -> CheckColumn:
+    """The same check in several load cases as one: for each candidate the case that fails, is unknown, or is tightest."""
+    if len(found) == 1:
+        return found[0]
+    shape = np.broadcast_shapes(*(c.passed.shape for c in found))
+    margin = np.stack([np.broadcast_to(np.nan_to_num(c.margin, nan=np.inf), shape) for c in found])
+    standing = np.stack([np.broadcast_to(np.where(c.failed, 0, np.where(c.passed, 2, 1)), shape) for c in found])
+    worst = np.lexsort((margin, standing), axis=0)[:1]
+
+    def picked(name: str) -> NDArray[Any] | None:
+        columns = [getattr(c, name) for c in found]
+        if columns[0] is None:
+            return None
+        stacked = np.stack([np.broadcast_to(c, shape) for c in columns])
+        taken: NDArray[Any] = np.take_along_axis(stacked, worst, axis=0)[0]
+        return taken
+
+    columns = {name: picked(name) for name in ("demand", "limit", "passed", "failed", "time")}
+    return replace(found[0], **columns, case=worst[0])  # type: ignore[arg-type]

@@ -61,9 +61,9 @@ def encoders(spec: RobotSpec, catalog: Catalog, motor: NDArray[Any]) -> Chosen:
     order = _order(table, "counts_per_turn")
     listed = np.zeros((len(catalog.motors), len(table)), bool)
     listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
-    fitting = listed & selected(table, choice)
-    enough = fitting & (table["counts_per_turn"] >= required)
-    row = np.where(enough.any(1), order[np.argmax(enough[:, order], 1)], _last(fitting, order))[motor]
+    fitting = (listed & selected(table, choice))[:, order]
+    enough = fitting & (table["counts_per_turn"][order] >= required)
+    row = _first(order, [enough], _last(fitting, order))[motor]
     asked = bool(required or choice.family or choice.part)
     if not asked:
         return Chosen(row, [])
@@ -72,10 +72,10 @@ def encoders(spec: RobotSpec, catalog: Catalog, motor: NDArray[Any]) -> Chosen:
 
 
 def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The last row in order that a mask allows, -1 where it allows none."""
+    """The last in order that a mask over it allows, -1 where it allows none."""
     if not len(order):
         return np.full(len(mask), -1)
-    place = mask.shape[1] - 1 - np.argmax(mask[:, order[::-1]], 1)
+    place = len(order) - 1 - np.argmax(mask[:, ::-1], 1)
     return np.where(mask.any(1), order[place], -1)
 
 
@@ -95,6 +95,7 @@ def controllers(
     rms_current: NDArray[Any],
     peak_current: NDArray[Any],
     voltage: NDArray[Any] | None = None,
+    supply: tuple[float, float] | None = None,
 ) -> Chosen:
     """The controller of each candidate.
 
@@ -108,39 +109,48 @@ def controllers(
         Motor currents of each candidate [A]; NaN unknown.
     voltage
         Motor voltage of each candidate [V], where the method looks at it.
+    supply
+        Lowest and highest voltage of the supply in all load cases [V]; the spec's own when not given.
     """
-    table = catalog.controllers
+    table, (lowest, highest) = catalog.controllers, supply or (spec.supply.lowest, spec.supply.highest)
     order = _order(table, "continuous_current")
-    usable = _usable(spec, table)
-    drives = np.array([[_can_drive(text, kind) for text in table["drives"]] for kind in ("brushed", "brushless")])
-    can = np.vstack([drives, drives.any(0)]) & usable  # rows: brushed, brushless, motor kind unknown
+    order = order[_usable(spec, table, lowest, highest)[order]]  # few are left: the columns below stay narrow
+    figure = {name: table[name][order] for name in ("continuous_current", "peak_current", "max_duty", "voltage_drop")}
+    texts = table["drives"][order]
+    drives = np.array([[_can_drive(t, kind) for t in texts] for kind in ("brushed", "brushless")], bool)
+    can = np.vstack([drives, drives.any(0)])  # rows: brushed, brushless, motor kind unknown
     kind = catalog.motors["kind"][motor]
     allowed = can[np.where(kind == "brushed", 0, np.where(kind == "brushless", 1, 2))]
-    with np.errstate(invalid="ignore"):
-        enough = ~(table["continuous_current"] < rms_current[:, None])
-        enough &= ~(table["peak_current"] < peak_current[:, None])
-        sure = ~np.isnan(table["continuous_current"]) & ~np.isnan(table["peak_current"])
-        if voltage is not None:
-            usable = usable_voltage(spec.supply.lowest, table["max_duty"], table["voltage_drop"])
-            enough &= ~(usable < voltage[:, None])
-            sure &= ~np.isnan(usable)
-    row = np.full(len(motor), -1, np.int64)
-    for mask in (allowed, allowed & enough, allowed & enough & sure):  # better ones overwrite
-        found = mask.any(1)
-        pick = order[np.argmax(mask[:, order], 1)] if mask is not allowed else _last(mask, order)
-        row = np.where(found, pick, row)
-    figures = {name: np.append(table[name], np.nan)[row] for name in ("continuous_current", "peak_current")}
+    enough = allowed & ~(figure["continuous_current"] < rms_current[:, None])
+    enough &= ~(figure["peak_current"] < peak_current[:, None])
+    sure = ~np.isnan(figure["continuous_current"]) & ~np.isnan(figure["peak_current"])
+    if voltage is not None:
+        usable = usable_voltage(lowest, figure["max_duty"], figure["voltage_drop"])
+        enough &= ~(usable < voltage[:, None])
+        sure &= ~np.isnan(usable)
+    row = _first(order, [enough & sure, enough], _last(allowed, order))
+    found = {name: np.append(table[name], np.nan)[row] for name in ("continuous_current", "peak_current")}
     return Chosen(row, [
         fits("controller_available", row >= 0, True),
-        at_most("controller_continuous_current", rms_current, figures["continuous_current"], "current", "A"),
-        at_most("controller_peak_current", peak_current, figures["peak_current"], "current", "A"),
+        at_most("controller_continuous_current", rms_current, found["continuous_current"], "current", "A"),
+        at_most("controller_peak_current", peak_current, found["peak_current"], "current", "A"),
     ])  # fmt: skip
 
 
-def _usable(spec: RobotSpec, table: Table[Any]) -> NDArray[np.bool_]:
+def _first(order: NDArray[np.int64], masks: list[NDArray[np.bool_]], otherwise: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The first in order that a mask allows, the earlier masks before the later ones."""
+    if not len(order):
+        return otherwise
+    row = otherwise
+    for mask in reversed(masks):
+        row = np.where(mask.any(1), order[mask.argmax(1)], row)
+    return row
+
+
+def _usable(spec: RobotSpec, table: Table[Any], lowest: float, highest: float) -> NDArray[np.bool_]:
     """Controllers that the spec allows, with the bus it names, at its supply voltages."""
     keep = selected(table, spec.select.controller)
-    keep &= (table["supply_min"] <= spec.supply.lowest) & (table["supply_max"] >= spec.supply.highest)
+    keep &= (table["supply_min"] <= lowest) & (table["supply_max"] >= highest)
     bus = spec.select.controller.bus
     if bus:
         keep &= np.array([any(offers(b, bus) for b in _split(text)) for text in table["buses"]], bool)

@@ -7,7 +7,10 @@ what). Results go to stdout, warnings and errors to stderr.
 from __future__ import annotations
 
 import sys
+import time
 import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -68,7 +71,10 @@ def size(
     spec: Spec = DEFAULT,
     top: Top = 5,
     objective: Annotated[
-        str | None, typer.Option(help="mass, price, power, length or margin, in place of the spec's.")
+        str | None, typer.Option(help="mass, price, energy ... or several with weights, e.g. mass=2,price=1.")
+    ] = None,
+    pareto: Annotated[
+        str | None, typer.Option(metavar="NAMES", help="Also print the front of several, e.g. mass,price,energy.")
     ] = None,
     json: Json = False,
     csv: Annotated[Path | None, typer.Option(help="Also write the sets to this CSV file.")] = None,
@@ -78,8 +84,10 @@ def size(
     """Find the drive: requirements, the best sets, and why the rest fell."""
     from drivesizer.sizing import size as sized
 
-    _objective(objective)
-    result = sized(_load(spec), top=top, objective=objective)
+    with _progress() as progress:
+        result = sized(
+            _load(spec), top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=progress
+        )
     if csv:
         from drivesizer.report import write_sets
 
@@ -100,20 +108,58 @@ def size(
     raise typer.Exit(0 if result.sets else 1)
 
 
-def _objective(name: str | None) -> None:
-    from typing import get_args
+def _objective(text: str | None) -> Any:
+    """The objective that an option names, None without one."""
+    from drivesizer.ranking import objective_of
 
-    from drivesizer.spec import Objective
+    return None if text is None else objective_of(text)
 
-    if name is not None and name not in get_args(Objective):
-        raise InputError(f"--objective: {quoted(name)} is not known; expected {', '.join(get_args(Objective))}")
+
+def _pareto(text: str | None) -> tuple[str, ...]:
+    """The objectives of a front."""
+    from drivesizer.spec import OBJECTIVES
+
+    names = tuple(name.strip() for name in text.split(",")) if text else ()
+    wrong = [name for name in names if name not in OBJECTIVES]
+    if wrong:
+        raise InputError(f"--pareto: {quoted(wrong[0])} is not known; expected {', '.join(OBJECTIVES)}")
+    if text is not None and len(set(names)) < 2:
+        raise InputError(f"--pareto: {quoted(text)} names one objective; expected several, e.g. mass,price,energy")
+    return tuple(dict.fromkeys(names))
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None]]:
+    """A bar on stderr for a search that lasts longer than a second; nothing for a shorter one."""
+    bar: Any = None
+    started = time.monotonic()
+
+    def told(done: int, total: int) -> None:
+        nonlocal bar
+        if bar is None and time.monotonic() - started > 1.0:
+            from rich.console import Console
+            from rich.progress import Progress
+
+            bar = Progress(console=Console(stderr=True), transient=True)
+            bar.add_task("sets examined", total=total)
+            bar.start()
+        if bar is not None:
+            bar.update(bar.task_ids[0], completed=done)
+
+    try:
+        yield told
+    finally:
+        if bar is not None:
+            bar.stop()
 
 
 def _proof(result: Any, profile: str) -> Any:
     """The closed-loop validation of the best set, None when there is no set."""
+    from drivesizer.simulate import applies
     from drivesizer.simulate import validate as validated
 
-    return validated(result.spec, result.sets[0], profile=profile) if result.sets else None
+    known = result.sets and applies(result.spec)
+    return validated(result.spec, result.sets[0], profile=profile) if known else None
 
 
 @app.command(epilog="Example: drivesizer validate examples/sps_robot.yaml --profile trapezoid")
@@ -235,7 +281,7 @@ def equations(
 
 @app.command(epilog="Example: drivesizer init --kind wheeled_vehicle -o robot.yaml")
 def init(
-    kind: Annotated[str, typer.Option(help="What is driven: wheeled_vehicle.")] = "wheeled_vehicle",
+    kind: Annotated[str, typer.Option(help="What is driven: wheeled_vehicle, conveyor, hoist, arm ...; `list` tells all.")] = "wheeled_vehicle",
     output: Annotated[Path, typer.Option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
 ) -> None:
     """Write a commented robot.yaml to start from."""

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from drivesizer.candidates import candidates
 from drivesizer.catalog import Catalog
+from drivesizer.evaluation import evaluate
 from drivesizer.results import Check, Comparison, DriveSet
-from drivesizer.search import candidates, evaluate
 from drivesizer.spec import Choice, RobotSpec
 
 __all__ = ["with_both_methods"]
@@ -39,6 +40,8 @@ def with_both_methods(spec: RobotSpec, catalog: Catalog, sets: Sequence[DriveSet
     sets
         Sets as the search found them.
     """
+    if not spec.paper_applies:
+        return tuple(sets)
     return tuple(_with(one, _other(spec, catalog, one)) for one in sets)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from drivesizer import __version__
 from drivesizer.catalog import Controller, Encoder, Gearhead, Motor
-from drivesizer.results import Check, DriveSet, Figure, Requirement, SizingResult, Validation, verdict, worst
+from drivesizer.results import Check, DriveSet, Figure, Relaxation, Requirement, SizingResult, Validation, verdict, worst
 from drivesizer.units import from_si
 
 __all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "sizing", "validation"]
@@ -58,10 +58,15 @@ def _check(check: Check) -> dict[str, Any]:
         "limit": shown(check.limit),
         "unit": check.unit,
         "margin": _number(check.margin),
+        "needed_margin": check.needed,
         "status": check.status,
         "at_time_s": check.at_time,
         "note": check.note,
     }
+
+
+def _relaxation(r: Relaxation) -> dict[str, Any]:
+    return {"field": r.field, "now": r.now, "needed": r.needed, "set": r.set_label}
 
 
 def _result(checks: tuple[Check, ...]) -> dict[str, Any]:
@@ -91,8 +96,10 @@ def drive_set(found: DriveSet) -> dict[str, Any]:
         "objective": _number(found.objective),
         "objective_of": list(found.objective_of),
         "requirements": {r.name: _requirement(r) for r in found.requirements},
+        "figures": {figure.name: _figure(figure) for figure in found.figures},
         "results": {checks[0].method: _result(checks) for checks in (found.checks, found.beside) if checks},
         "checks": [_check(check) for check in (*found.checks, *found.beside)],
+        "changes": [_relaxation(r) for r in found.changes],
     }
 
 
@@ -109,9 +116,8 @@ def sizing(result: SizingResult) -> dict[str, Any]:
         "requirements": {r.name: _requirement(r) for r in result.requirements},
         "sets": [drive_set(s) for s in result.sets],
         "misses": [drive_set(s) for s in result.misses],
-        "relaxations": [
-            {"field": r.field, "now": r.now, "needed": r.needed, "set": r.set_label} for r in result.relaxations
-        ],
+        "relaxations": [_relaxation(r) for r in result.relaxations],
+        "pareto": {"objectives": list(result.pareto), "sets": [drive_set(s) for s in result.front]},
         "unrestricted": drive_set(result.unrestricted) if result.unrestricted else None,
         "counts": {
             "considered": result.counts.considered,

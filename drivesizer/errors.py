@@ -9,7 +9,10 @@ Every message is one line: where, what was found, what is expected.
 
 from __future__ import annotations
 
-__all__ = ["CatalogError", "DrivesizerError", "InputError", "quoted"]
+import difflib
+from collections.abc import Iterable
+
+__all__ = ["CatalogError", "DrivesizerError", "InputError", "nearest", "quoted"]
 
 
 class DrivesizerError(Exception):
@@ -34,3 +37,13 @@ def quoted(found: object, longest: int = 60) -> str:
     if len(text) > longest:
         text = text[: longest - 1] + "…"
     return '"' + "".join(c if c.isprintable() else repr(c)[1:-1] for c in text) + '"'
+
+
+def nearest(name: str, known: Iterable[str], most: int = 3) -> str:
+    """A hint at what a misspelt name may have meant, to stand at the end of a message; empty where nothing is near.
+
+    >>> nearest("EPOS5", ["EPOS4", "GP 26 A"])
+    '; the nearest is EPOS4'
+    """
+    close = difflib.get_close_matches(name, sorted(known), most, 0.5)
+    return f"; the nearest {'is' if len(close) == 1 else 'are'} {', '.join(close)}" if close else ""

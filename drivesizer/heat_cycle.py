@@ -24,6 +24,10 @@ from drivesizer.thermal import TwoBodies
 
 __all__ = ["HeatCycle", "Periodic", "checked", "highest", "mean_rise", "periodic", "periodic_heat"]
 
+_BEYOND = (
+    1e9  # K: a winding that is warmer after one cycle has run away; what cools again from there has lost its digits
+)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeatCycle:
@@ -74,14 +78,16 @@ def _maps(span: Modes, weight: Weights, constant: tuple[Array, Array]) -> _Maps:
 
 
 def _whole(maps: _Maps) -> tuple[Any, ...]:
-    """The map of the whole cycle, again less one, so that a short cycle loses no digits."""
+    """The map of the whole cycle, again less one, so that a short cycle loses no digits; highest rise from the cold."""
     a: Any = 0.0
     b = c = d = w = h = a
+    warmth = []
     for p, q, r, s, e, f in maps.each():
         a, c = a + (p + p * a + q * c), c + (r + r * a + s * c)
         b, d = b + (q + p * b + q * d), d + (s + r * b + s * d)
         w, h = w + (e + p * w + q * h), h + (f + r * w + s * h)
-    return a, b, c, d, w, h
+        warmth.append(w)
+    return a, b, c, d, w, h, np.max(warmth, axis=0)
 
 
 def _rises(maps: _Maps, w: Any, h: Any) -> tuple[Array, Array]:
@@ -95,15 +101,17 @@ def _rises(maps: _Maps, w: Any, h: Any) -> tuple[Array, Array]:
 
 
 class Periodic(NamedTuple):
-    """A cycle's segments and the rises that repeat in it: segments along the first axis, then motors."""
+    """A cycle's segments and what repeats in it: segments along the first axis, then motors; pairs: w, h."""
 
     t: Array  # s, duration of each segment
     span: Modes
     constant: tuple[Array, Array]  # K/s
     weight: Weights  # at each segment's end
-    rises: tuple[Array, Array]  # K, winding and housing at the start and after each segment; 0 where it runs away
-    whole: tuple[Any, ...]  # the cycle's map less one: matrix row by row, constant
-    settles: NDArray[np.bool_]  # whether there is a periodic state
+    rises: tuple[Array, Array]  # K, at the start and after each segment
+    slopes: tuple[Array, Array]  # K/s, at each segment's start
+    pulls: tuple[Array, Array]  # K/s^2, there
+    whole: tuple[Any, ...]  # the cycle's map less one: matrix row by row, constant; highest rise from the cold [K]
+    settles: NDArray[np.bool_]  # whether there is a periodic state; where not, rises and what follows mean nothing
 
 
 def periodic(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) -> Periodic:
@@ -126,20 +134,21 @@ def periodic(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) 
         span, constant = modes(motor, I2), drive(motor, ambient, I2, P_h)
         weight = weights(span.fast, span.slow, t)
         maps = _maps(span, weight, constant)
-        a, b, c, d, w, h = whole = _whole(maps)
-        determinant = np.asarray(a * d - b * c)
-        settles = (determinant > 0.0) & (np.asarray(a) < 0.0) & np.isfinite(determinant + w + h)
-        safe = np.where(settles, determinant, np.inf)
-        start = (np.where(settles, x, 0.0) / safe for x in (b * h - d * w, c * w - a * h))
-        rises = _rises(maps, *(x.item() if x.ndim == 0 else x for x in start))
-    return Periodic(t, span, constant, weight, rises, whole, settles)
+        whole = _whole(maps)
+        start, settles = _fixed_point(*whole)
+        w, h = rises = _rises(maps, *start)
+        slope_w, slope_h = (x + b for x, b in zip(span.slopes(w[:-1], h[:-1]), constant, strict=True))
+        pulls = span.pulls(slope_w, slope_h)
+    return Periodic(t, span, constant, weight, rises, (slope_w, slope_h), pulls, whole, settles)
 
 
-def _starts(found: Periodic, body: int) -> tuple[Array, Array]:
-    """Slope [K/s] and pull [K/s^2] of one body at each segment's start."""
-    slopes = found.span.slopes(found.rises[0][:-1], found.rises[1][:-1])
-    slope_w, slope_h = slopes[0] + found.constant[0], slopes[1] + found.constant[1]
-    return (slope_w, slope_h)[body], found.span.pulls(slope_w, slope_h)[body]
+def _fixed_point(a: Any, b: Any, c: Any, d: Any, w: Any, h: Any, warmth: Any) -> tuple[list[Any], NDArray[np.bool_]]:
+    """The rises that a cycle ends with as it started, and whether they are approached: a spectral radius below 1."""
+    determinant = np.asarray(a * d - b * c)
+    settles = (determinant > 0.0) & (np.asarray(a) < 0.0) & np.isfinite(determinant + h) & (warmth < _BEYOND)
+    safe = np.where(settles, determinant, np.nan)
+    start = (np.asarray((b * h - d * w) / safe), np.asarray((c * w - a * h) / safe))
+    return [x.item() if x.ndim == 0 else x for x in start], settles
 
 
 def mean_rise(found: Periodic, body: int) -> Array:
@@ -152,8 +161,7 @@ def mean_rise(found: Periodic, body: int) -> Array:
     body
         0 the winding, 1 the housing.
     """
-    slope, pull = _starts(found, body)
-    change = found.weight.slope_integral * slope + found.weight.pull_integral * pull
+    change = found.weight.slope_integral * found.slopes[body] + found.weight.pull_integral * found.pulls[body]
     mean: Array = (found.t * found.rises[body][:-1] + change).sum(axis=0) / found.t.sum(axis=0)
     return mean
 
@@ -168,22 +176,17 @@ def highest(found: Periodic, body: int) -> tuple[Array, Array]:
     body
         0 the winding, 1 the housing.
     """
-    slope, pull = _starts(found, body)
-    rising = slope > 0.0
-    ends = found.rises[0][1:], found.rises[1][1:]
-    falls_then = found.span.slopes(*ends)[body] + found.constant[body] < 0.0
-    reached = np.where(rising, ends[body], found.rises[body][:-1])
-    until = np.where(rising, found.t, 0.0)
-    inner = np.nonzero(rising & falls_then)
-    if inner[0].size:
-        start, slope, pull, t = (
-            np.broadcast_to(x, reached.shape)[inner] for x in (found.rises[body][:-1], slope, pull, found.t)
-        )
-        fast, slow = found.span.fast[inner], found.span.slow[inner]
-        turn = np.minimum(turning_time(found.span.gap[inner], slope, pull), t)
-        weight = weights(fast, slow, turn)
-        reached[inner] = start + weight.slope * slope + weight.pull * pull
-        until[inner] = turn
+    starts, ends = found.rises[body][:-1], found.rises[body][1:]
+    later = ends > starts
+    reached, until = np.where(later, ends, starts), np.where(later, found.t, 0.0)
+    inner = np.nonzero((found.slopes[body] > 0.0) & (found.pulls[body] < 0.0))
+    columns = (found.span.fast, found.span.slow, found.t, starts, found.slopes[body], found.pulls[body])
+    fast, slow, t, start, slope, pull = (np.broadcast_to(x, reached.shape)[inner] for x in columns)
+    turn = turning_time(slow - fast, slope, pull)
+    within = turn < t
+    turn, slope, pull, inner = turn[within], slope[within], pull[within], tuple(x[within] for x in inner)
+    weight = weights(fast[within], slow[within], turn)
+    reached[inner], until[inner] = start[within] + weight.slope * slope + weight.pull * pull, turn
     return reached, until
 
 
@@ -241,7 +244,7 @@ def periodic_heat(motor: TwoBodies, ambient: float, dt: ArrayLike, I2: ArrayLike
         return _nowhere(time, math.nan, math.nan)
     found = periodic(motor, ambient, t, square, loss)
     if not found.settles:
-        return _nowhere(time, math.inf, _radius(*found.whole[:4]))
+        return _nowhere(time, math.inf, _radius(*found.whole))
     winding, peak_time = _peak(found, 0, time)
     return HeatCycle(
         winding_peak=ambient + winding,
@@ -249,7 +252,7 @@ def periodic_heat(motor: TwoBodies, ambient: float, dt: ArrayLike, I2: ArrayLike
         winding_mean=ambient + float(mean_rise(found, 0)),
         housing_peak=ambient + _peak(found, 1, time)[0],
         housing_mean=ambient + float(mean_rise(found, 1)),
-        spectral_radius=_radius(*found.whole[:4]),
+        spectral_radius=_radius(*found.whole),
         time=time,
         winding=ambient + found.rises[0],
         housing=ambient + found.rises[1],
@@ -263,8 +266,10 @@ def _peak(found: Periodic, body: int, time: Array) -> tuple[float, float]:
     return float(reached[n]), float(time[n] + until[n])
 
 
-def _radius(a: float, b: float, c: float, d: float) -> float:
+def _radius(a: float, b: float, c: float, d: float, w: float, h: float, warmth: float) -> float:
     """Spectral radius of 1 + (a b, c d), a matrix without negative entries."""
+    if not warmth < _BEYOND:
+        return math.inf
     found = 1.0 + (a + d) / 2.0 + math.hypot((a - d) / 2.0, math.sqrt(max(b * c, 0.0)))
     return found if math.isfinite(found) else math.inf
 

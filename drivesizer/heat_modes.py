@@ -41,11 +41,6 @@ class Modes(NamedTuple):
     ww_fast: Array  # above zero, like wh and hw: what A - fast multiplies keeps its sign
     hh_fast: Array
 
-    @property
-    def gap(self) -> Array:
-        """Between the eigenvalues [1/s]."""
-        return self.ww_fast + self.hh_fast
-
     def slopes(self, w: Array, h: Array) -> tuple[Array, Array]:
         """A times a vector."""
         return self.ww * w + self.wh * h, self.hw * w + self.hh * h
@@ -159,12 +154,12 @@ def phi(f: Array, s: Array) -> tuple[Array, Array, Array, Array]:
     wide = np.flatnonzero(rounds)
     order = wide[np.argsort(-rounds.ravel()[wide].astype(np.int16), kind="stable")]
     for values, doubled in zip(found, _doubled(rounds, f, s, found, order), strict=True):
-        values.ravel()[order] = doubled
+        np.put(values, order, doubled)
     return found
 
 
 def _series(f: Array, s: Array, largest: float) -> tuple[Array, Array]:
-    """phi_2(f) and phi_2[f, s] by Horner's scheme: sum of x^k / (k + 2)!, in as many terms as the largest node needs."""
+    """phi_2(f) and phi_2[f, s] by Horner's scheme: sum of x^k / (k + 2)!, as many terms as the largest node needs."""
     count = next(k for k in range(2, len(_COEFFICIENTS)) if k * largest ** (k - 1) * _COEFFICIENTS[k] < _NEGLIGIBLE)
     single, pair = np.full_like(f, _COEFFICIENTS[count - 1]), np.zeros_like(f)
     for term in reversed(_COEFFICIENTS[: count - 1]):
@@ -184,32 +179,32 @@ def _doubled(rounds: Array, f: Array, s: Array, found: tuple[Array, ...], order:
     """The functions at nodes that are doubled back, those that take most rounds first: a round is a slice."""
     rounds, f, s = (values.ravel()[order] for values in (rounds, f, s))
     p_f, p, q_f, q = (values.ravel()[order] for values in found)
-    e_f, e = 1.0 + f * p_f, p_f + s * p
-    table = (e_f, e_f + (s - f) * e, e, p_f, p_f + (s - f) * p, p, q_f, q)
+    p_s = p_f + (s - f) * p
+    table = (f * p_f, s * p_s, p_f + s * p, p_f, p_s, p, q_f, q)
     with np.errstate(over="ignore"):
         for n in range(1, int(rounds[0]) + 1):
             _double(*(values[: np.count_nonzero(rounds >= n)] for values in table))
     return p_f, p, q_f, q
 
 
-def _double(e_f: Array, e_s: Array, e: Array, p_f: Array, p_s: Array, p: Array, q_f: Array, q: Array) -> None:
-    """exp, phi_1 and phi_2 at f, at s and over both, in place: now at 2 f and 2 s.
+def _double(m_f: Array, m_s: Array, e: Array, p_f: Array, p_s: Array, p: Array, q_f: Array, q: Array) -> None:
+    """exp less 1 at f and at s, exp over both, phi_1 and phi_2 likewise, in place: now at 2 f and 2 s.
 
-    phi_2(2 x) = phi_1(x)^2 / 4 + phi_2(x) / 2, phi_1(2 x) = phi_1(x) (e^x + 1) / 2; over both nodes by the product rule,
-    and halved once more because the distance of the nodes doubles.
+    phi_2(2 x) = phi_1(x)^2 / 4 + phi_2(x) / 2, phi_1(2 x) = phi_1(x) (e^x + 1) / 2; over both nodes by the product
+    rule, halved once more because their distance doubles. Less 1, for the digits of a node far below the other.
     """
     q *= 0.25
     q += p * (p_f + p_s) / 8.0
     q_f *= 0.5
     q_f += p_f * p_f / 4.0
-    p *= e_s + 1.0
+    p *= m_s + 2.0
     p += p_f * e
     p *= 0.25
-    p_f *= (e_f + 1.0) / 2.0
-    p_s *= (e_s + 1.0) / 2.0
-    e *= (e_f + e_s) / 2.0
-    e_f *= e_f
-    e_s *= e_s
+    p_f *= m_f / 2.0 + 1.0
+    p_s *= m_s / 2.0 + 1.0
+    e *= (m_f + m_s) / 2.0 + 1.0
+    m_f *= m_f + 2.0
+    m_s *= m_s + 2.0
 
 
 def turning_time(gap: Array, slope: Array, pull: Array) -> Array:

@@ -99,7 +99,7 @@ class LoadCycle:
         duration[first] *= shares
         duration[second] *= (1.0 - shares)[crosses]
         columns = {n: cut(column, zero=True) if n == name else cut(getattr(self, n)) for n in _COLUMNS}
-        return replace(self, duration=duration, **columns)
+        return replace(self, duration=duration, **columns)  # type: ignore[arg-type]
 
 
 _COLUMNS = ("speed", "acceleration", "torque")

@@ -23,9 +23,9 @@ from drivesizer.fields import (
     Inertia,
     Length,
     Mass,
-    Part,
     Pause,
     Pull,
+    Quantity,
     Section,
     Share,
     SignedSpeed,
@@ -55,6 +55,7 @@ __all__ = [
 ]
 
 Count = Annotated[int, Field(ge=1, le=100)]
+BackEfficiency = Annotated[float, Quantity("dimensionless", most=1.0)]
 
 
 class Cylinder(Section):
@@ -114,7 +115,7 @@ class WheeledVehicle(Section):
 class _Shared(Section):
     """A load that one motor set moves, or several alike."""
 
-    motors: Count = Field(default=1, description="motor sets that share the load alike")
+    motors: Count = Field(default=1, description="motor sets that share the load alike; all figures are of the whole")
 
 
 class Conveyor(_Shared):
@@ -126,8 +127,10 @@ class Conveyor(_Shared):
     belt_mass: Counterweight = default("0 kg", description="of the belt itself")
     drum_diameter: Length
     friction_coefficient: Coefficient = Field(description="of belt and goods on the bed, or of the rollers")
+    friction_force: Force = default("0 N", description="of scrapers and seals, against the motion")
+    efficiency: Share = Field(default=1, description="of belt and drums, in either direction of power")
     incline: Incline = default("0 deg", description="upward positive")
-    force: Pull = default("0 N", description="further force against the forward motion, such as a scraper's")
+    force: Pull = default("0 N", description="further force against the forward motion, at rest too")
     inertia: Inertia = default("0 kg*m^2", description="of all drums, seen at the driven one")
 
 
@@ -137,10 +140,10 @@ class Hoist(_Shared):
     axis: ClassVar[Axis] = "linear"
     kind: Literal["hoist"]
     mass: Mass = Field(description="of what is lifted, its carrier included")
-    counterweight: Counterweight = default("0 kg", description="hung against the mass, on the same rope")
+    counterweight: Counterweight = default("0 kg", description="hung against the mass, with as many falls")
     drum_diameter: Length
     falls: Count = Field(default=1, description="rope parts that carry the mass; the rope runs so many times faster")
-    rope_efficiency: Share = Field(default=1, description="of rope and sheaves")
+    rope_efficiency: Share = Field(default=1, description="of rope and sheaves, in either direction of power")
     friction_force: Force = default("0 N", description="of the guides, against the motion")
     inertia: Inertia = default("0 kg*m^2", description="of drum and sheaves, seen at the drum")
 
@@ -153,12 +156,13 @@ class Screw(_Shared):
     mass: Mass = Field(description="of the slide and what is on it")
     lead: Length = Field(description="way per turn")
     efficiency: Share = Field(description="of screw and nut when it drives the slide")
-    back_efficiency: Part | None = Field(
-        default=None, description="when the slide drives it; 2 - 1/efficiency where not given, 0 is self-locking"
+    back_efficiency: BackEfficiency | None = Field(
+        default=None, description="when the slide drives it; 2 - 1/efficiency where not given, below 0 is self-locking"
     )
     incline: Incline = default("0 deg", description="of the forward motion, upward positive; 90 deg lifts")
     friction_coefficient: Coefficient = Field(default=0, description="of the guide")
-    force: Pull = default("0 N", description="further force against the forward motion, such as a cutting force")
+    friction_force: Force = default("0 N", description="of the guide's seals, against the motion")
+    force: Pull = default("0 N", description="further force against the forward motion, at rest too")
     preload_torque: Torque = default("0 N*m", description="drag of a preloaded nut and its bearings")
     inertia: Inertia = Field(description="of screw and coupling")
 
@@ -170,11 +174,19 @@ class RackPinion(_Shared):
     kind: Literal["rack_pinion"]
     mass: Mass
     pinion_diameter: Length = Field(description="of its pitch circle")
-    efficiency: Share = Field(default=1, description="of the toothing")
+    efficiency: Share = Field(default=1, description="of the toothing, in either direction of power")
     incline: Incline = default("0 deg", description="of the forward motion, upward positive")
     friction_coefficient: Coefficient = Field(default=0, description="of the guide")
-    force: Pull = default("0 N", description="further force against the forward motion")
+    friction_force: Force = default("0 N", description="of the guide's seals, against the motion")
+    force: Pull = default("0 N", description="further force against the forward motion, at rest too")
     inertia: Inertia = default("0 kg*m^2", description="of pinion and shaft")
+
+
+def _at_least(inertia: float, mass: float, lever: float, name: str) -> None:
+    """About an axis off the centre no mass has less inertia than if it were in its centre; 2 % for rounded figures."""
+    least = mass * lever * lever
+    if inertia < 0.98 * least:
+        raise ValueError(f"inertia must be at least mass times {name} squared, {least:.4g} kg·m²")
 
 
 class RotaryTable(_Shared):
@@ -190,6 +202,11 @@ class RotaryTable(_Shared):
     tilt: Incline = default("0 deg", description="of the axis from the vertical; 90 deg lies level")
     start_angle: Bearing = default("0 deg", description="of the centre from the level line, when the cycle starts")
 
+    @model_validator(mode="after")
+    def _heavy_enough(self) -> RotaryTable:
+        _at_least(self.inertia, self.mass, self.eccentricity, "eccentricity")
+        return self
+
 
 class Arm(_Shared):
     """A joint that swings an arm against gravity."""
@@ -202,6 +219,12 @@ class Arm(_Shared):
     start_angle: Bearing = default("0 deg", description="above the level line, when the cycle starts")
     tilt: Incline = default("0 deg", description="of the joint's axis from level; 90 deg feels no gravity")
     friction_torque: Torque = default("0 N*m", description="of the joint, against the motion")
+
+    @model_validator(mode="after")
+    def _heavy_enough(self) -> Arm:
+        if self.inertia is not None:
+            _at_least(self.inertia, self.mass, self.length, "length")
+        return self
 
 
 class Fan(_Shared):
@@ -219,6 +242,8 @@ class Fan(_Shared):
     def _rated(self) -> Fan:
         if self.rated_torque and self.rated_speed is None:
             raise ValueError("give rated_speed beside rated_torque")
+        if self.exponent < 1.0:
+            raise ValueError("exponent must be at least 1; torque that is the same at any speed is friction_torque")
         return self
 
 

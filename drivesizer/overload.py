@@ -125,7 +125,7 @@ def _crossing(span: Modes, slope: Array, pull: Array, climb: float) -> float:
             weight = weights(span.fast, span.slow, t)
             return np.asarray(weight.slope * slope + (weight.pull * pull if pull.any() else 0.0) >= climb)
 
-    turn = float(turning_time(span.gap, slope, pull)[0])
+    turn = float(turning_time(span.slow - span.fast, slope, pull)[0])
     rises_first = slope[0] > 0.0 or (slope[0] == 0.0 and pull[0] > 0.0)
     first, last = (0.0, turn) if rises_first else (turn, math.inf)
     if math.isinf(first) or math.isinf(climb):

@@ -3,54 +3,96 @@
 For one load cycle and one belt the motor's torque is linear in six functions of time at the gearhead's output:
 driving torque, braking torque, torque at rest, acceleration, direction and speed, with coefficients that depend on
 the candidate alone. So the RMS current of every candidate is a quadratic form in one 6 x 6 matrix of exact segment
-integrals, and peaks of current and voltage lie at the ends of segments.
+integrals; peaks of current and voltage lie at the few ends of segments that ``extremes`` keeps. Another belt ratio
+scales the functions, so that nothing is integrated twice.
 Symbols: i ratio, e efficiency, J inertia [kg*m^2], T torque [N*m], w speed [rad/s], K whole reduction.
 """
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.extremes import Extremes, extremes
 from drivesizer.loadcycle import Ends, LoadCycle, integral, mean_product, rms
 
-__all__ = ["AtGearhead", "Demands", "at_gearhead", "demands"]
+__all__ = ["ACCELERATION", "DIRECTION", "SPEED", "AtGearhead", "Demands", "Peak", "at_gearhead", "demands", "peak"]
 
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
+Array = NDArray[np.float64]
 
 
-class AtGearhead(NamedTuple):
+class AtGearhead:
     """A load cycle at the gearhead's output, behind one belt."""
 
+    def __init__(self, base: _Base, ratio: float) -> None:
+        self.base, self.belt = base, ratio
+        self.scale = np.array([1 / ratio, 1 / ratio, 1 / ratio, ratio, 1.0, ratio])  # of the functions
+        self.moments = base.moments * np.outer(self.scale, self.scale)  # means of products over the cycle
+        self.rms_torque = base.rms_torque / ratio  # N*m, while running
+        self.peak_torque = base.peak_torque / ratio  # N*m
+        self.peak_speed = base.peak_speed * ratio  # rad/s
+        self.sustained_speed = base.sustained_speed * ratio  # rad/s, the highest at which it stays
+        self.mean_power = base.mean_power  # W, transmitted in either direction while running
+        self.peak_power = base.peak_power  # W
+
+    @property
+    def cycle(self) -> LoadCycle:
+        """The load cycle at the load."""
+        return self.base.cycle
+
+    @property
+    def extremes(self) -> Extremes:
+        """The points of the functions at which anything linear in them is largest or smallest."""
+        return self.base.extremes
+
+    @cached_property
+    def functions(self) -> Array:
+        """The six functions at both ends of each segment: shape (segments, 2, 6)."""
+        scaled: Array = self.base.functions * self.scale
+        return scaled
+
+
+class _Base(NamedTuple):
+    """The same without a belt's ratio, its efficiency included."""
+
     cycle: LoadCycle
-    belt: float  # its ratio
-    functions: NDArray[np.float64]  # (segments, 2, 6)
-    moments: NDArray[np.float64]  # (6, 6): means of their products over the cycle
-    torque: Ends  # N*m
-    speed: Ends  # rad/s
-    rms_torque: float  # N*m, while running
+    functions: Array
+    moments: Array
+    extremes: Extremes
+    rms_torque: float
     peak_torque: float
-    peak_speed: float  # rad/s
-    sustained_speed: float  # rad/s, the highest at which it stays
-    mean_power: float  # W, transmitted in either direction while running
+    peak_speed: float
+    sustained_speed: float
+    mean_power: float
     peak_power: float
+
+    def behind(self, ratio: float) -> AtGearhead:
+        """The cycle behind a belt of a ratio."""
+        return AtGearhead(self, ratio)
 
 
 class Demands(NamedTuple):
     """What each candidate's motor must do: SI columns."""
 
-    rms_torque: NDArray[np.float64]  # N*m, friction of the motor included
-    peak_torque: NDArray[np.float64]
-    rms_current: NDArray[np.float64]  # A
-    peak_current: NDArray[np.float64]
-    peak_time: NDArray[np.float64]  # s, of the peak current
-    peak_speed: NDArray[np.float64]  # rad/s
-    coefficients: NDArray[np.float64]  # (candidates, 6): motor torque from the functions
+    rms_torque: Array  # N*m, friction of the motor included
+    rms_current: Array  # A
+    peak_speed: Array  # rad/s
+    coefficients: Array  # (candidates, 6): motor torque from the functions
+    total_ratio: Array  # of the gearhead
 
 
-def at_gearhead(cycle: LoadCycle, ratio: float, efficiency: float) -> AtGearhead:
+class Peak(NamedTuple):
+    """The largest absolute value of something over the cycle, and when."""
+
+    value: Array
+    time: Array  # s
+
+
+def at_gearhead(cycle: LoadCycle, efficiency: float) -> _Base:
     r"""A load cycle through a belt, with the direction of power deciding on which side its loss falls.
 
     .. math:: T_g = \frac{T}{i e} \; (T w > 0), \quad \frac{T e}{i} \; (T w < 0), \quad \frac{T}{i} \; (w = 0)
@@ -59,29 +101,38 @@ def at_gearhead(cycle: LoadCycle, ratio: float, efficiency: float) -> AtGearhead
     ----------
     cycle
         At the load, split at changes of direction.
-    ratio, efficiency
-        Of the belt [1]; driven backward its efficiency is taken to be the same.
+    efficiency
+        Of the belt [1]; driven backward its efficiency is taken to be the same. Its ratio comes with ``behind``.
     """
     power = (cycle.torque.mean(1) * cycle.speed.mean(1))[:, None]
     running = np.any(cycle.speed != 0.0, axis=1)
-    torque = cycle.torque / ratio * np.where(~running[:, None], 1.0, np.where(power > 0.0, 1 / efficiency, efficiency))
-    speed, acceleration = cycle.speed * ratio, cycle.acceleration * ratio
+    torque = cycle.torque * np.where(~running[:, None], 1.0, np.where(power > 0.0, 1 / efficiency, efficiency))
+    speed = cycle.speed
     none = np.zeros_like(torque)
     functions = np.stack([
         np.where(running[:, None] & (power > 0.0), torque, none),
         np.where(running[:, None] & (power <= 0.0), torque, none),
         np.where(~running[:, None], torque, none),
-        acceleration,
+        cycle.acceleration,
         np.broadcast_to(np.sign(speed.mean(1))[:, None], torque.shape),
         speed,
     ], axis=2)  # fmt: skip
-    moments = np.array([
-        [integral(cycle.duration, functions[:, :, a], functions[:, :, b]) for a in range(6)] for b in range(6)
-    ]) / cycle.total  # fmt: skip
-    return AtGearhead(cycle, ratio, functions, moments, torque, speed, **_extremes(cycle, torque, speed, running))
+    return _Base(
+        cycle, functions, _moments(cycle, functions), extremes(functions, cycle.time),
+        **_scalars(cycle, torque, speed, running),
+    )  # fmt: skip
 
 
-def _extremes(cycle: LoadCycle, torque: Ends, speed: Ends, running: NDArray[np.bool_]) -> dict[str, float]:
+def _moments(cycle: LoadCycle, functions: Array) -> Array:
+    """Means of products of the functions over the cycle."""
+    found = np.empty((6, 6))
+    for a in range(6):
+        for b in range(a + 1):
+            found[a, b] = found[b, a] = integral(cycle.duration, functions[:, :, a], functions[:, :, b]) / cycle.total
+    return found
+
+
+def _scalars(cycle: LoadCycle, torque: Ends, speed: Ends, running: NDArray[np.bool_]) -> dict[str, float]:
     time = cycle.duration[running]
     level = running & (speed[:, 0] == speed[:, 1])
     fastest = np.abs(speed).max()
@@ -117,47 +168,29 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     i, e, k_t = gearhead["ratio"], gearhead["efficiency"], motor["torque_constant"]
     friction = k_t * motor["no_load_current"]
     brushed = motor["kind"] == "brushed"
-    c = np.stack([
-        1 / (i * e),
-        e / i,
-        1 / i,
-        (motor["rotor_inertia"] + gearhead["inertia"] + np.nan_to_num(encoder["inertia"])) * i,
-        np.where(brushed, friction, 0.0),
-        np.where(brushed, 0.0, friction * i / motor["no_load_speed"]),
-    ], axis=1)  # fmt: skip
-    points = at.functions.reshape(-1, 6)
-    torque = np.abs(c @ points.T)
-    worst = np.argmax(np.where(np.isnan(torque), -1.0, torque), axis=1)
-    peak = torque[np.arange(len(c)), worst]
-    square = np.einsum("ka,ab,kb->k", c, at.moments, c)
-    rms_torque = np.sqrt(np.maximum(square, 0.0))
-    return Demands(
-        rms_torque=rms_torque,
-        peak_torque=peak,
-        rms_current=rms_torque / k_t,
-        peak_current=peak / k_t,
-        peak_time=at.cycle.time.reshape(-1)[worst],
-        peak_speed=at.peak_speed * i,
-        coefficients=c,
-    )
+    c = np.empty((len(i), 6))
+    c[:, DRIVING] = 1 / (i * e)
+    c[:, BRAKING] = e / i
+    c[:, AT_REST] = 1 / i
+    c[:, ACCELERATION] = (motor["rotor_inertia"] + gearhead["inertia"] + np.nan_to_num(encoder["inertia"])) * i
+    c[:, DIRECTION] = np.where(brushed, friction, 0.0)
+    c[:, SPEED] = np.where(brushed, 0.0, friction * i / motor["no_load_speed"])
+    rms_torque = np.sqrt(np.maximum(((c @ at.moments) * c).sum(1), 0.0))
+    return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i)
 
 
-def peak_voltage(at: AtGearhead, asked: Demands, motor: Any, gearhead: Any, resistance: Any) -> NDArray[np.float64]:
-    r"""Largest voltage that each candidate's motor needs, at a given resistance of its winding [V].
-
-    .. math:: V = R I + k_e K w
+def peak(at: AtGearhead, coefficients: Array) -> Peak:
+    """Largest absolute value over the cycle of what is linear in the functions, with coefficients of 0 or more.
 
     Parameters
     ----------
-    at, asked
-        The cycle, and what it asks of the candidates.
-    motor, gearhead
-        Figures of the candidates' parts by field name: columns.
-    resistance
-        Of each candidate's winding, cold or hot [ohm].
+    at
+        The load cycle at the gearhead's output.
+    coefficients
+        Of the six functions for each candidate; NaN unknown: the peak is then unknown.
     """
-    k_t = motor["torque_constant"]
-    c = asked.coefficients * (resistance / k_t)[:, None]
-    c[:, SPEED] += k_t * gearhead["ratio"]
-    volts: NDArray[np.float64] = np.abs(c @ at.functions.reshape(-1, 6).T).max(1)
-    return volts
+    high, low = (points * at.scale for points in (at.extremes.high, at.extremes.low))
+    values = np.concatenate([coefficients @ high.T, -(coefficients @ low.T)], axis=1)
+    worst = values.argmax(axis=1)
+    time = np.concatenate([at.extremes.high_time, at.extremes.low_time])
+    return Peak(values[np.arange(len(values)), worst], time[worst])

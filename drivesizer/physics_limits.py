@@ -1,116 +1,267 @@
 """What the load cycle asks of candidates, against every limit that their catalogue figures set, as columns.
 
-Limits are those of the catalogues; no factor of the paper enters. A figure that is missing makes its check
-*unknown*. Steady winding temperature: copper loss alone, resistance growing with it.
+In stages, the cheap ones first: what concerns the load alone, a gearhead alone, a motor alone, the moving pair, its
+current and voltage. What needs the current of each moment is in ``waveform_limits``. Limits are those of the
+catalogues; no factor of the paper enters, the spec's ``margins`` do. A missing figure makes its check *unknown*.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.checks import CheckColumn, at_most
+from drivesizer.checks import CheckColumn, at_least, at_most
 from drivesizer.choose import usable_voltage
-from drivesizer.physics import AtGearhead, Demands, peak_voltage
+from drivesizer.physics import SPEED, AtGearhead, Demands, Peak, peak
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE, current_derating, steady_winding_temperature
 
-__all__ = ["Stress", "limits", "stress"]
+__all__ = [
+    "Heat",
+    "Parts",
+    "Stress",
+    "electrical_limits",
+    "gearhead_limits",
+    "heat",
+    "housing_loss",
+    "load_limits",
+    "motor_limits",
+    "moving_limits",
+    "size_limits",
+    "stress",
+]
+
+Array = NDArray[np.float64]
+_ROTARY, _TORQUE = ("rotary_speed", "rpm"), ("torque", "N*m")
+_EDGES = 4  # counts per line of an incremental encoder, evaluated in quadrature
+
+
+class Parts(NamedTuple):
+    """Figures of the candidates' parts by field name: columns, NaN where there is no such part."""
+
+    motor: Any
+    gearhead: Any
+    encoder: Any
+    controller: Any
+
+
+class Heat(NamedTuple):
+    """What warms a motor beside its copper, and how warm it is in the long run."""
+
+    friction: Array  # loss at the housing per speed of the gearhead's output [W s/rad]
+    iron: Array  # and per square of it [W s^2/rad^2]
+    mean: Array  # W, over the cycle
+    winding: Array  # K, steady mean; infinite when it runs away
 
 
 class Stress(NamedTuple):
-    """What the currents do to each candidate's motor."""
+    """Largest current and voltage."""
 
-    winding: NDArray[np.float64]  # K, steady mean; infinite when it runs away
-    voltage: NDArray[np.float64]  # V, the largest, with the winding cold and hot
-
-
-def stress(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: Any, gearhead: Any) -> Stress:
-    """Winding temperature and voltage of candidates.
-
-    Parameters
-    ----------
-    spec
-        The robot.
-    at, asked
-        The load cycle, and what it asks of the candidates' motors.
-    motor, gearhead
-        Figures of the candidates' parts by field name: columns.
-    """
-    ambient, R = spec.environment.ambient, motor["resistance"]
-    R_th = motor["thermal_resistance_winding"] + motor["thermal_resistance_housing"]
-    winding = np.vectorize(steady_winding_temperature, otypes=[float])(ambient, R, R_th, asked.rms_current)
-    known = np.where(np.isfinite(winding), winding, ambient)  # where heat is unknown the voltage is that of the cold
-    at_ambient, hot = (R * (1.0 + COPPER * (T - DATA_TEMPERATURE)) for T in (ambient, known))
-    volts = np.maximum(*(peak_voltage(at, asked, motor, gearhead, r) for r in (at_ambient, hot)))
-    return Stress(winding, volts)
+    current: Peak  # A
+    voltage: Peak  # V, the larger of winding cold and hot
+    hot: Array  # ohm, winding at its steady mean temperature
 
 
-def limits(
-    spec: RobotSpec,
-    at: AtGearhead,
-    asked: Demands,
-    under: Stress,
-    motor: Any,
-    gearhead: Any,
-    encoder: Any,
-    controller: Any,
-) -> list[CheckColumn]:
-    """The checks of candidates behind one belt.
-
-    Parameters
-    ----------
-    spec
-        The robot.
-    at
-        The load cycle at the gearhead's output.
-    asked
-        What it asks of the candidates' motors.
-    under
-        Temperature and voltage that follow.
-    motor, gearhead, encoder, controller
-        Figures of the candidates' parts by field name: columns, NaN where there is no such part.
-    """
-    rms, rotary = asked.rms_current, ("rotary_speed", "rpm")
-    usable = usable_voltage(spec.supply.lowest, controller["max_duty"], controller["voltage_drop"])
-    peak = at_most("controller_peak_current", asked.peak_current, controller["peak_current"], "current", "A")
-    return [
-        *_gearhead(at, gearhead),
-        at_most("motor_speed", asked.peak_speed, motor["max_speed"], *rotary),
-        *_heat(spec, motor, rms, under.winding),
-        at_most("supply_voltage", under.voltage, usable, "voltage", "V"),
-        at_most("controller_continuous_current", rms, controller["continuous_current"], "current", "A"),
-        replace(peak, time=asked.peak_time),
-        at_most("encoder_speed", asked.peak_speed, encoder["max_speed"], *rotary),
-        *_lost_motion(spec, at, gearhead),
+def load_limits(spec: RobotSpec, at: AtGearhead) -> list[CheckColumn]:
+    """Limits of the load and of the belt, the same for all candidates: columns of one figure."""
+    grip = spec.margins.torque
+    found = [
+        at_most(own.name, own.demand, own.limit, own.kind, own.unit, needed=grip, time=np.array(own.time))
+        for own in at.cycle.own
     ]
+    belt = spec.belt
+    if belt is not None and belt.pulley_diameter is not None:
+        radius = belt.pulley_diameter / 2
+        if belt.max_tension is not None:
+            pull = np.abs(at.cycle.torque).max() / radius
+            found.append(at_most("belt_tension", pull, belt.max_tension, "force", "N", needed=grip))
+        if belt.max_speed is not None:
+            fast = np.abs(at.cycle.speed).max() * radius
+            found.append(at_most("belt_speed", fast, belt.max_speed, "speed", "m/s", needed=spec.margins.speed))
+    return found
 
 
-def _lost_motion(spec: RobotSpec, at: AtGearhead, gearhead: Any) -> list[CheckColumn]:
-    if spec.needs.backlash_at_load is None:
+def gearhead_limits(spec: RobotSpec, at: AtGearhead, gearhead: Any) -> list[CheckColumn]:
+    """Limits of the gearhead, whatever motor drives it."""
+    i, ambient = gearhead["ratio"], spec.environment.ambient
+    torque: dict[str, Any] = {"needed": spec.margins.torque}
+    speed: dict[str, Any] = {"needed": spec.margins.speed}
+    power = ("power", "W")
+    found = [
+        at_most("gearhead_continuous_torque", at.rms_torque, gearhead["continuous_torque"], *_TORQUE, **torque),
+        at_most("gearhead_intermittent_torque", at.peak_torque, gearhead["intermittent_torque"], *_TORQUE, **torque),
+        at_most("gearhead_continuous_speed", at.sustained_speed * i, gearhead["continuous_input_speed"], *_ROTARY,
+                **speed),
+        at_most("gearhead_intermittent_speed", at.peak_speed * i, gearhead["intermittent_input_speed"], *_ROTARY,
+                **speed),
+        at_most("gearhead_continuous_power", at.mean_power, gearhead["continuous_power"], *power, **torque),
+        at_most("gearhead_intermittent_power", at.peak_power, gearhead["intermittent_power"], *power, **torque),
+        _in_range("gearhead_temperature_range", ambient, gearhead["temperature_min"], gearhead["temperature_max"]),
+    ]  # fmt: skip
+    needs = spec.needs
+    if needs.backlash_at_load is not None:
+        found.append(at_most("backlash_at_load", gearhead["backlash"] / at.belt, needs.backlash_at_load, "angle", "deg"))
+    if needs.radial_load is not None:
+        load = at_most("gearhead_radial_load", needs.radial_load, gearhead["max_radial_load"], "force", "N", **torque)
+        found.append(load)
+    return found
+
+
+def motor_limits(spec: RobotSpec, motor: Any) -> list[CheckColumn]:
+    """Limits of the motor, whatever it drives."""
+    ambient = spec.environment.ambient
+    return [_in_range("motor_temperature_range", ambient, motor["ambient_min"], motor["ambient_max"])]
+
+
+def _in_range(name: str, ambient: float, least: Any, most: Any) -> CheckColumn:
+    """The ambient within a range of which a catalogue may give one end; without either there is nothing to obey."""
+    low = np.where(np.isnan(least), -np.inf, least)
+    given = ~(np.isnan(least) & np.isnan(most))
+    limit = np.where(ambient < low, low, np.where(np.isnan(most), np.inf, most))
+    column = at_most(name, ambient, limit, "temperature", "degC", zero=np.nan)
+    bad = given & ((ambient < low) | (ambient > limit))
+    return CheckColumn(
+        name=name, demand=column.demand, limit=np.where(np.isinf(limit), np.nan, limit), passed=given & ~bad,
+        failed=bad, kind="temperature", unit="degC", zero=np.nan,
+    )  # fmt: skip
+
+
+def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]:
+    """Room, mass and money, where the spec limits them."""
+    needs = spec.needs
+    sums = {name: motor[name] + gearhead[name] for name in ("length", "mass", "price") if getattr(needs, name)}
+    if needs.diameter:
+        sums["diameter"] = np.maximum(motor["diameter"], gearhead["diameter"])
+    units = {"length": ("length", "mm"), "diameter": ("length", "mm"), "mass": ("mass", "g"), "price": ("price", "EUR")}
+    return [at_most(name, value, getattr(needs, name), *units[name]) for name, value in sums.items()]
+
+
+def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
+    r"""What friction and iron lose at the housing, per speed of the gearhead's output and per square of it.
+
+    Brushed: :math:`k_t I_0 |w|`. Brushless: a loss that grows with the square of the speed and, with the copper's,
+    warms the winding to its permitted temperature at the catalogue's nominal point in 25 degC; not below 0.
+    """
+    brushed = motor["kind"] == "brushed"
+    rise = motor["max_winding_temperature"] - DATA_TEMPERATURE
+    R_th2 = motor["thermal_resistance_housing"]
+    copper = motor["resistance"] * (1.0 + COPPER * rise) * motor["nominal_current"] ** 2
+    left = (rise - (motor["thermal_resistance_winding"] + R_th2) * copper) / R_th2
+    iron = np.maximum(left, 0.0) * (ratio / motor["nominal_speed"]) ** 2
+    friction = motor["torque_constant"] * motor["no_load_current"] * ratio
+    return np.where(brushed, friction, 0.0), np.where(brushed, 0.0, iron)
+
+
+def heat(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: Any) -> Heat:
+    """Mean temperature of the winding in the long run."""
+    friction, iron = housing_loss(motor, asked.total_ratio)
+    mean = friction * at.moments[4, SPEED] + iron * at.moments[SPEED, SPEED]
+    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    winding = steady_winding_temperature(spec.environment.ambient, motor["resistance"], *R_th, asked.rms_current, mean)
+    return Heat(friction, iron, mean, np.asarray(winding))
+
+
+def moving_limits(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, parts: Parts) -> list[CheckColumn]:
+    """Limits of the pair in motion that the moments decide; that of the winding by its mean, which is no more."""
+    motor, ambient = parts.motor, spec.environment.ambient
+    derating = current_derating(ambient, motor["max_winding_temperature"])
+    torque, speed = spec.margins.torque, spec.margins.speed
+    found = [
+        at_most("motor_speed", asked.peak_speed, motor["max_speed"], *_ROTARY, needed=speed),
+        at_most("motor_nominal_current", asked.rms_current, motor["nominal_current"] * derating, "current", "A",
+                needed=torque),
+        winding_limit(spec, warm.winding, motor),
+    ]  # fmt: skip
+    return [*found, *_inertias(spec, at, asked, parts), *_holding(spec, at, parts)]
+
+
+def winding_limit(spec: RobotSpec, winding: Array, motor: Any) -> CheckColumn:
+    """A winding temperature against the permitted one."""
+    return at_most(
+        "winding_temperature", winding, motor["max_winding_temperature"], "temperature", "degC",
+        zero=spec.environment.ambient, needed=spec.margins.temperature,
+    )  # fmt: skip
+
+
+def _inertias(spec: RobotSpec, at: AtGearhead, asked: Demands, parts: Parts) -> list[CheckColumn]:
+    """Inertia ratio and first resonance: motor and load as two masses on the belt's stiffness."""
+    needs, found = spec.needs, []
+    own = (parts.motor["rotor_inertia"] + parts.gearhead["inertia"]) * (asked.total_ratio * at.belt) ** 2
+    if needs.inertia_ratio is not None:
+        found.append(at_most("inertia_ratio", at.cycle.inertia / own, needs.inertia_ratio, "dimensionless", "1"))
+    if needs.resonance is not None:
+        stiffness = spec.belt.stiffness if spec.belt and spec.belt.stiffness else np.nan
+        found_at = np.sqrt(stiffness * (1 / own + 1 / at.cycle.inertia)) / (2 * np.pi)
+        found.append(at_least("first_resonance", needs.resonance, found_at, "frequency", "Hz"))
+    return found
+
+
+def _holding(spec: RobotSpec, at: AtGearhead, parts: Parts) -> list[CheckColumn]:
+    """Torque at rest that reaches the motor, against its friction at standstill, which catalogues do not give."""
+    if not spec.needs.hold_unpowered:
         return []
-    return [at_most("backlash_at_load", gearhead["backlash"] / at.belt, spec.needs.backlash_at_load, "angle", "deg")]
+    standing = np.abs(at.base.functions[:, :, 2]).max() / at.belt
+    reaches = standing * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
+    return [at_most("holding", reaches, np.full(reaches.shape, np.nan), "torque", "mN*m")]
 
 
-def _gearhead(at: AtGearhead, gearhead: Any) -> list[CheckColumn]:
-    torque, rotary, i = ("torque", "N*m"), ("rotary_speed", "rpm"), gearhead["ratio"]
+def stress(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, motor: Any) -> Stress:
+    """Largest current and voltage of candidates; where heat is unknown the voltage is that of the cold winding."""
+    ambient, k_t = spec.environment.ambient, motor["torque_constant"]
+    known = np.where(np.isfinite(warm.winding), warm.winding, ambient)
+    cold, hot = (motor["resistance"] * (1.0 + COPPER * (T - DATA_TEMPERATURE)) for T in (ambient, known))
+    torque = peak(at, asked.coefficients)
+    volts = [peak(at, volts_of(asked, k_t, R)) for R in (cold, hot)]
+    colder = volts[0].value > volts[1].value
+    voltage = Peak(*(np.where(colder, a, b) for a, b in zip(*volts, strict=True)))
+    return Stress(Peak(torque.value / k_t, torque.time), voltage, hot)
+
+
+def volts_of(asked: Demands, k_t: Array, resistance: Array) -> Array:
+    r"""Coefficients of the motor's voltage from the six functions, :math:`V = R I + k_e K w`."""
+    c = asked.coefficients * (resistance / k_t)[:, None]
+    c[:, SPEED] += k_t * asked.total_ratio
+    return c
+
+
+def electrical_limits(spec: RobotSpec, asked: Demands, under: Stress, parts: Parts) -> list[CheckColumn]:
+    """Limits of controller and encoder by current, voltage and speed."""
+    controller, torque, speed = parts.controller, spec.margins.torque, spec.margins.speed
+    usable = usable_voltage(spec.supply.lowest, controller["max_duty"], controller["voltage_drop"])
+    amps = ("current", "A")
     return [
-        at_most("gearhead_continuous_torque", at.rms_torque, gearhead["continuous_torque"], *torque),
-        at_most("gearhead_intermittent_torque", at.peak_torque, gearhead["intermittent_torque"], *torque),
-        at_most("gearhead_continuous_speed", at.sustained_speed * i, gearhead["continuous_input_speed"], *rotary),
-        at_most("gearhead_intermittent_speed", at.peak_speed * i, gearhead["intermittent_input_speed"], *rotary),
-        at_most("gearhead_continuous_power", at.mean_power, gearhead["continuous_power"], "power", "W"),
-        at_most("gearhead_intermittent_power", at.peak_power, gearhead["intermittent_power"], "power", "W"),
+        at_most("supply_voltage", under.voltage.value, usable, "voltage", "V", needed=speed, time=under.voltage.time),
+        at_most("controller_continuous_current", asked.rms_current, controller["continuous_current"], *amps,
+                needed=torque),
+        at_most("controller_peak_current", under.current.value, controller["peak_current"], *amps,
+                needed=torque, time=under.current.time),
+        *_counting(spec, asked, parts),
+        *_commutation(spec, asked, parts),
+    ]  # fmt: skip
+
+
+def _counting(spec: RobotSpec, asked: Demands, parts: Parts) -> list[CheckColumn]:
+    """Encoder by speed and frequency, its own and the controller's, and by resolution."""
+    encoder, turning = parts.encoder, asked.peak_speed
+    speed: dict[str, Any] = {"needed": spec.margins.speed}
+    counts = encoder["counts_per_turn"]
+    rate = np.fmin(encoder["max_frequency"], parts.controller["max_encoder_frequency"])
+    found = [
+        at_most("encoder_speed", turning, encoder["max_speed"], *_ROTARY, **speed),
+        at_most("encoder_frequency", counts * turning / (2 * np.pi), rate, "frequency", "kHz", **speed),
     ]
+    need = spec.needs.resolution_at_load
+    if need is not None:
+        edge = 2 * np.pi / (_EDGES * counts * asked.total_ratio)
+        found.append(at_most("encoder_resolution", edge, need, "angle", "deg"))
+    return found
 
 
-def _heat(spec: RobotSpec, motor: Any, rms: NDArray[Any], winding: NDArray[Any]) -> list[CheckColumn]:
-    """Winding temperature, its margin one of rises over the ambient, and nominal current."""
-    ambient, limit = spec.environment.ambient, motor["max_winding_temperature"]
-    rise = at_most("winding_temperature", winding - ambient, limit - ambient, "temperature", "degC")
-    rise = replace(rise, demand=winding, limit=limit, failed=rise.failed | np.isinf(winding))
-    derating = np.vectorize(current_derating, otypes=[float])(ambient, limit)
-    return [rise, at_most("motor_nominal_current", rms, motor["nominal_current"] * derating, "current", "A")]
+def _commutation(spec: RobotSpec, asked: Demands, parts: Parts) -> list[CheckColumn]:
+    """Speed times pole pairs, where the controller commutates; a brushed motor does so itself."""
+    brushed = parts.motor["kind"] == "brushed"
+    electrical = np.where(brushed, 0.0, asked.peak_speed * parts.motor["pole_pairs"])
+    limit = np.where(brushed, np.inf, parts.controller["max_speed_sine"])
+    return [at_most("controller_speed", electrical, limit, *_ROTARY, needed=spec.margins.speed)]

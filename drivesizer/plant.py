@@ -18,8 +18,9 @@ from typing import Any
 import numpy as np
 
 from drivesizer import equations as eq
-from drivesizer import paper
 from drivesizer.errors import InputError
+from drivesizer.loads.wheeled_vehicle import rolling_resistance, turning_inertia
+from drivesizer.machines import WheeledVehicle
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
 
@@ -162,6 +163,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
                 f"{name} {part.part}: {', '.join(missing)} not in the catalogue; the validation needs them"
             )
     said: list[str] = []
+    assert isinstance(spec.load, WheeledVehicle)  # nothing else is validated
     motor, gearhead, load = drive_set.motor, drive_set.gearhead, spec.load
     encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0
     train = DriveTrain(
@@ -199,8 +201,9 @@ def _known(value: float, what: str, said: list[str]) -> float:
 @np.errstate(all="ignore")  # what is out of range is refused by the caller
 def _at_the_wheel(spec: RobotSpec) -> dict[str, Any]:
     """Resistances and turning inertia at one wheel, by the paper's equations (2)-(5), (8), (9)."""
-    load, steps = spec.load, paper.vehicle(spec, 0.0).steps
-    C_rr, turning = steps["rolling_resistance_coefficient"].value, ("wheel_inertia", "shaft_inertia")
+    load = spec.load
+    assert isinstance(load, WheeledVehicle)
+    C_rr = rolling_resistance(load)
     terms = {"m_R": load.mass, "g": spec.environment.gravity, "theta": load.slope}
     weight = eq.nominal_force(C_rr=0.0, **terms)
     rolling = eq.nominal_force(C_rr=C_rr, **terms) - weight
@@ -211,7 +214,7 @@ def _at_the_wheel(spec: RobotSpec) -> dict[str, Any]:
         return float(eq.nominal_torque_per_motor(bare + direction * abs(full - bare), load.driven_wheels))
 
     return {
-        "turning_inertia": float(sum(steps[name].value for name in turning if name in steps)),
+        "turning_inertia": turning_inertia(load),
         "forward_torque": torque(weight + rolling, +1.0),
         "backward_torque": torque(weight - rolling, -1.0),
         "slope_torque": torque(weight, 0.0),

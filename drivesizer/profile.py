@@ -1,28 +1,36 @@
-"""Speed profiles: what the load is asked to do over one cycle, as breakpoints with straight lines between.
+r"""Speed profiles: what the load is asked to do over one cycle, as breakpoints with straight lines between.
 
 A profile comes from the spec's motion or from a recorded CSV file. Speeds may be negative (the machine reverses).
-Symbols: t time [s], v speed of the load [m/s].
+Symbols: t time [s], v speed of the load [m/s, or rad/s where it turns], T_j time of a jerk phase [s].
+
+A ramp with rounded ends raises its acceleration in T_j, holds it, and takes it back in T_j. Its speed is a parabola
+where there is jerk j, and straight lines between points h apart stay within
+
+.. math:: |\Delta v| \le j h^2 / 8, \qquad h = T_j / 32,
+
+of it: 1/4096 of what the speed changes in that phase at first, j T_j^2 / 2. Its distance is exact all the same: what
+the straight lines add where the curve is hollow, they take away where it bulges.
 """
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.motions import Trapezoid
+from drivesizer.motions import Csv, Harmonic, SCurve, Segments, Trapezoid, Triangle
+from drivesizer.recording import beside, columns
 from drivesizer.spec import RobotSpec
-from drivesizer.textfile import read_text
-from drivesizer.units import KINDS, scale
 
-__all__ = ["Profile", "from_csv", "profile", "profile_of", "trapezoid"]
+__all__ = ["Profile", "from_csv", "harmonic", "profile", "profile_of", "s_curve", "segments", "trapezoid", "triangle"]
 
-_COLUMNS = ("time", "speed")  # header of a file; also the kinds of quantity
-_EXAMPLE = "0.5,1.2"
-_MOST_ROWS = 1_000_000
+_PIECES = 32  # of a jerk phase
+_QUARTER = 64  # pieces of a quarter of a harmonic period: the speed is off by 7.5e-5 of its peak, 1 - cos(pi/256)
+_Leg = tuple[str, float, float]  # field that gives its time; time [s]; speed at its end
+_Ramp = list[tuple[float, float, float]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,52 +49,201 @@ class Profile:
 
     @property
     def top_speed(self) -> float:
-        """Largest speed in either direction [m/s]."""
+        """Largest speed in either direction [m/s or rad/s]."""
         return max(abs(v) for v in self.speed)
 
     @property
     def distance(self) -> float:
-        """Way along the profile, there minus back [m]."""
-        return sum((t1 - t0) * (v0 + v1) / 2 for t0, t1, v0, v1 in self.pieces())
+        """Way along the profile, there minus back [m or rad]."""
+        return math.fsum((t1 - t0) * (v0 + v1) / 2 for t0, t1, v0, v1 in self.pieces())
 
     def pieces(self) -> Iterator[tuple[float, float, float, float]]:
-        """The straight pieces: start and end [s], speeds there [m/s]."""
+        """The straight pieces: start and end [s], speeds there [m/s or rad/s]."""
         return zip(self.time, self.time[1:], self.speed, self.speed[1:], strict=False)
 
 
 def trapezoid(motion: Trapezoid) -> Profile:
-    """The spec's motion: accelerate, cruise, decelerate, rest.
+    """Accelerate, cruise, decelerate, rest; and the same back, where asked for.
 
-    Parameters
-    ----------
-    motion
-        Speed [m/s] and times [s]; the deceleration takes as long as the acceleration.
-
-    Examples
-    --------
     >>> trapezoid(Trapezoid(speed="1.5 m/s", acceleration_time="2 s", cruise_time="3 s", rest_time="1 s")).time
     (0.0, 2.0, 5.0, 7.0, 8.0)
     """
     legs = (
-        (motion.acceleration_time, motion.speed),
-        (motion.cruise_time, motion.speed),
-        (motion.acceleration_time, 0.0),
-        (motion.rest_time, 0.0),
+        ("acceleration_time", motion.acceleration_time, motion.speed),
+        ("cruise_time", motion.cruise_time, motion.speed),
+        (*_deceleration(motion), 0.0),
+        ("rest_time", motion.rest_time, 0.0),
     )
-    points = [(0.0, 0.0)]
-    for duration, speed in legs:
-        end = points[-1][0] + duration
-        if end > points[-1][0]:  # a leg without length leaves no breakpoint
-            points.append((end, speed))
-    if points[-1][1] != 0.0:  # the deceleration vanished beside the cruise
-        raise InputError(f"motion.acceleration_time: {motion.acceleration_time:g} s is too short beside cruise_time")
-    return Profile("trapezoid", tuple(t for t, _ in points), tuple(v for _, v in points))
+    return _straight("trapezoid", legs, motion.there_and_back)
+
+
+def triangle(motion: Triangle) -> Profile:
+    """Half the time of speeding up, half of slowing down.
+
+    >>> triangle(Triangle(profile="triangle", distance="3 m", time="2 s")).speed
+    (0.0, 3.0, 0.0)
+    """
+    top, half = 2 * motion.distance / motion.time, motion.time / 2
+    legs = (("time", half, top), ("time", half, 0.0), ("rest_time", motion.rest_time, 0.0))
+    return _straight("triangle", legs, motion.there_and_back)
+
+
+def segments(motion: Segments) -> Profile:
+    """Straight pieces as they are listed."""
+    legs: list[_Leg] = []
+    for number, segment in enumerate(motion.segments, 1):
+        speed = segment.to if segment.to is not None else legs[-1][2] if legs else 0.0
+        legs.append((f"segments[{number}].time", segment.time, speed))
+    return _straight("segments", legs)
+
+
+def s_curve(motion: SCurve) -> Profile:
+    """The fastest way from rest to rest within limits of speed, acceleration and jerk; and back, where asked for.
+
+    >>> asked = {"distance": "2 m", "speed": "1 m/s", "acceleration": "2 m/s^2", "jerk": "10 m/s^3"}
+    >>> s_curve(SCurve(profile="s_curve", **asked)).duration
+    2.7
+    """
+    try:
+        jerk_time, hold, cruise = _fastest(motion)
+        speed = motion.distance / (2 * jerk_time + hold + cruise)  # from the times, so that the distance is exact
+        ramp = _ramp(speed, jerk_time, hold)
+    except ArithmeticError:
+        raise InputError("motion.jerk: distance and limits lead beyond the range of numbers to compute with") from None
+    return _curve(ramp, cruise, ramp, motion, "jerk")
+
+
+def _rounded(motion: Trapezoid) -> Profile:
+    """A trapezoid with rounded ramps: the same distance, times and top speed.
+
+    Each ramp is all jerk, up and back: in the time T of a straight one the acceleration reaches 2 v / T at its middle,
+    twice that of the straight one, with the jerk 4 v / T^2.
+    """
+    field, down = _deceleration(motion)
+    ramps = [_ramp(motion.speed, time / 2, 0.0) for time in (motion.acceleration_time, down)]
+    return _curve(ramps[0], motion.cruise_time, ramps[1], motion, field)
+
+
+def harmonic(motion: Harmonic) -> Profile:
+    """One period of a sine, from one end; speed and acceleration meet their peaks at breakpoints.
+
+    The way between the ends is short by 5e-5 of it (a chord lies below its arc); over the period it is 0.
+    """
+    omega, n = 2 * math.pi / motion.period, _QUARTER
+    rising = [math.sin(math.pi / 2 * k / n) for k in range(n)]
+    half = [*rising, 1.0, *rising[:0:-1]]  # mirrored, so that the load stands exactly where it turns round
+    sine = [*half, *(-s for s in half)]
+    time = tuple(motion.period * k / (4 * n) for k in range(4 * n + 1))
+    speed = tuple(motion.amplitude * omega * sine[k % (4 * n)] for k in range(4 * n + 1))
+    slope = tuple(motion.amplitude * omega * omega * sine[(k + n) % (4 * n)] for k in range(4 * n + 1))
+    return _checked(Profile("harmonic", time, speed, slope), "period")
+
+
+def _deceleration(motion: Trapezoid) -> tuple[str, float]:
+    """The field that gives the time of deceleration, and the time [s]."""
+    if motion.deceleration_time is None:
+        return "acceleration_time", motion.acceleration_time
+    return "deceleration_time", motion.deceleration_time
+
+
+def _straight(name: str, legs: Sequence[_Leg], there_and_back: bool = False) -> Profile:
+    """Straight lines from standstill, and their mirror image; a leg without length leaves no breakpoint."""
+    back = [(field, duration, -to) for field, duration, to in legs if there_and_back]
+    time, speed = [0.0], [0.0]
+    for field, duration, to in (*legs, *back):
+        end, change = time[-1] + duration, to - speed[-1]
+        slope = change / duration if duration else 0.0
+        if not all(map(math.isfinite, (end, slope, (speed[-1] + to) * duration))):
+            raise InputError(f"motion.{field}: {duration:g} s leads beyond the range of numbers to compute with")
+        if end > time[-1]:
+            time.append(end)
+            speed.append(to)
+        elif change:
+            raise InputError(f"motion.{field}: {duration:g} s is too short beside the {end:g} s before it")
+    if not any(speed):
+        raise InputError(f"motion.{legs[0][0]}: the speed is too small a number to compute with")
+    return Profile(name, tuple(time), tuple(speed))
+
+
+def _curve(rising: _Ramp, cruise: float, down: _Ramp, motion: SCurve | Trapezoid, field: str) -> Profile:
+    """A ramp, a cruise, a ramp seen from its end, a rest; the way back where it is asked for."""
+    falling = down[::-1]
+    start = rising[-1][0] + cruise
+    points = rising + [(start + (falling[0][0] - t), v, -a) for t, v, a in falling[start == rising[-1][0] :]]
+    end = points[-1][0] + motion.rest_time
+    if end > points[-1][0]:
+        points.append((end, 0.0, 0.0))
+    if motion.there_and_back:
+        points += [(points[-1][0] + t, -v, -a) for t, v, a in points[1:]]
+    return _checked(Profile("s-curve", *zip(*points, strict=True)), field)
+
+
+def _ramp(speed: float, jerk_time: float, hold: float) -> _Ramp:
+    """From standstill to a speed: time, speed and acceleration at the breakpoints of a rounded ramp."""
+    top = speed / (jerk_time + hold)
+    end = 2 * jerk_time + hold
+    rise = [(jerk_time * k / _PIECES, top * k / _PIECES) for k in range(_PIECES + 1)]
+    first = [(t, a * t / 2, a) for t, a in rise]
+    last = [(end - t, speed - a * t / 2, a) for t, a in reversed(rise)]
+    return first + last[last[0][0] <= first[-1][0] :]
+
+
+def _checked(profile: Profile, field: str) -> Profile:
+    """The profile, when its numbers can be computed with."""
+    figures = (*profile.time, *profile.speed, *(profile.acceleration or ()))
+    if not all(map(math.isfinite, figures)) or not profile.top_speed > 0.0:
+        raise InputError(f"motion.{field}: leads beyond the range of numbers to compute with")
+    if any(t1 <= t0 for t0, t1, _, _ in profile.pieces()):
+        raise InputError(f"motion.{field}: a part of the motion is too short beside its {profile.duration:g} s")
+    return profile
+
+
+def _fastest(motion: SCurve) -> tuple[float, float, float]:
+    """Times of the fastest way [s]: of each jerk phase, at the greatest acceleration, at the greatest speed.
+
+    From ruckig, whose tolerances are fixed numbers: distance and time go to it as shares of what the move is like, and
+    a way longer than needed to reach the speed is cut short, which leaves the ramps as they are.
+    """
+    import ruckig
+
+    v, a, j = motion.speed, motion.acceleration, motion.jerk
+    way = min(motion.distance, 4 * v * max(v / a, math.sqrt(v / j)))
+    unit = max(way / v, 2 * math.sqrt(way / a), math.cbrt(32 * way / j))
+    asked, found = ruckig.InputParameter(1), ruckig.Trajectory(1)
+    asked.target_position = [1.0]
+    limits = [v * unit / way, a * unit * unit / way, j * unit * unit * unit / way]
+    asked.max_velocity, asked.max_acceleration, asked.max_jerk = ([limit] for limit in limits)
+    try:
+        ruckig.Ruckig(1).calculate(asked, found)
+    except ruckig.RuckigError as error:
+        raise ArithmeticError(str(error)) from None
+    t = found.profiles[0][0].t  # of the seven phases; from rest to rest the last three are the first three, mirrored
+    return t[0] * unit, t[1] * unit, t[3] * unit + (motion.distance - way) / v
+
+
+_MADE: dict[str, Callable[[Any], Profile]] = {
+    "trapezoid": trapezoid,
+    "triangle": triangle,
+    "s_curve": s_curve,
+    "harmonic": harmonic,
+    "segments": segments,
+}
 
 
 def profile_of(spec: RobotSpec) -> Profile:
-    """The spec's motion as a profile."""
-    assert isinstance(spec.motion, Trapezoid)
-    return trapezoid(spec.motion)
+    """The spec's motion as a profile.
+
+    Raises
+    ------
+    InputError
+        When its figures cannot be computed with, or its file is wrong.
+    """
+    motion = spec.motion
+    if motion is None:
+        raise InputError(f"motion: a {spec.load.kind} load brings its own; there is no profile of it")
+    if isinstance(motion, Csv):
+        return replace(from_csv(beside(spec.file, motion.file), _kind(spec)), name=motion.file)
+    return _MADE[motion.profile](motion)
 
 
 def profile(spec: RobotSpec, name_or_file: str) -> Profile:
@@ -95,109 +252,48 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
     Parameters
     ----------
     spec
-        The robot, whose motion ``trapezoid`` is.
+        What is moved, and its motion.
     name_or_file
-        ``trapezoid``, or a file that ends in ``.csv``.
+        The kind of the spec's motion, such as ``trapezoid``; ``s-curve`` also for a trapezoid, which then
+        has rounded ramps; or a file that ends in ``.csv``.
 
     Raises
     ------
     InputError
-        When it is neither, or the file is wrong.
+        When it is none of them, or the file is wrong.
     """
-    if name_or_file == "trapezoid":
-        return profile_of(spec)
+    names, own = [_shown(kind) for kind in _MADE], _shown(spec.motion.profile if spec.motion else spec.load.kind)
     if name_or_file.lower().endswith(".csv"):
-        return from_csv(Path(name_or_file))
-    raise InputError(f"profile {quoted(name_or_file)} is not known; expected trapezoid or a file that ends in .csv")
+        return from_csv(name_or_file, _kind(spec))
+    if name_or_file not in names:
+        raise InputError(
+            f"profile {quoted(name_or_file)} is not known; expected {', '.join(names)} or a file that ends in .csv"
+        )
+    if name_or_file == own:
+        return profile_of(spec)
+    if name_or_file == "s-curve" and isinstance(spec.motion, Trapezoid):
+        return _rounded(spec.motion)
+    raise InputError(f"profile {quoted(name_or_file)}: the spec's motion is {own}; expected that or a file (.csv)")
 
 
-def from_csv(path: str | Path) -> Profile:
-    """A recorded profile.
+def from_csv(path: str | Path, kind: str = "speed") -> Profile:
+    """A recorded profile: a file with the columns time and speed, see :func:`recording.columns`.
 
     Parameters
     ----------
     path
-        A CSV file in UTF-8: the header ``time,speed``, a row of units such as ``s,m/s``, then the numbers.
-
-    Raises
-    ------
-    InputError
-        One line that says where, what was found and what is expected.
+        The file.
+    kind
+        ``speed``, or ``rotary_speed`` of a load that turns.
     """
-    path = Path(path)
-    rows = _rows(path)
-    header = next(rows, None)
-    found = tuple(cell.strip().lower() for cell in header[1]) if header else ()
-    if found != _COLUMNS:
-        shown = quoted(",".join(header[1])) if header else "nothing"
-        raise InputError(f"{path}:1: header: {shown}; expected {','.join(_COLUMNS)}")
-    factors = _factors(path, next(rows, None))
-    time: list[float] = []
-    speed: list[float] = []
-    for line, cells in rows:
-        if len(cells) != len(_COLUMNS):
-            raise InputError(f"{path}:{line}: row: {_miscount(cells)}; expected a time and a speed, e.g. {_EXAMPLE}")
-        values = [
-            _number(path, line, *cell) * f for cell, f in zip(zip(_COLUMNS, cells, strict=True), factors, strict=True)
-        ]
-        if time and not values[0] > time[-1]:
-            raise InputError(
-                f"{path}:{line}: time: {quoted(cells[0])} is not after the row before; expected rising times"
-            )
-        if len(time) == _MOST_ROWS:
-            raise InputError(f"{path}:{line}: row: more than {_MOST_ROWS} rows; expected a thinned recording")
-        time.append(values[0])
-        speed.append(values[1])
-    if len(time) < 2:
-        raise InputError(f"{path}: rows: {len(time)} found; expected at least 2 below the units, e.g. {_EXAMPLE}")
-    return Profile(str(path), tuple(time), tuple(speed))
+    found = columns(Path(path), {"time": "time", "speed": kind})
+    return Profile(str(path), tuple(found["time"].tolist()), tuple(found["speed"].tolist()))
 
 
-def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Line number and cells of each row; blank lines at the end are left out."""
-    reader = csv.reader(read_text(path).splitlines(), strict=True)
-    blank = 0
-    try:
-        for cells in reader:
-            if not cells:
-                blank = blank or reader.line_num
-                continue
-            if blank:
-                raise InputError(f"{path}:{blank}: row: a blank line; expected rows without gaps, e.g. {_EXAMPLE}")
-            yield reader.line_num, cells
-    except csv.Error as error:
-        raise InputError(f"{path}:{reader.line_num}: row: {error}; expected e.g. {_EXAMPLE}") from None
+def _shown(kind: str) -> str:
+    """The name of a kind of motion on the command line."""
+    return kind.replace("_", "-")
 
 
-def _factors(path: Path, row: tuple[int, list[str]] | None) -> list[float]:
-    """What brings the columns to SI, from the row of units."""
-    example = ",".join(KINDS[kind].si for kind in _COLUMNS)
-    line, cells = row or (2, [])
-    if len(cells) != len(_COLUMNS):
-        raise InputError(f"{path}:{line}: units: {quoted(','.join(cells))}; expected a unit per column, e.g. {example}")
-    factors = []
-    for kind, cell in zip(_COLUMNS, cells, strict=True):
-        try:
-            factors.append(scale(cell.strip(), kind)[0])
-        except InputError as error:
-            raise InputError(
-                f"{path}:{line}: {kind}: {error}; the second row holds the units, e.g. {example}"
-            ) from None
-    return factors
-
-
-def _number(path: Path, line: int, column: str, cell: str) -> float:
-    try:
-        value = float(cell) if cell.isascii() and "_" not in cell else math.nan
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"{path}:{line}: {column}: {quoted(cell)} is not a finite number; expected e.g. 1.25")
-    return value
-
-
-def _miscount(cells: list[str]) -> str:
-    text = quoted(",".join(cells))
-    if len(cells) > len(_COLUMNS) or (len(cells) == 1 and ";" in cells[0]):
-        return f"{text} has {len(cells)} columns; a decimal comma or a semicolon does not separate numbers here"
-    return f"{text} has {len(cells)} of {len(_COLUMNS)} columns"
+def _kind(spec: RobotSpec) -> str:
+    return "rotary_speed" if spec.load.axis == "rotary" else "speed"

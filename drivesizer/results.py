@@ -74,6 +74,14 @@ class Requirement:
 
         return replace(self, value=pick(self.value), inputs={k: pick(v) for k, v in self.inputs.items()})
 
+    def on(self, rows: NDArray[np.int64]) -> Requirement:
+        """The figures of some candidates out of a column."""
+
+        def pick(value: Any) -> Any:
+            return value[rows] if getattr(value, "ndim", 0) else value
+
+        return replace(self, value=pick(self.value), inputs={k: pick(v) for k, v in self.inputs.items()})
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
@@ -88,6 +96,7 @@ class Check:
     kind: str
     unit: str
     margin: float  # NaN where there is none
+    needed: float = 0.0  # the margin that the spec asks for
     status: Status
     at_time: float | None = None  # s, of the worst moment
     by_choice: bool = False  # the smallest sufficient part was taken: its margin says nothing of the load
@@ -105,6 +114,34 @@ class Comparison:
     paper: Check
     physics: Check
     why: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figure:
+    """A figure that has no limit of its own."""
+
+    name: str
+    title: str
+    value: float  # SI
+    kind: str
+    unit: str
+    at_time: float | None = None  # s
+
+    @property
+    def text(self) -> str:
+        """The value as it is printed."""
+        return show(self.value, self.unit, self.kind)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Relaxation:
+    """How far one figure of the spec must move until a set passes."""
+
+    field: str
+    now: str
+    needed: str
+    set_label: str
+    share: float  # how far that is, as a share of what it is now
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,8 +163,10 @@ class DriveSet:
     objective_of: tuple[str, ...]
     requirements: tuple[Requirement, ...]  # (17)-(20) for this set
     checks: tuple[Check, ...]  # of the method that ranked
+    figures: tuple[Figure, ...] = ()  # what it does that has no limit of its own
     beside: tuple[Check, ...] = ()  # of the other method, for the same set
     comparison: tuple[Comparison, ...] = ()  # where both methods look at the same limit
+    changes: tuple[Relaxation, ...] = ()  # where it fails: what would let it pass, each alone
 
     @property
     def label(self) -> str:
@@ -149,16 +188,6 @@ class Counts:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Relaxation:
-    """How far one figure of the spec must move until a set passes."""
-
-    field: str
-    now: str
-    needed: str
-    set_label: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class SizingResult:
     """Everything that a sizing found."""
 
@@ -174,6 +203,8 @@ class SizingResult:
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     unrestricted: DriveSet | None = None  # what the whole catalogue would give, where the spec restricts it
+    front: tuple[DriveSet, ...] = ()  # the Pareto front, where one was asked for
+    pareto: tuple[str, ...] = ()  # its objectives
 
 
 def verdict(checks: tuple[Check, ...]) -> Status:
@@ -202,23 +233,6 @@ class Gains:
     period: float  # s, at which the controller runs
     rule: str  # "given in the spec", or the design rule's name
     source: str  # the rule's citation
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Figure:
-    """A figure of the closed loop that has no limit of its own."""
-
-    name: str
-    title: str
-    value: float  # SI
-    kind: str
-    unit: str
-    at_time: float | None = None  # s
-
-    @property
-    def text(self) -> str:
-        """The value as it is printed."""
-        return show(self.value, self.unit, self.kind)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

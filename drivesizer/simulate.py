@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from drivesizer.choose import usable_voltage
 from drivesizer.control_design import COMPUTING, analyse, design
 from drivesizer.errors import InputError
+from drivesizer.machines import WheeledVehicle
 from drivesizer.march import Limits, Run, march
 from drivesizer.plant import DriveTrain, drive_train
 from drivesizer.profile import Profile
@@ -25,7 +26,7 @@ from drivesizer.spec import RobotSpec
 from drivesizer.units import show
 from drivesizer.verdict import Case, checks, figures, quantum
 
-__all__ = ["validate"]
+__all__ = ["applies", "validate"]
 
 _PERIOD = 1e-3  # s, where the controller's is unknown
 _FASTEST = 1e9  # rad/s at the motor: beyond any machine, and small enough that squares stay finite
@@ -67,6 +68,8 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile = "
         When the profile is wrong or too long, the catalogue lacks what the motor's motion needs, or
         ``control`` asks for what no controller can do.
     """
+    if not applies(spec):
+        raise InputError("the closed loop is for a wheeled_vehicle without wind so far; `drivesizer size` checks this load")
     asked = profile_of(spec, profile) if isinstance(profile, str) else profile
     period, said = _period(drive_set)
     train, assumed = drive_train(spec, drive_set, period)
@@ -93,6 +96,11 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile = "
         assumptions=(*said, *assumed, *_assumptions(case)),
         warnings=_warnings(case, found),
     )
+
+
+def applies(spec: RobotSpec) -> bool:
+    """Whether the closed loop knows the spec's load."""
+    return isinstance(spec.load, WheeledVehicle) and spec.load.drag_area == 0.0
 
 
 def _period(drive_set: DriveSet) -> tuple[float, list[str]]:

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from drivesizer import paper
+from drivesizer.candidates import Candidates, candidates
 from drivesizer.catalog import Catalog, load
 from drivesizer.choose import offered_buses, offers
 from drivesizer.compare import with_both_methods
-from drivesizer.errors import InputError, quoted
-from drivesizer.results import DriveSet, Relaxation, Requirement, SizingResult
-from drivesizer.search import Candidates, Evaluation, candidates, counts, drive_set, evaluate, ranking
+from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.evaluation import evaluate
+from drivesizer.ranking import Objective, names_of, title_of
+from drivesizer.records import drive_set
+from drivesizer.relax import changes_for, relaxations
+from drivesizer.requirements import requirements
+from drivesizer.results import DriveSet, Requirement, SizingResult
+from drivesizer.search import Found, Progress, search
 from drivesizer.spec import Choice, ControllerChoice, EncoderChoice, RobotSpec
 from drivesizer.units import show
 
@@ -27,20 +32,30 @@ def load_parts(spec: RobotSpec) -> Catalog:
 
 
 def size(
-    spec: RobotSpec, *, catalog: Catalog | None = None, top: int = 5, objective: str | None = None
+    spec: RobotSpec,
+    *,
+    catalog: Catalog | None = None,
+    top: int = 5,
+    objective: Objective | None = None,
+    pareto: tuple[str, ...] = (),
+    progress: Progress | None = None,
 ) -> SizingResult:
     """Size a drive.
 
     Parameters
     ----------
     spec
-        The robot.
+        The machine.
     catalog
         Parts to choose from; those that the spec names when not given.
     top
         How many sets to give.
     objective
         In place of the spec's.
+    pareto
+        Objectives of which the front is wanted too: sets that no other beats in all of them.
+    progress
+        Called with the sets that are examined and all there are, a chunk at a time.
 
     Returns
     -------
@@ -50,55 +65,63 @@ def size(
     Raises
     ------
     InputError
-        When a family or part that the spec selects is in no catalogue.
+        When a family or part that the spec selects is in no catalogue, or the objective needs another method.
     """
     catalog = catalog or load_parts(spec)
     objective = objective or spec.select.objective
     _known_choices(spec, catalog)
-    evaluation = _evaluated(spec, catalog)
-    tally = counts(evaluation)
-    order = ranking(evaluation, objective)
-    standing = min(top, tally.feasible)
-    fallen = top if not tally.feasible else min(_MISSES, top - standing)
-    shown = [drive_set(evaluation, int(i), n, objective) for n, i in enumerate(order[: standing + fallen], 1)]
-    sets, misses = with_both_methods(spec, catalog, shown[:standing]), tuple(shown[standing:])
+    _known_to(spec, {*names_of(objective), *pareto})
+    found = search(spec, catalog, top=top, objective=objective, pareto=pareto, progress=progress)
+    count = len(found.evaluation.candidates.motor)
+    fallen = [i for i in range(found.standing, count) if found.evaluation.failed[i]]
+    shown = [drive_set(found.evaluation, i, n, objective) for n, i in enumerate([*range(found.standing), *fallen], 1)]
+    sets = with_both_methods(spec, catalog, shown[: found.standing])
     return SizingResult(
         spec=spec,
         catalog=catalog,
         method=spec.method,
-        objective=objective,
-        requirements=_requirements(evaluation, order),
+        objective=title_of(objective),
+        requirements=_requirements(found, spec),
         sets=sets,
-        misses=misses,
-        relaxations=() if sets else _relaxations(spec, catalog),
-        counts=tally,
+        misses=tuple(shown[found.standing :]),
+        relaxations=() if sets else relaxations(spec, catalog),
+        counts=found.counts,
         assumptions=_assumptions(spec),
         warnings=_warnings(spec, sets),
         unrestricted=_unrestricted(spec, catalog, objective),
+        front=tuple(drive_set(found.evaluation, i, n, objective) for n, i in enumerate(found.front, 1)),
+        pareto=pareto,
     )
 
 
-def _requirements(evaluation: Evaluation, order: Any) -> tuple[Requirement, ...]:
+def _known_to(spec: RobotSpec, names: set[str]) -> None:
+    """Refuse objectives that the paper's method does not compute."""
+    foreign = sorted(names & {"energy", "peak_current", "winding_temperature"})
+    if spec.method == "paper" and foreign:
+        raise InputError(f"objective {foreign[0]}: the paper's method does not compute it; expected method: physics")
+
+
+def _requirements(found: Found, spec: RobotSpec) -> tuple[Requirement, ...]:
     """(1)-(16) with the rotor inertia of the best candidate; without candidates, with none."""
-    if len(order):
-        return tuple(r.at(int(order[0])) for r in evaluation.wheel.values())
-    return tuple(paper.vehicle(evaluation.spec, 0.0).steps.values())
+    if not spec.paper_applies:
+        return tuple(requirements(spec))
+    if len(found.evaluation.candidates.motor):
+        return tuple(r.at(0) for r in found.evaluation.wheel.values())
+    return tuple(paper.vehicle(spec, 0.0).steps.values())
 
 
 def _known_choices(spec: RobotSpec, catalog: Catalog) -> None:
     """Refuse a family or part that no catalogue has: a misspelling would silently find nothing."""
-    import difflib
-
     for section in ("motor", "gearhead", "encoder", "controller"):
         choice, table = getattr(spec.select, section), catalog.table(f"{section}s")
         for key, wanted in (("family", choice.family or []), ("part", choice.part or [])):
             known = set(table[key].tolist())
             for name in wanted:
                 if name not in known:
-                    close = difflib.get_close_matches(name, sorted(known), 3, 0.5)
-                    hint = f"; the nearest are {', '.join(close)}" if close else ""
                     where = spec.where(("select", section, key))
-                    raise InputError(f"{where}: {quoted(name)} is in no catalogue that the spec names{hint}")
+                    raise InputError(
+                        f"{where}: {quoted(name)} is in no catalogue that the spec names{nearest(name, known)}"
+                    )
     bus, buses = spec.select.controller.bus, offered_buses(catalog.controllers)
     if bus and not any(offers(b, bus) for b in buses):
         where = spec.where(("select", "controller", "bus"))
@@ -149,7 +172,7 @@ def _warnings(spec: RobotSpec, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _unrestricted(spec: RobotSpec, catalog: Catalog, objective: str) -> DriveSet | None:
+def _unrestricted(spec: RobotSpec, catalog: Catalog, objective: Objective) -> DriveSet | None:
     """The best set of the whole catalogue, where the spec names families or parts."""
     if not spec.select.is_restricted:
         return None
@@ -160,67 +183,8 @@ def _unrestricted(spec: RobotSpec, catalog: Catalog, objective: str) -> DriveSet
         "controller": ControllerChoice(bus=spec.select.controller.bus),
     }
     whole = spec.model_copy(update={"select": spec.select.model_copy(update=free)})
-    evaluation = _evaluated(whole, catalog)
-    order = ranking(evaluation, objective)
-    if not len(order) or evaluation.failed[order[0]]:
-        return None
-    return drive_set(evaluation, int(order[0]), 1, objective)
-
-
-_MISSES = 3  # of those that fell, how many are shown below those that stand
-
-# What may be relaxed when nothing fits: field, how to scale it, the direction, and how to show it.
-_FIELDS: tuple[tuple[str, str, str, str, int], ...] = (
-    ("motion.speed", "speed", "m/s", "speed", -1),
-    ("motion.acceleration_time", "acceleration_time", "s", "time", +1),
-    ("load.mass", "mass", "kg", "mass", -1),
-)
-
-
-def _relaxations(spec: RobotSpec, catalog: Catalog) -> tuple[Relaxation, ...]:
-    """How far single figures of the spec must move until a set passes: found by search, to 1 %."""
-    found = []
-    for path, name, unit, kind, direction in _FIELDS:
-        section = path.split(".")[0]
-
-        def scaled(factor: float, section: str = section, name: str = name) -> RobotSpec:
-            part = getattr(spec, section)
-            return spec.model_copy(update={section: part.model_copy(update={name: getattr(part, name) * factor})})
-
-        factor = _least_change(lambda f, s=scaled: _passes(s(f), catalog), direction)  # type: ignore[misc]
-        if factor is not None:
-            changed = scaled(factor)
-            best = _best(changed, catalog)
-            now = getattr(getattr(spec, section), name)
-            found.append(Relaxation(
-                field=path, now=show(now, unit, kind), needed=show(now * factor, unit, kind, 3), set_label=best.label
-            ))  # fmt: skip
-    return tuple(found)
-
-
-def _least_change(passes: Callable[[float], bool], direction: int) -> float | None:
-    """The factor nearest to 1 at which something passes, between 1 and 1/20 or 20; None when nothing there does."""
-    far = 20.0**direction
-    if not passes(far):
-        return None
-    near = 1.0
-    while abs(far / near - 1.0) > 0.01:
-        middle = float(np.sqrt(near * far))
-        near, far = (near, middle) if passes(middle) else (middle, far)
-    return far
-
-
-def _evaluated(spec: RobotSpec, catalog: Catalog) -> Evaluation:
-    return evaluate(spec, catalog, candidates(spec, catalog))
-
-
-def _passes(spec: RobotSpec, catalog: Catalog) -> bool:
-    return counts(_evaluated(spec, catalog)).feasible > 0
-
-
-def _best(spec: RobotSpec, catalog: Catalog) -> DriveSet:
-    evaluation = _evaluated(spec, catalog)
-    return drive_set(evaluation, int(ranking(evaluation, spec.select.objective)[0]), 1, spec.select.objective)
+    found = search(whole, catalog, top=1, objective=objective, misses=0)
+    return drive_set(found.evaluation, 0, 1, objective) if found.standing else None
 
 
 def explain(spec: RobotSpec, motor: str, gearhead: str, *, catalog: Catalog | None = None) -> list[DriveSet]:
@@ -249,15 +213,12 @@ def explain(spec: RobotSpec, motor: str, gearhead: str, *, catalog: Catalog | No
     evaluation = evaluate(narrowed, catalog, given)
     found = np.flatnonzero((given.motor == rows[0]) & (given.gearhead == rows[1]))
     sets = [drive_set(evaluation, int(i), n, spec.select.objective) for n, i in enumerate(found, 1)]
-    return list(with_both_methods(spec, catalog, sets))
+    both = with_both_methods(spec, catalog, sets)
+    return [replace(s, changes=changes_for(spec, catalog, s)) if s.status == "fail" else s for s in both]
 
 
 def _row(catalog: Catalog, section: str, part: str) -> int:
-    import difflib
-
     table = catalog.table(section)
     if part not in table.rows:
-        close = difflib.get_close_matches(part, table.rows, 3)
-        hint = f"; the nearest are {', '.join(close)}" if close else ""
-        raise InputError(f"{section[:-1]} {quoted(part)} is in no catalogue{hint}")
+        raise InputError(f"{section[:-1]} {quoted(part)} is in no catalogue{nearest(part, table.rows)}")
     return table.rows[part]

@@ -15,7 +15,7 @@ from rich.text import Text
 from drivesizer import formula
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.declare import COMPANIONS, EQUATIONS, Equation
-from drivesizer.results import Check, DriveSet, Requirement, SizingResult, Validation, verdict, worst
+from drivesizer.results import Check, DriveSet, Figure, Requirement, SizingResult, Validation, verdict, worst
 from drivesizer.units import label, show
 
 __all__ = ["equation", "equations", "explained", "sizing", "validation"]
@@ -57,7 +57,7 @@ def _requirements(requirements: Iterable[Requirement], title: str) -> Table:
     table = _table(("eq.", "right"), ("", "left"), ("", "left"), ("", "right"), title=title)
     for r in requirements:
         number = f"({r.equation})" if r.equation else ""
-        table.add_row(number, r.symbol, Text(r.title + ("" if r.declared else ", given")), r.text)
+        table.add_row(number, r.symbol, Text(r.title + (", given" if r.note.startswith("given") else "")), r.text)
     table.show_header = False
     return table
 
@@ -70,7 +70,9 @@ def _checks(checks: Iterable[Check], title: str) -> Table:
         status = Text(_MARK[check.status], style=_STYLE[check.status])
         figures = [_plain(check, check.demand), _plain(check, check.limit)]
         when = [f"{check.at_time:.3g} s" if check.at_time is not None else ""] if timed else []
-        table.add_row(check.title, *figures, _percent(check.margin), status, *when)
+        where = f" ({check.case})" if check.case else ""
+        needed = f"\nneeds {_percent(check.needed)}" if check.needed and not isnan(check.margin) else ""
+        table.add_row(Text(check.title + where), *figures, _percent(check.margin) + needed, status, *when)
     return table
 
 
@@ -141,13 +143,16 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
     console = _console()
     _heading(console, result.spec.name, f"method: {result.method}")
     if not quiet:
-        console.print(_requirements(result.requirements, "Requirements at the wheel"))
+        place = "wheel" if result.spec.load.kind == "wheeled_vehicle" else "load"
+        console.print(_requirements(result.requirements, f"Requirements at the {place}"))
     if result.sets:
         _chosen(console, result, result.sets[0], quiet=quiet)
     else:
         _none(console, result)
     if len(result.sets) > 1:
         console.print(_ranking(result.sets, result))
+    if result.pareto:
+        console.print(_front(result))
     if result.misses:
         console.print(_nearest(result.misses))
     _tally(console, result)
@@ -164,7 +169,8 @@ def _chosen(console: Console, result: SizingResult, best: DriveSet, *, quiet: bo
         console.print(f"tightest: {tight.title}, margin {_percent(tight.margin)}")
     if not quiet:
         console.print()
-        console.print(_requirements(best.requirements, "Requirements at the motor"))
+        if best.requirements:
+            console.print(_requirements(best.requirements, "Requirements at the motor"))
         _both_methods(console, best)
 
 
@@ -174,6 +180,8 @@ _METHODS = {"paper": "by the paper's equations and rule", "physics": "by physics
 def _both_methods(console: Console, found: DriveSet) -> None:
     """The checks of the method that ranked, those of the other, and where they look at the same limit."""
     console.print(_checks(found.checks, f"Checks {_METHODS[found.checks[0].method]}"))
+    if found.figures:
+        console.print(_loose(found.figures, "What it does"))
     if found.beside:
         console.print(_checks(found.beside, f"The same set {_METHODS[found.beside[0].method]}"))
         console.print(_both(found))
@@ -205,10 +213,12 @@ def _both(found: DriveSet) -> Table:
 
 def _none(console: Console, result: SizingResult) -> None:
     console.print(Text("No set stands.", style="bold red"))
+    if result.relaxations:
+        console.print("Any one of these changes would let one stand:")
     for r in result.relaxations:
-        console.print(f"  {r.field} {r.now} → {r.needed}: then {r.set_label}")
+        console.print(Text(f"  {r.field} {r.now} → {r.needed}: then {r.set_label}"))
     if not result.relaxations and result.counts.considered:
-        console.print("  No single change of speed, acceleration time or mass, up to 20 times, is enough.")
+        console.print("  No single figure of the spec, moved up to 20 times, is enough.")
     if not result.counts.considered:
         console.print("  No listed pair of motor and gearhead is left by the families and parts that the spec names.")
     if result.misses:
@@ -266,15 +276,54 @@ _OBJECTIVE_UNITS = {
     "price": ("EUR", "price"),
     "length": ("mm", "length"),
     "power": ("W", "power"),
+    "energy": ("J", "energy"),
+    "peak_current": ("A", "current"),
+    "winding_temperature": ("degC", "temperature"),
 }
 
 
 def _objective(found: DriveSet, objective: str) -> str:
     if objective == "margin":
         return _percent(found.objective)
+    if objective not in _OBJECTIVE_UNITS:
+        return f"{found.objective:.4g}"
     text = show(found.objective, *_OBJECTIVE_UNITS[objective])
-    whole = 1 if objective == "power" else 2
+    whole = 2 if objective in ("mass", "price", "length") else 1
     return text if len(found.objective_of) in (0, whole) else f"{text}\n({found.objective_of[0]} only)"
+
+
+def _front(result: SizingResult) -> Table:
+    """Sets that no other beats in all of several objectives."""
+    heads = [(name.replace("_", " "), "right") for name in result.pareto]
+    table = _table(("motor", "left"), ("gearhead", "left"), *heads, title="Pareto front")
+    for found in result.front:
+        table.add_row(
+            f"{found.motor.family} {found.motor.part}", _gearhead(found, result.front),
+            *(_figure_of(found, name) for name in result.pareto),
+        )  # fmt: skip
+    return table
+
+
+def _figure_of(found: DriveSet, objective: str) -> str:
+    """What a set has of an objective, whether it was ranked by it or not."""
+    if objective == "margin":
+        tight = worst(found.checks)
+        return _percent(tight.margin) if tight else "–"
+    known = {figure.name: figure.value for figure in found.figures}
+    parts = [found.motor] if objective == "power" else [found.motor, found.gearhead]
+    name = "assigned_power" if objective == "power" else objective
+    value = known[objective] if objective in known else sum(getattr(part, name) for part in parts)
+    return show(value, *_OBJECTIVE_UNITS[objective])
+
+
+def _loose(figures: Iterable[Figure], title: str) -> Table:
+    """Figures without a limit."""
+    table = _table(("", "left"), ("", "right"), ("", "right"), title=title)
+    table.show_header = False
+    for figure in figures:
+        when = f"at {figure.at_time:.4g} s" if figure.at_time is not None else ""
+        table.add_row(figure.title, figure.text, when)
+    return table
 
 
 def _tally(console: Console, result: SizingResult) -> None:
@@ -311,8 +360,22 @@ def explained(sets: list[DriveSet], catalog: Catalog) -> None:
     for found in sets:
         _heading(console, found.label, _MARK[found.status], _STYLE[found.status])
         console.print(_parts(found, catalog))
-        console.print(_requirements(found.requirements, "Requirements at the motor"))
+        if found.requirements:
+            console.print(_requirements(found.requirements, "Requirements at the motor"))
         _both_methods(console, found)
+        _changes(console, found)
+
+
+def _changes(console: Console, found: DriveSet) -> None:
+    """What would let a set pass that fails."""
+    if found.status != "fail":
+        return
+    if not found.changes:
+        console.print("No single change of the spec, up to 20 times, would let it pass.")
+        return
+    console.print("Any one of these changes alone would let it pass, the least first:")
+    for change in found.changes:
+        console.print(Text(f"  {change.field} {change.now} → {change.needed}"))
 
 
 def validation(proof: Validation) -> None:
@@ -326,12 +389,7 @@ def validation(proof: Validation) -> None:
         f"{show(gains.period, 'ms', 'time')}; {gains.rule}"
     )
     console.print(_checks(proof.checks, "Demand against limit"))
-    table = _table(("", "left"), ("", "right"), ("", "right"), title="The closed loop")
-    table.show_header = False
-    for figure in proof.figures:
-        when = f"at {figure.at_time:.4g} s" if figure.at_time is not None else ""
-        table.add_row(figure.title, figure.text, when)
-    console.print(table)
+    console.print(_loose(proof.figures, "The closed loop"))
 
 
 def equations() -> None:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import NamedTuple
 
 from drivesizer.catalog import Controller, Encoder
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
 from drivesizer.control_design import LinearLoop
+from drivesizer.machines import WheeledVehicle
 from drivesizer.march import FOLLOWS, Peak, Run
 from drivesizer.plant import DriveTrain, Mode, Regime
 from drivesizer.profile import Profile
@@ -122,28 +122,24 @@ def _over(case: Case) -> float:
 def _heat(case: Case) -> Iterator[Check]:
     """The motor's RMS current and its winding's temperature."""
     motor, ambient, rms = case.drive_set.motor, case.spec.environment.ambient, case.rms_current
-    limit, derating = motor.max_winding_temperature, current_derating(ambient, motor.max_winding_temperature)
+    limit, derating = motor.max_winding_temperature, float(current_derating(ambient, motor.max_winding_temperature))
     yield _check(
         at_most("motor_nominal_current", rms, motor.nominal_current * derating, "current", "A"),
         "Motor nominal current (RMS)", note="the nominal current in this ambient" if derating != 1.0 else "",
     )  # fmt: skip
     winding = winding_temperature(case)
-    rise = at_most("winding_temperature", winding - ambient, limit - ambient, "temperature", "degC")
-    note = "steady mean, copper loss"
-    if math.isinf(winding):
-        rise, note = (
-            replace(rise, failed=~rise.passed),
-            "runs away: the copper loss grows faster than it is carried off",
-        )
-    # the margin is one of rises over the ambient; the temperatures themselves are shown
-    yield replace(_check(rise, "Winding temperature", note=note), demand=winding, limit=limit)
+    runs_away = "runs away: the copper loss grows faster than it is carried off"
+    yield _check(
+        at_most("winding_temperature", winding, limit, "temperature", "degC", zero=ambient), "Winding temperature",
+        note=runs_away if math.isinf(winding) else "steady mean, copper loss",
+    )  # fmt: skip
 
 
 def winding_temperature(case: Case) -> float:
     """Steady mean temperature of the winding [K]; NaN unknown, infinite when it runs away."""
     motor = case.drive_set.motor
-    R_th = motor.thermal_resistance_winding + motor.thermal_resistance_housing
-    return steady_winding_temperature(case.spec.environment.ambient, motor.resistance, R_th, case.rms_current)
+    R_th = motor.thermal_resistance_winding, motor.thermal_resistance_housing
+    return float(steady_winding_temperature(case.spec.environment.ambient, motor.resistance, *R_th, case.rms_current))
 
 
 def _gearhead(case: Case) -> Iterator[Check]:
@@ -196,6 +192,7 @@ def _speed(case: Case) -> Iterator[Check]:
 def _load(case: Case) -> Iterator[Check]:
     """What the wheels must put on the floor."""
     load = case.spec.load
+    assert isinstance(load, WheeledVehicle)  # nothing else is validated
     if load.friction_coefficient is None:
         return
     weight = case.train.mass * case.spec.environment.gravity * math.cos(load.slope)

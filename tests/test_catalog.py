@@ -388,7 +388,7 @@ WRONG = [
     ("note of unknown confidence", "confidence: derived", "confidence: guessed", "15: motors[1].notes[1]", 'confidence "guessed"'),
     ("note without text", "text: said to be discontinued", "exclude: true", "16: motors[1].notes[2]", '"text" is missing'),
     ("exclude is not true or false", "exclude: true", "exclude: yes", "24: motors[2].notes[1].exclude", '"yes" is not true or false'),
-    ("unknown name", "motors: [M40], gearheads: [G42]", "motors: [M40], gearheads: [G43]", "45: compatibility.motor_gearhead[1].gearheads[1]", '"G43" is neither a family nor a part of this catalogue; did you mean "G42"?'),
+    ("unknown name", "motors: [M40], gearheads: [G42]", "motors: [M40], gearheads: [G43]", "45: compatibility.motor_gearhead[1].gearheads[1]", '"G43" is neither a family nor a part of this catalogue; the nearest is G42'),
     ("unknown name left out", 'without: ["4202"]', 'without: ["4203"]', "46: compatibility.motor_gearhead[2].without[1]", '"4203" is neither a family nor a part'),
     ("unknown relation", "  triples:\n", "  tripels:\n", "49: compatibility.tripels", 'did you mean "triples"?'),
     ("wrong schema", "catalog: 1\n", "catalog: 2\n", "1: catalog", 'schema "2" is not known; expected 1'),

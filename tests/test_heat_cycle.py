@@ -21,15 +21,7 @@ from drivesizer import heat_modes
 from drivesizer.errors import InputError
 from drivesizer.heat_cycle import periodic_heat
 from drivesizer.overload import State, cold, overload_time, steady_state
-from drivesizer.thermal import (
-    COPPER,
-    DATA_TEMPERATURE,
-    State,
-    TwoBodies,
-    cold,
-    steady_state,
-    steady_winding_temperature,
-)
+from drivesizer.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, steady_winding_temperature
 
 CELSIUS = 273.15
 MOTOR = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)  # an RE 25, near enough
@@ -195,7 +187,7 @@ def test_constant_current_gives_the_closed_steady_form(motor, share, rise, ambie
         assert getattr(found, name) == pytest.approx(steady.winding, rel=1e-9), name
     assert found.housing_mean == pytest.approx(steady.housing, rel=1e-9)
     alone = periodic_heat(motor, ambient, 3.0 * np.ones(1), current**2)
-    mean = steady_winding_temperature(ambient, motor.R_25, motor.R_th1 + motor.R_th2, current)
+    mean = steady_winding_temperature(ambient, motor.R_25, motor.R_th1, motor.R_th2, current)
     assert alone.winding_mean == pytest.approx(mean, rel=1e-9)
 
 
@@ -249,7 +241,7 @@ def test_resistance_that_grows_counts_and_so_does_the_ripple(monkeypatch):
     """Mean formula < peak with the resistance held at that mean < exact peak."""
     dt, squares = [12.0, 78.0], [9.0, 0.0]
     rms = sqrt(9.0 * 12.0 / 90.0)
-    mean = steady_winding_temperature(AMBIENT, MOTOR.R_25, MOTOR.R_th1 + MOTOR.R_th2, rms)
+    mean = steady_winding_temperature(AMBIENT, MOTOR.R_25, MOTOR.R_th1, MOTOR.R_th2, rms)
     peak = periodic_heat(MOTOR, AMBIENT, dt, squares).winding_peak
     monkeypatch.setattr(heat_modes, "COPPER", 0.0)
     held = replace(MOTOR, R_25=MOTOR.R_25 * (1.0 + COPPER * (mean - DATA_TEMPERATURE)))
@@ -277,18 +269,26 @@ def test_a_recorded_cycle_of_36000_samples():
     assert found.winding_peak == pytest.approx(found.winding.max(), abs=1e-6)
 
 
-@pytest.mark.parametrize("spread", [1e-12, 1e-6, 1e-3, 0.1, 0.99, 1.01, 7.0, 90.0])
-@pytest.mark.parametrize("shares", [(1.0, 0.0), (1.0, 0.3, 0.0), (1.0, 0.999, 0.2, 0.0), (1.0, 0.6, 1e-4, 0.0)])
-def test_divided_differences_hold_to_rounding_at_any_spread(spread, shares):
-    nodes = [-0.4 - spread * share for share in shares]
+def divided(nodes):
+    """Divided difference of exp to 120 digits; nodes that coincide are told apart by 1e-30."""
     with localcontext() as context:
         context.prec = 120
-        exact_nodes = [Decimal(node) for node in nodes]
-        table = [node.exp() for node in exact_nodes]
+        distinct = [Decimal(node) + Decimal(n) * Decimal("1e-30") for n, node in enumerate(nodes)]
+        table = [node.exp() for node in distinct]
         for width in range(1, len(nodes)):
-            table = [(b - a) / (exact_nodes[n + width] - exact_nodes[n]) for n, (a, b) in enumerate(pairwise(table))]
-    found = heat_cycle._divided_exp(*(np.array([node]) for node in nodes))
-    assert found[0] == pytest.approx(float(table[0]), rel=1e-14)
+            table = [(b - a) / (distinct[n + width] - distinct[n]) for n, (a, b) in enumerate(pairwise(table))]
+    return float(table[0])
+
+
+@pytest.mark.parametrize("fast", [1e-9, 1e-3, 0.3, 0.99, 1.01, 7.0, 90.0, 6e4])
+@pytest.mark.parametrize("slow", [0.999, 0.5, 1e-5, 0.0, -0.8, -5.0, -60.0])
+def test_divided_differences_hold_to_rounding_at_any_spread(fast, slow):
+    f, s = -fast, -slow * fast if slow > 0.0 else -slow  # between, or above zero: a winding that runs away
+    expected = (divided([f, 0.0]), divided([f, s, 0.0]), divided([f, 0.0, 0.0]), divided([f, s, 0.0, 0.0]))
+    others = np.array([-3e-4, -0.7, -900.0])  # whatever else there is to do at the same time
+    for company in (others[:0], others[:2], others):
+        found = heat_modes.phi(np.append(f, company), np.append(s, 0.4 * company))
+        assert [values[0] for values in found] == pytest.approx(expected, rel=2e-14)
 
 
 # --- edges -----------------------------------------------------------------------------------------------------------
@@ -355,6 +355,31 @@ def test_no_cycle_is_an_error(dt):
         periodic_heat(MOTOR, AMBIENT, dt, 1.0)
     with pytest.raises(InputError, match="heat cycle"):
         periodic_heat(MOTOR, AMBIENT, [1.0, 2.0], [1.0, -1.0])
+
+
+def test_segments_so_long_that_all_settles_within_them():
+    # the housing's loss alone: up to R_th2 P and down to the ambient again, in each case long before the segment ends
+    found = periodic_heat(QUICK, AMBIENT, [9e3, 7e3, 8e3], 0.0, [0.0, 3.0, 0.0])
+    assert found.winding_peak - AMBIENT == pytest.approx(3.0 * QUICK.R_th2, rel=1e-12)
+    assert found.housing_peak - AMBIENT == pytest.approx(3.0 * QUICK.R_th2, rel=1e-12)
+    # a pulse, then friction: the winding cools towards the housing, overtakes nothing, and peaks where the pulse ends
+    pulse = periodic_heat(QUICK, AMBIENT, [3.0, 7e3, 8e3], [60.0, 0.0, 0.0], [0.0, 2.0, 0.0])
+    end, _ = integrated(QUICK, AMBIENT, cold(AMBIENT), [3.0], [60.0], [0.0])
+    assert pulse.winding_peak == pytest.approx(end[0], abs=1e-8)
+    assert pulse.winding_peak_time == 3.0
+    # after it the housing goes on warming up for a while, and is back at the ambient in the end
+    assert pulse.housing[1] + 0.5 < pulse.housing_peak
+    times = np.linspace(0.0, 200.0, 2001)
+    sampled = max(exact(QUICK, AMBIENT, end, t, 0.0, 2.0)[1] for t in times)
+    assert pulse.housing_peak == pytest.approx(sampled, abs=1e-3) and pulse.housing_peak >= sampled - 1e-9
+
+
+def test_a_winding_that_has_run_away_does_not_come_back_in_a_long_pause():
+    limit = 1.0 / (COPPER * QUICK.R_25 * (QUICK.R_th1 + QUICK.R_th2))
+    for pause in (50.0, 900.0, 4e4):
+        found = periodic_heat(QUICK, AMBIENT, [300.0, pause], [4.0 * limit, 0.0])
+        assert found.winding_peak == inf
+        assert found.spectral_radius > 1.0
 
 
 def test_a_segment_without_duration_counts_for_nothing():

@@ -9,16 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drivesizer.overload import cold, steady_state
 from drivesizer.thermal import (
     COPPER,
     DATA_TEMPERATURE,
     TwoBodies,
-    cold,
     continuous_current,
     continuous_torque,
     current_derating,
     nominal_current,
-    steady_state,
     steady_winding_temperature,
 )
 
@@ -34,7 +33,7 @@ CELSIUS = 273.15
 )
 def test_by_hand(ambient, rise):
     # 2 ohm, 10 K/W, 1 A: 20 K were the resistance constant; it grows by 0.39 % per kelvin
-    found = steady_winding_temperature(ambient + CELSIUS, 2.0, 10.0, 1.0)
+    found = steady_winding_temperature(ambient + CELSIUS, 2.0, 3.0, 7.0, 1.0)
     assert found - CELSIUS - ambient == pytest.approx(rise, abs=1e-9)
 
 
@@ -50,18 +49,41 @@ def test_iteration_ends_there(ambient, R_25, R_th, share):
     for _ in range(300):
         resistance = R_25 * (1.0 + COPPER * (temperature - DATA_TEMPERATURE))
         temperature = ambient + R_th * resistance * current**2
-    assert steady_winding_temperature(ambient, R_25, R_th, current) == pytest.approx(temperature, abs=1e-6)
+    assert steady_winding_temperature(ambient, R_25, 0.2 * R_th, 0.8 * R_th, current) == pytest.approx(
+        temperature, abs=1e-6
+    )
 
 
 def test_more_heat_than_can_be_carried_off_runs_away():
     limit = sqrt(1.0 / (COPPER * 17.1 * 2.32))
-    assert steady_winding_temperature(298.15, 2.32, 17.1, limit * 0.999) < inf
-    assert steady_winding_temperature(298.15, 2.32, 17.1, limit * 1.001) == inf
+    assert steady_winding_temperature(298.15, 2.32, 3.1, 14.0, limit * 0.999) < inf
+    assert steady_winding_temperature(298.15, 2.32, 3.1, 14.0, limit * 1.001) == inf
 
 
 def test_unknown_stays_unknown():
-    assert isnan(steady_winding_temperature(298.15, 2.32, nan, 1.0))
+    assert isnan(steady_winding_temperature(298.15, 2.32, 3.1, nan, 1.0))
     assert isnan(current_derating(313.15, nan))
+    # of runaway and an unknown figure the unknown counts, wherever it stands
+    for n in range(6):
+        figures = [298.15, 2.32, 3.1, 14.0, 99.0, 0.4]
+        assert steady_winding_temperature(*figures) == inf
+        figures[n] = nan
+        assert isnan(steady_winding_temperature(*figures))
+
+
+def test_columns_are_their_elements():
+    ambient, currents, losses = 305.0, np.array([0.0, 0.9, 1.4, 40.0, nan]), np.array([[0.0], [1.7]])
+    found = steady_winding_temperature(ambient, 2.32, 3.1, 14.0, currents, losses)
+    assert found.shape == (2, 5)
+    assert found[:, 0] == pytest.approx([305.0, 305.0 + 14.0 * 1.7])  # the housing's loss alone passes R_th2 alone
+    assert found[:, 3].tolist() == [inf, inf] and np.isnan(found[:, 4]).all()
+    alone = [[steady_winding_temperature(ambient, 2.32, 3.1, 14.0, i, p) for i in currents] for p in losses[:, 0]]
+    assert found == pytest.approx(np.array(alone), rel=1e-14, nan_ok=True)
+    T_max = np.array([398.15, 373.15, nan, 290.0])
+    for around in (298.15, 320.0, 380.0, nan):
+        shares = [current_derating(around, t) for t in T_max]
+        assert current_derating(around, T_max) == pytest.approx(np.array(shares), nan_ok=True)
+    assert np.isnan(current_derating(np.array([310.0, 298.15]), np.array([nan, 290.0]))).all()
 
 
 def test_derating():
@@ -89,7 +111,7 @@ def test_two_bodies_by_hand():
 def test_copper_alone_is_the_mean_formula(ambient, R_25, R_th, share):
     current = sqrt(share / (COPPER * R_th * R_25))
     motor = TwoBodies(R_25=R_25, R_th1=0.2 * R_th, R_th2=0.8 * R_th, tau_w=11.0, tau_h=400.0)
-    mean = steady_winding_temperature(ambient, R_25, R_th, current)
+    mean = steady_winding_temperature(ambient, R_25, 0.2 * R_th, 0.8 * R_th, current)
     assert steady_state(motor, ambient, current).winding == pytest.approx(mean, rel=1e-11)
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import PARTS, Column, columns_of
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
-from drivesizer.errors import CatalogError, InputError, quoted
+from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.units import scale, to_si
 from drivesizer.yaml_source import Path_, YamlSource
 
@@ -343,8 +343,7 @@ def _rows(reader: _Reader, members: dict[str, NDArray[Any]], given: Any, path: P
     found = []
     for index, name in enumerate(reader.sequence(given, path)):
         if str(name) not in members:
-            close = difflib.get_close_matches(str(name), members, 1)
-            hint = f"; did you mean {quoted(close[0])}?" if close else ""
+            hint = nearest(str(name), members, 1)
             raise reader.fail((*path, index), f"{quoted(name)} is neither a family nor a part of this catalogue{hint}")
         found.append(members[str(name)])
     return np.unique(np.concatenate(found)) if found else np.zeros(0, int)

@@ -23,7 +23,7 @@ from drivesizer.loadcycle import Ends, LoadCycle, OwnLimit
 from drivesizer.machines import Cylinder, WheeledVehicle
 from drivesizer.spec import RobotSpec
 
-__all__ = ["wheeled_vehicle"]
+__all__ = ["rolling_resistance", "turning_inertia", "wheeled_vehicle"]
 
 _PIECES = 64  # of a ramp in wind: the straight lines are off by 1/4 of 1/64² of the drag at its end, 6e-5 of it
 
@@ -48,9 +48,9 @@ def wheeled_vehicle(spec: RobotSpec, course: Course) -> LoadCycle:
     r, N = load.wheel_diameter / 2, load.driven_wheels
     if load.drag_area > 0.0:
         course = course.finer(np.where(np.ptp(course.speed, axis=1) > 0.0, _PIECES, 1))
-    turning = _turning_inertia(load)
+    turning = turning_inertia(load)
     weight = load.mass * g * math.sin(load.slope)
-    rolling = eq.nominal_force(_rolling_resistance(load), load.mass, g, load.slope) - weight
+    rolling = eq.nominal_force(rolling_resistance(load), load.mass, g, load.slope) - weight
     wind = course.speed + load.headwind
     drag = load.air_density * load.drag_area * wind * np.abs(wind) / 2
     force = rolling * course.direction + weight + drag + load.mass * course.acceleration
@@ -59,14 +59,14 @@ def wheeled_vehicle(spec: RobotSpec, course: Course) -> LoadCycle:
     return course.cycle(torque, r, inertia=inertia, own=_grip(load, g, course, force / N))
 
 
-def _rolling_resistance(load: WheeledVehicle) -> float:
-    """Given, or by (4)."""
+def rolling_resistance(load: WheeledVehicle) -> float:
+    """C_rr of a vehicle [1]: given, or by (4)."""
     if load.sinkage is None:
         return float(load.rolling_resistance or 0.0)
     return float(eq.rolling_resistance_coefficient(load.sinkage, load.wheel_diameter))
 
 
-def _turning_inertia(load: WheeledVehicle) -> float:
+def turning_inertia(load: WheeledVehicle) -> float:
     """J_w + J_s: given, or from the cylinders by (8) and (9) [kg*m^2]."""
     if load.cylinders is None:
         return float(load.inertia or 0.0)

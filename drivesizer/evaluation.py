@@ -1,0 +1,121 @@
+"""Sets in full: every check by the spec's method, with the numbers that a record shows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer import paper
+from drivesizer.candidates import Candidates, Rows
+from drivesizer.catalog import Catalog
+from drivesizer.checks import TITLES, CheckColumn, fits
+from drivesizer.choose import controllers, encoders
+from drivesizer.examine import Examined, examine, problem
+from drivesizer.results import Requirement
+from drivesizer.spec import RobotSpec
+
+__all__ = ["Evaluation", "evaluate"]
+
+
+class Evaluation(NamedTuple):
+    """Everything that was computed over the candidates."""
+
+    spec: RobotSpec
+    catalog: Catalog
+    candidates: Candidates
+    wheel: dict[str, Requirement]  # (1)-(16), columns where they depend on the motor; empty where there are none
+    shaft: dict[str, Requirement]  # (17)-(20)
+    checks: list[CheckColumn]
+    encoder: NDArray[np.int64]
+    controller: NDArray[np.int64]
+    figures: Mapping[str, NDArray[np.float64]]  # what objectives count beside the catalogue's figures, SI
+    cases: tuple[str, ...]  # names of the load cases
+
+    @property
+    def failed(self) -> NDArray[np.bool_]:
+        """Which candidates fail a check."""
+        found: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in self.checks])
+        return found
+
+    @property
+    def unknown(self) -> NDArray[np.bool_]:
+        """Which have a check that is unknown, and fail none."""
+        passed: NDArray[np.bool_] = np.logical_and.reduce([check.passed for check in self.checks])
+        return ~self.failed & ~passed
+
+
+def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates) -> Evaluation:
+    """The paper's requirements of every candidate, where it treats the machine, and its checks by the spec's method."""
+    wheel: dict[str, Requirement] = {}
+    shaft: dict[str, Requirement] = {}
+    motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
+    if spec.paper_applies:
+        wheel = paper.vehicle(spec, motor["rotor_inertia"]).steps
+        shaft = paper.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
+    if spec.method == "paper":
+        return _by_the_paper(spec, catalog, given, wheel, shaft)
+    return _by_physics(spec, catalog, given, wheel, shaft)
+
+
+def _by_the_paper(
+    spec: RobotSpec, catalog: Catalog, given: Candidates, wheel: dict[str, Requirement], shaft: dict[str, Requirement]
+) -> Evaluation:
+    """The rule of section 3.1.3, and the controller by the torques of (17) and (18)."""
+    motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
+    checks = paper.rule(spec, wheel, shaft, motor, gearhead, given.belt)
+    gear = [check for check in checks if check.name.startswith("gearhead")]
+    total = gearhead["ratio"] * given.belt
+    checks.append(paper.largest_allowed(catalog, given.motor, given.gearhead, total, gear))
+    currents = (
+        shaft[f"{which}_torque_at_motor"].value / motor["torque_constant"] + motor["no_load_current"]
+        for which in ("rms", "maximum")
+    )
+    controller, encoder = controllers(spec, catalog, given.motor, *currents), encoders(spec, catalog, given.motor)
+    checks = [fits("compatibility", True, given.listed), *checks, *controller.checks, *encoder.checks]
+    return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder.row, controller.row, {}, ("",))
+
+
+def _by_physics(
+    spec: RobotSpec, catalog: Catalog, given: Candidates, wheel: dict[str, Requirement], shaft: dict[str, Requirement]
+) -> Evaluation:
+    """Every limit against the whole load cycle, a belt at a time."""
+    asked = problem(spec, catalog)
+    belts = [np.flatnonzero(given.belt == belt) for belt in np.unique(given.belt)]
+    found = [(rows, examine(asked, float(given.belt[rows[0]]), given.on(rows), staged=False)) for rows in belts]
+    count = len(given.motor)
+    names = found[0][1].figures if found else {}
+    figures = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}
+    controller = _scattered([(rows, one.controller) for rows, one in found], count, np.int64)
+    encoder = asked.encoder.row[given.motor]
+    checks = _in_order(found, count)
+    return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder, controller, figures, asked.names)
+
+
+def _scattered(parts: list[tuple[NDArray[Any], NDArray[Any]]], count: int, dtype: Any = np.float64) -> NDArray[Any]:
+    """Columns of some rows at a time as one column."""
+    whole = np.empty(count, dtype)
+    for rows, part in parts:
+        whole[rows] = part
+    return whole
+
+
+_COLUMNS = {"demand": float, "limit": float, "passed": bool, "failed": bool, "time": float, "case": np.int64}
+
+
+def _in_order(found: list[tuple[NDArray[Any], Examined]], count: int) -> list[CheckColumn]:
+    """Checks of some rows at a time, put together, in the order in which people read them."""
+    order = {name: place for place, name in enumerate(TITLES["physics"])}
+    together = []
+    for same in zip(*(one.checks for _, one in found), strict=True):
+        parts = [(rows, check) for (rows, _), check in zip(found, same, strict=True)]
+        columns = {
+            name: _scattered([(rows, getattr(check, name)) for rows, check in parts], count, kind)
+            for name, kind in _COLUMNS.items()
+            if getattr(same[0], name) is not None
+        }
+        together.append(replace(same[0], **columns))
+    return sorted(together, key=lambda check: order[check.name])

@@ -1,0 +1,271 @@
+"""One belt's candidates against the whole of physics: in stages, the cheap ones first, or all of it for a few.
+
+The same checks serve both: the search drops what fails at each stage, so that only survivors meet the next; a set that
+is shown or explained goes through them all. In several load cases each check is that of its worst case, and one
+controller must do for all of them.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer import waveform_limits as wave
+from drivesizer.candidates import Candidates, Rows
+from drivesizer.catalog import Catalog
+from drivesizer.checks import CheckColumn, fits, worst_case
+from drivesizer.choose import Chosen, controllers, encoders
+from drivesizer.loads import load_cycle
+from drivesizer.physics import AtGearhead, Demands, at_gearhead, demands
+from drivesizer.physics_limits import (
+    Heat,
+    Parts,
+    Stress,
+    electrical_limits,
+    gearhead_limits,
+    heat,
+    load_limits,
+    motor_limits,
+    moving_limits,
+    size_limits,
+    stress,
+)
+from drivesizer.spec import RobotSpec
+
+__all__ = ["Examined", "Problem", "examine", "problem"]
+
+Array = NDArray[np.float64]
+Record = TypeVar("Record", bound=tuple[Any, ...])
+
+
+class Problem(NamedTuple):
+    """A spec with its load cycles at hand."""
+
+    spec: RobotSpec
+    catalog: Catalog
+    names: tuple[str, ...]  # of the load cases
+    specs: tuple[RobotSpec, ...]
+    bases: tuple[Any, ...]  # their cycles, behind a belt of no ratio
+    encoder: Chosen  # per motor
+
+
+def problem(spec: RobotSpec, catalog: Catalog) -> Problem:
+    """The load cycle of every case, and the encoder of every motor."""
+    names, specs = zip(*spec.load_cases, strict=True)
+    bases = tuple(at_gearhead(load_cycle(case), case.belt_efficiency) for case in specs)
+    return Problem(spec, catalog, names, specs, bases, encoders(spec, catalog, np.arange(len(catalog.motors))))
+
+
+class Examined(NamedTuple):
+    """What was found of the candidates that came through, in their order."""
+
+    rows: NDArray[np.int64]  # which candidates these are
+    checks: list[CheckColumn]  # theirs
+    controller: NDArray[np.int64]
+    figures: dict[str, Array]  # what objectives count, SI
+    failed_by: Counter[str]  # of all candidates, as far as they were examined
+    bound: Array  # of every candidate: its smallest margin is no better than this
+
+
+class _Sieve:
+    """Candidates on their way through the stages."""
+
+    def __init__(self, count: int, staged: bool) -> None:
+        self.rows = np.arange(count)
+        self.staged = staged
+        self.checks: list[CheckColumn] = []
+        self.failed_by: Counter[str] = Counter()
+        self.bound = np.full(count, np.inf)
+
+    def through(self, found: Sequence[CheckColumn]) -> NDArray[np.bool_] | None:
+        """Keep what does not fail; which of the rows these are, None for all of them."""
+        self.checks += found
+        for check in found:
+            self.failed_by[check.name] += int(np.count_nonzero(check.failed))
+        if not self.staged:
+            return None
+        keep: NDArray[np.bool_] = ~np.logical_or.reduce([check.failed for check in found])
+        if keep.all():
+            return None
+        self._note(found, np.flatnonzero(~keep))
+        self.checks = [check.on(np.flatnonzero(keep)) for check in self.checks]
+        self.rows = self.rows[keep]
+        return keep
+
+    def _note(self, found: Sequence[CheckColumn], fallen: NDArray[np.int64]) -> None:
+        margins = [np.nan_to_num(check.on(fallen).margin, nan=np.inf) for check in found]
+        lost = np.logical_or.reduce([check.on(fallen).failed & np.isnan(check.on(fallen).margin) for check in found])
+        self.bound[self.rows[fallen]] = np.where(lost, -1.0, np.minimum.reduce(margins))
+
+
+def _kept(record: Record, keep: NDArray[np.bool_] | None) -> Record:
+    """The rows of a record of columns that are kept."""
+    if keep is None:
+        return record
+    return type(record)(*(_kept(x, keep) if isinstance(x, tuple) else x[keep] for x in record))
+
+
+class _Moving(NamedTuple):
+    """The columns of one load case."""
+
+    asked: Demands
+    warm: Heat
+
+
+def examine(given: Problem, belt: float, sets: Candidates, *, staged: bool, exact: bool = True) -> Examined:
+    """Candidates behind one belt against every limit.
+
+    Parameters
+    ----------
+    given
+        The spec and its load cycles.
+    belt
+        Ratio of the belt.
+    sets
+        The candidates; their own belt column is not looked at.
+    staged
+        Drop what fails at each stage.
+    exact
+        Compute the waveform of all that come so far; else only of those that safe bounds leave undecided.
+    """
+    ats = [base.behind(belt) for base in given.bases]
+    sieve = _Sieve(len(sets.motor), staged)
+    sieve.through(_alone(given, ats, sets))
+    motor, gearhead = (Rows(t, r[sieve.rows]) for t, r in (
+        (given.catalog.motors, sets.motor), (given.catalog.gearheads, sets.gearhead)
+    ))  # fmt: skip
+    encoder = Rows(given.catalog.encoders, given.encoder.row[motor.rows])
+    parts = Parts(motor, gearhead, encoder, None)
+    cases = [_moving(spec, at, parts) for spec, at in zip(given.specs, ats, strict=True)]
+    keep = sieve.through(_each(given, lambda k: moving_limits(given.specs[k], ats[k], *cases[k], parts)))
+    cases, parts = [_kept(case, keep) for case in cases], _narrowed(parts, keep)
+    return _powered(given, ats, cases, parts, sieve, exact)
+
+
+def _narrowed(parts: Parts, keep: NDArray[np.bool_] | None) -> Parts:
+    return parts if keep is None else Parts(*(None if part is None else part.on(keep) for part in parts))
+
+
+def _each(given: Problem, checks: Callable[[int], list[CheckColumn]]) -> list[CheckColumn]:
+    """The worst case of each check."""
+    return [worst_case(same) for same in zip(*(checks(k) for k in range(len(given.specs))), strict=True)]
+
+
+def _moving(spec: RobotSpec, at: AtGearhead, parts: Parts) -> _Moving:
+    asked = demands(at, parts.motor, parts.gearhead, parts.encoder)
+    return _Moving(asked, heat(spec, at, asked, parts.motor))
+
+
+def _alone(given: Problem, ats: Sequence[AtGearhead], sets: Candidates) -> list[CheckColumn]:
+    """What concerns the load, the gearhead or the motor alone: once per part, not per pair."""
+    motors, gearheads = given.catalog.motors, given.catalog.gearheads
+    load = _each(given, lambda k: load_limits(given.specs[k], ats[k]))
+    gear = _each(given, lambda k: gearhead_limits(given.specs[k], ats[k], gearheads))
+    motor = [*_each(given, lambda k: motor_limits(given.specs[k], motors)), *given.encoder.checks]
+    everywhere = np.zeros(len(sets.motor), np.int64)
+    pair = Rows(motors, sets.motor), Rows(gearheads, sets.gearhead)
+    return [
+        fits("compatibility", True, sets.listed),
+        *(check.on_all(everywhere) for check in load),
+        *(check.on(sets.gearhead) for check in gear),
+        *(check.on(sets.motor) for check in motor),
+        *size_limits(given.spec, *pair),
+    ]
+
+
+def _powered(
+    given: Problem, ats: Sequence[AtGearhead], cases: list[_Moving], parts: Parts, sieve: _Sieve, exact: bool
+) -> Examined:
+    """Current, voltage and what needs the waveform, with the smallest controller that does for all cases."""
+    under = [stress(s, at, *c, parts.motor) for s, at, c in zip(given.specs, ats, cases, strict=True)]
+    chosen = _controllers(given, cases, under, parts, np.zeros(len(sieve.rows), bool))
+    parts = parts._replace(controller=Rows(given.catalog.controllers, chosen.row))
+    found = _last(given, ats, cases, under, parts, exact)
+    short = next(check for check in found.checks if check.name == "controller_peak_time").failed
+    if short.any():  # one that carries the peak for ever may do where a smaller one gives out
+        chosen = _controllers(given, cases, under, parts, short)
+        parts = parts._replace(controller=Rows(given.catalog.controllers, chosen.row))
+        found = _last(given, ats, cases, under, parts, exact)
+    sieve.checks = [check for check in sieve.checks if check.name != "winding_temperature"]
+    sieve.failed_by["winding_temperature"] = sieve.failed_by["winding_temperature"] if sieve.staged else 0
+    keep = sieve.through([chosen.checks[0], *found.checks])
+    figures = {name: value if keep is None else value[keep] for name, value in found.figures.items()}
+    row = chosen.row if keep is None else chosen.row[keep]
+    return Examined(sieve.rows, sieve.checks, row, figures, sieve.failed_by, sieve.bound)
+
+
+def _controllers(
+    given: Problem, cases: list[_Moving], under: list[Stress], parts: Parts, for_ever: NDArray[np.bool_]
+) -> Chosen:
+    """The smallest that does in the worst of all cases, with the margins that the spec asks for."""
+    more, faster = 1.0 + given.spec.margins.torque, 1.0 + given.spec.margins.speed
+    rms = more * np.maximum.reduce([c.asked.rms_current for c in cases])
+    largest = more * np.maximum.reduce([u.current.value for u in under])
+    volts = faster * np.maximum.reduce([u.voltage.value for u in under])
+    carried = np.where(for_ever, largest, rms)
+    lowest, highest = min(s.supply.lowest for s in given.specs), max(s.supply.highest for s in given.specs)
+    return controllers(given.spec, given.catalog, parts.motor.rows, carried, largest, volts, (lowest, highest))
+
+
+class _Found(NamedTuple):
+    checks: list[CheckColumn]
+    figures: dict[str, Array]
+
+
+def _last(
+    given: Problem,
+    ats: Sequence[AtGearhead],
+    cases: list[_Moving],
+    under: list[Stress],
+    parts: Parts,
+    exact: bool,
+) -> _Found:
+    """The electrical limits, and those of the waveform by bounds or exactly."""
+    electrical = _each(given, lambda k: electrical_limits(given.specs[k], cases[k].asked, under[k], parts))
+    args = [(s, at, *c, u, parts) for s, at, c, u in zip(given.specs, ats, cases, under, strict=True)]
+    if exact:
+        found = [wave.exact(*a) for a in args]
+    else:
+        found = _decided(given, args, ~np.logical_or.reduce([check.failed for check in electrical]))
+    checks = _each(given, lambda k: wave.waveform_limits(given.specs[k], found[k], parts))
+    return _Found([*electrical, *checks], _figures(given, found, under))
+
+
+def _decided(given: Problem, args: list[Any], alive: NDArray[np.bool_]) -> list[wave.Moments]:
+    """By bounds where low and high say the same, from the waveform for the rest; what fell already is left alone."""
+    both = [wave.bounds(*a) for a in args]
+    parts: Parts = args[0][-1]
+    found = []
+    for spec, (low, high), (_, at, asked, warm, under, _) in zip(given.specs, both, args, strict=True):
+        verdicts = [wave.waveform_limits(spec, side, parts) for side in (low, high)]
+        same = [(a.passed == b.passed) & (a.failed == b.failed) for a, b in zip(*verdicts, strict=True)]
+        rows = np.flatnonzero(alive & ~np.logical_and.reduce(same))
+        if len(rows):
+            mask = np.zeros(len(alive), bool)
+            mask[rows] = True
+            few = wave.exact(spec, at, _kept(asked, mask), _kept(warm, mask), _kept(under, mask), _narrowed(parts, mask))
+            high = wave.Moments(*(_put(column, rows, some) for column, some in zip(high, few, strict=True)))
+        found.append(high)
+    return found
+
+
+def _put(column: Array, rows: NDArray[np.int64], some: Array) -> Array:
+    changed = column.copy()
+    changed[rows] = some
+    return changed
+
+
+def _figures(given: Problem, found: list[wave.Moments], under: list[Stress]) -> dict[str, Array]:
+    """What objectives and records count: the first case's energy, the largest current and temperature of all cases."""
+    first, share = found[0], given.spec.supply.regeneration
+    return {
+        "energy": (first.drawn - share * first.returned) * given.spec.load.motors,
+        "returned": first.returned * given.spec.load.motors,
+        "power": np.maximum.reduce([m.power for m in found]) * given.spec.load.motors,
+        "peak_current": np.maximum.reduce([u.current.value for u in under]),
+        "winding_temperature": np.maximum.reduce([m.winding for m in found]),
+    }

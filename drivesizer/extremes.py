@@ -1,0 +1,94 @@
+"""The few ends of segments at which anything that is linear in the six functions can be largest or smallest.
+
+All coefficients of torque, current and voltage are 0 or more. So only points that no other point exceeds in every
+function can carry a maximum, and only those that lie below can carry a minimum: exact, without any tolerance. What
+is left of a long recording is thinned once more to its convex hull.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Extremes", "extremes", "undominated"]
+
+Array = NDArray[np.float64]
+
+_FRONT = 300  # points that may be left of a group before its convex hull is asked for
+_FREE = (0, 1, 2, 3, 5)  # the functions that vary within a group: the three torques, acceleration, speed
+
+
+class Extremes(NamedTuple):
+    """Points of the functions, shape (points, 6), and when each is met [s]."""
+
+    high: Array  # where something may be largest
+    high_time: Array
+    low: Array  # where it may be smallest
+    low_time: Array
+
+
+def extremes(functions: Array, time: Array) -> Extremes:
+    """The extreme points of the six functions.
+
+    Parameters
+    ----------
+    functions
+        At both ends of each segment, shape (segments, 2, 6).
+    time
+        Of these ends [s], shape (segments, 2).
+    """
+    points, when = functions.reshape(-1, functions.shape[2]), time.reshape(-1)
+    kind = np.argmax(np.abs(points[:, :3]), axis=1) * 3 + np.sign(points[:, 4]).astype(int)  # torque, direction
+    groups = [np.flatnonzero(kind == k) for k in np.unique(kind)]
+    top = _largest(points, np.concatenate([g[_front(points[g])] for g in groups]))
+    bottom = _largest(-points, np.concatenate([g[_front(-points[g])] for g in groups]))
+    return Extremes(points[top], when[top], points[bottom], when[bottom])
+
+
+def _largest(points: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Rows of a few points without those that another one exceeds or equals, in order of time."""
+    if len(rows) > _FRONT:
+        return np.sort(rows)
+    return np.sort(rows[undominated(points[rows])])
+
+
+def _front(points: Array) -> NDArray[np.int64]:
+    """Rows of a group that may carry a maximum: its front, and of a long front the hull."""
+    varying = points[:, _FREE]
+    rows = undominated(varying, _FRONT)
+    return rows[_hull(varying[rows])] if len(rows) > _FRONT else rows
+
+
+def undominated(points: Array, most: int | None = None) -> NDArray[np.int64]:
+    """Rows that no other row exceeds or equals in every column; of equal rows the first.
+
+    Parameters
+    ----------
+    points
+        Of any number of columns, where more is better.
+    most
+        When so many are found, the rest is left in unexamined.
+    """
+    left = np.argsort(-points.sum(axis=1), kind="stable")  # who comes first cannot be exceeded by who comes later
+    found: list[int] = []
+    while len(left) and (most is None or len(found) <= most):
+        first = left[0]
+        found.append(int(first))
+        left = left[np.any(points[left] > points[first], axis=1)]
+    return np.array([*found, *left], dtype=np.int64)
+
+
+def _hull(points: Array) -> NDArray[np.int64]:
+    """Rows at the corners of the convex hull, in the dimensions that the points span."""
+    from scipy.spatial import ConvexHull  # only a long recording needs it
+
+    spread = np.ptp(points, axis=0)
+    scaled = (points[:, spread > 0.0] - points[:, spread > 0.0].mean(axis=0)) / spread[spread > 0.0]
+    _, size, axes = np.linalg.svd(scaled, full_matrices=False)
+    flat = scaled @ axes[size > 1e-9 * size[0]].T
+    if flat.shape[1] == 1:
+        return np.array([flat[:, 0].argmin(), flat[:, 0].argmax()])
+    corners: NDArray[np.int64] = np.sort(ConvexHull(flat).vertices).astype(np.int64)
+    return corners

@@ -1,0 +1,203 @@
+"""The heat of a repeating cycle for many motors at once: the exact peak, and two bounds that cost next to nothing.
+
+The mathematics is that of ``heat_cycle``, with motors along the last axis. Motors are taken a block at a time, so that
+what is needed beside the arguments does not grow with their number; where the arguments themselves are too large
+(thousands of motors, each with its own current in tens of thousands of segments), the caller hands over a part of them.
+Convention: temperatures in and out are absolute; a motor with an unknown figure gives NaN, one that runs away infinity.
+Symbols: R resistance [ohm], R_th thermal resistance [K/W], tau time constant [s], I current [A], P_h loss at the
+housing [W].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import fields
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drivesizer.errors import InputError
+from drivesizer.heat_cycle import checked, highest, mean_rise, periodic
+from drivesizer.heat_modes import Array, modes
+from drivesizer.thermal import TwoBodies, Value, settled, steady_winding_temperature
+
+__all__ = ["PeriodicWinding", "WindingBounds", "periodic_winding", "winding_bounds"]
+
+_CELLS = 1 << 15  # motors times segments in a block: what stays in the processor's cache
+_FEWEST = 32  # motors in a block, however many segments: a step over segments costs as much for one
+
+
+class PeriodicWinding(NamedTuple):
+    """Temperatures over a cycle that repeats, one of each motor; infinite at runaway, NaN where a figure is unknown."""
+
+    peak: Array  # K, winding, also within a segment
+    peak_time: Array  # s from the cycle's start; NaN without a finite peak
+    mean: Array  # K, winding, over time
+    housing_peak: Array  # K
+
+
+class WindingBounds(NamedTuple):
+    """Two temperatures between which the winding's peak lies."""
+
+    lower: Array  # K
+    upper: Array  # K
+
+
+def periodic_winding(
+    motor: TwoBodies, ambient: float, dt: ArrayLike, I2: ArrayLike, P_h: ArrayLike = 0.0
+) -> PeriodicWinding:
+    """Temperatures of many motors over a cycle that repeats for ever, as ``periodic_heat`` finds them for one.
+
+    Parameters
+    ----------
+    motor
+        Windings and housings: columns over n motors, or a figure that all have.
+    ambient
+        Temperature around the motors [K].
+    dt
+        Duration of each of the S segments [s].
+    I2
+        Mean square current over each segment, n x S [A^2].
+    P_h
+        Mean loss at the housing over each segment: n x S, n x 1 or one for all [W].
+
+    Returns
+    -------
+    PeriodicWinding
+        Columns over motors.
+
+    Examples
+    --------
+    >>> motor = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)
+    >>> found = periodic_winding(motor, 298.15, [2.0, 18.0], [[9.0, 0.0], [90.0, 0.0]])
+    >>> [round(T - 273.15, 1) for T in found.peak.tolist()]
+    [73.2, inf]
+    """
+    t, square = checked(dt, I2)
+    if square.ndim != 2:
+        raise InputError(f"heat cycle: mean square currents must be motors x segments, got shape {square.shape}")
+    square, loss = np.broadcast_arrays(square, np.asarray(P_h, dtype=np.float64))
+    square, loss, _ = np.broadcast_arrays(square, loss, t)
+    found = PeriodicWinding(*np.empty((4, len(square))))
+    block = max(_CELLS // t.size, _FEWEST)
+    for first in range(0, len(square), block):
+        rows = slice(first, first + block)
+        part = _block(_rows(motor, len(square), rows), ambient, t, square[rows], loss[rows])
+        for whole, values in zip(found, part, strict=True):
+            whole[rows] = values
+    return found
+
+
+def _each(motor: TwoBodies, change: Callable[[Value], Array]) -> TwoBodies:
+    """The motors with each figure's column changed alike."""
+    return TwoBodies(**{figure.name: change(getattr(motor, figure.name)) for figure in fields(motor)})
+
+
+def _rows(motor: TwoBodies, n: int, rows: slice) -> TwoBodies:
+    return _each(motor, lambda x: np.broadcast_to(x, n)[rows])
+
+
+def _block(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) -> Iterator[Array]:
+    """The four columns of a block of motors."""
+    known = motor.known & ~np.isnan(I2.sum(axis=1) + P_h.sum(axis=1) + (ambient + t.sum()))
+    square, loss = np.ascontiguousarray(I2.T), np.ascontiguousarray(P_h.T)
+    if not known.all():
+        motor = _each(motor, lambda x: np.where(known, x, 1.0))  # any figures: without warnings and without effect
+        square, loss = np.where(known, square, 0.0), np.where(known, loss, 0.0)
+    time = np.cumsum(t) - t
+    with np.errstate(over="ignore", invalid="ignore"):  # where a motor runs away
+        found = periodic(motor, ambient, t[:, None], square, loss)
+        reached, until = highest(found, 0)
+        at = reached.argmax(axis=0)[None]
+        peak, then = (np.take_along_axis(x, at, axis=0)[0] for x in (reached, until))
+        rises = (peak, mean_rise(found, 0), highest(found, 1)[0].max(axis=0))
+    peak, mean, housing = (np.where(found.settles, x + ambient, np.inf) for x in rises)
+    columns = (peak, np.where(found.settles, time[at[0]] + then, np.nan), mean, housing)
+    return (np.where(known, x, np.nan) for x in columns)
+
+
+def winding_bounds(
+    motor: TwoBodies,
+    ambient: float,
+    I_rms: Value,
+    I_peak: Value,
+    total: float,
+    P_h_mean: Value = 0.0,
+    P_h_peak: Value = 0.0,
+) -> WindingBounds:
+    r"""Bounds of the winding's peak over any cycle of which no more is known than mean and peak of its losses.
+
+    Parameters
+    ----------
+    motor
+        Windings and housings: columns over motors.
+    ambient
+        Temperature around the motors [K].
+    I_rms
+        RMS current over the cycle [A].
+    I_peak
+        Largest current, or root of the largest mean square over a segment [A].
+    total
+        Duration of the cycle [s].
+    P_h_mean, P_h_peak
+        Mean and largest loss at the housing, which is nowhere below zero [W].
+
+    Returns
+    -------
+    WindingBounds
+        Columns over motors; both are exact for constant currents, the upper one also for a rectangular pulse whose
+        resistance stays what it is at the peak.
+
+    Notes
+    -----
+    **Lower**: the steady temperature at the RMS current and the mean housing loss. Let u be the resistance over that at
+    the mean temperature, so that its mean is 1, v the housing's answer, q ~ u I^2 the copper loss and c a constant:
+
+    .. math:: C_w \dot u = q + c - (u - v) / R_{th1}, \quad C_h \dot v = (u - v) / R_{th1} - v / R_{th2}
+
+    Means over the cycle: the second over v gives that of u/v as 1 + R_th1/R_th2, hence that of v/u is at least its
+    inverse; the first over u then gives that of (q + c)/u as at most 1/(R_th1 + R_th2), which is the mean of q + c; and
+    that of 1/u is at least 1. So the mean of q is at least that of q/u: the copper loss is at least that of mean
+    resistance and mean square current, and the mean temperature is above the bound. A housing loss that varies can take
+    from that mean, but less than the peak is above it as long as the peak is not some 256 K below the bound; it cannot
+    get there, for it is continuous in how far the loss varies.
+
+    **Upper**: with the peak's resistance all the time the winding is nowhere cooler. It then answers to a unit pulse of
+    loss with a sum of falling exponentials, so that of all losses of the same mean and largest value the one that comes
+    in one piece, just before, heats it most. That resistance's temperature solves the steady state's equation, with
+    another thermal resistance. A loss at the housing heats the winding no more than the housing, which answers alike.
+    """
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        lower = steady_winding_temperature(ambient, motor.R_25, motor.R_th1, motor.R_th2, I_rms, P_h_mean)
+        square, I2 = np.maximum(I_rms, I_peak) ** 2, np.square(I_rms)
+        loss = np.maximum(P_h_mean, P_h_peak)
+        winding, housing = _pulse_resistances(motor, total, _share(I2, square), _share(P_h_mean, loss))
+        upper = settled(ambient, winding * motor.R_25 * square, housing * loss)
+    return WindingBounds(*(np.where(motor.known & ~np.isnan(upper), x, np.nan) for x in (lower, upper)))
+
+
+def _share(mean: Value, largest: Value) -> Array:
+    """Shortest share of the cycle in which all of a loss can come."""
+    whole = np.asarray(largest == 0.0)
+    return np.where(whole, 1.0, mean / np.where(whole, 1.0, largest))
+
+
+def _pulse_resistances(motor: TwoBodies, total: float, share_w: Array, share_h: Array) -> tuple[Array, Array]:
+    """Highest rise per loss of winding and of housing, each heated for a share of every cycle [K/W].
+
+    Both answer to a unit pulse with a sum of exponentials; for the share 1 the whole thermal resistance remains.
+    """
+    span = modes(motor, np.zeros(1))
+    found = []
+    for share, capacity, to_slow in (
+        (share_w, motor.capacity_w, span.ww_fast),
+        (share_h, motor.capacity_h, span.hh_fast),
+    ):
+        to_fast = span.ww_fast + span.hh_fast - to_slow
+        kept = [
+            c / -x * np.expm1(x * share * total) / np.expm1(x * total)
+            for c, x in ((to_fast, span.fast), (to_slow, span.slow))
+        ]
+        found.append((kept[0] + kept[1]) / (span.slow - span.fast) / capacity)
+    return found[0], found[1]

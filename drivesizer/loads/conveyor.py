@@ -1,0 +1,52 @@
+r"""A belt conveyor, level or inclined, seen from its driven drum.
+
+.. math:: F = μ (m + m_b) g \cos β \, \mathrm{sgn} v + F_f \, \mathrm{sgn} v + m g \sin β + F_0 + (m + m_b) a
+
+through the efficiency of belt and drums, in either direction of power, and the drums' inertia (``stage``). The belt is
+a loop: its weight pulls up as much as down, so that only the goods climb; but all of it is accelerated, and all of it
+rubs, the return run on its rollers like the carrying run on the bed. Friction is nothing at rest.
+
+Worked example: goods and belt 20 kg, μ 0.3, drum 90 mm, efficiency 0.9: 0.3 · 20 · 9.807 · 0.045 / 0.9 = 2.94 N·m
+(Oriental Motor, technical reference, motor sizing: belt conveyor).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drivesizer.course import Course
+from drivesizer.loadcycle import LoadCycle
+from drivesizer.loads.stage import through_stage
+from drivesizer.machines import Conveyor
+from drivesizer.spec import RobotSpec
+
+__all__ = ["conveyor"]
+
+
+@np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
+def conveyor(spec: RobotSpec, course: Course) -> LoadCycle:
+    """The load cycle at the driven drum of one motor set.
+
+    Parameters
+    ----------
+    spec
+        The conveyor.
+    course
+        How the belt moves.
+
+    Raises
+    ------
+    InputError
+        When a figure leaves the range of numbers that can be computed with.
+    """
+    load, g = spec.load, spec.environment.gravity
+    assert isinstance(load, Conveyor)
+    moved = load.mass + load.belt_mass
+    friction = load.friction_coefficient * moved * g * math.cos(load.incline) + load.friction_force
+    climb = load.mass * g * math.sin(load.incline)
+    force = friction * course.direction + (climb + load.force) + moved * course.acceleration
+    losses = (load.efficiency, load.efficiency)
+    radius = load.drum_diameter / 2
+    return through_stage(course, force, radius, losses, mass=moved, turning=load.inertia, motors=load.motors)

@@ -1,0 +1,51 @@
+r"""A rack that a pinion moves, or a carriage that runs along a rack, seen from the pinion.
+
+.. math:: F = m g \sin β + μ m g \cos β \, \mathrm{sgn} v + F_f \, \mathrm{sgn} v + F_0 + m a
+
+at the pitch radius, through the efficiency of the toothing in either direction of power, and the inertia of pinion and
+shaft (``stage``). Friction is nothing at rest.
+
+Worked examples: 820 kg along a level way in 1 s to 2 m/s, μ 0.1: 820 · 9.81 · 0.1 + 820 · 2 = 2.44 kN at the toothing;
+300 kg upward in 0.27 s to 1.08 m/s: 300 · 9.81 + 300 · 4 = 4.1 kN (Atlanta Drive Systems, rack and pinion drives,
+calculation and selection).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drivesizer.course import Course
+from drivesizer.loadcycle import LoadCycle
+from drivesizer.loads.stage import through_stage
+from drivesizer.machines import RackPinion
+from drivesizer.spec import RobotSpec
+
+__all__ = ["rack_pinion"]
+
+
+@np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
+def rack_pinion(spec: RobotSpec, course: Course) -> LoadCycle:
+    """The load cycle at the pinion of one motor set.
+
+    Parameters
+    ----------
+    spec
+        What is moved along or by the rack.
+    course
+        How it moves.
+
+    Raises
+    ------
+    InputError
+        When a figure leaves the range of numbers that can be computed with.
+    """
+    load, g = spec.load, spec.environment.gravity
+    assert isinstance(load, RackPinion)
+    friction = load.friction_coefficient * load.mass * g * math.cos(load.incline) + load.friction_force
+    weight = load.mass * g * math.sin(load.incline)
+    force = friction * course.direction + (weight + load.force) + load.mass * course.acceleration
+    losses = (load.efficiency, load.efficiency)
+    radius = load.pinion_diameter / 2
+    return through_stage(course, force, radius, losses, mass=load.mass, turning=load.inertia, motors=load.motors)

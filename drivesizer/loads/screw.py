@@ -1,0 +1,69 @@
+r"""A slide on a lead screw or a ball screw, seen from the screw.
+
+.. math:: F = m g \sin β + μ m g \cos β \, \mathrm{sgn} v + F_f \, \mathrm{sgn} v + F_0 + m a, \qquad r = \frac{L}{2 π}
+
+With :math:`F r / e` where the screw drives the slide and :math:`F r e_b` where the slide drives the screw (``stage``),
+and on top of either the drag of a preloaded nut and the inertia of the screw. e_b is 2 - 1/e where it is not given:
+the same torque is lost in either direction. With e_b below 0 the screw is self-locking: the slide cannot turn it, and
+to lower a load the motor has to drive too, with a torque of :math:`|F| r |e_b|`; e_b is taken as it stands, not as 0.
+For a square thread e = tan λ / tan(λ + ρ) and e_b = tan(λ - ρ) / tan λ, lead angle λ and angle of friction ρ; there
+2 - 1/e makes lowering on a self-locking screw a few per cent too heavy. At rest the screw is asked for F r, a
+self-locking one for nothing.
+
+Worked examples: 20 kN on a lead of 10 mm at 70 % efficiency: 20 000 · 0.010 / (2π · 0.7) = 45.5 N·m
+(engineeringprep.com, problem 516). A slide of 40 kg, μ 0.05, lead 15 mm, e = 0.9, with a nut preloaded by a third of
+19.6 N at a coefficient of 0.3: 19.6 · 0.015 / (2π · 0.9) + 0.3 · 6.53 · 0.015 / 2π = 0.0567 N·m (Oriental Motor,
+technical reference, motor sizing: ball screw).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drivesizer.course import Course
+from drivesizer.loadcycle import LoadCycle
+from drivesizer.loads.stage import through_stage
+from drivesizer.machines import Screw
+from drivesizer.spec import RobotSpec
+
+__all__ = ["screw"]
+
+
+@np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
+def screw(spec: RobotSpec, course: Course) -> LoadCycle:
+    """The load cycle at the screw of one motor set.
+
+    Parameters
+    ----------
+    spec
+        The slide and its screw.
+    course
+        How the slide moves.
+
+    Raises
+    ------
+    InputError
+        When a figure leaves the range of numbers that can be computed with.
+    """
+    load, g = spec.load, spec.environment.gravity
+    assert isinstance(load, Screw)
+    friction = load.friction_coefficient * load.mass * g * math.cos(load.incline) + load.friction_force
+    weight = load.mass * g * math.sin(load.incline)
+    force = friction * course.direction + (weight + load.force) + load.mass * course.acceleration
+    return through_stage(
+        course,
+        force,
+        load.lead / (2 * math.pi),
+        (load.efficiency, _back_efficiency(load)),
+        mass=load.mass,
+        turning=load.inertia,
+        motors=load.motors,
+        drag=load.preload_torque,
+    )
+
+
+def _back_efficiency(load: Screw) -> float:
+    """Given, or such that the same torque is lost in either direction of power; below 0 is self-locking."""
+    return 2.0 - 1.0 / load.efficiency if load.back_efficiency is None else load.back_efficiency

@@ -1,0 +1,124 @@
+"""One candidate as a record: parts, sums, requirements and checks."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from drivesizer import ranking
+from drivesizer.catalog import Controller, Gearhead, Motor
+from drivesizer.evaluation import Evaluation
+from drivesizer.overload import State, cold, overload_time
+from drivesizer.ranking import Objective
+from drivesizer.results import DriveSet, Figure
+from drivesizer.search import smallest_margin
+from drivesizer.thermal import TwoBodies
+
+__all__ = ["drive_set"]
+
+
+def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objective) -> DriveSet:
+    """One row of an evaluation as a record."""
+    catalog, given = evaluation.catalog, evaluation.candidates
+    motor = catalog.motors.record(int(given.motor[index]))
+    gearhead = catalog.gearheads.record(int(given.gearhead[index]))
+    encoder, controller = int(evaluation.encoder[index]), int(evaluation.controller[index])
+    mass, mass_of = _summed({"motor": motor, "gearhead": gearhead}, "mass", ("motor", "gearhead"))
+    value, value_of = _objective(evaluation, index, objective, motor, gearhead)
+    checks = tuple(
+        check.at(index, evaluation.spec.method, cases=evaluation.cases)
+        for check in evaluation.checks
+        if not (check.demand[index] == 0.0 and np.isposinf(check.limit[index]))  # nothing that it could exceed
+    )
+    found = DriveSet(
+        rank=rank,
+        status="fail" if evaluation.failed[index] else "unknown" if evaluation.unknown[index] else "pass",
+        motor=motor,
+        gearhead=gearhead,
+        encoder=catalog.encoders.record(encoder) if encoder >= 0 else None,
+        controller=catalog.controllers.record(controller) if controller >= 0 else None,
+        belt_ratio=float(given.belt[index]),
+        belt_efficiency=evaluation.spec.belt_efficiency,
+        total_ratio=float(gearhead.ratio * given.belt[index]),
+        mass=mass,
+        mass_of=mass_of,
+        objective=value,
+        objective_of=value_of,
+        requirements=tuple(r.at(index) for r in evaluation.shaft.values()),
+        checks=checks,
+        figures=_figures(evaluation, index, motor, gearhead, catalog.controllers.record(controller))
+        if evaluation.spec.method == "physics" and controller >= 0
+        else (),
+    )
+    return found
+
+
+def _summed(parts: dict[str, Any], figure: str, over: tuple[str, ...]) -> tuple[float, tuple[str, ...]]:
+    """The sum of what is known, and of which parts."""
+    known = {p: getattr(parts[p], figure) for p in over if not math.isnan(getattr(parts[p], figure))}
+    return (sum(known.values()) if known else math.nan), tuple(known)
+
+
+def _objective(
+    evaluation: Evaluation, index: int, objective: Objective, motor: Motor, gearhead: Gearhead
+) -> tuple[float, tuple[str, ...]]:
+    """What it is ranked by, as it is shown: the margin itself, not what makes less of it better."""
+    if objective == "margin":
+        return float(smallest_margin(evaluation.checks)[index]), ("smallest margin of all checks",)
+    if not isinstance(objective, str):
+        figures = dict(evaluation.figures) | {"margin": smallest_margin(evaluation.checks)}
+        value, missing = ranking.values(evaluation.catalog, evaluation.candidates, figures, objective)
+        lacking = f", {missing[index]} figures unknown" if missing[index] else ""
+        return float(value[index]), (f"shares of the best shown: {ranking.title_of(objective)}{lacking}",)
+    if objective in ranking.SUMS:
+        return _summed({"motor": motor, "gearhead": gearhead}, *ranking.SUMS[objective])
+    return float(evaluation.figures[objective][index]), (_COUNTED[objective],)
+
+
+_COUNTED = {
+    "energy": "all motor sets, per cycle",
+    "peak_current": "the motor's, in the worst case",
+    "winding_temperature": "peak over the periodic cycle, in the worst case",
+}
+_TABLE = (
+    ("energy", "Energy per cycle, all motor sets", "energy", "J"),
+    ("returned", "Energy that comes back per cycle", "energy", "J"),
+    ("power", "Largest supply power, all motor sets", "power", "W"),
+    ("peak_current", "Largest motor current", "current", "A"),
+    ("winding_temperature", "Winding temperature, peak", "temperature", "degC"),
+)
+
+
+def _figures(
+    evaluation: Evaluation, index: int, motor: Motor, gearhead: Gearhead, controller: Controller
+) -> tuple[Figure, ...]:
+    """What a set does that has no limit of its own, and what to set on its controller."""
+    values = {name: float(column[index]) for name, column in evaluation.figures.items()}
+    found = [Figure(name=n, title=t, value=values[n], kind=k, unit=u) for n, t, k, u in _TABLE]
+    at_gear = gearhead.intermittent_torque / (gearhead.ratio * gearhead.efficiency * motor.torque_constant)
+    limit = min(controller.peak_current, at_gear) if at_gear == at_gear else controller.peak_current
+    title = "Current limit to set: no jam overloads the gearhead"
+    found.append(Figure(name="current_limit", title=title, value=limit, kind="current", unit="A"))
+    return (*found, *_overloads(evaluation, values, motor, controller))
+
+
+def _overloads(
+    evaluation: Evaluation, values: dict[str, float], motor: Motor, controller: Controller
+) -> list[Figure]:
+    """How long the motor bears the controller's peak current, cold and warm from the cycle."""
+    bodies = TwoBodies(
+        R_25=motor.resistance, R_th1=motor.thermal_resistance_winding, R_th2=motor.thermal_resistance_housing,
+        tau_w=motor.winding_time_constant, tau_h=motor.motor_time_constant,
+    )  # fmt: skip
+    ambient, current = evaluation.spec.environment.ambient, controller.peak_current
+    warm = values["winding_temperature"]
+    starts = {"cold": cold(ambient), "warm": State(warm, warm)}
+    return [
+        Figure(
+            name=f"overload_time_{name}", title=f"Time at the controller's peak current, {name}",
+            value=overload_time(bodies, ambient, start, motor.max_winding_temperature, current), kind="time", unit="s",
+        )
+        for name, start in starts.items()
+    ]  # fmt: skip

@@ -1,0 +1,146 @@
+"""What needs the current and voltage of each moment: power of the supply, energy with clipped return, time of overload.
+
+Current and voltage are straight lines within a segment, so power is a product of two lines: its sign changes where
+one of them does, its extremes are ends or the vertex, and everything below is exact. Columns over candidates and
+segments; the caller minds how many at a time.
+Symbols: I current [A], V voltage [V], t time [s], E energy [J].
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Energy", "Wave", "energy", "largest_power", "longest_above", "mean_square", "wave"]
+
+Array = NDArray[np.float64]
+
+
+class Wave(NamedTuple):
+    """Current and voltage of candidates: shape (candidates, segments, 2), values at both ends."""
+
+    duration: Array  # s, of each segment
+    current: Array
+    voltage: Array
+
+
+class Energy(NamedTuple):
+    """What one motor set takes from its supply and gives back, over one cycle."""
+
+    drawn: Array  # J
+    returned: Array  # J
+    stored: Array  # J, the most that has come back and not been drawn again
+
+
+def wave(duration: Array, functions: Array, torque: Array, volts: Array, k_t: Array) -> Wave:
+    """Current and voltage over the segments.
+
+    Parameters
+    ----------
+    duration
+        Of each segment [s].
+    functions
+        The six functions at both ends of each segment, shape (segments, 2, 6).
+    torque, volts
+        Coefficients of motor torque and of voltage for each candidate, shape (candidates, 6).
+    k_t
+        Torque constants [N*m/A].
+    """
+    flat = functions.reshape(-1, 6).T
+    shape = (len(torque), len(duration), 2)
+    return Wave(duration, (torque / k_t[:, None] @ flat).reshape(shape), (volts @ flat).reshape(shape))
+
+
+def mean_square(found: Wave) -> Array:
+    """Mean square current over each segment [A^2]: shape (candidates, segments)."""
+    a, b = found.current[..., 0], found.current[..., 1]
+    square: Array = (a * a + a * b + b * b) / 3
+    return square
+
+
+def largest_power(found: Wave) -> tuple[Array, Array]:
+    """Largest electrical power of each candidate [W], and when [s]; ends of segments and vertices between them."""
+    I, V = found.current, found.voltage
+    rise_I, rise_V = I[..., 1] - I[..., 0], V[..., 1] - V[..., 0]
+    first, last = I[..., 0] * V[..., 0], I[..., 1] * V[..., 1]
+    bend = rise_I * rise_V
+    with np.errstate(divide="ignore", invalid="ignore"):
+        vertex = -(I[..., 0] * rise_V + V[..., 0] * rise_I) / (2 * bend)
+    inside = (bend < 0.0) & (vertex > 0.0) & (vertex < 1.0)
+    at = np.where(inside, vertex, np.where(last > first, 1.0, 0.0))
+    power = (I[..., 0] + at * rise_I) * (V[..., 0] + at * rise_V)
+    worst = power.argmax(axis=1)
+    rows = np.arange(len(power))
+    start = np.cumsum(found.duration) - found.duration
+    return power[rows, worst], start[worst] + at[rows, worst] * found.duration[worst]
+
+
+def energy(found: Wave) -> Energy:
+    """Energy drawn and returned over the cycle, each where power has that sign."""
+    I, V, dt = found.current, found.voltage, found.duration
+    cuts = np.sort(np.stack([_crossing(I), _crossing(V)], axis=2), axis=2)
+    edges = np.concatenate([np.zeros((*cuts.shape[:2], 1)), cuts, np.ones((*cuts.shape[:2], 1))], axis=2)
+    parts = dt[:, None] * np.diff(_work(I, V, edges), axis=2)  # one sign each
+    drawn, returned = np.maximum(parts, 0.0), np.maximum(-parts, 0.0)
+    return Energy(drawn.sum((1, 2)), returned.sum((1, 2)), _most_stored(-parts.reshape(len(parts), -1)))
+
+
+def _crossing(ends: Array) -> Array:
+    """Share of each segment after which a quantity changes sign; 1 where it does not."""
+    left, right = ends[..., 0], ends[..., 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(left * right < 0.0, left / (left - right), 1.0)
+
+
+def _work(I: Array, V: Array, at: Array) -> Array:
+    """Integral of the power over the first share of each segment, per time of it."""
+    i, v = I[..., :1], V[..., :1]
+    rise_i, rise_v = I[..., 1:] - i, V[..., 1:] - v
+    work: Array = at * (i * v + at * ((i * rise_v + v * rise_i) / 2 + at * rise_i * rise_v / 3))
+    return work
+
+
+def _most_stored(steps: Array) -> Array:
+    """Largest rise of a running sum that repeats: what a store holds at most that is emptied first, step by step."""
+    twice = np.cumsum(np.concatenate([np.zeros((len(steps), 1)), steps, steps], axis=1), axis=1)
+    risen = (twice - np.minimum.accumulate(twice, axis=1)).max(axis=1)
+    stored: Array = np.minimum(risen, np.maximum(steps, 0.0).sum(axis=1))
+    return stored
+
+
+def longest_above(found: Wave, limit: Array) -> Array:
+    """Longest time on end for which the absolute current is above a limit [s]; the cycle repeats.
+
+    Parameters
+    ----------
+    found
+        Current over the segments.
+    limit
+        Of each candidate [A].
+    """
+    before, inside, after, whole = _above(found, limit[:, None])
+    run = best = np.zeros(len(limit))
+    for _ in range(2):  # the second time round a run may have begun before the start
+        for k in range(len(found.duration)):
+            ended = run + before[:, k]
+            best = np.maximum(best, np.maximum(ended, inside[:, k]))
+            run = np.where(whole[:, k], run + found.duration[k], after[:, k])
+    total = found.duration.sum()
+    longest: Array = np.where(whole.all(axis=1), total, np.minimum(np.maximum(best, run), total))
+    return longest
+
+
+def _above(found: Wave, limit: Array) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """Of each segment: time above at its start, longest within, time above at its end, and whether all is above."""
+    I, dt = found.current, found.duration
+    a, b = I[..., 0], I[..., 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        up, down = (limit - a) / (b - a), (-limit - a) / (b - a)  # shares at which it meets +limit and -limit
+    enter, leave = np.minimum(up, down), np.maximum(up, down)  # between them it is not above
+    flat = a == b
+    whole = np.where(flat, np.abs(a) > limit, (enter >= 1.0) | (leave <= 0.0))
+    first = np.where(flat | whole, 0.0, np.clip(enter, 0.0, 1.0)) * dt
+    last = np.where(flat | whole, 0.0, 1.0 - np.clip(leave, 0.0, 1.0)) * dt
+    return first, np.maximum(first, last), last, whole

@@ -1,0 +1,192 @@
+"""Limits that need the current of each moment: winding temperature at its peak, supply, bus voltage, overload time.
+
+Safe bounds come first, from moments and extremes alone: they decide most candidates. What they leave undecided is
+computed from the waveform itself, as is everything that is shown. A bound never passes what the waveform would fail.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.checks import CheckColumn, at_most
+from drivesizer.heat_columns import periodic_winding, winding_bounds
+from drivesizer.loadcycle import mean_product
+from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands
+from drivesizer.physics_limits import Heat, Parts, Stress, volts_of, winding_limit
+from drivesizer.spec import RobotSpec
+from drivesizer.thermal import TwoBodies
+from drivesizer.waveform import energy, largest_power, longest_above, mean_square, wave
+
+__all__ = ["Moments", "bounds", "energy_per_cycle", "exact", "waveform_limits"]
+
+Array = NDArray[np.float64]
+_AT_ONCE = 200_000  # candidates times segments that are held at a time
+_SOME = 1e-300  # more than nothing, of an amount that is not known yet
+
+
+class Moments(NamedTuple):
+    """What the waveform asks of one motor set: columns."""
+
+    winding: Array  # K, peak over the periodic cycle
+    winding_time: Array  # s
+    power: Array  # W, largest that the motor draws
+    power_time: Array  # s
+    drawn: Array  # J per cycle
+    returned: Array  # J per cycle
+    stored: Array  # J, the most that is back and not drawn again
+    above: Array  # s, longest time on end above the controller's continuous current
+
+
+def exact(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts) -> Moments:
+    """From the current and voltage of each moment; some candidates at a time."""
+    size = max(1, _AT_ONCE // len(at.cycle.duration))
+    blocks = [
+        _block(spec, at, Demands(*(c[k] for c in asked)), Heat(*(c[k] for c in warm)), under.hot[k], _on(parts, k))
+        for k in (slice(start, start + size) for start in range(0, len(under.hot), size))
+    ]
+    return Moments(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
+
+
+class _On:
+    """Columns of a part at some of the candidates."""
+
+    def __init__(self, part: Any, rows: slice) -> None:
+        self.part, self.rows = part, rows
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        column: NDArray[Any] = self.part[name][self.rows]
+        return column
+
+
+def _on(parts: Parts, rows: slice) -> Parts:
+    return Parts(*(_On(part, rows) for part in parts))
+
+
+def _block(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, hot: Array, parts: Parts) -> Moments:
+    k_t, cycle = parts.motor["torque_constant"], at.cycle
+    found = wave(cycle.duration, at.functions, asked.coefficients, volts_of(asked, k_t, hot), k_t)
+    power, when = largest_power(found)
+    sums = energy(found)
+    winding, time = _peak_winding(spec, at, warm, mean_square(found), parts.motor)
+    return Moments(
+        winding=winding,
+        winding_time=time,
+        power=power,
+        power_time=when,
+        drawn=sums.drawn,
+        returned=sums.returned,
+        stored=sums.stored,
+        above=longest_above(found, parts.controller["continuous_current"]),
+    )
+
+
+def _peak_winding(spec: RobotSpec, at: AtGearhead, warm: Heat, square: Array, motor: Any) -> tuple[Array, Array]:
+    """Peak over the periodic cycle and when; the steady mean where the time constants are unknown."""
+    speed = at.functions[:, :, SPEED]
+    loss = np.outer(warm.friction, np.abs(speed).mean(1)) + np.outer(warm.iron, mean_product(speed, speed))
+    found = periodic_winding(_two_bodies(motor), spec.environment.ambient, at.cycle.duration, square, loss)
+    no_constants = np.isnan(motor["winding_time_constant"]) | np.isnan(motor["motor_time_constant"])
+    return np.where(no_constants, warm.winding, found.peak), np.where(no_constants, np.nan, found.peak_time)
+
+
+def _two_bodies(motor: Any) -> TwoBodies:
+    return TwoBodies(
+        R_25=motor["resistance"],
+        R_th1=motor["thermal_resistance_winding"],
+        R_th2=motor["thermal_resistance_housing"],
+        tau_w=motor["winding_time_constant"],
+        tau_h=motor["motor_time_constant"],
+    )
+
+
+def bounds(
+    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts
+) -> tuple[Moments, Moments]:
+    """Below and above what the waveform asks, from moments and extremes alone."""
+    current, voltage, total = under.current.value, under.voltage.value, at.cycle.total
+    net = energy_per_cycle(at, asked, under.hot, parts.motor["torque_constant"])
+    low_heat, high_heat = _winding_bounds(spec, at, asked, warm, under, parts.motor)
+    limit = parts.controller["continuous_current"]
+    over = current > limit
+    nothing = np.full_like(current, np.nan)
+    braked = braking_torque(at, asked.coefficients)
+    surely = _surely_returns(at, asked, under.hot, parts.motor["torque_constant"])
+    low = Moments(low_heat, nothing, net / total, nothing, nothing, nothing, np.where(surely, _SOME, 0.0),
+                  np.where(over, _SOME, 0.0))  # fmt: skip
+    high = Moments(high_heat, nothing, current * voltage, nothing, nothing, nothing,
+                   np.where(braked, np.inf, 0.0), np.where(over, total, 0.0))  # fmt: skip
+    return low, high
+
+
+def energy_per_cycle(at: AtGearhead, asked: Demands, resistance: Array, k_t: Array) -> Array:
+    """Energy from the supply over a cycle of which everything that comes back is used again [J], one motor set."""
+    c = asked.coefficients
+    copper = resistance * asked.rms_current**2
+    shaft = (c * at.moments[SPEED]).sum(1) * asked.total_ratio  # torque times speed, k_t cancels against k_e
+    net: Array = (copper + shaft) * at.cycle.total
+    return np.where(np.isnan(k_t), np.nan, net)
+
+
+def braking_torque(at: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
+    """Whether the motor's torque is ever against its motion: otherwise nothing comes back."""
+    against = np.zeros(len(coefficients), bool)
+    for points, sign in ((at.extremes.low, +1.0), (at.extremes.high, -1.0)):
+        moving = points[points[:, DIRECTION] == sign] * at.scale
+        if len(moving):
+            against |= (sign * (coefficients @ moving.T) < 0.0).any(axis=1)
+    return against
+
+
+def _surely_returns(at: AtGearhead, asked: Demands, hot: Array, k_t: Array) -> NDArray[np.bool_]:
+    """Whether power comes back at one of the extreme points: then it does."""
+    points = np.concatenate([at.extremes.high, at.extremes.low]) * at.scale
+    current = asked.coefficients / k_t[:, None] @ points.T
+    volts = volts_of(asked, k_t, hot) @ points.T
+    found: NDArray[np.bool_] = (current * volts < 0.0).any(axis=1)
+    return found
+
+
+def _winding_bounds(
+    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, motor: Any
+) -> tuple[Array, Array]:
+    fast = at.peak_speed
+    loss_peak = warm.friction * fast + warm.iron * fast**2
+    low, high = winding_bounds(
+        _two_bodies(motor), spec.environment.ambient, asked.rms_current, under.current.value, at.cycle.total,
+        warm.mean, loss_peak,
+    )  # fmt: skip
+    no_constants = np.isnan(motor["winding_time_constant"]) | np.isnan(motor["motor_time_constant"])
+    return np.where(no_constants, warm.winding, low), np.where(no_constants, warm.winding, high)
+
+
+def waveform_limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
+    """What the waveform asks against its limits; all motor sets draw from one supply."""
+    supply, sets, controller = spec.supply, spec.load.motors, parts.controller
+    torque, power = spec.margins.torque, found.power * sets
+    checks = [
+        winding_limit(spec, found.winding, parts.motor),
+        at_most("controller_peak_time", found.above, controller["peak_time"], "time", "s"),
+        at_most("bus_voltage", _bus_voltage(spec, found), controller["supply_max"], "voltage", "V"),
+    ]
+    if supply.current is not None:
+        drawn = power / supply.lowest
+        checks.append(at_most("supply_current", drawn, supply.current, "current", "A", needed=torque,
+                              time=found.power_time))  # fmt: skip
+    if supply.power is not None:
+        checks.append(at_most("supply_power", power, supply.power, "power", "W", needed=torque, time=found.power_time))
+    return [replace(checks[0], time=found.winding_time), *checks[1:]]
+
+
+def _bus_voltage(spec: RobotSpec, found: Moments) -> Array:
+    """Highest voltage of the bus: the supply's where it takes energy back, else what its capacitance makes of it."""
+    supply = spec.supply
+    if supply.regeneration > 0.0:
+        return np.full_like(found.stored, supply.highest)
+    stored = found.stored * spec.load.motors
+    if supply.capacitance is None:
+        return np.where(stored > 0.0, np.nan, supply.highest)
+    return np.sqrt(supply.highest**2 + 2.0 * stored / supply.capacitance)
