@@ -150,7 +150,9 @@ class CheckColumn:
 
 
 def _column(name: str, demand: Any, limit: Any, kind: str, unit: str, **more: Any) -> CheckColumn:
-    demand, limit = np.broadcast_arrays(np.asarray(demand, float), np.asarray(limit, float))
+    demand, limit = np.asarray(demand, float), np.asarray(limit, float)
+    if demand.shape != limit.shape:
+        demand, limit = np.broadcast_arrays(demand, limit)
     zero = more.get("zero", 0.0)
     idle = demand == zero
     above = demand if not more.get("needed") else zero + (demand - zero) * (1.0 + more["needed"])
@@ -159,7 +161,7 @@ def _column(name: str, demand: Any, limit: Any, kind: str, unit: str, **more: An
         demand=demand,
         limit=limit,
         passed=(above <= limit) | idle,
-        failed=((above > limit) | np.isposinf(demand)) & ~idle,  # what grows without end passes no limit, known or not
+        failed=((above > limit) | (demand == np.inf)) & ~idle,  # what grows without end passes no limit, known or not
         kind=kind,
         unit=unit,
         **more,

@@ -14,7 +14,7 @@ from drivesizer.candidates import Candidates, Rows
 from drivesizer.catalog import Catalog
 from drivesizer.checks import TITLES, CheckColumn, fits
 from drivesizer.choose import controllers, encoders
-from drivesizer.examine import Examined, examine, problem
+from drivesizer.examine import Examined, Problem, examine, problem
 from drivesizer.results import Requirement
 from drivesizer.spec import RobotSpec
 
@@ -48,8 +48,16 @@ class Evaluation(NamedTuple):
         return ~self.failed & ~passed
 
 
-def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates) -> Evaluation:
-    """The paper's requirements of every candidate, where it treats the machine, and its checks by the spec's method."""
+def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates, asked: Problem | None = None) -> Evaluation:
+    """The paper's requirements of every candidate, where it treats the machine, and its checks by the spec's method.
+
+    Parameters
+    ----------
+    spec, catalog, given
+        What is asked for, what there is, and the candidates.
+    asked
+        The spec with its load cycles, where they are at hand.
+    """
     wheel: dict[str, Requirement] = {}
     shaft: dict[str, Requirement] = {}
     motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
@@ -58,7 +66,7 @@ def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates) -> Evaluation
         shaft = paper.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
     if spec.method == "paper":
         return _by_the_paper(spec, catalog, given, wheel, shaft)
-    return _by_physics(spec, catalog, given, wheel, shaft)
+    return _by_physics(asked or problem(spec, catalog), given, wheel, shaft)
 
 
 def _by_the_paper(
@@ -80,10 +88,10 @@ def _by_the_paper(
 
 
 def _by_physics(
-    spec: RobotSpec, catalog: Catalog, given: Candidates, wheel: dict[str, Requirement], shaft: dict[str, Requirement]
+    asked: Problem, given: Candidates, wheel: dict[str, Requirement], shaft: dict[str, Requirement]
 ) -> Evaluation:
     """Every limit against the whole load cycle, a belt at a time."""
-    asked = problem(spec, catalog)
+    spec, catalog = asked.spec, asked.catalog
     belts = [np.flatnonzero(given.belt == belt) for belt in np.unique(given.belt)]
     found = [(rows, examine(asked, float(given.belt[rows[0]]), given.on(rows), staged=False)) for rows in belts]
     count = len(given.motor)

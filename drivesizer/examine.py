@@ -40,6 +40,7 @@ __all__ = ["Examined", "Problem", "examine", "problem"]
 
 Array = NDArray[np.float64]
 Record = TypeVar("Record", bound=tuple[Any, ...])
+_ENOUGH = 100  # candidates that fell, to find the nearest among
 
 
 class Problem(NamedTuple):
@@ -64,42 +65,104 @@ class Examined(NamedTuple):
     """What was found of the candidates that came through, in their order."""
 
     rows: NDArray[np.int64]  # which candidates these are
-    checks: list[CheckColumn]  # theirs
+    checks: list[CheckColumn]  # theirs; in stages none are kept
+    doubtful: NDArray[np.bool_]  # a check is unknown
+    margin: Array  # the smallest; NaN where it was not asked for
     controller: NDArray[np.int64]
     figures: dict[str, Array]  # what objectives count, SI
     failed_by: Counter[str]  # of all candidates, as far as they were examined
-    bound: Array  # of every candidate: its smallest margin is no better than this
+    fallen: NDArray[np.int64]  # candidates that fell, of which the nearest are told
+    bound: Array  # their smallest margin is no better than this
 
 
 class _Sieve:
     """Candidates on their way through the stages."""
 
-    def __init__(self, count: int, staged: bool) -> None:
-        self.rows = np.arange(count)
-        self.staged = staged
+    def __init__(self, sets: Candidates, staged: bool, margins: bool) -> None:
+        self.sets, self.staged, self.margins = sets, staged, margins
+        self.rows = np.arange(len(sets.motor))
         self.checks: list[CheckColumn] = []
         self.failed_by: Counter[str] = Counter()
-        self.bound = np.full(count, np.inf)
+        self.doubtful = np.zeros(len(sets.motor), bool)
+        self.margin = np.full(len(sets.motor), np.inf)
+        self.fallen: list[tuple[NDArray[np.int64], Array]] = []
+
+    def parts(self, alone: _Alone) -> None:
+        """The first stage: each part is judged once, and each pair by its two parts."""
+        sets = self.sets
+        for check in alone.load:
+            self.failed_by[check.name] += len(self.rows) * int(check.failed)
+        for found, owner in ((alone.gearhead, sets.gearhead), (alone.motor, sets.motor)):
+            used = np.bincount(owner)
+            for check in found:
+                self.failed_by[check.name] += int(used @ check.failed[: len(used)])
+        if self.staged:
+            self._drop(alone)
+        owners = (alone.load, self.rows), (alone.gearhead, sets.gearhead[self.rows]), (alone.motor, sets.motor[self.rows])
+        for found, owner in owners:
+            self._keep([_of(check, owner) for check in found])
+
+    def _drop(self, alone: _Alone) -> None:
+        """Candidates with a part that fails; those of a motor that fails too are hardly among the nearest."""
+        load, gearhead, motor = (_judged(found) for found in alone)
+        bad_gearhead, bad_motor = gearhead[0][self.sets.gearhead], motor[0][self.sets.motor]
+        fails = bad_gearhead | bad_motor | load[0]
+        fallen = np.flatnonzero(fails & ~bad_motor)
+        if len(fallen) < _ENOUGH:
+            fallen = np.flatnonzero(fails)
+        bound = np.minimum(gearhead[1][self.sets.gearhead[fallen]], load[1])
+        self.fallen.append((fallen, np.minimum(bound, motor[1][self.sets.motor[fallen]])))
+        self.rows = np.flatnonzero(~fails)
+        self.doubtful, self.margin = self.doubtful[self.rows], self.margin[self.rows]
 
     def through(self, found: Sequence[CheckColumn]) -> NDArray[np.bool_] | None:
         """Keep what does not fail; which of the rows these are, None for all of them."""
-        self.checks += found
         for check in found:
             self.failed_by[check.name] += int(np.count_nonzero(check.failed))
-        if not self.staged:
+        if not self.staged or not found:
+            self._keep(found)
             return None
         keep: NDArray[np.bool_] = ~np.logical_or.reduce([check.failed for check in found])
         if keep.all():
+            self._keep(found)
             return None
-        self._note(found, np.flatnonzero(~keep))
-        self.checks = [check.on(np.flatnonzero(keep)) for check in self.checks]
-        self.rows = self.rows[keep]
+        fallen, standing = np.flatnonzero(~keep), np.flatnonzero(keep)
+        self.fallen.append((self.rows[fallen], _judged([check.on(fallen) for check in found])[1]))
+        self.rows, self.doubtful, self.margin = self.rows[standing], self.doubtful[standing], self.margin[standing]
+        self._keep([check.on(standing) for check in found])
         return keep
 
-    def _note(self, found: Sequence[CheckColumn], fallen: NDArray[np.int64]) -> None:
-        margins = [np.nan_to_num(check.on(fallen).margin, nan=np.inf) for check in found]
-        lost = np.logical_or.reduce([check.on(fallen).failed & np.isnan(check.on(fallen).margin) for check in found])
-        self.bound[self.rows[fallen]] = np.where(lost, -1.0, np.minimum.reduce(margins))
+    def _keep(self, found: Sequence[CheckColumn]) -> None:
+        """Remember checks of the rows that are left: whole, or what they amount to."""
+        if not self.staged:
+            self.checks += found
+            return
+        for check in found:
+            self.doubtful |= ~check.passed
+            if self.margins:
+                self.margin = np.fmin(self.margin, np.where(check.by_choice, np.inf, check.margin))
+
+
+class _Alone(NamedTuple):
+    """Checks of the load, of each gearhead and of each motor of the catalogue."""
+
+    load: list[CheckColumn]
+    gearhead: list[CheckColumn]
+    motor: list[CheckColumn]
+
+
+def _judged(found: Sequence[CheckColumn]) -> tuple[NDArray[np.bool_], Array]:
+    """Whether any check fails, and what the smallest margin is at most; -1 where one fails that has none."""
+    if not found:
+        return np.zeros(1, bool), np.full(1, np.inf)
+    failed = np.logical_or.reduce([np.atleast_1d(check.failed) for check in found])
+    margins = [np.atleast_1d(np.where(np.isnan(c.margin), np.where(c.failed, -1.0, np.inf), c.margin)) for c in found]
+    return failed, np.minimum.reduce(margins)
+
+
+def _of(check: CheckColumn, owner: NDArray[np.int64]) -> CheckColumn:
+    """A check of parts as one of the sets that they belong to."""
+    return check.on(owner) if check.passed.ndim else check.on_all(owner)
 
 
 def _kept(record: Record, keep: NDArray[np.bool_] | None) -> Record:
@@ -116,7 +179,9 @@ class _Moving(NamedTuple):
     warm: Heat
 
 
-def examine(given: Problem, belt: float, sets: Candidates, *, staged: bool, exact: bool = True) -> Examined:
+def examine(
+    given: Problem, belt: float, sets: Candidates, *, staged: bool, exact: bool = True, margins: bool = False
+) -> Examined:
     """Candidates behind one belt against every limit.
 
     Parameters
@@ -131,15 +196,17 @@ def examine(given: Problem, belt: float, sets: Candidates, *, staged: bool, exac
         Drop what fails at each stage.
     exact
         Compute the waveform of all that come so far; else only of those that safe bounds leave undecided.
+    margins
+        Tell the smallest margin of each.
     """
     ats = [base.behind(belt) for base in given.bases]
-    sieve = _Sieve(len(sets.motor), staged)
-    sieve.through(_alone(given, ats, sets))
-    motor, gearhead = (Rows(t, r[sieve.rows]) for t, r in (
-        (given.catalog.motors, sets.motor), (given.catalog.gearheads, sets.gearhead)
-    ))  # fmt: skip
-    encoder = Rows(given.catalog.encoders, given.encoder.row[motor.rows])
-    parts = Parts(motor, gearhead, encoder, None)
+    sieve = _Sieve(sets, staged, margins)
+    sieve.parts(_alone(given, ats))
+    motor = Rows(given.catalog.motors, sets.motor[sieve.rows])
+    gearhead = Rows(given.catalog.gearheads, sets.gearhead[sieve.rows])
+    parts = Parts(motor, gearhead, Rows(given.catalog.encoders, given.encoder.row[motor.rows]), None)
+    listed = fits("compatibility", True, sets.listed[sieve.rows])
+    parts = _narrowed(parts, sieve.through([listed, *size_limits(given.spec, motor, gearhead)]))
     cases = [_moving(spec, at, parts) for spec, at in zip(given.specs, ats, strict=True)]
     keep = sieve.through(_each(given, lambda k: moving_limits(given.specs[k], ats[k], *cases[k], parts)))
     cases, parts = [_kept(case, keep) for case in cases], _narrowed(parts, keep)
@@ -160,21 +227,14 @@ def _moving(spec: RobotSpec, at: AtGearhead, parts: Parts) -> _Moving:
     return _Moving(asked, heat(spec, at, asked, parts.motor))
 
 
-def _alone(given: Problem, ats: Sequence[AtGearhead], sets: Candidates) -> list[CheckColumn]:
-    """What concerns the load, the gearhead or the motor alone: once per part, not per pair."""
+def _alone(given: Problem, ats: Sequence[AtGearhead]) -> _Alone:
+    """What concerns the load, a gearhead or a motor alone: once per part, not per pair."""
     motors, gearheads = given.catalog.motors, given.catalog.gearheads
-    load = _each(given, lambda k: load_limits(given.specs[k], ats[k]))
-    gear = _each(given, lambda k: gearhead_limits(given.specs[k], ats[k], gearheads))
-    motor = [*_each(given, lambda k: motor_limits(given.specs[k], motors)), *given.encoder.checks]
-    everywhere = np.zeros(len(sets.motor), np.int64)
-    pair = Rows(motors, sets.motor), Rows(gearheads, sets.gearhead)
-    return [
-        fits("compatibility", True, sets.listed),
-        *(check.on_all(everywhere) for check in load),
-        *(check.on(sets.gearhead) for check in gear),
-        *(check.on(sets.motor) for check in motor),
-        *size_limits(given.spec, *pair),
-    ]
+    return _Alone(
+        _each(given, lambda k: load_limits(given.specs[k], ats[k])),
+        _each(given, lambda k: gearhead_limits(given.specs[k], ats[k], gearheads)),
+        [*_each(given, lambda k: motor_limits(given.specs[k], motors)), *given.encoder.checks],
+    )
 
 
 def _powered(
@@ -195,7 +255,11 @@ def _powered(
     keep = sieve.through([chosen.checks[0], *found.checks])
     figures = {name: value if keep is None else value[keep] for name, value in found.figures.items()}
     row = chosen.row if keep is None else chosen.row[keep]
-    return Examined(sieve.rows, sieve.checks, row, figures, sieve.failed_by, sieve.bound)
+    fallen = np.concatenate([sieve.rows[:0], *(rows for rows, _ in sieve.fallen)])
+    bound = np.concatenate([sieve.margin[:0], *(bound for _, bound in sieve.fallen)])
+    return Examined(
+        sieve.rows, sieve.checks, sieve.doubtful, sieve.margin, row, figures, sieve.failed_by, fallen, bound
+    )  # fmt: skip
 
 
 def _controllers(

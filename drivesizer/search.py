@@ -8,7 +8,7 @@ are shown are then computed in full.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,7 @@ from drivesizer.candidates import Candidates, candidates, joined, pairs
 from drivesizer.catalog import Catalog
 from drivesizer.checks import CheckColumn
 from drivesizer.evaluation import Evaluation, evaluate
-from drivesizer.examine import examine, problem
+from drivesizer.examine import Examined, Problem, examine, problem
 from drivesizer.ranking import Objective
 from drivesizer.results import Counts
 from drivesizer.spec import RobotSpec
@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]  # sets examined, sets in all
 
 _CHUNK = 1 << 16  # pairs at a time
-_NEAREST = 100  # of those that fell, kept until all are known
+_NEAREST = 32  # of those that fell, kept until all are known
 _COUNTED = ("energy", "peak_current", "winding_temperature")  # figures that objectives count
 _WAVEFORM = {"energy", "winding_temperature", "margin"}  # objectives that the bounds do not tell
 
@@ -82,14 +82,15 @@ def search(
     if spec.method == "paper":
         return _by_the_paper(spec, catalog, top, objective, misses, pareto)
     names = {*ranking.names_of(objective), *pareto}
-    kept, fallen, counts = _sifted(spec, catalog, bool(names & _WAVEFORM), progress)
+    given = problem(spec, catalog)
+    kept, fallen, counts = _sifted(given, bool(names & _WAVEFORM), progress)
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
     order = ranking.order(catalog, kept.sets, *value, before=[kept.doubtful])
     best = order[: min(top, counts.feasible)]
     on_front = ranking.front(catalog, kept.sets, kept.figures, pareto) if pareto else best[:0]
     extra = on_front[~np.isin(on_front, best)]
     shown = [kept.sets.on(best), fallen, kept.sets.on(extra)]
-    evaluation = evaluate(spec, catalog, joined(shown))
+    evaluation = evaluate(spec, catalog, joined(shown), given)
     nearest = _nearest(evaluation, len(best), len(fallen.motor))[: misses if len(best) else top]
     places = {int(row): n for n, row in enumerate(best)} | {
         int(row): len(best) + len(nearest) + n for n, row in enumerate(extra)
@@ -134,19 +135,18 @@ def _on(evaluation: Evaluation, rows: NDArray[np.int64]) -> Evaluation:
     )
 
 
-def _sifted(
-    spec: RobotSpec, catalog: Catalog, exact: bool, progress: Progress | None
-) -> tuple[_Kept, Candidates, Counts]:
+def _sifted(given: Problem, exact: bool, progress: Progress | None) -> tuple[_Kept, Candidates, Counts]:
     """What stands, the nearest that fell, and how many there were of each."""
-    given, every, belts = problem(spec, catalog), pairs(spec, catalog), spec.belt_ratios
+    spec, every, belts = given.spec, pairs(given.spec, given.catalog), given.spec.belt_ratios
     total, done, failed_by = len(every.motor) * len(belts), 0, Counter[str]()
     kept: list[_Kept] = []
     fallen: list[tuple[Candidates, Array]] = []
     for belt, chunk in _chunks(every, belts):
-        one = examine(given, belt, chunk, staged=True, exact=exact)
+        one = examine(given, belt, chunk, staged=True, exact=exact, margins=exact)
         failed_by.update(one.failed_by)
-        kept.append(_row(chunk.on(one.rows), one.checks, one.figures))
-        fallen = [_best([*fallen, _fallen(chunk, one.bound)])]
+        figures = {name: one.figures[name] for name in _COUNTED} | {"margin": one.margin}
+        kept.append(_Kept(chunk.on(one.rows), one.doubtful, figures))
+        fallen = [_best([*fallen, _fallen(chunk, one)])]
         done += len(chunk.motor)
         if progress:
             progress(done, total)
@@ -164,17 +164,12 @@ def _chunks(every: Candidates, belts: list[float]) -> Iterator[tuple[float, Cand
             yield belt, chunk._replace(belt=np.full(len(chunk.motor), belt))
 
 
-def _row(sets: Candidates, checks: list[CheckColumn], figures: Mapping[str, Array]) -> _Kept:
-    passed = np.logical_and.reduce([check.passed for check in checks])
-    wanted = {name: figures[name] for name in _COUNTED}
-    return _Kept(sets, ~passed, wanted | {"margin": smallest_margin(checks)})
-
-
-def _fallen(chunk: Candidates, bound: Array) -> tuple[Candidates, Array]:
-    rows = np.flatnonzero(np.isfinite(bound))
+def _fallen(chunk: Candidates, one: Examined) -> tuple[Candidates, Array]:
+    rows, bound = one.fallen, one.bound
     if len(rows) > _NEAREST:
-        rows = rows[np.argpartition(-bound[rows], _NEAREST)[:_NEAREST]]
-    return chunk.on(rows), bound[rows]
+        few = np.argpartition(-bound, _NEAREST)[:_NEAREST]
+        rows, bound = rows[few], bound[few]
+    return chunk.on(rows), bound
 
 
 def _best(several: list[tuple[Candidates, Array]]) -> tuple[Candidates, Array]:

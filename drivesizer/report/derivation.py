@@ -19,7 +19,7 @@ from drivesizer.units import KINDS, from_si
 
 __all__ = ["MATHEMATICS", "quantity", "step", "symbol"]
 
-MATHEMATICS = ("symbol_value", "printed", "used", "numbers", "result")  # the entries of a step that are typst source
+MATHEMATICS = ("symbol", "symbol_value", "printed", "used", "numbers", "result")  # the entries of a step that are typst source
 
 
 def step(r: Requirement) -> dict[str, Any]:
@@ -28,6 +28,7 @@ def step(r: Requirement) -> dict[str, Any]:
     made = {
         "number": str(r.equation or ""),
         "title": r.title,
+        "symbol": left,
         "symbol_value": f"{left} = {quantity(float(r.value), r.unit, r.kind)}",
         "note": r.note,
         "printed": "",

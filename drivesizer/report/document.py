@@ -11,14 +11,16 @@ from typing import Any
 
 from drivesizer import __version__
 from drivesizer.checks import TITLES
+from drivesizer.loadcycle import LoadCycle
+from drivesizer.loads import load_cycle
 from drivesizer.report import figures
 from drivesizer.report.datasheet import datasheets
 from drivesizer.report.derivation import step
-from drivesizer.report.operating import operating_field
-from drivesizer.report.sums import price_of, unknown_of
+from drivesizer.report.operating import panels
+from drivesizer.report.sums import objective_figure, price_of, unknown_of
 from drivesizer.report.wording import cleaned, margin, short, use
-from drivesizer.results import Check, Comparison, DriveSet, SizingResult, Validation, worst
-from drivesizer.units import show
+from drivesizer.results import Check, Comparison, DriveSet, Figure, Relaxation, SizingResult, Validation, worst
+from drivesizer.units import from_si, label, show
 
 __all__ = ["document"]
 
@@ -42,11 +44,15 @@ def document(result: SizingResult, validation: Validation | None) -> dict[str, A
 
 
 def _content(result: SizingResult, validation: Validation | None, best: DriveSet | None) -> dict[str, Any]:
+    cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
     return {
         "name": result.spec.name,
         "version": __version__,
         "method": result.method,
-        "objective": result.objective,
+        "objective": result.objective.replace("_", " "),
+        "place": "wheel" if result.spec.load.kind == "wheeled_vehicle" else "load's shaft",
+        "paper": result.spec.paper_applies,
+        "cases": [name for name, _ in result.spec.load_cases if name],
         "catalogs": [[name, digest] for name, digest in result.catalog.digests.items()],
         "file": result.spec.file.replace("\\", "/").rsplit("/", 1)[-1],
         "found": bool(result.sets),
@@ -54,14 +60,18 @@ def _content(result: SizingResult, validation: Validation | None, best: DriveSet
         "motor_sets": result.spec.load.motors,
         "best": _best(best) if best else None,
         "spec": _spec(result.spec.entered),
-        "wheel_steps": [step(r) for r in result.requirements],
+        "load_steps": [step(r) | {"text": r.text} for r in result.requirements],
         "motor_steps": [step(r) for r in best.requirements] if best else [],
         "candidates": _candidates(result),
+        "front": _front(result) if result.front else None,
         "datasheets": datasheets(best, result.catalog) if best else [],
         "checks": [_check(c) for c in best.checks] if best else [],
         "beside": [_check(c) for c in best.beside] if best else [],
         "comparison": [_compared(pair) for pair in best.comparison] if best else [],
-        "figures": _figures(result, validation, best),
+        "does": [_figure(f) for f in best.figures] if best else [],
+        "changes": _moves(best.changes) if best else [],
+        "figures": _figures(result, validation, best, cycles),
+        "cut": len(figures.stretches(cycles)) > 1,
         "loop": _loop(validation) if validation else None,
         "assumptions": list(result.assumptions),
         "warnings": list(result.warnings),
@@ -113,18 +123,32 @@ def _parts(best: DriveSet) -> list[dict[str, str]]:
     } for role, part, said in rows]  # fmt: skip
 
 
+_FIRST_CASE = "as specified"  # goes without saying
+
+
 def _check(c: Check) -> dict[str, Any]:
+    bare = isnan(c.demand) and isnan(c.limit)  # a condition without figures
     return {
         "title": c.title,
-        "case": c.case,
-        "demand": "" if isnan(c.demand) and isnan(c.limit) else c.shown(c.demand),
-        "limit": "" if isnan(c.demand) and isnan(c.limit) else c.shown(c.limit),
+        "case": "" if bare or c.case == _FIRST_CASE else c.case,
+        "demand": "" if bare else c.shown(c.demand),
+        "limit": "" if bare else c.shown(c.limit),
         "margin": margin(c.margin),
+        "needed": margin(c.needed) if c.needed and not isnan(c.margin) else "",
         "use": use(c.margin),
+        "allowed": use(c.needed),
         "status": c.status,
         "at": "" if c.at_time is None else f"{c.at_time:.4g} s",
         "note": c.note or ("so by choice: says nothing of the load" if c.by_choice and c.status == "pass" else ""),
     }
+
+
+def _figure(f: Figure) -> dict[str, str]:
+    return {"title": f.title, "text": f.text, "at": "" if f.at_time is None else f"{f.at_time:.4g} s"}
+
+
+def _moves(changes: tuple[Relaxation, ...]) -> list[list[str]]:
+    return [[r.field, r.now, r.needed, r.set_label] for r in changes]
 
 
 def _compared(pair: Comparison) -> dict[str, Any]:
@@ -172,7 +196,7 @@ def _candidates(result: SizingResult) -> dict[str, Any]:
         "fell": [
             {"title": TITLES[result.method][name], "count": n, "share": n / counts.considered} for name, n in fell
         ],
-        "relaxations": [[r.field, r.now, r.needed, r.set_label] for r in result.relaxations],
+        "relaxations": _moves(result.relaxations),
         "unrestricted": _best(other) if other else None,
     }
 
@@ -200,12 +224,42 @@ def _some(titles: list[str], most: int = 2) -> str:
     return ", ".join(titles[:most]) + (f" and {more} more" if more > 0 else "")
 
 
-def _figures(result: SizingResult, validation: Validation | None, best: DriveSet | None) -> dict[str, Any]:
-    made = {"profile": figures.velocity_profile(result.spec.motion)}
+_LONGEST_FRONT = 40  # sets of it that are printed
+
+
+def _front(result: SizingResult) -> dict[str, Any]:
+    """Sets that no other beats in all of several objectives."""
+    found = [[objective_figure(s, name) for name in result.pareto] for s in result.front[:_LONGEST_FRONT]]
+    return {
+        "heads": [f.title for f in found[0]],
+        "rows": [
+            [str(s.rank), f"{s.motor.family} {s.motor.part}", _gearhead(s), *(f.text for f in row)]
+            for s, row in zip(result.front, found, strict=False)
+        ],
+        "more": max(len(result.front) - _LONGEST_FRONT, 0),
+    }
+
+
+def _gearhead(s: DriveSet) -> str:
+    belt = f" + belt {s.belt_ratio:g}" if s.belt_ratio != 1.0 else ""
+    return f"{s.gearhead.family} {s.gearhead.reduction} {s.gearhead.part}{belt}"
+
+
+def _trade_off(result: SizingResult) -> bytes:
+    rows = [(str(s.rank), *(objective_figure(s, name) for name in result.pareto[:2])) for s in result.front]
+    shown = [(rank, *(float(from_si(f.value, f.unit, f.kind)) for f in (x, y))) for rank, x, y in rows]
+    heads = [f"{f.title} ({label(f.unit)})" for f in rows[0][1:]]
+    return figures.trade_off(shown, (heads[0], heads[1]))
+
+
+def _figures(
+    result: SizingResult, validation: Validation | None, best: DriveSet | None, cycles: list[tuple[str, LoadCycle]]
+) -> dict[str, Any]:
+    made = {"profile": figures.speed_profile(result.spec), "cycle": figures.load_over_time(cycles)}
     if best:
-        field = operating_field(best, result.requirements)
-        if not isnan(field.no_load_speed) and not isnan(field.stall_torque):
-            made["field"] = figures.torque_speed(field)
+        made["field"] = figures.torque_speed(panels(result.spec, best, result.requirements))
+    if len(result.front) > 1:
+        made["front"] = _trade_off(result)
     if validation:
         made["loop"] = figures.closed_loop(validation)
     return {name: {"svg": svg.decode()} for name, svg in made.items()}
@@ -214,8 +268,6 @@ def _figures(result: SizingResult, validation: Validation | None, best: DriveSet
 def _loop(v: Validation) -> dict[str, Any]:
     gains = (("K_p", v.gains.kp, "V·s/rad"), ("K_i", v.gains.ki, "V/rad"), ("K_d", v.gains.kd, "V·s²/rad"),
              ("filter of the derivative", v.gains.filter_time, "s"), ("period", v.gains.period, "s"))  # fmt: skip
-    figures_ = [{"title": f.title, "text": f.text, "at": "" if f.at_time is None else f"{f.at_time:.4g} s"}
-                for f in v.figures]  # fmt: skip
     tight = worst(v.checks)
     return {
         "tightest": f"{tight.title} {margin(tight.margin)}" if tight else "",
@@ -224,7 +276,7 @@ def _loop(v: Validation) -> dict[str, Any]:
         "profile": v.profile,
         "status": v.status,
         "checks": [_check(c) for c in v.checks],
-        "figures": figures_,
+        "figures": [_figure(f) for f in v.figures],
         "gains": [[name, f"{value:.4g} {unit}"] for name, value, unit in gains],
         "rule": v.gains.rule,
         "source": v.gains.source,

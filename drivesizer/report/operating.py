@@ -1,13 +1,15 @@
-"""The operating points of the paper's cycle in the motor's torque-speed field."""
+"""What stands in the motor's torque-speed field: one panel for load cases that share its lines, and the paper's points."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from drivesizer import equations as eq
+from drivesizer.operating_field import OperatingField, field
 from drivesizer.results import DriveSet, Requirement
+from drivesizer.spec import RobotSpec
 
-__all__ = ["OperatingField", "OperatingPoint", "operating_field"]
+__all__ = ["OperatingPoint", "Panel", "panels", "paper_points"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,18 +22,35 @@ class OperatingPoint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OperatingField:
-    """What the motor can do at its nominal voltage, and what the cycle asks of it."""
+class Panel:
+    """Load cases with the same usable voltage and ambient: the motor's lines are the same for all of them."""
 
-    voltage: float  # V
-    no_load_speed: float  # rad/s
-    stall_torque: float  # N*m
-    nominal_torque: float  # N*m, NaN when unknown
-    points: tuple[OperatingPoint, ...]
+    cases: tuple[tuple[str, OperatingField], ...]  # by name; without a name where there is but one
+    points: tuple[OperatingPoint, ...] = ()
 
 
-def operating_field(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> OperatingField:
-    """The field of a set's motor with the paper's operating points, every torque brought to the motor as in (18).
+def panels(spec: RobotSpec, drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> list[Panel]:
+    """The field of a set's motor with the load cases in it; the paper's points too, where its method is asked for.
+
+    Parameters
+    ----------
+    spec
+        The machine with its load cases.
+    drive_set
+        The set.
+    requirements
+        Of the sizing.
+    """
+    alike: dict[tuple[float, float], list[tuple[str, OperatingField]]] = {}
+    for name, case in spec.load_cases:
+        found = field(case, drive_set)
+        alike.setdefault((found.voltage, found.ambient), []).append((name, found))
+    points = paper_points(drive_set, requirements) if spec.method == "paper" else ()
+    return [Panel(cases=tuple(cases), points=points) for cases in alike.values()]
+
+
+def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> tuple[OperatingPoint, ...]:
+    """The operating points of the paper's cycle, every torque brought to the motor as in (18).
 
     Parameters
     ----------
@@ -46,22 +65,15 @@ def operating_field(drive_set: DriveSet, requirements: tuple[Requirement, ...]) 
         "end of acceleration": (of["maximum_torque_per_motor"], of["nominal_speed"]),
         "cruise": (of["nominal_torque_per_motor"], of["nominal_speed"]),
         "start of deceleration": (of["deceleration_torque"] / wheels, of["nominal_speed"]),
-        "RMS of the cycle": (of["rms_torque_per_motor"], of["rms_speed"]),
+        "RMS": (of["rms_torque_per_motor"], of["rms_speed"]),
     }
     chain = {"K_g": drive_set.gearhead.ratio, "eta_gear": drive_set.gearhead.efficiency,
              "i_b": drive_set.belt_ratio, "eta_b": drive_set.belt_efficiency}  # fmt: skip
-    motor = drive_set.motor
-    return OperatingField(
-        voltage=motor.nominal_voltage,
-        no_load_speed=motor.no_load_speed,
-        stall_torque=motor.stall_torque,
-        nominal_torque=motor.nominal_torque,
-        points=tuple(
-            OperatingPoint(
-                name=name,
-                torque=float(eq.maximum_torque_at_motor(torque, **chain)),
-                speed=speed * drive_set.total_ratio,
-            )
-            for name, (torque, speed) in torques.items()
-        ),
+    return tuple(
+        OperatingPoint(
+            name=name,
+            torque=float(eq.maximum_torque_at_motor(torque, **chain)),
+            speed=speed * drive_set.total_ratio,
+        )
+        for name, (torque, speed) in torques.items()
     )

@@ -1,7 +1,7 @@
 """CSV: one tidy table of everything that was found, the closed loop over time, and the sets in rows.
 
 UTF-8, lines end with a newline. Numbers are written with every digit that they have, an unknown figure is an
-empty cell. Units are spelled as a spec accepts them.
+empty cell, one without end is ``inf``. Units are spelled as a spec accepts them.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from drivesizer.report.sums import price_of
-from drivesizer.results import Check, DriveSet, Figure, Requirement, SizingResult, Validation, worst
+from drivesizer.report.sums import objective_figure, price_of
+from drivesizer.results import Check, DriveSet, Figure, Relaxation, Requirement, SizingResult, Validation, worst
 from drivesizer.units import KINDS, from_si
 
 __all__ = ["COLUMNS", "render", "report_csv", "sets_csv", "timeseries_csv"]
 
 COLUMNS = (
     "section", "set_rank", "name", "title", "symbol", "equation", "method", "case", "value", "limit", "unit",
-    "si_value", "si_limit", "si_unit", "margin", "status", "at_time_s", "note",
+    "si_value", "si_limit", "si_unit", "margin", "needed_margin", "status", "at_time_s", "note",
 )  # fmt: skip
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")  # a spreadsheet computes a cell that begins so
@@ -36,7 +36,7 @@ def render(result: SizingResult, validation: Validation | None, path: Path) -> d
 
 
 def report_csv(result: SizingResult, validation: Validation | None) -> bytes:
-    """Requirements, sets, checks and the closed loop, one figure in a row."""
+    """Requirements, sets, what they do, checks, changes, the Pareto front and the closed loop, one figure in a row."""
     rows = (row for part in _sections(result, validation) for row in part)
     return _encoded(COLUMNS, ([row.get(column, "") for column in COLUMNS] for row in rows))
 
@@ -47,7 +47,12 @@ def _sections(result: SizingResult, validation: Validation | None) -> Iterator[I
         rank = {"set_rank": drive_set.rank}
         yield ({**row, **rank} for row in _set(drive_set, result.objective))
         yield ({**_requirement(r), **rank} for r in drive_set.requirements)
+        yield ({**_loose("figure", f), **rank} for f in drive_set.figures)
         yield ({**_check("check", c), **rank} for c in (*drive_set.checks, *drive_set.beside))
+        yield ({**_change(r), **rank} for r in drive_set.changes)
+    yield (_change(r) for r in result.relaxations)
+    for drive_set in result.front:
+        yield ({**row, "set_rank": drive_set.rank} for row in _on_front(drive_set, result.pareto))
     if validation is not None:
         yield _validation(validation)
 
@@ -76,23 +81,48 @@ def _check(section: str, c: Check) -> dict[str, Any]:
         "limit": from_si(c.limit, c.unit, c.kind),
         "si_limit": c.limit,
         "margin": c.margin,
+        "needed_margin": c.needed,
         "status": c.status,
         "at_time_s": "" if c.at_time is None else c.at_time,
         "note": c.note,
     }
 
 
-def _set(s: DriveSet, objective: str) -> Iterator[dict[str, Any]]:
-    parts: dict[str, Any] = {
-        "motor": s.motor,
-        "gearhead": s.gearhead,
-        "encoder": s.encoder,
-        "controller": s.controller,
-    }
+def _change(r: Relaxation) -> dict[str, Any]:
+    """What would let a set stand: the figure now as value, what it must become as limit."""
+    (now, unit), (needed, _) = (_number_of(text) for text in (r.now, r.needed))
+    row = {"section": "change", "name": r.field, "title": "What would have to move", "value": now, "limit": needed}
+    return row | {"unit": unit, "note": f"then {r.set_label} stands"}
+
+
+def _number_of(text: str) -> tuple[float | str, str]:
+    """Number and unit of a quantity that is printed already; a text without a number stays one."""
+    number, _, unit = text.partition(" ")
+    try:
+        return float(number), unit.translate(_SPELLED)
+    except ValueError:
+        return text, ""
+
+
+_SPELLED = str.maketrans({"·": "*", "²": "^2", "³": "^3", "°": "deg", "Ω": "ohm"})
+
+
+def _on_front(s: DriveSet, objectives: Iterable[str]) -> Iterator[dict[str, Any]]:
+    yield from _parts("front", {"motor": s.motor, "gearhead": s.gearhead})
+    yield _figure("front", "total_ratio", "Whole reduction", s.total_ratio, "dimensionless", "1")
+    yield from (_loose("front", objective_figure(s, name)) for name in objectives)
+
+
+def _parts(section: str, parts: dict[str, Any]) -> Iterator[dict[str, Any]]:
     for name, part in parts.items():
         title = f"{part.manufacturer} {part.family}" if part else ""
         said = part.part if part else ""
-        yield {"section": "set", "name": name, "title": title, "value": said, "status": "" if part else "unknown"}
+        yield {"section": section, "name": name, "title": title, "value": said, "status": "" if part else "unknown"}
+
+
+def _set(s: DriveSet, objective: str) -> Iterator[dict[str, Any]]:
+    names = ("motor", "gearhead", "encoder", "controller")
+    yield from _parts("set", {name: getattr(s, name) for name in names})
     figures = {
         "gearhead_ratio": ("Reduction of the gearhead", s.gearhead.ratio, "dimensionless", "1", ()),
         "belt_ratio": ("Reduction of the belt", s.belt_ratio, "dimensionless", "1", ()),
@@ -116,7 +146,7 @@ def _validation(v: Validation) -> Iterator[dict[str, Any]]:
     rank = {"set_rank": v.drive_set.rank}
     yield {"section": "validation", "name": "verdict", "title": f"Closed loop, {v.profile}", "status": v.status, **rank}
     yield from (_check("validation", c) | rank for c in v.checks)
-    yield from (_loop_figure(f) | rank for f in v.figures)
+    yield from (_loose("validation", f) | rank for f in v.figures)
     for name, title, unit in _GAINS:
         value = getattr(v.gains, name)
         yield {"section": "validation", "name": name, "title": title, "value": value, "unit": unit, "si_value": value,
@@ -132,9 +162,10 @@ _GAINS = (
 )
 
 
-def _loop_figure(f: Figure) -> dict[str, Any]:
+def _loose(section: str, f: Figure) -> dict[str, Any]:
+    """A figure that has no limit of its own."""
     at_time = "" if f.at_time is None else f.at_time
-    return _figure("validation", f.name, f.title, f.value, f.kind, f.unit) | {"at_time_s": at_time}
+    return _figure(section, f.name, f.title, f.value, f.kind, f.unit) | {"at_time_s": at_time}
 
 
 def timeseries_csv(validation: Validation) -> bytes:
@@ -148,29 +179,42 @@ def timeseries_csv(validation: Validation) -> bytes:
 
 
 def sets_csv(result: SizingResult) -> bytes:
-    """One row per set, and per nearest miss where fewer stand than were asked for."""
-    sets = (*result.sets, *result.misses)
-    checks = list(dict.fromkeys(c.name for s in sets for c in s.checks))
-    heads = [*_SET_HEADS, "price_of", f"objective_{result.objective}_si", "smallest_margin", "smallest_margin_check"]
-    return _encoded([*heads, *(f"margin_{name}" for name in checks)], (_set_row(s, checks) for s in sets))
+    """One row per set, per nearest miss where fewer stand than were asked for, and per set of the Pareto front."""
+    lists = (("set", result.sets), ("miss", result.misses), ("front", result.front))
+    sets = [(name, one) for name, some in lists for one in some]
+    checks = list(dict.fromkeys(c.name for _, s in sets for c in s.checks))
+    figures = {f.name: f.kind for _, s in sets for f in s.figures}
+    objective = f"objective_{_slug(result.objective)}_si"
+    heads = [*_SET_HEADS, "price_of", objective, "smallest_margin", "smallest_margin_check"]
+    heads += [*(f"margin_{name}" for name in checks), *(f"figure_{name}_{KINDS[k].si}" for name, k in figures.items())]
+    return _encoded(heads, ([name, *_set_row(one, checks, list(figures))] for name, one in sets))
+
+
+def _slug(title: str) -> str:
+    """The title of an objective as a word: that of several with weights has blanks.
+
+    >>> _slug("2 mass + 1 price")
+    '2_mass_1_price'
+    """
+    return "_".join(title.replace("+", " ").split())
 
 
 _SET_HEADS = (
-    "rank", "status", "motor_family", "motor_part", "gearhead_family", "gearhead_part", "gearhead_ratio",
+    "list", "rank", "status", "motor_family", "motor_part", "gearhead_family", "gearhead_part", "gearhead_ratio",
     "belt_ratio", "encoder_family", "encoder_part", "controller_family", "controller_part", "total_ratio", "mass_kg",
     "mass_of", "price_EUR",
 )  # fmt: skip
 
 
-def _set_row(s: DriveSet, checks: list[str]) -> list[Any]:
+def _set_row(s: DriveSet, checks: list[str], figures: list[str]) -> list[Any]:
     tightest, (price, price_over) = worst(s.checks), price_of(s)
-    margins = {c.name: c.margin for c in s.checks}
+    margins, does = {c.name: c.margin for c in s.checks}, {f.name: f.value for f in s.figures}
     chosen = [text for part in (s.encoder, s.controller) for text in ((part.family, part.part) if part else ("", ""))]
     return [
         s.rank, s.status, s.motor.family, s.motor.part, s.gearhead.family, s.gearhead.part, s.gearhead.ratio,
         s.belt_ratio, *chosen, s.total_ratio, s.mass, " + ".join(s.mass_of), price, " + ".join(price_over), s.objective,
         tightest.margin if tightest else "", tightest.name if tightest else "",
-        *(margins.get(name, "") for name in checks),
+        *(margins.get(name, "") for name in checks), *(does.get(name, "") for name in figures),
     ]  # fmt: skip
 
 
@@ -184,7 +228,7 @@ def _encoded(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
 
 def _cell(value: Any) -> Any:
     if isinstance(value, float):
-        return float(value) if math.isfinite(value) else ""  # numpy's floats print as their constructor
+        return "" if math.isnan(value) else float(value)  # numpy's floats print as their constructor
     if not isinstance(value, str):
         return value
     # A lone carriage return would end the row for most readers, and the csv module does not quote it.

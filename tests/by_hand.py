@@ -1,0 +1,537 @@
+"""The drive model once more in plain Python: one set, one segment, one moment at a time, to hold the program against.
+
+Written from the handbooks' physics and not from the program: no columns, no moments, no hulls. Where a quantity is a
+straight line within a piece of the cycle its ends are enough; products of two lines are integrated by Simpson's rule,
+which is exact for them. Parts are records with their figures by name; NaN is unknown.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+ALPHA = 0.0039  # 1/K, copper
+ROOM = 298.15  # K, of datasheets
+NAN = math.nan
+
+Pair = tuple[float, float]  # values at the left and the right end
+
+
+class Segment(NamedTuple):
+    """Of a load cycle, at the load's shaft."""
+
+    time: float
+    speed: Pair
+    acceleration: Pair
+    torque: Pair
+
+
+class Piece(NamedTuple):
+    """Of one direction and one direction of power."""
+
+    start: float
+    time: float
+    gear_torque: Pair  # at the gearhead's output
+    gear_speed: Pair
+    way: int  # of the motion: 1, -1, 0 at rest
+    current: Pair
+    speed: Pair  # of the motor
+
+
+def segments_of(cycle: Any) -> list[Segment]:
+    """A load cycle of the program as a list."""
+    columns = (cycle.speed, cycle.acceleration, cycle.torque)
+    rows = zip(cycle.duration.tolist(), *(c.tolist() for c in columns), strict=True)
+    return [Segment(t, tuple(w), tuple(a), tuple(T)) for t, w, a, T in rows]
+
+
+def largest(values: list[float]) -> float:
+    """The maximum, NaN if any is."""
+    return NAN if any(map(math.isnan, values)) else max(values)
+
+
+def product(time: float, a: Pair, b: Pair) -> float:
+    """Integral of the product of two lines: Simpson."""
+    middle = (a[0] + a[1]) / 2 * (b[0] + b[1]) / 2
+    return time / 6 * (a[0] * b[0] + 4 * middle + a[1] * b[1])
+
+
+def crossing(ends: Pair) -> list[float]:
+    """Share of a piece after which a line passes through zero, if it does."""
+    return [ends[0] / (ends[0] - ends[1])] if ends[0] * ends[1] < 0.0 else []
+
+
+def between(ends: Pair, left: float, right: float) -> Pair:
+    """A line between two shares of it; what is nothing but rounding beside its ends is zero."""
+    size = 1e-13 * max(abs(ends[0]), abs(ends[1]))
+    found = [ends[0] + s * (ends[1] - ends[0]) for s in (left, right)]
+    return tuple(0.0 if abs(x) < size else x for x in found)  # type: ignore[return-value]
+
+
+def drive(motor: Any, head: Any, more_inertia: float, belt: float, e_belt: float, cycle: list[Segment]) -> list[Piece]:
+    """What the motor does in each piece of the cycle."""
+    pieces, now = [], 0.0
+    inertia = motor.rotor_inertia + head.inertia + more_inertia
+    k, i, e = motor.torque_constant, head.ratio, head.efficiency
+    for segment in cycle:
+        cuts = sorted({0.0, *crossing(segment.speed), *crossing(segment.torque), 1.0})
+        for left, right in itertools.pairwise(cuts):
+            w, a, T = (between(c, left, right) for c in segment[1:])
+            way = (w[0] + w[1] > 0) - (w[0] + w[1] < 0)
+            power = way * (T[0] + T[1])
+            if power > 0:  # to the load: every stage asks for more
+                T_g = T[0] / (belt * e_belt), T[1] / (belt * e_belt)
+                T_m = T_g[0] / (i * e), T_g[1] / (i * e)
+            elif power < 0:  # from the load: every stage keeps some
+                T_g = T[0] * e_belt / belt, T[1] * e_belt / belt
+                T_m = T_g[0] * e / i, T_g[1] * e / i
+            else:
+                T_g = T[0] / belt, T[1] / belt
+                T_m = T_g[0] / i, T_g[1] / i
+            w_g = w[0] * belt, w[1] * belt
+            w_m = w_g[0] * i, w_g[1] * i
+            loss = [k * motor.no_load_current * way] * 2
+            if motor.kind != "brushed":
+                loss = [k * motor.no_load_current * x / motor.no_load_speed for x in w_m]
+            tau = [T_m[n] + inertia * a[n] * belt * i + loss[n] for n in (0, 1)]
+            time = segment.time * (right - left)
+            pieces.append(Piece(now + segment.time * left, time, T_g, w_g, way, (tau[0] / k, tau[1] / k), w_m))
+        now += segment.time
+    return pieces
+
+
+@dataclass
+class Asked:
+    """What the cycle asks of one set."""
+
+    gear_rms: float
+    gear_peak: float
+    gear_speed: float
+    gear_sustained: float
+    gear_mean_power: float
+    gear_peak_power: float
+    speed: float
+    I_rms: float
+    I_peak: float
+    V_peak: float
+    hot: float  # ohm
+    settled: float  # K, steady mean
+    winding: float  # K, peak over the repeating cycle
+    power: float
+    drawn: float
+    returned: float
+    stored: float
+
+
+def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float) -> Asked:
+    """Every demand of one set, the time above a current apart."""
+    total = sum(p.time for p in pieces)
+    running = [p for p in pieces if p.way]
+    ran = sum(p.time for p in running)
+    level = [abs(p.gear_speed[0]) for p in running if math.isclose(*p.gear_speed, rel_tol=1e-12)]
+    fastest = max(abs(w) for p in pieces for w in p.gear_speed)
+    I_rms = math.sqrt(sum(product(p.time, p.current, p.current) for p in pieces) / total)
+    steady = settled(motor, ambient, I_rms, sum(housing(p, motor) for p in pieces) / total)
+    known = steady if math.isfinite(steady) else ambient
+    cold, hot = (motor.resistance * (1 + ALPHA * (T - ROOM)) for T in (ambient, known))
+    drawn, returned, stored = energy(pieces, motor, hot)
+    return Asked(
+        gear_rms=math.sqrt(sum(product(p.time, p.gear_torque, p.gear_torque) for p in running) / ran),
+        gear_peak=max(abs(T) for p in pieces for T in p.gear_torque),
+        gear_speed=fastest,
+        gear_sustained=max(level) if level else fastest,
+        gear_mean_power=sum(abs(product(p.time, p.gear_torque, p.gear_speed)) for p in running) / ran,
+        gear_peak_power=max(abs(p.gear_torque[n] * p.gear_speed[n]) for p in pieces for n in (0, 1)),
+        speed=fastest * head.ratio,
+        I_rms=I_rms,
+        I_peak=largest([abs(amps) for p in pieces for amps in p.current]),
+        V_peak=largest([abs(v) for R in (cold, hot) for p in pieces for v in volts(p, motor, R)]),
+        hot=hot,
+        settled=steady,
+        winding=periodic_peak(pieces, motor, ambient, steady),
+        power=largest([strongest(p.time, p.current, volts(p, motor, hot)) for p in pieces]),
+        drawn=drawn,
+        returned=returned,
+        stored=stored,
+    )
+
+
+def volts(piece: Piece, motor: Any, resistance: float) -> Pair:
+    """Voltage at both ends: what the resistance takes and what the motion induces."""
+    k = motor.torque_constant
+    return tuple(resistance * piece.current[n] + k * piece.speed[n] for n in (0, 1))  # type: ignore[return-value]
+
+
+def strongest(time: float, I: Pair, V: Pair) -> float:  # noqa: E741
+    """Largest product of two lines: at an end, or where the parabola through three values of it turns."""
+    p0, p1 = I[0] * V[0], I[1] * V[1]
+    middle = (I[0] + I[1]) / 2 * (V[0] + V[1]) / 2
+    a, b = 2 * (p0 - 2 * middle + p1), 4 * middle - 3 * p0 - p1
+    best = largest([p0, p1])
+    if a < 0 and 0 < -b / (2 * a) < 1:
+        best = max(best, p0 - b * b / (4 * a))
+    return best
+
+
+def energy(pieces: list[Piece], motor: Any, resistance: float) -> tuple[float, float, float]:
+    """Drawn and returned over a cycle, and the most that a store holds that takes what comes back and gives first."""
+    steps = []
+    for p in pieces:
+        V = volts(p, motor, resistance)
+        cuts = sorted({0.0, *crossing(p.current), *crossing(V), 1.0})
+        for left, right in itertools.pairwise(cuts):
+            time = p.time * (right - left)
+            steps.append(product(time, between(p.current, left, right), between(V, left, right)))
+    if any(map(math.isnan, steps)):
+        return NAN, NAN, NAN
+    drawn, returned = sum(s for s in steps if s > 0), -sum(s for s in steps if s < 0)
+    if returned > drawn:
+        return drawn, returned, math.inf  # more every time
+    held = most = 0.0
+    for step in steps * 2:
+        held = max(held - step, 0.0)
+        most = max(most, held)
+    return drawn, returned, most
+
+
+def above(pieces: list[Piece], limit: float) -> float:
+    """Longest time on end with more than a current, the cycle repeating."""
+    if math.isnan(limit) or any(math.isnan(p.current[0]) for p in pieces):
+        return NAN
+    spans: list[list[float]] = []  # from, to
+    total = sum(p.time for p in pieces)
+    for p in pieces:
+        a, b = p.current
+        at = [(level - a) / (b - a) for level in (limit, -limit)] if a != b else []
+        cuts = sorted({0.0, *(s for s in at if 0 < s < 1), 1.0})
+        for left, right in itertools.pairwise(cuts):
+            if abs(a + (left + right) / 2 * (b - a)) > limit:
+                begin, end = p.start + left * p.time, p.start + right * p.time
+                if spans and abs(spans[-1][1] - begin) < 1e-9 * total:
+                    spans[-1][1] = end
+                else:
+                    spans.append([begin, end])
+    if not spans:
+        return 0.0
+    lengths = [end - begin for begin, end in spans]
+    if len(spans) > 1 and spans[0][0] < 1e-9 * total and total - spans[-1][1] < 1e-9 * total:
+        lengths.append(lengths[0] + lengths[-1])
+    return min(max(lengths), total)
+
+
+# --- heat ---
+
+
+def housing(piece: Piece, motor: Any) -> float:
+    """Energy lost at the housing over a piece [J]: brushes and bearings, or iron calibrated at the nominal point."""
+    if motor.kind == "brushed":
+        return motor.torque_constant * motor.no_load_current * abs(sum(piece.speed)) / 2 * piece.time
+    R_1, R_2 = motor.thermal_resistance_winding, motor.thermal_resistance_housing
+    rise = motor.max_winding_temperature - ROOM
+    copper = motor.resistance * (1 + ALPHA * rise) * motor.nominal_current**2
+    iron = (rise - (R_1 + R_2) * copper) / R_2  # W at nominal speed
+    iron = 0.0 if iron < 0 else iron
+    return iron / motor.nominal_speed**2 * product(piece.time, piece.speed, piece.speed)
+
+
+def settled(motor: Any, ambient: float, I_rms: float, loss: float) -> float:
+    """Winding in the long run: R grows with the rise x; x (1 - a c) = c (1 + a (T_a - 25 degC)) + R_2 loss."""
+    R_2 = motor.thermal_resistance_housing
+    c = (motor.thermal_resistance_winding + R_2) * motor.resistance * I_rms**2
+    if math.isnan(c + loss):
+        return NAN
+    if ALPHA * c >= 1:
+        return math.inf
+    return ambient + (c * (1 + ALPHA * (ambient - ROOM)) + R_2 * loss) / (1 - ALPHA * c)
+
+
+def _network(motor: Any, ambient: float, square: float, loss: float) -> tuple[tuple[float, ...], Pair]:
+    """Winding and housing as rises over the ambient, x' = A x + b."""
+    R_1, R_2 = motor.thermal_resistance_winding, motor.thermal_resistance_housing
+    C_w, C_h = motor.winding_time_constant / R_1, motor.motor_time_constant / R_2
+    P = motor.resistance * square
+    matrix = ((ALPHA * P - 1 / R_1) / C_w, 1 / (R_1 * C_w), 1 / (R_1 * C_h), -(1 / R_1 + 1 / R_2) / C_h)
+    return matrix, (P * (1 + ALPHA * (ambient - ROOM)) / C_w, loss / C_h)
+
+
+def periodic_peak(pieces: list[Piece], motor: Any, ambient: float, steady: float) -> float:
+    """Peak of the winding over the repeating cycle, mean square current and mean loss in each piece."""
+    if math.isnan(motor.winding_time_constant + motor.motor_time_constant) or math.isnan(steady):
+        return steady
+    steps = []
+    x = (0.0, 0.0)  # particular solution, and the two of the homogeneous equation
+    y, z = (1.0, 0.0), (0.0, 1.0)
+    for p in pieces:
+        square, loss = product(p.time, p.current, p.current) / p.time, housing(p, motor) / p.time
+        step = _Step(*_network(motor, ambient, square, loss))
+        if step.fast * p.time > 300 or step.slow * p.time > 300:
+            return math.inf
+        steps.append((step, p.time))
+        x, y, z = step.after(x, p.time), step.after(y, p.time, 0.0), step.after(z, p.time, 0.0)
+    if largest([*map(abs, y), *map(abs, z)]) > 1e100:
+        return math.inf
+    trace, det = y[0] + z[1], y[0] * z[1] - y[1] * z[0]
+    if trace / 2 + math.sqrt(max(trace * trace / 4 - det, 0.0)) >= 1:
+        return math.inf
+    a, b, c, d = 1 - y[0], -z[0], -y[1], 1 - z[1]
+    whole = a * d - b * c
+    x = ((x[0] * d - b * x[1]) / whole, (a * x[1] - c * x[0]) / whole)
+    peak = x[0]
+    for step, time in steps:
+        peak = max(peak, step.highest(x, time))
+        x = step.after(x, time)
+        peak = max(peak, x[0])
+    return ambient + peak
+
+
+class _Step:
+    """Winding and housing under constant losses, in closed form."""
+
+    def __init__(self, matrix: tuple[float, ...], b: Pair) -> None:
+        m11, m12, m21, m22 = self.matrix = matrix
+        root = math.sqrt((m11 - m22) ** 2 / 4 + m12 * m21)
+        self.slow, self.fast = (m11 + m22) / 2 + root, (m11 + m22) / 2 - root
+        det = m11 * m22 - m12 * m21
+        self.rest = ((m12 * b[1] - m22 * b[0]) / det, (m21 * b[0] - m11 * b[1]) / det)
+
+    def _modes(self, x: Pair, drive: float) -> tuple[Pair, Pair]:
+        m11, m12, m21, m22 = self.matrix
+        d = x[0] - drive * self.rest[0], x[1] - drive * self.rest[1]
+        span = self.slow - self.fast
+        Md = m11 * d[0] + m12 * d[1], m21 * d[0] + m22 * d[1]
+        slow = tuple((Md[n] - self.fast * d[n]) / span for n in (0, 1))
+        fast = tuple((self.slow * d[n] - Md[n]) / span for n in (0, 1))
+        return slow, fast  # type: ignore[return-value]
+
+    def after(self, x: Pair, time: float, drive: float = 1.0) -> Pair:
+        slow, fast = self._modes(x, drive)
+        s, f = math.exp(self.slow * time), math.exp(self.fast * time)
+        return tuple(drive * self.rest[n] + slow[n] * s + fast[n] * f for n in (0, 1))  # type: ignore[return-value]
+
+    def highest(self, x: Pair, time: float) -> float:
+        """Where the winding's rate is zero, if that is within."""
+        slow, fast = self._modes(x, 1.0)
+        rates = slow[0] * self.slow, -fast[0] * self.fast
+        if rates[0] * rates[1] <= 0:
+            return -math.inf
+        at = math.log(rates[0] / rates[1]) / (self.fast - self.slow)
+        return self.after(x, at)[0] if 0 < at < time else -math.inf
+
+
+def marched_peak(pieces: list[Piece], motor: Any, ambient: float, least_steps: int, *, level: bool = True) -> float:
+    """The same peak by a march in small steps (Runge-Kutta), without any closed form.
+
+    ``level`` takes the mean square current over each piece, otherwise that of each moment.
+    """
+
+    def rates(x: Pair, p: Piece, share: float) -> Pair:
+        square = product(p.time, p.current, p.current) / p.time
+        if not level:
+            square = (p.current[0] + share * (p.current[1] - p.current[0])) ** 2
+        A, b = _network(motor, ambient, square, housing(p, motor) / p.time)
+        return A[0] * x[0] + A[1] * x[1] + b[0], A[2] * x[0] + A[3] * x[1] + b[1]
+
+    def march(x: Pair) -> tuple[Pair, float]:
+        peak = x[0]
+        for p in pieces:
+            steps = max(least_steps, math.ceil(20 * p.time / motor.winding_time_constant))
+            h = p.time / steps
+            for n in range(steps):
+                s = n / steps
+                k1 = rates(x, p, s)
+                k2 = rates((x[0] + h / 2 * k1[0], x[1] + h / 2 * k1[1]), p, s + 0.5 / steps)
+                k3 = rates((x[0] + h / 2 * k2[0], x[1] + h / 2 * k2[1]), p, s + 0.5 / steps)
+                k4 = rates((x[0] + h * k3[0], x[1] + h * k3[1]), p, s + 1 / steps)
+                x = tuple(x[m] + h / 6 * (k1[m] + 2 * k2[m] + 2 * k3[m] + k4[m]) for m in (0, 1))  # type: ignore[assignment]
+                peak = max(peak, x[0])
+        return x, peak
+
+    g, (p1, _), (p2, _) = march((0.0, 0.0))[0], march((1.0, 0.0)), march((0.0, 1.0))
+    a, c = 1 - (p1[0] - g[0]), -(p1[1] - g[1])
+    b, d = -(p2[0] - g[0]), 1 - (p2[1] - g[1])
+    whole = a * d - b * c
+    return ambient + march(((g[0] * d - b * g[1]) / whole, (a * g[1] - c * g[0]) / whole))[1]
+
+
+# --- limits ---
+
+
+class Verdict(NamedTuple):
+    """One check."""
+
+    demand: float
+    limit: float
+    status: str
+    margin: float
+
+
+def at_most(demand: float, limit: float, needed: float = 0.0, zero: float = 0.0) -> Verdict:
+    """A demand against a limit; the margin counts from ``zero``."""
+    if demand == zero:
+        return Verdict(demand, limit, "pass", NAN)
+    if math.isnan(demand):
+        return Verdict(demand, limit, "unknown", NAN)
+    margin = NAN if math.isinf(demand) and math.isnan(limit) else (limit - zero) / (demand - zero) - 1
+    if math.isinf(demand):
+        return Verdict(demand, limit, "fail", margin)
+    if math.isnan(limit):
+        return Verdict(demand, limit, "unknown", NAN)
+    return Verdict(demand, limit, "fail" if (demand - zero) * (1 + needed) > limit - zero else "pass", margin)
+
+
+def within(value: float, least: float, most: float) -> Verdict:
+    """A temperature within a range of which one end may be missing."""
+    if math.isnan(least) and math.isnan(most):
+        return Verdict(value, NAN, "unknown", NAN)
+    return Verdict(value, NAN, "fail" if value < least or value > most else "pass", NAN)
+
+
+def controller_for(spec: Any, offered: list[Any], kind: str, rms: float, peak: float, volts: float) -> Any | None:
+    """The smallest controller that does: by continuous current, then part number; a known one before an unknown."""
+    usable = [c for c in offered if c.supply_min <= spec.supply.lowest and c.supply_max >= spec.supply.highest]
+    usable = [c for c in usable if c.drives in ("", "both", kind) or (kind == "" and c.drives)]
+    usable.sort(key=lambda c: (math.isnan(c.continuous_current), c.continuous_current, c.part))
+    found = None
+    for c in usable:
+        given = voltage_of(spec, c)
+        if c.continuous_current < rms or c.peak_current < peak or given < volts:
+            continue
+        if not math.isnan(c.continuous_current + c.peak_current + given):
+            return c
+        found = found or c
+    return found or (usable[-1] if usable else None)
+
+
+def voltage_of(spec: Any, controller: Any) -> float:
+    """What a controller can give at the lowest supply [V]."""
+    given = controller.max_duty * (spec.supply.lowest - controller.voltage_drop)
+    return given if math.isnan(given) else max(given, 0.0)
+
+
+def encoder_for(spec: Any, fitting: list[Any]) -> Any | None:
+    """The fewest sufficient counts, or the most that there are."""
+    required = max(spec.needs.encoder_counts or 0, spec.select.encoder.min_counts or 0)
+    ordered = sorted(fitting, key=lambda c: (math.isnan(c.counts_per_turn), c.counts_per_turn, c.part))
+    enough = [c for c in ordered if c.counts_per_turn >= required]
+    return enough[0] if enough else ordered[-1] if ordered else None
+
+
+def figure(part: Any | None, name: str) -> float:
+    """A figure of a part that may not be there."""
+    return NAN if part is None else getattr(part, name)
+
+
+def checks(
+    spec: Any,
+    cycle: Any,
+    pieces: list[Piece],
+    found: Asked,
+    parts: tuple[Any, Any, Any],
+    belt: float,
+    offered: list[Any],
+) -> tuple[dict[str, Verdict], Any]:
+    """Every check of one set, and its controller."""
+    motor, head, encoder = parts
+    more, fast = spec.margins.torque, spec.margins.speed
+    ambient, i, out = spec.environment.ambient, head.ratio, {}
+    out["compatibility"] = Verdict(NAN, NAN, "pass", NAN)
+    for own in cycle.own:
+        out[own.name] = at_most(own.demand, own.limit, more)
+    if spec.belt is not None and spec.belt.pulley_diameter is not None:
+        r = spec.belt.pulley_diameter / 2
+        if spec.belt.max_tension is not None:
+            pull = max(abs(x) for s in segments_of(cycle) for x in s.torque) / r
+            out["belt_tension"] = at_most(pull, spec.belt.max_tension, more)
+        if spec.belt.max_speed is not None:
+            out["belt_speed"] = at_most(found.gear_speed / belt * r, spec.belt.max_speed, fast)
+    out["gearhead_continuous_torque"] = at_most(found.gear_rms, head.continuous_torque, more)
+    out["gearhead_intermittent_torque"] = at_most(found.gear_peak, head.intermittent_torque, more)
+    out["gearhead_continuous_speed"] = at_most(found.gear_sustained * i, head.continuous_input_speed, fast)
+    out["gearhead_intermittent_speed"] = at_most(found.gear_speed * i, head.intermittent_input_speed, fast)
+    out["gearhead_continuous_power"] = at_most(found.gear_mean_power, head.continuous_power, more)
+    out["gearhead_intermittent_power"] = at_most(found.gear_peak_power, head.intermittent_power, more)
+    out["gearhead_temperature_range"] = within(ambient, head.temperature_min, head.temperature_max)
+    out["motor_temperature_range"] = within(ambient, motor.ambient_min, motor.ambient_max)
+    out["motor_speed"] = at_most(found.speed, motor.max_speed, fast)
+    span = motor.max_winding_temperature - ROOM
+    share = math.sqrt(max(motor.max_winding_temperature - ambient, 0.0) / span) if span > 0 else NAN
+    share = 1.0 if ambient == ROOM else share  # as the datasheet has it, whatever it permits
+    out["motor_nominal_current"] = at_most(found.I_rms, motor.nominal_current * share, more)
+    out["winding_temperature"] = at_most(
+        found.winding, motor.max_winding_temperature, spec.margins.temperature, zero=ambient
+    )
+    _wishes(spec, cycle, motor, head, encoder, belt, out)
+    controller, held = _controller(spec, pieces, found, motor, offered)
+    out["controller_available"] = Verdict(NAN, NAN, "fail" if controller is None else "pass", NAN)
+    usable = NAN if controller is None else voltage_of(spec, controller)
+    out["supply_voltage"] = at_most(found.V_peak, usable, fast)
+    out["controller_continuous_current"] = at_most(found.I_rms, figure(controller, "continuous_current"), more)
+    out["controller_peak_current"] = at_most(found.I_peak, figure(controller, "peak_current"), more)
+    out["controller_peak_time"] = at_most(held, figure(controller, "peak_time"))
+    out["encoder_speed"] = at_most(found.speed, figure(encoder, "max_speed"), fast)
+    rates = [figure(encoder, "max_frequency"), figure(controller, "max_encoder_frequency")]
+    rates = [rate for rate in rates if not math.isnan(rate)]
+    edges = figure(encoder, "counts_per_turn") * found.speed / (2 * math.pi)
+    out["encoder_frequency"] = at_most(edges, min(rates) if rates else NAN, fast)
+    turning = 0.0 if motor.kind == "brushed" else found.speed * motor.pole_pairs
+    limit = math.inf if motor.kind == "brushed" else figure(controller, "max_speed_sine")
+    out["controller_speed"] = at_most(turning, limit, fast)
+    _supply(spec, found, controller, out)
+    return out, controller
+
+
+def _controller(spec: Any, pieces: list[Piece], found: Asked, motor: Any, offered: list[Any]) -> tuple[Any, float]:
+    """The controller and the longest time above what it bears; where that is too long, one that bears the peak."""
+    more, fast = 1 + spec.margins.torque, 1 + spec.margins.speed
+    wanted = more * found.I_peak, fast * found.V_peak
+    controller = controller_for(spec, offered, motor.kind, more * found.I_rms, *wanted)
+    held = above(pieces, figure(controller, "continuous_current"))
+    if at_most(held, figure(controller, "peak_time")).status == "fail":
+        controller = controller_for(spec, offered, motor.kind, more * found.I_peak, *wanted)
+        held = above(pieces, figure(controller, "continuous_current"))
+    return controller, held
+
+
+def _supply(spec: Any, found: Asked, controller: Any, out: dict[str, Verdict]) -> None:
+    supply, sets, more = spec.supply, spec.load.motors, spec.margins.torque
+    if supply.current is not None:
+        out["supply_current"] = at_most(found.power * sets / supply.lowest, supply.current, more)
+    if supply.power is not None:
+        out["supply_power"] = at_most(found.power * sets, supply.power, more)
+    if supply.regeneration > 0.0:
+        bus = supply.highest
+    elif supply.capacitance is None:
+        bus = NAN if found.stored != 0.0 else supply.highest
+    else:  # C/2 (U^2 - U_0^2) is what stays
+        bus = math.sqrt(supply.highest**2 + 2 * found.stored * sets / supply.capacitance)
+    out["bus_voltage"] = at_most(bus, figure(controller, "supply_max"))
+
+
+def _wishes(spec: Any, cycle: Any, motor: Any, head: Any, encoder: Any, belt: float, out: dict[str, Verdict]) -> None:
+    needs, K = spec.needs, head.ratio * belt
+    own = (motor.rotor_inertia + head.inertia) * K**2
+    if needs.backlash_at_load is not None:
+        out["backlash_at_load"] = at_most(head.backlash / belt, needs.backlash_at_load)
+    if needs.radial_load is not None:
+        out["gearhead_radial_load"] = at_most(needs.radial_load, head.max_radial_load, spec.margins.torque)
+    if needs.inertia_ratio is not None:
+        out["inertia_ratio"] = at_most(cycle.inertia / own, needs.inertia_ratio)
+    if needs.resonance is not None:
+        c = NAN if spec.belt is None or spec.belt.stiffness is None else spec.belt.stiffness
+        rate = math.sqrt(c / own + c / cycle.inertia)
+        out["first_resonance"] = at_most(needs.resonance, rate / (2 * math.pi))
+    if needs.resolution_at_load is not None:
+        step = 2 * math.pi / (4 * figure(encoder, "counts_per_turn") * K)
+        out["encoder_resolution"] = at_most(step, needs.resolution_at_load)
+    required = max(needs.encoder_counts or 0, spec.select.encoder.min_counts or 0)
+    if required:
+        there = 0.0 if encoder is None else encoder.counts_per_turn
+        verdict = at_most(float(required), there)
+        out["encoder_counts"] = verdict._replace(margin=NAN) if verdict.status == "pass" else verdict
+    for name in ("length", "mass", "price"):
+        if getattr(needs, name):
+            out[name] = at_most(getattr(motor, name) + getattr(head, name), getattr(needs, name))
+    if needs.diameter:
+        out["diameter"] = at_most(largest([motor.diameter, head.diameter]), needs.diameter)
