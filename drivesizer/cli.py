@@ -36,6 +36,9 @@ Chosen = Annotated[
     str | None, typer.Option("--set", metavar="MOTOR/GEARHEAD", help="Part numbers, e.g. 118752/406764; else the best.")
 ]
 DEFAULT = Path("robot.yaml")
+_KINDS = (
+    "wheeled_vehicle, conveyor, hoist, lead_screw, ball_screw, rack_pinion, rotary_table, arm, fan, flywheel or recorded"
+)
 
 
 def _version(wanted: bool) -> None:
@@ -95,7 +98,7 @@ def size(
     if pdf:
         from drivesizer.report import write
 
-        write(result, _proof(result, "trapezoid"), pdf)
+        write(result, _proof(result, None), pdf)
     if json:
         from drivesizer import contract
 
@@ -153,7 +156,7 @@ def _progress() -> Iterator[Callable[[int, int], None]]:
             bar.stop()
 
 
-def _proof(result: Any, profile: str) -> Any:
+def _proof(result: Any, profile: str | None) -> Any:
     """The closed-loop validation of the best set, None when there is no set."""
     from drivesizer.simulate import applies
     from drivesizer.simulate import validate as validated
@@ -166,8 +169,8 @@ def _proof(result: Any, profile: str) -> Any:
 def validate(
     spec: Spec = DEFAULT,
     profile: Annotated[
-        str, typer.Option(help="trapezoid, or a CSV file with the columns time and speed.")
-    ] = "trapezoid",
+        str | None, typer.Option(help="trapezoid, s-curve, or a CSV file with the columns time and speed; else the spec's.")
+    ] = None,
     chosen: Chosen = None,
     json: Json = False,
     csv: Annotated[Path | None, typer.Option(help="Also write the time series to this CSV file.")] = None,
@@ -223,8 +226,8 @@ def report(
     spec: Spec = DEFAULT,
     top: Top = 10,
     profile: Annotated[
-        str, typer.Option(help="trapezoid, or a CSV file with the columns time and speed.")
-    ] = "trapezoid",
+        str | None, typer.Option(help="trapezoid, s-curve, or a CSV file with the columns time and speed; else the spec's.")
+    ] = None,
 ) -> None:
     """Write the report: PDF, or CSV tables."""
     from drivesizer.report import write
@@ -281,7 +284,7 @@ def equations(
 
 @app.command(epilog="Example: drivesizer init --kind wheeled_vehicle -o robot.yaml")
 def init(
-    kind: Annotated[str, typer.Option(help="What is driven: wheeled_vehicle, conveyor, hoist, arm ...; `list` tells all.")] = "wheeled_vehicle",
+    kind: Annotated[str, typer.Option(help=f"What is driven: {_KINDS}.")] = "wheeled_vehicle",
     output: Annotated[Path, typer.Option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
 ) -> None:
     """Write a commented robot.yaml to start from."""

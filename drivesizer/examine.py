@@ -296,7 +296,7 @@ def _last(
     else:
         found = _decided(given, args, ~np.logical_or.reduce([check.failed for check in electrical]))
     checks = _each(given, lambda k: wave.waveform_limits(given.specs[k], found[k], parts))
-    return _Found([*electrical, *checks], _figures(given, found, under))
+    return _Found([*electrical, *checks], _figures(given, found, under, cases))
 
 
 def _decided(given: Problem, args: list[Any], alive: NDArray[np.bool_]) -> list[wave.Moments]:
@@ -306,30 +306,34 @@ def _decided(given: Problem, args: list[Any], alive: NDArray[np.bool_]) -> list[
     found = []
     for spec, (low, high), (_, at, asked, warm, under, _) in zip(given.specs, both, args, strict=True):
         verdicts = [wave.waveform_limits(spec, side, parts) for side in (low, high)]
-        same = [(a.passed == b.passed) & (a.failed == b.failed) for a, b in zip(*verdicts, strict=True)]
-        rows = np.flatnonzero(alive & ~np.logical_and.reduce(same))
-        if len(rows):
-            mask = np.zeros(len(alive), bool)
-            mask[rows] = True
-            few = wave.exact(spec, at, _kept(asked, mask), _kept(warm, mask), _kept(under, mask), _narrowed(parts, mask))
-            high = wave.Moments(*(_put(column, rows, some) for column, some in zip(high, few, strict=True)))
+        open_ = [alive & ((a.passed != b.passed) | (a.failed != b.failed)) for a, b in zip(*verdicts, strict=True)]
+        for compute, mask in ((wave.peak_winding, open_[0]), (wave.exact, np.logical_or.reduce(open_[1:]))):
+            if mask.any():
+                few = compute(spec, at, *(_kept(x, mask) for x in (asked, warm, under)), _narrowed(parts, mask))
+                high = wave.Moments(*(_put(column, mask, some) for column, some in zip(high, few, strict=True)))
         found.append(high)
     return found
 
 
-def _put(column: Array, rows: NDArray[np.int64], some: Array) -> Array:
+def _put(column: Array, mask: NDArray[np.bool_], some: Array | None) -> Array:
+    """A column with some of its rows replaced."""
+    if some is None:
+        return column
     changed = column.copy()
-    changed[rows] = some
+    changed[mask] = some
     return changed
 
 
-def _figures(given: Problem, found: list[wave.Moments], under: list[Stress]) -> dict[str, Array]:
-    """What objectives and records count: the first case's energy, the largest current and temperature of all cases."""
+def _figures(
+    given: Problem, found: list[wave.Moments], under: list[Stress], cases: list[_Moving]
+) -> dict[str, Array]:
+    """What objectives and records count: energy and heat of the first case, the largest current and temperature of all."""
     first, share = found[0], given.spec.supply.regeneration
     return {
         "energy": (first.drawn - share * first.returned) * given.spec.load.motors,
         "returned": first.returned * given.spec.load.motors,
         "power": np.maximum.reduce([m.power for m in found]) * given.spec.load.motors,
+        "joule_heat": under[0].hot * cases[0].asked.rms_current ** 2,
         "peak_current": np.maximum.reduce([u.current.value for u in under]),
         "winding_temperature": np.maximum.reduce([m.winding for m in found]),
     }

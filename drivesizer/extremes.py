@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Extremes", "extremes", "undominated"]
+__all__ = ["Envelope", "Extremes", "envelope", "extremes", "undominated"]
 
 Array = NDArray[np.float64]
 
@@ -27,6 +27,27 @@ class Extremes(NamedTuple):
     high_time: Array
     low: Array  # where it may be smallest
     low_time: Array
+
+
+class Envelope(NamedTuple):
+    """A cycle in few pieces, and what the functions reach in each: shape (pieces, 6)."""
+
+    duration: Array  # s
+    high: Array
+    low: Array
+
+
+_PIECES = 256  # of an envelope at most
+
+
+def envelope(duration: Array, functions: Array) -> Envelope:
+    """Largest and smallest value of each function in consecutive pieces of a cycle."""
+    starts = np.unique(np.linspace(0, len(duration), _PIECES, endpoint=False).astype(np.int64))
+    return Envelope(
+        np.add.reduceat(duration, starts),
+        np.maximum.reduceat(functions.max(axis=1), starts),
+        np.minimum.reduceat(functions.min(axis=1), starts),
+    )
 
 
 def extremes(functions: Array, time: Array) -> Extremes:

@@ -80,30 +80,36 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     motor, gearhead, encoder = (_Columns(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     at = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
     asked = demands(at, motor, gearhead, encoder)
-    hot = _hot(spec, at, asked, motor)
-    voltage = _voltage(spec, drive_set)
-    lines = [_line(asked, drive_set, voltage, T) for T in (spec.environment.ambient, hot)]
     cycle_speed, cycle_torque = _cycle(at, asked)
-    no_load = -lines[0][0] / lines[0][1] if lines[0][1] < 0.0 else 0.0
-    w = np.linspace(0.0, max(no_load, float(np.abs(cycle_speed).max())), _POINTS)
-    continuous, thermal = _continuous(spec, asked, motor, w)
     rms_speed, rms_torque = _rms(at, asked, drive_set)
     return OperatingField(
-        voltage=voltage,
-        ambient=spec.environment.ambient,
-        hot=hot,
+        **_lines(spec, drive_set, asked, _hot(spec, at, asked, motor), float(np.abs(cycle_speed).max())),
         permissible_speed=float(np.fmin(drive_set.motor.max_speed, drive_set.gearhead.intermittent_input_speed)),
-        speed=w,
-        voltage_cold=lines[0][0] + lines[0][1] * w,
-        voltage_hot=lines[1][0] + lines[1][1] * w,
-        continuous=continuous,
-        thermal=thermal,
-        intermittent=_intermittent(asked, drive_set, w),
         cycle_speed=cycle_speed,
         cycle_torque=cycle_torque,
         rms_speed=rms_speed,
         rms_torque=rms_torque,
     )
+
+
+def _lines(spec: RobotSpec, drive_set: DriveSet, asked: Demands, hot: float, fastest: float) -> dict[str, Any]:
+    """What the motor can do at speeds from 0 to no load, or to the fastest of the cycle [rad/s]."""
+    voltage, ambient = _voltage(spec, drive_set), spec.environment.ambient
+    (cold_at_rest, cold_slope), (at_rest, slope) = (_line(asked, drive_set, voltage, T) for T in (ambient, hot))
+    no_load = -cold_at_rest / cold_slope if cold_slope < 0.0 else 0.0
+    w = np.linspace(0.0, max(no_load, fastest), _POINTS)
+    continuous, thermal = _continuous(spec, asked, _Columns(drive_set.motor), w)
+    return {
+        "voltage": voltage,
+        "ambient": ambient,
+        "hot": hot,
+        "speed": w,
+        "voltage_cold": cold_at_rest + cold_slope * w,
+        "voltage_hot": at_rest + slope * w,
+        "continuous": continuous,
+        "thermal": thermal,
+        "intermittent": _intermittent(asked, drive_set, w),
+    }
 
 
 def _friction(asked: Demands, w: Any) -> Any:
@@ -137,13 +143,13 @@ def _line(asked: Demands, drive_set: DriveSet, voltage: float, temperature: floa
 def _continuous(spec: RobotSpec, asked: Demands, motor: _Columns, w: Array) -> tuple[Array, bool]:
     """Continuous torque over speed [N*m], and whether it is from thermal data."""
     friction, iron = housing_loss(motor, np.ones(1))
-    names = ("resistance", "thermal_resistance_winding", "thermal_resistance_housing", "max_winding_temperature")
-    ambient = spec.environment.ambient
-    current = continuous_current(*(motor[name] for name in names), ambient, friction * w + iron * w**2)
+    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    permitted, ambient = motor["max_winding_temperature"], spec.environment.ambient
+    current = continuous_current(motor["resistance"], *R_th, permitted, ambient, friction * w + iron * w**2)
     torque = np.asarray(np.maximum(motor["torque_constant"] * current - _friction(asked, w), 0.0))
     if not np.isnan(torque).any():
         return torque, True
-    share = current_derating(ambient, motor["max_winding_temperature"])
+    share = current_derating(ambient, permitted)
     return np.broadcast_to(motor["nominal_torque"] * share, w.shape).copy(), False
 
 

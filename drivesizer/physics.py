@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.extremes import Extremes, extremes
+from drivesizer.extremes import Envelope, Extremes, envelope, extremes
 from drivesizer.loadcycle import Ends, LoadCycle, integral, mean_product, rms
 
 __all__ = ["ACCELERATION", "DIRECTION", "SPEED", "AtGearhead", "Demands", "Peak", "at_gearhead", "demands", "peak"]
@@ -63,6 +63,7 @@ class _Base(NamedTuple):
     functions: Array
     moments: Array
     extremes: Extremes
+    envelope: Envelope
     rms_torque: float
     peak_torque: float
     peak_speed: float
@@ -119,6 +120,7 @@ def at_gearhead(cycle: LoadCycle, efficiency: float) -> _Base:
     ], axis=2)  # fmt: skip
     return _Base(
         cycle, functions, _moments(cycle, functions), extremes(functions, cycle.time),
+        envelope(cycle.duration, functions),
         **_scalars(cycle, torque, speed, running),
     )  # fmt: skip
 

@@ -61,6 +61,7 @@ class Stress(NamedTuple):
 
     current: Peak  # A
     voltage: Peak  # V, the larger of winding cold and hot
+    hot_voltage: Array  # V, with the winding hot
     hot: Array  # ohm, winding at its steady mean temperature
 
 
@@ -216,7 +217,7 @@ def stress(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, motor: A
     volts = [peak(at, volts_of(asked, k_t, R)) for R in (cold, hot)]
     colder = volts[0].value > volts[1].value
     voltage = Peak(*(np.where(colder, a, b) for a, b in zip(*volts, strict=True)))
-    return Stress(Peak(torque.value / k_t, torque.time), voltage, hot)
+    return Stress(Peak(torque.value / k_t, torque.time), voltage, volts[1].value, hot)
 
 
 def volts_of(asked: Demands, k_t: Array, resistance: Array) -> Array:

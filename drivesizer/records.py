@@ -79,6 +79,7 @@ def _objective(
 
 _COUNTED = {
     "energy": "all motor sets, per cycle",
+    "joule_heat": "of the motor's winding, mean",
     "peak_current": "the motor's, in the worst case",
     "winding_temperature": "peak over the periodic cycle, in the worst case",
 }
@@ -86,6 +87,7 @@ _TABLE = (
     ("energy", "Energy per cycle, all motor sets", "energy", "J"),
     ("returned", "Energy that comes back per cycle", "energy", "J"),
     ("power", "Largest supply power, all motor sets", "power", "W"),
+    ("joule_heat", "Heat of the winding, mean", "power", "W"),
     ("peak_current", "Largest motor current", "current", "A"),
     ("winding_temperature", "Winding temperature, peak", "temperature", "degC"),
 )

@@ -41,6 +41,7 @@ _NAMES = {
 
 def _figures(cycle: LoadCycle) -> dict[str, float]:
     power, duration = cycle.power, cycle.duration
+    mean = float(duration @ mean_product(cycle.torque, cycle.speed)) / cycle.total
     return {
         "nominal_speed": float(np.abs(cycle.speed).max()),
         "rms_speed": rms(duration, cycle.speed),
@@ -48,7 +49,7 @@ def _figures(cycle: LoadCycle) -> dict[str, float]:
         "rms_torque_per_motor": rms(duration, cycle.torque),
         "maximum_power_per_motor": float(max(power.max(), 0.0)),
         "returned_power_per_motor": float(max(-power.min(), 0.0)),
-        "mean_power_per_motor": float(duration @ mean_product(cycle.torque, cycle.speed)) / cycle.total,
+        "mean_power_per_motor": mean if abs(mean) > 1e-12 * np.abs(power).max() else 0.0,  # else it is rounding
         "load_inertia_per_motor": cycle.inertia,
         "cycle_time": cycle.total,
     }

@@ -31,7 +31,7 @@ Progress = Callable[[int, int], None]  # sets examined, sets in all
 
 _CHUNK = 1 << 16  # pairs at a time
 _NEAREST = 32  # of those that fell, kept until all are known
-_COUNTED = ("energy", "peak_current", "winding_temperature")  # figures that objectives count
+_COUNTED = ("energy", "joule_heat", "peak_current", "winding_temperature")  # figures that objectives count
 _WAVEFORM = {"energy", "winding_temperature", "margin"}  # objectives that the bounds do not tell
 
 

@@ -19,8 +19,8 @@ from drivesizer.errors import InputError
 from drivesizer.machines import WheeledVehicle
 from drivesizer.march import Limits, Run, march
 from drivesizer.plant import DriveTrain, drive_train
-from drivesizer.profile import Profile
-from drivesizer.profile import profile as profile_of
+from drivesizer.profile import Profile, profile_of
+from drivesizer.profile import profile as named
 from drivesizer.results import Check, DriveSet, Gains, Status, Validation
 from drivesizer.spec import RobotSpec
 from drivesizer.units import show
@@ -45,7 +45,7 @@ _UNITS = {
 }
 
 
-def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile = "trapezoid") -> Validation:
+def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | None = None) -> Validation:
     """Drive a set through a profile in closed loop.
 
     Parameters
@@ -55,7 +55,7 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile = "
     drive_set
         The parts that drive each of its wheels.
     profile
-        ``trapezoid`` for the spec's motion, a CSV file, or a profile.
+        A name such as ``trapezoid``, a CSV file, or a profile; the spec's own motion when not given.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile = "
     """
     if not applies(spec):
         raise InputError("the closed loop is for a wheeled_vehicle without wind so far; `drivesizer size` checks this load")
-    asked = profile_of(spec, profile) if isinstance(profile, str) else profile
+    asked = profile_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
     period, said = _period(drive_set)
     train, assumed = drive_train(spec, drive_set, period)
     if not asked.top_speed * train.motor_per_speed <= _FASTEST:

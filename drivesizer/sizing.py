@@ -96,7 +96,7 @@ def size(
 
 def _known_to(spec: RobotSpec, names: set[str]) -> None:
     """Refuse objectives that the paper's method does not compute."""
-    foreign = sorted(names & {"energy", "peak_current", "winding_temperature"})
+    foreign = sorted(names & {"energy", "joule_heat", "peak_current", "winding_temperature"})
     if spec.method == "paper" and foreign:
         raise InputError(f"objective {foreign[0]}: the paper's method does not compute it; expected method: physics")
 

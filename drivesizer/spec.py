@@ -183,7 +183,9 @@ class ControllerChoice(Choice):
     bus: str | None = Field(default=None, description="such as CANopen or EtherCAT")
 
 
-Objective = Literal["mass", "price", "length", "power", "energy", "peak_current", "winding_temperature", "margin"]
+Objective = Literal[
+    "mass", "price", "length", "power", "energy", "joule_heat", "peak_current", "winding_temperature", "margin"
+]
 OBJECTIVES: tuple[str, ...] = Objective.__args__  # type: ignore[attr-defined]
 
 

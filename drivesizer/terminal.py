@@ -277,6 +277,7 @@ _OBJECTIVE_UNITS = {
     "length": ("mm", "length"),
     "power": ("W", "power"),
     "energy": ("J", "energy"),
+    "joule_heat": ("W", "power"),
     "peak_current": ("A", "current"),
     "winding_temperature": ("degC", "temperature"),
 }

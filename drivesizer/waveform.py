@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Energy", "Wave", "energy", "largest_power", "longest_above", "mean_square", "wave"]
+__all__ = ["Energy", "Wave", "energy", "largest_power", "longest_above", "longest_run", "mean_square", "wave"]
 
 Array = NDArray[np.float64]
 
@@ -120,27 +120,45 @@ def longest_above(found: Wave, limit: Array) -> Array:
     limit
         Of each candidate [A].
     """
-    before, inside, after, whole = _above(found, limit[:, None])
-    run = best = np.zeros(len(limit))
-    for _ in range(2):  # the second time round a run may have begun before the start
-        for k in range(len(found.duration)):
-            ended = run + before[:, k]
-            best = np.maximum(best, np.maximum(ended, inside[:, k]))
-            run = np.where(whole[:, k], run + found.duration[k], after[:, k])
-    total = found.duration.sum()
-    longest: Array = np.where(whole.all(axis=1), total, np.minimum(np.maximum(best, run), total))
-    return longest
+    above = np.zeros(len(limit))
+    rows = np.flatnonzero((np.abs(found.current) > limit[:, None, None]).any((1, 2)))
+    if len(rows):
+        some = Wave(found.duration, found.current[rows], found.voltage[rows])
+        above[rows] = longest_run(found.duration, *_below(some, limit[rows, None]))
+    return np.where(np.isnan(limit), np.nan, above)
 
 
-def _above(found: Wave, limit: Array) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-    """Of each segment: time above at its start, longest within, time above at its end, and whether all is above."""
+def longest_run(duration: Array, enter: Array, leave: Array, whole: NDArray[np.bool_]) -> Array:
+    """Longest time on end, in a cycle that repeats, that no break falls into [s].
+
+    Parameters
+    ----------
+    duration
+        Of each segment [s].
+    enter, leave
+        From when until when in each segment there is a break [s], for each candidate.
+    whole
+        Where a segment has none.
+    """
+    total, start = float(duration.sum()), np.cumsum(duration) - duration
+    ends = np.where(whole, -np.inf, start + enter)
+    begins = np.where(whole, -np.inf, start + leave)
+    last = begins.max(axis=1, keepdims=True) - total  # in the cycle before
+    before = np.maximum.accumulate(np.concatenate([last, begins[:, :-1]], axis=1), axis=1)
+    with np.errstate(invalid="ignore"):
+        longest = np.where(whole, 0.0, ends - before).max(axis=1)
+    return np.where(whole.all(axis=1), total, longest)
+
+
+def _below(found: Wave, limit: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Of each segment: from when until when it is not above [s], and whether all of it is above."""
     I, dt = found.current, found.duration
     a, b = I[..., 0], I[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         up, down = (limit - a) / (b - a), (-limit - a) / (b - a)  # shares at which it meets +limit and -limit
-    enter, leave = np.minimum(up, down), np.maximum(up, down)  # between them it is not above
+    enter, leave = np.minimum(up, down), np.maximum(up, down)
     flat = a == b
     whole = np.where(flat, np.abs(a) > limit, (enter >= 1.0) | (leave <= 0.0))
-    first = np.where(flat | whole, 0.0, np.clip(enter, 0.0, 1.0)) * dt
-    last = np.where(flat | whole, 0.0, 1.0 - np.clip(leave, 0.0, 1.0)) * dt
-    return first, np.maximum(first, last), last, whole
+    first = np.where(flat, 0.0, np.clip(enter, 0.0, 1.0)) * dt
+    last = np.where(flat, 1.0, np.clip(leave, 0.0, 1.0)) * dt
+    return first, last, whole

@@ -19,12 +19,12 @@ from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands
 from drivesizer.physics_limits import Heat, Parts, Stress, volts_of, winding_limit
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import TwoBodies
-from drivesizer.waveform import energy, largest_power, longest_above, mean_square, wave
+from drivesizer.waveform import energy, largest_power, longest_above, longest_run, mean_square, wave
 
-__all__ = ["Moments", "bounds", "energy_per_cycle", "exact", "waveform_limits"]
+__all__ = ["Moments", "bounds", "exact", "peak_winding", "waveform_limits"]
 
 Array = NDArray[np.float64]
-_AT_ONCE = 200_000  # candidates times segments that are held at a time
+_AT_ONCE = 400_000  # candidates times segments that are held at a time
 _SOME = 1e-300  # more than nothing, of an amount that is not known yet
 
 
@@ -43,12 +43,30 @@ class Moments(NamedTuple):
 
 def exact(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts) -> Moments:
     """From the current and voltage of each moment; some candidates at a time."""
-    size = max(1, _AT_ONCE // len(at.cycle.duration))
     blocks = [
         _block(spec, at, Demands(*(c[k] for c in asked)), Heat(*(c[k] for c in warm)), under.hot[k], _on(parts, k))
-        for k in (slice(start, start + size) for start in range(0, len(under.hot), size))
+        for k in _slices(at, len(under.hot))
     ]
     return Moments(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
+
+
+def peak_winding(
+    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts
+) -> tuple[Array | None, ...]:
+    """The exact peak of the winding's temperature alone, in the place that it has in :class:`Moments`."""
+    found = []
+    for k in _slices(at, len(under.hot)):
+        motor, c = _On(parts.motor, k), asked.coefficients[k]
+        k_t = motor["torque_constant"]
+        square = mean_square(wave(at.cycle.duration, at.functions, c, c, k_t))
+        found.append(_peak_winding(spec, at, Heat(*(column[k] for column in warm)), square, motor))
+    winding, time = (np.concatenate(columns) for columns in zip(*found, strict=True))
+    return (winding, time, *[None] * (len(Moments._fields) - 2))
+
+
+def _slices(at: AtGearhead, count: int) -> list[slice]:
+    size = max(1, _AT_ONCE // len(at.cycle.duration))
+    return [slice(start, start + size) for start in range(0, count, size)]
 
 
 class _On:
@@ -107,28 +125,31 @@ def bounds(
     spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts
 ) -> tuple[Moments, Moments]:
     """Below and above what the waveform asks, from moments and extremes alone."""
-    current, voltage, total = under.current.value, under.voltage.value, at.cycle.total
-    net = energy_per_cycle(at, asked, under.hot, parts.motor["torque_constant"])
-    low_heat, high_heat = _winding_bounds(spec, at, asked, warm, under, parts.motor)
-    limit = parts.controller["continuous_current"]
-    over = current > limit
+    current, k_t = under.current.value, parts.motor["torque_constant"]
     nothing = np.full_like(current, np.nan)
+    most, least = _corner_power(at, asked, under.hot, k_t)
     braked = braking_torque(at, asked.coefficients)
-    surely = _surely_returns(at, asked, under.hot, parts.motor["torque_constant"])
-    low = Moments(low_heat, nothing, net / total, nothing, nothing, nothing, np.where(surely, _SOME, 0.0),
-                  np.where(over, _SOME, 0.0))  # fmt: skip
-    high = Moments(high_heat, nothing, current * voltage, nothing, nothing, nothing,
-                   np.where(braked, np.inf, 0.0), np.where(over, total, 0.0))  # fmt: skip
+    heat_low, heat_high = _winding_bounds(spec, at, asked, warm, under, parts.motor)
+    shortest, longest = _above_bounds(at, asked, current, k_t, parts.controller["continuous_current"])
+    stored_low, stored_high = np.where(least < 0.0, _SOME, 0.0), np.where(braked, np.inf, 0.0)
+    low = Moments(heat_low, nothing, most, nothing, nothing, nothing, stored_low, shortest)
+    high = Moments(heat_high, nothing, current * under.hot_voltage, nothing, nothing, nothing, stored_high, longest)
     return low, high
 
 
-def energy_per_cycle(at: AtGearhead, asked: Demands, resistance: Array, k_t: Array) -> Array:
-    """Energy from the supply over a cycle of which everything that comes back is used again [J], one motor set."""
-    c = asked.coefficients
-    copper = resistance * asked.rms_current**2
-    shaft = (c * at.moments[SPEED]).sum(1) * asked.total_ratio  # torque times speed, k_t cancels against k_e
-    net: Array = (copper + shaft) * at.cycle.total
-    return np.where(np.isnan(k_t), np.nan, net)
+def _above_bounds(at: AtGearhead, asked: Demands, peak: Array, k_t: Array, limit: Array) -> tuple[Array, Array]:
+    """Time on end above a current: that of the pieces that surely are above, and of those that may be."""
+    low, high = np.zeros_like(peak), np.zeros_like(peak)
+    rows = np.flatnonzero(peak > limit)
+    if len(rows):
+        pieces = at.base.envelope
+        c = asked.coefficients[rows] / k_t[rows, None] * at.scale
+        top, bottom, bound = c @ pieces.high.T, c @ pieces.low.T, limit[rows, None]
+        none, whole = np.zeros_like(top), np.broadcast_to(pieces.duration, top.shape)
+        surely, perhaps = np.maximum(bottom, -top) > bound, np.maximum(top, -bottom) > bound
+        low[rows] = np.maximum(longest_run(pieces.duration, none, whole, surely), _SOME)
+        high[rows] = longest_run(pieces.duration, none, whole, perhaps)
+    return low, high
 
 
 def braking_torque(at: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
@@ -141,13 +162,11 @@ def braking_torque(at: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
     return against
 
 
-def _surely_returns(at: AtGearhead, asked: Demands, hot: Array, k_t: Array) -> NDArray[np.bool_]:
-    """Whether power comes back at one of the extreme points: then it does."""
+def _corner_power(at: AtGearhead, asked: Demands, hot: Array, k_t: Array) -> tuple[Array, Array]:
+    """Largest and smallest electrical power at the extreme points [W]: between them it may be more and less."""
     points = np.concatenate([at.extremes.high, at.extremes.low]) * at.scale
-    current = asked.coefficients / k_t[:, None] @ points.T
-    volts = volts_of(asked, k_t, hot) @ points.T
-    found: NDArray[np.bool_] = (current * volts < 0.0).any(axis=1)
-    return found
+    power = (asked.coefficients / k_t[:, None] @ points.T) * (volts_of(asked, k_t, hot) @ points.T)
+    return power.max(axis=1), power.min(axis=1)
 
 
 def _winding_bounds(

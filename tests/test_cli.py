@@ -79,7 +79,7 @@ def test_json_contract(run, example):
     best = document["sets"][0]
     assert set(best["results"]) == {"paper", "physics"}
     assert best["results"]["physics"]["status"] == "unknown"
-    assert best["results"]["physics"]["unknown"] == ["motor_speed", "winding_temperature"]
+    assert best["results"]["physics"]["unknown"] == ["motor_speed", "winding_temperature", "motor_temperature_range"]
     assert {c["method"] for c in best["checks"]} == {"paper", "physics"}
     assert (best["rank"], best["status"], best["motor"]["part"]) == (1, "pass", "118752")
     assert best["motor"]["max_speed"] is None

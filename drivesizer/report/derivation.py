@@ -19,7 +19,7 @@ from drivesizer.units import KINDS, from_si
 
 __all__ = ["MATHEMATICS", "quantity", "step", "symbol"]
 
-MATHEMATICS = ("symbol", "symbol_value", "printed", "used", "numbers", "result")  # the entries of a step that are typst source
+MATHEMATICS = ("symbol", "symbol_value", "printed", "used", "numbers", "result")  # of a step: typst source
 
 
 def step(r: Requirement) -> dict[str, Any]:

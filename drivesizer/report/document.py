@@ -10,13 +10,15 @@ from math import isnan
 from typing import Any
 
 from drivesizer import __version__
+from drivesizer.catalog import Catalog
 from drivesizer.checks import TITLES
 from drivesizer.loadcycle import LoadCycle
 from drivesizer.loads import load_cycle
 from drivesizer.report import figures
 from drivesizer.report.datasheet import datasheets
 from drivesizer.report.derivation import step
-from drivesizer.report.operating import panels
+from drivesizer.report.field_figure import MOST_PANELS, torque_speed
+from drivesizer.report.operating import Panel, panels
 from drivesizer.report.sums import objective_figure, price_of, unknown_of
 from drivesizer.report.wording import cleaned, margin, short, use
 from drivesizer.results import Check, Comparison, DriveSet, Figure, Relaxation, SizingResult, Validation, worst
@@ -45,6 +47,7 @@ def document(result: SizingResult, validation: Validation | None) -> dict[str, A
 
 def _content(result: SizingResult, validation: Validation | None, best: DriveSet | None) -> dict[str, Any]:
     cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
+    fields = panels(result.spec, best, result.requirements) if best else []
     return {
         "name": result.spec.name,
         "version": __version__,
@@ -58,23 +61,32 @@ def _content(result: SizingResult, validation: Validation | None, best: DriveSet
         "found": bool(result.sets),
         "status": result.sets[0].status if result.sets else "fail",
         "motor_sets": result.spec.load.motors,
-        "best": _best(best) if best else None,
+        **_of_set(best, result.catalog),
         "spec": _spec(result.spec.entered),
         "load_steps": [step(r) | {"text": r.text} for r in result.requirements],
-        "motor_steps": [step(r) for r in best.requirements] if best else [],
         "candidates": _candidates(result),
         "front": _front(result) if result.front else None,
-        "datasheets": datasheets(best, result.catalog) if best else [],
-        "checks": [_check(c) for c in best.checks] if best else [],
-        "beside": [_check(c) for c in best.beside] if best else [],
-        "comparison": [_compared(pair) for pair in best.comparison] if best else [],
-        "does": [_figure(f) for f in best.figures] if best else [],
-        "changes": _moves(best.changes) if best else [],
-        "figures": _figures(result, validation, best, cycles),
+        "figures": _figures(result, validation, cycles, fields),
+        "hidden_fields": len(fields[MOST_PANELS:]),
         "cut": len(figures.stretches(cycles)) > 1,
         "loop": _loop(validation) if validation else None,
         "assumptions": list(result.assumptions),
         "warnings": list(result.warnings),
+    }
+
+
+def _of_set(best: DriveSet | None, catalog: Catalog) -> dict[str, Any]:
+    if best is None:
+        return {"best": None, "motor_steps": []}
+    return {
+        "best": _best(best),
+        "motor_steps": [step(r) for r in best.requirements],
+        "datasheets": datasheets(best, catalog),
+        "checks": [_check(c) for c in best.checks],
+        "beside": [_check(c) for c in best.beside],
+        "comparison": [_compared(pair) for pair in best.comparison],
+        "does": [_figure(f) for f in best.figures],
+        "changes": _moves(best.changes),
     }
 
 
@@ -108,7 +120,7 @@ def _parts(best: DriveSet) -> list[dict[str, str]]:
     belt = f"{best.belt_ratio:g} : 1, efficiency {100 * best.belt_efficiency:.4g} %"
     rows: list[tuple[str, Any, str]] = [
         ("Motor", motor, f"{show(motor.assigned_power, 'W', 'power')}, {show(motor.nominal_voltage, 'V', 'voltage')}"),
-        ("Gearhead", gearhead, f"{gearhead.reduction}, exactly {gearhead.ratio:.5g}"),
+        ("Gearhead", gearhead, f"{gearhead.reduction}, exactly {gearhead.ratio:.5g}".removeprefix(", ")),
         ("Belt", None, belt),
         ("Encoder", best.encoder, f"{best.encoder.counts_per_turn:g} counts per turn" if best.encoder else ""),
         ("Controller", best.controller, best.controller.buses.replace(";", ",") if best.controller else ""),
@@ -233,7 +245,7 @@ def _front(result: SizingResult) -> dict[str, Any]:
     return {
         "heads": [f.title for f in found[0]],
         "rows": [
-            [str(s.rank), f"{s.motor.family} {s.motor.part}", _gearhead(s), *(f.text for f in row)]
+            [str(s.rank), f"{s.motor.family} {s.motor.part}", _gearhead(s), *(f.text for f in row), s.status]
             for s, row in zip(result.front, found, strict=False)
         ],
         "more": max(len(result.front) - _LONGEST_FRONT, 0),
@@ -242,22 +254,22 @@ def _front(result: SizingResult) -> dict[str, Any]:
 
 def _gearhead(s: DriveSet) -> str:
     belt = f" + belt {s.belt_ratio:g}" if s.belt_ratio != 1.0 else ""
-    return f"{s.gearhead.family} {s.gearhead.reduction} {s.gearhead.part}{belt}"
+    return " ".join(f"{s.gearhead.family} {s.gearhead.reduction} {s.gearhead.part}{belt}".split())
 
 
 def _trade_off(result: SizingResult) -> bytes:
-    rows = [(str(s.rank), *(objective_figure(s, name) for name in result.pareto[:2])) for s in result.front]
-    shown = [(rank, *(float(from_si(f.value, f.unit, f.kind)) for f in (x, y))) for rank, x, y in rows]
-    heads = [f"{f.title} ({label(f.unit)})" for f in rows[0][1:]]
-    return figures.trade_off(shown, (heads[0], heads[1]))
+    across, up = ([objective_figure(s, name) for s in result.front] for name in result.pareto[:2])
+    x, y = ([float(from_si(f.value, f.unit, f.kind)) for f in column] for column in (across, up))
+    heads = [f"{column[0].title} ({label(column[0].unit)})" for column in (across, up)]
+    return figures.trade_off([str(s.rank) for s in result.front], x, y, heads)
 
 
 def _figures(
-    result: SizingResult, validation: Validation | None, best: DriveSet | None, cycles: list[tuple[str, LoadCycle]]
+    result: SizingResult, validation: Validation | None, cycles: list[tuple[str, LoadCycle]], fields: list[Panel]
 ) -> dict[str, Any]:
     made = {"profile": figures.speed_profile(result.spec), "cycle": figures.load_over_time(cycles)}
-    if best:
-        made["field"] = figures.torque_speed(panels(result.spec, best, result.requirements))
+    if fields:
+        made["field"] = torque_speed(fields)
     if len(result.front) > 1:
         made["front"] = _trade_off(result)
     if validation:

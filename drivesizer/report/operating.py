@@ -1,4 +1,4 @@
-"""What stands in the motor's torque-speed field: one panel for load cases that share its lines, and the paper's points."""
+"""What is drawn of the motor's field: a panel for load cases that share its lines, and the paper's points."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class OperatingPoint:
 class Panel:
     """Load cases with the same usable voltage and ambient: the motor's lines are the same for all of them."""
 
-    cases: tuple[tuple[str, OperatingField], ...]  # by name; without a name where there is but one
+    cases: tuple[tuple[int, str, OperatingField], ...]  # number and name; without a name where there is but one
     points: tuple[OperatingPoint, ...] = ()
 
 
@@ -41,10 +41,10 @@ def panels(spec: RobotSpec, drive_set: DriveSet, requirements: tuple[Requirement
     requirements
         Of the sizing.
     """
-    alike: dict[tuple[float, float], list[tuple[str, OperatingField]]] = {}
-    for name, case in spec.load_cases:
+    alike: dict[tuple[float, float], list[tuple[int, str, OperatingField]]] = {}
+    for number, (name, case) in enumerate(spec.load_cases):
         found = field(case, drive_set)
-        alike.setdefault((found.voltage, found.ambient), []).append((name, found))
+        alike.setdefault((found.voltage, found.ambient), []).append((number, name, found))
     points = paper_points(drive_set, requirements) if spec.method == "paper" else ()
     return [Panel(cases=tuple(cases), points=points) for cases in alike.values()]
 

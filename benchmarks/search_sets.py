@@ -1,0 +1,120 @@
+"""How many sets per second the search examines, every check on, on one core: in ratios of one run.
+
+The SPS robot over the whole catalogue, with as many belt ratios as asked for: once on its own cycle of three segments,
+once on a recording of it with 36 000 noisy samples. The baseline is what one writes first: a loop over the sets, NumPy
+over the samples of each, for RMS current, peak current and peak voltage alone. Memory is that of a process of its own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from drivesizer.candidates import Rows, pairs
+from drivesizer.catalog import load
+from drivesizer.loads import load_cycle
+from drivesizer.search import search
+from drivesizer.spec import RobotSpec, load_spec
+
+SPEC = Path(__file__).resolve().parent.parent / "examples" / "sps_robot.yaml"
+
+
+def written(folder: Path, belts: int) -> tuple[Path, Path]:
+    """The spec on its own cycle, and on a recording of it."""
+    text = SPEC.read_text(encoding="utf-8")
+    text = text[: text.index("select:")].replace("method: paper", "method: physics")
+    ratios = ", ".join(f"{1 + 0.4 * k / belts:.5f}" for k in range(belts))
+    text = text.replace("    ratio: 1.1  ", f"    ratios: [{ratios}]  ")
+    short, long = folder / "short.yaml", folder / "long.yaml"
+    short.write_text(text, encoding="utf-8")
+    recording(load_spec(short), folder / "cycle.csv")
+    head, rest = text[: text.index("load:")], text[text.index("transmission:") :]
+    rest = rest[: rest.index("paper_factors:")] + rest[rest.index("supply:") :]
+    recorded = "load: {kind: recorded, file: cycle.csv, motors: 4, smoothing: 1 s}\n\n"
+    long.write_text(head + recorded + rest, encoding="utf-8")
+    return short, long
+
+
+def recording(spec: RobotSpec, path: Path, samples: int = 36_000) -> None:
+    """The cycle of all motors together, its torque off by 10 % at each sample."""
+    cycle, noise = load_cycle(spec), np.random.default_rng(1)
+    t = np.linspace(0.0, cycle.total, samples)
+    segment = np.minimum(np.searchsorted(cycle.time[:, 1], t), len(cycle.duration) - 1)
+    share = (t - cycle.time[segment, 0]) / cycle.duration[segment]
+    speed, torque = (c[segment, 0] + share * (c[segment, 1] - c[segment, 0]) for c in (cycle.speed, cycle.torque))
+    torque = 4 * torque * (1.0 + 0.1 * noise.normal(size=samples))
+    rows = "".join(f"{a:.9g},{b:.9g},{c:.9g}\n" for a, b, c in zip(t, speed, torque, strict=True))
+    path.write_text(f"time,speed,torque\ns,rad/s,N*m\n{rows}", encoding="utf-8")
+
+
+def rate(spec: RobotSpec, runs: int) -> tuple[float, int]:
+    """Sets per second, best of some runs, and how many sets stand."""
+    catalog, best = load(["maxon"]), np.inf
+    for _ in range(runs):
+        start = time.perf_counter()
+        found = search(spec, catalog, top=5, objective="mass")
+        best = min(best, time.perf_counter() - start)
+    return found.counts.considered / best, found.counts.feasible
+
+
+def loop_rate(spec: RobotSpec, sets: int) -> float:
+    """Sets per second of the loop, over the samples of a cycle."""
+    catalog, cycle = load(["maxon"]), load_cycle(spec)
+    every = pairs(spec, catalog)
+    some = every.on(np.random.default_rng(2).integers(0, len(every.motor), sets))
+    motor, gearhead = Rows(catalog.motors, some.motor), Rows(catalog.gearheads, some.gearhead)
+    names = {"motor": ("torque_constant", "no_load_current", "resistance", "rotor_inertia"),
+             "gearhead": ("ratio", "efficiency", "inertia")}  # fmt: skip
+    columns = [motor[n] for n in names["motor"]] + [gearhead[n] for n in names["gearhead"]]
+    t, w, a, T = (c.reshape(-1) for c in (cycle.time, cycle.speed, cycle.acceleration, cycle.torque))
+    start = time.perf_counter()
+    for k_t, I_0, R, J_m, i, e, J_g in zip(*(c.tolist() for c in columns), strict=True):
+        K = i * 1.1
+        at_motor = np.where(T * w > 0, T / (K * e * 0.95), T * e * 0.95 / K)
+        current = (at_motor + (J_m + J_g) * K * a + k_t * I_0 * np.sign(w)) / k_t
+        rms = np.sqrt(np.trapezoid(current**2, t) / cycle.total)
+        peak, volts = np.abs(current).max(), np.abs(R * current + k_t * K * w).max()
+        _ = rms < 5.0, peak < 15.0, volts < 18.9
+    return sets / (time.perf_counter() - start)
+
+
+def memory(spec: Path) -> float:
+    """Peak memory of a process that searches [MB]."""
+    code = (
+        "import sys; from drivesizer.catalog import load; from drivesizer.search import search;"
+        "from drivesizer.spec import load_spec;"
+        "search(load_spec(sys.argv[1]), load(['maxon']), top=5, objective='mass')"
+    )
+    subprocess.run([sys.executable, "-c", code, str(spec)], check=True)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--belts", type=int, default=17, help="belt ratios, times 59 946 pairs")
+    parser.add_argument("--runs", type=int, default=3)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        short_path, long_path = written(Path(folder), options.belts)
+        short, long = load_spec(short_path), load_spec(long_path)
+        (fast, standing), (slow, same) = rate(short, options.runs), rate(long, options.runs)
+        loops = loop_rate(short, 2000), loop_rate(long, 200)
+        megabytes = memory(short_path)
+    print(f"{'':28}{'3 segments':>14}{'36 000 samples':>16}")
+    print(f"{'sets per second':28}{fast:14,.0f}{slow:16,.0f}   goal: 5,000,000")
+    print(f"{'sets that stand':28}{standing:14,}{same:16,}")
+    print(f"{'loop, sets per second':28}{loops[0]:14,.0f}{loops[1]:16,.0f}")
+    print(f"{'search / loop':28}{fast / loops[0]:14,.0f}{slow / loops[1]:16,.0f}   goal: 200")
+    print(f"{'long / short, time':28}{fast / slow:14.2f}{'':16}   goal: 1.2")
+    print(f"{'peak memory':28}{megabytes:11,.0f} MB{'':16}   goal: 400 MB at a million sets")
+
+
+if __name__ == "__main__":
+    main()

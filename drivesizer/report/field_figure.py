@@ -1,0 +1,150 @@
+"""The motor's torque-speed field as a figure: voltage lines hot and cold, what is allowed, and the load cases."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.operating_field import OperatingField
+from drivesizer.report.operating import Panel
+from drivesizer.report.style import CASES, COLOURS, drawn, named, torque_unit
+from drivesizer.units import from_si, label, show
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["MOST_PANELS", "torque_speed"]
+
+
+def torque_speed(panels: Sequence[Panel]) -> bytes:
+    """The motor's field, winding hot and cold, with the load cases in it.
+
+    Parameters
+    ----------
+    panels
+        One for each usable voltage and ambient; the first few are drawn.
+    """
+    shown = panels[:MOST_PANELS]
+
+    def draw(figure: Figure) -> None:
+        for axes, panel in zip(figure.subplots(len(shown), squeeze=False)[:, 0], shown, strict=True):
+            _field(axes, panel)
+            if len(shown) > 1:
+                lines = panel.cases[0][-1]
+                given = show(lines.voltage, "V", "voltage"), show(lines.ambient, "degC", "temperature")
+                axes.set_title(f"{given[0]} usable, ambient {given[1]}", fontsize=7.5, loc="left")
+
+    return drawn(draw, 3.2 * len(shown))
+
+
+MOST_PANELS = 3
+_ROOM = 1.12  # of an axis beyond what must be seen
+_HEADROOM = 1.06  # above the highest speed
+_FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room
+
+
+def _field(axes: Axes, panel: Panel) -> None:
+    first = panel.cases[0][-1]
+    unit = torque_unit(_reach(panel))
+    _lines(axes, first, unit, _reach(panel))
+    for number, name, found in panel.cases:
+        if number < len(CASES):
+            _trace(axes, found, unit, *CASES[number], f"load cycle, {named(name)}" if name else "load cycle")
+    _mark(axes, panel, unit)
+    right = float(from_si(_ROOM * _reach(panel), unit, "torque"))
+    left = min(0.0, *(np.nan_to_num(_signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
+    top = max(first.speed[-1], *(f.speed[-1] for *_, f in panel.cases), *(p.speed for p in panel.points))
+    axes.set_xlim(_ROOM * float(from_si(left, unit, "torque")) - 0.03 * right, right)
+    axes.set_ylim(0, float(from_si(_HEADROOM * top, "rpm", "rotary_speed")))
+    axes.axvline(0, color="black", linewidth=0.6)
+    axes.set(xlabel=f"torque at the motor's shaft ({label(unit)})", ylabel="motor speed (rpm)")
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
+
+
+def _reach(panel: Panel) -> float:
+    """The torque to which the axis goes [N*m]: what the drive may do and the cycle asks for, seldom as far as stall."""
+    first = panel.cases[0][-1]
+    stall = float(np.nan_to_num(first.voltage_cold[0]))
+    lines = (first.continuous.max(), np.fmin(first.intermittent.max(), _FAR * first.continuous.max()))
+    known = [min(float(x), stall) for x in lines if x == x]
+    asked = [float(np.nan_to_num(_signed(f)[1]).max()) for *_, f in panel.cases]
+    return max(*known, *asked, *(p.torque for p in panel.points), 1e-6) if known else max(stall, *asked)
+
+
+def _lines(axes: Axes, found: OperatingField, unit: str, reach: float) -> None:
+    """What the motor can do: continuously, by voltage hot and cold, for a while, and by speed."""
+
+    def line(values: NDArray[np.float64], colour: str, dashes: Any, name: str) -> None:
+        if not np.isnan(values).all():
+            torque, rpm = from_si(values, unit, "torque"), from_si(found.speed, "rpm", "rotary_speed")
+            axes.plot(torque, rpm, color=COLOURS[colour], linestyle=dashes, label=name)
+
+    _continuous(axes, found, unit)
+    hot, cold = (np.where(values < 0.0, np.nan, values) for values in (found.voltage_hot, found.voltage_cold))
+    for values, temperature, dashes in ((hot, found.hot, "solid"), (cold, found.ambient, (0, (5, 2)))):
+        said = f"{found.voltage:.3g} V, winding {show(temperature, 'degC', 'temperature', 3)}"
+        line(values, "blue", dashes, said.replace("-", "−"))
+    within = np.fmin(found.voltage_cold, _ROOM * reach)  # beyond that it limits nothing, or is not in sight
+    intermittent = np.where(found.intermittent <= within, found.intermittent, np.nan)
+    line(intermittent, "vermillion", (0, (6, 2, 1, 2)), "intermittent")
+    if found.permissible_speed <= _HEADROOM * found.speed[-1]:
+        axes.axhline(float(from_si(found.permissible_speed, "rpm", "rotary_speed")), color=COLOURS["grey"],
+                     linestyle=(0, (1, 1.5)), label="permissible speed")  # fmt: skip
+
+
+def _continuous(axes: Axes, found: OperatingField, unit: str) -> None:
+    """The field that is allowed for ever, by heat, by the voltage of a hot winding, and by speed."""
+    if np.isnan(found.continuous).any():
+        return
+    allowed = np.fmin(found.continuous, np.maximum(found.voltage_hot, 0.0))
+    if not np.isnan(found.permissible_speed):
+        allowed = np.where(found.speed > found.permissible_speed, 0.0, allowed)
+    name = "continuous" if found.thermal else "continuous, nominal torque"
+    axes.fill_betweenx(from_si(found.speed, "rpm", "rotary_speed"), 0.0, from_si(allowed, unit, "torque"),
+                       color=COLOURS["blue"], alpha=0.12, linewidth=0, label=name)  # fmt: skip
+
+
+_MOST_SEGMENTS = 1500  # of a trace: finer than print
+
+
+def _signed(found: OperatingField) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Speed and torque of the cycle, one way as the other: what brakes is below 0, what holds is not."""
+    way = np.sign(found.cycle_speed.mean(1))[:, None]
+    return np.abs(found.cycle_speed), np.where(way == 0.0, np.abs(found.cycle_torque), way * found.cycle_torque)
+
+
+def _trace(axes: Axes, found: OperatingField, unit: str, colour: str, dashes: Any, name: str) -> None:
+    speed, torque = _signed(found)
+    if np.isnan(torque).any():
+        return
+    extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
+    rows = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
+    axes.plot(from_si(torque[rows].ravel(), unit, "torque"), from_si(speed[rows].ravel(), "rpm", "rotary_speed"),
+              color=COLOURS[colour], linestyle=dashes, zorder=4, label=name)  # fmt: skip
+    rms = found.rms_torque, found.rms_speed, unit
+    axes.plot(*_at(*rms), marker="o", markersize=5.5, color=COLOURS[colour], linestyle="none", zorder=5,
+              label=_told("RMS current and speed", *rms))  # fmt: skip
+
+
+def _at(torque: float, speed: float, unit: str) -> tuple[float, float]:
+    return float(from_si(torque, unit, "torque")), float(from_si(speed, "rpm", "rotary_speed"))
+
+
+def _told(name: str, torque: float, speed: float, unit: str) -> str:
+    x, y = _at(torque, speed, unit)
+    return f"{name}\n{x:.4g} {label(unit)}, {y:.0f} rpm".replace("-", "−")
+
+
+_MARKERS = (("^", "vermillion"), ("s", "grey"), ("v", "purple"), ("D", "blue"))
+
+
+def _mark(axes: Axes, panel: Panel, unit: str) -> None:
+    """Points with a shape each, told in the legend: labels beside them would overlap where points lie close."""
+    for point, (marker, colour) in zip(panel.points, _MARKERS, strict=False):
+        axes.plot(*_at(point.torque, point.speed, unit), marker=marker, markersize=5.5, markerfacecolor="none",
+                  markeredgewidth=1.2, color=COLOURS[colour], linestyle="none", zorder=6,
+                  label=_told(f"paper: {point.name}", point.torque, point.speed, unit))  # fmt: skip

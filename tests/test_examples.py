@@ -1,0 +1,62 @@
+"""The machines in examples/ and the starters: each is sized, and the arm is worked out again from its trajectory."""
+
+import math
+from importlib import resources
+from pathlib import Path
+
+import pytest
+
+from drivesizer.sizing import size
+from drivesizer.spec import load_spec
+
+ROOT = Path(__file__).resolve().parent.parent
+STARTERS = sorted(p.name for p in (resources.files("drivesizer") / "starters").iterdir() if p.name.endswith(".yaml"))
+
+
+@pytest.mark.parametrize("name", STARTERS)
+def test_every_starter_finds_a_drive(name, tmp_path, catalog):
+    path = tmp_path / "robot.yaml"
+    text = (resources.files("drivesizer") / "starters" / name).read_text(encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
+    rows = "".join(f"{t / 10},{60 * math.sin(t / 20) ** 2:.4f},{1.2 + math.cos(t / 20):.4f}\n" for t in range(63))
+    (tmp_path / "cycle.csv").write_text(f"time,speed,torque\ns,rpm,N*m\n{rows}", encoding="utf-8")
+    result = size(load_spec(path), catalog=catalog, top=3)
+    assert result.sets, result.counts
+    assert result.method == "physics"
+
+
+@pytest.mark.parametrize("name", sorted(p.name for p in (ROOT / "examples").glob("*.yaml")))
+def test_every_example_finds_a_drive(name, catalog):
+    assert size(load_spec(ROOT / "examples" / name), catalog=catalog, top=1).sets
+
+
+def arm_in_closed_form(s, seconds=20_000):
+    """Mean Joule heat and RMS current of the sweeping arm: the trajectory itself, no segments."""
+    motor, i, e = s.motor, s.gearhead.ratio, s.gearhead.efficiency
+    encoder = 0.0 if s.encoder is None or math.isnan(s.encoder.inertia) else s.encoder.inertia
+    J, friction = motor.rotor_inertia + s.gearhead.inertia + encoder, motor.torque_constant * motor.no_load_current
+    m, length, square = 5.7182, 0.15, 0.0
+    for k in range(seconds):
+        t = (k + 0.5) / seconds
+        angle = -math.pi / 4 * math.cos(2 * math.pi * t)
+        w = math.pi**2 / 2 * math.sin(2 * math.pi * t)
+        a = math.pi**3 * math.cos(2 * math.pi * t)
+        T = m * length**2 * a + m * 9.81 * length * math.cos(angle)
+        forward = T / (i * e) if T * w > 0 else T * e / i
+        loss = math.copysign(friction, w) if motor.kind == "brushed" else friction * w * i / motor.no_load_speed
+        square += (forward + J * i * a + loss) ** 2 / seconds
+    return math.sqrt(square) / motor.torque_constant
+
+
+def test_the_arm_of_cords(catalog):
+    """Rezazadeh and Hurst, IROS 2014: theta = -(pi/4) cos 2 pi t, the largest torque 10 N m, least Joule heat."""
+    result = size(load_spec(ROOT / "examples" / "cords_arm.yaml"), catalog=catalog, top=5)
+    torque = next(r for r in result.requirements if r.name == "maximum_torque_per_motor").value
+    assert torque == pytest.approx(10.0, rel=1e-4)
+    heats = [s.objective for s in result.sets]
+    assert heats == sorted(heats)
+    for s in result.sets:
+        rms = next(c for c in s.checks if c.name == "motor_nominal_current").demand
+        assert rms == pytest.approx(arm_in_closed_form(s), rel=1e-4)
+        warmer = s.objective / (s.motor.resistance * rms**2)  # by the resistance that grows with the winding's warmth
+        assert 1.0 < warmer < 1.0 + 0.0039 * 100
