@@ -141,7 +141,6 @@ class CheckColumn:
         columns = ("demand", "limit", "passed", "failed", "time", "case")
         return replace(self, **{n: getattr(self, n)[rows] for n in columns if getattr(self, n) is not None})
 
-
     def on_all(self, rows: NDArray[np.int64]) -> CheckColumn:
         """A check of one figure, the same for all candidates."""
         columns = ("demand", "limit", "passed", "failed", "time", "case")
@@ -198,7 +197,7 @@ def fits(name: str, good: Any, known: Any) -> CheckColumn:
 
 
 def worst_case(found: Sequence[CheckColumn]) -> CheckColumn:
-    """The same check in several load cases as one: for each candidate the case that fails, is unknown, or is tightest."""
+    """The same check in several load cases as one: where it fails, is unknown, or is tightest."""
     if len(found) == 1:
         return found[0]
     shape = np.broadcast_shapes(*(c.passed.shape for c in found))

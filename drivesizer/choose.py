@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
-from drivesizer.spec import Choice, RobotSpec
+from drivesizer.choices import Choice
+from drivesizer.spec import RobotSpec
 
 __all__ = ["Chosen", "controllers", "encoders", "offered_buses", "offers", "selected", "usable_voltage"]
 

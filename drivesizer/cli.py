@@ -37,7 +37,8 @@ Chosen = Annotated[
 ]
 DEFAULT = Path("robot.yaml")
 _KINDS = (
-    "wheeled_vehicle, conveyor, hoist, lead_screw, ball_screw, rack_pinion, rotary_table, arm, fan, flywheel or recorded"
+    "wheeled_vehicle, conveyor, hoist, lead_screw, ball_screw, rack_pinion, rotary_table, arm, fan, flywheel, "
+    "or recorded"
 )
 
 
@@ -88,9 +89,7 @@ def size(
     from drivesizer.sizing import size as sized
 
     with _progress() as progress:
-        result = sized(
-            _load(spec), top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=progress
-        )
+        result = sized(_load(spec), top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=progress)
     if csv:
         from drivesizer.report import write_sets
 
@@ -120,7 +119,7 @@ def _objective(text: str | None) -> Any:
 
 def _pareto(text: str | None) -> tuple[str, ...]:
     """The objectives of a front."""
-    from drivesizer.spec import OBJECTIVES
+    from drivesizer.choices import OBJECTIVES
 
     names = tuple(name.strip() for name in text.split(",")) if text else ()
     wrong = [name for name in names if name not in OBJECTIVES]
@@ -169,7 +168,8 @@ def _proof(result: Any, profile: str | None) -> Any:
 def validate(
     spec: Spec = DEFAULT,
     profile: Annotated[
-        str | None, typer.Option(help="trapezoid, s-curve, or a CSV file with the columns time and speed; else the spec's.")
+        str | None,
+        typer.Option(help="trapezoid, s-curve, or a CSV file of time and speed; else the spec's."),
     ] = None,
     chosen: Chosen = None,
     json: Json = False,
@@ -226,7 +226,8 @@ def report(
     spec: Spec = DEFAULT,
     top: Top = 10,
     profile: Annotated[
-        str | None, typer.Option(help="trapezoid, s-curve, or a CSV file with the columns time and speed; else the spec's.")
+        str | None,
+        typer.Option(help="trapezoid, s-curve, or a CSV file of time and speed; else the spec's."),
     ] = None,
 ) -> None:
     """Write the report: PDF, or CSV tables."""
@@ -271,15 +272,15 @@ def equations(
 ) -> None:
     """List the paper's equations, or show one: as printed, as computed, why they differ, units, source."""
     import drivesizer.equations
-    from drivesizer import formula, terminal
+    from drivesizer import formula, terminal_equations
 
     if number is None:
-        terminal.equations()
+        terminal_equations.equations()
         return
     declared = formula.find(number)
     if declared is None:
         raise InputError(f"there is no equation {quoted(number)}; expected 1 to {max(drivesizer.declare.EQUATIONS)}")
-    terminal.equation(declared)
+    terminal_equations.equation(declared)
 
 
 @app.command(epilog="Example: drivesizer init --kind wheeled_vehicle -o robot.yaml")

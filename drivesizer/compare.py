@@ -9,9 +9,10 @@ import numpy as np
 
 from drivesizer.candidates import candidates
 from drivesizer.catalog import Catalog
+from drivesizer.choices import Choice
 from drivesizer.evaluation import evaluate
 from drivesizer.results import Check, Comparison, DriveSet
-from drivesizer.spec import Choice, RobotSpec
+from drivesizer.spec import RobotSpec
 
 __all__ = ["with_both_methods"]
 

@@ -9,7 +9,17 @@ from typing import Any
 
 from drivesizer import __version__
 from drivesizer.catalog import Controller, Encoder, Gearhead, Motor
-from drivesizer.results import Check, DriveSet, Figure, Relaxation, Requirement, SizingResult, Validation, verdict, worst
+from drivesizer.results import (
+    Check,
+    DriveSet,
+    Figure,
+    Relaxation,
+    Requirement,
+    SizingResult,
+    Validation,
+    verdict,
+    worst,
+)
 from drivesizer.units import from_si
 
 __all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "sizing", "validation"]

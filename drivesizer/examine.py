@@ -34,13 +34,13 @@ from drivesizer.physics_limits import (
     size_limits,
     stress,
 )
+from drivesizer.sieve import Alone, Sieve
 from drivesizer.spec import RobotSpec
 
 __all__ = ["Examined", "Problem", "examine", "problem"]
 
 Array = NDArray[np.float64]
 Record = TypeVar("Record", bound=tuple[Any, ...])
-_ENOUGH = 100  # candidates that fell, to find the nearest among
 
 
 class Problem(NamedTuple):
@@ -73,96 +73,6 @@ class Examined(NamedTuple):
     failed_by: Counter[str]  # of all candidates, as far as they were examined
     fallen: NDArray[np.int64]  # candidates that fell, of which the nearest are told
     bound: Array  # their smallest margin is no better than this
-
-
-class _Sieve:
-    """Candidates on their way through the stages."""
-
-    def __init__(self, sets: Candidates, staged: bool, margins: bool) -> None:
-        self.sets, self.staged, self.margins = sets, staged, margins
-        self.rows = np.arange(len(sets.motor))
-        self.checks: list[CheckColumn] = []
-        self.failed_by: Counter[str] = Counter()
-        self.doubtful = np.zeros(len(sets.motor), bool)
-        self.margin = np.full(len(sets.motor), np.inf)
-        self.fallen: list[tuple[NDArray[np.int64], Array]] = []
-
-    def parts(self, alone: _Alone) -> None:
-        """The first stage: each part is judged once, and each pair by its two parts."""
-        sets = self.sets
-        for check in alone.load:
-            self.failed_by[check.name] += len(self.rows) * int(check.failed)
-        for found, owner in ((alone.gearhead, sets.gearhead), (alone.motor, sets.motor)):
-            used = np.bincount(owner)
-            for check in found:
-                self.failed_by[check.name] += int(used @ check.failed[: len(used)])
-        if self.staged:
-            self._drop(alone)
-        owners = (alone.load, self.rows), (alone.gearhead, sets.gearhead[self.rows]), (alone.motor, sets.motor[self.rows])
-        for found, owner in owners:
-            self._keep([_of(check, owner) for check in found])
-
-    def _drop(self, alone: _Alone) -> None:
-        """Candidates with a part that fails; those of a motor that fails too are hardly among the nearest."""
-        load, gearhead, motor = (_judged(found) for found in alone)
-        bad_gearhead, bad_motor = gearhead[0][self.sets.gearhead], motor[0][self.sets.motor]
-        fails = bad_gearhead | bad_motor | load[0]
-        fallen = np.flatnonzero(fails & ~bad_motor)
-        if len(fallen) < _ENOUGH:
-            fallen = np.flatnonzero(fails)
-        bound = np.minimum(gearhead[1][self.sets.gearhead[fallen]], load[1])
-        self.fallen.append((fallen, np.minimum(bound, motor[1][self.sets.motor[fallen]])))
-        self.rows = np.flatnonzero(~fails)
-        self.doubtful, self.margin = self.doubtful[self.rows], self.margin[self.rows]
-
-    def through(self, found: Sequence[CheckColumn]) -> NDArray[np.bool_] | None:
-        """Keep what does not fail; which of the rows these are, None for all of them."""
-        for check in found:
-            self.failed_by[check.name] += int(np.count_nonzero(check.failed))
-        if not self.staged or not found:
-            self._keep(found)
-            return None
-        keep: NDArray[np.bool_] = ~np.logical_or.reduce([check.failed for check in found])
-        if keep.all():
-            self._keep(found)
-            return None
-        fallen, standing = np.flatnonzero(~keep), np.flatnonzero(keep)
-        self.fallen.append((self.rows[fallen], _judged([check.on(fallen) for check in found])[1]))
-        self.rows, self.doubtful, self.margin = self.rows[standing], self.doubtful[standing], self.margin[standing]
-        self._keep([check.on(standing) for check in found])
-        return keep
-
-    def _keep(self, found: Sequence[CheckColumn]) -> None:
-        """Remember checks of the rows that are left: whole, or what they amount to."""
-        if not self.staged:
-            self.checks += found
-            return
-        for check in found:
-            self.doubtful |= ~check.passed
-            if self.margins:
-                self.margin = np.fmin(self.margin, np.where(check.by_choice, np.inf, check.margin))
-
-
-class _Alone(NamedTuple):
-    """Checks of the load, of each gearhead and of each motor of the catalogue."""
-
-    load: list[CheckColumn]
-    gearhead: list[CheckColumn]
-    motor: list[CheckColumn]
-
-
-def _judged(found: Sequence[CheckColumn]) -> tuple[NDArray[np.bool_], Array]:
-    """Whether any check fails, and what the smallest margin is at most; -1 where one fails that has none."""
-    if not found:
-        return np.zeros(1, bool), np.full(1, np.inf)
-    failed = np.logical_or.reduce([np.atleast_1d(check.failed) for check in found])
-    margins = [np.atleast_1d(np.where(np.isnan(c.margin), np.where(c.failed, -1.0, np.inf), c.margin)) for c in found]
-    return failed, np.minimum.reduce(margins)
-
-
-def _of(check: CheckColumn, owner: NDArray[np.int64]) -> CheckColumn:
-    """A check of parts as one of the sets that they belong to."""
-    return check.on(owner) if check.passed.ndim else check.on_all(owner)
 
 
 def _kept(record: Record, keep: NDArray[np.bool_] | None) -> Record:
@@ -200,7 +110,7 @@ def examine(
         Tell the smallest margin of each.
     """
     ats = [base.behind(belt) for base in given.bases]
-    sieve = _Sieve(sets, staged, margins)
+    sieve = Sieve(sets, staged, margins)
     sieve.parts(_alone(given, ats))
     motor = Rows(given.catalog.motors, sets.motor[sieve.rows])
     gearhead = Rows(given.catalog.gearheads, sets.gearhead[sieve.rows])
@@ -227,10 +137,10 @@ def _moving(spec: RobotSpec, at: AtGearhead, parts: Parts) -> _Moving:
     return _Moving(asked, heat(spec, at, asked, parts.motor))
 
 
-def _alone(given: Problem, ats: Sequence[AtGearhead]) -> _Alone:
+def _alone(given: Problem, ats: Sequence[AtGearhead]) -> Alone:
     """What concerns the load, a gearhead or a motor alone: once per part, not per pair."""
     motors, gearheads = given.catalog.motors, given.catalog.gearheads
-    return _Alone(
+    return Alone(
         _each(given, lambda k: load_limits(given.specs[k], ats[k])),
         _each(given, lambda k: gearhead_limits(given.specs[k], ats[k], gearheads)),
         [*_each(given, lambda k: motor_limits(given.specs[k], motors)), *given.encoder.checks],
@@ -238,7 +148,7 @@ def _alone(given: Problem, ats: Sequence[AtGearhead]) -> _Alone:
 
 
 def _powered(
-    given: Problem, ats: Sequence[AtGearhead], cases: list[_Moving], parts: Parts, sieve: _Sieve, exact: bool
+    given: Problem, ats: Sequence[AtGearhead], cases: list[_Moving], parts: Parts, sieve: Sieve, exact: bool
 ) -> Examined:
     """Current, voltage and what needs the waveform, with the smallest controller that does for all cases."""
     under = [stress(s, at, *c, parts.motor) for s, at, c in zip(given.specs, ats, cases, strict=True)]
@@ -309,8 +219,9 @@ def _decided(given: Problem, args: list[Any], alive: NDArray[np.bool_]) -> list[
         open_ = [alive & ((a.passed != b.passed) | (a.failed != b.failed)) for a, b in zip(*verdicts, strict=True)]
         for compute, mask in ((wave.peak_winding, open_[0]), (wave.exact, np.logical_or.reduce(open_[1:]))):
             if mask.any():
-                few = compute(spec, at, *(_kept(x, mask) for x in (asked, warm, under)), _narrowed(parts, mask))
-                high = wave.Moments(*(_put(column, mask, some) for column, some in zip(high, few, strict=True)))
+                some = _kept(asked, mask), _kept(warm, mask), _kept(under, mask), _narrowed(parts, mask)
+                few: tuple[Array | None, ...] = compute(spec, at, *some)
+                high = wave.Moments(*(_put(column, mask, new) for column, new in zip(high, few, strict=True)))
         found.append(high)
     return found
 
@@ -324,10 +235,8 @@ def _put(column: Array, mask: NDArray[np.bool_], some: Array | None) -> Array:
     return changed
 
 
-def _figures(
-    given: Problem, found: list[wave.Moments], under: list[Stress], cases: list[_Moving]
-) -> dict[str, Array]:
-    """What objectives and records count: energy and heat of the first case, the largest current and temperature of all."""
+def _figures(given: Problem, found: list[wave.Moments], under: list[Stress], cases: list[_Moving]) -> dict[str, Array]:
+    """What objectives and records count: the first case's energy and heat, the largest current and temperature."""
     first, share = found[0], given.spec.supply.regeneration
     return {
         "energy": (first.drawn - share * first.returned) * given.spec.load.motors,

@@ -25,7 +25,6 @@ from drivesizer.thermal import TwoBodies, Value, settled, steady_winding_tempera
 __all__ = ["PeriodicWinding", "WindingBounds", "periodic_winding", "winding_bounds"]
 
 _CELLS = 1 << 15  # motors times segments in a block: what stays in the processor's cache
-_FEWEST = 32  # motors in a block, however many segments: a step over segments costs as much for one
 
 
 class PeriodicWinding(NamedTuple):
@@ -80,7 +79,7 @@ def periodic_winding(
     square, loss = np.broadcast_arrays(square, np.asarray(P_h, dtype=np.float64))
     square, loss, _ = np.broadcast_arrays(square, loss, t)
     found = PeriodicWinding(*np.empty((4, len(square))))
-    block = max(_CELLS // t.size, _FEWEST)
+    block = max(_CELLS // t.size, 1)
     for first in range(0, len(square), block):
         rows = slice(first, first + block)
         part = _block(_rows(motor, len(square), rows), ambient, t, square[rows], loss[rows])
@@ -108,12 +107,10 @@ def _block(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) ->
     time = np.cumsum(t) - t
     with np.errstate(over="ignore", invalid="ignore"):  # where a motor runs away
         found = periodic(motor, ambient, t[:, None], square, loss)
-        reached, until = highest(found, 0)
-        at = reached.argmax(axis=0)[None]
-        peak, then = (np.take_along_axis(x, at, axis=0)[0] for x in (reached, until))
-        rises = (peak, mean_rise(found, 0), highest(found, 1)[0].max(axis=0))
-    peak, mean, housing = (np.where(found.settles, x + ambient, np.inf) for x in rises)
-    columns = (peak, np.where(found.settles, time[at[0]] + then, np.nan), mean, housing)
+        peak = highest(found, 1.0, 0.0)
+        rises = (peak.rise, mean_rise(found, 0), highest(found, 0.0, 1.0).rise)
+    winding, mean, housing = (np.where(found.settles, x + ambient, np.inf) for x in rises)
+    columns = (winding, np.where(found.settles, time[peak.segment] + peak.until, np.nan), mean, housing)
     return (np.where(known, x, np.nan) for x in columns)
 
 

@@ -11,7 +11,6 @@ P_h loss at the housing [W]; in private functions w winding and h housing, rises
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -20,13 +19,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from drivesizer.errors import InputError
 from drivesizer.heat_modes import Array, Modes, Weights, drive, modes, turning_time, weights
-from drivesizer.thermal import TwoBodies
+from drivesizer.thermal import TwoBodies, Value
 
-__all__ = ["HeatCycle", "Periodic", "checked", "highest", "mean_rise", "periodic", "periodic_heat"]
+__all__ = ["HeatCycle", "Highest", "Periodic", "checked", "highest", "mean_rise", "periodic", "periodic_heat"]
 
 _BEYOND = (
     1e9  # K: a winding that is warmer after one cycle has run away; what cools again from there has lost its digits
 )
+_RUN = 16  # segments of a run
+_WIDE = 256  # motors: their columns are long enough for the processor without runs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -47,57 +48,68 @@ class HeatCycle:
     housing: Array  # K
 
 
-class _Maps(NamedTuple):
-    """What each segment adds to the rises: a matrix (exponential less one) times them, and a constant."""
+def _maps(span: Modes, weight: Weights, constant: tuple[Array, Array]) -> Array:
+    """What each segment adds to the rises: a matrix (exponential less one) times them, and a constant.
 
-    ww: Array
-    wh: Array
-    hw: Array
-    hh: Array
-    w: Array
-    h: Array
-
-    def each(self) -> Iterator[tuple[Any, ...]]:
-        """Segment by segment: floats of one motor, in which arithmetic is faster, or rows over motors."""
-        return zip(*((column.tolist() if column.ndim == 1 else column) for column in self), strict=True)
-
-
-def _maps(span: Modes, weight: Weights, constant: tuple[Array, Array]) -> _Maps:
-    """Of the matrix times a vector v the pull is (A - fast) A v = slow (A - fast) v, by Cayley and Hamilton."""
+    Rows w and h, columns w, h and constant, then segments and motors. Of the matrix times a vector v the pull is
+    (A - fast) A v = slow (A - fast) v, by Cayley and Hamilton.
+    """
     own, mixed = weight.slope, weight.pull * span.slow
     both = own + mixed
-    pull_w, pull_h = span.pulls(*constant)
-    return _Maps(
-        own * span.ww + mixed * span.ww_fast,
-        both * span.wh,
-        both * span.hw,
-        own * span.hh + mixed * span.hh_fast,
-        own * constant[0] + weight.pull * pull_w,
-        own * constant[1] + weight.pull * pull_h,
-    )
+    found = np.empty((2, 3, *own.shape))
+    np.multiply(both, span.wh, out=found[0, 1])
+    np.multiply(both, span.hw, out=found[1, 0])
+    found[0, 0] = own * span.ww + mixed * span.ww_fast
+    found[1, 1] = own * span.hh + mixed * span.hh_fast
+    for row, start, pull in zip(found, constant, span.pulls(*constant), strict=True):
+        row[2] = own * start + weight.pull * pull
+    return found
 
 
-def _whole(maps: _Maps) -> tuple[Any, ...]:
-    """The map of the whole cycle, again less one, so that a short cycle loses no digits; highest rise from the cold."""
-    a: Any = 0.0
-    b = c = d = w = h = a
-    warmth = []
-    for p, q, r, s, e, f in maps.each():
-        a, c = a + (p + p * a + q * c), c + (r + r * a + s * c)
-        b, d = b + (q + p * b + q * d), d + (s + r * b + s * d)
-        w, h = w + (e + p * w + q * h), h + (f + r * w + s * h)
-        warmth.append(w)
-    return a, b, c, d, w, h, np.max(warmth, axis=0)
+class _Course:
+    """All segments one after another: runs of segments side by side, then the runs one after another.
+
+    A step costs as much for one motor as for a thousand, hence side by side.
+    """
+
+    def __init__(self, maps: Array) -> None:
+        _, _, self.count, n = maps.shape
+        length = self.count if n > _WIDE or self.count < _RUN else _RUN
+        runs = -(-self.count // length)
+        if runs * length > self.count:  # segments that do nothing
+            maps = np.concatenate([maps, np.zeros((2, 3, runs * length - self.count, n))], axis=2)
+        self.within = np.ascontiguousarray(np.moveaxis(maps.reshape(2, 3, runs, length, n), 3, 0))
+        for k in range(1, length):
+            _follow(self.within[k], self.within[k - 1])
+        self.before = np.zeros((2, 3, runs, n))  # each run
+        self.whole = self.within[-1, :, :, 0]
+        if runs > 1:
+            self._join(_Course(self.within[-1]))
+
+    def _join(self, runs: _Course) -> None:
+        up_to = runs.within
+        for k in range(len(up_to)):
+            _follow(up_to[k], runs.before)
+        flat = np.moveaxis(up_to, 0, 3).reshape(2, 3, -1, up_to.shape[-1])
+        self.before[:, :, 1:] = flat[:, :, : runs.count - 1]
+        self.whole = runs.whole
+
+    def rises(self, w: Value, h: Value) -> Array:
+        """Rises after each segment, w and h, from those at the start."""
+        start = [x + row[0] * w + row[1] * h + row[2] for x, row in zip((w, h), self.before, strict=True)]
+        found = self.within[:, :, 0] * start[0]
+        found += self.within[:, :, 1] * start[1]
+        found += self.within[:, :, 2]
+        found += np.array(start)
+        return np.moveaxis(found, 0, 2).reshape(2, -1, found.shape[-1])[:, : self.count]
 
 
-def _rises(maps: _Maps, w: Any, h: Any) -> tuple[Array, Array]:
-    """Rises at the start and after each segment."""
-    found_w, found_h = [w], [h]
-    for p, q, r, s, e, f in maps.each():
-        w, h = w + (p * w + q * h + e), h + (r * w + s * h + f)
-        found_w.append(w)
-        found_h.append(h)
-    return np.array(found_w), np.array(found_h)
+def _follow(maps: Array, so_far: Array) -> None:
+    """In place: the maps after what came so far, all less one, so that short segments lose no digits."""
+    added = maps[:, :1] * so_far[0]
+    added += maps[:, 1:2] * so_far[1]
+    added += so_far
+    maps += added
 
 
 class Periodic(NamedTuple):
@@ -107,7 +119,7 @@ class Periodic(NamedTuple):
     span: Modes
     constant: tuple[Array, Array]  # K/s
     weight: Weights  # at each segment's end
-    rises: tuple[Array, Array]  # K, at the start and after each segment
+    rises: Array  # K, at the start and after each segment
     slopes: tuple[Array, Array]  # K/s, at each segment's start
     pulls: tuple[Array, Array]  # K/s^2, there
     whole: tuple[Any, ...]  # the cycle's map less one: matrix row by row, constant; highest rise from the cold [K]
@@ -133,22 +145,22 @@ def periodic(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) 
     with np.errstate(over="ignore", invalid="ignore"):
         span, constant = modes(motor, I2), drive(motor, ambient, I2, P_h)
         weight = weights(span.fast, span.slow, t)
-        maps = _maps(span, weight, constant)
-        whole = _whole(maps)
+        course = _Course(_maps(span, weight, constant))
+        whole = (*course.whole[:, :2].reshape(4, -1), *course.whole[:, 2], course.rises(0.0, 0.0)[0].max(axis=0))
         start, settles = _fixed_point(*whole)
-        w, h = rises = _rises(maps, *start)
+        w, h = rises = np.concatenate([start[:, None], course.rises(*start)], axis=1)
         slope_w, slope_h = (x + b for x, b in zip(span.slopes(w[:-1], h[:-1]), constant, strict=True))
         pulls = span.pulls(slope_w, slope_h)
     return Periodic(t, span, constant, weight, rises, (slope_w, slope_h), pulls, whole, settles)
 
 
-def _fixed_point(a: Any, b: Any, c: Any, d: Any, w: Any, h: Any, warmth: Any) -> tuple[list[Any], NDArray[np.bool_]]:
+def _fixed_point(
+    a: Array, b: Array, c: Array, d: Array, w: Array, h: Array, warmth: Array
+) -> tuple[Array, NDArray[np.bool_]]:
     """The rises that a cycle ends with as it started, and whether they are approached: a spectral radius below 1."""
-    determinant = np.asarray(a * d - b * c)
-    settles = (determinant > 0.0) & (np.asarray(a) < 0.0) & np.isfinite(determinant + h) & (warmth < _BEYOND)
-    safe = np.where(settles, determinant, np.nan)
-    start = (np.asarray((b * h - d * w) / safe), np.asarray((c * w - a * h) / safe))
-    return [x.item() if x.ndim == 0 else x for x in start], settles
+    determinant = a * d - b * c
+    settles = (determinant > 0.0) & (a < 0.0) & np.isfinite(determinant + h) & (warmth < _BEYOND)
+    return np.array([b * h - d * w, c * w - a * h]) / np.where(settles, determinant, np.nan), settles
 
 
 def mean_rise(found: Periodic, body: int) -> Array:
@@ -166,28 +178,47 @@ def mean_rise(found: Periodic, body: int) -> Array:
     return mean
 
 
-def highest(found: Periodic, body: int) -> tuple[Array, Array]:
-    """Highest rise of a body in each segment [K], and how long after the segment's start [s].
+class Highest(NamedTuple):
+    """The highest that something gets, of each motor."""
+
+    rise: Array  # K
+    segment: NDArray[np.intp]  # in which
+    until: Array  # s, from that segment's start
+
+
+def highest(found: Periodic, *shares: float) -> Highest:
+    """Highest sum of the rises over the cycle.
 
     Parameters
     ----------
     found
         The periodic state.
-    body
-        0 the winding, 1 the housing.
+    shares
+        What is summed: shares of the winding's rise and of the housing's [1].
+
+    Notes
+    -----
+    Such a sum turns round once in a segment at most, and up to there it is below its tangent at the segment's start:
+    only where that reaches above all segments' ends is there a peak within a segment to be found.
     """
-    starts, ends = found.rises[body][:-1], found.rises[body][1:]
-    later = ends > starts
-    reached, until = np.where(later, ends, starts), np.where(later, found.t, 0.0)
-    inner = np.nonzero((found.slopes[body] > 0.0) & (found.pulls[body] < 0.0))
-    columns = (found.span.fast, found.span.slow, found.t, starts, found.slopes[body], found.pulls[body])
-    fast, slow, t, start, slope, pull = (np.broadcast_to(x, reached.shape)[inner] for x in columns)
-    turn = turning_time(slow - fast, slope, pull)
-    within = turn < t
-    turn, slope, pull, inner = turn[within], slope[within], pull[within], tuple(x[within] for x in inner)
-    weight = weights(fast[within], slow[within], turn)
-    reached[inner], until[inner] = start[within] + weight.slope * slope + weight.pull * pull, turn
-    return reached, until
+    w, h = shares
+    values, slopes, pulls = (w * x[0] + h * x[1] for x in (found.rises, found.slopes, found.pulls))
+    at = values.argmax(axis=0)
+    top = np.take_along_axis(values, at[None], axis=0)[0]
+    segment = np.maximum(at - 1, 0)
+    t = np.broadcast_to(found.t, slopes.shape)
+    until = np.where(at > 0, np.take_along_axis(t, segment[None], axis=0)[0], 0.0)
+    inner = np.nonzero((slopes > 0.0) & (pulls < 0.0) & (values[:-1] + t * slopes > top))
+    columns = (found.span.fast, found.span.slow, t, values[:-1], slopes, pulls)
+    fast, slow, t, start, slope, pull = (np.broadcast_to(x, slopes.shape)[inner] for x in columns)
+    turn = np.minimum(turning_time(slow - fast, slope, pull), t)
+    weight = weights(fast, slow, turn)
+    reached = start + weight.slope * slope + weight.pull * pull
+    order = np.argsort(reached)
+    order = order[reached[order] > top[inner[1][order]]]
+    motor = inner[1][order]  # the last one counts, which is the highest
+    top[motor], segment[motor], until[motor] = reached[order], inner[0][order], turn[order]
+    return Highest(top, segment, until)
 
 
 def checked(dt: ArrayLike, I2: ArrayLike) -> tuple[Array, Array]:
@@ -242,28 +273,22 @@ def periodic_heat(motor: TwoBodies, ambient: float, dt: ArrayLike, I2: ArrayLike
     time = np.concatenate(([0.0], np.cumsum(t)))
     if not motor.known or math.isnan(ambient + float(t.sum() + square.sum() + loss.sum())):
         return _nowhere(time, math.nan, math.nan)
-    found = periodic(motor, ambient, t, square, loss)
-    if not found.settles:
-        return _nowhere(time, math.inf, _radius(*found.whole))
-    winding, peak_time = _peak(found, 0, time)
+    found = periodic(motor, ambient, *(x[:, None] for x in (t, square, loss)))
+    radius = _radius(*(float(x[0]) for x in found.whole))
+    if not found.settles[0]:
+        return _nowhere(time, math.inf, radius)
+    winding, housing = highest(found, 1.0, 0.0), highest(found, 0.0, 1.0)
     return HeatCycle(
-        winding_peak=ambient + winding,
-        winding_peak_time=peak_time,
-        winding_mean=ambient + float(mean_rise(found, 0)),
-        housing_peak=ambient + _peak(found, 1, time)[0],
-        housing_mean=ambient + float(mean_rise(found, 1)),
-        spectral_radius=_radius(*found.whole),
+        winding_peak=ambient + float(winding.rise[0]),
+        winding_peak_time=float(time[winding.segment[0]] + winding.until[0]),
+        winding_mean=ambient + float(mean_rise(found, 0)[0]),
+        housing_peak=ambient + float(housing.rise[0]),
+        housing_mean=ambient + float(mean_rise(found, 1)[0]),
+        spectral_radius=radius,
         time=time,
-        winding=ambient + found.rises[0],
-        housing=ambient + found.rises[1],
+        winding=ambient + found.rises[0, :, 0],
+        housing=ambient + found.rises[1, :, 0],
     )
-
-
-def _peak(found: Periodic, body: int, time: Array) -> tuple[float, float]:
-    """Highest rise of a body, and when."""
-    reached, until = highest(found, body)
-    n = int(reached.argmax())
-    return float(reached[n]), float(time[n] + until[n])
 
 
 def _radius(a: float, b: float, c: float, d: float, w: float, h: float, warmth: float) -> float:

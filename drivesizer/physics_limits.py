@@ -103,7 +103,9 @@ def gearhead_limits(spec: RobotSpec, at: AtGearhead, gearhead: Any) -> list[Chec
     ]  # fmt: skip
     needs = spec.needs
     if needs.backlash_at_load is not None:
-        found.append(at_most("backlash_at_load", gearhead["backlash"] / at.belt, needs.backlash_at_load, "angle", "deg"))
+        found.append(
+            at_most("backlash_at_load", gearhead["backlash"] / at.belt, needs.backlash_at_load, "angle", "deg")
+        )
     if needs.radial_load is not None:
         load = at_most("gearhead_radial_load", needs.radial_load, gearhead["max_radial_load"], "force", "N", **torque)
         found.append(load)

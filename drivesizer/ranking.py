@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from drivesizer.candidates import Candidates
 from drivesizer.catalog import Catalog, Table
+from drivesizer.choices import OBJECTIVES, Weighted
 from drivesizer.errors import InputError, quoted
 from drivesizer.extremes import undominated
-from drivesizer.spec import OBJECTIVES, Weighted
 
 __all__ = ["SUMS", "front", "names_of", "objective_of", "order", "title_of", "values"]
 

@@ -32,7 +32,7 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objectiv
         for check in evaluation.checks
         if not (check.demand[index] == 0.0 and np.isposinf(check.limit[index]))  # nothing that it could exceed
     )
-    found = DriveSet(
+    return DriveSet(
         rank=rank,
         status="fail" if evaluation.failed[index] else "unknown" if evaluation.unknown[index] else "pass",
         motor=motor,
@@ -52,7 +52,6 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objectiv
         if evaluation.spec.method == "physics" and controller >= 0
         else (),
     )
-    return found
 
 
 def _summed(parts: dict[str, Any], figure: str, over: tuple[str, ...]) -> tuple[float, tuple[str, ...]]:
@@ -106,9 +105,7 @@ def _figures(
     return (*found, *_overloads(evaluation, values, motor, controller))
 
 
-def _overloads(
-    evaluation: Evaluation, values: dict[str, float], motor: Motor, controller: Controller
-) -> list[Figure]:
+def _overloads(evaluation: Evaluation, values: dict[str, float], motor: Motor, controller: Controller) -> list[Figure]:
     """How long the motor bears the controller's peak current, cold and warm from the cycle."""
     bodies = TwoBodies(
         R_25=motor.resistance, R_th1=motor.thermal_resistance_winding, R_th2=motor.thermal_resistance_housing,

@@ -12,11 +12,12 @@ import numpy as np
 
 from drivesizer.candidates import Candidates, candidates
 from drivesizer.catalog import Catalog
+from drivesizer.choices import Choice
 from drivesizer.evaluation import evaluate
 from drivesizer.records import drive_set
 from drivesizer.results import DriveSet, Relaxation
 from drivesizer.search import search
-from drivesizer.spec import Choice, RobotSpec
+from drivesizer.spec import RobotSpec
 from drivesizer.units import show
 
 __all__ = ["changes_for", "relaxations"]
@@ -141,8 +142,8 @@ def _cooler(spec: RobotSpec, passes: Callable[[RobotSpec], str | None]) -> Itera
         middle = (low + high) / 2
         low, high = (low, middle) if passes(at(middle)) else (middle, high)
     yield Relaxation(
-        field=".".join(_AMBIENT), now=show(now, "degC", "temperature"), needed=show(now - high, "degC", "temperature", 3),
-        set_label=passes(at(high)) or "", share=high / now,
+        field=".".join(_AMBIENT), now=show(now, "degC", "temperature"),
+        needed=show(now - high, "degC", "temperature", 3), set_label=passes(at(high)) or "", share=high / now,
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""What a load that the paper does not treat asks for: the paper's quantities under the paper's names, from its cycle."""
+"""What a load that the paper does not treat asks for: the paper's quantities, by its names, from the load cycle."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
         ``control`` asks for what no controller can do.
     """
     if not applies(spec):
-        raise InputError("the closed loop is for a wheeled_vehicle without wind so far; `drivesizer size` checks this load")
+        raise InputError("the closed loop is for a wheeled_vehicle without wind; `drivesizer size` checks this load")
     asked = profile_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
     period, said = _period(drive_set)
     train, assumed = drive_train(spec, drive_set, period)

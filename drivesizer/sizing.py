@@ -10,6 +10,7 @@ import numpy as np
 from drivesizer import paper
 from drivesizer.candidates import Candidates, candidates
 from drivesizer.catalog import Catalog, load
+from drivesizer.choices import Choice, ControllerChoice, EncoderChoice
 from drivesizer.choose import offered_buses, offers
 from drivesizer.compare import with_both_methods
 from drivesizer.errors import InputError, nearest, quoted
@@ -20,7 +21,7 @@ from drivesizer.relax import changes_for, relaxations
 from drivesizer.requirements import requirements
 from drivesizer.results import DriveSet, Requirement, SizingResult
 from drivesizer.search import Found, Progress, search
-from drivesizer.spec import Choice, ControllerChoice, EncoderChoice, RobotSpec
+from drivesizer.spec import RobotSpec
 from drivesizer.units import show
 
 __all__ = ["explain", "load_parts", "size"]

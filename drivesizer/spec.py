@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
 
+from drivesizer.choices import Select
 from drivesizer.errors import InputError
 from drivesizer.fields import (
     Allowance,
@@ -26,7 +27,6 @@ from drivesizer.fields import (
     Gravity,
     Length,
     Mass,
-    Names,
     Part,
     Power,
     Price,
@@ -45,7 +45,7 @@ from drivesizer.motions import Motion, Trapezoid
 from drivesizer.spec_errors import explained
 from drivesizer.yaml_source import Path_, YamlSource, read
 
-__all__ = ["OBJECTIVES", "RobotSpec", "load_spec", "read_spec"]
+__all__ = ["RobotSpec", "load_spec", "read_spec"]
 
 
 class GearheadStage(Section):
@@ -162,55 +162,6 @@ class Control(Section):
         if self.kp is not None and self.bandwidth is not None:
             raise ValueError("give kp or bandwidth, not both")
         return self
-
-
-class Choice(Section):
-    """Restricts a kind of part to some families or part numbers."""
-
-    family: Names | None = None
-    part: Names | None = None
-
-
-class EncoderChoice(Choice):
-    """Restricts the encoder."""
-
-    min_counts: Annotated[int, Field(ge=1)] | None = Field(default=None, description="counts per turn at least")
-
-
-class ControllerChoice(Choice):
-    """Restricts the controller."""
-
-    bus: str | None = Field(default=None, description="such as CANopen or EtherCAT")
-
-
-Objective = Literal[
-    "mass", "price", "length", "power", "energy", "joule_heat", "peak_current", "winding_temperature", "margin"
-]
-OBJECTIVES: tuple[str, ...] = Objective.__args__  # type: ignore[attr-defined]
-
-
-class Weighted(Section):
-    """One of several objectives: its weight counts shares of the smallest value that any set has."""
-
-    objective: Objective
-    weight: Ratio
-
-
-class Select(Section):
-    """Which parts may be chosen, and what makes one set better than another."""
-
-    catalogs: Names = Field(default=["maxon"])
-    motor: Choice = Field(default_factory=Choice)
-    gearhead: Choice = Field(default_factory=Choice)
-    encoder: EncoderChoice = Field(default_factory=EncoderChoice)
-    controller: ControllerChoice = Field(default_factory=ControllerChoice)
-    objective: Objective | Annotated[list[Weighted], Field(min_length=1, max_length=8)] = "mass"
-    unknown: Literal["allow", "reject"] = Field(default="allow", description="sets with a check that is unknown")
-
-    @property
-    def is_restricted(self) -> bool:
-        """Whether families or parts are named."""
-        return any(c.family or c.part for c in (self.motor, self.gearhead, self.encoder, self.controller))
 
 
 class Case(Section):

@@ -18,6 +18,9 @@ from drivesizer.yaml_source import Path_, YamlSource
 
 __all__ = ["explained"]
 
+# messages of validators that say themselves what was found
+_ALONE = ('"', "give", "expected", "transmission", "inner", "sinkage", "ki", "motion", "method")
+
 
 def explained(
     error: ValidationError, source: YamlSource, model: type[BaseModel], data: Any = None, at: Path_ = ()
@@ -85,8 +88,7 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
             return f"unknown key; {_nearest(str(path[-1]), _known_keys(model, path[:-1], data))}"
         case "value_error":
             text = str(fault["ctx"]["error"])
-            alone = text.startswith(('"', "give", "expected", "transmission", "inner", "sinkage", "ki", "motion", "method"))
-            return text if alone else f"{found} {text}"
+            return text if text.startswith(_ALONE) else f"{found} {text}"
         case "literal_error":
             return f"{found} is not known; expected {fault['ctx']['expected']}"
         case "union_tag_invalid":

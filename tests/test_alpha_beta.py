@@ -1,7 +1,7 @@
 """The optimum ratio in closed form (Giberti, Cinquemani, Legnani, Mechatronics 20, 2010) against the search.
 
-Its assumptions: power flows to the load only, so that an efficiency is a constant factor; no friction in the motor. Then
-the mean square of the motor's torque is (T/e K)² + (J K a)² + 2 J T a / e, least at K² = T_rms / (e J a_rms).
+Its assumptions: power flows to the load only, so that an efficiency is a constant factor; no friction in the motor.
+Then the mean square of the motor's torque is (T/e K)² + (J K a)² + 2 J T a / e, least at K² = T_rms / (e J a_rms).
 """
 
 import math
@@ -17,7 +17,8 @@ from drivesizer.yaml_source import YamlSource
 
 FAN = """
 name: a fan that always brakes by itself
-load: {{kind: fan, inertia: 40 kg*cm^2, rated_torque: {torque}, rated_speed: 400 rpm, exponent: 1, friction_torque: 0.3 N*m}}
+load: {{kind: fan, inertia: 40 kg*cm^2, rated_torque: {torque}, rated_speed: 400 rpm, exponent: 1,
+       friction_torque: 0.3 N*m}}
 motion: {{speed: 100 rpm, acceleration_time: {ramp}, deceleration_time: 1 s, cruise_time: {cruise}}}
 transmission: [{{kind: gearhead}}, {{kind: belt, ratios: [{ratios}], efficiency: 0.93}}]
 supply: {{nominal: 48 V, regeneration: 0.5}}

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from drivesizer.catalog import PARTS, Catalog, columns_of, load, shipped
 from drivesizer.catalog.reading import parse
 from drivesizer.catalog.tables import joined
+from drivesizer.choices import Choice
 from drivesizer.choose import selected
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.search import candidates
-from drivesizer.spec import Choice
 from drivesizer.yaml_source import YamlSource
 
 ACME = """\

@@ -90,7 +90,6 @@ def test_blocks_change_nothing(cells, monkeypatch):
     dt, squares, losses = random_cycle(random, motors)
     whole = periodic_winding(motors, AMBIENT, dt, squares, losses)
     monkeypatch.setattr(heat_columns, "_CELLS", cells)
-    monkeypatch.setattr(heat_columns, "_FEWEST", 2)
     for found, column in zip(periodic_winding(motors, AMBIENT, dt, squares, losses), whole, strict=True):
         assert found == pytest.approx(column, rel=1e-12, nan_ok=True)
 

@@ -6,18 +6,19 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
-from math import isnan, nan
+from math import inf, isnan, nan
 from pathlib import Path
 
 import pytest
 from test_figures import synthetic_validation
 
+import drivesizer
 from drivesizer.errors import InputError
 from drivesizer.report import pdf, tables, write, write_series, write_sets
 from drivesizer.report.derivation import step
 from drivesizer.report.files import put
-from drivesizer.report.sums import price_of
-from drivesizer.results import SizingResult
+from drivesizer.report.sums import objective_figure, price_of
+from drivesizer.results import Relaxation, SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec import RobotSpec, read_spec
 from drivesizer.yaml_source import read
@@ -215,6 +216,118 @@ def test_every_requirement_has_its_numbers_put_in(result):
     made = {r.name: step(r) for r in result.requirements}
     assert made["rms_torque"]["numbers"].count("(-2.855 thin") == 1  # a negative figure under a square has brackets
     assert made["wheel_mass"]["numbers"].count('(0.0762 thin "m")^(2)') == 1
+
+
+# -- every kind of load, load cases, margins, fronts
+
+STARTERS = Path(drivesizer.__file__).parent / "starters"
+CYCLE = "time,speed,torque\ns,rpm,N*m\n0,0,0.2\n0.5,40,1.4\n2.5,40,0.9\n3,0,-0.3\n4,0,0\n"
+
+
+def starter(kind: str, folder: Path, *pairs: tuple[str, str], more: str = "") -> RobotSpec:
+    (folder / "cycle.csv").write_text(CYCLE)
+    return changed((STARTERS / f"{kind}.yaml").read_text(encoding="utf-8") + more, folder, *pairs)
+
+
+@pytest.mark.parametrize("kind", sorted(path.stem for path in STARTERS.glob("*.yaml")))
+def test_every_starter_has_its_reports(kind, tmp_path, catalog):
+    found = size(starter(kind, tmp_path), catalog=catalog, top=2)
+    best = found.sets[0]
+    text = text_of(pdf.report_pdf(found, None))
+    assert text.count(best.motor.part) >= 2
+    wheels = kind == "wheeled_vehicle"
+    assert ("at the load's shaft" in text) is not wheels and ("The vehicle and its wheels" in text) is wheels
+    assert ("treat only a wheeled vehicle on a trapezoid" in text) is not wheels
+    assert "Closed loop" not in text and "Current limit to set" in text
+    rows = rows_of(tables.report_csv(found, None))
+    figures = {r["name"]: r for r in rows if r["section"] == "figure" and r["set_rank"] == "1"}
+    assert list(figures) == [f.name for f in best.figures]
+    for figure in best.figures:
+        assert figures[figure.name]["si_value"] == ("" if isnan(figure.value) else str(float(figure.value)))
+    header, *sets = tables.sets_csv(found).decode().splitlines()
+    assert len(sets) == len(found.sets) + len(found.misses) and "figure_energy_J" in header
+
+
+@pytest.fixture(scope="module")
+def cased(tmp_path_factory, catalog) -> SizingResult:
+    """A hoist with margins, load cases of hostile names, a weighted objective, and a front."""
+    more = """
+margins: {torque: 20 %, temperature: 0.15}
+cases:
+  - {name: '#eval("1+1") $x$ `raw`', load: {mass: 18 kg}}
+  - {name: weak battery, supply: {nominal: 20 V, min: 18 V}}
+"""
+    weighted = "objective: [{objective: mass, weight: 2}, {objective: price, weight: 1}]"
+    spec = starter("hoist", tmp_path_factory.mktemp("cases"), ("objective: mass", weighted), more=more)
+    return size(spec, catalog=catalog, top=2, pareto=("mass", "price", "energy"))
+
+
+def test_load_cases_margins_and_objectives_are_told(cased):
+    content = pdf.report_pdf(cased, None)
+    assert pdf.report_pdf(cased, None) == content
+    text = text_of(content)
+    assert 'case #eval("1+1") $x$ `raw`' in text  # the load case in which a check is worst
+    assert "needs +20 %" in text and "needs +15 %" in text
+    assert "best of them by 2 mass + 1 price" in text and "in the worst load case" in text
+    rows = [r for r in rows_of(tables.report_csv(cased, None)) if r["section"] == "check" and r["set_rank"] == "1"]
+    for row, check in zip(rows, cased.sets[0].checks, strict=True):
+        assert (row["case"], float(row["needed_margin"])) == (check.case, check.needed)
+    assert {0.0, 0.2, 0.15} == {float(row["needed_margin"]) for row in rows}
+    (head,) = [name for name in rows_of(tables.sets_csv(cased))[0] if name.startswith("objective")]
+    assert head == "objective_2_mass_1_price_si"
+
+
+def test_a_front_is_printed_drawn_and_in_the_tables(cased):
+    assert len(cased.front) > 1
+    text = text_of(pdf.report_pdf(cased, None))
+    assert "The Pareto front" in text and "energy per cycle" in text
+    for one in cased.front[:5]:
+        assert one.motor.part in text
+    rows = [r for r in rows_of(tables.report_csv(cased, None)) if r["section"] == "front"]
+    for one in cased.front:
+        mine = {r["name"]: r for r in rows if r["set_rank"] == str(one.rank)}
+        assert mine["motor"]["value"] == one.motor.part
+        assert float(mine["mass"]["si_value"]) == one.motor.mass + one.gearhead.mass
+        assert mine["energy"]["unit"] == "J"
+    listed = [r["list"] for r in rows_of(tables.sets_csv(cased))]
+    assert listed == ["set"] * len(cased.sets) + ["miss"] * len(cased.misses) + ["front"] * len(cased.front)
+
+
+def test_what_a_set_has_of_an_objective(cased):
+    best = cased.sets[0]
+    assert objective_figure(best, "power").value == best.motor.assigned_power  # not the power of the supply
+    assert objective_figure(best, "length").value == best.motor.length + best.gearhead.length
+    assert objective_figure(best, "margin").value == min(c.margin for c in best.checks if not isnan(c.margin))
+    does = {f.name: f.value for f in best.figures}
+    assert objective_figure(best, "energy").value == does["energy"]
+    assert isnan(objective_figure(replace(best, figures=()), "energy").value)
+
+
+def test_changes_are_told_with_numbers(cased):
+    moves = (
+        Relaxation(field="load.inertia", now="3 kg·m²", needed="2.5 kg·m²", set_label="that set", share=0.17),
+        Relaxation(field="environment.ambient", now="40 °C", needed="25.5 °C", set_label="that set", share=0.05),
+        Relaxation(field="gearhead", now="27:1", needed="35:1", set_label="another", share=0.3),
+    )
+    miss = replace(cased.sets[0], status="fail", changes=moves)
+    nothing = replace(cased, sets=(), misses=(miss,), relaxations=moves[:1])
+    rows = [r for r in rows_of(tables.report_csv(nothing, None)) if r["section"] == "change"]
+    assert [(r["name"], r["value"], r["limit"], r["unit"]) for r in rows] == [
+        ("load.inertia", "3.0", "2.5", "kg*m^2"),
+        ("environment.ambient", "40.0", "25.5", "degC"),
+        ("gearhead", "27:1", "35:1", ""),
+        ("load.inertia", "3.0", "2.5", "kg*m^2"),
+    ]
+    text = text_of(pdf.report_pdf(nothing, None))
+    assert "What would let it pass" in text and "What would have to move" in text and "load › inertia" in text
+    assert "No single figure" in text_of(pdf.report_pdf(replace(nothing, relaxations=()), None))
+
+
+def test_what_has_no_end_is_told_from_what_is_unknown(cased):
+    best = cased.sets[0]
+    figures = (replace(best.figures[0], value=inf), replace(best.figures[1], value=nan))
+    rows = rows_of(tables.report_csv(replace(cased, sets=(replace(best, figures=figures),), misses=()), None))
+    assert [r["si_value"] for r in rows if r["section"] == "figure"] == ["inf", ""]
 
 
 # -- files

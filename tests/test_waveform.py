@@ -21,9 +21,9 @@ def one(*segments):
 def sampled(found):
     """Time, current and voltage in the middle of many short steps, and their length."""
     share = (np.arange(FINE) + 0.5) / FINE
-    I, V = (x[0, :, :1] + share * (x[0, :, 1:] - x[0, :, :1]) for x in (found.current, found.voltage))
+    i, v = (x[0, :, :1] + share * (x[0, :, 1:] - x[0, :, :1]) for x in (found.current, found.voltage))
     step = np.repeat(found.duration / FINE, FINE)
-    return I.ravel(), V.ravel(), step
+    return i.ravel(), v.ravel(), step
 
 
 def run_of(above, step):
@@ -37,7 +37,7 @@ def run_of(above, step):
     return longest
 
 
-amps, spans = st.floats(-6, 6).map(lambda x: round(x, 3)), st.floats(0.05, 3).map(lambda x: round(x, 3))
+amps, spans = st.floats(-6, 6).map(lambda x: round(x, 2)), st.floats(0.05, 3).map(lambda x: round(x, 3))
 segments = st.lists(st.tuples(spans, st.tuples(amps, amps), st.tuples(amps, amps)), min_size=1, max_size=6)
 
 
@@ -45,8 +45,8 @@ segments = st.lists(st.tuples(spans, st.tuples(amps, amps), st.tuples(amps, amps
 @given(segments)
 def test_energy_against_fine_sampling(rows):
     found = one(*rows)
-    I, V, step = sampled(found)
-    flow = I * V * step
+    i, v, step = sampled(found)
+    flow = i * v * step
     sums = energy(found)
     size = 1e-6 * np.abs(flow).sum() + 1e-9
     assert sums.drawn[0] == pytest.approx(flow[flow > 0].sum(), abs=50 * size)
@@ -65,24 +65,27 @@ def test_energy_against_fine_sampling(rows):
 @given(segments)
 def test_largest_power_against_fine_sampling(rows):
     found = one(*rows)
-    I, V, _ = sampled(found)
+    i, v, _ = sampled(found)
     ends = (found.current * found.voltage).ravel()
     power, when = largest_power(found)
-    highest = max((I * V).max(), ends.max())
+    highest = max((i * v).max(), ends.max())
     assert power[0] >= highest - 1e-12 * abs(highest)
     assert power[0] == pytest.approx(highest, abs=1e-5)
-    k = min(int(np.searchsorted(np.cumsum(found.duration), when[0])), len(rows) - 1)
-    place = (when[0] - found.duration[:k].sum()) / found.duration[k]
-    a, b = (x[0, k, 0] + place * (x[0, k, 1] - x[0, k, 0]) for x in (found.current, found.voltage))
-    assert a * b == pytest.approx(power[0], rel=1e-9, abs=1e-9)
+    at_that_time = []
+    for k, end in enumerate(np.cumsum(found.duration)):
+        place = 1.0 + (when[0] - end) / found.duration[k]
+        if -1e-9 < place < 1 + 1e-9:
+            a, b = (x[0, k, 0] + place * (x[0, k, 1] - x[0, k, 0]) for x in (found.current, found.voltage))
+            at_that_time.append(a * b)
+    assert max(at_that_time) == pytest.approx(power[0], rel=1e-9, abs=1e-9)
 
 
 @settings(max_examples=60, deadline=None)
-@given(segments, st.floats(0.01, 5))
+@given(segments, st.integers(1, 500).map(lambda n: n / 100 + 0.005))
 def test_longest_above_against_fine_sampling(rows, limit):
     found = one(*rows)
-    I, _, step = sampled(found)
-    expected = run_of(np.abs(I) > limit, step)
+    i, _, step = sampled(found)
+    expected = run_of(np.abs(i) > limit, step)
     assert longest_above(found, np.array([limit]))[0] == pytest.approx(expected, abs=2.1 * step.max())
 
 
@@ -159,7 +162,7 @@ def test_current_and_voltage_are_linear_in_the_functions():
     for c in range(3):
         for s in range(4):
             for end in (0, 1):
-                I = sum(torque[c, n] * functions[s, end, n] for n in range(6)) / k_t[c]
-                V = sum(volts[c, n] * functions[s, end, n] for n in range(6))
-                assert found.current[c, s, end] == pytest.approx(I, rel=1e-12)
-                assert found.voltage[c, s, end] == pytest.approx(V, rel=1e-12)
+                i = sum(torque[c, n] * functions[s, end, n] for n in range(6)) / k_t[c]
+                v = sum(volts[c, n] * functions[s, end, n] for n in range(6))
+                assert found.current[c, s, end] == pytest.approx(i, rel=1e-12)
+                assert found.voltage[c, s, end] == pytest.approx(v, rel=1e-12)

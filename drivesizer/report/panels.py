@@ -34,8 +34,9 @@ def windows(series: Mapping[str, NDArray[np.float64]]) -> list[Window]:
     changing = np.flatnonzero(np.abs(np.diff(reference)) > 1e-6 * np.abs(reference).max(initial=0.0))
     if not len(changing):
         return [whole]
-    gap = int(np.argmax(np.diff(time[changing]))) if len(changing) > 1 else 0
-    if len(changing) < 2 or time[changing[gap + 1]] - time[changing[gap]] < 0.5 * (whole.end - whole.start):
+    still = time[changing[1:]] - time[changing[:-1] + 1]  # s, from the end of one change to the start of the next
+    gap = int(np.argmax(still)) if len(still) else 0
+    if not len(still) or still[gap] < 0.5 * (whole.end - whole.start):
         return [whole]
     first = whole.start, float(time[changing[gap] + 1])
     last = float(time[changing[gap + 1]]), float(time[changing[-1] + 1])
