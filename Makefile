@@ -35,6 +35,7 @@ wheel: $(READY)
 bench: $(READY)
 	$(BIN)/python benchmarks/size_start.py
 	$(BIN)/python benchmarks/catalog_load.py
+	$(BIN)/python benchmarks/search_sets.py
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -34,6 +34,7 @@ class Evaluation(NamedTuple):
     controller: NDArray[np.int64]
     figures: Mapping[str, NDArray[np.float64]]  # what objectives count beside the catalogue's figures, SI
     cases: tuple[str, ...]  # names of the load cases
+    asked: Problem | None = None  # their load cycles, by physics
 
     @property
     def failed(self) -> NDArray[np.bool_]:
@@ -100,7 +101,7 @@ def _by_physics(
     controller = _scattered([(rows, one.controller) for rows, one in found], count, np.int64)
     encoder = asked.encoder.row[given.motor]
     checks = _in_order(found, count)
-    return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder, controller, figures, asked.names)
+    return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder, controller, figures, asked.names, asked)
 
 
 def _scattered(parts: list[tuple[NDArray[Any], NDArray[Any]]], count: int, dtype: Any = np.float64) -> NDArray[Any]:

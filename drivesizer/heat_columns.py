@@ -22,9 +22,9 @@ from drivesizer.heat_cycle import checked, highest, mean_rise, periodic
 from drivesizer.heat_modes import Array, modes
 from drivesizer.thermal import TwoBodies, Value, settled, steady_winding_temperature
 
-__all__ = ["PeriodicWinding", "WindingBounds", "periodic_winding", "winding_bounds"]
+__all__ = ["PeriodicWinding", "WindingBounds", "each_figure", "periodic_winding", "some_of", "winding_bounds"]
 
-_CELLS = 1 << 15  # motors times segments in a block: what stays in the processor's cache
+_CELLS = 1 << 14  # motors times segments in a block: what stays in the processor's cache
 
 
 class PeriodicWinding(NamedTuple):
@@ -82,19 +82,38 @@ def periodic_winding(
     block = max(_CELLS // t.size, 1)
     for first in range(0, len(square), block):
         rows = slice(first, first + block)
-        part = _block(_rows(motor, len(square), rows), ambient, t, square[rows], loss[rows])
+        part = _block(some_of(motor, len(square), rows), ambient, t, square[rows], loss[rows])
         for whole, values in zip(found, part, strict=True):
             whole[rows] = values
     return found
 
 
-def _each(motor: TwoBodies, change: Callable[[Value], Array]) -> TwoBodies:
-    """The motors with each figure's column changed alike."""
+def each_figure(motor: TwoBodies, change: Callable[[Value], Array]) -> TwoBodies:
+    """The motors with each figure's column changed alike.
+
+    Parameters
+    ----------
+    motor
+        Columns over motors.
+    change
+        What becomes of each column.
+    """
     return TwoBodies(**{figure.name: change(getattr(motor, figure.name)) for figure in fields(motor)})
 
 
-def _rows(motor: TwoBodies, n: int, rows: slice) -> TwoBodies:
-    return _each(motor, lambda x: np.broadcast_to(x, n)[rows])
+def some_of(motor: TwoBodies, n: int, rows: slice) -> TwoBodies:
+    """Some of the motors.
+
+    Parameters
+    ----------
+    motor
+        Columns over motors, or a figure that all have.
+    n
+        How many motors there are [1].
+    rows
+        Which of them.
+    """
+    return each_figure(motor, lambda x: np.broadcast_to(x, n)[rows])
 
 
 def _block(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) -> Iterator[Array]:
@@ -102,7 +121,7 @@ def _block(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) ->
     known = motor.known & ~np.isnan(I2.sum(axis=1) + P_h.sum(axis=1) + (ambient + t.sum()))
     square, loss = np.ascontiguousarray(I2.T), np.ascontiguousarray(P_h.T)
     if not known.all():
-        motor = _each(motor, lambda x: np.where(known, x, 1.0))  # any figures: without warnings and without effect
+        motor = each_figure(motor, lambda x: np.where(known, x, 1.0))  # any figures: without warnings and without effect
         square, loss = np.where(known, square, 0.0), np.where(known, loss, 0.0)
     time = np.cumsum(t) - t
     with np.errstate(over="ignore", invalid="ignore"):  # where a motor runs away

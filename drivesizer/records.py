@@ -15,6 +15,7 @@ from drivesizer.ranking import Objective
 from drivesizer.results import DriveSet, Figure
 from drivesizer.search import smallest_margin
 from drivesizer.thermal import TwoBodies
+from drivesizer.waveform import Wave, longest_above, share_above
 
 __all__ = ["drive_set"]
 
@@ -102,11 +103,33 @@ def _figures(
     limit = min(controller.peak_current, at_gear) if at_gear == at_gear else controller.peak_current
     title = "Current limit to set: no jam overloads the gearhead"
     found.append(Figure(name="current_limit", title=title, value=limit, kind="current", unit="A"))
-    return (*found, *_overloads(evaluation, values, motor, controller))
+    return (
+        *found,
+        *_gearhead_overload(evaluation, index, gearhead),
+        *_overloads(evaluation, values, motor, controller),
+    )
+
+
+def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:
+    """How long and how often the gearhead is above its continuous torque, in the first load case that is."""
+    limit = np.array([gearhead.continuous_torque])
+    for base in evaluation.asked.bases if evaluation.asked else ():
+        torque = base.functions[None, :, :, :3].sum(axis=3) / evaluation.candidates.belt[index]
+        found = Wave(base.cycle.duration, torque, torque)
+        longest = float(longest_above(found, limit)[0])
+        if longest > 0.0:
+            share = float(share_above(found, limit)[0])
+            title = "Gearhead above its continuous torque"
+            return [
+                Figure(name="gearhead_overload", title=f"{title}, on end", value=longest, kind="time", unit="s"),
+                Figure(name="gearhead_overload_share", title=f"{title}, share of the cycle", value=share,
+                       kind="dimensionless", unit="%"),
+            ]  # fmt: skip
+    return []
 
 
 def _overloads(evaluation: Evaluation, values: dict[str, float], motor: Motor, controller: Controller) -> list[Figure]:
-    """How long the motor bears the controller's peak current, cold and warm from the cycle."""
+    """How long the motor bears the controller's peak current, cold, and with housing and winding as warm as it gets."""
     bodies = TwoBodies(
         R_25=motor.resistance, R_th1=motor.thermal_resistance_winding, R_th2=motor.thermal_resistance_housing,
         tau_w=motor.winding_time_constant, tau_h=motor.motor_time_constant,

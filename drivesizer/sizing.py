@@ -167,6 +167,10 @@ def _warnings(spec: RobotSpec, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     missing = [check.title for check in best.checks if check.status == "unknown"]
     if missing:
         said.append(f"unknown for the best set: {', '.join(missing)}")
+    figures = {figure.name: figure for figure in best.figures}
+    if figures and figures["current_limit"].value < figures["peak_current"].value:
+        both = figures["current_limit"].text, figures["peak_current"].text
+        said.append(f"the current limit that protects the gearhead at a jam is {both[0]}, the cycle takes {both[1]}")
     if spec.method == "paper" and best.motor.nominal_voltage > spec.supply.highest:
         volts = [show(v, "V", "voltage") for v in (best.motor.nominal_voltage, spec.supply.highest)]
         said.append(f"the best set's motor is wound for {volts[0]}, the supply gives {volts[1]} at most")

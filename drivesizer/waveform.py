@@ -13,7 +13,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Energy", "Wave", "energy", "largest_power", "longest_above", "longest_run", "mean_square", "wave"]
+__all__ = [
+    "Energy",
+    "Wave",
+    "energy",
+    "largest_power",
+    "longest_above",
+    "longest_run",
+    "mean_square",
+    "share_above",
+    "wave",
+]
 
 Array = NDArray[np.float64]
 
@@ -126,6 +136,14 @@ def longest_above(found: Wave, limit: Array) -> Array:
         some = Wave(found.duration, found.current[rows], found.voltage[rows])
         above[rows] = longest_run(found.duration, *_below(some, limit[rows, None]))
     return np.where(np.isnan(limit), np.nan, above)
+
+
+def share_above(found: Wave, limit: Array) -> Array:
+    """Share of the time for which the absolute current is above a limit [1], for each candidate's limit [A]."""
+    enter, leave, whole = _below(found, limit[:, None])
+    below = np.where(whole, 0.0, leave - enter).sum(axis=1)
+    share: Array = 1.0 - below / found.duration.sum()
+    return np.where(np.isnan(limit), np.nan, np.maximum(share, 0.0))
 
 
 def longest_run(duration: Array, enter: Array, leave: Array, whole: NDArray[np.bool_]) -> Array:

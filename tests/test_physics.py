@@ -1,18 +1,24 @@
-"""The drive model on columns against the same physics written again, one candidate and one moment at a time."""
+"""The physics as a whole: profiles by hand, load cases, margins at their limit, objectives, fronts, the same bytes."""
 
 import itertools
+import json
 import math
 import random
-from dataclasses import replace
 
+import by_hand
 import numpy as np
 import pytest
 
+from drivesizer import contract
+from drivesizer.candidates import Rows, candidates
+from drivesizer.errors import InputError
+from drivesizer.evaluation import evaluate
 from drivesizer.loads import load_cycle
 from drivesizer.paper import vehicle
-from drivesizer.physics import at_gearhead, demands, peak_voltage
+from drivesizer.physics import at_gearhead, demands, peak
 from drivesizer.profile import Profile, trapezoid
-from drivesizer.search import Rows
+from drivesizer.ranking import objective_of
+from drivesizer.search import search
 from drivesizer.sizing import explain, size
 from drivesizer.spec import read_spec
 from drivesizer.yaml_source import YamlSource
@@ -32,102 +38,53 @@ PROFILES = {
 }
 
 
-def moments_by_hand(spec, profile, belt, e_b, motor, head, R):
-    """Walk the profile sample by sample: Simpson's three points in every stretch of one direction of power."""
+def spec_from(text):
+    return read_spec(YamlSource(text, "x.yaml"))
+
+
+def segments_by_hand(spec, profile):
+    """The vehicle's wheel from its own mechanics, a segment of one direction at a time."""
     load, r, g = spec.load, spec.load.wheel_diameter / 2, 9.80665
     J = load.inertia + load.mass * r * r / load.driven_wheels
     hill = load.mass * g * math.sin(load.slope) * r / load.driven_wheels
     roll = load.rolling_resistance * load.mass * g * math.cos(load.slope) * r / load.driven_wheels
-    i, e, k = head.ratio, head.efficiency, motor.torque_constant
-    square = peak = volts = gear_square = gear_peak = running = 0.0
-    for t0, t1, v0, v1 in zip(profile.time, profile.time[1:], profile.speed, profile.speed[1:], strict=False):
+    found = []
+    points = zip(profile.time, profile.speed, strict=True)
+    for (t0, v0), (t1, v1) in itertools.pairwise(points):
         a = (v1 - v0) / (t1 - t0) / r
-        cuts = [0.0, 1.0] if v0 * v1 >= 0 else [0.0, v0 / (v0 - v1), 1.0]
+        cuts = [0.0, *by_hand.crossing((v0, v1)), 1.0]
         for u0, u1 in itertools.pairwise(cuts):
-            middle = v0 + (u0 + u1) / 2 * (v1 - v0)
-            sign = (middle > 0) - (middle < 0)
-            T = roll * sign + hill + J * a
-            T_g = T / belt if sign == 0 else T / (belt * e_b) if T * sign > 0 else T * e_b / belt
-            values = []
-            for u in (u0, (u0 + u1) / 2, u1):
-                w = (v0 + u * (v1 - v0)) / r * belt * i
-                tau = T_g / i if sign == 0 else T_g / (i * e) if T_g * sign > 0 else T_g * e / i
-                tau += (motor.rotor_inertia + head.inertia) * a * belt * i
-                if motor.kind == "brushed":
-                    tau += k * motor.no_load_current * sign
-                else:
-                    tau += k * motor.no_load_current * w / motor.no_load_speed
-                current = tau / k
-                values.append(current)
-                peak = max(peak, abs(current))
-                volts = max(volts, abs(R * current + k * w))
-            dt = (u1 - u0) * (t1 - t0)
-            square += dt / 6 * (values[0] ** 2 + 4 * values[1] ** 2 + values[2] ** 2)
-            gear_peak = max(gear_peak, abs(T_g))
-            if sign:
-                gear_square += T_g**2 * dt
-                running += dt
-    total = profile.time[-1] - profile.time[0]
-    return math.sqrt(square / total), peak, volts, math.sqrt(gear_square / running), gear_peak
+            w = tuple(x / r for x in by_hand.between((v0, v1), u0, u1))
+            sign = (sum(w) > 0) - (sum(w) < 0)
+            found.append(by_hand.Segment((u1 - u0) * (t1 - t0), w, (a, a), (roll * sign + hill + J * a,) * 2))
+    return found
 
 
 @pytest.mark.parametrize("slope", [-8.0, 0.0, 5.0])
 @pytest.mark.parametrize("name", PROFILES)
 def test_random_pairs_by_hand(catalog, slope, name):
-    spec, profile = read_spec(YamlSource(SPEC.format(slope=slope), "x.yaml")), PROFILES[name]
-    random.seed(f"{name} {slope}")
-    rows = random.sample(range(len(catalog.motor_gearhead.left)), 400)
+    """Load, belt, gearhead and motor without any of the program's own functions."""
+    spec, profile = spec_from(SPEC.format(slope=slope)), PROFILES[name]
+    rows = random.Random(f"{name} {slope}").sample(range(len(catalog.motor_gearhead.left)), 150)
     m, g = catalog.motor_gearhead.left[rows], catalog.motor_gearhead.right[rows]
     motor, head = Rows(catalog.motors, m), Rows(catalog.gearheads, g)
-    none = Rows(catalog.encoders, np.full(len(rows), -1))
-    at = at_gearhead(load_cycle(spec, profile), 1.35, 0.92)
-    asked = demands(at, motor, head, none)
-    volts = peak_voltage(at, asked, motor, head, motor["resistance"])
-    compared = 0
+    at = at_gearhead(load_cycle(spec, profile), 0.92).behind(1.35)
+    asked = demands(at, motor, head, Rows(catalog.encoders, np.full(len(rows), -1)))
+    current = peak(at, asked.coefficients).value / motor["torque_constant"]
+    compared, segments = 0, segments_by_hand(spec, profile)
     for k in range(len(rows)):
         one, other = catalog.motors.record(int(m[k])), catalog.gearheads.record(int(g[k]))
-        rms, peak, voltage, gear_rms, gear_peak = moments_by_hand(spec, profile, 1.35, 0.92, one, other, one.resistance)
-        if math.isnan(rms):
+        mine = by_hand.asked(by_hand.drive(one, other, 0.0, 1.35, 0.92, segments), one, other, 298.15)
+        if math.isnan(mine.I_rms):
             assert math.isnan(asked.rms_current[k])
             continue
         compared += 1
-        assert asked.rms_current[k] == pytest.approx(rms, rel=1e-9)
-        assert asked.peak_current[k] == pytest.approx(peak, rel=1e-9)
-        assert volts[k] == pytest.approx(voltage, rel=1e-9)
-        assert at.rms_torque == pytest.approx(gear_rms, rel=1e-9)
-        assert at.peak_torque == pytest.approx(gear_peak, rel=1e-9)
-    assert compared > 250
-
-
-def test_power_balance_of_a_whole_cycle(catalog):
-    """Work of the motor = work at the load + what belt and gearhead keep; rotors give back what they took."""
-    spec = read_spec(YamlSource(SPEC.format(slope=-6.0), "x.yaml"))
-    cycle = load_cycle(spec, PROFILES["there and back"])
-    at = at_gearhead(cycle, 1.35, 0.92)
-    motor = Rows(catalog.motors, np.array([catalog.motors.rows["148867"]]))
-    head = Rows(catalog.gearheads, np.array([catalog.gearheads.rows["203119"]]))
-    asked = demands(at, motor, head, Rows(catalog.encoders, np.array([-1])))
-    i, e = head["ratio"][0], head["efficiency"][0]
-    power = cycle.power
-    kept = 0.0
-    for dt, ends in zip(cycle.duration, power, strict=True):
-        flow = ends.mean() * dt
-        kept += flow * (1 / (0.92 * e) - 1) if flow > 0 else flow * (0.92 * e - 1)
-    c = asked.coefficients[0].copy()
-    friction, c[4] = c[4], 0.0
-    tau = at.functions @ c
-    worked = sum(
-        dt * (2 * a[0] * b[0] + a[0] * b[1] + a[1] * b[0] + 2 * a[1] * b[1]) / 6
-        for dt, a, b in zip(cycle.duration, tau, at.speed * i, strict=True)
-    )
-    load_work = float(np.sum(cycle.duration * power.mean(1) - cycle.duration * _bulge(cycle)))
-    assert friction == pytest.approx(motor["torque_constant"][0] * motor["no_load_current"][0])
-    assert worked == pytest.approx(load_work + kept, rel=1e-9)
-
-
-def _bulge(cycle):
-    """What the mean of the ends misses of a product of two straight lines; none where torque is constant."""
-    return np.diff(cycle.torque, axis=1)[:, 0] * np.diff(cycle.speed, axis=1)[:, 0] / 6
+        assert asked.rms_current[k] == pytest.approx(mine.I_rms, rel=1e-9)
+        assert current[k] == pytest.approx(mine.I_peak, rel=1e-9)
+        assert asked.peak_speed[k] == pytest.approx(mine.speed, rel=1e-9)
+        assert at.rms_torque == pytest.approx(mine.gear_rms, rel=1e-9)
+        assert at.peak_torque == pytest.approx(mine.gear_peak, rel=1e-9)
+    assert compared > 100
 
 
 def test_35_to_1_is_admitted_by_physics_for_its_speed_but_not_its_voltage(spec, catalog):
@@ -167,34 +124,294 @@ def test_physics_ranks_the_whole_catalogue(example_text, catalog):
     text = example_text[: example_text.index("select:")] + "select: {objective: price}\n"
     text = text.replace("method: paper", "method: physics").replace("ratio: 1.1 ", "ratios: [0.9, 1.1, 1.6]")
     spec = read_spec(YamlSource(text, "robot.yaml"))
-    result = size(spec, catalog=catalog, top=300)
+    result = size(spec, catalog=catalog, top=120)
     assert result.method == "physics"
-    assert len(result.sets) == 300
-    assert len({s.belt_ratio for s in result.sets}) == 3
-    usable = 22.0
+    assert len(result.sets) == 120
+    assert len({s.belt_ratio for s in result.sets}) > 1
+    wheel = 1100 * math.pi * (0.0762**2 - 0.03**2) * 0.05 / 2 * (0.0762**2 + 0.03**2)
+    steps = vehicle(spec, 0.0).steps.values()
+    turning = {r.name: r.value for r in steps if r.name in ("wheel_inertia", "shaft_inertia")}
+    assert turning["wheel_inertia"] == pytest.approx(wheel, rel=1e-12)
+    load = spec.load.model_copy(update={"inertia": sum(turning.values())})
+    segments = segments_by_hand(spec.model_copy(update={"load": load}), trapezoid(spec.motion))
     for s in result.sets:
+        extra = 0.0 if s.encoder is None or math.isnan(s.encoder.inertia) else s.encoder.inertia
+        pieces = by_hand.drive(s.motor, s.gearhead, extra, s.belt_ratio, spec.belt_efficiency, segments)
+        mine = by_hand.asked(pieces, s.motor, s.gearhead, spec.environment.ambient)
         checks = {c.name: c for c in s.checks}
-        rms, peak, volts, gear_rms, gear_peak = moments_of_example(spec, s)
-        assert checks["controller_peak_current"].demand == pytest.approx(peak, rel=1e-9)
-        assert checks["motor_nominal_current"].demand == pytest.approx(rms, rel=1e-9)
-        assert checks["gearhead_continuous_torque"].demand == pytest.approx(gear_rms, rel=1e-9)
-        assert gear_peak <= s.gearhead.intermittent_torque
-        assert not volts > s.controller.max_duty * (usable - s.controller.voltage_drop)
-        assert not rms > s.controller.continuous_current
-        assert not peak > s.controller.peak_current
+        assert checks["controller_peak_current"].demand == pytest.approx(mine.I_peak, rel=1e-9)
+        assert checks["motor_nominal_current"].demand == pytest.approx(mine.I_rms, rel=1e-9)
+        assert checks["gearhead_continuous_torque"].demand == pytest.approx(mine.gear_rms, rel=1e-9)
+        assert mine.gear_peak <= s.gearhead.intermittent_torque
+        assert not mine.V_peak > s.controller.max_duty * (22.0 - s.controller.voltage_drop)
+        assert not mine.I_rms > s.controller.continuous_current
+        assert not mine.I_peak > s.controller.peak_current
     prices = [s.objective for s in result.sets if s.status == "pass" and len(s.objective_of) == 2]
     assert prices == sorted(prices)
 
 
-def moments_of_example(spec, s):
-    """The same walk for the SPS robot, whose wheel's inertia comes from its cylinders."""
-    wheel = 1100 * math.pi * (0.0762**2 - 0.03**2) * 0.05 / 2 * (0.0762**2 + 0.03**2)
-    turning = next(r for r in vehicle(spec, 0.0).steps.values() if r.name == "wheel_inertia").value
-    assert turning == pytest.approx(wheel, rel=1e-12)
-    turning += next(r for r in vehicle(spec, 0.0).steps.values() if r.name == "shaft_inertia").value
-    load = spec.load.model_copy(update={"inertia": turning})
-    encoder = 0.0 if s.encoder is None or math.isnan(s.encoder.inertia) else s.encoder.inertia
-    motor = replace(s.motor, rotor_inertia=s.motor.rotor_inertia + encoder)
-    plain = spec.model_copy(update={"load": load})
-    profile = trapezoid(spec.motion)
-    return moments_by_hand(plain, profile, s.belt_ratio, spec.belt_efficiency, motor, s.gearhead, motor.resistance)
+# --- load cases ---
+
+LIFT = """
+name: lift
+load: {kind: hoist, mass: 11 kg, drum_diameter: 52 mm, falls: 2, rope_efficiency: 0.93, friction_force: 5 N}
+motion: {speed: 0.2 m/s, acceleration_time: 0.3 s, cruise_time: 2 s, rest_time: 1.5 s, there_and_back: true}
+transmission: [{kind: gearhead}, {kind: belt, ratio: 1.4, efficiency: 0.95}]
+supply: {nominal: 24 V, min: 22 V, max: 27 V, regeneration: 0.4, current: 7 A}
+margins: {torque: 6 %, speed: 3 %, temperature: 9 %}
+needs: {backlash_at_load: 2 deg}
+"""
+CASES = """cases:
+  - {name: empty, load: {mass: 3 kg}}
+  - {name: hot, environment: {ambient: 55 degC}, load: {mass: 9 kg}}
+  - {name: quick, motion: {speed: 0.26 m/s, cruise_time: 1.4 s}, load: {mass: 6 kg}}
+  - {name: weak, supply: {nominal: 23 V, min: 17 V}, load: {mass: 8 kg}}
+"""
+SOME = "select: {motor: {family: [RE 30, EC-max 30]}, controller: {part: CONTROLLER}}\n"
+ONE = SOME.replace("CONTROLLER", "'504383'")
+
+
+def test_each_check_is_that_of_its_worst_case(catalog):
+    """The cases as specs of their own, one after the other, with a controller that leaves no choice."""
+    spec = spec_from(LIFT + CASES + ONE)
+    sets = candidates(spec, catalog)
+    together = {c.name: c for c in evaluate(spec, catalog, sets).checks}
+    names, specs = zip(*spec.load_cases, strict=True)
+    alone = [{c.name: c for c in evaluate(case, catalog, sets).checks} for case in specs]
+    assert names[1:] == ("empty", "hot", "quick", "weak")
+    told = set()
+    for name, check in together.items():
+        for row in range(0, len(sets.motor), 5):
+            each = []
+            for number, checks in enumerate(alone):
+                c = checks[name]
+                rank = 0 if c.failed[row] else 2 if c.passed[row] else 1
+                margin = float(c.margin[row])
+                each.append((rank, math.inf if math.isnan(margin) else margin, number))
+            worst = min(each)
+            status = 0 if check.failed[row] else 2 if check.passed[row] else 1
+            assert status == worst[0], name
+            theirs = alone[worst[2]][name]
+            assert check.demand[row] == pytest.approx(theirs.demand[row], rel=1e-9, nan_ok=True), name
+            assert check.limit[row] == pytest.approx(theirs.limit[row], rel=1e-9, nan_ok=True), name
+            if check.case is not None and not math.isnan(check.demand[row]):
+                assert each[int(check.case[row])][:2] == pytest.approx(worst[:2], rel=1e-9)
+                told.add(names[int(check.case[row])])
+    assert len(told) > 3
+    fails = np.logical_or.reduce([c.failed for c in together.values()])
+    in_any = np.logical_or.reduce([c.failed for checks in alone for c in checks.values()])
+    assert (fails == in_any).all()
+    assert 0 < fails.sum() < len(fails)
+
+
+def test_the_name_of_the_case_is_told(catalog):
+    spec = spec_from(LIFT + CASES + ONE)
+    best = size(spec, catalog=catalog, top=1).sets[0]
+    told = {c.name: c.case for c in best.checks}
+    assert told["gearhead_continuous_torque"] == "as specified"  # the heaviest
+    assert told["gearhead_continuous_speed"] == "quick"
+    assert told["supply_voltage"] == "weak"
+    assert {c.case for c in size(spec_from(LIFT + ONE), catalog=catalog, top=1).sets[0].checks} == {""}
+
+
+def test_one_controller_for_all_cases(catalog):
+    """It bears the most that any case asks, and a smaller one would not."""
+    spec = spec_from(LIFT + CASES + SOME.replace(", controller: {part: CONTROLLER}", ""))
+    specs = [case for _, case in spec.load_cases]
+    offered = [catalog.controllers.record(k) for k in np.flatnonzero(~catalog.controllers.excluded)]
+    lowest, highest = min(s.supply.lowest for s in specs), max(s.supply.highest for s in specs)
+    found = size(spec, catalog=catalog, top=25).sets
+    assert found
+    for s in found:
+        extra = 0.0 if s.encoder is None or math.isnan(s.encoder.inertia) else s.encoder.inertia
+        asked = []
+        for case in specs:
+            segments = by_hand.segments_of(load_cycle(case))
+            pieces = by_hand.drive(s.motor, s.gearhead, extra, 1.4, 0.95, segments)
+            asked.append(by_hand.asked(pieces, s.motor, s.gearhead, case.environment.ambient))
+        rms, top = (1.06 * max(getattr(a, n) for a in asked) for n in ("I_rms", "I_peak"))
+        volts = 1.03 * max(a.V_peak for a in asked)
+        assert not s.controller.continuous_current < rms
+        assert not s.controller.peak_current < top
+        for c in offered:
+            if c.continuous_current >= s.controller.continuous_current or c.drives not in ("both", s.motor.kind):
+                continue
+            if not (c.supply_min <= lowest and c.supply_max >= highest):
+                continue
+            usable = c.max_duty * (lowest - c.voltage_drop)
+            assert not (c.continuous_current >= rms and c.peak_current >= top and usable >= volts), c.part
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "cases: [{name: other hall, supply: {power: 300 W}}]",
+        "cases: [{name: cart, load: {kind: wheeled_vehicle, mass: 9 kg, driven_wheels: 2, wheel_diameter: 90 mm, "
+        "rolling_resistance: 0.02, inertia: 1 kg*cm^2, friction_coefficient: 0.6}}]",
+    ],
+    ids=["supply power", "traction"],
+)
+@pytest.mark.xfail(strict=True, raises=ValueError, reason="the checks of all cases are taken to be the same ones")
+def test_a_limit_that_one_case_alone_has(more, catalog):
+    """A check that only one case has counts for that case, and nothing crashes."""
+    result = size(spec_from(LIFT + more + "\n" + ONE), catalog=catalog, top=1)
+    names = {c.name for c in (*result.sets, *result.misses)[0].checks}
+    assert "supply_power" in names or "traction" in names
+
+
+@pytest.mark.xfail(strict=True, raises=AssertionError, reason="the nearest are looked for among no sets at all")
+def test_families_that_never_go_together(catalog):
+    """Nothing to look at is an answer too, or a line that says so."""
+    chosen = "select: {motor: {family: RE 25}, gearhead: {family: GP 81 A}}\n"
+    try:
+        assert size(spec_from(LIFT + chosen), catalog=catalog).counts.considered == 0
+    except InputError as told:
+        assert "\n" not in str(told)
+
+
+# --- margins ---
+
+
+@pytest.mark.parametrize(
+    ("margin", "names"),
+    [
+        ("torque", ["gearhead_continuous_torque", "gearhead_intermittent_torque", "motor_nominal_current",
+                    "controller_continuous_current", "controller_peak_current", "supply_current"]),
+        ("speed", ["gearhead_continuous_speed", "motor_speed", "supply_voltage"]),
+        ("temperature", ["winding_temperature"]),
+    ],
+)  # fmt: skip
+def test_margins_move_the_status_exactly_at_the_limit(margin, names, catalog):
+    """As much margin as there is passes, a thousand-millionth more does not; the figures stay as they are."""
+    plain = LIFT.replace("margins: {torque: 6 %, speed: 3 %, temperature: 9 %}\n", "")
+    chosen = "select: {motor: {part: 268214}, gearhead: {part: '166940'}, controller: {part: '520885'}}\n"
+    spec = spec_from(plain + chosen)
+    sets = candidates(spec, catalog)
+    assert len(sets.motor) == 1
+    was = {c.name: c for c in evaluate(spec, catalog, sets).checks}
+    seen = 0
+    for name in names:
+        room = float(was[name].margin[0])
+        if not room > 0:
+            continue
+        seen += 1
+        for share, passes in ((1 - 1e-9, True), (1 + 1e-9, False)):
+            more = f"margins: {{{margin}: {room * share!r}}}\n"
+            check = {c.name: c for c in evaluate(spec_from(plain + more + chosen), catalog, sets).checks}[name]
+            assert bool(check.passed[0]) == passes, (name, share)
+            assert bool(check.failed[0]) != passes, (name, share)
+            assert check.demand == pytest.approx(was[name].demand)
+            assert check.margin == pytest.approx(room)
+            assert check.needed == room * share
+    assert seen >= min(len(names), 2)
+
+
+# --- objectives ---
+
+NARROW = "select: {motor: {family: [RE 30, RE 25, EC-max 30, A-max 32]}, UNKNOWN objective: mass}\n"
+BOTH = LIFT + NARROW.replace("UNKNOWN ", "")
+
+
+def figures_of(found, catalog):
+    """Mass, energy, peak current, temperature and margin of every set that stands; NaN where not wholly known."""
+    e, rows = found.evaluation, np.arange(found.standing)
+    m, g = e.candidates.motor[rows], e.candidates.gearhead[rows]
+    margins = [np.nan_to_num(c.margin[rows], nan=np.inf) for c in e.checks if not c.by_choice]
+    sums = {n: catalog.motors[n][m] + catalog.gearheads[n][g] for n in ("mass", "price", "length")}
+    counted = {n: e.figures[n][rows] for n in ("energy", "peak_current", "winding_temperature")}
+    return {**sums, **counted, "margin": -np.minimum.reduce(margins)}
+
+
+def front_by_hand(columns):
+    """Every set against every other."""
+    rows = [row for row in zip(*columns, strict=True)]
+    known = [k for k, row in enumerate(rows) if not any(map(math.isnan, row))]
+    found = set()
+    for k in known:
+        beaten = any(
+            all(a <= b for a, b in zip(rows[j], rows[k], strict=True)) and rows[j] != rows[k] for j in known if j != k
+        )
+        if not beaten:
+            found.add(rows[k])
+    return found
+
+
+@pytest.mark.parametrize(
+    "names",
+    [("mass", "energy"), ("mass", "energy", "peak_current"), ("energy", "winding_temperature", "margin", "length"),
+     ("price", "mass")],
+)  # fmt: skip
+def test_the_front_is_what_nobody_beats(names, catalog):
+    found = search(spec_from(BOTH), catalog, top=10**6, objective="mass", misses=0, pareto=names)
+    figures = figures_of(found, catalog)
+    columns = [figures[name].tolist() for name in names]
+    expected = front_by_hand(columns)
+    theirs = [tuple(c[row] for c in columns) for row in found.front]
+    assert set(theirs) == expected
+    assert len(theirs) == len(set(theirs))
+    assert [t[0] for t in theirs] == sorted(t[0] for t in theirs)
+    assert 1 < len(theirs) < found.standing
+
+
+def test_a_front_beyond_the_sets_that_are_shown(catalog):
+    """With one set shown the front is the same one."""
+    names = ("mass", "energy", "peak_current")
+    few, many = (size(spec_from(BOTH), catalog=catalog, top=top, pareto=names) for top in (1, 300))
+    assert len(few.sets) == 1
+    assert [s.label for s in few.front] == [s.label for s in many.front]
+    assert len(few.front) > 1
+
+
+@pytest.mark.xfail(strict=True, reason="the front is taken of all that stand, rejected ones included")
+def test_a_front_without_rejected_sets(catalog):
+    """A spec that rejects unknowns has none on its front."""
+    text = LIFT + NARROW.replace("UNKNOWN", "unknown: reject,")
+    result = size(spec_from(text), catalog=catalog, top=5, pareto=("mass", "energy"))
+    assert all(s.status == "pass" for s in result.sets)
+    assert all(s.status == "pass" for s in result.front)
+
+
+@pytest.mark.parametrize(
+    "text", ["mass=2,energy=1", "peak_current=0.3,mass=1,winding_temperature=4", "margin=1,mass=0.2"]
+)
+def test_weighted_objectives(text, catalog):
+    """Shares of the smallest value that any set has, times their weights; of a margin, what is asked of what there is."""
+    spec, parts = spec_from(BOTH), [part.split("=") for part in text.split(",")]
+    found = search(spec, catalog, top=10**6, objective=objective_of(text), misses=0)
+    figures = figures_of(found, catalog)
+    total, missing = np.zeros(found.standing), np.zeros(found.standing)
+    for name, weight in parts:
+        column = figures[name] if name != "margin" else 1 / (1 - figures[name])
+        total += np.nan_to_num(float(weight) * column / np.nanmin(column))
+        missing += np.isnan(column)
+    doubtful = found.evaluation.unknown[: found.standing]
+    keys = list(zip(doubtful.tolist(), missing.tolist(), total.round(9).tolist(), strict=True))
+    assert keys == sorted(keys)
+    assert len(set(keys)) > 10
+
+
+@pytest.mark.parametrize("objective", ["mass", "energy", "peak_current", "winding_temperature", "margin", "length"])
+def test_single_objectives(objective, catalog):
+    found = search(spec_from(BOTH), catalog, top=10**6, objective=objective, misses=0)
+    column = figures_of(found, catalog)[objective]
+    keys = list(
+        zip(
+            found.evaluation.unknown[: found.standing].tolist(), np.isnan(column).tolist(), column.tolist(), strict=True
+        )
+    )
+    known = [k for k in keys if not k[1]]
+    assert [k[:2] for k in keys] == sorted(k[:2] for k in keys)
+    assert known == sorted(known)
+
+
+def test_the_same_bytes_twice(catalog):
+    spec = LIFT + CASES + NARROW.replace("UNKNOWN ", "")
+    objective = objective_of("mass=2,energy=1")
+    both = []
+    for _ in range(2):
+        result = size(spec_from(spec), catalog=catalog, top=8, objective=objective, pareto=("mass", "energy"))
+        document = contract.sizing(result)
+        document.pop("generated", None)
+        both.append(contract.as_text(document).encode())
+    assert both[0] == both[1]
+    json.loads(both[0], parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))

@@ -1,0 +1,291 @@
+r"""Bounds of a winding's peak over a long recorded cycle, from blocks of it that all candidates share.
+
+The current is I = c f(t), with functions f that all candidates have in common and coefficients c >= 0 of each. A block
+keeps of its segments the mean M of f f' and how far the integral of f f' - M from the block's start rises above zero
+and falls below it, entry by entry: for any c the square of the current then has the mean c M c, and its integral
+strays from that of the mean by no more than c E c. Blocks know nothing of motors: they are made once per load cycle.
+
+**Derivation of the bounds.** Let q = R_25 I^2, a = ``COPPER``, and u and v the temperatures of winding and housing above
+that at which copper would have no resistance (v_a the ambient's), so that u and v are positive and
+
+.. math:: C_w \dot u = a q u - (u - v) / R_{th1}, \quad C_h \dot v = P + (u - v) / R_{th1} - (v - v_a) / R_{th2}
+
+In each block q is its mean plus something whose integral F from the block's start is zero again at its end and lies
+between -D_below and D_above. With phi = a F / C_w and u = U exp(phi) what strays leaves the growth and stands, as a
+small share, in the exchange of heat only:
+
+.. math:: C_w \dot U = a \bar q U - (U - e^{-\phi} v) / R_{th1}, \quad
+          C_h \dot v = P + (e^\phi U - v) / R_{th1} - (v - v_a) / R_{th2}
+
+Let U_0, v_0 solve this with phi = 0 and mean losses (``heat_cycle`` does), E = U - U_0, G = v - v_0, and let k_xy(t, s)
+be the answer of body x at t to a unit pulse of heat at body y at s in that system. All k are positive and k_ww > k_wh:
+seen backward from t, k_ww - k_wh falls only as far as it is positive. To first order E is the integral of -phi j over
+s < t, where by the equations of k and of U_0
+
+.. math:: j = (k_{ww} v_0 - k_{wh} U_0) / R_{th1} = \partial_s (C_w k_{ww} U_0), \quad \int j \, ds = U_0(t)
+
+Nearly all of j is positive: its negative part is at most k_wh (U_0 - v_0) / R_th1, with an integral J. So E is at most
+max(-phi) (U_0 + J) + max(phi) J, and likewise downward. That is ``2 D / C_w`` of the heat at the resistance then, as
+for a kernel that falls, and something for the housing that stores the heat.
+
+*Masses.* Constant temperatures are periodic solutions too, with losses that are easily told; from them, with
+m = int k_wh ds: int k_ww ds = m (1 + R_th1 / R_th2) and a int k_ww q ds = m / R_th2 - 1. U_0 itself is what v_a / R_th2
+and P at the housing make, so m <= R_th2 U_0 / v_a. Of the housing's answers the same holds with v_0.
+*J* is at most m max(U_0 - v_0) / R_th1. Of a peak that is short the housing sees the mean: (h, h), where h is the
+housing's rise, is the answer to (U_0 - v_0) / R_th1 + P at the housing and C_w h' - a q h at the winding, whence
+J <= max h (m + C_w / C_h int k_ww) / R_th2, if the housing is never the warmer body; else what it gives back is added.
+*G*: its first order is the integral of -phi j_h with int j_h ds = 0 and a negative part of at most
+(k_hh - k_hw)^+ U_0 / R_th1 plus that of J; the first bracket falls at least as exp(-(1 / C_w + 1 / C_h) t / R_th1).
+*Housing loss*: its own strayed integral W moves U by -int W d/ds k_wh, and k_wh rises and falls by m / (R_th2 C_h).
+*The rest* is of second order, phi times E and G and phi^2 / 2 times u and v: with the masses these are two linear
+inequalities for max |E| and max |G|. Where they have a solution the peak is finite: shrink phi continuously to zero,
+the periodic state could only cease to exist by growing beyond what they allow.
+
+Between two ends of blocks u is at most (U_0 + E) exp(max phi) of that block; at the ends u = U, and the lower bound is
+the highest of these, or that of ``winding_bounds`` if it is higher.
+Symbols: R_th thermal resistance [K/W], C heat capacity [J/K], I current [A], P loss at the housing [W].
+"""
+
+from __future__ import annotations
+from drivesizer.physics import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
+
+__all__ = ["Blocks", "blocks", "bracket"]
+
+_CELLS = 1 << 14  # motors times blocks at a time: what stays in the processor's cache
+_FINER = 32  # steps per block among which the blocks' ends are chosen
+_SPEED_SHARE = 0.05  # of the speed's square, by which a housing is heated, in that choice
+_ROUNDING = 1e-10  # share of the temperature by which bounds are apart at least
+_SUM_ROUNDING = 1e-12  # share of a sum over the cycle that rounding may take
+
+
+class Blocks(NamedTuple):
+    """A load cycle in blocks: what can be told of any current that is linear in its functions."""
+
+    duration: Array  # s, of each of B blocks
+    mean: Array  # (B, 6, 6): means of products of the functions
+    above: Array  # (B, 6, 6): highest integral of products less their means, from the block's start [s times those]
+    below: Array  # (B, 6, 6): and how far it falls below zero
+
+    def behind(self, scale: Array) -> Blocks:
+        """The same behind a belt.
+
+        Parameters
+        ----------
+        scale
+            Of the functions, ``AtGearhead.scale`` [1].
+        """
+        square = np.outer(scale, scale)
+        return Blocks(self.duration, self.mean * square, self.above * square, self.below * square)
+
+
+def blocks(duration: Array, functions: Array, count: int) -> Blocks:
+    """Consecutive segments in blocks whose currents stray little from their mean, however long the cycle.
+
+    Parameters
+    ----------
+    duration
+        Of each of S segments [s].
+    functions
+        The six functions at both ends of each segment, straight in between: shape (S, 2, 6).
+    count
+        Of blocks at most [1]; with no more segments than that each is a block.
+
+    Notes
+    -----
+    What a current does within a segment is counted among what strays: the bounds hold for it and for its mean square.
+    """
+    left, right = (np.ascontiguousarray(functions[:, end].T) for end in (0, 1))
+    starts = np.arange(len(duration)) if len(duration) <= count else _starts(duration, left, right, count)
+    pieces = np.diff(np.append(starts, len(duration)))
+    total = np.add.reduceat(duration, starts)
+    found = Blocks(total, *np.empty((3, len(starts), 6, 6)))
+    for a in range(6):
+        for b in range(a + 1):
+            entry = _strayed(duration, left[[a, b]], right[[a, b]], starts, pieces, total)
+            for values, column in zip(found[1:], entry, strict=True):
+                values[:, a, b] = values[:, b, a] = column
+    return found
+
+
+def _product(left: Array, right: Array) -> Array:
+    """Mean of the product of two lines over each segment."""
+    (a, b), (c, d) = left, right
+    found: Array = (a * b + c * d + (a + c) * (b + d)) / 6.0
+    return found
+
+
+def _strayed(
+    duration: Array, left: Array, right: Array, starts: NDArray[np.intp], pieces: NDArray[np.intp], total: Array
+) -> tuple[Array, Array, Array]:
+    """Mean of a product over each block, and how far the integral of what remains goes above zero and below."""
+    product = _product(left, right)
+    rise = right - left
+    # within a segment: time times s (1 - s) (turn + (s - 1 / 2) bend / 3), s the share of it that is over
+    turn, bend = right[0] * right[1] - left[0] * left[1], rise[0] * rise[1]
+    inner = np.maximum.reduceat(duration * (np.abs(turn) / 2.0 + np.abs(bend) / 6.0), starts) / 4.0
+    mean = np.add.reduceat(duration * product, starts) / total
+    steps = duration * (product - np.repeat(mean, pieces))
+    walk = np.cumsum(steps)
+    walk -= np.repeat(walk[starts] - steps[starts], pieces)
+    inner += _SUM_ROUNDING * float(duration @ np.abs(product))
+    above = np.maximum(np.maximum.reduceat(walk, starts), 0.0) + inner
+    below = inner - np.minimum(np.minimum.reduceat(walk, starts), 0.0)
+    return mean, above, below
+
+
+def _starts(duration: Array, left: Array, right: Array, count: int) -> NDArray[np.intp]:
+    """First segments of the blocks: again and again the worst are split where they stray most."""
+    step = max(1, len(duration) // (_FINER * count))
+    ends = np.append(np.arange(0, len(duration), step), len(duration))
+    time = np.append(0.0, np.cumsum(duration))[ends]
+    sums = np.append(np.zeros((4, 1)), np.cumsum(duration * _signals(left, right), axis=1), axis=1)[:, ends]
+    cuts = np.array([0, len(ends) - 1])
+    while len(cuts) <= count:
+        at, worst = _farthest(time, sums, cuts)
+        chosen = np.flatnonzero(worst > max(0.5 * worst.max(), _SUM_ROUNDING * time[-1]))
+        if not len(chosen):
+            break
+        chosen = chosen[np.argsort(-worst[chosen])][: count + 1 - len(cuts)]
+        cuts = np.sort(np.append(cuts, at[chosen]))
+    return ends[cuts[:-1]]
+
+
+def _signals(left: Array, right: Array) -> Array:
+    """Squares and product of torque and acceleration, and the square of speed, each as a share of its mean."""
+    torque = [x[DRIVING] + x[BRAKING] + x[AT_REST] for x in (left, right)]
+    load, own = ([x, y] for x, y in (torque, (left[ACCELERATION], right[ACCELERATION])))
+    pairs = [(load, load), (own, own), (load, own), ((left[SPEED], right[SPEED]),) * 2]
+    found = np.array([_product(np.array([a[0], b[0]]), np.array([a[1], b[1]])) for a, b in pairs])
+    mean = found.mean(axis=1)
+    mean[2] = np.sqrt(mean[0] * mean[1])
+    mean[3] /= _SPEED_SHARE
+    found /= np.where(mean > 0.0, mean, np.inf)[:, None]
+    return found
+
+
+def _farthest(time: Array, sums: Array, cuts: NDArray[np.intp]) -> tuple[NDArray[np.intp], Array]:
+    """Where each block's sums are farthest from a straight line, and how far."""
+    pieces = np.diff(cuts)
+    first, last = cuts[:-1], cuts[1:]
+    slope = (sums[:, last] - sums[:, first]) / (time[last] - time[first])
+    off = sums[:, :-1] - np.repeat(sums[:, first] - slope * time[first], pieces, axis=1)
+    off -= np.repeat(slope, pieces, axis=1) * time[:-1]
+    far = np.abs(off).max(axis=0)
+    worst = np.maximum.reduceat(far, first)
+    place = np.flatnonzero(far == np.repeat(worst, pieces))
+    return place[np.searchsorted(place, first)], np.where(pieces > 1, worst, 0.0)
+
+
+def bracket(
+    motor: TwoBodies, ambient: float, cycle: Blocks, coefficients: Array, friction: Array, iron: Array
+) -> WindingBounds:
+    """Bounds of the winding's peak over a cycle that repeats, for many motors.
+
+    Parameters
+    ----------
+    motor
+        Windings and housings: columns over n motors, or a figure that all have.
+    ambient
+        Temperature around the motors, above 42 K [K].
+    cycle
+        The load cycle in blocks.
+    coefficients
+        Current from the six functions, 0 or more: (n, 6) [A per unit of each function].
+    friction, iron
+        Loss at the housing per speed of the functions [W s/rad], and per square of it [W s^2/rad^2], 0 or more.
+
+    Returns
+    -------
+    WindingBounds
+        Columns over motors: the upper one infinite where a motor may run away, the lower one where it surely does;
+        NaN where a figure is unknown.
+    """
+    n, size = len(coefficients), max(_CELLS // len(cycle.duration), 1)
+    found = WindingBounds(*np.empty((2, n)))
+    for first in range(0, n, size):
+        rows = slice(first, first + size)
+        part = _some(some_of(motor, n, rows), ambient, cycle, coefficients[rows], friction[rows], iron[rows])
+        found.lower[rows], found.upper[rows] = part
+    return found
+
+
+class _Losses(NamedTuple):
+    """Means over each block, and how far their integrals stray above and below: blocks, then motors."""
+
+    I2: tuple[Array, Array, Array]  # A^2, A^2 s
+    P_h: tuple[Array, Array, Array]  # W, J
+
+
+def _losses(cycle: Blocks, c: Array, friction: Array, iron: Array) -> _Losses:
+    square = (c[:, :, None] * c[:, None, :]).reshape(-1, 36).T
+    forms = [entries.reshape(-1, 36) @ square for entries in cycle[1:]]
+    housing = [np.outer(x[:, DIRECTION, SPEED], friction) + np.outer(x[:, SPEED, SPEED], iron) for x in cycle[1:]]
+    return _Losses((np.maximum(forms[0], 0.0), forms[1], forms[2]), (housing[0], housing[1], housing[2]))
+
+
+def _some(motor: TwoBodies, ambient: float, cycle: Blocks, c: Array, friction: Array, iron: Array) -> WindingBounds:
+    """As many motors as are taken at a time."""
+    known = motor.known & ~np.isnan(c.sum(axis=1) + friction + iron + ambient)
+    if not known.all():
+        motor = each_figure(motor, lambda x: np.where(known, x, 1.0))  # any figures, without effect
+        c, friction, iron = (np.where(known, x.T, 0.0).T for x in (c, friction, iron))
+    losses = _losses(cycle, c, friction, iron)
+    share = cycle.duration / cycle.duration.sum()
+    I_rms, P_h = np.sqrt(share @ losses.I2[0]), share @ losses.P_h[0]
+    lower = steady_winding_temperature(ambient, motor.R_25, motor.R_th1, motor.R_th2, I_rms, P_h)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # where a motor runs away
+        found = periodic(motor, ambient, cycle.duration[:, None], losses.I2[0], losses.P_h[0])
+        low, high = _around(motor, ambient + 1.0 / COPPER - DATA_TEMPERATURE, found, losses)
+        finite = found.settles & (high < np.inf)
+    lower = np.where(finite, np.fmax(lower, np.fmin(low, high) + ambient), lower)
+    upper = np.where(finite, high + ambient, np.inf)
+    return WindingBounds(*(np.where(known, x, np.nan) for x in (lower, upper)))
+
+
+class _Strays(NamedTuple):
+    """What strays from the means, as shares of the temperature above that without resistance, and of the housing's."""
+
+    above: Array  # max phi of each block [1]
+    below: Array  # max -phi of each block [1]
+    housing: Array  # highest and lowest W together, over C_h [K]
+
+
+def _around(motor: TwoBodies, offset: float, found: Periodic, losses: _Losses) -> tuple[Array, Array]:
+    """Lower and upper bound of the winding's rise; infinite where there is none."""
+    per_square = COPPER * motor.R_25 / motor.capacity_w
+    above, below = losses.I2[1] * per_square, losses.I2[2] * per_square
+    housing = (losses.P_h[1].max(axis=0) + losses.P_h[2].max(axis=0)) / motor.capacity_h
+    peak = highest(found, 1.0, 0.0).rise
+    down, up = _moved(motor, offset, found, peak, _Strays(above.max(axis=0), below.max(axis=0), housing))
+    start, end = found.rises[0, :-1], found.rises[0, 1:]
+    turns = (found.slopes[0] > 0.0) & (found.pulls[0] < 0.0)
+    top = np.minimum(peak, np.where(turns, np.maximum(start + found.slopes[0] * found.t, end), np.maximum(start, end)))
+    rounding = _ROUNDING * (offset + peak)
+    high = ((offset + top + up) * np.exp(above)).max(axis=0) - offset + rounding
+    return end.max(axis=0) - down - rounding, high
+
+
+def _moved(motor: TwoBodies, offset: float, found: Periodic, peak: Array, strays: _Strays) -> tuple[Array, Array]:
+    """How far the winding at a block's end may be below and above what the means make of it [K]; E above."""
+    R_1, R_2, ratio = motor.R_th1, motor.R_th2, motor.capacity_w / motor.capacity_h
+    warm = np.maximum(highest(found, 0.0, 1.0).rise, 0.0)
+    apart = np.maximum(highest(found, 1.0, -1.0).rise, 0.0) / R_1
+    back = np.maximum(highest(found, -1.0, 1.0).rise, 0.0) / R_1
+    u, v, more = offset + peak, offset + warm, 1.0 + R_1 / R_2
+    m, m_h = R_2 * u / offset, R_2 * v / offset
+    against = np.minimum(apart, warm * (1.0 + ratio * more) / R_2 + back * (2.0 + ratio * more))  # per m
+    by_housing = strays.housing / R_2
+    up = strays.below * (u + m * against) + strays.above * m * against + m * by_housing
+    down = strays.above * (u + m * against) + strays.below * m * against + m * by_housing
+    cooled = (strays.above + strays.below) * (u * ratio / (1.0 + ratio) + m_h * against)
+    cooled += strays.housing * (1.0 + 2.0 * m_h * (1.0 / R_1 + 1.0 / R_2))
+    first = np.maximum(up, down)
+    phi = np.maximum(strays.above, strays.below)
+    bend = phi * phi * np.exp(phi) / 2.0 / R_1
+    a, s = phi / R_1 + bend, bend
+    ww, hw, wh, hh = 1.0 - a * m, 1.0 - a * m_h * more, a * m * more, a * m_h
+    on_w, on_h = first + s * m * (more * v + u), cooled + s * m_h * (more * v + u)
+    determinant = ww * hw - wh * hh
+    rest = (hw * on_w + wh * on_h) / determinant - first
+    rest = np.where((ww > 0.0) & (determinant > 0.0), rest, np.inf)
+    return down + rest, up + rest
