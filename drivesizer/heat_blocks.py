@@ -47,7 +47,17 @@ Symbols: R_th thermal resistance [K/W], C heat capacity [J/K], I current [A], P 
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.heat_columns import WindingBounds, each_figure, some_of
+from drivesizer.heat_cycle import Periodic, highest, periodic
+from drivesizer.heat_modes import Array
 from drivesizer.physics import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
+from drivesizer.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, steady_winding_temperature
 
 __all__ = ["Blocks", "blocks", "bracket"]
 

@@ -22,7 +22,7 @@ from drivesizer.units import show
 
 __all__ = ["changes_for", "relaxations"]
 
-_FARTHEST = 20.0  # times
+_STEPS = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)  # times
 _NEAR_ENOUGH = 1.01
 _COLDEST = 100.0  # K below what is given
 
@@ -165,11 +165,18 @@ def _changed(spec: RobotSpec, path: tuple[str, ...], factor: float) -> RobotSpec
 
 
 def _least_change(passes: Callable[[float], Any], direction: int) -> float | None:
-    """The factor nearest to 1 at which something passes, between 1 and 1/20 or 20; None when nothing there does."""
-    far = _FARTHEST**direction
-    if not passes(far):
-        return None
+    """The factor nearest to 1 at which something passes, between 1 and 1/20 or 20; None when nothing there does.
+
+    Looked for in steps first: more is not always better, as when a voltage outgrows the controllers.
+    """
     near = 1.0
+    for step in _STEPS:
+        far = step**direction
+        if passes(far):
+            break
+        near = far
+    else:
+        return None
     while max(far / near, near / far) > _NEAR_ENOUGH:
         middle = float(np.sqrt(near * far))
         near, far = (near, middle) if passes(middle) else (middle, far)

@@ -172,10 +172,8 @@ class DriveSet:
     def label(self) -> str:
         """The set in a line: motor, gearhead, belt."""
         belt = f" + belt {self.belt_ratio:g}" if self.belt_ratio != 1.0 else ""
-        return (
-            f"{self.motor.family} {self.motor.part} + {self.gearhead.family} "
-            f"{self.gearhead.reduction} {self.gearhead.part}{belt}"
-        )
+        gearhead = " ".join(filter(None, (self.gearhead.family, self.gearhead.reduction, self.gearhead.part)))
+        return f"{self.motor.family} {self.motor.part} + {gearhead}{belt}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

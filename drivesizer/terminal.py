@@ -28,8 +28,10 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
         _none(console, result)
     if len(result.sets) > 1:
         console.print(_ranking(result.sets, result))
-    if result.pareto:
+    if result.front:
         console.print(_front(result))
+    elif result.pareto:
+        console.print(f"Of no set that stands are {', '.join(result.pareto)} all known: there is no front.")
     if result.misses:
         console.print(_nearest(result.misses))
     _tally(console, result)
@@ -213,11 +215,12 @@ def _tally(console: Console, result: SizingResult) -> None:
     if other:
         encoder = f", encoder {other.encoder.part}" if other.encoder else ""
         controller = f", controller {other.controller.family}" if other.controller else ""
-        value = _objective(other, result.objective).replace("\n", " ")
+        single = result.objective == "margin" or result.objective in _OBJECTIVE_UNITS
+        value = f": {result.objective} {_objective(other, result.objective)}".replace("\n", " ") if single else ""
         console.print(
             Text(
                 f"Without the families and parts that the spec names, the whole catalogue gives {other.label}{encoder}"
-                f"{controller}: {result.objective} {value}."
+                f"{controller}{value}."
             )
         )
 

@@ -168,7 +168,7 @@ CASES = """cases:
   - {name: weak, supply: {nominal: 23 V, min: 17 V}, load: {mass: 8 kg}}
 """
 SOME = "select: {motor: {family: [RE 30, EC-max 30]}, controller: {part: CONTROLLER}}\n"
-ONE = SOME.replace("CONTROLLER", "'504383'")
+ONE = SOME.replace("CONTROLLER", "'520885'")
 
 
 def test_each_check_is_that_of_its_worst_case(catalog):
@@ -177,6 +177,7 @@ def test_each_check_is_that_of_its_worst_case(catalog):
     sets = candidates(spec, catalog)
     together = {c.name: c for c in evaluate(spec, catalog, sets).checks}
     names, specs = zip(*spec.load_cases, strict=True)
+    specs = (spec_from(LIFT + ONE), *specs[1:])  # the first one without the others
     alone = [{c.name: c for c in evaluate(case, catalog, sets).checks} for case in specs]
     assert names[1:] == ("empty", "hot", "quick", "weak")
     told = set()
@@ -202,6 +203,18 @@ def test_each_check_is_that_of_its_worst_case(catalog):
     in_any = np.logical_or.reduce([c.failed for checks in alone for c in checks.values()])
     assert (fails == in_any).all()
     assert 0 < fails.sum() < len(fails)
+
+
+@pytest.mark.xfail(strict=True, reason="the margin of the worst case counts from the first case's ambient")
+def test_the_margin_is_that_of_the_worst_case_too(catalog):
+    """A rise counts from the ambient of its own case: 30 K of 100 K where it is hot, not 60 K of 130 K."""
+    spec = spec_from(LIFT + "cases: [{name: hot, environment: {ambient: 55 degC}}]\n" + ONE)
+    sets = candidates(spec, catalog)
+    both = next(c for c in evaluate(spec, catalog, sets).checks if c.name == "winding_temperature")
+    hot = next(c for c in evaluate(spec.load_cases[1][1], catalog, sets).checks if c.name == "winding_temperature")
+    in_heat = (both.case == 1) & np.isfinite(hot.demand)
+    assert in_heat.sum() > 10
+    assert both.margin[in_heat] == pytest.approx(hot.margin[in_heat], rel=1e-9)
 
 
 def test_the_name_of_the_case_is_told(catalog):
@@ -284,7 +297,7 @@ def test_families_that_never_go_together(catalog):
 def test_margins_move_the_status_exactly_at_the_limit(margin, names, catalog):
     """As much margin as there is passes, a thousand-millionth more does not; the figures stay as they are."""
     plain = LIFT.replace("margins: {torque: 6 %, speed: 3 %, temperature: 9 %}\n", "")
-    chosen = "select: {motor: {part: 268214}, gearhead: {part: '166940'}, controller: {part: '520885'}}\n"
+    chosen = "select: {motor: {part: 148867}, gearhead: {part: '203119'}, controller: {part: '520885'}}\n"
     spec = spec_from(plain + chosen)
     sets = candidates(spec, catalog)
     assert len(sets.motor) == 1
@@ -324,7 +337,7 @@ def figures_of(found, catalog):
 
 def front_by_hand(columns):
     """Every set against every other."""
-    rows = [row for row in zip(*columns, strict=True)]
+    rows = list(zip(*columns, strict=True))
     known = [k for k, row in enumerate(rows) if not any(map(math.isnan, row))]
     found = set()
     for k in known:
@@ -350,7 +363,7 @@ def test_the_front_is_what_nobody_beats(names, catalog):
     assert set(theirs) == expected
     assert len(theirs) == len(set(theirs))
     assert [t[0] for t in theirs] == sorted(t[0] for t in theirs)
-    assert 1 < len(theirs) < found.standing
+    assert 0 < len(theirs) < found.standing
 
 
 def test_a_front_beyond_the_sets_that_are_shown(catalog):
@@ -375,7 +388,7 @@ def test_a_front_without_rejected_sets(catalog):
     "text", ["mass=2,energy=1", "peak_current=0.3,mass=1,winding_temperature=4", "margin=1,mass=0.2"]
 )
 def test_weighted_objectives(text, catalog):
-    """Shares of the smallest value that any set has, times their weights; of a margin, what is asked of what there is."""
+    """Shares of the smallest value that any set has, times their weights; of a margin, the share that is used."""
     spec, parts = spec_from(BOTH), [part.split("=") for part in text.split(",")]
     found = search(spec, catalog, top=10**6, objective=objective_of(text), misses=0)
     figures = figures_of(found, catalog)
