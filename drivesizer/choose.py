@@ -17,7 +17,7 @@ from drivesizer.checks import CheckColumn, at_least, at_most, fits
 from drivesizer.choices import Choice
 from drivesizer.spec import RobotSpec
 
-__all__ = ["Chosen", "controllers", "encoders", "offered_buses", "offers", "selected", "usable_voltage"]
+__all__ = ["Chosen", "controllers", "encoders", "most_voltage", "offered_buses", "offers", "selected", "usable_voltage"]
 
 
 class Chosen(NamedTuple):
@@ -80,6 +80,12 @@ def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64
     return np.where(mask.any(1), order[place], -1)
 
 
+def most_voltage(lowest: float, max_duty: Any, voltage_drop: Any, needed: Any) -> Any:
+    """The usable voltage; where it is unknown, the supply's own for those that need more than that: a sure failure."""
+    usable = usable_voltage(lowest, max_duty, voltage_drop)
+    return np.where(np.isnan(usable) & (needed > lowest), lowest, usable)
+
+
 def usable_voltage(lowest: float, max_duty: Any, voltage_drop: Any) -> Any:
     """What a controller can give a motor at the lowest supply voltage [V]: duty times what its stages leave.
 
@@ -127,7 +133,7 @@ def controllers(
     sure = ~np.isnan(figure["continuous_current"]) & ~np.isnan(figure["peak_current"])
     if voltage is not None:
         usable = usable_voltage(lowest, figure["max_duty"], figure["voltage_drop"])
-        enough &= ~(usable < voltage[:, None])
+        enough &= ~(np.fmin(usable, lowest) < voltage[:, None])
         sure &= ~np.isnan(usable)
     row = _first(order, [enough & sure, enough], _last(allowed, order))
     found = {name: np.append(table[name], np.nan)[row] for name in ("continuous_current", "peak_current")}

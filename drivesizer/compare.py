@@ -74,4 +74,4 @@ def _other(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> tuple[Check, ...
     given = candidates(narrowed, catalog, also=rows)
     evaluation = evaluate(narrowed, catalog, given)
     found = (given.motor == rows[0]) & (given.gearhead == rows[1]) & (given.belt == one.belt_ratio)
-    return tuple(check.at(int(np.flatnonzero(found)[0]), method) for check in evaluation.checks)
+    return evaluation.checks_of(int(np.flatnonzero(found)[0]))

@@ -20,7 +20,7 @@ from drivesizer.results import (
     verdict,
     worst,
 )
-from drivesizer.units import from_si
+from drivesizer.units import KINDS, from_si
 
 __all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "sizing", "validation"]
 
@@ -76,7 +76,8 @@ def _check(check: Check) -> dict[str, Any]:
 
 
 def _relaxation(r: Relaxation) -> dict[str, Any]:
-    return {"field": r.field, "now": r.now, "needed": r.needed, "set": r.set_label}
+    si = {"si_now": r.before, "si_needed": r.after, "si_unit": KINDS[r.kind].si}
+    return {"field": r.field, "now": r.now, "needed": r.needed, "set": r.set_label} | si
 
 
 def _result(checks: tuple[Check, ...]) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.checks import TITLES, CheckColumn, fits
 from drivesizer.choose import controllers, encoders
 from drivesizer.examine import Examined, Problem, examine, problem
-from drivesizer.results import Requirement
+from drivesizer.results import Check, Requirement
 from drivesizer.spec import RobotSpec
 
 __all__ = ["Evaluation", "evaluate"]
@@ -47,6 +47,14 @@ class Evaluation(NamedTuple):
         """Which have a check that is unknown, and fail none."""
         passed: NDArray[np.bool_] = np.logical_and.reduce([check.passed for check in self.checks])
         return ~self.failed & ~passed
+
+    def checks_of(self, index: int) -> tuple[Check, ...]:
+        """The checks of one candidate, but for those that nothing could fail."""
+        return tuple(
+            check.at(index, self.spec.method, cases=self.cases)
+            for check in self.checks
+            if not (check.demand[index] == 0.0 and np.isposinf(check.limit[index]))
+        )
 
 
 def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates, asked: Problem | None = None) -> Evaluation:

@@ -5,8 +5,8 @@ keeps of its segments the mean M of f f' and how far the integral of f f' - M fr
 and falls below it, entry by entry: for any c the square of the current then has the mean c M c, and its integral
 strays from that of the mean by no more than c E c. Blocks know nothing of motors: they are made once per load cycle.
 
-**Derivation of the bounds.** Let q = R_25 I^2, a = ``COPPER``, and u and v the temperatures of winding and housing above
-that at which copper would have no resistance (v_a the ambient's), so that u and v are positive and
+**Derivation.** Let q = R_25 I^2, a = ``COPPER``, and u and v the temperatures of winding and housing above that at
+which copper would have no resistance (v_a the ambient's), so that u and v are positive and
 
 .. math:: C_w \dot u = a q u - (u - v) / R_{th1}, \quad C_h \dot v = P + (u - v) / R_{th1} - (v - v_a) / R_{th2}
 
@@ -31,9 +31,9 @@ for a kernel that falls, and something for the housing that stores the heat.
 *Masses.* Constant temperatures are periodic solutions too, with losses that are easily told; from them, with
 m = int k_wh ds: int k_ww ds = m (1 + R_th1 / R_th2) and a int k_ww q ds = m / R_th2 - 1. U_0 itself is what v_a / R_th2
 and P at the housing make, so m <= R_th2 U_0 / v_a. Of the housing's answers the same holds with v_0.
-*J* is at most m max(U_0 - v_0) / R_th1. Of a peak that is short the housing sees the mean: (h, h), where h is the
-housing's rise, is the answer to (U_0 - v_0) / R_th1 + P at the housing and C_w h' - a q h at the winding, whence
-J <= max h (m + C_w / C_h int k_ww) / R_th2, if the housing is never the warmer body; else what it gives back is added.
+*J*: (h, h), where h is the housing's rise, is the answer to (U_0 - v_0) / R_th1 + P at the housing and C_w h' - a q h
+at the winding; so J <= max h (m + C_w / C_h int k_ww) / R_th2, were the housing never the warmer body. What it gives
+back is at most max P C_w / (C_w + C_h), as the slope of U_0 - v_0 shows where that is lowest.
 *G*: its first order is the integral of -phi j_h with int j_h ds = 0 and a negative part of at most
 (k_hh - k_hw)^+ U_0 / R_th1 plus that of J; the first bracket falls at least as exp(-(1 / C_w + 1 / C_h) t / R_th1).
 *Housing loss*: its own strayed integral W moves U by -int W d/ds k_wh, and k_wh rises and falls by m / (R_th2 C_h).
@@ -57,15 +57,19 @@ from drivesizer.heat_columns import WindingBounds, each_figure, some_of
 from drivesizer.heat_cycle import Periodic, highest, periodic
 from drivesizer.heat_modes import Array
 from drivesizer.physics import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
-from drivesizer.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, steady_winding_temperature
+from drivesizer.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, Value, steady_winding_temperature
 
 __all__ = ["Blocks", "blocks", "bracket"]
 
 _CELLS = 1 << 14  # motors times blocks at a time: what stays in the processor's cache
-_FINER = 32  # steps per block among which the blocks' ends are chosen
+_PRODUCTS = 1 << 18  # and those whose products are taken at once: one large product of matrices is quicker than many
+_FINER = 16  # steps per block at least, among which the blocks' ends are chosen
+_FINE = 1 << 13  # and steps in all
 _SPEED_SHARE = 0.05  # of the speed's square, by which a housing is heated, in that choice
 _ROUNDING = 1e-10  # share of the temperature by which bounds are apart at least
 _SUM_ROUNDING = 1e-12  # share of a sum over the cycle that rounding may take
+_ROW, _COLUMN = np.tril_indices(6)  # of a symmetric matrix
+_TIMES = np.where(_ROW == _COLUMN, 1.0, 2.0)  # that each entry stands there
 
 
 class Blocks(NamedTuple):
@@ -77,13 +81,7 @@ class Blocks(NamedTuple):
     below: Array  # (B, 6, 6): and how far it falls below zero
 
     def behind(self, scale: Array) -> Blocks:
-        """The same behind a belt.
-
-        Parameters
-        ----------
-        scale
-            Of the functions, ``AtGearhead.scale`` [1].
-        """
+        """The same behind a belt that scales the functions [1], see ``AtGearhead.scale``."""
         square = np.outer(scale, scale)
         return Blocks(self.duration, self.mean * square, self.above * square, self.below * square)
 
@@ -137,7 +135,7 @@ def _strayed(
     steps = duration * (product - np.repeat(mean, pieces))
     walk = np.cumsum(steps)
     walk -= np.repeat(walk[starts] - steps[starts], pieces)
-    inner += _SUM_ROUNDING * float(duration @ np.abs(product))
+    inner += _SUM_ROUNDING * float((duration * np.abs(product)).sum())
     above = np.maximum(np.maximum.reduceat(walk, starts), 0.0) + inner
     below = inner - np.minimum(np.minimum.reduceat(walk, starts), 0.0)
     return mean, above, below
@@ -145,7 +143,7 @@ def _strayed(
 
 def _starts(duration: Array, left: Array, right: Array, count: int) -> NDArray[np.intp]:
     """First segments of the blocks: again and again the worst are split where they stray most."""
-    step = max(1, len(duration) // (_FINER * count))
+    step = max(1, len(duration) // max(_FINER * count, _FINE))
     ends = np.append(np.arange(0, len(duration), step), len(duration))
     time = np.append(0.0, np.cumsum(duration))[ends]
     sums = np.append(np.zeros((4, 1)), np.cumsum(duration * _signals(left, right), axis=1), axis=1)[:, ends]
@@ -157,7 +155,8 @@ def _starts(duration: Array, left: Array, right: Array, count: int) -> NDArray[n
             break
         chosen = chosen[np.argsort(-worst[chosen])][: count + 1 - len(cuts)]
         cuts = np.sort(np.append(cuts, at[chosen]))
-    return ends[cuts[:-1]]
+    first: NDArray[np.intp] = ends[cuts[:-1]]
+    return first
 
 
 def _signals(left: Array, right: Array) -> Array:
@@ -200,9 +199,9 @@ def bracket(
     cycle
         The load cycle in blocks.
     coefficients
-        Current from the six functions, 0 or more: (n, 6) [A per unit of each function].
+        Current from the six functions, 0 or more: (n, 6) [A per unit of each].
     friction, iron
-        Loss at the housing per speed of the functions [W s/rad], and per square of it [W s^2/rad^2], 0 or more.
+        Loss at the housing per speed [W s/rad] and per square of it [W s^2/rad^2], 0 or more.
 
     Returns
     -------
@@ -210,92 +209,99 @@ def bracket(
         Columns over motors: the upper one infinite where a motor may run away, the lower one where it surely does;
         NaN where a figure is unknown.
     """
-    n, size = len(coefficients), max(_CELLS // len(cycle.duration), 1)
+    n, size = len(coefficients), max(_PRODUCTS // len(cycle.duration), 1)
+    known = motor.known & ~np.isnan(coefficients.sum(axis=1) + friction + iron + ambient)
+    if not known.all():
+        motor = each_figure(motor, lambda x: np.where(known, x, 1.0))  # any figures, without effect
+        coefficients, friction, iron = (np.where(known, x.T, 0.0).T for x in (coefficients, friction, iron))
     found = WindingBounds(*np.empty((2, n)))
-    for first in range(0, n, size):
-        rows = slice(first, first + size)
-        part = _some(some_of(motor, n, rows), ambient, cycle, coefficients[rows], friction[rows], iron[rows])
+    for rows in (slice(k, k + size) for k in range(0, n, size)):
+        losses = _losses(cycle, coefficients[rows], friction[rows], iron[rows])
+        part = _bounds(some_of(motor, n, rows), ambient, cycle.duration, losses)
         found.lower[rows], found.upper[rows] = part
-    return found
+    return WindingBounds(*(np.where(known, x, np.nan) for x in found))
 
 
 class _Losses(NamedTuple):
-    """Means over each block, and how far their integrals stray above and below: blocks, then motors."""
+    """Of each block and motor the mean, and how far the integral of what remains strays above and below zero."""
 
-    I2: tuple[Array, Array, Array]  # A^2, A^2 s
-    P_h: tuple[Array, Array, Array]  # W, J
+    I2: Array  # (3, blocks, motors): A^2, then A^2 s
+    P_h: Array  # W, then J
 
 
 def _losses(cycle: Blocks, c: Array, friction: Array, iron: Array) -> _Losses:
-    square = (c[:, :, None] * c[:, None, :]).reshape(-1, 36).T
-    forms = [entries.reshape(-1, 36) @ square for entries in cycle[1:]]
-    housing = [np.outer(x[:, DIRECTION, SPEED], friction) + np.outer(x[:, SPEED, SPEED], iron) for x in cycle[1:]]
-    return _Losses((np.maximum(forms[0], 0.0), forms[1], forms[2]), (housing[0], housing[1], housing[2]))
+    entries = np.stack(cycle[1:])
+    square = entries[:, :, _ROW, _COLUMN].reshape(-1, len(_ROW)) @ (c[:, _ROW] * c[:, _COLUMN] * _TIMES).T
+    speed = entries[:, :, DIRECTION, SPEED, None] * friction + entries[:, :, SPEED, SPEED, None] * iron
+    return _Losses(np.maximum(square, 0.0).reshape(speed.shape), speed)
 
 
-def _some(motor: TwoBodies, ambient: float, cycle: Blocks, c: Array, friction: Array, iron: Array) -> WindingBounds:
-    """As many motors as are taken at a time."""
-    known = motor.known & ~np.isnan(c.sum(axis=1) + friction + iron + ambient)
-    if not known.all():
-        motor = each_figure(motor, lambda x: np.where(known, x, 1.0))  # any figures, without effect
-        c, friction, iron = (np.where(known, x.T, 0.0).T for x in (c, friction, iron))
-    losses = _losses(cycle, c, friction, iron)
-    share = cycle.duration / cycle.duration.sum()
-    I_rms, P_h = np.sqrt(share @ losses.I2[0]), share @ losses.P_h[0]
-    lower = steady_winding_temperature(ambient, motor.R_25, motor.R_th1, motor.R_th2, I_rms, P_h)
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # where a motor runs away
-        found = periodic(motor, ambient, cycle.duration[:, None], losses.I2[0], losses.P_h[0])
-        low, high = _around(motor, ambient + 1.0 / COPPER - DATA_TEMPERATURE, found, losses)
-        finite = found.settles & (high < np.inf)
-    lower = np.where(finite, np.fmax(lower, np.fmin(low, high) + ambient), lower)
-    upper = np.where(finite, high + ambient, np.inf)
-    return WindingBounds(*(np.where(known, x, np.nan) for x in (lower, upper)))
-
-
-class _Strays(NamedTuple):
-    """What strays from the means, as shares of the temperature above that without resistance, and of the housing's."""
-
-    above: Array  # max phi of each block [1]
-    below: Array  # max -phi of each block [1]
-    housing: Array  # highest and lowest W together, over C_h [K]
+def _bounds(motor: TwoBodies, ambient: float, duration: Array, losses: _Losses) -> tuple[Array, Array]:
+    """Temperatures of known motors."""
+    share = duration / duration.sum()
+    I2, P_h = ((share[:, None] * x[0]).sum(axis=0) for x in losses)
+    offset, I_rms, n = ambient + 1.0 / COPPER - DATA_TEMPERATURE, np.sqrt(I2), len(I2)
+    lower = np.asarray(steady_winding_temperature(ambient, motor.R_25, motor.R_th1, motor.R_th2, I_rms, P_h))
+    upper = np.full(n, np.inf)
+    size = max(_CELLS // len(duration), 1)
+    for rows in (slice(k, k + size) for k in range(0, n, size)):
+        some, part = some_of(motor, n, rows), _Losses(*(x[:, :, rows] for x in losses))
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # where a motor runs away
+            found = periodic(some, ambient, duration[:, None], part.I2[0], part.P_h[0])
+            low, high = _around(some, offset, found, part)
+        finite = found.settles & (high < np.inf) & (offset > 0.0)
+        upper[rows] = np.where(finite, high + ambient, np.inf)
+        lower[rows] = np.fmax(lower[rows], np.where(finite, low + ambient, -np.inf))
+    return lower, upper
 
 
 def _around(motor: TwoBodies, offset: float, found: Periodic, losses: _Losses) -> tuple[Array, Array]:
     """Lower and upper bound of the winding's rise; infinite where there is none."""
-    per_square = COPPER * motor.R_25 / motor.capacity_w
-    above, below = losses.I2[1] * per_square, losses.I2[2] * per_square
-    housing = (losses.P_h[1].max(axis=0) + losses.P_h[2].max(axis=0)) / motor.capacity_h
-    peak = highest(found, 1.0, 0.0).rise
-    down, up = _moved(motor, offset, found, peak, _Strays(above.max(axis=0), below.max(axis=0), housing))
-    start, end = found.rises[0, :-1], found.rises[0, 1:]
-    turns = (found.slopes[0] > 0.0) & (found.pulls[0] < 0.0)
-    top = np.minimum(peak, np.where(turns, np.maximum(start + found.slopes[0] * found.t, end), np.maximum(start, end)))
+    above, below = losses.I2[1:] * (COPPER * motor.R_25 / motor.capacity_w)
+    housing = losses.P_h[1:].max(axis=1).sum(axis=0) / motor.capacity_h
+    peak, loss = highest(found, 1.0, 0.0).rise, losses.P_h[0].max(axis=0)
+    tops = _tops(found, 0)
+    most = (loss + peak / motor.R_th1) / (1.0 / motor.R_th1 + 1.0 / motor.R_th2)  # where the housing turns round
+    warm = np.minimum(_tops(found, 1).max(axis=0), most)
+    down, up = _moved(motor, offset, (peak, warm, loss), (above.max(axis=0), below.max(axis=0), housing))
     rounding = _ROUNDING * (offset + peak)
-    high = ((offset + top + up) * np.exp(above)).max(axis=0) - offset + rounding
-    return end.max(axis=0) - down - rounding, high
+    high = ((offset + np.minimum(tops, peak) + up) * np.exp(above)).max(axis=0) - offset
+    return found.rises[0].max(axis=0) - down - rounding, high + rounding
 
 
-def _moved(motor: TwoBodies, offset: float, found: Periodic, peak: Array, strays: _Strays) -> tuple[Array, Array]:
-    """How far the winding at a block's end may be below and above what the means make of it [K]; E above."""
+def _tops(found: Periodic, body: int) -> Array:
+    """What the rise of a body does not exceed in each block: at its ends, or the tangent before it turns round."""
+    values, slopes = found.rises[body], found.slopes[body]
+    turns = (slopes > 0.0) & (found.pulls[body] < 0.0)
+    top: Array = np.maximum(np.where(turns, slopes * found.t, 0.0) + values[:-1], values[1:])
+    return top
+
+
+def _moved(
+    motor: TwoBodies, offset: float, most: tuple[Array, Array, Array], strays: tuple[Array, Array, Array]
+) -> tuple[Array, Array]:
+    """How far U may be below and above U_0 [K].
+
+    From the highest rises of winding and housing and housing loss; and the highest phi and -phi and span of W / C_h.
+    """
+    (peak, warm, loss), (above, below, housing) = most, strays
     R_1, R_2, ratio = motor.R_th1, motor.R_th2, motor.capacity_w / motor.capacity_h
-    warm = np.maximum(highest(found, 0.0, 1.0).rise, 0.0)
-    apart = np.maximum(highest(found, 1.0, -1.0).rise, 0.0) / R_1
-    back = np.maximum(highest(found, -1.0, 1.0).rise, 0.0) / R_1
     u, v, more = offset + peak, offset + warm, 1.0 + R_1 / R_2
     m, m_h = R_2 * u / offset, R_2 * v / offset
-    against = np.minimum(apart, warm * (1.0 + ratio * more) / R_2 + back * (2.0 + ratio * more))  # per m
-    by_housing = strays.housing / R_2
-    up = strays.below * (u + m * against) + strays.above * m * against + m * by_housing
-    down = strays.above * (u + m * against) + strays.below * m * against + m * by_housing
-    cooled = (strays.above + strays.below) * (u * ratio / (1.0 + ratio) + m_h * against)
-    cooled += strays.housing * (1.0 + 2.0 * m_h * (1.0 / R_1 + 1.0 / R_2))
-    first = np.maximum(up, down)
-    phi = np.maximum(strays.above, strays.below)
+    J = warm * (1.0 + ratio * more) / R_2 + loss * ratio / (1.0 + ratio) * (2.0 + ratio * more)  # per m
+    both = above + below
+    either = both * m * J + housing * m / R_2
+    down, up = above * u + either, below * u + either
+    cooled = both * (u * ratio / (1.0 + ratio) + m_h * J)
+    cooled += housing * (1.0 + 2.0 * m_h * (1.0 / R_1 + 1.0 / R_2))
+    phi = np.maximum(above, below)
     bend = phi * phi * np.exp(phi) / 2.0 / R_1
-    a, s = phi / R_1 + bend, bend
-    ww, hw, wh, hh = 1.0 - a * m, 1.0 - a * m_h * more, a * m * more, a * m_h
-    on_w, on_h = first + s * m * (more * v + u), cooled + s * m_h * (more * v + u)
-    determinant = ww * hw - wh * hh
-    rest = (hw * on_w + wh * on_h) / determinant - first
-    rest = np.where((ww > 0.0) & (determinant > 0.0), rest, np.inf)
-    return down + rest, up + rest
+    first, second = np.maximum(up, down), bend * (more * v + u)
+    rest = _largest((phi / R_1 + bend) * more * m, m_h / m, 1.0 / more, first + m * second, cooled + m_h * second)
+    return down + rest - first, up + rest - first
+
+
+def _largest(a: Array, share: Array, own: Value, on_w: Array, on_h: Array) -> Array:
+    """Largest |E| where |E| <= on_w + a (own |E| + |G|) and |G| <= on_h + share a (own |E| + |G|); infinite if any."""
+    left = 1.0 - a * (own + share)  # both together: own |E| + |G| <= (own on_w + on_h) / left
+    return np.where(left > 0.0, on_w + a * (own * on_w + on_h) / left, np.inf)

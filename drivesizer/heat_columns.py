@@ -121,7 +121,7 @@ def _block(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) ->
     known = motor.known & ~np.isnan(I2.sum(axis=1) + P_h.sum(axis=1) + (ambient + t.sum()))
     square, loss = np.ascontiguousarray(I2.T), np.ascontiguousarray(P_h.T)
     if not known.all():
-        motor = each_figure(motor, lambda x: np.where(known, x, 1.0))  # any figures: without warnings and without effect
+        motor = each_figure(motor, lambda x: np.where(known, x, 1.0))  # any figures, without effect
         square, loss = np.where(known, square, 0.0), np.where(known, loss, 0.0)
     time = np.cumsum(t) - t
     with np.errstate(over="ignore", invalid="ignore"):  # where a motor runs away

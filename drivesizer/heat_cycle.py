@@ -18,16 +18,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.heat_modes import Array, Modes, Weights, drive, modes, turning_time, weights
-from drivesizer.thermal import TwoBodies, Value
+from drivesizer.heat_modes import Array, Course, Modes, Weights, drive, modes, turning_time, weights
+from drivesizer.thermal import TwoBodies
 
 __all__ = ["HeatCycle", "Highest", "Periodic", "checked", "highest", "mean_rise", "periodic", "periodic_heat"]
 
 _BEYOND = (
     1e9  # K: a winding that is warmer after one cycle has run away; what cools again from there has lost its digits
 )
-_RUN = 16  # segments of a run
-_WIDE = 256  # motors: their columns are long enough for the processor without runs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,52 +64,6 @@ def _maps(span: Modes, weight: Weights, constant: tuple[Array, Array]) -> Array:
     return found
 
 
-class _Course:
-    """All segments one after another: runs of segments side by side, then the runs one after another.
-
-    A step costs as much for one motor as for a thousand, hence side by side.
-    """
-
-    def __init__(self, maps: Array) -> None:
-        _, _, self.count, n = maps.shape
-        length = self.count if n > _WIDE or self.count < _RUN else _RUN
-        runs = -(-self.count // length)
-        if runs * length > self.count:  # segments that do nothing
-            maps = np.concatenate([maps, np.zeros((2, 3, runs * length - self.count, n))], axis=2)
-        self.within = np.ascontiguousarray(np.moveaxis(maps.reshape(2, 3, runs, length, n), 3, 0))
-        for k in range(1, length):
-            _follow(self.within[k], self.within[k - 1])
-        self.before = np.zeros((2, 3, runs, n))  # each run
-        self.whole = self.within[-1, :, :, 0]
-        if runs > 1:
-            self._join(_Course(self.within[-1]))
-
-    def _join(self, runs: _Course) -> None:
-        up_to = runs.within
-        for k in range(len(up_to)):
-            _follow(up_to[k], runs.before)
-        flat = np.moveaxis(up_to, 0, 3).reshape(2, 3, -1, up_to.shape[-1])
-        self.before[:, :, 1:] = flat[:, :, : runs.count - 1]
-        self.whole = runs.whole
-
-    def rises(self, w: Value, h: Value) -> Array:
-        """Rises after each segment, w and h, from those at the start."""
-        start = [x + row[0] * w + row[1] * h + row[2] for x, row in zip((w, h), self.before, strict=True)]
-        found = self.within[:, :, 0] * start[0]
-        found += self.within[:, :, 1] * start[1]
-        found += self.within[:, :, 2]
-        found += np.array(start)
-        return np.moveaxis(found, 0, 2).reshape(2, -1, found.shape[-1])[:, : self.count]
-
-
-def _follow(maps: Array, so_far: Array) -> None:
-    """In place: the maps after what came so far, all less one, so that short segments lose no digits."""
-    added = maps[:, :1] * so_far[0]
-    added += maps[:, 1:2] * so_far[1]
-    added += so_far
-    maps += added
-
-
 class Periodic(NamedTuple):
     """A cycle's segments and what repeats in it: segments along the first axis, then motors; pairs: w, h."""
 
@@ -145,7 +97,7 @@ def periodic(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) 
     with np.errstate(over="ignore", invalid="ignore"):
         span, constant = modes(motor, I2), drive(motor, ambient, I2, P_h)
         weight = weights(span.fast, span.slow, t)
-        course = _Course(_maps(span, weight, constant))
+        course = Course(_maps(span, weight, constant))
         whole = (*course.whole[:, :2].reshape(4, -1), *course.whole[:, 2], course.rises(0.0, 0.0)[0].max(axis=0))
         start, settles = _fixed_point(*whole)
         w, h = rises = np.concatenate([start[:, None], course.rises(*start)], axis=1)

@@ -21,12 +21,14 @@ from numpy.typing import NDArray
 
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, Value
 
-__all__ = ["Array", "Modes", "Weights", "drive", "modes", "phi", "turning_time", "weights"]
+__all__ = ["Array", "Course", "Modes", "Weights", "drive", "modes", "phi", "turning_time", "weights"]
 
 Array = NDArray[np.float64]
 
 _NEGLIGIBLE = 1e-18  # the first term that a series leaves out: a thousandth of the rounding of its sum
 _COEFFICIENTS = [1.0 / math.factorial(k + 2) for k in range(24)]  # of the series of phi_2
+_RUN = 16  # spans of a run
+_WIDE = 256  # motors: their columns are long enough for the processor without runs
 
 
 class Modes(NamedTuple):
@@ -227,3 +229,54 @@ def turning_time(gap: Array, slope: Array, pull: Array) -> Array:
     with np.errstate(over="ignore"):
         ratio = np.divide(slope, pull, out=np.zeros_like(slope), where=turns)
         return np.where(turns, np.log1p(-gap * ratio) / gap, np.inf)
+
+
+class Course:
+    """The rises over many spans: runs of spans side by side, then run after run, since a step costs the same for all.
+
+    Parameters
+    ----------
+    maps
+        What each span adds to the rises: rows w and h; columns w and h, what they are multiplied with, and a
+        constant [K]; then spans, then motors.
+    """
+
+    def __init__(self, maps: Array) -> None:
+        _, _, self.count, n = maps.shape
+        length = self.count if n > _WIDE or self.count < _RUN else _RUN
+        runs = -(-self.count // length)
+        if runs * length > self.count:  # spans that do nothing
+            maps = np.concatenate([maps, np.zeros((2, 3, runs * length - self.count, n))], axis=2)
+        self.within = np.ascontiguousarray(np.moveaxis(maps.reshape(2, 3, runs, length, n), 3, 0))
+        for k in range(1, length):
+            _follow(self.within[k], self.within[k - 1])
+        self.before = np.zeros((2, 3, runs, n))  # each run
+        self.whole = self.within[-1, :, :, 0]
+        if runs > 1:
+            self._join(Course(self.within[-1]))
+
+    def _join(self, runs: Course) -> None:
+        up_to = runs.within
+        for k in range(len(up_to)):
+            _follow(up_to[k], runs.before)
+        flat = np.moveaxis(up_to, 0, 3).reshape(2, 3, -1, up_to.shape[-1])
+        self.before[:, :, 1:] = flat[:, :, : runs.count - 1]
+        self.whole = runs.whole
+
+    def rises(self, w: Value, h: Value) -> Array:
+        """Rises of winding and housing after each span, from those at the start [K]."""
+        start = [x + row[0] * w + row[1] * h + row[2] for x, row in zip((w, h), self.before, strict=True)]
+        found = self.within[:, :, 0] * start[0]
+        found += self.within[:, :, 1] * start[1]
+        found += self.within[:, :, 2]
+        found += np.array(start)
+        in_order: Array = np.moveaxis(found, 0, 2).reshape(2, -1, found.shape[-1])
+        return in_order[:, : self.count]
+
+
+def _follow(maps: Array, so_far: Array) -> None:
+    """In place: the maps after what came so far, all less one, so that short segments lose no digits."""
+    added = maps[:, :1] * so_far[0]
+    added += maps[:, 1:2] * so_far[1]
+    added += so_far
+    maps += added

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.checks import CheckColumn, at_least, at_most
-from drivesizer.choose import usable_voltage
+from drivesizer.choose import most_voltage
 from drivesizer.physics import SPEED, AtGearhead, Demands, Peak, peak
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE, current_derating, steady_winding_temperature
@@ -232,10 +232,11 @@ def volts_of(asked: Demands, k_t: Array, resistance: Array) -> Array:
 def electrical_limits(spec: RobotSpec, asked: Demands, under: Stress, parts: Parts) -> list[CheckColumn]:
     """Limits of controller and encoder by current, voltage and speed."""
     controller, torque, speed = parts.controller, spec.margins.torque, spec.margins.speed
-    usable = usable_voltage(spec.supply.lowest, controller["max_duty"], controller["voltage_drop"])
+    lowest, volts = spec.supply.lowest, under.voltage.value
+    usable = most_voltage(lowest, controller["max_duty"], controller["voltage_drop"], volts * (1.0 + speed))
     amps = ("current", "A")
     return [
-        at_most("supply_voltage", under.voltage.value, usable, "voltage", "V", needed=speed, time=under.voltage.time),
+        at_most("supply_voltage", volts, usable, "voltage", "V", needed=speed, time=under.voltage.time),
         at_most("controller_continuous_current", asked.rms_current, controller["continuous_current"], *amps,
                 needed=torque),
         at_most("controller_peak_current", under.current.value, controller["peak_current"], *amps,

@@ -13,17 +13,12 @@ from drivesizer.catalog import Catalog, Table
 from drivesizer.choices import OBJECTIVES, Weighted
 from drivesizer.errors import InputError, quoted
 from drivesizer.extremes import undominated
+from drivesizer.objectives import SUMS
 
-__all__ = ["SUMS", "front", "names_of", "objective_of", "order", "title_of", "values"]
+__all__ = ["front", "names_of", "objective_of", "order", "title_of", "values"]
 
 Array = NDArray[np.float64]
 Objective = str | list[Weighted]
-SUMS: dict[str, tuple[str, tuple[str, ...]]] = {  # figure and the parts that it is summed over
-    "mass": ("mass", ("motor", "gearhead")),
-    "price": ("price", ("motor", "gearhead")),
-    "length": ("length", ("motor", "gearhead")),
-    "power": ("assigned_power", ("motor",)),
-}
 
 
 def objective_of(text: str) -> Objective:

@@ -10,6 +10,7 @@ import numpy as np
 from drivesizer import ranking
 from drivesizer.catalog import Controller, Gearhead, Motor
 from drivesizer.evaluation import Evaluation
+from drivesizer.objectives import SUMS
 from drivesizer.overload import State, cold, overload_time
 from drivesizer.ranking import Objective
 from drivesizer.results import DriveSet, Figure
@@ -28,11 +29,6 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objectiv
     encoder, controller = int(evaluation.encoder[index]), int(evaluation.controller[index])
     mass, mass_of = _summed({"motor": motor, "gearhead": gearhead}, "mass", ("motor", "gearhead"))
     value, value_of = _objective(evaluation, index, objective, motor, gearhead)
-    checks = tuple(
-        check.at(index, evaluation.spec.method, cases=evaluation.cases)
-        for check in evaluation.checks
-        if not (check.demand[index] == 0.0 and np.isposinf(check.limit[index]))  # nothing that it could exceed
-    )
     return DriveSet(
         rank=rank,
         status="fail" if evaluation.failed[index] else "unknown" if evaluation.unknown[index] else "pass",
@@ -48,10 +44,8 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objectiv
         objective=value,
         objective_of=value_of,
         requirements=tuple(r.at(index) for r in evaluation.shaft.values()),
-        checks=checks,
-        figures=_figures(evaluation, index, motor, gearhead, catalog.controllers.record(controller))
-        if evaluation.spec.method == "physics" and controller >= 0
-        else (),
+        checks=evaluation.checks_of(index),
+        figures=_figures(evaluation, index, motor, gearhead, controller) if evaluation.figures else (),
     )
 
 
@@ -72,8 +66,8 @@ def _objective(
         value, missing = ranking.values(evaluation.catalog, evaluation.candidates, figures, objective)
         lacking = f", {missing[index]} figures unknown" if missing[index] else ""
         return float(value[index]), (f"shares of the best shown: {ranking.title_of(objective)}{lacking}",)
-    if objective in ranking.SUMS:
-        return _summed({"motor": motor, "gearhead": gearhead}, *ranking.SUMS[objective])
+    if objective in SUMS:
+        return _summed({"motor": motor, "gearhead": gearhead}, *SUMS[objective])
     return float(evaluation.figures[objective][index]), (_COUNTED[objective],)
 
 
@@ -93,12 +87,13 @@ _TABLE = (
 )
 
 
-def _figures(
-    evaluation: Evaluation, index: int, motor: Motor, gearhead: Gearhead, controller: Controller
-) -> tuple[Figure, ...]:
+def _figures(evaluation: Evaluation, index: int, motor: Motor, gearhead: Gearhead, row: int) -> tuple[Figure, ...]:
     """What a set does that has no limit of its own, and what to set on its controller."""
     values = {name: float(column[index]) for name, column in evaluation.figures.items()}
     found = [Figure(name=n, title=t, value=values[n], kind=k, unit=u) for n, t, k, u in _TABLE]
+    if row < 0:
+        return tuple(found)
+    controller = evaluation.catalog.controllers.record(row)
     at_gear = gearhead.intermittent_torque / (gearhead.ratio * gearhead.efficiency * motor.torque_constant)
     limit = min(controller.peak_current, at_gear) if at_gear == at_gear else controller.peak_current
     title = "Current limit to set: no jam overloads the gearhead"

@@ -103,7 +103,15 @@ def _other_reductions(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> Itera
         label = one.label.replace(f"{one.gearhead.reduction} {one.gearhead.part}", f"{other.reduction} {other.part}")
         share = abs(other.ratio / one.gearhead.ratio - 1.0)
         yield Relaxation(
-            field="gearhead", now=one.gearhead.reduction, needed=other.reduction, set_label=label, share=share
+            field="gearhead",
+            now=one.gearhead.reduction,
+            needed=f"{other.reduction} {other.part}".strip(),
+            set_label=label,
+            share=share,
+            kind="dimensionless",
+            unit="1",
+            before=one.gearhead.ratio,
+            after=other.ratio,
         )
 
 
@@ -125,6 +133,7 @@ def _scaled(spec: RobotSpec, passes: Callable[[RobotSpec], str | None]) -> Itera
             yield Relaxation(
                 field=".".join(figure.path), now=show(now, unit, kind), needed=show(now * factor, unit, kind, 3),
                 set_label=passes(_changed(spec, figure.path, factor)) or "", share=abs(factor - 1.0),
+                kind=kind, unit=unit, before=now, after=now * factor,
             )  # fmt: skip
 
 
@@ -144,6 +153,7 @@ def _cooler(spec: RobotSpec, passes: Callable[[RobotSpec], str | None]) -> Itera
     yield Relaxation(
         field=".".join(_AMBIENT), now=show(now, "degC", "temperature"),
         needed=show(now - high, "degC", "temperature", 3), set_label=passes(at(high)) or "", share=high / now,
+        kind="temperature", unit="degC", before=now, after=now - high,
     )  # fmt: skip
 
 

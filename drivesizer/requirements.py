@@ -47,8 +47,8 @@ def _figures(cycle: LoadCycle) -> dict[str, float]:
         "rms_speed": rms(duration, cycle.speed),
         "maximum_torque_per_motor": float(np.abs(cycle.torque).max()),
         "rms_torque_per_motor": rms(duration, cycle.torque),
-        "maximum_power_per_motor": float(max(power.max(), 0.0)),
-        "returned_power_per_motor": float(max(-power.min(), 0.0)),
+        "maximum_power_per_motor": max(0.0, float(power.max())),
+        "returned_power_per_motor": max(0.0, -float(power.min())),
         "mean_power_per_motor": mean if abs(mean) > 1e-12 * np.abs(power).max() else 0.0,  # else it is rounding
         "load_inertia_per_motor": cycle.inertia,
         "cycle_time": cycle.total,

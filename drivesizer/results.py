@@ -142,6 +142,10 @@ class Relaxation:
     needed: str
     set_label: str
     share: float  # how far that is, as a share of what it is now
+    kind: str
+    unit: str  # of the trade
+    before: float  # SI
+    after: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -134,13 +134,18 @@ def _known_choices(spec: RobotSpec, catalog: Catalog) -> None:
 def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
     """What the method takes for granted, as sentences."""
     if spec.method == "physics":
-        return (
+        said = [
             "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well",
             "brushed motors lose k_t I_0 at any speed; of brushless ones the no-load loss rises with speed",
-            "the winding's temperature is its steady mean, from copper loss alone; voltage is with it cold and hot",
+            "the winding's peak is that of the cycle repeated for ever; friction and iron losses warm the housing, "
+            "copper the winding; where time constants are unknown it is the mean",
+            "voltage is with the winding at the ambient and at its mean temperature, the larger counts",
+            "at rest the motor holds what the load asks for, without help of friction",
             "an encoder's unknown inertia is left out; sustained speed is the highest at which the profile stays",
-            "requirements (1)-(20) are the paper's, for comparison; the paper factors do not enter the checks",
-        )
+        ]
+        if spec.paper_applies:
+            said.append("requirements (1)-(20) are the paper's, for comparison; its factors do not enter the checks")
+        return tuple(said)
     said = [
         "J_m of (10) is each candidate's own rotor inertia at the motor shaft, without K², as the paper has it",
         "the motor's speed is its no-load speed at nominal voltage, its maximum torque the stall torque",

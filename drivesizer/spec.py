@@ -45,7 +45,7 @@ from drivesizer.motions import Motion, Trapezoid
 from drivesizer.spec_errors import explained
 from drivesizer.yaml_source import Path_, YamlSource, read
 
-__all__ = ["RobotSpec", "load_spec", "read_spec"]
+__all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
 
 
 class GearheadStage(Section):
@@ -174,6 +174,7 @@ class Case(Section):
     environment: dict[str, Any] = Field(default_factory=dict)
 
 
+AS_SPECIFIED = "as specified"  # the name of the first load case where there are others
 _VARIED = ("load", "motion", "supply", "environment")
 
 
@@ -248,7 +249,7 @@ class RobotSpec(Section):
     @property
     def load_cases(self) -> tuple[tuple[str, RobotSpec], ...]:
         """The spec itself and its further cases, by name."""
-        first = "as specified" if self._cases else ""
+        first = AS_SPECIFIED if self._cases else ""
         return ((first, self), *((case.name, spec) for case, spec in zip(self.cases, self._cases, strict=True)))
 
     @property

@@ -8,6 +8,7 @@ from rich.text import Text
 
 from drivesizer import terminal_tables as tables
 from drivesizer.catalog import Catalog
+from drivesizer.objectives import OBJECTIVE, SUMS, objective_figure
 from drivesizer.results import DriveSet, SizingResult, Validation, verdict, worst
 from drivesizer.terminal_tables import MARK, STYLE, percent
 from drivesizer.units import show
@@ -108,7 +109,7 @@ def _none(console: Console, result: SizingResult) -> None:
 def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
     table = tables.bare(
         ("", "right"), ("motor", "left"), ("gearhead", "left"), ("encoder", "left"), ("controller", "left"),
-        (result.objective, "right"), ("tightest", "right"), title="Best first",
+        (result.objective.replace("_", " "), "right"), ("tightest", "right"), title="Best first",
     )  # fmt: skip
     for found in sets:
         tight = worst(found.checks)
@@ -150,25 +151,13 @@ def _nearest(misses: tuple[DriveSet, ...]) -> Table:
     return table
 
 
-_OBJECTIVE_UNITS = {
-    "mass": ("g", "mass"),
-    "price": ("EUR", "price"),
-    "length": ("mm", "length"),
-    "power": ("W", "power"),
-    "energy": ("J", "energy"),
-    "joule_heat": ("W", "power"),
-    "peak_current": ("A", "current"),
-    "winding_temperature": ("degC", "temperature"),
-}
-
-
 def _objective(found: DriveSet, objective: str) -> str:
     if objective == "margin":
         return percent(found.objective)
-    if objective not in _OBJECTIVE_UNITS:
+    if objective not in OBJECTIVE:
         return f"{found.objective:.4g}"
-    text = show(found.objective, *_OBJECTIVE_UNITS[objective])
-    whole = 2 if objective in ("mass", "price", "length") else 1
+    text = show(found.objective, OBJECTIVE[objective].unit, OBJECTIVE[objective].kind)
+    whole = len(SUMS[objective][1]) if objective in SUMS else 1
     return text if len(found.objective_of) in (0, whole) else f"{text}\n({found.objective_of[0]} only)"
 
 
@@ -179,21 +168,9 @@ def _front(result: SizingResult) -> Table:
     for found in result.front:
         table.add_row(
             f"{found.motor.family} {found.motor.part}", _gearhead(found, result.front),
-            *(_figure_of(found, name) for name in result.pareto),
+            *(objective_figure(found, name).text for name in result.pareto),
         )  # fmt: skip
     return table
-
-
-def _figure_of(found: DriveSet, objective: str) -> str:
-    """What a set has of an objective, whether it was ranked by it or not."""
-    if objective == "margin":
-        tight = worst(found.checks)
-        return percent(tight.margin) if tight else "–"
-    known = {figure.name: figure.value for figure in found.figures}
-    parts = [found.motor] if objective == "power" else [found.motor, found.gearhead]
-    name = "assigned_power" if objective == "power" else objective
-    value = known[objective] if objective in known else sum(getattr(part, name) for part in parts)
-    return show(value, *_OBJECTIVE_UNITS[objective])
 
 
 def _tally(console: Console, result: SizingResult) -> None:
@@ -215,7 +192,7 @@ def _tally(console: Console, result: SizingResult) -> None:
     if other:
         encoder = f", encoder {other.encoder.part}" if other.encoder else ""
         controller = f", controller {other.controller.family}" if other.controller else ""
-        single = result.objective == "margin" or result.objective in _OBJECTIVE_UNITS
+        single = result.objective in OBJECTIVE
         value = f": {result.objective} {_objective(other, result.objective)}".replace("\n", " ") if single else ""
         console.print(
             Text(

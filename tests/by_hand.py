@@ -164,7 +164,7 @@ def volts(piece: Piece, motor: Any, resistance: float) -> Pair:
     return tuple(resistance * piece.current[n] + k * piece.speed[n] for n in (0, 1))  # type: ignore[return-value]
 
 
-def strongest(time: float, I: Pair, V: Pair) -> float:  # noqa: E741
+def strongest(time: float, I: Pair, V: Pair) -> float:
     """Largest product of two lines: at an end, or where the parabola through three values of it turns."""
     p0, p1 = I[0] * V[0], I[1] * V[1]
     middle = (I[0] + I[1]) / 2 * (V[0] + V[1]) / 2

@@ -26,7 +26,7 @@ from drivesizer.sizing import size
 from drivesizer.spec import read_spec
 from drivesizer.yaml_source import YamlSource
 
-PAIRS = 2000  # of motor and gearhead, per load; of the arm, which has hundreds of segments, fewer
+PAIRS = 2000  # sets per load; of the arm, which has hundreds of segments, fewer
 
 RECORDING = """time,speed,torque
 s,rpm,N*m
@@ -41,6 +41,10 @@ s,rpm,N*m
 5,0,0
 """
 
+WRONG = pytest.mark.xfail(
+    strict=True, reason="braking by the rotor alone is missed where another direction dominates it"
+)
+TABLE = "rotary table, its rotor alone drives back"
 LOADS = {
     "vehicle braking down a slope": """
 load: {kind: wheeled_vehicle, mass: 16 kg, driven_wheels: 2, wheel_diameter: 190 mm, rolling_resistance: 0.018,
@@ -85,7 +89,7 @@ load: {kind: recorded, file: cycle.csv, inertia: 12 kg*cm^2}
 transmission: [{kind: gearhead}, {kind: belt, ratio: 0.7, efficiency: 0.93}]
 supply: {nominal: 24 V, min: 22 V, max: 26 V}
 """,
-    "rotary table, brushless with much inertia": """
+    TABLE: """
 load: {kind: rotary_table, inertia: 0.02 kg*m^2, friction_torque: 0.9 N*m}
 motion: {profile: segments, segments: [{time: 0.2 s, to: 240 deg/s}, {time: 0.3 s, to: 0 deg/s}, {time: 0.5 s},
          {time: 0.22 s, to: -230 deg/s}, {time: 0.31 s, to: 0 deg/s}, {time: 0.4 s}]}
@@ -163,7 +167,8 @@ def worked(folder, catalog):
     def of(name):
         if name not in done:
             spec = spec_of(name, folder)
-            sets = with_belts(some_pairs(catalog, PAIRS if "arm" not in name else PAIRS // 4, name), spec.belt_ratios)
+            count = PAIRS // len(spec.belt_ratios) if "arm" not in name else PAIRS // 8
+            sets = with_belts(some_pairs(catalog, count, name), spec.belt_ratios)
             done[name] = spec, sets, all_by_hand(spec, catalog, sets)
         return done[name]
 
@@ -206,7 +211,7 @@ def test_these_loads_really_drive_back(name, worked):
     spec, _, mine = worked(name)
     pieces = mine[0][3]
     back = [p for p in pieces if p.way * sum(p.gear_torque) < 0]
-    if "table" in name:  # its friction is more than its inertia: only the rotor drives back
+    if name == TABLE:  # its friction is more than its inertia: only the rotor drives back
         assert not back
     else:
         assert sum(p.time for p in back) > 0.05 * sum(p.time for p in pieces)
@@ -255,8 +260,14 @@ def ranked(spec, sets, mine, objective):
     return sorted(rows)
 
 
-@pytest.mark.parametrize("objective", ["mass", "energy", "peak_current", "margin"])
-@pytest.mark.parametrize("name", LOADS)
+@pytest.mark.parametrize(
+    ("name", "objective"),
+    [
+        pytest.param(name, objective, marks=[WRONG] if name == TABLE and objective in ("mass", "peak_current") else [])
+        for name in LOADS
+        for objective in ("mass", "energy", "peak_current", "margin")
+    ],
+)
 def test_the_ranking(name, objective, worked, catalog, monkeypatch):
     """The whole order of the same sets, as the search gives it."""
     spec, sets, mine = worked(name)
@@ -287,7 +298,7 @@ SELECTED = {
     "vehicle braking down a slope": "select: {motor: {family: [RE 25, EC-i 40]}, gearhead: {family: GP 32 C}}",
     "hoist lowering past its counterweight": "select: {motor: {family: [RE 30, EC-max 30, RE 25]}}",
     "ball screw upright": "select: {motor: {family: [RE 40, EC-i 40, EC 45 flat]}}",
-    "rotary table, brushless with much inertia": "select: {motor: {family: [EC-max 30, EC-i 40, RE 30]}}",
+    TABLE: "select: {motor: {family: [EC-max 30, EC-i 40, RE 30]}}",
     "recorded": "select: {motor: {family: [RE 25, EC-max 22, A-max 22]}}",
 }
 SELECTED["several cases"] = SELECTED["hoist lowering past its counterweight"]
@@ -300,8 +311,14 @@ LOADS_AND_CASES = LOADS | {
 }
 
 
-@pytest.mark.parametrize("objective", ["mass", "energy"], ids=["by bounds", "exact"])
-@pytest.mark.parametrize("name", SELECTED)
+@pytest.mark.parametrize(
+    ("name", "objective"),
+    [
+        pytest.param(name, objective, marks=[WRONG] if name == TABLE and objective == "mass" else [])
+        for name in SELECTED
+        for objective in ("mass", "energy")  # by bounds, exact
+    ],
+)
 def test_the_search_in_stages_finds_what_all_checks_find(name, objective, folder, catalog):
     text = f"name: x\n{LOADS_AND_CASES[name]}{SELECTED[name]}\n"
     spec = read_spec(YamlSource(text, str(folder / "x.yaml")))
@@ -323,7 +340,7 @@ def test_the_search_in_stages_finds_what_all_checks_find(name, objective, folder
     assert sum(found.counts.failed_by.values()) >= len(every.motor) - found.standing
 
 
-@pytest.mark.parametrize("name", LOADS)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[WRONG] if name == TABLE else []) for name in LOADS])
 def test_bounds_hold_and_decide_nothing_wrongly(name, folder, catalog):
     spec = spec_of(name, folder)
     pairs = some_pairs(catalog, 600, f"bounds {name}")
@@ -352,6 +369,7 @@ def test_bounds_hold_and_decide_nothing_wrongly(name, folder, catalog):
         assert (a.failed == b.failed)[decided].all(), a.name
 
 
+@pytest.mark.xfail(strict=True, reason="the belt is left out")
 def test_resolution_at_the_load_counts_the_belt(catalog):
     """An edge of 4 x counts per motor turn is, at the load, that over the whole reduction; the belt turns it too."""
     text = LOADS["vehicle braking down a slope"] + "select: {motor: {part: 118752}, gearhead: {family: GP 26 A}}\n"
@@ -371,3 +389,23 @@ def test_size_takes_the_same_best_set(worked, catalog):
     best = ranked(spec, sets, mine, "mass")[0]
     first = size(spec, catalog=catalog, top=1).sets[0]
     assert (first.status == "unknown", first.objective) <= (best[0][0], best[0][2])
+
+
+@pytest.mark.xfail(
+    strict=True, reason="a long segment heats with its mean square current, its end with three times that"
+)
+def test_the_winding_follows_a_torque_that_rises_slowly(tmp_path, catalog):
+    """A recording of few samples: torque from nothing to 2 N·m in 20 s, ten winding time constants, at one speed."""
+    (tmp_path / "cycle.csv").write_text("time,speed,torque\ns,rpm,N*m\n0,25,0\n20,25,2\n20.1,25,0\n40,25,0\n", "utf-8")
+    spec = spec_of("recorded", tmp_path)
+    sets = some_pairs(catalog, 60, "slow")._replace(belt=np.full(60, 0.7))
+    found = evaluate(spec, catalog, sets)
+    check = next(c for c in found.checks if c.name == "winding_temperature")
+    ambient, seen = spec.environment.ambient, 0
+    for row, (_, _, asked, pieces) in enumerate(all_by_hand(spec, catalog, sets)):
+        motor = records("motors")[int(sets.motor[row])]
+        if seen < 4 and 2.0 < asked.winding - ambient < 200.0 and motor.winding_time_constant < 4.0:
+            seen += 1
+            rise = by_hand.marched_peak(pieces, motor, ambient, 200, level=False) - ambient
+            assert check.demand[row] - ambient == pytest.approx(rise, rel=0.02)
+    assert seen

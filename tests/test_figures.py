@@ -216,7 +216,10 @@ def test_a_stretch_in_which_only_the_torque_changes_is_not_left_out():
     speed, torque = np.array([[0.0, 5.0], [5.0, 5.0], [5.0, 0.0]]), np.array([[1.0, 1.0], [1.0, 3.0], [0.5, 0.5]])
     level = np.full((3, 2), 0.7)
     assert len(figures.stretches([("", LoadCycle("x", time, speed, level, torque))])) == 1
-    assert len(figures.stretches([("", LoadCycle("x", time, speed, level, level))])) == 2
+    quiet = LoadCycle("x", time, speed, level, level)
+    assert len(figures.stretches([("", quiet)])) == len(figures.stretches([("", quiet), ("alike", quiet)])) == 2
+    other = replace(quiet, duration=np.array([2.0, 20.0, 1.0]))
+    assert figures.stretches([("", quiet), ("other", other)]) == [Window("", 0.0, 23.0)]
 
 
 def test_a_long_cruise_is_left_out_and_a_short_one_is_not():

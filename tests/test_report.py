@@ -14,10 +14,11 @@ from test_figures import synthetic_validation
 
 import drivesizer
 from drivesizer.errors import InputError
+from drivesizer.objectives import objective_figure
 from drivesizer.report import pdf, tables, write, write_series, write_sets
 from drivesizer.report.derivation import step
 from drivesizer.report.files import put
-from drivesizer.report.sums import objective_figure, price_of
+from drivesizer.report.sums import price_of
 from drivesizer.results import Relaxation, SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec import RobotSpec, read_spec
@@ -188,7 +189,7 @@ def test_a_report_without_a_set_names_the_nearest_misses(example_text, tmp_path)
     result = size(spec)
     assert not result.sets
     text = text_of(pdf.report_pdf(result, None))
-    assert "No set." in text
+    assert "No set." in text and "; it falls by:" in text
     assert result.misses[0].motor.part in text
     assert "What would have to move" in text
 
@@ -305,17 +306,20 @@ def test_what_a_set_has_of_an_objective(cased):
 
 def test_changes_are_told_with_numbers(cased):
     moves = (
-        Relaxation(field="load.inertia", now="3 kg·m²", needed="2.5 kg·m²", set_label="that set", share=0.17),
-        Relaxation(field="environment.ambient", now="40 °C", needed="25.5 °C", set_label="that set", share=0.05),
-        Relaxation(field="gearhead", now="27:1", needed="35:1", set_label="another", share=0.3),
-    )
+        Relaxation(field="load.inertia", now="3 kg·m²", needed="2.5 kg·m²", set_label="that set", share=0.17,
+                   kind="inertia", unit="kg*m^2", before=3.0, after=2.5),
+        Relaxation(field="environment.ambient", now="40 °C", needed="25.5 °C", set_label="that set", share=0.05,
+                   kind="temperature", unit="degC", before=313.15, after=298.65),
+        Relaxation(field="gearhead", now="27:1", needed="35:1", set_label="another", share=0.3,
+                   kind="dimensionless", unit="1", before=26.85, after=34.97),
+    )  # fmt: skip
     miss = replace(cased.sets[0], status="fail", changes=moves)
     nothing = replace(cased, sets=(), misses=(miss,), relaxations=moves[:1])
     rows = [r for r in rows_of(tables.report_csv(nothing, None)) if r["section"] == "change"]
     assert [(r["name"], r["value"], r["limit"], r["unit"]) for r in rows] == [
         ("load.inertia", "3.0", "2.5", "kg*m^2"),
         ("environment.ambient", "40.0", "25.5", "degC"),
-        ("gearhead", "27:1", "35:1", ""),
+        ("gearhead", "26.85", "34.97", "1"),
         ("load.inertia", "3.0", "2.5", "kg*m^2"),
     ]
     text = text_of(pdf.report_pdf(nothing, None))

@@ -14,14 +14,16 @@ from drivesizer.catalog import Catalog
 from drivesizer.checks import TITLES
 from drivesizer.loadcycle import LoadCycle
 from drivesizer.loads import load_cycle
+from drivesizer.objectives import objective_figure
 from drivesizer.report import figures
 from drivesizer.report.datasheet import datasheets
 from drivesizer.report.derivation import step
 from drivesizer.report.field_figure import MOST_PANELS, torque_speed
 from drivesizer.report.operating import Panel, panels
-from drivesizer.report.sums import objective_figure, price_of, unknown_of
+from drivesizer.report.sums import price_of, unknown_of
 from drivesizer.report.wording import cleaned, margin, short, use
 from drivesizer.results import Check, Comparison, DriveSet, Figure, Relaxation, SizingResult, Validation, worst
+from drivesizer.spec import AS_SPECIFIED
 from drivesizer.units import from_si, label, show
 
 __all__ = ["document"]
@@ -135,14 +137,11 @@ def _parts(best: DriveSet) -> list[dict[str, str]]:
     } for role, part, said in rows]  # fmt: skip
 
 
-_FIRST_CASE = "as specified"  # goes without saying
-
-
 def _check(c: Check) -> dict[str, Any]:
     bare = isnan(c.demand) and isnan(c.limit)  # a condition without figures
     return {
         "title": c.title,
-        "case": "" if bare or c.case == _FIRST_CASE else c.case,
+        "case": "" if bare or c.case == AS_SPECIFIED else c.case,
         "demand": "" if bare else c.shown(c.demand),
         "limit": "" if bare else c.shown(c.limit),
         "margin": margin(c.margin),

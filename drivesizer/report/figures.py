@@ -129,13 +129,18 @@ def _over_time(
 
 
 def stretches(cycles: Sequence[tuple[str, LoadCycle]]) -> list[Window]:
-    """What is drawn: where something changes in a single case, the whole time where several lie over one another."""
-    if len(cycles) == 1:
-        cycle = cycles[0][1]
-        steps = sum(np.abs(np.diff(x)) / (np.abs(x).max() or 1.0) for x in (cycle.speed.ravel(), cycle.torque.ravel()))
-        changed = np.append(0.0, np.cumsum(steps))  # by speed and torque: it stands still where both do
-        return windows({"time": cycle.time.ravel(), "speed_reference": changed})
+    """What is drawn: where something changes, if that is at the same times in all load cases; else the whole time."""
+    found = [_changes(cycle) for _, cycle in cycles]
+    if all(one == found[0] for one in found):
+        return found[0]
     return [Window("", 0.0, max(cycle.total for _, cycle in cycles))]
+
+
+def _changes(cycle: LoadCycle) -> list[Window]:
+    """Where speed or torque changes."""
+    columns = (cycle.speed.ravel(), cycle.torque.ravel())
+    steps = sum(np.abs(np.diff(x)) / (np.abs(x).max() or 1.0) for x in columns)
+    return windows({"time": cycle.time.ravel(), "speed_reference": np.append(0.0, np.cumsum(steps))})
 
 
 def trade_off(names: Sequence[str], across: Sequence[float], up: Sequence[float], heads: Sequence[str]) -> bytes:

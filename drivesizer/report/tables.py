@@ -13,7 +13,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from drivesizer.report.sums import objective_figure, price_of
+from drivesizer.objectives import objective_figure
+from drivesizer.report.sums import price_of
 from drivesizer.results import Check, DriveSet, Figure, Relaxation, Requirement, SizingResult, Validation, worst
 from drivesizer.units import KINDS, from_si
 
@@ -90,21 +91,12 @@ def _check(section: str, c: Check) -> dict[str, Any]:
 
 def _change(r: Relaxation) -> dict[str, Any]:
     """What would let a set stand: the figure now as value, what it must become as limit."""
-    (now, unit), (needed, _) = (_number_of(text) for text in (r.now, r.needed))
-    row = {"section": "change", "name": r.field, "title": "What would have to move", "value": now, "limit": needed}
-    return row | {"unit": unit, "note": f"then {r.set_label} stands"}
-
-
-def _number_of(text: str) -> tuple[float | str, str]:
-    """Number and unit of a quantity that is printed already; a text without a number stays one."""
-    number, _, unit = text.partition(" ")
-    try:
-        return float(number), unit.translate(_SPELLED)
-    except ValueError:
-        return text, ""
-
-
-_SPELLED = str.maketrans({"·": "*", "²": "^2", "³": "^3", "°": "deg", "Ω": "ohm"})
+    row = _figure("change", r.field, "What would have to move", r.before, r.kind, r.unit)
+    return row | {
+        "limit": from_si(r.after, r.unit, r.kind),
+        "si_limit": r.after,
+        "note": f"{r.now} to {r.needed}: then {r.set_label} stands",
+    }
 
 
 def _on_front(s: DriveSet, objectives: Iterable[str]) -> Iterator[dict[str, Any]]:
