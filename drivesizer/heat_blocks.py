@@ -62,7 +62,7 @@ from drivesizer.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, Value, stead
 __all__ = ["Blocks", "blocks", "bracket"]
 
 _CELLS = 1 << 14  # motors times blocks at a time: what stays in the processor's cache
-_PRODUCTS = 1 << 18  # and those whose products are taken at once: one large product of matrices is quicker than many
+_MULTIPLIED = 1 << 18  # figures at a time in a product of matrices: above, its threads wait on a busy machine
 _FINER = 16  # steps per block at least, among which the blocks' ends are chosen
 _FINE = 1 << 13  # and steps in all
 _SPEED_SHARE = 0.05  # of the speed's square, by which a housing is heated, in that choice
@@ -209,7 +209,7 @@ def bracket(
         Columns over motors: the upper one infinite where a motor may run away, the lower one where it surely does;
         NaN where a figure is unknown.
     """
-    n, size = len(coefficients), max(_PRODUCTS // len(cycle.duration), 1)
+    n, size = len(coefficients), max(_CELLS // len(cycle.duration), 1)
     known = motor.known & ~np.isnan(coefficients.sum(axis=1) + friction + iron + ambient)
     if not known.all():
         motor = each_figure(motor, lambda x: np.where(known, x, 1.0))  # any figures, without effect
@@ -231,28 +231,26 @@ class _Losses(NamedTuple):
 
 def _losses(cycle: Blocks, c: Array, friction: Array, iron: Array) -> _Losses:
     entries = np.stack(cycle[1:])
-    square = entries[:, :, _ROW, _COLUMN].reshape(-1, len(_ROW)) @ (c[:, _ROW] * c[:, _COLUMN] * _TIMES).T
     speed = entries[:, :, DIRECTION, SPEED, None] * friction + entries[:, :, SPEED, SPEED, None] * iron
-    return _Losses(np.maximum(square, 0.0).reshape(speed.shape), speed)
+    square, form = np.empty_like(speed), entries[:, :, _ROW, _COLUMN] * _TIMES
+    few = max(_MULTIPLIED // form.size, 1)
+    for rows in (slice(k, k + few) for k in range(0, len(c), few)):
+        square[:, :, rows] = form @ (c[rows, _ROW] * c[rows, _COLUMN]).T
+    return _Losses(np.maximum(square, 0.0), speed)
 
 
 def _bounds(motor: TwoBodies, ambient: float, duration: Array, losses: _Losses) -> tuple[Array, Array]:
     """Temperatures of known motors."""
-    share = duration / duration.sum()
-    I2, P_h = ((share[:, None] * x[0]).sum(axis=0) for x in losses)
-    offset, I_rms, n = ambient + 1.0 / COPPER - DATA_TEMPERATURE, np.sqrt(I2), len(I2)
-    lower = np.asarray(steady_winding_temperature(ambient, motor.R_25, motor.R_th1, motor.R_th2, I_rms, P_h))
-    upper = np.full(n, np.inf)
-    size = max(_CELLS // len(duration), 1)
-    for rows in (slice(k, k + size) for k in range(0, n, size)):
-        some, part = some_of(motor, n, rows), _Losses(*(x[:, :, rows] for x in losses))
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # where a motor runs away
-            found = periodic(some, ambient, duration[:, None], part.I2[0], part.P_h[0])
-            low, high = _around(some, offset, found, part)
-        finite = found.settles & (high < np.inf) & (offset > 0.0)
-        upper[rows] = np.where(finite, high + ambient, np.inf)
-        lower[rows] = np.fmax(lower[rows], np.where(finite, low + ambient, -np.inf))
-    return lower, upper
+    share = (duration / duration.sum())[:, None]
+    I2, P_h = ((share * x[0]).sum(axis=0) for x in losses)
+    lower = steady_winding_temperature(ambient, motor.R_25, motor.R_th1, motor.R_th2, np.sqrt(I2), P_h)
+    offset = ambient + 1.0 / COPPER - DATA_TEMPERATURE
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # where a motor runs away
+        found = periodic(motor, ambient, duration[:, None], losses.I2[0], losses.P_h[0])
+        low, high = _around(motor, offset, found, losses)
+    finite = found.settles & (high < np.inf) & (offset > 0.0)
+    upper = np.where(finite, high + ambient, np.inf)
+    return np.fmax(lower, np.where(finite, low + ambient, -np.inf)), upper
 
 
 def _around(motor: TwoBodies, offset: float, found: Periodic, losses: _Losses) -> tuple[Array, Array]:

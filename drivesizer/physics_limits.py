@@ -205,7 +205,8 @@ def _holding(spec: RobotSpec, at: AtGearhead, parts: Parts) -> list[CheckColumn]
     """Torque at rest that reaches the motor, against its friction at standstill, which catalogues do not give."""
     if not spec.needs.hold_unpowered:
         return []
-    standing = np.abs(at.base.functions[:, :, 2]).max() / at.belt
+    rests = (at.cycle.speed == 0.0).all(axis=1).any()
+    standing = np.abs(at.base.functions[:, :, 2]).max() / at.belt if rests else np.nan  # else nobody tells what it is
     reaches = standing * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
     return [at_most("holding", reaches, np.full(reaches.shape, np.nan), "torque", "mN*m")]
 

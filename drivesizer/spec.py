@@ -33,48 +33,17 @@ from drivesizer.fields import (
     Ratio,
     Section,
     Share,
-    Speed,
-    Stiffness,
     Temperature,
     Voltage,
     default,
-    exactly_one,
 )
 from drivesizer.machines import AXES, Load, WheeledVehicle
 from drivesizer.motions import Motion, Trapezoid
 from drivesizer.spec_errors import explained
+from drivesizer.transmission import BeltStage, Stage
 from drivesizer.yaml_source import Path_, YamlSource, read
 
 __all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
-
-
-class GearheadStage(Section):
-    """A gearhead out of the catalogues: searched."""
-
-    kind: Literal["gearhead"]
-
-
-class BeltStage(Section):
-    """A belt between gearhead and load: one ratio, or several to search."""
-
-    kind: Literal["belt"]
-    ratio: Ratio | None = Field(default=None, description="gearhead turns per turn of the load; or give ratios")
-    ratios: Annotated[list[Ratio], Field(min_length=1, max_length=1000)] | None = None
-    efficiency: Share = Field(description="in either direction of power")
-    stiffness: Stiffness | None = Field(default=None, description="of the belt, seen at the load's shaft")
-    pulley_diameter: Length | None = Field(default=None, description="of the load's pulley")
-    max_tension: Force | None = Field(default=None, description="permitted effective tension, with pulley_diameter")
-    max_speed: Speed | None = Field(default=None, description="permitted belt speed, with pulley_diameter")
-
-    @model_validator(mode="after")
-    def _one_of_each(self) -> BeltStage:
-        exactly_one(self, "ratio", "ratios")
-        if self.pulley_diameter is None and (self.max_tension or self.max_speed):
-            raise ValueError("give pulley_diameter beside max_tension and max_speed")
-        return self
-
-
-Stage = Annotated[GearheadStage | BeltStage, Field(discriminator="kind")]
 
 
 class PaperFactors(Section):

@@ -19,7 +19,7 @@ from drivesizer.yaml_source import Path_, YamlSource
 __all__ = ["explained"]
 
 # messages of validators that say themselves what was found
-_ALONE = ('"', "give", "expected", "transmission", "inner", "sinkage", "ki", "motion", "method")
+_ALONE = ('"', "give", "expected", "transmission", "inner", "sinkage", "ki", "motion", "a recorded", "the paper")
 
 
 def explained(
@@ -68,6 +68,9 @@ def _path(fault: dict[str, Any], data: Any) -> Path_:
             if not absent:
                 continue
         path.append(step)
+    if fault["type"] == "value_error" and not path:  # what several fields do together names one of them
+        named = str(fault["ctx"]["error"]).partition(":")[0]
+        path = [named] if isinstance(data, dict) and named in data else []
     if fault["type"] == "union_tag_invalid":
         path.append(fault["ctx"]["discriminator"].strip("'"))
     return tuple(path)
@@ -88,6 +91,7 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
             return f"unknown key; {_nearest(str(path[-1]), _known_keys(model, path[:-1], data))}"
         case "value_error":
             text = str(fault["ctx"]["error"])
+            text = text.removeprefix(f"{path[-1]}: ") if len(path) == 1 else text
             return text if text.startswith(_ALONE) else f"{found} {text}"
         case "literal_error":
             return f"{found} is not known; expected {fault['ctx']['expected']}"

@@ -396,8 +396,8 @@ def controller_for(spec: Any, offered: list[Any], kind: str, rms: float, peak: f
     found = None
     for c in usable:
         given = voltage_of(spec, c)
-        if c.continuous_current < rms or c.peak_current < peak or given < volts:
-            continue
+        if c.continuous_current < rms or c.peak_current < peak or given < volts or spec.supply.lowest < volts:
+            continue  # nothing gives more than its supply, known or not
         if not math.isnan(c.continuous_current + c.peak_current + given):
             return c
         found = found or c
@@ -466,6 +466,8 @@ def checks(
     controller, held = _controller(spec, pieces, found, motor, offered)
     out["controller_available"] = Verdict(NAN, NAN, "fail" if controller is None else "pass", NAN)
     usable = NAN if controller is None else voltage_of(spec, controller)
+    if math.isnan(usable) and found.V_peak * (1 + fast) > spec.supply.lowest:
+        usable = spec.supply.lowest
     out["supply_voltage"] = at_most(found.V_peak, usable, fast)
     out["controller_continuous_current"] = at_most(found.I_rms, figure(controller, "continuous_current"), more)
     out["controller_peak_current"] = at_most(found.I_peak, figure(controller, "peak_current"), more)

@@ -227,3 +227,39 @@ def test_sizing_loads_nothing_slow(example):
     )
     done = subprocess.run([sys.executable, "-c", code, str(example)], capture_output=True, text=True, check=True)
     assert done.stdout.rstrip().endswith("[]")
+
+
+def test_objectives_and_front_from_the_command_line(run, example, tmp_path):
+    text = example.read_text(encoding="utf-8").replace("method: paper", "method: physics")
+    spec = tmp_path / "robot.yaml"
+    spec.write_text(text[: text.index("select:")], encoding="utf-8")
+    status, out, err = run("size", spec, "--json", "--objective", "mass=2,price=1", "--pareto", "mass,price")
+    assert status == 0, err
+    document = json.loads(out)
+    assert document["objective"] == "2 mass + 1 price"
+    front = [(s["mass_kg"], s["motor"]["price"] + s["gearhead"]["price"]) for s in document["pareto"]["sets"]]
+    assert len(front) > 2
+    assert front == sorted(front)
+    assert [price for _, price in front] == sorted((price for _, price in front), reverse=True)
+    for option, value, word in (
+        ("--objective", "weight", "expected mass"),
+        ("--objective", "mass=x", "above 0"),
+        ("--pareto", "mass", "several"),
+        ("--pareto", "mass,weight", "expected mass"),
+    ):
+        status, out, err = run("size", spec, option, value)
+        assert (status, out) == (2, "")
+        assert word in err and err.count("\n") == 1
+
+
+def test_a_long_search_shows_a_bar_and_a_short_one_nothing(monkeypatch, capsys):
+    monkeypatch.setenv("FORCE_COLOR", "1")  # a terminal
+    for seconds in (0.0, 2.0):
+        clock = iter([0.0, *[seconds] * 9])
+        monkeypatch.setattr(cli.time, "monotonic", lambda clock=clock: next(clock))
+        with cli._progress() as told:
+            told(1, 3)
+            told(3, 3)
+        out = capsys.readouterr()
+        assert out.out == ""
+        assert ("sets examined" in out.err) == (seconds > 1.0)

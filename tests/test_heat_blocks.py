@@ -160,6 +160,31 @@ def test_a_long_noisy_trapezoid_is_told_to_a_per_cent():
         assert ((found.upper - found.lower) / (peak - AMBIENT)).max() < most
 
 
+@pytest.mark.parametrize("recent", ["late", "early"])
+def test_heat_that_comes_early_or_late_in_blocks_is_told_closely(recent):
+    """Each block has its heat early or late; in the last 20, the winding's memory, the other way round than before."""
+    early = np.array([2.0, 1.0, 1.0, 0.0])
+    pulses = [early if (recent == "early") == (k >= 180) else early[::-1] for k in range(200)]
+    times = [0.02, 0.23, 0.23, 0.02]
+    functions = np.zeros((4, 2, 6))
+    parts = []
+    for pulse in pulses:
+        functions[:, :, DRIVING] = np.sqrt(pulse)[:, None]
+        parts.append(blocks(np.array(times), functions, 1))
+    functions[:, :, DRIVING] = 2.0
+    parts.append(blocks(np.array([0.1]), functions[:1], 1))  # the winding is hottest at the end of this one
+    cycle = Blocks(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    motor = TwoBodies(R_25=2.0, R_th1=3.0, R_th2=9.0, tau_w=2.0, tau_h=900.0)
+    dt, square = np.array([*times * 200, 0.1]), np.concatenate([*pulses, [4.0]])
+    coefficient = np.zeros((1, 6))
+    coefficient[0, DRIVING] = 1.5
+    peak = periodic_winding(motor, AMBIENT, dt, 2.25 * square[None]).peak
+    found = bracket(motor, AMBIENT, cycle, coefficient, np.zeros(1), np.zeros(1))
+    assert within(peak, found)
+    gap = (found.upper - peak if recent == "late" else peak - found.lower) / (found.upper - found.lower)
+    assert gap < 0.2
+
+
 # --- blocks ----------------------------------------------------------------------------------------------------------
 
 
@@ -212,7 +237,7 @@ def test_unknown_figures_and_runaway(monkeypatch):
     assert np.isnan(found.lower[:4]).all() and np.isnan(found.upper[:4]).all()
     assert np.isinf([found.lower[4], found.upper[4]]).all()
     assert np.isfinite(found.lower[5:]).all()
-    for name in ("_CELLS", "_PRODUCTS"):
+    for name in ("_CELLS", "_MULTIPLIED"):
         monkeypatch.setattr(heat_blocks, name, 40)
     for column, again in zip(found, bracket(motors, AMBIENT, cycle, coefficients, friction, iron), strict=True):
         assert again == pytest.approx(column, rel=1e-12, nan_ok=True)

@@ -94,6 +94,22 @@ def test_blocks_change_nothing(cells, monkeypatch):
         assert found == pytest.approx(column, rel=1e-12, nan_ok=True)
 
 
+@pytest.mark.parametrize("run", [2, 3, 16])
+@pytest.mark.parametrize("count", [1, 2, 15, 16, 17, 700])
+def test_runs_side_by_side_are_the_segments_one_after_another(run, count, monkeypatch):
+    random = np.random.default_rng([run, count])
+    motors = random_motors(random, 20)
+    dt, limit = random.exponential(40.0 / count, count), 1.0 / (COPPER * motors.R_25 * (motors.R_th1 + motors.R_th2))
+    squares = limit[:, None] * random.uniform(0.0, 1.3, (20, 1)) * random.exponential(1.0, (20, count))
+    monkeypatch.setattr(heat_modes, "_WIDE", 0)
+    expected = periodic_winding(motors, AMBIENT, dt, squares, 0.2)
+    monkeypatch.setattr(heat_modes, "_WIDE", 1000)
+    monkeypatch.setattr(heat_modes, "_RUN", run)
+    for found, column in zip(periodic_winding(motors, AMBIENT, dt, squares, 0.2), expected, strict=True):
+        assert found == pytest.approx(column, rel=1e-10, nan_ok=True)
+    assert np.isinf(expected.peak).sum() not in (0, 20)
+
+
 def test_scipy_settles_to_the_same_peaks():
     motors = TwoBodies(
         R_25=np.array([0.7, 2.9]), R_th1=np.array([2.3, 1.2]), R_th2=np.array([5.9, 3.3]), tau_w=np.array([4.1, 2.6]),

@@ -112,3 +112,49 @@ def test_the_starter_is_a_good_spec():
 
     for entry in (resources.files("drivesizer") / "starters").iterdir():
         read_spec(YamlSource(entry.read_text(encoding="utf-8"), entry.name))
+
+
+HOIST = """
+name: a hoist
+load: {kind: hoist, mass: 10 kg, drum_diameter: 80 mm}
+motion: {speed: 0.3 m/s, acceleration_time: 0.4 s, cruise_time: 2 s}
+supply: {nominal: 24 V}
+cases:
+  - {name: heavy, load: {mass: 12 kg}}
+  - {name: slow, motion: {profile: triangle, distance: 600 mm, time: 5 s}, environment: {ambient: 40 degC}}
+"""
+
+
+def test_cases_change_what_they_name_and_nothing_else():
+    spec = read(HOIST)
+    (_, base), (first, heavy), (second, slow) = spec.load_cases
+    assert (first, second) == ("heavy", "slow")
+    assert (base.load.mass, heavy.load.mass, slow.load.mass) == (10.0, 12.0, 10.0)
+    assert heavy.load.drum_diameter == base.load.drum_diameter == 0.08
+    assert slow.motion.profile == "triangle" and heavy.motion == base.motion
+    assert slow.environment.ambient == pytest.approx(313.15)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "words"),
+    [
+        ("load: {mass: 12 kg}", "load: {mas: 12 kg}", ":7: cases[1].load.mas", ["unknown key", '"mass"']),
+        ("load: {mass: 12 kg}", "load: {mass: -12 kg}", ":7: cases[1].load.mass", ["above 0 kg"]),
+        ("distance: 600 mm", "distance: 60 deg", ":8: cases[2].motion.distance", ["angle", "length"]),
+        ("name: slow", "name: heavy", ":6: cases", ["names of their own"]),
+        ("name: slow", "nam: slow", ":8: cases[2].nam", ["unknown key"]),
+        ("load: {mass: 12 kg}", "load: [12 kg]", ":7: cases[1].load", ["group of fields"]),
+        ("speed: 0.3 m/s", "speed: 30 rpm", ":4: motion.speed", ["rotary speed"]),
+        ("motion: {speed", "motion: {profile: s_curv, speed", ":4: motion.profile", ["s_curv", "s_curve"]),
+        ("name: a hoist", "name: a hoist\nmethod: paper", ":3: method", ["wheeled_vehicle", "physics"]),
+        ("motion: {speed: 0.3 m/s, acceleration_time: 0.4 s, cruise_time: 2 s}", "", "robot.yaml: motion", ["is missing"]),
+    ],
+)
+def test_wrong_loads_motions_and_cases_are_one_line(old, new, line, words):
+    assert old in HOIST
+    with pytest.raises(InputError) as caught:
+        read(HOIST.replace(old, new, 1))
+    message = str(caught.value)
+    assert line in message and "\n" not in message
+    for word in words:
+        assert word in message

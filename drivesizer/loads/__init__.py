@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 
 from drivesizer.course import Course, course
@@ -41,6 +42,16 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with, or a recording is wrong.
     """
+    cycle = _of_the_load(spec, profile)
+    added = spec.belt.inertia if spec.belt else 0.0
+    if added == 0.0:
+        return cycle
+    torque = cycle.torque + added * cycle.acceleration
+    return replace(cycle, torque=torque, inertia=cycle.inertia + added).split()
+
+
+def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:
+    """The cycle without the belt's own inertia."""
     if spec.load.kind == "recorded":
         from drivesizer.loads.recorded import recorded
 
