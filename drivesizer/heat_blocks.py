@@ -107,11 +107,10 @@ def blocks(duration: Array, functions: Array, count: int) -> Blocks:
     pieces = np.diff(np.append(starts, len(duration)))
     total = np.add.reduceat(duration, starts)
     found = Blocks(total, *np.empty((3, len(starts), 6, 6)))
-    for a in range(6):
-        for b in range(a + 1):
-            entry = _strayed(duration, left[[a, b]], right[[a, b]], starts, pieces, total)
-            for values, column in zip(found[1:], entry, strict=True):
-                values[:, a, b] = values[:, b, a] = column
+    for a, b in zip(_ROW, _COLUMN, strict=True):
+        entry = _strayed(duration, left[[a, b]], right[[a, b]], starts, pieces, total)
+        for values, column in zip(found[1:], entry, strict=True):
+            values[:, a, b] = values[:, b, a] = column
     return found
 
 
@@ -127,9 +126,8 @@ def _strayed(
 ) -> tuple[Array, Array, Array]:
     """Mean of a product over each block, and how far the integral of what remains goes above zero and below."""
     product = _product(left, right)
-    rise = right - left
-    # within a segment: time times s (1 - s) (turn + (s - 1 / 2) bend / 3), s the share of it that is over
-    turn, bend = right[0] * right[1] - left[0] * left[1], rise[0] * rise[1]
+    # within a segment: duration times -s (1 - s) (turn / 2 + (s - 1 / 2) bend / 3), s the share of it that is over
+    turn, bend = right[0] * right[1] - left[0] * left[1], np.prod(right - left, axis=0)
     inner = np.maximum.reduceat(duration * (np.abs(turn) / 2.0 + np.abs(bend) / 6.0), starts) / 4.0
     mean = np.add.reduceat(duration * product, starts) / total
     steps = duration * (product - np.repeat(mean, pieces))
@@ -223,9 +221,9 @@ def bracket(
 
 
 class _Losses(NamedTuple):
-    """Of each block and motor the mean, and how far the integral of what remains strays above and below zero."""
+    """Of each block and motor the mean, and how far it strays above and below: (3, blocks, motors)."""
 
-    I2: Array  # (3, blocks, motors): A^2, then A^2 s
+    I2: Array  # A^2, then A^2 s
     P_h: Array  # W, then J
 
 
@@ -278,10 +276,7 @@ def _tops(found: Periodic, body: int) -> Array:
 def _moved(
     motor: TwoBodies, offset: float, most: tuple[Array, Array, Array], strays: tuple[Array, Array, Array]
 ) -> tuple[Array, Array]:
-    """How far U may be below and above U_0 [K].
-
-    From the highest rises of winding and housing and housing loss; and the highest phi and -phi and span of W / C_h.
-    """
+    """How far U may be below and above U_0 [K]: from the highest rises and housing loss, and what strays."""
     (peak, warm, loss), (above, below, housing) = most, strays
     R_1, R_2, ratio = motor.R_th1, motor.R_th2, motor.capacity_w / motor.capacity_h
     u, v, more = offset + peak, offset + warm, 1.0 + R_1 / R_2

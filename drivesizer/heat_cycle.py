@@ -155,11 +155,9 @@ def highest(found: Periodic, *shares: float) -> Highest:
     """
     w, h = shares
     values, slopes, pulls = (w * x[0] + h * x[1] for x in (found.rises, found.slopes, found.pulls))
-    at = values.argmax(axis=0)
-    top = np.take_along_axis(values, at[None], axis=0)[0]
-    segment = np.maximum(at - 1, 0)
+    segment = values[1:].argmax(axis=0)  # the first start is the last end
     t = np.broadcast_to(found.t, slopes.shape)
-    until = np.where(at > 0, np.take_along_axis(t, segment[None], axis=0)[0], 0.0)
+    top, until = (np.take_along_axis(x, segment[None], axis=0)[0] for x in (values[1:], t))
     inner = np.nonzero((slopes > 0.0) & (pulls < 0.0) & (values[:-1] + t * slopes > top))
     columns = (found.span.fast, found.span.slow, t, values[:-1], slopes, pulls)
     fast, slow, t, start, slope, pull = (np.broadcast_to(x, slopes.shape)[inner] for x in columns)
