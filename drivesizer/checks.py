@@ -81,6 +81,9 @@ TITLES = {
 }
 
 
+_COLUMNS = ("demand", "limit", "passed", "failed", "time", "case")  # what a check has of each candidate
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckColumn:
     """One check over all candidates; where it neither passed nor failed it is unknown."""
@@ -92,7 +95,7 @@ class CheckColumn:
     failed: NDArray[np.bool_]
     kind: str
     unit: str
-    zero: float = 0.0  # from where the margin counts; NaN where there is none
+    zero: float | NDArray[np.float64] = 0.0  # from where the margin counts; NaN where there is none
     needed: float = 0.0  # margin that the spec asks for
     by_choice: bool = False
     time: NDArray[np.float64] | None = None  # s, of the worst moment
@@ -138,13 +141,12 @@ class CheckColumn:
 
     def on(self, rows: NDArray[np.int64]) -> CheckColumn:
         """The same check of some of the candidates."""
-        columns = ("demand", "limit", "passed", "failed", "time", "case")
-        return replace(self, **{n: getattr(self, n)[rows] for n in columns if getattr(self, n) is not None})
+        taken = {n: getattr(self, n)[rows] for n in _COLUMNS if getattr(self, n) is not None}
+        return replace(self, **taken, zero=self.zero[rows] if isinstance(self.zero, np.ndarray) else self.zero)
 
     def on_all(self, rows: NDArray[np.int64]) -> CheckColumn:
         """A check of one figure, the same for all candidates."""
-        columns = ("demand", "limit", "passed", "failed", "time", "case")
-        alike = {n: np.full(len(rows), getattr(self, n)) for n in columns if getattr(self, n) is not None}
+        alike = {n: np.full(len(rows), getattr(self, n)) for n in _COLUMNS if getattr(self, n) is not None}
         return replace(self, **alike)  # type: ignore[arg-type]
 
 
@@ -196,22 +198,30 @@ def fits(name: str, good: Any, known: Any) -> CheckColumn:
     )  # fmt: skip
 
 
-def worst_case(found: Sequence[CheckColumn]) -> CheckColumn:
-    """The same check in several load cases as one: where it fails, is unknown, or is tightest."""
-    if len(found) == 1:
-        return found[0]
-    shape = np.broadcast_shapes(*(c.passed.shape for c in found))
-    margin = np.stack([np.broadcast_to(np.nan_to_num(c.margin, nan=np.inf), shape) for c in found])
-    standing = np.stack([np.broadcast_to(np.where(c.failed, 0, np.where(c.passed, 2, 1)), shape) for c in found])
+def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
+    """The same check in several load cases as one: where it fails, is unknown, or is tightest.
+
+    Parameters
+    ----------
+    found
+        The checks, each with the number of its load case.
+    """
+    checks = [check for _, check in found]
+    if len(checks) == 1:
+        return checks[0] if found[0][0] == 0 else replace(checks[0], case=np.full(checks[0].passed.shape, found[0][0]))
+    shape = np.broadcast_shapes(*(c.passed.shape for c in checks))
+    margin = np.stack([np.broadcast_to(np.nan_to_num(c.margin, nan=np.inf), shape) for c in checks])
+    standing = np.stack([np.broadcast_to(np.where(c.failed, 0, np.where(c.passed, 2, 1)), shape) for c in checks])
     worst = np.lexsort((margin, standing), axis=0)[:1]
 
     def picked(name: str) -> NDArray[Any] | None:
-        columns = [getattr(c, name) for c in found]
+        columns = [getattr(c, name) for c in checks]
         if columns[0] is None:
             return None
         stacked = np.stack([np.broadcast_to(c, shape) for c in columns])
         taken: NDArray[Any] = np.take_along_axis(stacked, worst, axis=0)[0]
         return taken
 
-    columns = {name: picked(name) for name in ("demand", "limit", "passed", "failed", "time")}
-    return replace(found[0], **columns, case=worst[0])  # type: ignore[arg-type]
+    columns = {name: picked(name) for name in (*_COLUMNS, "zero") if name != "case"}
+    numbers = np.array([number for number, _ in found])
+    return replace(checks[0], **columns, case=numbers[worst[0]])  # type: ignore[arg-type]

@@ -134,5 +134,8 @@ def _in_order(found: list[tuple[NDArray[Any], Examined]], count: int) -> list[Ch
             for name, kind in _COLUMNS.items()
             if getattr(same[0], name) is not None
         }
+        zero = same[0].zero
+        if isinstance(zero, np.ndarray):  # the ambient of the worst case
+            columns["zero"] = _scattered([(rows, np.asarray(check.zero)) for rows, check in parts], count)
         together.append(replace(same[0], **columns))
     return sorted(together, key=lambda check: order[check.name])

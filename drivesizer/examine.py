@@ -57,7 +57,9 @@ class Problem(NamedTuple):
 def problem(spec: RobotSpec, catalog: Catalog) -> Problem:
     """The load cycle of every case, and the encoder of every motor."""
     names, specs = zip(*spec.load_cases, strict=True)
-    bases = tuple(at_gearhead(load_cycle(case), case.belt_efficiency) for case in specs)
+    constants = catalog.motors["winding_time_constant"]
+    quickest = float(np.nanmin(constants, initial=np.inf))
+    bases = tuple(at_gearhead(load_cycle(case), case.belt_efficiency, quickest) for case in specs)
     return Problem(spec, catalog, names, specs, bases, encoders(spec, catalog, np.arange(len(catalog.motors))))
 
 
@@ -128,8 +130,12 @@ def _narrowed(parts: Parts, keep: NDArray[np.bool_] | None) -> Parts:
 
 
 def _each(given: Problem, checks: Callable[[int], list[CheckColumn]]) -> list[CheckColumn]:
-    """The worst case of each check."""
-    return [worst_case(same) for same in zip(*(checks(k) for k in range(len(given.specs))), strict=True)]
+    """The worst case of each check, of the load cases that have it."""
+    found: dict[str, list[tuple[int, CheckColumn]]] = {}
+    for number in range(len(given.specs)):
+        for check in checks(number):
+            found.setdefault(check.name, []).append((number, check))
+    return [worst_case(same) for same in found.values()]
 
 
 def _moving(spec: RobotSpec, at: AtGearhead, parts: Parts) -> _Moving:
@@ -155,7 +161,7 @@ def _powered(
     chosen = _controllers(given, cases, under, parts, np.zeros(len(sieve.rows), bool))
     parts = parts._replace(controller=Rows(given.catalog.controllers, chosen.row))
     found = _last(given, ats, cases, under, parts, exact)
-    short = next(check for check in found.checks if check.name == "controller_peak_time").failed
+    short = next(check for check in found.checks if check.name == "controller_peak_time").failed & ~found.dead
     if short.any():  # one that carries the peak for ever may do where a smaller one gives out
         chosen = _controllers(given, cases, under, parts, short)
         parts = parts._replace(controller=Rows(given.catalog.controllers, chosen.row))
@@ -187,6 +193,7 @@ def _controllers(
 
 class _Found(NamedTuple):
     checks: list[CheckColumn]
+    dead: NDArray[np.bool_]  # by the electrical limits already
     figures: dict[str, Array]
 
 
@@ -199,14 +206,15 @@ def _last(
     exact: bool,
 ) -> _Found:
     """The electrical limits, and those of the waveform by bounds or exactly."""
-    electrical = _each(given, lambda k: electrical_limits(given.specs[k], cases[k].asked, under[k], parts))
+    electrical = _each(given, lambda k: electrical_limits(given.specs[k], ats[k], cases[k].asked, under[k], parts))
+    dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in electrical])
     args = [(s, at, *c, u, parts) for s, at, c, u in zip(given.specs, ats, cases, under, strict=True)]
     if exact:
         found = [wave.exact(*a) for a in args]
     else:
-        found = _decided(given, args, ~np.logical_or.reduce([check.failed for check in electrical]))
+        found = _decided(given, args, ~dead)
     checks = _each(given, lambda k: wave.waveform_limits(given.specs[k], found[k], parts))
-    return _Found([*electrical, *checks], _figures(given, found, under, cases))
+    return _Found([*electrical, *checks], dead, _figures(given, found, under, cases))
 
 
 def _decided(given: Problem, args: list[Any], alive: NDArray[np.bool_]) -> list[wave.Moments]:

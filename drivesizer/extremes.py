@@ -69,10 +69,12 @@ def extremes(functions: Array, time: Array) -> Extremes:
 
 
 def _largest(points: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Rows of a few points without those that another one exceeds or equals, in order of time."""
+    """Rows of a few points without those that another one of the same direction exceeds or equals, in order of time."""
     if len(rows) > _FRONT:
         return np.sort(rows)
-    return np.sort(rows[undominated(points[rows])])
+    way = np.sign(points[rows, 4])  # what is said of one direction alone must find its points
+    groups = [rows[way == w] for w in np.unique(way)]
+    return np.sort(np.concatenate([g[undominated(points[g])] for g in groups]))
 
 
 def _front(points: Array) -> NDArray[np.int64]:
@@ -92,7 +94,8 @@ def undominated(points: Array, most: int | None = None) -> NDArray[np.int64]:
     most
         When so many are found, the rest is left in unexamined.
     """
-    left = np.argsort(-points.sum(axis=1), kind="stable")  # who comes first cannot be exceeded by who comes later
+    # who comes first cannot be exceeded by who comes later; columns break ties that the digits of the sum leave
+    left = np.lexsort((*-points.T[::-1], -points.sum(axis=1)))
     found: list[int] = []
     while len(left) and (most is None or len(found) <= most):
         first = left[0]

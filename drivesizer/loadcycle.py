@@ -22,6 +22,9 @@ __all__ = ["Ends", "LoadCycle", "OwnLimit", "cut_points", "integral", "mean_prod
 Ends = NDArray[np.float64]  # shape (segments, 2): values at the left and the right end
 
 
+_LARGEST = 1e60  # of any figure: products of a few of them can still be computed with
+
+
 class OwnLimit(NamedTuple):
     """A limit of the load itself, whatever drives it, such as the grip of a wheel."""
 
@@ -51,7 +54,7 @@ class LoadCycle:
             raise InputError(f"load cycle {self.name}: expected segments with two ends each")
         if not (self.duration > 0.0).all():  # written so that NaN fails too
             raise InputError(f"load cycle {self.name}: a segment must last longer than 0 s")
-        if not all(np.isfinite(c).all() for c in (self.duration, self.speed, self.acceleration, self.torque)):
+        if not all((np.abs(c) < _LARGEST).all() for c in (self.duration, self.speed, self.acceleration, self.torque)):
             raise InputError(f"load cycle {self.name}: a figure leaves the range of numbers that can be computed with")
 
     @property

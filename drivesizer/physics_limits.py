@@ -230,7 +230,9 @@ def volts_of(asked: Demands, k_t: Array, resistance: Array) -> Array:
     return c
 
 
-def electrical_limits(spec: RobotSpec, asked: Demands, under: Stress, parts: Parts) -> list[CheckColumn]:
+def electrical_limits(
+    spec: RobotSpec, at: AtGearhead, asked: Demands, under: Stress, parts: Parts
+) -> list[CheckColumn]:
     """Limits of controller and encoder by current, voltage and speed."""
     controller, torque, speed = parts.controller, spec.margins.torque, spec.margins.speed
     lowest, volts = spec.supply.lowest, under.voltage.value
@@ -242,12 +244,12 @@ def electrical_limits(spec: RobotSpec, asked: Demands, under: Stress, parts: Par
                 needed=torque),
         at_most("controller_peak_current", under.current.value, controller["peak_current"], *amps,
                 needed=torque, time=under.current.time),
-        *_counting(spec, asked, parts),
+        *_counting(spec, at.belt, asked, parts),
         *_commutation(spec, asked, parts),
     ]  # fmt: skip
 
 
-def _counting(spec: RobotSpec, asked: Demands, parts: Parts) -> list[CheckColumn]:
+def _counting(spec: RobotSpec, belt: float, asked: Demands, parts: Parts) -> list[CheckColumn]:
     """Encoder by speed and frequency, its own and the controller's, and by resolution."""
     encoder, turning = parts.encoder, asked.peak_speed
     speed: dict[str, Any] = {"needed": spec.margins.speed}
@@ -259,7 +261,7 @@ def _counting(spec: RobotSpec, asked: Demands, parts: Parts) -> list[CheckColumn
     ]
     need = spec.needs.resolution_at_load
     if need is not None:
-        edge = 2 * np.pi / (_EDGES * counts * asked.total_ratio)
+        edge = 2 * np.pi / (_EDGES * counts * asked.total_ratio * belt)
         found.append(at_most("encoder_resolution", edge, need, "angle", "deg"))
     return found
 

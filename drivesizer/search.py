@@ -104,6 +104,8 @@ def search(
 def _nearest(evaluation: Evaluation, first: int, count: int) -> NDArray[np.int64]:
     """Those that fell, by how far their worst check is off, then by how many they fail."""
     rows = np.arange(first, first + count)
+    if not count:
+        return rows
     worst = smallest_margin(evaluation.checks)[rows]
     fails = np.sum([check.failed[rows] for check in evaluation.checks], axis=0)
     sets = evaluation.candidates.on(rows)
@@ -118,8 +120,7 @@ def smallest_margin(checks: list[CheckColumn]) -> Array:
         margin = np.nan_to_num(check.margin, nan=np.inf)
         margin = np.where(check.by_choice & check.passed, np.inf, margin)
         found = margin if found is None else np.minimum(found, margin)
-    assert found is not None
-    return found
+    return np.zeros(0) if found is None else found
 
 
 def _on(evaluation: Evaluation, rows: NDArray[np.int64]) -> Evaluation:
@@ -151,9 +152,12 @@ def _sifted(given: Problem, exact: bool, progress: Progress | None) -> tuple[_Ke
         if progress:
             progress(done, total)
     standing = _joined(kept, every)
-    doubtful = int(standing.doubtful.sum()) if spec.select.unknown == "reject" else 0
+    if spec.select.unknown == "reject":
+        sure = np.flatnonzero(~standing.doubtful)
+        figures = {name: column[sure] for name, column in standing.figures.items()}
+        standing = _Kept(standing.sets.on(sure), standing.doubtful[sure], figures)
     tally = {name: count for name, count in failed_by.items() if count}
-    counts = Counts(considered=total, feasible=len(standing.sets.motor) - doubtful, failed_by=tally)
+    counts = Counts(considered=total, feasible=len(standing.sets.motor), failed_by=tally)
     return standing, fallen[0][0] if fallen else every.on(np.zeros(0, np.int64)), counts
 
 

@@ -94,7 +94,9 @@ def energy(found: Wave) -> Energy:
     edges = np.concatenate([np.zeros((*cuts.shape[:2], 1)), cuts, np.ones((*cuts.shape[:2], 1))], axis=2)
     parts = dt[:, None] * np.diff(_work(I, V, edges), axis=2)  # one sign each
     drawn, returned = np.maximum(parts, 0.0), np.maximum(-parts, 0.0)
-    return Energy(drawn.sum((1, 2)), returned.sum((1, 2)), _most_stored(-parts.reshape(len(parts), -1)))
+    taken, back = drawn.sum((1, 2)), returned.sum((1, 2))
+    stored = np.where(back > taken, np.inf, _most_stored(-parts.reshape(len(parts), -1)))  # more with every cycle
+    return Energy(taken, back, stored)
 
 
 def _crossing(ends: Array) -> Array:
@@ -165,6 +167,7 @@ def longest_run(duration: Array, enter: Array, leave: Array, whole: NDArray[np.b
     before = np.maximum.accumulate(np.concatenate([last, begins[:, :-1]], axis=1), axis=1)
     with np.errstate(invalid="ignore"):
         longest = np.where(whole, 0.0, ends - before).max(axis=1)
+    longest = np.maximum(longest - 8 * np.spacing(total), 0.0)  # what rounding of the times may have added
     return np.where(whole.all(axis=1), total, longest)
 
 

@@ -56,16 +56,14 @@ def peak_winding(
     """The exact peak of the winding's temperature alone, in the place that it has in :class:`Moments`."""
     found = []
     for k in _slices(at, len(under.hot)):
-        motor, c = _On(parts.motor, k), asked.coefficients[k]
-        k_t = motor["torque_constant"]
-        square = mean_square(wave(at.cycle.duration, at.functions, c, c, k_t))
-        found.append(_peak_winding(spec, at, Heat(*(column[k] for column in warm)), square, motor))
+        few = Heat(*(column[k] for column in warm))
+        found.append(_peak_winding(spec, at, asked.coefficients[k], few, _On(parts.motor, k)))
     winding, time = (np.concatenate(columns) for columns in zip(*found, strict=True))
     return (winding, time, *[None] * (len(Moments._fields) - 2))
 
 
 def _slices(at: AtGearhead, count: int) -> list[slice]:
-    size = max(1, _AT_ONCE // len(at.cycle.duration))
+    size = max(1, _AT_ONCE // len(at.base.warming.duration))
     return [slice(start, start + size) for start in range(0, count, size)]
 
 
@@ -89,7 +87,7 @@ def _block(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, hot: Arr
     found = wave(cycle.duration, at.functions, asked.coefficients, volts_of(asked, k_t, hot), k_t)
     power, when = largest_power(found)
     sums = energy(found)
-    winding, time = _peak_winding(spec, at, warm, mean_square(found), parts.motor)
+    winding, time = _peak_winding(spec, at, asked.coefficients, warm, parts.motor)
     return Moments(
         winding=winding,
         winding_time=time,
@@ -102,11 +100,13 @@ def _block(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, hot: Arr
     )
 
 
-def _peak_winding(spec: RobotSpec, at: AtGearhead, warm: Heat, square: Array, motor: Any) -> tuple[Array, Array]:
+def _peak_winding(spec: RobotSpec, at: AtGearhead, c: Array, warm: Heat, motor: Any) -> tuple[Array, Array]:
     """Peak over the periodic cycle and when; the steady mean where the time constants are unknown."""
-    speed = at.functions[:, :, SPEED]
+    duration, functions = at.warming
+    square = mean_square(wave(duration, functions, c, c, motor["torque_constant"]))
+    speed = functions[:, :, SPEED]
     loss = np.outer(warm.friction, np.abs(speed).mean(1)) + np.outer(warm.iron, mean_product(speed, speed))
-    found = periodic_winding(_two_bodies(motor), spec.environment.ambient, at.cycle.duration, square, loss)
+    found = periodic_winding(_two_bodies(motor), spec.environment.ambient, duration, square, loss)
     no_constants = np.isnan(motor["winding_time_constant"]) | np.isnan(motor["motor_time_constant"])
     return np.where(no_constants, warm.winding, found.peak), np.where(no_constants, np.nan, found.peak_time)
 
@@ -139,7 +139,8 @@ def bounds(
 
 def _above_bounds(at: AtGearhead, asked: Demands, peak: Array, k_t: Array, limit: Array) -> tuple[Array, Array]:
     """Time on end above a current: that of the pieces that surely are above, and of those that may be."""
-    low, high = np.zeros_like(peak), np.zeros_like(peak)
+    low = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0)
+    high = low.copy()
     rows = np.flatnonzero(peak > limit)
     if len(rows):
         pieces = at.base.envelope

@@ -323,7 +323,6 @@ def test_recordings_that_are_none(rows, tmp_path):
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.xfail(strict=True, reason="the load cycle is finite, products of it are not")
 @pytest.mark.parametrize("kind", [k for k in FIRST if k not in ("fan", "flywheel", "ball_screw", "rack_pinion", "arm")])
 def test_so_much_that_numbers_end(kind, tmp_path):
     name, text = FIRST[kind].split(": ")

@@ -205,7 +205,6 @@ def test_each_check_is_that_of_its_worst_case(catalog):
     assert 0 < fails.sum() < len(fails)
 
 
-@pytest.mark.xfail(strict=True, reason="the margin of the worst case counts from the first case's ambient")
 def test_the_margin_is_that_of_the_worst_case_too(catalog):
     """A rise counts from the ambient of its own case: 30 K of 100 K where it is hot, not 60 K of 130 K."""
     spec = spec_from(LIFT + "cases: [{name: hot, environment: {ambient: 55 degC}}]\n" + ONE)
@@ -264,7 +263,6 @@ def test_one_controller_for_all_cases(catalog):
     ],
     ids=["supply power", "traction"],
 )
-@pytest.mark.xfail(strict=True, raises=ValueError, reason="the checks of all cases are taken to be the same ones")
 def test_a_limit_that_one_case_alone_has(more, catalog):
     """A check that only one case has counts for that case, and nothing crashes."""
     result = size(spec_from(LIFT + more + "\n" + ONE), catalog=catalog, top=1)
@@ -272,7 +270,6 @@ def test_a_limit_that_one_case_alone_has(more, catalog):
     assert "supply_power" in names or "traction" in names
 
 
-@pytest.mark.xfail(strict=True, raises=AssertionError, reason="the nearest are looked for among no sets at all")
 def test_families_that_never_go_together(catalog):
     """Nothing to look at is an answer too, or a line that says so."""
     chosen = "select: {motor: {family: RE 25}, gearhead: {family: GP 81 A}}\n"
@@ -375,7 +372,6 @@ def test_a_front_beyond_the_sets_that_are_shown(catalog):
     assert len(few.front) > 1
 
 
-@pytest.mark.xfail(strict=True, reason="the front is taken of all that stand, rejected ones included")
 def test_a_front_without_rejected_sets(catalog):
     """A spec that rejects unknowns has none on its front."""
     text = LIFT + NARROW.replace("UNKNOWN", "unknown: reject,")

@@ -147,7 +147,12 @@ def test_cases_change_what_they_name_and_nothing_else():
         ("speed: 0.3 m/s", "speed: 30 rpm", ":4: motion.speed", ["rotary speed"]),
         ("motion: {speed", "motion: {profile: s_curv, speed", ":4: motion.profile", ["s_curv", "s_curve"]),
         ("name: a hoist", "name: a hoist\nmethod: paper", ":3: method", ["wheeled_vehicle", "physics"]),
-        ("motion: {speed: 0.3 m/s, acceleration_time: 0.4 s, cruise_time: 2 s}", "", "robot.yaml: motion", ["is missing"]),
+        (
+            "motion: {speed: 0.3 m/s, acceleration_time: 0.4 s, cruise_time: 2 s}",
+            "",
+            "robot.yaml: motion",
+            ["is missing"],
+        ),
     ],
 )
 def test_wrong_loads_motions_and_cases_are_one_line(old, new, line, words):
