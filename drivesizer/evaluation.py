@@ -57,7 +57,9 @@ class Evaluation(NamedTuple):
         )
 
 
-def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates, asked: Problem | None = None) -> Evaluation:
+def evaluate(
+    spec: RobotSpec, catalog: Catalog, given: Candidates, asked: Problem | None = None, *, exact: bool = True
+) -> Evaluation:
     """The paper's requirements of every candidate, where it treats the machine, and its checks by the spec's method.
 
     Parameters
@@ -66,6 +68,8 @@ def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates, asked: Proble
         What is asked for, what there is, and the candidates.
     asked
         The spec with its load cycles, where they are at hand.
+    exact
+        Compute what needs the waveform from it; else by bounds where they decide.
     """
     wheel: dict[str, Requirement] = {}
     shaft: dict[str, Requirement] = {}
@@ -75,7 +79,7 @@ def evaluate(spec: RobotSpec, catalog: Catalog, given: Candidates, asked: Proble
         shaft = paper.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
     if spec.method == "paper":
         return _by_the_paper(spec, catalog, given, wheel, shaft)
-    return _by_physics(asked or problem(spec, catalog), given, wheel, shaft)
+    return _by_physics(asked or problem(spec, catalog), given, wheel, shaft, exact)
 
 
 def _by_the_paper(
@@ -97,12 +101,14 @@ def _by_the_paper(
 
 
 def _by_physics(
-    asked: Problem, given: Candidates, wheel: dict[str, Requirement], shaft: dict[str, Requirement]
+    asked: Problem, given: Candidates, wheel: dict[str, Requirement], shaft: dict[str, Requirement], exact: bool
 ) -> Evaluation:
     """Every limit against the whole load cycle, a belt at a time."""
     spec, catalog = asked.spec, asked.catalog
     belts = [np.flatnonzero(given.belt == belt) for belt in np.unique(given.belt)]
-    found = [(rows, examine(asked, float(given.belt[rows[0]]), given.on(rows), staged=False)) for rows in belts]
+    found = [
+        (rows, examine(asked, float(given.belt[rows[0]]), given.on(rows), staged=False, exact=exact)) for rows in belts
+    ]
     count = len(given.motor)
     names = found[0][1].figures if found else {}
     figures = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}

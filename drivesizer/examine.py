@@ -41,6 +41,8 @@ __all__ = ["Examined", "Problem", "examine", "problem"]
 
 Array = NDArray[np.float64]
 Record = TypeVar("Record", bound=tuple[Any, ...])
+_LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
+_BLOCKS = (64, 1024)
 
 
 class Problem(NamedTuple):
@@ -209,29 +211,57 @@ def _last(
     electrical = _each(given, lambda k: electrical_limits(given.specs[k], ats[k], cases[k].asked, under[k], parts))
     dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in electrical])
     args = [(s, at, *c, u, parts) for s, at, c, u in zip(given.specs, ats, cases, under, strict=True)]
-    if exact:
-        found = [wave.exact(*a) for a in args]
-    else:
-        found = _decided(given, args, ~dead)
+    found = [wave.exact(*a) if exact else _by_bounds(*a, ~dead) for a in args]
     checks = _each(given, lambda k: wave.waveform_limits(given.specs[k], found[k], parts))
     return _Found([*electrical, *checks], dead, _figures(given, found, under, cases))
 
 
-def _decided(given: Problem, args: list[Any], alive: NDArray[np.bool_]) -> list[wave.Moments]:
-    """By bounds where low and high say the same, from the waveform for the rest; what fell already is left alone."""
-    both = [wave.bounds(*a) for a in args]
-    parts: Parts = args[0][-1]
-    found = []
-    for spec, (low, high), (_, at, asked, warm, under, _) in zip(given.specs, both, args, strict=True):
-        verdicts = [wave.waveform_limits(spec, side, parts) for side in (low, high)]
-        open_ = [alive & ((a.passed != b.passed) | (a.failed != b.failed)) for a, b in zip(*verdicts, strict=True)]
-        for compute, mask in ((wave.peak_winding, open_[0]), (wave.exact, np.logical_or.reduce(open_[1:]))):
-            if mask.any():
-                some = _kept(asked, mask), _kept(warm, mask), _kept(under, mask), _narrowed(parts, mask)
-                few: tuple[Array | None, ...] = compute(spec, at, *some)
-                high = wave.Moments(*(_put(column, mask, new) for column, new in zip(high, few, strict=True)))
-        found.append(high)
-    return found
+def _by_bounds(
+    spec: RobotSpec,
+    at: AtGearhead,
+    asked: Demands,
+    warm: Heat,
+    under: Stress,
+    parts: Parts,
+    alive: NDArray[np.bool_],
+) -> wave.Moments:
+    low, high = wave.bounds(spec, at, asked, warm, under, parts)
+    low, high = _closer(spec, at, asked, warm, parts, alive, low, high)
+    winding, *others = _undecided(spec, low, high, parts, alive)
+    for compute, mask in ((wave.peak_winding, winding), (wave.exact, np.logical_or.reduce(others))):
+        if mask.any():
+            some = _kept(asked, mask), _kept(warm, mask), _kept(under, mask), _narrowed(parts, mask)
+            few: tuple[Array | None, ...] = compute(spec, at, *some)
+            high = wave.Moments(*(_put(column, mask, new) for column, new in zip(high, few, strict=True)))
+    return high
+
+
+def _undecided(
+    spec: RobotSpec, low: wave.Moments, high: wave.Moments, parts: Parts, alive: NDArray[np.bool_]
+) -> list[NDArray[np.bool_]]:
+    """Of each limit, where the two bounds do not say the same."""
+    both = [wave.waveform_limits(spec, side, parts) for side in (low, high)]
+    return [alive & ((a.passed != b.passed) | (a.failed != b.failed)) for a, b in zip(*both, strict=True)]
+
+
+def _closer(
+    spec: RobotSpec,
+    at: AtGearhead,
+    asked: Demands,
+    warm: Heat,
+    parts: Parts,
+    alive: NDArray[np.bool_],
+    low: wave.Moments,
+    high: wave.Moments,
+) -> tuple[wave.Moments, wave.Moments]:
+    """The same bounds with those of the winding closer, where a cycle is long and they leave it open."""
+    for count in _BLOCKS if len(at.base.warming.duration) > _LONG else ():
+        mask = _undecided(spec, low, high, parts, alive)[0]
+        if mask.any():
+            some = _kept(asked, mask), _kept(warm, mask), _narrowed(parts, mask)
+            found = wave.bracketed(at, *some, spec.environment.ambient, count)
+            low, high = (m._replace(winding=_put(m.winding, mask, b)) for m, b in zip((low, high), found, strict=True))
+    return low, high
 
 
 def _put(column: Array, mask: NDArray[np.bool_], some: Array | None) -> Array:

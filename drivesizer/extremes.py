@@ -94,8 +94,10 @@ def undominated(points: Array, most: int | None = None) -> NDArray[np.int64]:
     most
         When so many are found, the rest is left in unexamined.
     """
+    spread = np.ptp(points, axis=0) if len(points) else 1.0
+    far = (points / np.where(spread > 0.0, spread, 1.0)).sum(axis=1)  # no column drowns the others: most fall at once
     # who comes first cannot be exceeded by who comes later; columns break ties that the digits of the sum leave
-    left = np.lexsort((*-points.T[::-1], -points.sum(axis=1)))
+    left = np.lexsort((*-points.T[::-1], -far))
     found: list[int] = []
     while len(left) and (most is None or len(found) <= most):
         first = left[0]

@@ -22,7 +22,10 @@ from drivesizer.loadcycle import Ends, LoadCycle, integral, mean_product, rms
 
 __all__ = [
     "ACCELERATION",
+    "AT_REST",
+    "BRAKING",
     "DIRECTION",
+    "DRIVING",
     "SPEED",
     "AtGearhead",
     "Demands",
@@ -91,6 +94,7 @@ class _Base(NamedTuple):
     extremes: Extremes
     envelope: Envelope
     warming: Pieces
+    coarse: dict[int, Any]  # the cycle in few blocks, for the bounds of its heat: made when first asked for
     rms_torque: float
     peak_torque: float
     peak_speed: float
@@ -149,7 +153,7 @@ def at_gearhead(cycle: LoadCycle, efficiency: float, quickest: float = inf) -> _
     ], axis=2)  # fmt: skip
     return _Base(
         cycle, functions, _moments(cycle, functions), extremes(functions, cycle.time),
-        envelope(cycle.duration, functions), _warming(cycle.duration, functions, quickest),
+        envelope(cycle.duration, functions), _warming(cycle.duration, functions, quickest), {},
         **_scalars(cycle, torque, speed, running),
     )  # fmt: skip
 

@@ -61,6 +61,7 @@ def search(
     misses: int = 3,
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
+    given: Problem | None = None,
 ) -> Found:
     """Search all candidates.
 
@@ -78,39 +79,35 @@ def search(
         Objectives of which the front is wanted.
     progress
         Called after each chunk.
+    given
+        The spec with its load cycles, where they are at hand.
     """
     if spec.method == "paper":
         return _by_the_paper(spec, catalog, top, objective, misses, pareto)
     names = {*ranking.names_of(objective), *pareto}
-    given = problem(spec, catalog)
+    given = given or problem(spec, catalog)
     kept, fallen, counts = _sifted(given, bool(names & _WAVEFORM), progress)
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
     order = ranking.order(catalog, kept.sets, *value, before=[kept.doubtful])
     best = order[: min(top, counts.feasible)]
+    nearest = fallen.on(_nearest(given, fallen)[: misses if len(best) else top])
     on_front = ranking.front(catalog, kept.sets, kept.figures, pareto) if pareto else best[:0]
     extra = on_front[~np.isin(on_front, best)]
-    shown = [kept.sets.on(best), fallen, kept.sets.on(extra)]
-    evaluation = evaluate(spec, catalog, joined(shown), given)
-    nearest = _nearest(evaluation, len(best), len(fallen.motor))[: misses if len(best) else top]
-    places = {int(row): n for n, row in enumerate(best)} | {
-        int(row): len(best) + len(nearest) + n for n, row in enumerate(extra)
-    }
-    first_extra = len(best) + len(fallen.motor)
-    rows = np.concatenate([np.arange(len(best)), nearest, np.arange(first_extra, first_extra + len(extra))])
-    picked = _on(evaluation, rows.astype(np.int64))
-    return Found(picked, len(best), counts, tuple(places[int(row)] for row in on_front))
+    shown = evaluate(spec, catalog, joined([kept.sets.on(best), nearest, kept.sets.on(extra)]), given)
+    places = {int(row): n for n, row in enumerate(best)}
+    places |= {int(row): len(best) + len(nearest.motor) + n for n, row in enumerate(extra)}
+    return Found(shown, len(best), counts, tuple(places[int(row)] for row in on_front))
 
 
-def _nearest(evaluation: Evaluation, first: int, count: int) -> NDArray[np.int64]:
-    """Those that fell, by how far their worst check is off, then by how many they fail."""
-    rows = np.arange(first, first + count)
+def _nearest(given: Problem, fallen: Candidates) -> NDArray[np.int64]:
+    """Those that fell, by how far their worst check is off, then by how many they fail; by bounds, that is."""
+    count = len(fallen.motor)
     if not count:
-        return rows
-    worst = smallest_margin(evaluation.checks)[rows]
-    fails = np.sum([check.failed[rows] for check in evaluation.checks], axis=0)
-    sets = evaluation.candidates.on(rows)
+        return np.zeros(0, np.int64)
+    checks = evaluate(given.spec, given.catalog, fallen, given, exact=False).checks
+    fails = np.sum([check.failed for check in checks], axis=0)
     value = np.zeros(count), np.zeros(count, np.int64)
-    return rows[ranking.order(evaluation.catalog, sets, *value, before=[-worst, fails])]
+    return ranking.order(given.catalog, fallen, *value, before=[-smallest_margin(checks), fails])
 
 
 def smallest_margin(checks: list[CheckColumn]) -> Array:

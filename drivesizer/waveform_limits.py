@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.checks import CheckColumn, at_most
+from drivesizer.heat_blocks import blocks, bracket
 from drivesizer.heat_columns import periodic_winding, winding_bounds
 from drivesizer.loadcycle import mean_product
 from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands
@@ -21,7 +22,7 @@ from drivesizer.spec import RobotSpec
 from drivesizer.thermal import TwoBodies
 from drivesizer.waveform import energy, largest_power, longest_above, longest_run, mean_square, wave
 
-__all__ = ["Moments", "bounds", "exact", "peak_winding", "waveform_limits"]
+__all__ = ["Moments", "bounds", "bracketed", "exact", "peak_winding", "waveform_limits"]
 
 Array = NDArray[np.float64]
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
@@ -48,6 +49,27 @@ def exact(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: St
         for k in _slices(at, len(under.hot))
     ]
     return Moments(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
+
+
+def bracketed(
+    at: AtGearhead, asked: Demands, warm: Heat, parts: Parts, ambient: float, count: int
+) -> tuple[Array, Array]:
+    """Bounds of the winding's peak from a long cycle in so many blocks [K]: closer than those of ``bounds``."""
+    cycle = at.cycle
+    if count not in at.base.coarse:
+        at.base.coarse[count] = blocks(cycle.duration, at.base.functions, count)
+    current = asked.coefficients / parts.motor["torque_constant"][:, None]
+    coarse = at.base.coarse[count].behind(at.scale)
+    found = bracket(_two_bodies(parts.motor), ambient, coarse, current, warm.friction, warm.iron)
+    no_constants = _no_constants(parts.motor)
+    low, high = (np.where(no_constants, warm.winding, bound) for bound in found)
+    return low, high
+
+
+def _no_constants(motor: Any) -> NDArray[np.bool_]:
+    """Whether the time constants are unknown: then only the steady mean can be told."""
+    found: NDArray[np.bool_] = np.isnan(motor["winding_time_constant"]) | np.isnan(motor["motor_time_constant"])
+    return found
 
 
 def peak_winding(
@@ -107,7 +129,7 @@ def _peak_winding(spec: RobotSpec, at: AtGearhead, c: Array, warm: Heat, motor: 
     speed = functions[:, :, SPEED]
     loss = np.outer(warm.friction, np.abs(speed).mean(1)) + np.outer(warm.iron, mean_product(speed, speed))
     found = periodic_winding(_two_bodies(motor), spec.environment.ambient, duration, square, loss)
-    no_constants = np.isnan(motor["winding_time_constant"]) | np.isnan(motor["motor_time_constant"])
+    no_constants = _no_constants(motor)
     return np.where(no_constants, warm.winding, found.peak), np.where(no_constants, np.nan, found.peak_time)
 
 
@@ -179,7 +201,7 @@ def _winding_bounds(
         _two_bodies(motor), spec.environment.ambient, asked.rms_current, under.current.value, at.cycle.total,
         warm.mean, loss_peak,
     )  # fmt: skip
-    no_constants = np.isnan(motor["winding_time_constant"]) | np.isnan(motor["motor_time_constant"])
+    no_constants = _no_constants(motor)
     return np.where(no_constants, warm.winding, low), np.where(no_constants, warm.winding, high)
 
 

@@ -295,7 +295,7 @@ def periodic_peak(pieces: list[Piece], motor: Any, ambient: float, steady: float
             return math.inf
         steps.append((step, p.time))
         x, y, z = step.after(x, p.time), step.after(y, p.time, 0.0), step.after(z, p.time, 0.0)
-    if largest([*map(abs, y), *map(abs, z)]) > 1e100:
+    if not largest([*map(abs, y), *map(abs, z)]) < 1e100:
         return math.inf
     trace, det = y[0] + z[1], y[0] * z[1] - y[1] * z[0]
     if trace / 2 + math.sqrt(max(trace * trace / 4 - det, 0.0)) >= 1:
@@ -345,16 +345,11 @@ class _Step:
         return self.after(x, at)[0] if 0 < at < time else -math.inf
 
 
-def marched_peak(pieces: list[Piece], motor: Any, ambient: float, least_steps: int, *, level: bool = True) -> float:
-    """The same peak by a march in small steps (Runge-Kutta), without any closed form.
-
-    ``level`` takes the mean square current over each piece, otherwise that of each moment.
-    """
+def marched_peak(pieces: list[Piece], motor: Any, ambient: float, least_steps: int) -> float:
+    """The same peak by a march in small steps (Runge-Kutta) with the current of each moment, without any closed form."""
 
     def rates(x: Pair, p: Piece, share: float) -> Pair:
-        square = product(p.time, p.current, p.current) / p.time
-        if not level:
-            square = (p.current[0] + share * (p.current[1] - p.current[0])) ** 2
+        square = (p.current[0] + share * (p.current[1] - p.current[0])) ** 2
         A, b = _network(motor, ambient, square, housing(p, motor) / p.time)
         return A[0] * x[0] + A[1] * x[1] + b[0], A[2] * x[0] + A[3] * x[1] + b[1]
 

@@ -226,9 +226,8 @@ def test_the_peak_of_the_winding_by_a_march_in_small_steps(name, worked, catalog
         motor, (_, _, asked, pieces) = records("motors")[int(sets.motor[row])], mine[row]
         if not 1.0 < asked.winding - ambient < 400.0 or math.isnan(motor.winding_time_constant):
             continue
-        assert by_hand.marched_peak(pieces, motor, ambient, 4) - ambient == pytest.approx(
-            asked.winding - ambient, rel=1e-4
-        )
+        rise = by_hand.marched_peak(pieces, motor, ambient, 8) - ambient  # with the current of each moment
+        assert rise == pytest.approx(asked.winding - ambient, rel=2e-3)
         seen += 1
         if seen == (1 if len(pieces) > 60 else 4):
             break
@@ -389,6 +388,6 @@ def test_the_winding_follows_a_torque_that_rises_slowly(tmp_path, catalog):
         motor = records("motors")[int(sets.motor[row])]
         if seen < 4 and 2.0 < asked.winding - ambient < 200.0 and motor.winding_time_constant < 4.0:
             seen += 1
-            rise = by_hand.marched_peak(pieces, motor, ambient, 200, level=False) - ambient
-            assert check.demand[row] - ambient == pytest.approx(rise, rel=0.02)
+            rise = by_hand.marched_peak(pieces, motor, ambient, 200) - ambient
+            assert check.demand[row] - ambient == pytest.approx(rise, rel=2e-3)
     assert seen
