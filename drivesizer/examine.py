@@ -43,6 +43,7 @@ Array = NDArray[np.float64]
 Record = TypeVar("Record", bound=tuple[Any, ...])
 _LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
 _BLOCKS = (64, 1024)
+_PIECES = 8192
 
 
 class Problem(NamedTuple):
@@ -226,7 +227,8 @@ def _by_bounds(
     alive: NDArray[np.bool_],
 ) -> wave.Moments:
     low, high = wave.bounds(spec, at, asked, warm, under, parts)
-    low, high = _closer(spec, at, asked, warm, parts, alive, low, high)
+    if len(at.base.warming.duration) > _LONG:
+        low, high = _closer(spec, at, asked, warm, under, parts, alive, low, high)
     winding, *others = _undecided(spec, low, high, parts, alive)
     for compute, mask in ((wave.peak_winding, winding), (wave.exact, np.logical_or.reduce(others))):
         if mask.any():
@@ -249,18 +251,23 @@ def _closer(
     at: AtGearhead,
     asked: Demands,
     warm: Heat,
+    under: Stress,
     parts: Parts,
     alive: NDArray[np.bool_],
     low: wave.Moments,
     high: wave.Moments,
 ) -> tuple[wave.Moments, wave.Moments]:
-    """The same bounds with those of the winding closer, where a cycle is long and they leave it open."""
-    for count in _BLOCKS if len(at.base.warming.duration) > _LONG else ():
+    """The same bounds, closer where they leave open the winding or the time of overload: for long cycles."""
+    for count in _BLOCKS:
         mask = _undecided(spec, low, high, parts, alive)[0]
         if mask.any():
             some = _kept(asked, mask), _kept(warm, mask), _narrowed(parts, mask)
             found = wave.bracketed(at, *some, spec.environment.ambient, count)
             low, high = (m._replace(winding=_put(m.winding, mask, b)) for m, b in zip((low, high), found, strict=True))
+    mask = _undecided(spec, low, high, parts, alive)[1]
+    if mask.any():
+        found = wave.above_bounds(at, _kept(asked, mask), _kept(under, mask), _narrowed(parts, mask), _PIECES)
+        low, high = (m._replace(above=_put(m.above, mask, b)) for m, b in zip((low, high), found, strict=True))
     return low, high
 
 

@@ -27,6 +27,8 @@ class Extremes(NamedTuple):
     high_time: Array
     low: Array  # where it may be smallest
     low_time: Array
+    above: Array  # of whole segments: in each function no moment is above one of these points
+    below: Array  # and none is below one of these
 
 
 class Envelope(NamedTuple):
@@ -37,12 +39,9 @@ class Envelope(NamedTuple):
     low: Array
 
 
-_PIECES = 256  # of an envelope at most
-
-
-def envelope(duration: Array, functions: Array) -> Envelope:
-    """Largest and smallest value of each function in consecutive pieces of a cycle."""
-    starts = np.unique(np.linspace(0, len(duration), _PIECES, endpoint=False).astype(np.int64))
+def envelope(duration: Array, functions: Array, pieces: int = 256) -> Envelope:
+    """Largest and smallest value of each function in consecutive pieces of a cycle, so many at most."""
+    starts = np.unique(np.linspace(0, len(duration), pieces, endpoint=False).astype(np.int64))
     return Envelope(
         np.add.reduceat(duration, starts),
         np.maximum.reduceat(functions.max(axis=1), starts),
@@ -65,7 +64,17 @@ def extremes(functions: Array, time: Array) -> Extremes:
     groups = [np.flatnonzero(kind == k) for k in np.unique(kind)]
     top = _largest(points, np.concatenate([g[_front(points[g])] for g in groups]))
     bottom = _largest(-points, np.concatenate([g[_front(-points[g])] for g in groups]))
-    return Extremes(points[top], when[top], points[bottom], when[bottom])
+    above, below = _corners(functions.max(axis=1)), -_corners(-functions.min(axis=1))
+    return Extremes(points[top], when[top], points[bottom], when[bottom], above, below)
+
+
+def _corners(points: Array) -> Array:
+    """Points that no other exceeds; where these are many, a few that together do."""
+    rows = undominated(points, _FRONT)
+    if len(rows) <= _FRONT:
+        return points[rows]
+    first = rows[np.argsort(points[rows, 5])]  # along the speed, so that neighbours are alike
+    return np.array([points[part].max(axis=0) for part in np.array_split(first, _FRONT)])
 
 
 def _largest(points: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:

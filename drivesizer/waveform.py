@@ -87,14 +87,24 @@ def largest_power(found: Wave) -> tuple[Array, Array]:
     return power[rows, worst], start[worst] + at[rows, worst] * found.duration[worst]
 
 
-def energy(found: Wave) -> Energy:
-    """Energy drawn and returned over the cycle, each where power has that sign."""
+def energy(found: Wave, *, storing: bool = True) -> Energy:
+    """Energy drawn and returned over the cycle, each where power has that sign.
+
+    Parameters
+    ----------
+    found
+        Current and voltage over the segments.
+    storing
+        Tell what is stored as well; else that is NaN.
+    """
     I, V, dt = found.current, found.voltage, found.duration
     cuts = np.sort(np.stack([_crossing(I), _crossing(V)], axis=2), axis=2)
     edges = np.concatenate([np.zeros((*cuts.shape[:2], 1)), cuts, np.ones((*cuts.shape[:2], 1))], axis=2)
     parts = dt[:, None] * np.diff(_work(I, V, edges), axis=2)  # one sign each
     drawn, returned = np.maximum(parts, 0.0), np.maximum(-parts, 0.0)
     taken, back = drawn.sum((1, 2)), returned.sum((1, 2))
+    if not storing:
+        return Energy(taken, back, np.full_like(back, np.nan))
     stored = np.where(back > taken, np.inf, _most_stored(-parts.reshape(len(parts), -1)))  # more with every cycle
     return Energy(taken, back, stored)
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.checks import CheckColumn, at_most
+from drivesizer.extremes import Envelope, envelope
 from drivesizer.heat_blocks import blocks, bracket
 from drivesizer.heat_columns import periodic_winding, winding_bounds
 from drivesizer.loadcycle import mean_product
@@ -22,7 +23,7 @@ from drivesizer.spec import RobotSpec
 from drivesizer.thermal import TwoBodies
 from drivesizer.waveform import energy, largest_power, longest_above, longest_run, mean_square, wave
 
-__all__ = ["Moments", "bounds", "bracketed", "exact", "peak_winding", "waveform_limits"]
+__all__ = ["Moments", "above_bounds", "bounds", "bracketed", "exact", "peak_winding", "waveform_limits"]
 
 Array = NDArray[np.float64]
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
@@ -108,7 +109,7 @@ def _block(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, hot: Arr
     k_t, cycle = parts.motor["torque_constant"], at.cycle
     found = wave(cycle.duration, at.functions, asked.coefficients, volts_of(asked, k_t, hot), k_t)
     power, when = largest_power(found)
-    sums = energy(found)
+    sums = energy(found, storing=spec.supply.regeneration == 0.0)
     winding, time = _peak_winding(spec, at, asked.coefficients, warm, parts.motor)
     return Moments(
         winding=winding,
@@ -152,20 +153,28 @@ def bounds(
     most, least = _corner_power(at, asked, under.hot, k_t)
     braked = braking_torque(at, asked.coefficients)
     heat_low, heat_high = _winding_bounds(spec, at, asked, warm, under, parts.motor)
-    shortest, longest = _above_bounds(at, asked, current, k_t, parts.controller["continuous_current"])
+    shortest, longest = _above_bounds(at, at.base.envelope, asked, current, parts)
     stored_low, stored_high = np.where(least < 0.0, _SOME, 0.0), np.where(braked, np.inf, 0.0)
     low = Moments(heat_low, nothing, most, nothing, nothing, nothing, stored_low, shortest)
-    high = Moments(heat_high, nothing, current * under.hot_voltage, nothing, nothing, nothing, stored_high, longest)
+    power = np.minimum(_power_bound(at, asked, under.hot, k_t), current * under.hot_voltage)
+    high = Moments(heat_high, nothing, power, nothing, nothing, nothing, stored_high, longest)
     return low, high
 
 
-def _above_bounds(at: AtGearhead, asked: Demands, peak: Array, k_t: Array, limit: Array) -> tuple[Array, Array]:
+def above_bounds(at: AtGearhead, asked: Demands, under: Stress, parts: Parts, pieces: int) -> tuple[Array, Array]:
+    """Bounds of the time on end above the continuous current, from a cycle in so many pieces [s]: closer ones."""
+    if -pieces not in at.base.coarse:
+        at.base.coarse[-pieces] = envelope(at.cycle.duration, at.base.functions, pieces)
+    return _above_bounds(at, at.base.coarse[-pieces], asked, under.current.value, parts)
+
+
+def _above_bounds(at: AtGearhead, pieces: Envelope, asked: Demands, peak: Array, parts: Parts) -> tuple[Array, Array]:
     """Time on end above a current: that of the pieces that surely are above, and of those that may be."""
+    k_t, limit = parts.motor["torque_constant"], parts.controller["continuous_current"]
     low = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0)
     high = low.copy()
     rows = np.flatnonzero(peak > limit)
     if len(rows):
-        pieces = at.base.envelope
         c = asked.coefficients[rows] / k_t[rows, None] * at.scale
         top, bottom, bound = c @ pieces.high.T, c @ pieces.low.T, limit[rows, None]
         none, whole = np.zeros_like(top), np.broadcast_to(pieces.duration, top.shape)
@@ -190,6 +199,16 @@ def _corner_power(at: AtGearhead, asked: Demands, hot: Array, k_t: Array) -> tup
     points = np.concatenate([at.extremes.high, at.extremes.low]) * at.scale
     power = (asked.coefficients / k_t[:, None] @ points.T) * (volts_of(asked, k_t, hot) @ points.T)
     return power.max(axis=1), power.min(axis=1)
+
+
+def _power_bound(at: AtGearhead, asked: Demands, hot: Array, k_t: Array) -> Array:
+    """More than the electrical power ever is [W]: where current and voltage are both positive, or both negative."""
+    current, volts = asked.coefficients / k_t[:, None] * at.scale, volts_of(asked, k_t, hot) * at.scale
+    found = np.zeros(len(hot))
+    for points, sign in ((at.extremes.above, 1.0), (at.extremes.below, -1.0)):
+        both = [np.maximum(sign * (c @ points.T), 0.0) for c in (current, volts)]
+        found = np.maximum(found, (both[0] * both[1]).max(axis=1))
+    return found
 
 
 def _winding_bounds(
