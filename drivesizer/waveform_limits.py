@@ -150,13 +150,19 @@ def bounds(
     """Below and above what the waveform asks, from moments and extremes alone."""
     current, k_t = under.current.value, parts.motor["torque_constant"]
     nothing = np.full_like(current, np.nan)
-    most, least = _corner_power(at, asked, under.hot, k_t)
-    braked = braking_torque(at, asked.coefficients)
+    most = least = nothing
+    if spec.supply.current or spec.supply.power or not spec.supply.regeneration:
+        most, least = _corner_power(at, asked, under.hot, k_t)
+    stored_low = stored_high = nothing  # where the supply takes all back nobody asks
+    if not spec.supply.regeneration:
+        braked = braking_torque(at, asked.coefficients)
+        stored_low, stored_high = np.where(least < 0.0, _SOME, 0.0), np.where(braked, np.inf, 0.0)
     heat_low, heat_high = _winding_bounds(spec, at, asked, warm, under, parts.motor)
     shortest, longest = _above_bounds(at, at.base.envelope, asked, current, parts)
-    stored_low, stored_high = np.where(least < 0.0, _SOME, 0.0), np.where(braked, np.inf, 0.0)
     low = Moments(heat_low, nothing, most, nothing, nothing, nothing, stored_low, shortest)
-    power = np.minimum(_power_bound(at, asked, under.hot, k_t), current * under.hot_voltage)
+    power = nothing
+    if spec.supply.current or spec.supply.power:
+        power = np.minimum(_power_bound(at, asked, under.hot, k_t), current * under.hot_voltage)
     high = Moments(heat_high, nothing, power, nothing, nothing, nothing, stored_high, longest)
     return low, high
 

@@ -345,6 +345,8 @@ def test_bounds_hold_and_decide_nothing_wrongly(name, folder, catalog):
     assert known.sum() > 300
     for figure in ("winding", "power", "stored", "above"):
         least, middle, most = (getattr(m, figure)[known] for m in (low, exact, high))
+        if np.isnan(least).all() or np.isnan(most).all():  # a bound that no limit of this spec asks for
+            continue
         with np.errstate(invalid="ignore"):
             slack = 1e-9 * np.abs(np.nan_to_num(middle, posinf=0.0))
         assert (least <= middle + slack).all(), figure
