@@ -233,14 +233,14 @@ def test_objectives_and_front_from_the_command_line(run, example, tmp_path):
     text = example.read_text(encoding="utf-8").replace("method: paper", "method: physics")
     spec = tmp_path / "robot.yaml"
     spec.write_text(text[: text.index("select:")], encoding="utf-8")
-    status, out, err = run("size", spec, "--json", "--objective", "mass=2,price=1", "--pareto", "mass,price")
+    status, out, err = run("size", spec, "--json", "--objective", "mass=2,price=1", "--pareto", "mass,energy")
     assert status == 0, err
     document = json.loads(out)
     assert document["objective"] == "2 mass + 1 price"
-    front = [(s["mass_kg"], s["motor"]["price"] + s["gearhead"]["price"]) for s in document["pareto"]["sets"]]
+    front = [(s["mass_kg"], s["figures"]["energy"]["si"]) for s in document["pareto"]["sets"]]
     assert len(front) > 2
     assert front == sorted(front)
-    assert [price for _, price in front] == sorted((price for _, price in front), reverse=True)
+    assert [energy for _, energy in front] == sorted((energy for _, energy in front), reverse=True)
     for option, value, word in (
         ("--objective", "weight", "expected mass"),
         ("--objective", "mass=x", "above 0"),
