@@ -346,7 +346,7 @@ class _Step:
 
 
 def marched_peak(pieces: list[Piece], motor: Any, ambient: float, least_steps: int) -> float:
-    """The same peak by a march in small steps (Runge-Kutta) with the current of each moment, without any closed form."""
+    """The same peak by a march in small steps (Runge-Kutta) with the current of each moment: no closed form."""
 
     def rates(x: Pair, p: Piece, share: float) -> Pair:
         square = (p.current[0] + share * (p.current[1] - p.current[0])) ** 2
