@@ -8,6 +8,7 @@ from rich.text import Text
 
 from drivesizer import terminal_tables as tables
 from drivesizer.catalog import Catalog
+from drivesizer.checks import TITLES
 from drivesizer.objectives import OBJECTIVE, SUMS, objective_figure
 from drivesizer.results import DriveSet, SizingResult, Validation, verdict, worst
 from drivesizer.terminal_tables import MARK, STYLE, percent
@@ -93,6 +94,10 @@ def _both(found: DriveSet) -> Table:
 
 def _none(console: Console, result: SizingResult) -> None:
     console.print(Text("No set stands.", style="bold red"))
+    if result.counts.failed_by:
+        name, count = max(result.counts.failed_by.items(), key=lambda item: item[1])
+        title = TITLES[result.method][name].lower()
+        console.print(f"Blocks most: {title}, which {count:,} of {result.counts.considered:,} sets fail.")
     if result.relaxations:
         console.print("Any one of these changes would let one stand:")
     for r in result.relaxations:
@@ -174,8 +179,6 @@ def _front(result: SizingResult) -> Table:
 
 
 def _tally(console: Console, result: SizingResult) -> None:
-    from drivesizer.checks import TITLES
-
     counts = result.counts
     console.print(
         f"{counts.considered:,} sets considered, {counts.feasible:,} stand{'s' if counts.feasible == 1 else ''}.",
