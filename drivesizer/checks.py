@@ -52,6 +52,7 @@ TITLES = {
         "backlash_at_load": _SHARED["backlash_at_load"],
         "motor_speed": "Motor permissible speed",
         "motor_nominal_current": "Motor nominal current (RMS)",
+        "motor_peak_torque": "Motor peak torque",
         "winding_temperature": "Winding temperature, peak",
         "motor_temperature_range": "Motor temperature range",
         "inertia_ratio": "Inertia ratio, load to motor",

@@ -49,11 +49,11 @@ class Evaluation(NamedTuple):
         return ~self.failed & ~passed
 
     def checks_of(self, index: int) -> tuple[Check, ...]:
-        """The checks of one candidate, but for those that nothing could fail."""
+        """The checks of one candidate, but for those that have no limit to it."""
         return tuple(
             check.at(index, self.spec.method, cases=self.cases)
             for check in self.checks
-            if not (check.demand[index] == 0.0 and np.isposinf(check.limit[index]))
+            if not np.isposinf(check.limit[index])
         )
 
 

@@ -33,6 +33,7 @@ __all__ = [
     "Pieces",
     "at_gearhead",
     "demands",
+    "friction",
     "peak",
 ]
 
@@ -215,21 +216,33 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
 
     Notes
     -----
-    Brushed motors lose k_t I_0 at any speed; of brushless ones the no-load loss is taken to rise with speed, up to
-    k_t I_0 at the no-load speed.
+    Friction is what ``friction`` tells.
     """
     i, e, k_t = gearhead["ratio"], gearhead["efficiency"], motor["torque_constant"]
-    friction = k_t * motor["no_load_current"]
-    brushed = motor["kind"] == "brushed"
+    coulomb, viscous = friction(motor)
     c = np.empty((len(i), 6))
     c[:, DRIVING] = 1 / (i * e)
     c[:, BRAKING] = e / i
     c[:, AT_REST] = 1 / i
     c[:, ACCELERATION] = (motor["rotor_inertia"] + gearhead["inertia"] + np.nan_to_num(encoder["inertia"])) * i
-    c[:, DIRECTION] = np.where(brushed, friction, 0.0)
-    c[:, SPEED] = np.where(brushed, 0.0, friction * i / motor["no_load_speed"])
+    c[:, DIRECTION] = coulomb
+    c[:, SPEED] = viscous * i
     rms_torque = np.sqrt(np.maximum(((c @ at.moments) * c).sum(1), 0.0))
     return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i)
+
+
+def friction(motor: Any) -> tuple[Array, Array]:
+    """Friction torque of motors at any speed [N*m], and per speed of theirs [N*m*s/rad].
+
+    The catalogue's own, where it tells both. Else what the no-load current makes: brushed motors lose k_t I_0 at any
+    speed; of brushless ones the no-load loss is taken to rise with speed, up to k_t I_0 at the no-load speed.
+    """
+    loss = motor["torque_constant"] * motor["no_load_current"]
+    brushed = motor["kind"] == "brushed"
+    told = ~np.isnan(motor["friction_torque"]) & ~np.isnan(motor["viscous_friction"])
+    coulomb = np.where(told, motor["friction_torque"], np.where(brushed, loss, 0.0))
+    viscous = np.where(told, motor["viscous_friction"], np.where(brushed, 0.0, loss / motor["no_load_speed"]))
+    return coulomb, viscous
 
 
 def peak(at: AtGearhead, coefficients: Array) -> Peak:

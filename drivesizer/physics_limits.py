@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drivesizer.checks import CheckColumn, at_least, at_most
 from drivesizer.choose import most_voltage
-from drivesizer.physics import SPEED, AtGearhead, Demands, Peak, peak
+from drivesizer.physics import SPEED, AtGearhead, Demands, Peak, friction, peak
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE, current_derating, steady_winding_temperature
 
@@ -144,7 +144,7 @@ def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]
 def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
     r"""What friction and iron lose at the housing, per speed of the gearhead's output and per square of it.
 
-    Brushed: :math:`k_t I_0 |w|`. Brushless: a loss that grows with the square of the speed and, with the copper's,
+    Brushed: the friction, :math:`k_t I_0 |w|` or the catalogue's own. Brushless: a loss that grows with the square of the speed and, with the copper's,
     warms the winding to its permitted temperature at the catalogue's nominal point in 25 degC; not below 0.
     """
     brushed = motor["kind"] == "brushed"
@@ -153,8 +153,8 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
     copper = motor["resistance"] * (1.0 + COPPER * rise) * motor["nominal_current"] ** 2
     left = (rise - (motor["thermal_resistance_winding"] + R_th2) * copper) / R_th2
     iron = np.maximum(left, 0.0) * (ratio / motor["nominal_speed"]) ** 2
-    friction = motor["torque_constant"] * motor["no_load_current"] * ratio
-    return np.where(brushed, friction, 0.0), np.where(brushed, 0.0, iron)
+    coulomb, viscous = friction(motor)
+    return np.where(brushed, coulomb * ratio, 0.0), np.where(brushed, viscous * ratio**2, iron)
 
 
 def heat(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: Any) -> Heat:
@@ -230,6 +230,14 @@ def volts_of(asked: Demands, k_t: Array, resistance: Array) -> Array:
     return c
 
 
+def _peak_torque(asked: Demands, under: Stress, motor: Any, needed: float) -> CheckColumn:
+    """The motor's torque against its permitted peak, where the maker limits it beside heat and speed."""
+    torque = under.current.value * motor["torque_constant"]
+    limit = np.where(np.isnan(motor["peak_torque"]), np.inf, motor["peak_torque"])
+    time = under.current.time
+    return at_most("motor_peak_torque", torque, limit, "torque", "mN*m", needed=needed, time=time)
+
+
 def electrical_limits(
     spec: RobotSpec, at: AtGearhead, asked: Demands, under: Stress, parts: Parts
 ) -> list[CheckColumn]:
@@ -239,6 +247,7 @@ def electrical_limits(
     usable = most_voltage(lowest, controller["max_duty"], controller["voltage_drop"], volts * (1.0 + speed))
     amps = ("current", "A")
     return [
+        _peak_torque(asked, under, parts.motor, torque),
         at_most("supply_voltage", volts, usable, "voltage", "V", needed=speed, time=under.voltage.time),
         at_most("controller_continuous_current", asked.rms_current, controller["continuous_current"], *amps,
                 needed=torque),

@@ -45,11 +45,14 @@ class Motor:
     nominal_voltage: float = _figure("voltage", "V")
     no_load_speed: float = _figure("rotary_speed", "rpm")
     no_load_current: float = _figure("current", "mA")
+    friction_torque: float = _figure("torque", "mN*m")  # at any speed, where the maker tells it apart
+    viscous_friction: float = _figure("damping", "N*m*s/rad")  # that grows with speed
     nominal_speed: float = _figure("rotary_speed", "rpm")
     nominal_torque: float = _figure("torque", "mN*m")
     nominal_current: float = _figure("current", "A")
     stall_torque: float = _figure("torque", "mN*m")
     stall_current: float = _figure("current", "A")
+    peak_torque: float = _figure("torque", "mN*m")  # permitted for a short time, where the maker limits it
     max_efficiency: float = _figure("dimensionless", "%")
     resistance: float = _figure("resistance", "ohm")  # terminal to terminal
     inductance: float = _figure("inductance", "mH")
