@@ -126,7 +126,8 @@ def _in_range(name: str, ambient: float, least: Any, most: Any) -> CheckColumn:
     column = at_most(name, ambient, limit, "temperature", "degC", zero=np.nan)
     bad = given & ((ambient < low) | (ambient > limit))
     return CheckColumn(
-        name=name, demand=column.demand, limit=np.where(np.isinf(limit), np.nan, limit), passed=given & ~bad,
+        name=name, demand=column.demand, limit=np.where(np.isnan(most) & np.isinf(limit), np.nan, limit),
+        passed=given & ~bad,
         failed=bad, kind="temperature", unit="degC", zero=np.nan,
     )  # fmt: skip
 
@@ -144,8 +145,9 @@ def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]
 def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
     r"""What friction and iron lose at the housing, per speed of the gearhead's output and per square of it.
 
-    Brushed: the friction, :math:`k_t I_0 |w|` or the catalogue's own. Brushless: a loss that grows with the square of the speed and, with the copper's,
-    warms the winding to its permitted temperature at the catalogue's nominal point in 25 degC; not below 0.
+    Brushed: the friction, :math:`k_t I_0 |w|` or the catalogue's own. Brushless: a loss that grows with the square of
+    the speed and, with the copper's, warms the winding to its permitted temperature at the catalogue's nominal point in
+    25 degC; not below 0.
     """
     brushed = motor["kind"] == "brushed"
     rise = motor["max_winding_temperature"] - DATA_TEMPERATURE

@@ -177,7 +177,8 @@ class DriveSet:
         """The set in a line: motor, gearhead, belt."""
         belt = f" + belt {self.belt_ratio:g}" if self.belt_ratio != 1.0 else ""
         gearhead = " ".join(filter(None, (self.gearhead.family, self.gearhead.reduction, self.gearhead.part)))
-        return f"{self.motor.family} {self.motor.part} + {gearhead}{belt}"
+        motor = f"{self.motor.family} {self.motor.part}"
+        return f"{motor} without gearhead{belt}" if self.gearhead.kind == "direct" else f"{motor} + {gearhead}{belt}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

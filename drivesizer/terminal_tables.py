@@ -12,7 +12,7 @@ from rich.rule import Rule
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.catalog import Catalog, columns_of
+from drivesizer.catalog import DIRECT, Catalog, columns_of
 from drivesizer.results import Check, DriveSet, Figure, Requirement
 from drivesizer.units import show
 
@@ -128,17 +128,26 @@ def parts(found: DriveSet, catalog: Catalog) -> Table:
         if part is None:
             table.add_row(name, Text("unknown", style="yellow"), "none is listed for this motor")
             continue
+        if found.gearhead.kind == DIRECT and name == "gearhead":
+            table.add_row(name, Text("none", style="bold"), "the motor drives the load itself")
+            _belt(table, found)
+            continue
         reduction = f" {part.reduction}" if name == "gearhead" else ""
         values = [(getattr(part, field), unit, kind, words) for field, unit, kind, words in facts]
         shown = [f"{show(v, unit, kind)} {words}".strip() for v, unit, kind, words in values if not isnan(v)]
         doubt = _doubt(catalog, f"{name}s", part.part)
         text = Text(" · ".join(shown)) + (Text(f"\n{doubt}", style="yellow") if doubt else Text(""))
         table.add_row(name, Text(f"{part.family}{reduction}", style="bold") + Text(f"\n{part.part}"), text)
-        if name == "gearhead" and found.belt_ratio != 1.0:
-            table.add_row(
-                "belt", f"{found.belt_ratio:g}", show(found.belt_efficiency, "%", "dimensionless") + " efficient"
-            )
+        if name == "gearhead":
+            _belt(table, found)
     return table
+
+
+def _belt(table: Table, found: DriveSet) -> None:
+    """The belt, where there is one."""
+    if found.belt_ratio != 1.0:
+        efficient = show(found.belt_efficiency, "%", "dimensionless") + " efficient"
+        table.add_row("belt", f"{found.belt_ratio:g}", efficient)
 
 
 def _doubt(catalog: Catalog, section: str, part: str) -> str:

@@ -13,14 +13,14 @@ from pathlib import Path
 
 from drivesizer import __version__
 from drivesizer.catalog.cache import CacheWarning, digest_of, folder, recall, store
-from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
+from drivesizer.catalog.parts import DIRECT, PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table, joined
 from drivesizer.errors import InputError, quoted
 from drivesizer.textfile import decoded, read_bytes
 
 __all__ = [
-    "PARTS", "CacheWarning", "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs", "Source",
-    "Table", "columns_of", "load", "shipped",
+    "DIRECT", "PARTS", "CacheWarning", "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs",
+    "Source", "Table", "columns_of", "load", "shipped",
 ]  # fmt: skip
 
 
@@ -40,7 +40,7 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     Parameters
     ----------
     names
-        Names of shipped catalogues, or paths of catalogue files.
+        Names of shipped catalogues, ``all`` for all of them, or paths of catalogue files.
     beside
         Folder from which relative paths count.
 
@@ -51,7 +51,9 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     CatalogError
         When a file is not what the schema asks for.
     """
-    paths = [_path(name, beside) for name in dict.fromkeys(names)]
+    known = list(shipped())
+    named = [each for name in names for each in (known if name == "all" else [name])]
+    paths = [_path(name, beside) for name in dict.fromkeys(named)]
     stems = [path.stem for path in paths]
     for stem in stems:
         if stems.count(stem) > 1:

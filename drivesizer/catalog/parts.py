@@ -8,10 +8,10 @@ derived from them. All figures are SI floats; NaN is *unknown*, and an empty tex
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from math import nan
+from math import inf, nan
 from typing import Any, NamedTuple
 
-__all__ = ["PARTS", "Column", "Controller", "Encoder", "Gearhead", "Motor", "columns_of"]
+__all__ = ["DIRECT", "NO_GEARHEAD", "PARTS", "Column", "Controller", "Encoder", "Gearhead", "Motor", "columns_of"]
 
 
 def _figure(kind: str, unit: str, *, least: float = 0.0) -> Any:
@@ -182,6 +182,15 @@ class Controller:
     mass: float = _figure("mass", "g")
     price: float = _figure("price", "EUR")
 
+
+DIRECT = "direct"  # the part that stands for no gearhead at all
+# What is not there weighs nothing and has no limit; infinity here is not an unknown figure but the lack of any limit.
+NO_GEARHEAD = Gearhead(
+    part=DIRECT, family=DIRECT, kind=DIRECT, reduction="1:1", ratio=1.0, stages=0.0, direction=1.0, efficiency=1.0,
+    continuous_torque=inf, intermittent_torque=inf, continuous_input_speed=inf, intermittent_input_speed=inf,
+    continuous_power=inf, intermittent_power=inf, max_radial_load=inf, max_axial_load=inf, temperature_min=0.0,
+    temperature_max=inf, backlash=0.0, inertia=0.0, diameter=0.0, length=0.0, mass=0.0, price=0.0,
+)  # fmt: skip
 
 PARTS: dict[str, type[Motor] | type[Gearhead] | type[Encoder] | type[Controller]] = {
     "motors": Motor,

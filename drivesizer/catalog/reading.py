@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.parts import PARTS, Column, columns_of
+from drivesizer.catalog.parts import DIRECT, NO_GEARHEAD, PARTS, Column, columns_of
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.units import scale, to_si
@@ -98,6 +98,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     _read_sources(reader, data["sources"])
     maker = _plain_text(reader, data["manufacturer"], ("manufacturer",))
     tables: dict[str, Any] = {s: _section(reader, s, data.get(s) or [], maker) for s in PARTS}
+    tables["gearheads"] = _with_direct(reader, tables["gearheads"], data.get("compatibility"))
     pairs = _relations(reader, tables, data.get("compatibility") or {})
     return Catalog(
         **tables,
@@ -163,6 +164,18 @@ def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any
     out = {p for note in reader.notes if note.section == section and note.exclude for p in note.parts}
     excluded = np.isin(columns["part"], sorted(out)) if out else np.zeros(len(columns["part"]), bool)
     return Table(section, columns, np.concatenate(source or [np.zeros(0, np.int32)]), excluded)
+
+
+def _with_direct(reader: _Reader, table: Table[Any], compatibility: Any) -> Table[Any]:
+    """The gearheads, and the lack of one where the file lists motors that drive the load themselves."""
+    groups = compatibility.get("motor_gearhead") if isinstance(compatibility, dict) else None
+    named = [g.get("gearheads") for g in groups if isinstance(g, dict)] if isinstance(groups, list) else []
+    if not any(isinstance(names, list) and DIRECT in names for names in named):
+        return table
+    reader.sources[DIRECT] = Source("no gearhead: the motor drives the load itself", "quoted")
+    columns = {name: np.append(table[name], getattr(NO_GEARHEAD, name)) for name in table.columns}
+    source = np.append(table.source, len(reader.sources) - 1).astype(np.int32)
+    return Table(table.section, columns, source, np.append(table.excluded, False))
 
 
 def _unknown(column: Column, count: int) -> NDArray[Any]:

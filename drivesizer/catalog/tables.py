@@ -10,7 +10,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
+from drivesizer.catalog.parts import DIRECT, PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 from drivesizer.errors import CatalogError, quoted
 
 __all__ = ["Catalog", "Note", "Pairs", "Source", "Table"]
@@ -120,14 +120,30 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
     _no_part_twice(catalogs)
     first_source = np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]
     tables = {name: _joined_tables([c.table(name) for c in catalogs], first_source) for name in PARTS}
+    gearheads = _joined_pairs(catalogs, "motor_gearhead", "gearheads", first_source)
+    tables["gearheads"], gearheads = _one_direct(tables["gearheads"], gearheads)
     return Catalog(
         **tables,
-        motor_gearhead=_joined_pairs(catalogs, "motor_gearhead", "gearheads", first_source),
+        motor_gearhead=gearheads,
         motor_encoder=_joined_pairs(catalogs, "motor_encoder", "encoders", first_source),
         sources=tuple(source for c in catalogs for source in c.sources),
         notes=tuple(note for c in catalogs for note in c.notes),
         digests={name: digest for c in catalogs for name, digest in c.digests.items()},
     )
+
+
+def _one_direct(gearheads: Table[Any], pairs: Pairs) -> tuple[Table[Any], Pairs]:
+    """The lack of a gearhead is the same in all catalogues: one row is left of it."""
+    rows = np.flatnonzero(gearheads["part"] == DIRECT)
+    if len(rows) < 2:
+        return gearheads, pairs
+    keep = np.ones(len(gearheads), bool)
+    keep[rows[1:]] = False
+    place = np.cumsum(keep, dtype=np.int32) - 1
+    place[rows] = place[rows[0]]
+    columns = {name: column[keep] for name, column in gearheads.columns.items()}
+    table = Table(gearheads.section, columns, gearheads.source[keep], gearheads.excluded[keep])
+    return table, Pairs(pairs.left, place[pairs.right], pairs.source)
 
 
 def _no_part_twice(catalogs: Sequence[Catalog]) -> None:
@@ -137,7 +153,7 @@ def _no_part_twice(catalogs: Sequence[Catalog]) -> None:
         name = ", ".join(catalog.digests)
         for section in PARTS:
             for part in catalog.table(section).rows:
-                if (section, part) in owner:
+                if (section, part) in owner and part != DIRECT:
                     first = owner[section, part]
                     raise CatalogError(f"part {quoted(part)} is in two catalogues: {first} and {name}")
                 owner[section, part] = name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from drivesizer.catalog import Catalog, Note, columns_of
+from drivesizer.catalog import DIRECT, Catalog, Note, columns_of
 from drivesizer.results import DriveSet
 from drivesizer.units import show
 
@@ -17,7 +17,11 @@ _ROLES = (("motor", "motors"), ("gearhead", "gearheads"), ("encoder", "encoders"
 def datasheets(drive_set: DriveSet, catalog: Catalog) -> list[dict[str, Any]]:
     """The known figures of each part of a set, those that are not quoted from a maker's document marked."""
     parts = ((role, section, getattr(drive_set, role)) for role, section in _ROLES)
-    return [_datasheet(role, section, part, catalog) for role, section, part in parts if part is not None]
+    return [
+        _datasheet(role, section, part, catalog)
+        for role, section, part in parts
+        if part is not None and part.part != DIRECT
+    ]
 
 
 def _datasheet(role: str, section: str, part: Any, catalog: Catalog) -> dict[str, Any]:

@@ -1,0 +1,81 @@
+"""A motor that drives the load itself: no gearhead, no limit of one, and the same physics at ratio 1."""
+
+import math
+
+import pytest
+
+from drivesizer.catalog import load
+from drivesizer.errors import CatalogError
+from drivesizer.sizing import size
+from drivesizer.spec import read_spec
+from drivesizer.yaml_source import YamlSource
+
+MOTORS = """
+catalog: 1
+manufacturer: NAME
+sources: {sheet: {document: a sheet, confidence: quoted}}
+motors:
+  - family: D
+    source: sheet
+    common: {kind: brushless, nominal_voltage: 24 V, pole_pairs: 7, max_winding_temperature: 155 degC,
+      ambient_min: -20 degC, ambient_max: 100 degC, max_speed: 3000 rpm}
+    columns: [part, no_load_speed (rpm), no_load_current (mA), nominal_speed (rpm), nominal_current (A),
+      resistance (ohm), torque_constant (mN*m/A), rotor_inertia (g*cm^2), thermal_resistance_winding (K/W),
+      thermal_resistance_housing (K/W), winding_time_constant (s), motor_time_constant (s), mass (g),
+      assigned_power (W)]
+    rows:
+      - [PART, 2200, 300, 1500, 6, 0.35, 98, 900, 1.1, 2.3, 25, 700, 420, 90]
+compatibility:
+  motor_gearhead:
+    - {source: sheet, motors: [D], gearheads: [direct]}
+"""
+FAN = """
+name: a fan on the shaft
+load: {kind: fan, inertia: 20 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}
+motion: {speed: 1200 rpm, acceleration_time: 2 s, cruise_time: 20 s}
+supply: {nominal: 24 V, regeneration: 0.4}
+select: {catalogs: [CATALOGS]}
+"""
+
+
+@pytest.fixture
+def direct(tmp_path):
+    for name in ("one", "two"):
+        text = MOTORS.replace("NAME", name).replace("PART", f"{name}-90")
+        (tmp_path / f"{name}.yaml").write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def test_the_motor_alone_is_a_set(direct):
+    spec = read_spec(YamlSource(FAN.replace("CATALOGS", f"{direct}/one.yaml, maxon"), "fan.yaml"))
+    result = size(spec, top=500)
+    found = next(s for s in result.sets if s.gearhead.kind == "direct")
+    assert found.label == "D one-90 without gearhead"
+    assert found.total_ratio == 1.0
+    assert not [c for c in found.checks if c.name.startswith("gearhead") and c.limit == math.inf]
+    speed = next(c for c in found.checks if c.name == "motor_speed")
+    assert speed.demand * 30 / math.pi == pytest.approx(1200, rel=1e-12)
+    torque = 0.3 * (1200 / 1500) ** 2 + 20e-4 * (1200 * math.pi / 30) / 2  # at the end of the ramp, by hand
+    rotor = 900e-7 * (1200 * math.pi / 30) / 2
+    friction = 98e-3 * 0.3 * 1200 / 2200  # a brushless motor's, growing with speed
+    peak = next(c for c in found.checks if c.name == "controller_peak_current").demand
+    assert peak == pytest.approx((torque + rotor + friction) / 98e-3, rel=1e-9)
+
+
+def test_two_catalogues_share_the_lack_of_a_gearhead(direct):
+    both = load([str(direct / "one.yaml"), str(direct / "two.yaml"), "maxon"])
+    rows = [n for n, part in enumerate(both.gearheads["part"]) if part == "direct"]
+    assert len(rows) == 1
+    pairs = [(str(both.motors["part"][m])) for m, g in zip(*both.motor_gearhead[:2], strict=True) if g == rows[0]]
+    assert pairs == ["one-90", "two-90"]
+    maxon = load(["maxon"])
+    assert len(both.motor_gearhead.left) == len(maxon.motor_gearhead.left) + 2
+    again = load([str(direct / "one.yaml"), str(direct / "two.yaml"), "maxon"])  # from the compiled files
+    assert again.motor_gearhead.right.tolist() == both.motor_gearhead.right.tolist()
+
+
+def test_direct_is_no_name_for_a_motor(direct):
+    path = direct / "one.yaml"
+    path.write_text(path.read_text(encoding="utf-8").replace("gearheads: [direct]", "gearheads: [direkt]"), "utf-8")
+    with pytest.raises(CatalogError, match=r"direkt.* is neither a family nor a part"):
+        load([str(path)])
