@@ -35,6 +35,10 @@ Top = Annotated[int, typer.Option(min=1, max=1000, help="How many sets to show."
 Chosen = Annotated[
     str | None, typer.Option("--set", metavar="MOTOR/GEARHEAD", help="Part numbers, e.g. 118752/406764; else the best.")
 ]
+More = Annotated[
+    list[str] | None,
+    typer.Option("--catalog", metavar="NAME_OR_FILE", help="A catalogue beside the spec's, e.g. my_parts.yaml or all."),
+]
 DEFAULT = Path("robot.yaml")
 _KINDS = (
     "wheeled_vehicle, conveyor, hoist, lead_screw, ball_screw, rack_pinion, rotary_table, arm, fan, flywheel, "
@@ -57,12 +61,18 @@ def _root(
     """Size electric drives out of real catalogues: one robot.yaml in, the drive and its proof out."""
 
 
-def _load(path: Path) -> Any:
+def _load(path: Path, more: list[str] | None = None) -> Any:
+    """The spec, with further catalogues; their paths count from the current folder."""
     from drivesizer.spec import load_spec
 
     if path == DEFAULT and not path.exists():
         raise InputError("robot.yaml: there is no such file here; `drivesizer init` writes one to start from")
-    return load_spec(path)
+    spec = load_spec(path)
+    if not more:
+        return spec
+    names = [str(Path(name).absolute()) if name.endswith((".yaml", ".yml")) else name for name in more]
+    select = spec.select.model_copy(update={"catalogs": list(dict.fromkeys([*spec.select.catalogs, *names]))})
+    return spec.model_copy(update={"select": select})
 
 
 def _tell(messages: tuple[str, ...]) -> None:
@@ -84,6 +94,7 @@ def size(
     csv: Annotated[Path | None, typer.Option(help="Also write the sets to this CSV file.")] = None,
     pdf: Annotated[Path | None, typer.Option(help="Also write the report to this PDF file.")] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only the drive, no derivation, no notes.")] = False,
+    catalogs: More = None,
 ) -> None:
     """Find the drive: requirements, the best sets, and why the rest fell."""
     from drivesizer.sizing import size as sized
@@ -174,11 +185,12 @@ def validate(
     chosen: Chosen = None,
     json: Json = False,
     csv: Annotated[Path | None, typer.Option(help="Also write the time series to this CSV file.")] = None,
+    catalogs: More = None,
 ) -> None:
     """Drive a set through the profile in closed loop: every demand against its limit."""
     from drivesizer.simulate import validate as validated
 
-    robot = _load(spec)
+    robot = _load(spec, catalogs)
     found = _pick(robot, chosen)
     proof = validated(robot, found, profile=profile)
     if csv:
@@ -229,12 +241,13 @@ def report(
         str | None,
         typer.Option(help="trapezoid, s-curve, or a CSV file of time and speed; else the spec's."),
     ] = None,
+    catalogs: More = None,
 ) -> None:
     """Write the report: PDF, or CSV tables."""
     from drivesizer.report import write
     from drivesizer.sizing import size as sized
 
-    result = sized(_load(spec), top=top)
+    result = sized(_load(spec, catalogs), top=top)
     for path in write(result, _proof(result, profile), output):
         typer.echo(path)
     raise typer.Exit(0 if result.sets else 1)
@@ -246,12 +259,13 @@ def explain(
     gearhead: Annotated[str, typer.Option(help="Part number of the gearhead.")],
     spec: Spec = DEFAULT,
     json: Json = False,
+    catalogs: More = None,
 ) -> None:
     """Show why one pair of motor and gearhead passes or fails, check by check."""
     from drivesizer.sizing import explain as explained
     from drivesizer.sizing import load_parts
 
-    robot = _load(spec)
+    robot = _load(spec, catalogs)
     catalog = load_parts(robot)
     sets = explained(robot, motor, gearhead, catalog=catalog)
     if json:

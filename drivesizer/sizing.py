@@ -88,7 +88,7 @@ def size(
         relaxations=() if sets else relaxations(spec, catalog),
         counts=found.counts,
         assumptions=_assumptions(spec),
-        warnings=_warnings(spec, sets),
+        warnings=(*_warnings(spec, sets), *catalog.replaced),
         unrestricted=_unrestricted(spec, catalog, objective),
         front=tuple(drive_set(found.evaluation, i, n, objective) for n, i in enumerate(found.front, 1)),
         pareto=pareto,

@@ -1,5 +1,6 @@
 """A motor that drives the load itself: no gearhead, no limit of one, and the same physics at ratio 1."""
 
+import json
 import math
 
 import pytest
@@ -79,3 +80,38 @@ def test_direct_is_no_name_for_a_motor(direct):
     path.write_text(path.read_text(encoding="utf-8").replace("gearheads: [direct]", "gearheads: [direkt]"), "utf-8")
     with pytest.raises(CatalogError, match=r"direkt.* is neither a family nor a part"):
         load([str(path)])
+
+
+def test_a_catalogue_of_ones_own_may_replace_parts(direct):
+    mine = (direct / "one.yaml").read_text(encoding="utf-8").replace("2.3, 25, 700", "1.9, 25, 700")
+    (direct / "mine.yaml").write_text(mine, encoding="utf-8")
+    names = [str(direct / name) for name in ("two.yaml", "one.yaml", "mine.yaml")]
+    with pytest.raises(CatalogError, match=r"one-90.* is in two catalogues: one and mine; `overrides: true`"):
+        load(names)
+    (direct / "mine.yaml").write_text(mine.replace("catalog: 1", "catalog: 1\noverrides: true"), encoding="utf-8")
+    for _ in range(2):  # read, and from the compiled files
+        both = load(names)
+        assert both.replaced == ("motor one-90: mine in place of one",)
+        assert both.motors["part"].tolist() == ["two-90", "one-90"]
+        assert both.motors.record(1).thermal_resistance_housing == 1.9
+        assert both.sources[both.motors.source[1]].document == "a sheet"
+        pairs = list(zip(both.motor_gearhead.left.tolist(), both.motor_gearhead.right.tolist(), strict=True))
+        assert pairs == [(0, 0), (1, 0)]
+    spec = read_spec(YamlSource(FAN.replace("CATALOGS", ", ".join(names)), "fan.yaml"))
+    assert "motor one-90: mine in place of one" in size(spec).warnings
+
+
+def test_a_catalogue_may_be_named_at_the_command_line(direct, monkeypatch, capsys):
+    from drivesizer import cli
+
+    (direct / "fan.yaml").write_text(
+        FAN.replace("[CATALOGS]", "[two.yaml, maxon], gearhead: {part: direct}"), encoding="utf-8"
+    )
+    monkeypatch.chdir(direct)
+    for more, parts in (([], {"two-90"}), (["--catalog", "one.yaml"], {"one-90", "two-90"})):
+        monkeypatch.setattr("sys.argv", ["drivesizer", "size", "fan.yaml", "--json", *more])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        assert end.value.code == 0
+        document = json.loads(capsys.readouterr().out)
+        assert {s["motor"]["part"] for s in document["sets"]} == parts

@@ -107,6 +107,7 @@ def _catalogue(path: Path) -> tuple[str, str]:
 def _packed(catalog: Catalog) -> dict[str, NDArray[Any]]:
     arrays: dict[str, NDArray[Any]] = {}
     texts: dict[str, Any] = {"sources": catalog.sources, "notes": catalog.notes, "digests": dict(catalog.digests)}
+    texts["overrides"] = catalog.overrides
     for section in PARTS:
         table, schema = catalog.table(section), columns_of(section)
         figures = [name for name, column in schema.items() if column.kind != "text"]
@@ -136,4 +137,5 @@ def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
         sources=tuple(Source(*s) for s in texts["sources"]),
         notes=tuple(Note(n[0], tuple(n[1]), tuple(n[2]), *n[3:]) for n in texts["notes"]),
         digests=texts["digests"],
+        overrides=texts["overrides"],
     )

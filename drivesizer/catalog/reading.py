@@ -24,7 +24,7 @@ from drivesizer.yaml_source import Path_, YamlSource
 __all__ = ["SCHEMA", "parse"]
 
 SCHEMA = 1
-_TOP = {"catalog", "manufacturer", "sources", *PARTS, "compatibility"}
+_TOP = {"catalog", "manufacturer", "overrides", "sources", *PARTS, "compatibility"}
 _TABLE = {"family", "source", "common", "columns", "rows", "notes"}
 _NOTE = {"parts", "fields", "text", "confidence", "source", "exclude", "accepted"}
 _SOURCE = {"document", "date", "confidence", "url"}
@@ -107,6 +107,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
         sources=tuple(reader.sources.values()),
         notes=tuple(reader.notes),
         digests={name: digest},
+        overrides=_flag(reader, data.get("overrides", False), ("overrides",)),
     )
 
 
@@ -119,6 +120,12 @@ def _read_sources(reader: _Reader, given: Any) -> None:
         _known_confidence(reader, entry["confidence"], path)
         texts = {k: _plain_text(reader, v, (*path, k)) for k, v in entry.items()}
         reader.sources[key] = Source(**texts)
+
+
+def _flag(reader: _Reader, value: Any, path: Path_) -> bool:
+    if not isinstance(value, bool):
+        raise reader.fail(path, f"{quoted(value)} is not true or false")
+    return value
 
 
 def _known_confidence(reader: _Reader, value: Any, path: Path_) -> str:
@@ -315,8 +322,7 @@ def _read_notes(
             reader.source_number(note["source"], (*at, "source"))
         texts = {key: _plain_text(reader, note.get(key), (*at, key)) for key in ("text", "confidence", "source")}
         for key in ("exclude", "accepted"):
-            if not isinstance(note.get(key, False), bool):
-                raise reader.fail((*at, key), f"{quoted(note[key])} is not true or false")
+            _flag(reader, note.get(key, False), (*at, key))
         flags = {key: note.get(key, False) for key in ("exclude", "accepted")}
         if texts["source"]:
             texts["source"] = reader.sources[texts["source"]].document

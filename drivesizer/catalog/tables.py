@@ -87,6 +87,8 @@ class Catalog:
     sources: tuple[Source, ...]
     notes: tuple[Note, ...]
     digests: Mapping[str, str]  # catalogue name -> digest of its file, so that a result can be traced
+    overrides: bool = False  # its parts count before those of the catalogues named before it
+    replaced: tuple[str, ...] = ()  # parts that an overriding catalogue gives in place of another, in words
 
     def table(self, section: str) -> Table[Any]:
         """The table of a section, such as ``motors``."""
@@ -114,49 +116,85 @@ def _is_known(value: Any, kind: str) -> bool:
 
 
 def joined(catalogs: Sequence[Catalog]) -> Catalog:
-    """Several catalogues as one."""
+    """Several catalogues as one.
+
+    Raises
+    ------
+    CatalogError
+        When a part is in two of them and the later one does not say that it overrides.
+    """
     if len(catalogs) == 1:
         return catalogs[0]
-    _no_part_twice(catalogs)
+    replaced = _replaced(catalogs)
     first_source = np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]
     tables = {name: _joined_tables([c.table(name) for c in catalogs], first_source) for name in PARTS}
-    gearheads = _joined_pairs(catalogs, "motor_gearhead", "gearheads", first_source)
-    tables["gearheads"], gearheads = _one_direct(tables["gearheads"], gearheads)
+    places = {name: _places(table) for name, table in tables.items()}
+    pairs = {
+        right: _moved(
+            _joined_pairs(catalogs, f"motor_{right[:-1]}", right, first_source), places["motors"], places[right]
+        )
+        for right in ("gearheads", "encoders")
+    }
     return Catalog(
-        **tables,
-        motor_gearhead=gearheads,
-        motor_encoder=_joined_pairs(catalogs, "motor_encoder", "encoders", first_source),
+        **left,
+        motor_gearhead=pairs["gearheads"],
+        motor_encoder=pairs["encoders"],
         sources=tuple(source for c in catalogs for source in c.sources),
         notes=tuple(note for c in catalogs for note in c.notes),
         digests={name: digest for c in catalogs for name, digest in c.digests.items()},
+        replaced=replaced,
     )
 
 
-def _one_direct(gearheads: Table[Any], pairs: Pairs) -> tuple[Table[Any], Pairs]:
-    """The lack of a gearhead is the same in all catalogues: one row is left of it."""
-    rows = np.flatnonzero(gearheads["part"] == DIRECT)
-    if len(rows) < 2:
-        return gearheads, pairs
-    keep = np.ones(len(gearheads), bool)
-    keep[rows[1:]] = False
-    place = np.cumsum(keep, dtype=np.int32) - 1
-    place[rows] = place[rows[0]]
-    columns = {name: column[keep] for name, column in gearheads.columns.items()}
-    table = Table(gearheads.section, columns, gearheads.source[keep], gearheads.excluded[keep])
-    return table, Pairs(pairs.left, place[pairs.right], pairs.source)
-
-
-def _no_part_twice(catalogs: Sequence[Catalog]) -> None:
-    """Refuse a part that two catalogues give: which one counts would depend on their order."""
+def _replaced(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
+    """What is in two catalogues; refused where the later one does not mean to replace it."""
     owner: dict[tuple[str, str], str] = {}
+    said = []
     for catalog in catalogs:
         name = ", ".join(catalog.digests)
         for section in PARTS:
             for part in catalog.table(section).rows:
-                if (section, part) in owner and part != DIRECT:
-                    first = owner[section, part]
-                    raise CatalogError(f"part {quoted(part)} is in two catalogues: {first} and {name}")
-                owner[section, part] = name
+                first = owner.setdefault((section, part), name)
+                if first == name or part == DIRECT:
+                    continue
+                if not catalog.overrides:
+                    raise CatalogError(
+                        f"part {quoted(part)} is in two catalogues: {first} and {name}; "
+                        "`overrides: true` in the second makes its row count"
+                    )
+                said.append(f"{section[:-1]} {part}: {name} in place of {first}")
+    return tuple(said)
+
+
+def _places(table: Table[Any]) -> NDArray[np.int32]:
+    """Where each row goes when of rows with the same part number the last is left."""
+    _, last = np.unique(table["part"][::-1], return_index=True)
+    keep = np.zeros(len(table), bool)
+    keep[len(table) - 1 - last] = True
+    if keep.all():
+        return np.arange(len(table), dtype=np.int32)
+    place = np.cumsum(keep, dtype=np.int32) - 1
+    of_part = {str(table["part"][row]): place[row] for row in np.flatnonzero(keep)}
+    again = np.flatnonzero(~keep)
+    place[again] = [of_part[str(table["part"][row])] for row in again]
+    return place
+
+
+def _kept(table: Table[Any], place: NDArray[np.int32]) -> Table[Any]:
+    """The rows that are left: of those that go to one place, the last."""
+    if not len(place) or place[-1] == len(place) - 1:
+        return table
+    rows = np.empty(place.max() + 1, np.int64)
+    rows[place] = np.arange(len(place))  # the last assignment stands
+    columns = {name: column[rows] for name, column in table.columns.items()}
+    return Table(table.section, columns, table.source[rows], table.excluded[rows])
+
+
+def _moved(pairs: Pairs, left: NDArray[np.int32], right: NDArray[np.int32]) -> Pairs:
+    """Pairs by the rows that are left, each once with the first source that states it."""
+    moved = left[pairs.left], right[pairs.right]
+    _, first = np.unique(moved[0].astype(np.int64) << 32 | moved[1].astype(np.int64), return_index=True)
+    return Pairs(moved[0][first], moved[1][first], pairs.source[first])
 
 
 def _joined_tables(tables: Sequence[Table[Any]], first_source: NDArray[Any]) -> Table[Any]:
