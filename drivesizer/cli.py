@@ -17,6 +17,7 @@ from typing import Annotated, Any
 import typer
 
 from drivesizer import __version__
+from drivesizer.catalog_cli import app as catalog_commands
 from drivesizer.errors import DrivesizerError, InputError, quoted
 
 __all__ = ["app", "main"]
@@ -100,7 +101,9 @@ def size(
     from drivesizer.sizing import size as sized
 
     with _progress() as progress:
-        result = sized(_load(spec), top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=progress)
+        result = sized(
+            _load(spec, catalogs), top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=progress
+        )
     if csv:
         from drivesizer.report import write_sets
 
@@ -332,6 +335,8 @@ def schema() -> None:
 
     typer.echo(json.dumps(RobotSpec.model_json_schema(), indent=2, ensure_ascii=False))
 
+
+app.add_typer(catalog_commands, name="catalog")
 
 # typer brings its own click or uses the installed one; this is that click's root of what a user can get wrong.
 _Usage: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")

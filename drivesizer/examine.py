@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -123,9 +124,26 @@ def examine(
     listed = fits("compatibility", True, sets.listed[sieve.rows])
     parts = _narrowed(parts, sieve.through([listed, *size_limits(given.spec, motor, gearhead)]))
     cases = [_moving(spec, at, parts) for spec, at in zip(given.specs, ats, strict=True)]
-    keep = sieve.through(_each(given, lambda k: moving_limits(given.specs[k], ats[k], *cases[k], parts)))
+    keep = sieve.through(
+        _each(given, lambda k: _doubted(moving_limits(given.specs[k], ats[k], *cases[k], parts), cases[k]))
+    )
     cases, parts = [_kept(case, keep) for case in cases], _narrowed(parts, keep)
     return _powered(given, ats, cases, parts, sieve, exact)
+
+
+_OF_THE_CURRENT = {
+    "motor_nominal_current", "winding_temperature", "inertia_ratio", "first_resonance", "motor_peak_torque",
+    "supply_voltage", "controller_continuous_current", "controller_peak_current", "controller_peak_time",
+    "supply_current", "supply_power", "bus_voltage",
+}  # fmt: skip
+
+
+def _doubted(checks: list[CheckColumn], case: _Moving) -> list[CheckColumn]:
+    """The checks, of which those that hang on an unknown inertia may fail but not pass."""
+    sure = case.asked.sure
+    if sure.all():
+        return checks
+    return [replace(c, passed=c.passed & sure) if c.name in _OF_THE_CURRENT else c for c in checks]
 
 
 def _narrowed(parts: Parts, keep: NDArray[np.bool_] | None) -> Parts:
@@ -209,11 +227,14 @@ def _last(
     exact: bool,
 ) -> _Found:
     """The electrical limits, and those of the waveform by bounds or exactly."""
-    electrical = _each(given, lambda k: electrical_limits(given.specs[k], ats[k], cases[k].asked, under[k], parts))
+    electrical = _each(
+        given,
+        lambda k: _doubted(electrical_limits(given.specs[k], ats[k], cases[k].asked, under[k], parts), cases[k]),
+    )
     dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in electrical])
     args = [(s, at, *c, u, parts) for s, at, c, u in zip(given.specs, ats, cases, under, strict=True)]
     found = [wave.exact(*a) if exact else _by_bounds(*a, ~dead) for a in args]
-    checks = _each(given, lambda k: wave.waveform_limits(given.specs[k], found[k], parts))
+    checks = _each(given, lambda k: _doubted(wave.waveform_limits(given.specs[k], found[k], parts), cases[k]))
     return _Found([*electrical, *checks], dead, _figures(given, found, under, cases))
 
 

@@ -116,6 +116,7 @@ class Demands(NamedTuple):
     peak_speed: Array  # rad/s
     coefficients: Array  # (candidates, 6): motor torque from the functions
     total_ratio: Array  # of the gearhead
+    sure: NDArray[np.bool_]  # False: the gearhead's inertia is unknown, and more of it would ask for more
 
 
 class Peak(NamedTuple):
@@ -211,8 +212,9 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     at
         The load cycle at the gearhead's output.
     motor, gearhead, encoder
-        Figures of the candidates' parts by field name: columns. An unknown inertia of the gearhead makes the
-        demands unknown; that of an encoder, thousands of times smaller than the load's, is then left out.
+        Figures of the candidates' parts by field name: columns. An unknown inertia of the gearhead is left out
+        where more of it could only ask for more, and the demands are then least ones; else they are unknown. That of an
+        encoder, thousands of times smaller than the load's, is left out.
 
     Notes
     -----
@@ -224,11 +226,15 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     c[:, DRIVING] = 1 / (i * e)
     c[:, BRAKING] = e / i
     c[:, AT_REST] = 1 / i
-    c[:, ACCELERATION] = (motor["rotor_inertia"] + gearhead["inertia"] + np.nan_to_num(encoder["inertia"])) * i
+    sure = ~np.isnan(gearhead["inertia"])
+    known = np.nan_to_num(gearhead["inertia"]) + np.nan_to_num(encoder["inertia"])
+    c[:, ACCELERATION] = (motor["rotor_inertia"] + known) * i
     c[:, DIRECTION] = coulomb
     c[:, SPEED] = viscous * i
-    rms_torque = np.sqrt(np.maximum(((c @ at.moments) * c).sum(1), 0.0))
-    return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i)
+    slope = c @ at.moments  # of the mean square, by each coefficient
+    c[~sure & (slope[:, ACCELERATION] < 0.0), ACCELERATION] = np.nan
+    rms_torque = np.sqrt(np.maximum((slope * c).sum(1), 0.0))
+    return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, sure)
 
 
 def friction(motor: Any) -> tuple[Array, Array]:

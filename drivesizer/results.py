@@ -176,7 +176,8 @@ class DriveSet:
     def label(self) -> str:
         """The set in a line: motor, gearhead, belt."""
         belt = f" + belt {self.belt_ratio:g}" if self.belt_ratio != 1.0 else ""
-        gearhead = " ".join(filter(None, (self.gearhead.family, self.gearhead.reduction, self.gearhead.part)))
+        names = self.gearhead.family, self.gearhead.reduction, self.gearhead.part
+        gearhead = names[2] if names[2].startswith(names[0]) else " ".join(filter(None, names))  # its part may tell all
         motor = f"{self.motor.family} {self.motor.part}"
         return f"{motor} without gearhead{belt}" if self.gearhead.kind == "direct" else f"{motor} + {gearhead}{belt}"
 

@@ -173,7 +173,7 @@ def _warnings(spec: RobotSpec, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     if missing:
         said.append(f"unknown for the best set: {', '.join(missing)}")
     figures = {figure.name: figure for figure in best.figures}
-    if figures and figures["current_limit"].value < figures["peak_current"].value:
+    if "current_limit" in figures and figures["current_limit"].value < figures["peak_current"].value:
         both = figures["current_limit"].text, figures["peak_current"].text
         said.append(f"the current limit that protects the gearhead at a jam is {both[0]}, the cycle takes {both[1]}")
     if spec.method == "paper" and best.motor.nominal_voltage > spec.supply.highest:

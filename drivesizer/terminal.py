@@ -181,7 +181,7 @@ def _front(result: SizingResult) -> Table:
 def _tally(console: Console, result: SizingResult) -> None:
     counts = result.counts
     console.print(
-        f"{counts.considered:,} sets considered, {counts.feasible:,} stand{'s' if counts.feasible == 1 else ''}.",
+        f"{counts.considered:,} set{'' if counts.considered == 1 else 's'} considered, {counts.feasible:,} stand{'s' if counts.feasible == 1 else ''}.",
         end="",
     )
     if counts.failed_by:

@@ -330,7 +330,7 @@ def test_two_files_of_one_name(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("maxom", 'no catalogue is called "maxom"; expected maxon'),
+        ("maxom", 'no catalogue is called "maxom"; expected allied_motion, '),
         ("absent.yaml", "absent.yaml: cannot be read (no such file or directory)"),
     ],
 )

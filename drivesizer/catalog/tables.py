@@ -129,12 +129,11 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
     first_source = np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]
     tables = {name: _joined_tables([c.table(name) for c in catalogs], first_source) for name in PARTS}
     places = {name: _places(table) for name, table in tables.items()}
-    pairs = {
-        right: _moved(
-            _joined_pairs(catalogs, f"motor_{right[:-1]}", right, first_source), places["motors"], places[right]
-        )
-        for right in ("gearheads", "encoders")
-    }
+    pairs = {}
+    for right in ("gearheads", "encoders"):
+        listed = _joined_pairs(catalogs, f"motor_{right[:-1]}", right, first_source)
+        pairs[right] = _moved(listed, places["motors"], places[right])
+    left: dict[str, Any] = {name: _kept(table, places[name]) for name, table in tables.items()}
     return Catalog(
         **left,
         motor_gearhead=pairs["gearheads"],

@@ -1,0 +1,91 @@
+"""A part by its number, a text anywhere in numbers and names, and what a catalogue says of one part."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+from drivesizer.catalog import DIRECT, PARTS, Source
+from drivesizer.catalog.query import OPTIONS, Hit, Shelf, every
+from drivesizer.errors import InputError, nearest, quoted
+
+__all__ = ["families", "find", "look", "origins", "partners"]
+
+_RELATIONS = (("motors", "gearheads", "motor_gearhead"), ("motors", "encoders", "motor_encoder"))
+
+
+def find(shelf: Shelf, part: str) -> list[Hit]:
+    """The parts with a number, in whatever section or catalogue.
+
+    Raises
+    ------
+    InputError
+        When there is none: the nearest numbers, or that it is a family's name.
+    """
+    found = [
+        Hit(name, catalog, section, catalog.table(section).rows[part])
+        for name, catalog in shelf.items()
+        for section in PARTS
+        if part in catalog.table(section).rows
+    ]
+    if found and part != DIRECT:
+        return found
+    for section, names in families(shelf).items():
+        if part in names:
+            raise InputError(
+                f"{quoted(part)} is a family of {section}; `drivesizer catalog list {section} --family '{part}'` "
+                "lists its parts"
+            )
+    raise InputError(f"{quoted(part)} is in no catalogue{nearest(part, (hit.part for hit in every(shelf)))}")
+
+
+def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[Hit]]], list[Hit]]:
+    """Families whose name or kind contains a text, by section, and parts whose number does."""
+    piece = text.strip().casefold()
+
+    def there(words: Iterable[str]) -> bool:
+        return any(piece in word.casefold() for word in words)
+
+    groups = {
+        section: {name: hits for name, hits in names.items() if there({name, *(h[_kind(h)] for h in hits)})}
+        for section, names in families(shelf).items()
+    }
+    return groups, [hit for hit in every(shelf) if there([hit.part])]
+
+
+def _kind(hit: Hit) -> str:
+    return OPTIONS["kind"][hit.section]
+
+
+def families(shelf: Shelf) -> dict[str, dict[str, list[Hit]]]:
+    """The parts of each family, by section and name."""
+    found: dict[str, dict[str, list[Hit]]] = {section: {} for section in PARTS}
+    for hit in every(shelf):
+        found[hit.section].setdefault(hit["family"], []).append(hit)
+    return found
+
+
+def partners(hit: Hit) -> dict[str, dict[str, int]]:
+    """How many parts of each family go with a part, by section; only sections that its catalogue pairs it with."""
+    found: dict[str, dict[str, int]] = {}
+    for left, right, relation in _RELATIONS:
+        if hit.section not in (left, right):
+            continue
+        other = right if hit.section == left else left
+        pairs = getattr(hit.catalog, relation)
+        own, others = (pairs.left, pairs.right) if hit.section == left else (pairs.right, pairs.left)
+        names = hit.catalog.table(other)["family"][others[own == hit.row]]
+        found[other] = dict(Counter(sorted(names.tolist())))
+    return found
+
+
+def origins(hit: Hit) -> dict[str, Source]:
+    """Where each known figure of a part comes from: its table's source, or that of a note on it."""
+    base = hit.catalog.sources[hit.table.source[hit.row]]
+    sure = hit.catalog.confidence(hit.section, hit.row)
+    by_document = {source.document: source for source in hit.catalog.sources}
+    found = dict.fromkeys(sure, base)
+    for note in hit.catalog.notes_on(hit.section, hit.part):
+        if note.source:
+            found |= {name: by_document.get(note.source, base) for name in (note.fields or sure) if name in sure}
+    return {name: source._replace(confidence=sure[name]) for name, source in found.items()}

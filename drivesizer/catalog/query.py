@@ -1,0 +1,248 @@
+"""Questions to catalogues: which parts meet some conditions.
+
+Catalogues are asked one by one and not joined, so that every part keeps the name of the catalogue it is from. An
+unknown figure neither meets a condition nor fails it; such parts are counted apart.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import DIRECT, PARTS, Catalog, Table, columns_of, load, shipped
+from drivesizer.catalog.parts import Column
+from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.units import to_si
+
+__all__ = [
+    "OPTIONS", "Condition", "Hit", "Selection", "Shelf", "conditions", "every", "has", "name_of", "open_all", "option",
+    "select", "where",
+]  # fmt: skip
+
+Shelf = Mapping[str, Catalog]  # catalogues by name
+
+_SIGNS: dict[str, Callable[[Any, Any], Any]] = {
+    "<=": operator.le, ">=": operator.ge, "!=": operator.ne, "==": operator.eq, "<": operator.lt, ">": operator.gt,
+    "=": operator.eq,
+}  # fmt: skip
+_CONDITION = re.compile(r"\s*([A-Za-z][\w -]*?)\s*(<=|>=|!=|==|<|>|=)\s*(.*?)\s*", re.DOTALL)
+_OPTION = re.compile(r"\s*(<=|>=|!=|==|<|>|=)?\s*(.*?)\s*", re.DOTALL)
+
+# Options of the command line: the column that each asks in a section. A controller serves a range of voltages.
+OPTIONS: dict[str, dict[str, str]] = {
+    "family": dict.fromkeys(PARTS, "family"),
+    "voltage": {"motors": "nominal_voltage", "controllers": "supply_min supply_max"},
+    "diameter": dict.fromkeys(("motors", "gearheads", "encoders"), "diameter"),
+    "power": {"motors": "assigned_power", "gearheads": "continuous_power"},
+    "kind": {"motors": "kind", "gearheads": "kind", "encoders": "kind", "controllers": "drives"},
+}
+
+
+class Condition(NamedTuple):
+    """What a column must be: a figure in SI, or a text in which ``*`` stands for anything."""
+
+    column: Column
+    sign: str
+    value: float | str
+
+    def met(self, values: NDArray[Any]) -> NDArray[np.bool_]:
+        """Which of a column's values are as asked for; an unknown one is not."""
+        if isinstance(self.value, str):
+            pattern = re.compile(re.escape(self.value).replace(r"\*", ".*"), re.IGNORECASE | re.DOTALL)
+            both = "both" if self.column.name == "drives" else None
+            same = np.array([bool(pattern.fullmatch(v)) or v == both for v in values.tolist()], bool)
+            return same if self.sign in ("=", "==") else np.asarray(~same & (values != ""), bool)
+        near: NDArray[np.bool_] = np.isclose(values, self.value, rtol=1e-9, atol=0.0)
+        if self.sign in ("=", "=="):
+            return near
+        found: NDArray[np.bool_] = _SIGNS[self.sign](values, self.value) & ~np.isnan(values)
+        return found | near if self.sign in ("<=", ">=") else found & ~near
+
+    def unknown(self, values: NDArray[Any]) -> NDArray[np.bool_]:
+        """Which of a column's values are not known."""
+        return np.asarray(values == "" if isinstance(self.value, str) else np.isnan(values), bool)
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """A part where it stands."""
+
+    catalogue: str
+    catalog: Catalog
+    section: str
+    row: int
+
+    @property
+    def table(self) -> Table[Any]:
+        """The part's table."""
+        return self.catalog.table(self.section)
+
+    @property
+    def part(self) -> str:
+        """The part number."""
+        return str(self["part"])
+
+    def __getitem__(self, name: str) -> Any:
+        """A figure in SI or a text, by its column."""
+        return self.table[name][self.row].item()
+
+
+class Selection(NamedTuple):
+    """The parts that meet all conditions, and how many may: none of their known figures says no."""
+
+    hits: list[Hit]
+    undecided: int
+    excluded: int  # would be among the hits, but the catalogue itself does not offer them
+
+
+def open_all(names: Iterable[str] = ()) -> dict[str, Catalog]:
+    """Catalogues by name, those that ship when none is given.
+
+    Raises
+    ------
+    InputError
+        When one is neither shipped nor a readable catalogue file, or two have one name.
+    """
+    found: dict[str, Catalog] = {}
+    for given in dict.fromkeys(names or shipped()):
+        catalog = load([given])
+        name = ", ".join(catalog.digests)
+        if name in found:
+            raise InputError(f"two catalogues are called {quoted(name)}; rename one of the files")
+        found[name] = catalog
+    return found
+
+
+def every(shelf: Shelf, sections: Iterable[str] = PARTS) -> Iterator[Hit]:
+    """All parts of some sections; the lack of a gearhead is none."""
+    for section in sections:
+        for name, catalog in shelf.items():
+            parts = catalog.table(section)["part"].tolist()
+            yield from (Hit(name, catalog, section, row) for row, part in enumerate(parts) if part != DIRECT)
+
+
+def where(section: str, text: str) -> Condition:
+    """A condition such as ``max_speed>=8000 rpm`` on a section's column.
+
+    Raises
+    ------
+    InputError
+        When it names no column of the section, or its value is not one of the column's kind.
+
+    >>> where("motors", "max speed >= 3000 rpm").value
+    314.1592653589793
+    """
+    match = _CONDITION.fullmatch(text)
+    if match is None:
+        raise InputError(f"--where: {quoted(text)} is not a condition; expected e.g. 'max_speed>=8000 rpm'")
+    return _condition(section, _column_name(match[1]), match[2], match[3], "--where")
+
+
+def name_of(text: str) -> str:
+    """The column that a condition names; empty when it is none."""
+    match = _CONDITION.fullmatch(text)
+    return _column_name(match[1]) if match else ""
+
+
+def _column_name(text: str) -> str:
+    return re.sub(r"[ -]+", "_", text.strip())
+
+
+def has(section: str, given: Iterable[str], sort: str = "") -> bool:
+    """Whether a section has all columns that conditions and sorting name."""
+    names = {_column_name(sort.removeprefix("-")), *map(name_of, given)} - {""}
+    return names <= set(columns_of(section))
+
+
+def option(section: str, name: str, text: str) -> list[Condition] | None:
+    """The conditions that an option such as ``--diameter '<=26 mm'`` means; None where the section has no such figure.
+
+    >>> [(c.column.name, c.sign) for c in option("controllers", "voltage", "24 V") or ()]
+    [('supply_min', '<='), ('supply_max', '>=')]
+    """
+    if section not in OPTIONS[name]:
+        return None
+    match = _OPTION.fullmatch(text)
+    sign, value = (match[1] or "=", match[2]) if match else ("=", text)
+    columns = OPTIONS[name][section].split()
+    if len(columns) == 1:
+        return [_condition(section, columns[0], sign, value, f"--{name}")]
+    signs = {"=": ("<=", ">="), "==": ("<=", ">=")}.get(sign, (sign, ""))
+    if sign.startswith(">"):
+        signs = ("", sign)
+    return [_condition(section, c, s, value, f"--{name}") for c, s in zip(columns, signs, strict=True) if s]
+
+
+def _condition(section: str, name: str, sign: str, text: str, said: str) -> Condition:
+    columns = columns_of(section)
+    if name not in columns:
+        raise InputError(f"{said}: {section} have no column {quoted(name)}{nearest(name, columns)}")
+    column = columns[name]
+    if column.kind == "text":
+        if sign not in ("=", "==", "!=") or not text:
+            raise InputError(f"{said}: {name} is text; expected = or != and a text, in which * stands for anything")
+        return Condition(column, sign, text)
+    try:
+        return Condition(column, sign, to_si(text, column.kind))
+    except InputError as error:
+        raise InputError(f"{said}: {name}: {error}") from None
+
+
+def conditions(section: str, options: Mapping[str, str | None], given: Sequence[str]) -> list[Condition] | None:
+    """All conditions on a section; None when it lacks a figure that an option asks for."""
+    found: list[Condition] = []
+    for name, text in options.items():
+        asked = [] if text is None else option(section, name, text)
+        if asked is None:
+            return None
+        found += asked
+    return found + [where(section, text) for text in given]
+
+
+def select(
+    shelf: Shelf,
+    section: str,
+    asked: Sequence[Condition],
+    *,
+    sort: str = "",
+    excluded: bool = False,
+) -> Selection:
+    """The parts of a section that meet all conditions, sorted by a column; unknown figures come last.
+
+    A minus before the column's name puts the largest first.
+    """
+    hits: list[Hit] = []
+    undecided = left_out = 0
+    for name, catalog in shelf.items():
+        table = catalog.table(section)
+        met, open_ = (np.array(table["part"] != DIRECT, bool) for _ in range(2))
+        for one in asked:
+            met &= one.met(table[one.column.name])
+            open_ &= one.met(table[one.column.name]) | one.unknown(table[one.column.name])
+        offered = np.ones(len(table), bool) if excluded else ~table.excluded
+        left_out += int((met & ~offered).sum())
+        undecided += int((open_ & ~met & offered).sum())
+        hits += [Hit(name, catalog, section, int(row)) for row in np.flatnonzero(met & offered)]
+    return Selection(_sorted(hits, section, sort), undecided, left_out)
+
+
+def _sorted(hits: list[Hit], section: str, name: str) -> list[Hit]:
+    if not name:
+        return hits
+    column = columns_of(section).get(_column_name(name.removeprefix("-")))
+    if column is None:
+        raise InputError(f"--sort: {section} have no column {quoted(name)}{nearest(name, columns_of(section))}")
+    known = [hit for hit in hits if not _missing(hit[column.name])]
+    unknown = [hit for hit in hits if _missing(hit[column.name])]
+    return sorted(known, key=lambda hit: hit[column.name], reverse=name.startswith("-")) + unknown
+
+
+def _missing(value: Any) -> bool:
+    return value == "" if isinstance(value, str) else math.isnan(value)

@@ -1,0 +1,111 @@
+"""On the terminal: how complete catalogues are, what does not fit in them, and what an import read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isnan
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
+
+from drivesizer.catalog import PARTS, Catalog, columns_of
+from drivesizer.catalog.check import Finding
+from drivesizer.catalog.coverage import LEVELS, coverage, pairs_of
+from drivesizer.catalog.taking import Taken
+from drivesizer.terminal_catalog import counted
+from drivesizer.terminal_tables import bare, console, heading
+from drivesizer.units import show
+
+__all__ = ["findings", "statistics", "taken"]
+
+
+def statistics(shelf: Mapping[str, Catalog]) -> None:
+    """How complete each catalogue is, section by section, and how sure its figures are."""
+    out = console()
+    for name, catalog in shelf.items():
+        heading(out, name, ", ".join(f"{count} pairs of {what}" for what, count in pairs_of(catalog).items() if count))
+        table = bare(("", "left"), ("parts", "right"), ("families", "right"), *((level, "right") for level in LEVELS))
+        for section in PARTS:
+            found = coverage(catalog, section)
+            total = sum(found.sure.values())
+            shares = (_share(found.sure[level], total) for level in LEVELS)
+            table.add_row(section, str(found.parts), str(found.families), *shares)
+        out.print(table)
+    for section in PARTS:
+        _completeness(out, shelf, section)
+
+
+def _completeness(out: Console, shelf: Mapping[str, Catalog], section: str) -> None:
+    found = {name: one for name, catalog in shelf.items() if (one := coverage(catalog, section)).parts}
+    table = bare((section, "left"), *((escape(name), "right") for name in found), title=f"{section}: figures known")
+    for column in columns_of(section):
+        if any(one.known[column] for one in found.values()):
+            shares = (_share(one.known[column], one.parts) for one in found.values())
+            table.add_row(column.replace("_", " "), *shares)
+    if found:
+        out.print(table)
+        nothing = [c.replace("_", " ") for c in columns_of(section) if not any(o.known[c] for o in found.values())]
+        out.print(Text(f"never known: {', '.join(nothing)}" if nothing else "every column is known of some part"))
+
+
+def _share(count: int, total: int) -> str:
+    """A share in percent that is 0 or 100 only where it is none or all.
+
+    >>> _share(1, 646), _share(645, 646), _share(0, 646), _share(0, 0)
+    ('<1 %', '>99 %', '0 %', '–')
+    """
+    if not total:
+        return "–"
+    percent = 100 * count / total
+    if 0 < percent < 1 or 99 < percent < 100:
+        return "<1 %" if percent < 1 else ">99 %"
+    return f"{percent:.0f} %"
+
+
+def taken(told: Taken) -> None:
+    """What an import read, and what it left."""
+    out = console()
+    out.print(counted(told.families, out.width, f"{told.parts} parts in {len(told.families)} families: "))
+    for theirs, ours in told.columns.items():
+        if theirs != ours:
+            out.print(Text(f"  {theirs} → {ours}"))
+    same = ", ".join(ours for theirs, ours in told.columns.items() if theirs == ours)
+    out.print(Text(f"columns that are called as ours: {same or 'none'}"))
+    for what, names in (
+        ("unknown columns, left out", told.unknown),
+        ("taken, but nothing known", told.empty),
+        ("rows skipped", told.skipped),
+    ):
+        if names:
+            out.print(Text(f"{what}: {', '.join(names)}"))
+
+
+def findings(found: Sequence[Finding], *, everything: bool = False) -> None:
+    """What does not fit, by what it breaks; with ``everything`` also what is accepted or only worth knowing."""
+    out = console()
+    groups: dict[tuple[str, ...], list[Finding]] = {}
+    for one in found:
+        if one.unexplained or everything:
+            groups.setdefault((one.file, one.section, one.identity, one.meaning, one.accepted), []).append(one)
+    for (file, section, identity, meaning, accepted), some in groups.items():
+        out.print(Text(f"{file}, {section}: {identity}", style="bold"), Text(f"  {meaning}"), sep="\n")
+        if accepted:
+            out.print(Text(f"  accepted: {accepted}", style="green"))
+        out.print(_broken(some) if some[0].kind else Text("  " + ", ".join(one.part for one in some)))
+    wrong = sum(one.unexplained for one in found)
+    accepted_too = sum(bool(one.accepted) for one in found)
+    said = f"{wrong} unexplained, {accepted_too} accepted, {len(found) - wrong - accepted_too} only worth knowing"
+    out.print(Text(said if everything or wrong == len(found) else f"{said}; --all shows them"))
+
+
+def _broken(some: Sequence[Finding]) -> Table:
+    heads = ("found", "expected", "off by", "tolerance")
+    table = bare(("part", "left"), ("family", "left"), *((head, "right") for head in heads))
+    for one in some:
+        numbers = [show(value, one.unit, one.kind) for value in (one.found, one.expected)]
+        numbers[1] = f"{one.relation.removeprefix('=')} {numbers[1]}".strip()
+        shares = ["" if isnan(share) else f"{100 * share:.1f} %" for share in (one.deviation, one.tolerance)]
+        table.add_row(*map(Text, (one.part, one.family, *numbers, *shares)))
+    return table

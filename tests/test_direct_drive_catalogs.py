@@ -1,0 +1,380 @@
+"""The catalogues of motors without a gearhead: against the laws their figures obey, and against their sources' rows.
+
+Allied Motion and T-Motor come from MGDB, Pittman from the maker's sheets. What breaks a law is either unknown here or
+has a note that accepts it; both are named, so that neither grows unseen.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from drivesizer.catalog import DIRECT, Catalog, load
+
+TURN = 2 * math.pi
+RPM = TURN / 60  # rad/s
+GCM2 = 1e-7  # kg*m^2
+HOT = 1 + 0.00393 * (155 - 25)  # copper at the permitted temperature of the Pittman motors
+AMBIENT = 25.0  # degC
+
+MOTORS = {"allied_motion": 148, "tmotor": 10, "pittman": 4}
+
+
+@pytest.fixture(scope="module", params=MOTORS)
+def name(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture(scope="module")
+def one(name: str) -> Catalog:
+    return load([name])
+
+
+@pytest.fixture(scope="module")
+def allied() -> Catalog:
+    return load(["allied_motion"])
+
+
+@pytest.fixture(scope="module")
+def tmotor() -> Catalog:
+    return load(["tmotor"])
+
+
+@pytest.fixture(scope="module")
+def pittman() -> Catalog:
+    return load(["pittman"])
+
+
+def _parts(catalog: Catalog, mask: NDArray[np.bool_]) -> set[str]:
+    return {str(part) for part in catalog.motors["part"][mask]}
+
+
+def _accepted(catalog: Catalog, field: str, parts: Iterable[str]) -> bool:
+    """Whether a note on each of the parts accepts the field as printed."""
+    return all(
+        any(note.accepted and field in note.fields and note.text for note in catalog.notes_on("motors", part))
+        for part in parts
+    )
+
+
+# --- all three -----------------------------------------------------------------------------------------------------
+
+
+def test_every_motor_drives_the_load_itself(name: str, one: Catalog) -> None:
+    assert len(one.motors) == MOTORS[name]
+    assert one.gearheads["part"].tolist() == [DIRECT]
+    assert one.motor_gearhead.left.tolist() == list(range(MOTORS[name]))
+    assert set(one.gearheads["part"][one.motor_gearhead.right].tolist()) == {DIRECT}
+
+
+def test_they_load_together_and_share_the_lack_of_a_gearhead() -> None:
+    both = load(MOTORS)
+    assert len(both.motors) == sum(MOTORS.values())
+    assert both.gearheads["part"].tolist() == [DIRECT]
+    assert sorted(both.motor_gearhead.left.tolist()) == list(range(sum(MOTORS.values())))
+
+
+def test_what_every_motor_has(one: Catalog) -> None:
+    motors = one.motors
+    for field in ("nominal_voltage", "torque_constant", "resistance", "rotor_inertia", "mass"):
+        assert (motors[field] > 0).all(), field
+    assert set(motors["kind"].tolist()) <= {"brushed", "brushless"}
+    assert (np.isfinite(motors["no_load_speed"]) | np.isfinite(motors["speed_constant"])).all()
+
+
+def test_no_figure_is_infinite(one: Catalog) -> None:
+    """The source writes Inf for a limit that it does not know."""
+    for field, column in one.motors.columns.items():
+        if column.dtype.kind == "f":
+            assert not np.isinf(column).any(), field
+
+
+def test_what_the_sources_do_not_say_is_unknown(name: str, one: Catalog) -> None:
+    unknown = {
+        "allied_motion": ("max_speed", "max_winding_temperature", "nominal_torque", "friction_torque",
+                          "viscous_friction", "motor_time_constant", "pole_pairs"),
+        "tmotor": ("max_speed", "max_winding_temperature", "nominal_torque", "no_load_current", "motor_time_constant"),
+        "pittman": ("nominal_current", "no_load_current", "stall_current", "inductance", "motor_time_constant",
+                    "peak_torque", "max_speed"),
+    }  # fmt: skip
+    for field in unknown[name]:
+        assert np.isnan(one.motors[field]).all(), field
+
+
+def test_excluded_motors_say_why(name: str, one: Catalog) -> None:
+    out = _parts(one, one.motors.excluded)
+    assert out == ({"MF0255075_150V"} if name == "allied_motion" else set())
+    for part in out:
+        assert any(note.exclude and "contradict" in note.text for note in one.notes_on("motors", part))
+
+
+# --- Allied Motion -------------------------------------------------------------------------------------------------
+
+ALLIED = {
+    "MF0060032_300V": {
+        "nominal_voltage": 300, "torque_constant": 0.5, "resistance": 9.42, "inductance": 3.56e-3, "mass": 0.41,
+        "rotor_inertia": 6.4e-5, "no_load_speed": 560, "nominal_current": 1.58, "peak_torque": 10.5,
+        "thermal_resistance_housing": 2.75,
+    },
+    "MF0127056_48V": {
+        "nominal_voltage": 48, "torque_constant": 0.47, "resistance": 0.25, "inductance": 0.49e-3, "mass": 2.86,
+        "rotor_inertia": 1.7e-3, "no_load_speed": 98, "nominal_current": 8.3 / 0.47, "peak_torque": 67,
+        "thermal_resistance_housing": 0.82,
+    },
+    "MF0255100_150V": {
+        "nominal_voltage": 150, "torque_constant": 2.508, "resistance": 0.15, "inductance": 1.016e-3, "mass": 20.49,
+        "rotor_inertia": 0.038, "no_load_speed": 56, "nominal_current": 104.8 / 2.508, "peak_torque": 703,
+        "thermal_resistance_housing": 0.235,
+    },
+    "HT00800-A00": {
+        "nominal_voltage": 24, "torque_constant": 0.012, "resistance": 6.88, "inductance": 0.62e-3, "mass": 0.01,
+        "rotor_inertia": 4.95e-8, "no_load_speed": 1916, "nominal_current": 0.008 / 0.012, "peak_torque": 0.033,
+        "thermal_resistance_housing": 21.1,
+    },
+    "HT05005-A00": {
+        "nominal_voltage": 100, "torque_constant": 2.18, "resistance": 4.83, "inductance": 27.56e-3, "mass": 3.36,
+        "rotor_inertia": 6.3e-4, "no_load_speed": 44, "nominal_current": 9.02 / 2.18, "peak_torque": 28.2,
+        "thermal_resistance_housing": 0.8,
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("part", ALLIED)
+def test_allied_rows_as_in_the_source(allied: Catalog, part: str) -> None:
+    motor = allied.motors.record(allied.motors.rows[part])
+    for field, figure in ALLIED[part].items():  # speeds and currents are rounded to four digits
+        rounding = 5e-4 if field in ("no_load_speed", "nominal_current") else 1e-9
+        assert getattr(motor, field) == pytest.approx(figure, rel=rounding), field
+
+
+def test_allied_has_fifteen_frames(allied: Catalog) -> None:
+    families, count = np.unique(allied.motors["family"], return_counts=True)
+    sized = {f"MF{size}" for size in ("0060", "0076", "0095", "0127", "0150", "0210", "0255")}
+    numbered = {f"HT{size}" for size in ("008", "010", "020", "023", "025", "030", "038", "050")}
+    assert set(families.tolist()) == sized | numbered
+    assert {int(n) for family, n in zip(families, count, strict=True) if family in sized} == {15}
+
+
+ABOVE_THE_VOLTAGE = {"HT02001-A00": 0.009, "HT02005-A00": 0.040, "HT05002-A00": 0.016, "HT02504-A00": 0.0}
+
+
+def test_allied_no_load_speed_fits_constant_and_voltage(allied: Catalog) -> None:
+    """k_t w_0 is 0.91 to 1 of V: the constant is terminal to terminal, neither per phase nor of the RMS current."""
+    motors = allied.motors
+    off = motors["torque_constant"] * motors["no_load_speed"] / motors["nominal_voltage"] - 1
+    odd = ~motors.excluded & ~((off > -0.09) & (off < -0.005))
+    assert _parts(allied, odd) == set(ABOVE_THE_VOLTAGE)
+    for part, known in ABOVE_THE_VOLTAGE.items():
+        assert off[motors.rows[part]] == pytest.approx(known, abs=1e-3)
+    assert _accepted(allied, "no_load_speed", ABOVE_THE_VOLTAGE)
+    assert off[motors.rows["MF0255075_150V"]] == pytest.approx(0.057, abs=1e-3)  # excluded
+    assert np.median(off) == pytest.approx(-0.048, abs=2e-3)
+
+
+def test_allied_thermal_resistance_is_to_ambient(allied: Catalog) -> None:
+    """The loss at nominal current heats every motor alike, from 3 W to 240 W, if all of it passes that resistance."""
+    motors = allied.motors
+    loss = motors["nominal_current"] ** 2 * motors["resistance"]
+    assert loss[~motors.excluded & np.isfinite(loss)].max() / np.nanmin(loss) > 70
+    rise = loss * motors["thermal_resistance_housing"]
+    assert (motors["thermal_resistance_winding"] == 0).all()
+    odd = ~motors.excluded & np.isfinite(rise) & ~((rise > 56) & (rise < 74))
+    assert _parts(allied, odd) == {"HT03803-A00"}  # 52 K: the current is too low, which is safe
+    assert _accepted(allied, "nominal_current", ["HT03803-A00"])
+
+
+def _bodies(catalog: Catalog) -> dict[str, list[int]]:
+    """Rows of the MF motors by body: three windings each."""
+    found: dict[str, list[int]] = {}
+    for part, row in catalog.motors.rows.items():
+        if part.startswith("MF"):
+            found.setdefault(part.partition("_")[0], []).append(row)
+    return found
+
+
+def test_windings_of_one_body_share_rotor_and_cooling(allied: Catalog) -> None:
+    """The source has the rotor of a longer body in 21 rows; here they follow the 48 V winding, and say so."""
+    bodies = _bodies(allied)
+    assert {len(rows) for rows in bodies.values()} == {3}
+    assert len(bodies) == 35
+    for field in ("rotor_inertia", "thermal_resistance_housing"):
+        assert all(len(set(allied.motors[field][rows].tolist())) == 1 for rows in bodies.values()), field
+    taken_over = {
+        part
+        for part in allied.motors.rows
+        if allied.confidence("motors", allied.motors.rows[part])["rotor_inertia"] == "derived"
+    }
+    first, fourth = ("008", "010"), ("044", "075")
+    assert taken_over == {
+        body + winding
+        for body in bodies
+        for winding in ("_150V", "_300V")
+        if body[6:] in first or (body[6:] in fourth and winding == "_150V")
+    }
+    assert len(taken_over) == 21
+
+
+def test_rotor_inertia_grows_with_the_length_of_the_body(allied: Catalog) -> None:
+    """The other half of the proof: frame by frame, inertia is nearly proportional to the length in the name."""
+    inertia = {body: allied.motors["rotor_inertia"][rows[0]] for body, rows in _bodies(allied).items()}
+    for frame in {body[:6] for body in inertia}:
+        lengths = sorted(body for body in inertia if body.startswith(frame))
+        figures = [inertia[body] for body in lengths]
+        assert figures == sorted(set(figures)), frame
+        per_length = [inertia[body] / float(body[6:]) for body in lengths]
+        assert max(per_length) / min(per_length) < 1.5, frame
+
+
+def test_allied_windings_of_one_body_agree(allied: Catalog) -> None:
+    """L / k_t^2 belongs to the body: 9 %, as k_t may have two digits. R / k_t^2 does but for the copper fill: 40 %."""
+    motors = allied.motors
+    inductance = motors["inductance"] / motors["torque_constant"] ** 2
+    resistance = motors["resistance"] / motors["torque_constant"] ** 2
+    for body, rows in _bodies(allied).items():
+        known = [row for row in rows if not motors.excluded[row]]
+        coils = inductance[known][np.isfinite(inductance[known])]
+        assert coils.max() / coils.min() < 1.09, body
+        assert resistance[known].max() / resistance[known].min() < 1.4, body
+
+
+def test_no_load_current_is_derived_or_unknown(allied: Catalog) -> None:
+    motors = allied.motors
+    known = np.isfinite(motors["no_load_current"])
+    assert known.sum() == 39
+    lacks = motors["nominal_voltage"] - motors["torque_constant"] * motors["no_load_speed"]
+    says = lacks / motors["resistance"]
+    assert motors["no_load_current"][known] == pytest.approx(says[known], rel=0.06)  # two digits of a difference
+    share = lacks / motors["nominal_voltage"]
+    assert ((share > 0.001) & (share < 0.15))[known].all()
+    assert (motors["no_load_current"] <= 0.5 * motors["nominal_current"])[known].all()
+    for row in np.flatnonzero(known):
+        assert allied.confidence("motors", int(row))["no_load_current"] == "derived"
+    assert np.isnan(motors["no_load_current"][[motors.rows[part] for part in ABOVE_THE_VOLTAGE]]).all()
+    assert np.isnan(motors["no_load_current"][motors.rows["MF0150025_300V"]])  # 14.9 A of a nominal current of 8.2 A
+
+
+@pytest.mark.parametrize(("part", "field"), [("MF0255075_48V", "nominal_current"), ("MF0150100_300V", "inductance")])
+def test_figures_that_their_sisters_contradict_are_unknown(allied: Catalog, part: str, field: str) -> None:
+    assert math.isnan(allied.motors[field][allied.motors.rows[part]])
+    (note,) = [n for n in allied.notes_on("motors", part) if n.fields == (field,) and n.parts == (part,)]
+    assert note.text.startswith("unknown: the source's")
+
+
+def test_the_misprinted_inductance_is_read_with_a_note(allied: Catalog) -> None:
+    row = allied.motors.rows["HT01002-A00"]
+    assert allied.motors["inductance"][row] == pytest.approx(0.85e-3)  # the source: 0.85-3
+    assert allied.confidence("motors", row)["inductance"] == "derived"
+
+
+# --- T-Motor -------------------------------------------------------------------------------------------------------
+
+TMOTOR = {
+    "G35 KV100": {
+        "nominal_voltage": 16, "torque_constant": 0.1, "resistance": 3.33, "inductance": 2.1e-3, "mass": 0.159,
+        "rotor_inertia": 6.1e-6, "no_load_speed": 1500 * RPM, "speed_constant": 100 * RPM,
+    },
+    "G60 KV055": {
+        "nominal_voltage": 24, "torque_constant": 0.188, "resistance": 1.1, "inductance": 0.9e-3, "mass": 0.364,
+        "rotor_inertia": 3.55e-5, "no_load_speed": 1150 * RPM, "speed_constant": 55 * RPM,
+    },
+    "U8 KV100": {
+        "nominal_voltage": 36, "rotor_inertia": 1.2e-4, "peak_torque": 3.332, "friction_torque": 9.1e-3,
+        "viscous_friction": 1.6e-4, "thermal_resistance_winding": 0.5, "thermal_resistance_housing": 4.2, "mass": 0.24,
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("part", TMOTOR)
+def test_tmotor_rows_as_in_the_source(tmotor: Catalog, part: str) -> None:
+    motor = tmotor.motors.record(tmotor.motors.rows[part])
+    for field, figure in TMOTOR[part].items():
+        assert getattr(motor, field) == pytest.approx(figure, rel=1e-9), field
+
+
+def test_tmotor_constant_is_that_of_the_name(tmotor: Catalog) -> None:
+    """k_t KV = 1 within 10 %: the constants are terminal to terminal. Per phase it would be 0.58 or 1.5."""
+    product = tmotor.motors["torque_constant"] * tmotor.motors["speed_constant"]
+    assert ((product > 0.97) & (product < 1.11)).all()
+
+
+def test_tmotor_no_load_speed(tmotor: Catalog) -> None:
+    motors = tmotor.motors
+    off = motors["torque_constant"] * motors["no_load_speed"] / motors["nominal_voltage"] - 1
+    above = _parts(tmotor, off > 0)
+    assert above == {"G80 KV060", "G80 KV030", "G100 KV010"}
+    assert _accepted(tmotor, "no_load_speed", above)
+    assert _parts(tmotor, np.isnan(off)) == {"G30 KV290", "U8 KV100"}  # printed 37 % too low; not given
+    assert np.nanmin(off) > -0.06
+
+
+def test_the_u8_is_converted_from_phase_to_terminals(tmotor: Catalog) -> None:
+    """Torque and copper loss stay: 0.14 N*m/A at 7.6 A, and 1.5 x 0.186 ohm (7.6 A)^2 of a three-phase machine."""
+    row = tmotor.motors.rows["U8 KV100"]
+    motor = tmotor.motors.record(row)
+    assert motor.torque_constant * motor.nominal_current == pytest.approx(0.14 * 7.6, rel=1e-3)
+    assert motor.resistance * motor.nominal_current**2 == pytest.approx(1.5 * 0.186 * 7.6**2, rel=1e-3)
+    assert motor.inductance / motor.resistance == pytest.approx(0.138e-3 / 0.186, rel=1e-3)
+    sure = tmotor.confidence("motors", row)
+    derived = {"torque_constant", "resistance", "inductance", "nominal_current", "speed_constant"}
+    assert {field for field, how in sure.items() if how == "derived"} == derived
+
+
+def test_the_g_motors_have_no_current_and_no_thermal_limit(tmotor: Catalog) -> None:
+    series = tmotor.motors["family"] == "G"
+    assert series.sum() == 9
+    for field in ("nominal_current", "peak_torque", "thermal_resistance_winding", "thermal_resistance_housing"):
+        assert np.isnan(tmotor.motors[field][series]).all(), field
+
+
+# --- Pittman -------------------------------------------------------------------------------------------------------
+
+
+def test_a_pittman_row_as_printed(pittman: Catalog) -> None:
+    motor = pittman.motors.record(pittman.motors.rows["9233S013"])
+    printed = {
+        "no_load_speed": 5993 * RPM, "nominal_torque": 33e-3, "stall_torque": 0.22, "torque_constant": 37.3e-3,
+        "friction_torque": 4.2e-3, "viscous_friction": 2.3e-6, "rotor_inertia": 32 * GCM2,
+        "max_winding_temperature": 155 + 273.15, "thermal_resistance_housing": 19.1, "mass": 0.252,
+    }  # fmt: skip
+    for field, figure in printed.items():
+        assert getattr(motor, field) == pytest.approx(figure, rel=1e-9), field
+    sure = pittman.confidence("motors", pittman.motors.rows["9233S013"])
+    derived = {"nominal_voltage", "resistance", "thermal_resistance_winding"}
+    assert {field for field, how in sure.items() if how == "derived"} == derived
+    assert set(sure.values()) == {"derived", "quoted"}
+
+
+def test_pittman_resistance_is_that_of_the_motor_constant(pittman: Catalog) -> None:
+    """K_M = k_t / sqrt(R), as the sheets print it in N*m/sqrt(W), three digits."""
+    printed = {"9233S013": 1.88e-2, "14201S003": 3.14e-2, "14203S010": 5.56e-2, "14204S004": 6.09e-2}
+    motors = pittman.motors
+    for part, constant in printed.items():
+        motor = motors.record(motors.rows[part])
+        assert motor.torque_constant / math.sqrt(motor.resistance) == pytest.approx(constant, rel=3e-3)
+
+
+def test_pittman_no_load_and_stall(pittman: Catalog) -> None:
+    """Voltage and resistance are derived; no-load speed, friction and stall torque are printed, with two digits."""
+    m = pittman.motors
+    friction = m["friction_torque"] + m["viscous_friction"] * m["no_load_speed"]
+    volts = m["torque_constant"] * m["no_load_speed"] + m["resistance"] * friction / m["torque_constant"]
+    assert volts == pytest.approx(m["nominal_voltage"], rel=3e-3)
+    stall = m["torque_constant"] * m["nominal_voltage"] / m["resistance"] - m["friction_torque"]
+    assert stall == pytest.approx(m["stall_torque"], rel=0.035)
+
+
+def test_pittman_thermal_impedance_is_to_ambient(pittman: Catalog) -> None:
+    """The permitted 155 degC lie between what copper alone makes at continuous torque, and copper with all friction."""
+    m = pittman.motors
+    assert (m["thermal_resistance_winding"] == 0).all()
+    current = (m["nominal_torque"] + m["friction_torque"]) / m["torque_constant"]
+    copper = current**2 * m["resistance"] * HOT
+    speed = (m["nominal_voltage"] - current * m["resistance"] * HOT) / m["torque_constant"]
+    rubbing = m["friction_torque"] * speed + m["viscous_friction"] * speed**2
+    rise = m["max_winding_temperature"] - (273.15 + AMBIENT)
+    assert (copper * m["thermal_resistance_housing"] < rise).all()
+    assert ((copper + rubbing) * m["thermal_resistance_housing"] > rise).all()

@@ -1,0 +1,214 @@
+"""The shipped Faulhaber catalogue: against data sheets as printed, and against the laws that a motor's figures obey."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog, Motor, Table, load
+
+RPM = math.pi / 30  # rad/s
+INERTIA_KNOWN = {"22GPT": 32, "32GPT": 32, "42GPT": 31}
+NO_EFFICIENCY = {"03A", "06A", "08/3", "12/5", "15/8", "16/8", "22/5"}
+
+
+@pytest.fixture(scope="module")
+def faulhaber() -> Catalog:
+    return load(["faulhaber"])
+
+
+@pytest.fixture(scope="module")
+def motors(faulhaber: Catalog) -> Table[Motor]:
+    return faulhaber.motors
+
+
+def _accepted(catalog: Catalog, section: str, figure: str) -> set[str]:
+    """Parts of which a note says that a figure may stand though it breaks a law."""
+    notes = (n for n in catalog.notes if n.section == section and n.accepted and figure in n.fields)
+    return {part for note in notes for part in note.parts}
+
+
+# --- how much there is ---------------------------------------------------------------------------------------------
+
+
+def test_counts(faulhaber: Catalog, motors: Table[Motor]) -> None:
+    assert [len(faulhaber.table(s)) for s in ("motors", "gearheads", "encoders", "controllers")] == [240, 644, 4, 0]
+    documents = [faulhaber.sources[s].document for s in motors.source]
+    assert sum(d.startswith("Motor-Gearbox Database") for d in documents) == 224
+    assert (motors["kind"] == "brushed").sum() == 161
+    assert not motors.excluded.any()
+    assert not faulhaber.gearheads.excluded.any()
+
+
+def test_pairs(faulhaber: Catalog, motors: Table[Motor]) -> None:
+    """Without the 470 gearheads of all sizes that the source lists for each 2214 BXT H and 1509 B."""
+    pairs = faulhaber.motor_gearhead
+    assert len(pairs.left) == 24646 - 5 * 470
+    alone = set(motors["family"].tolist()) - set(motors["family"][pairs.left].tolist())
+    assert alone == {"2214 BXT H", "1509 B", "1506 SR", "2607 SR", "2232 BX4S", "2250 BX4S"}
+    assert len(set(pairs.right.tolist())) == 644
+    sizes = [np.array([int(f[:2]) for f in names]) for names in (motors["family"], faulhaber.gearheads["family"])]
+    apart = sizes[0][pairs.left] - sizes[1][pairs.right]  # motor and gearhead are about equally thick
+    assert apart.min() >= -18
+    assert apart.max() <= 6
+
+
+def test_encoders_only_where_a_source_says_so(faulhaber: Catalog, motors: Table[Motor]) -> None:
+    pairs, encoders = faulhaber.motor_encoder, faulhaber.encoders
+    assert encoders["counts_per_turn"].tolist() == [32, 64, 128, 256]
+    np.testing.assert_allclose(
+        encoders["max_speed"], encoders["max_frequency"] / encoders["counts_per_turn"] * 60 * RPM
+    )
+    with_ie3 = {"2232S012BX4", "2232S024BX4", "2250S024BX4", "2232S012BX4S", "2232S024BX4S", "2250S024BX4S"}
+    assert set(motors["part"][pairs.left].tolist()) == with_ie3
+    assert len(pairs.left) == 4 * 6
+
+
+# --- rows as printed -----------------------------------------------------------------------------------------------
+
+PRINTED = {
+    "1331T012SR": {
+        "nominal_voltage": 12, "resistance": 13.7, "no_load_speed": 9900 * RPM, "no_load_current": 10.5e-3,
+        "stall_torque": 9.9e-3, "friction_torque": 0.12e-3, "torque_constant": 11.4e-3, "inductance": 310e-6,
+        "mechanical_time_constant": 7e-3, "rotor_inertia": 0.67e-7, "thermal_resistance_winding": 6,
+        "thermal_resistance_housing": 25, "winding_time_constant": 5, "motor_time_constant": 190,
+        "max_winding_temperature": 398.15, "max_speed": 12000 * RPM, "nominal_current": 0.37, "max_efficiency": 0.8,
+        "max_radial_load": 1.2, "max_axial_load": 0.2, "diameter": 0.013, "length": 0.0312, "mass": 0.019,
+    },
+    "1524T006SR": {
+        "nominal_voltage": 6, "resistance": 5.1, "no_load_speed": 9500 * RPM, "no_load_current": 13e-3,
+        "stall_torque": 6.98e-3, "torque_constant": 6e-3, "rotor_inertia": 0.58e-7, "nominal_torque": 2.9e-3,
+        "winding_time_constant": 5.6, "motor_time_constant": 220, "max_speed": 13000 * RPM, "mass": 0.018,
+    },
+    "0816K003SR": {
+        "nominal_voltage": 3, "resistance": 5.4, "no_load_speed": 13250 * RPM, "no_load_current": 16e-3,
+        "torque_constant": 2.11e-3, "inductance": 53e-6, "rotor_inertia": 0.051e-7, "nominal_torque": 0.7e-3,
+        "nominal_current": 0.37, "nominal_speed": 2540 * RPM, "max_winding_temperature": 358.15, "mass": 0.0045,
+    },
+    "2250S024BX4S": {
+        "nominal_voltage": 24, "resistance": 5.9, "no_load_speed": 10500 * RPM, "no_load_current": 0.105,
+        "friction_torque": 0.75e-3, "viscous_friction": 1.4e-7 / RPM, "torque_constant": 21.1e-3,
+        "stall_torque": 84.7e-3, "rotor_inertia": 5.3e-7, "motor_time_constant": 443, "pole_pairs": 2,
+    },
+    "3274G024BP4": {
+        "nominal_voltage": 24, "resistance": 0.25, "no_load_speed": 8700 * RPM, "no_load_current": 0.384,
+        "nominal_speed": 8260 * RPM, "nominal_current": 6.9, "friction_torque": 2.9e-3,
+        "viscous_friction": 8.2e-7 / RPM, "torque_constant": 28.4e-3, "inductance": 60e-6, "rotor_inertia": 48e-7,
+        "thermal_resistance_winding": 0.7, "thermal_resistance_housing": 8, "max_speed": 16000 * RPM, "mass": 0.32,
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("part", PRINTED)
+def test_motors_as_printed(motors: Table[Motor], part: str) -> None:
+    motor = motors.record(motors.rows[part])
+    for name, figure in PRINTED[part].items():
+        assert getattr(motor, name) == pytest.approx(figure, rel=1e-12), name
+
+
+def test_a_gearhead_as_given(faulhaber: Catalog) -> None:
+    gearhead = faulhaber.gearheads.record(faulhaber.gearheads.rows["32/3R 3.71:1"])
+    assert (gearhead.family, gearhead.reduction, gearhead.kind) == ("32/3R", "3.71:1", "planetary")
+    assert (gearhead.ratio, gearhead.stages, gearhead.direction) == (3.71, 1, 1)
+    assert (gearhead.continuous_torque, gearhead.intermittent_torque, gearhead.efficiency) == (1.0, 1.2, 0.91)
+    assert gearhead.mass == pytest.approx(0.16)
+    assert math.isnan(gearhead.inertia)
+    assert faulhaber.gearheads["inertia"][faulhaber.gearheads.rows["42GPT 11:1"]] == pytest.approx(20e-7)
+
+
+def test_how_sure_a_figure_is(faulhaber: Catalog, motors: Table[Motor]) -> None:
+    """Of 1331T006SR the data sheet and MGDB print another current: the rated speed decides for MGDB's."""
+    row = motors.rows["1331T006SR"]
+    motor, sure = motors.record(row), faulhaber.confidence("motors", row)
+    assert {n for n, how in sure.items() if how != "quoted"} == {"nominal_current", "nominal_speed"}
+    at_rated_speed = (motor.nominal_voltage - motor.torque_constant * motor.nominal_speed) / motor.resistance
+    assert motor.nominal_current == pytest.approx(at_rated_speed, rel=0.02)
+    assert any("0.81 A" in note.text for note in faulhaber.notes_on("motors", "1331T006SR"))
+    assert faulhaber.confidence("motors", motors.rows["3564K024B"])["max_radial_load"] == "quoted"
+
+
+# --- identities ----------------------------------------------------------------------------------------------------
+
+
+def _inner_voltage(motors: Table[Motor]) -> NDArray[np.float64]:
+    return np.asarray(motors["nominal_voltage"] - motors["no_load_current"] * motors["resistance"])
+
+
+def test_no_load_speed_is_where_the_no_load_current_flows(faulhaber: Catalog, motors: Table[Motor]) -> None:
+    """k_t w_0 = V - I_0 R within 6 %; what is farther off is accepted by a note that says why."""
+    off = motors["torque_constant"] * motors["no_load_speed"] / _inner_voltage(motors) - 1
+    accepted = _accepted(faulhaber, "motors", "no_load_speed")
+    assert abs(np.median(off)) < 0.003
+    assert np.mean(np.abs(off) < 0.05) > 0.92
+    assert set(motors["part"][np.abs(off) > 0.06].tolist()) <= accepted
+    assert np.abs(off).max() < 0.09
+    assert {part for part in accepted if abs(off[motors.rows[part]]) < 0.055} == set()
+
+
+def test_precious_metal_has_no_brush_drop_and_graphite_half_a_volt(motors: Table[Motor]) -> None:
+    drop = _inner_voltage(motors) - motors["torque_constant"] * motors["no_load_speed"]
+    series = np.array([family.split()[1] for family in motors["family"].tolist()])
+    assert np.abs(drop / motors["nominal_voltage"])[np.isin(series, ["SR", "S", "G"])].max() < 0.015
+    assert drop[np.isin(series, ["CR", "CXR"]) & (motors["nominal_voltage"] == 6)] == pytest.approx(0.49, abs=0.03)
+
+
+def test_other_figures_that_follow(motors: Table[Motor]) -> None:
+    k_t, resistance = motors["torque_constant"], motors["resistance"]
+    laws = {  # within what two digits explain: the resistance of 1524T003SR is printed as 1.1 ohm
+        "stall_torque": k_t * motors["nominal_voltage"] / resistance - motors["friction_torque"],
+        "mechanical_time_constant": motors["rotor_inertia"] * resistance / k_t**2,
+    }
+    for name, expected in laws.items():
+        off = np.abs(motors[name] / expected - 1)
+        assert np.isfinite(off).sum() == 16
+        assert np.nanmax(off) < 0.04, name
+        assert np.nanmedian(off) < 0.01, name
+
+
+def test_friction_makes_the_no_load_current(motors: Table[Motor]) -> None:
+    friction = motors["friction_torque"] + np.nan_to_num(motors["viscous_friction"]) * motors["no_load_speed"]
+    off = motors["torque_constant"] * motors["no_load_current"] / friction - 1
+    assert np.isnan(off).sum() == 9  # BXT H
+    assert abs(np.nanmedian(off)) < 0.02
+    assert np.nanmax(np.abs(off)) < 0.25  # friction of the smallest has one digit: 0.02 mN*m
+    brushless = motors["kind"] == "brushless"
+    assert (np.isnan(motors["viscous_friction"]) == (~brushless | np.isnan(motors["friction_torque"]))).all()
+
+
+def test_speeds_and_currents_are_in_order(motors: Table[Motor]) -> None:
+    assert (motors["nominal_speed"] < motors["no_load_speed"])[~np.isnan(motors["nominal_speed"])].all()
+    assert (motors["no_load_speed"] < motors["max_speed"]).all()
+    assert (motors["no_load_current"] < motors["nominal_current"]).all()
+    assert (motors["nominal_current"] < motors["nominal_voltage"] / motors["resistance"]).all()
+
+
+# --- gearheads -----------------------------------------------------------------------------------------------------
+
+
+def test_what_is_not_known_of_gearheads_is_unknown_and_not_zero(faulhaber: Catalog) -> None:
+    gearheads = faulhaber.gearheads
+    families = gearheads["family"]
+    known = ~np.isnan(gearheads["inertia"])
+    assert {f: int((known & (families == f)).sum()) for f in set(families[known].tolist())} == INERTIA_KNOWN
+    assert (gearheads["inertia"][known] > 0).all()
+    blank = np.isnan(gearheads["efficiency"])
+    assert blank.sum() == 31
+    assert set(families[blank].tolist()) == NO_EFFICIENCY == set(families[np.isin(families, list(NO_EFFICIENCY))])
+
+
+def test_gearheads_are_what_their_kind_can_be(faulhaber: Catalog) -> None:
+    gearheads = faulhaber.gearheads
+    spur, odd = gearheads["kind"] == "spur", gearheads["stages"] % 2 == 1
+    assert spur.sum() == 108
+    assert (gearheads["direction"] == np.where(spur & odd, -1, 1)).all()
+    assert (gearheads["continuous_torque"] <= gearheads["intermittent_torque"]).all()
+    assert gearheads["reduction"].tolist() == [f"{ratio:g}:1" for ratio in gearheads["ratio"].tolist()]
+    per_stage = gearheads["ratio"] ** (1 / gearheads["stages"])
+    assert set(gearheads["part"][per_stage > 7.01].tolist()) == {"42GPT 9:1", "42GPT 59:1"}
+    assert {"42GPT 9:1", "42GPT 59:1"} <= _accepted(faulhaber, "gearheads", "stages")
+    loss = 1 - gearheads["efficiency"] ** (1 / gearheads["stages"])
+    assert np.nanmin(loss) > 0.02
+    assert np.nanmax(loss) < 0.21
