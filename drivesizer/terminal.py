@@ -180,10 +180,9 @@ def _front(result: SizingResult) -> Table:
 
 def _tally(console: Console, result: SizingResult) -> None:
     counts = result.counts
-    console.print(
-        f"{counts.considered:,} set{'' if counts.considered == 1 else 's'} considered, {counts.feasible:,} stand{'s' if counts.feasible == 1 else ''}.",
-        end="",
-    )
+    sets = "1 set" if counts.considered == 1 else f"{counts.considered:,} sets"
+    stands = "stands" if counts.feasible == 1 else "stand"
+    console.print(f"{sets} considered, {counts.feasible:,} {stands}.", end="")
     if counts.failed_by:
         console.print(" The others fell by:")
         for name, count in sorted(counts.failed_by.items(), key=lambda item: -item[1]):

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 from rich.console import Console
+from rich.markup import escape
 from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
@@ -216,7 +217,7 @@ def comparison(hits: Sequence[Hit], rows: Sequence[Row]) -> None:
     out = console()
     for start in range(0, len(hits), _BESIDE):
         some = slice(start, start + _BESIDE)
-        table = bare(("", "left"), ("", "left"), *((f"{h.part}\n{h.catalogue}", "right") for h in hits[some]))
+        table = bare(("", "left"), ("", "left"), *((escape(f"{h.part}\n{h.catalogue}"), "right") for h in hits[some]))
         for row in rows:
             mark = "?" if row.differs is None else "≠" if row.differs else ""
             cells = (figure(value, row.column) for value in row.values[some])

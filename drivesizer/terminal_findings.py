@@ -20,6 +20,8 @@ from drivesizer.units import show
 
 __all__ = ["findings", "statistics", "taken"]
 
+_BESIDE = 5  # catalogues side by side on 80 columns
+
 
 def statistics(shelf: Mapping[str, Catalog]) -> None:
     """How complete each catalogue is, section by section, and how sure its figures are."""
@@ -39,15 +41,17 @@ def statistics(shelf: Mapping[str, Catalog]) -> None:
 
 def _completeness(out: Console, shelf: Mapping[str, Catalog], section: str) -> None:
     found = {name: one for name, catalog in shelf.items() if (one := coverage(catalog, section)).parts}
-    table = bare((section, "left"), *((escape(name), "right") for name in found), title=f"{section}: figures known")
-    for column in columns_of(section):
-        if any(one.known[column] for one in found.values()):
-            shares = (_share(one.known[column], one.parts) for one in found.values())
+    known = [column for column in columns_of(section) if any(one.known[column] for one in found.values())]
+    for start in range(0, len(found), _BESIDE):
+        some = dict(list(found.items())[start : start + _BESIDE])
+        table = bare((section, "left"), *((escape(name), "right") for name in some), title=f"{section}: figures known")
+        for column in known:
+            shares = (_share(one.known[column], one.parts) for one in some.values())
             table.add_row(column.replace("_", " "), *shares)
-    if found:
         out.print(table)
-        nothing = [c.replace("_", " ") for c in columns_of(section) if not any(o.known[c] for o in found.values())]
-        out.print(Text(f"never known: {', '.join(nothing)}" if nothing else "every column is known of some part"))
+    never = [column.replace("_", " ") for column in columns_of(section) if column not in known]
+    if found and never:
+        out.print(Text(f"never known: {', '.join(never)}"))
 
 
 def _share(count: int, total: int) -> str:

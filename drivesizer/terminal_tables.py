@@ -137,7 +137,8 @@ def parts(found: DriveSet, catalog: Catalog) -> Table:
         shown = [f"{show(v, unit, kind)} {words}".strip() for v, unit, kind, words in values if not isnan(v)]
         doubt = _doubt(catalog, f"{name}s", part.part)
         text = Text(" · ".join(shown)) + (Text(f"\n{doubt}", style="yellow") if doubt else Text(""))
-        table.add_row(name, Text(f"{part.family}{reduction}", style="bold") + Text(f"\n{part.part}"), text)
+        maker = f"{part.manufacturer} " if len(catalog.digests) > 1 else ""  # with one catalogue it goes without saying
+        table.add_row(name, Text(f"{maker}{part.family}{reduction}", style="bold") + Text(f"\n{part.part}"), text)
         if name == "gearhead":
             _belt(table, found)
     return table

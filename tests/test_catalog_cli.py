@@ -390,6 +390,35 @@ def test_check_tells_what_is_unexplained(run, tmp_path):
     assert "0 unexplained" in out
 
 
+def test_many_catalogues_fit_80_columns(run, tmp_path):
+    names = [f"a_catalogue_of_{n}" for n in range(7)]
+    for name in names:
+        (tmp_path / f"{name}.yaml").write_text(SMALL)
+    status, out, _ = run("stats", *(word for name in names for word in ("--catalog", f"{name}.yaml")))
+    assert status == 0
+    assert max(len(line.rstrip()) for line in out.splitlines()) <= 80
+    assert "never known: " in out
+    assert (
+        run("show", "M1", "--catalog", "a_catalogue_of_1.yaml", "--catalog", "a_catalogue_of_2.yaml")[1].count("M1 ·")
+        == 2
+    )
+
+
+def test_text_is_not_taken_for_markup(run, tmp_path):
+    (tmp_path / "odd.yaml").write_text(FAST.replace("[[FAST", '[["[red]A"').replace("M 20", '"[b]M"'))
+    for args in (
+        ["list"],
+        ["list", "motors"],
+        ["show", "[red]A"],
+        ["compare", "[red]A", "SLOW"],
+        ["check"],
+        ["search", "[red]"],
+    ):
+        status, out, _ = run(*args, "--catalog", "odd.yaml")
+        assert status in (0, 1)
+        assert ("[b]M" if args == ["list"] else "[red]A") in out
+
+
 # --- out and in ------------------------------------------------------------------------------------------------------
 
 

@@ -64,14 +64,7 @@ def plan(section: str, path: Path | None, options: Mapping[str, str | None]) -> 
         raise InputError(f"--section: {quoted(section)} is not known; expected {', '.join(PARTS)}")
     file = read(path) if path else YamlSource("{}", "")
     given = _mapping(file, file.data, (), _KEYS)
-    source = _mapping(file, given.get("source"), ("source",), _SOURCE)
-    said = {key: _text(file, source.get(key), ("source", key)) for key in _SOURCE}
-    said |= {key: _text(file, given.get(key), (key,)) for key in ("manufacturer", "family")}
-    said |= {key: value for key, value in options.items() if value}
-    if not said["document"]:
-        raise InputError("--document: where the figures come from is not told; expected e.g. 'data sheet, 2024-05'")
-    if said["confidence"] not in _CONFIDENCE:
-        raise InputError(f"--confidence: {quoted(said['confidence'])}; expected one of {', '.join(_CONFIDENCE)}")
+    said = _said(file, given, options)
     return Plan(
         section=section,
         columns=_columns(file, section, given.get("columns")),
@@ -82,6 +75,19 @@ def plan(section: str, path: Path | None, options: Mapping[str, str | None]) -> 
         unknown=_unknown(file, given.get("unknown")),
         common=_common(file, section, given.get("common")),
     )
+
+
+def _said(file: YamlSource, given: dict[str, Any], options: Mapping[str, str | None]) -> dict[str, str]:
+    """Maker, family and source out of the map, or out of an option where one is given."""
+    source = _mapping(file, given.get("source"), ("source",), _SOURCE)
+    said = {key: _text(file, source.get(key), ("source", key)) for key in _SOURCE}
+    said |= {key: _text(file, given.get(key), (key,)) for key in ("manufacturer", "family")}
+    said |= {key: value for key, value in options.items() if value}
+    if not said["document"]:
+        raise InputError("--document: where the figures come from is not told; expected e.g. 'data sheet, 2024-05'")
+    if said["confidence"] not in _CONFIDENCE:
+        raise InputError(f"--confidence: {quoted(said['confidence'])}; expected one of {', '.join(_CONFIDENCE)}")
+    return said
 
 
 def _mapping(file: YamlSource, value: Any, path: Path_, allowed: tuple[str, ...] = ()) -> dict[str, Any]:

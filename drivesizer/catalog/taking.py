@@ -67,32 +67,41 @@ def take(text: str, path: Path, plan: Plan, target: Path) -> Taken:
     sheet = _sheet(text, path)
     taken = _columns(sheet, plan)
     heads = {name: _head(sheet, place, columns_of(plan.section)[name]) for name, place in taken.items()}
+    rows, skipped = _rows(sheet, taken, plan)
+    used = {name for _, row in rows for name in row}
     groups: dict[str, list[dict[str, str]]] = {}
+    for line, row in rows:
+        groups.setdefault(_family(sheet, line, row, plan), []).append(row)
+    told = Taken(
+        text=_written(plan, _maker(sheet, plan, groups), groups, heads),
+        parts=len(rows),
+        families={_untoken(name): len(some) for name, some in groups.items()},
+        columns={sheet.header[place]: name for name, place in taken.items()},
+        unknown=tuple(h for h in sheet.header if h and h not in plan.columns and h not in columns_of(plan.section)),
+        empty=tuple(name for name in taken if name not in used),
+        skipped=skipped,
+    )
+    _loads(told.text, target)
+    return told
+
+
+def _rows(
+    sheet: _Sheet, taken: Mapping[str, int], plan: Plan
+) -> tuple[list[tuple[int, dict[str, str]]], tuple[str, ...]]:
+    """The rows that are parts, each with its line, and why others are none."""
+    found: dict[str, tuple[int, dict[str, str]]] = {}
     skipped: list[str] = []
-    seen: dict[str, int] = {}
-    used: set[str] = set()
     for line, cells in sheet.rows:
         row = _row(sheet, line, cells, taken, plan)
         if "part" not in row:
             skipped.append(f"line {line}: no part number" if any(cells) else f"line {line}: empty")
             continue
-        if seen.setdefault(row["part"], line) != line:
-            raise InputError(f"{path}:{line}: part: {quoted(_untoken(row['part']))} is in line {seen[row['part']]} too")
-        used |= set(row)
-        groups.setdefault(_family(sheet, line, row, plan), []).append(row)
-    if not groups:
-        raise InputError(f"{path}: rows: no part found below the header and the row of units")
-    told = Taken(
-        text=_written(plan, _maker(sheet, plan, groups), groups, heads),
-        parts=sum(map(len, groups.values())),
-        families={_untoken(name): len(rows) for name, rows in groups.items()},
-        columns={sheet.header[place]: name for name, place in taken.items()},
-        unknown=tuple(h for h in sheet.header if h and h not in plan.columns and h not in columns_of(plan.section)),
-        empty=tuple(name for name in taken if name not in used),
-        skipped=tuple(skipped),
-    )
-    _loads(told.text, target)
-    return told
+        first, _ = found.setdefault(row["part"], (line, row))
+        if first != line:
+            raise InputError(f"{sheet.path}:{line}: part: {quoted(_untoken(row['part']))} is in line {first} too")
+    if not found:
+        raise InputError(f"{sheet.path}: rows: no part found below the header and the row of units")
+    return list(found.values()), tuple(skipped)
 
 
 def _sheet(text: str, path: Path) -> _Sheet:
@@ -115,10 +124,9 @@ def _sheet(text: str, path: Path) -> _Sheet:
 
 def _columns(sheet: _Sheet, plan: Plan) -> dict[str, int]:
     """Where each of our columns stands in the table."""
-    for theirs in plan.columns:
-        if theirs not in sheet.header:
-            near = nearest(theirs, sheet.header)
-            raise InputError(f"{sheet.path}:1: header: the map's column {quoted(theirs)} is not there{near}")
+    for theirs in (name for name in plan.columns if name not in sheet.header):
+        near = nearest(theirs, sheet.header)
+        raise InputError(f"{sheet.path}:1: header: the map's column {quoted(theirs)} is not there{near}")
     found: dict[str, int] = {}
     own = columns_of(plan.section)
     for place, theirs in enumerate(sheet.header):
