@@ -7,7 +7,7 @@ computed from the waveform itself, as is everything that is shown. A bound never
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from drivesizer.waveform import energy, largest_power, longest_above, longest_ru
 __all__ = ["Moments", "above_bounds", "bounds", "bracketed", "exact", "peak_winding", "waveform_limits"]
 
 Array = NDArray[np.float64]
+Columns = TypeVar("Columns", bound=tuple[Any, ...])
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
 _SOME = 1e-300  # more than nothing, of an amount that is not known yet
 
@@ -46,7 +47,7 @@ class Moments(NamedTuple):
 def exact(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts) -> Moments:
     """From the current and voltage of each moment; some candidates at a time."""
     blocks = [
-        _block(spec, at, Demands(*(c[k] for c in asked)), Heat(*(c[k] for c in warm)), under.hot[k], _on(parts, k))
+        _block(spec, at, _part_of(asked, k), _part_of(warm, k), under.hot[k], _on(parts, k))
         for k in _slices(at, len(under.hot))
     ]
     return Moments(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
@@ -79,8 +80,7 @@ def peak_winding(
     """The exact peak of the winding's temperature alone, in the place that it has in :class:`Moments`."""
     found = []
     for k in _slices(at, len(under.hot)):
-        few = Heat(*(column[k] for column in warm))
-        found.append(_peak_winding(spec, at, asked.coefficients[k], few, _On(parts.motor, k)))
+        found.append(_peak_winding(spec, at, asked.coefficients[k], _part_of(warm, k), _On(parts.motor, k)))
     winding, time = (np.concatenate(columns) for columns in zip(*found, strict=True))
     return (winding, time, *[None] * (len(Moments._fields) - 2))
 
@@ -88,6 +88,11 @@ def peak_winding(
 def _slices(at: AtGearhead, count: int) -> list[slice]:
     size = max(1, _AT_ONCE // len(at.base.warming.duration))
     return [slice(start, start + size) for start in range(0, count, size)]
+
+
+def _part_of(record: Columns, rows: slice) -> Columns:
+    """A record of columns at some of the candidates."""
+    return type(record)(*(column[rows] for column in record))
 
 
 class _On:

@@ -162,6 +162,7 @@ def test_every_command_is_in_the_readme_and_every_command_in_the_readme_is_there
     from drivesizer.cli import app
 
     there = {command.name or command.callback.__name__ for command in app.registered_commands if command.callback}
+    there |= {str(group.name) for group in app.registered_groups}
     assert set(re.findall(r"^drivesizer ([a-z]+)", README, re.MULTILINE)) == there
 
 
