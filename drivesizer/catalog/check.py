@@ -145,7 +145,7 @@ def _rounding(table: Table[Any], column: Column) -> Numbers:
     """Half of the last printed digit of each figure, relative to it.
 
     Figures have at most three digits, and no decimal place that no figure of their family has: 10 beside 14.6 is 10.0,
-    0.05 beside 0.85 is 0.05. Whole figures may be rounded to the unit, and finer ones are taken as three digits.
+    0.05 beside 0.85 may be 0.046.
     """
     printed = np.abs(from_si(table[column.name], column.unit, column.kind))
     place = np.zeros(len(table))

@@ -273,17 +273,19 @@ _SHARES = [("motors", "max_efficiency"), ("gearheads", "efficiency"), ("controll
 _WHOLE = [("motors", "pole_pairs"), ("motors", "phases"), ("motors", "commutator_segments"), ("gearheads", "stages"),
           ("encoders", "counts_per_turn"), ("encoders", "channels")]  # fmt: skip
 
-# thermal_resistance_winding: motors of which only winding to ambient is known have it in the housing's
+# thermal_resistance_winding: motors of which only winding to ambient is known have it in the housing's;
+# stages: 0 stands for no gearhead at all
 _MAY_BE_ZERO = {"thermal_resistance_winding", "friction_torque", "viscous_friction", "backlash", "voltage_drop",
-                "direction", "price", "price_5", "price_20", "list_price", "added_length", "inertia"}  # fmt: skip
+                "stages", "direction", "price", "price_5", "price_20", "list_price", "added_length",
+                "inertia"}  # fmt: skip
 
 _OTHERS = (
     Law(section="gearheads", name="printed reduction", meaning="the reduction is the ratio, rounded", figure="ratio",
         relation="=", expected=_printed_reduction, fields=("reduction",), allowance=0.03,
         reason="half of the last digit of the reductions from 17:1 on; 4.8:1 and the like come nearer"),
-    Law(section="gearheads", name="ratio per stage, at least", meaning="2 to the power of the stages at least",
-        figure="ratio", relation=">=", expected=lambda g: np.where(g["stages"] > 0, 2.0 ** g["stages"], np.nan),
-        fields=("stages",), reason="2.1 to 6.75 of 2215 maxon gearheads", source=USAGE),
+    Law(section="gearheads", name="ratio per stage, at least", meaning="1.5 to the power of the stages at least",
+        figure="ratio", relation=">=", expected=lambda g: np.where(g["stages"] > 0, 1.5 ** g["stages"], np.nan),
+        fields=("stages",), reason="2.1 to 6.75 of 2215 maxon gearheads, Faulhaber from 1.76", source=USAGE),
     Law(section="gearheads", name="ratio per stage, at most", meaning="10 to the power of the stages at most",
         figure="ratio", relation="<=", expected=lambda g: _of_toothed_stages(g, 10.0), fields=("stages", "kind"),
         reason="beyond, planets would touch; other kinds have no such bound", source=USAGE),
