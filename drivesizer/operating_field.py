@@ -20,7 +20,17 @@ from numpy.typing import NDArray
 from drivesizer.choose import usable_voltage
 from drivesizer.loadcycle import Ends
 from drivesizer.loads import load_cycle
-from drivesizer.physics import DIRECTION, DRIVING, SPEED, AtGearhead, Demands, at_gearhead, demands
+from drivesizer.physics import (
+    ACCELERATION,
+    DIRECTION,
+    DRIVING,
+    SPEED,
+    AtGearhead,
+    Demands,
+    at_gearhead,
+    demands,
+    friction,
+)
 from drivesizer.physics_limits import heat, housing_loss, volts_of
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
@@ -79,7 +89,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     """
     motor, gearhead, encoder = (_Columns(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     at = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
-    asked = demands(at, motor, gearhead, encoder)
+    asked = _as_far_as_known(demands(at, motor, gearhead, encoder), motor, gearhead)
     cycle_speed, cycle_torque = _cycle(at, asked)
     rms_speed, rms_torque = _rms(at, asked, drive_set)
     return OperatingField(
@@ -90,6 +100,18 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         rms_speed=rms_speed,
         rms_torque=rms_torque,
     )
+
+
+def _as_far_as_known(asked: Demands, motor: Any, gearhead: Any) -> Demands:
+    """What the motor is asked for; least demands are not drawn as if they were all."""
+    if asked.sure.all():
+        return asked
+    coulomb, viscous = friction(motor)
+    c = asked.coefficients.copy()
+    for place, figure in ((ACCELERATION, gearhead["inertia"]), (DIRECTION, coulomb), (SPEED, viscous)):
+        c[np.isnan(figure), place] = np.nan
+    unknown = np.full_like(asked.rms_current, np.nan)
+    return asked._replace(coefficients=c, rms_torque=unknown, rms_current=unknown)
 
 
 def _lines(spec: RobotSpec, drive_set: DriveSet, asked: Demands, hot: float, fastest: float) -> dict[str, Any]:

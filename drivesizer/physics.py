@@ -116,7 +116,7 @@ class Demands(NamedTuple):
     peak_speed: Array  # rad/s
     coefficients: Array  # (candidates, 6): motor torque from the functions
     total_ratio: Array  # of the gearhead
-    sure: NDArray[np.bool_]  # False: the gearhead's inertia is unknown, and more of it would ask for more
+    sure: NDArray[np.bool_]  # False: least ones, as an inertia or friction is unknown that would ask for more
 
 
 class Peak(NamedTuple):
@@ -212,9 +212,10 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     at
         The load cycle at the gearhead's output.
     motor, gearhead, encoder
-        Figures of the candidates' parts by field name: columns. An unknown inertia of the gearhead is left out
-        where more of it could only ask for more, and the demands are then least ones; else they are unknown. That of an
-        encoder, thousands of times smaller than the load's, is left out.
+        Figures of the candidates' parts by field name: columns. An unknown inertia of the gearhead and an unknown
+        friction of the motor are left out where more of them could only ask for more RMS torque, and the demands are
+        then least ones; else they are unknown. The inertia of an encoder, thousands of times smaller than the load's,
+        is left out.
 
     Notes
     -----
@@ -222,17 +223,19 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     """
     i, e, k_t = gearhead["ratio"], gearhead["efficiency"], motor["torque_constant"]
     coulomb, viscous = friction(motor)
+    left_out = {ACCELERATION: np.isnan(gearhead["inertia"]), DIRECTION: np.isnan(coulomb), SPEED: np.isnan(viscous)}
     c = np.empty((len(i), 6))
     c[:, DRIVING] = 1 / (i * e)
     c[:, BRAKING] = e / i
     c[:, AT_REST] = 1 / i
-    sure = ~np.isnan(gearhead["inertia"])
     known = np.nan_to_num(gearhead["inertia"]) + np.nan_to_num(encoder["inertia"])
     c[:, ACCELERATION] = (motor["rotor_inertia"] + known) * i
-    c[:, DIRECTION] = coulomb
-    c[:, SPEED] = viscous * i
+    c[:, DIRECTION] = np.nan_to_num(coulomb)
+    c[:, SPEED] = np.nan_to_num(viscous) * i
     slope = c @ at.moments  # of the mean square, by each coefficient
-    c[~sure & (slope[:, ACCELERATION] < 0.0), ACCELERATION] = np.nan
+    for place, unknown in left_out.items():
+        c[unknown & (slope[:, place] < 0.0), place] = np.nan
+    sure = ~np.logical_or.reduce(list(left_out.values()))
     rms_torque = np.sqrt(np.maximum((slope * c).sum(1), 0.0))
     return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, sure)
 

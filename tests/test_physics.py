@@ -4,6 +4,7 @@ import itertools
 import json
 import math
 import random
+from dataclasses import replace
 
 import by_hand
 import numpy as np
@@ -424,3 +425,21 @@ def test_the_same_bytes_twice(catalog):
         both.append(contract.as_text(document).encode())
     assert both[0] == both[1]
     json.loads(both[0], parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+
+
+def test_what_is_unknown_of_gearhead_and_friction_may_fail_a_set_but_not_pass_it(spec, catalog):
+    """Left out, an inertia or a friction that could only ask for more gives least demands."""
+    physics = spec.model_copy(update={"method": "physics"})
+    rows = candidates(physics, catalog)
+    plain = {c.name: c for c in evaluate(physics, catalog, rows).checks}
+    for table, figure in (("gearheads", "inertia"), ("motors", "no_load_current")):
+        parts = getattr(catalog, table)
+        columns = dict(parts.columns) | {figure: np.full(len(parts), np.nan)}
+        blind = replace(catalog, **{table: replace(parts, columns=columns)})
+        found = {c.name: c for c in evaluate(physics, blind, rows).checks}
+        for name in ("motor_nominal_current", "controller_peak_current", "supply_voltage"):
+            assert (found[name].demand <= plain[name].demand * (1 + 1e-12)).all()
+            assert (found[name].demand > 0.5 * plain[name].demand).all()
+            assert not found[name].passed.any()
+            assert (plain[name].failed | ~found[name].failed).all()  # what fails with less fails with all of it
+        assert found["motor_speed"].demand == pytest.approx(plain["motor_speed"].demand)
