@@ -141,8 +141,8 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
             "copper the winding; where time constants are unknown it is the mean",
             "voltage is with the winding at the ambient and at its mean temperature, the larger counts",
             "at rest the motor holds what the load asks for, without help of friction",
-            "an unknown inertia of the gearhead or friction of the motor is left out where more could only ask for more: "
-            "what fails then fails, what passes is unknown",
+            "an unknown inertia of the gearhead or friction of the motor is left out where more could only ask for "
+            "more: what fails then fails, what passes is unknown",
             "an encoder's unknown inertia is left out; sustained speed is the highest at which the profile stays",
         ]
         if spec.paper_applies:

@@ -1,0 +1,52 @@
+"""All shipped catalogues at once: sets mix nothing that no source puts together, and each part keeps its maker."""
+
+from importlib import resources
+
+import pytest
+
+from drivesizer.catalog import load, shipped
+from drivesizer.sizing import size
+from drivesizer.spec import read_spec
+from drivesizer.yaml_source import YamlSource
+
+
+@pytest.fixture(scope="module")
+def everything():
+    return load(["all"])
+
+
+def test_the_whole_is_the_sum_of_its_files(everything):
+    one_by_one = [load([name]) for name in shipped()]
+    for section in ("motors", "encoders", "controllers"):
+        assert len(everything.table(section)) == sum(len(c.table(section)) for c in one_by_one)
+    assert len(everything.motor_gearhead.left) == sum(len(c.motor_gearhead.left) for c in one_by_one)
+    assert (everything.gearheads["part"] == "direct").sum() == 1
+    assert set(everything.digests) == set(shipped())
+
+
+@pytest.mark.parametrize("name", ["conveyor", "fan", "hoist", "rotary_table"])
+def test_sets_of_all_makers_fit_together(name, everything):
+    text = (resources.files("drivesizer") / "starters" / f"{name}.yaml").read_text(encoding="utf-8")
+    spec = read_spec(YamlSource(text.replace("catalogs: [maxon]", "catalogs: [all]"), "all.yaml"))
+    result = size(spec, catalog=everything, top=400)
+    pairs = set(zip(everything.motor_gearhead.left.tolist(), everything.motor_gearhead.right.tolist(), strict=True))
+    makers = set()
+    for s in result.sets:
+        motor, gearhead = everything.motors.rows[s.motor.part], everything.gearheads.rows[s.gearhead.part]
+        assert (motor, gearhead) in pairs
+        assert s.gearhead.manufacturer in ("", s.motor.manufacturer)
+        makers.add(s.motor.manufacturer)
+    assert "maxon" in makers
+    if name == "fan":
+        assert "Faulhaber" in makers
+
+
+def test_what_lacks_figures_does_not_pass(everything):
+    """Faulhaber gives no input speed of its gearheads, and of most no inertia: such sets are unknown."""
+    text = (resources.files("drivesizer") / "starters" / "fan.yaml").read_text(encoding="utf-8")
+    spec = read_spec(YamlSource(text.replace("catalogs: [maxon]", "catalogs: [all]"), "all.yaml"))
+    result = size(spec, catalog=everything, top=400)
+    for s in result.sets:
+        if s.motor.manufacturer == "Faulhaber" and s.gearhead.kind != "direct":
+            assert s.status == "unknown"
+            assert {c.name: c.status for c in s.checks}["gearhead_continuous_speed"] == "unknown"
