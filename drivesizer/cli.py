@@ -327,13 +327,19 @@ def init(
 
 
 @app.command(epilog="Example: drivesizer schema > robot.schema.json")
-def schema() -> None:
-    """Print the JSON Schema of robot.yaml, for editors."""
+def schema(
+    of: Annotated[str, typer.Argument(metavar="[spec|catalog]", help="Of what: spec or catalog.")] = "spec",
+) -> None:
+    """Print the JSON Schema of robot.yaml, or of a catalogue, for editors."""
     import json
 
+    from drivesizer.catalog.schema import catalog_schema
     from drivesizer.spec import RobotSpec
 
-    typer.echo(json.dumps(RobotSpec.model_json_schema(), indent=2, ensure_ascii=False))
+    made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema}
+    if of not in made:
+        raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")
+    typer.echo(json.dumps(made[of](), indent=2, ensure_ascii=False))
 
 
 app.add_typer(catalog_commands, name="catalog")

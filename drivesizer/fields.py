@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, WithJsonSchema
 from pydantic_core import core_schema
 
 from drivesizer.units import KINDS, label, noun, to_si
@@ -153,7 +153,13 @@ Distance = Annotated[float, Quantity("length", above=0.0, rotary="angle")]
 Acceleration = Annotated[float, Quantity("acceleration", above=0.0, rotary="angular_acceleration")]
 Jerk = Annotated[float, Quantity("jerk", above=0.0, rotary="angular_jerk")]
 
-Names = Annotated[list[str], Field(min_length=1), BeforeValidator(lambda value: _listed(value))]
+_NAME = {"type": ["string", "integer"]}
+Names = Annotated[
+    list[str],
+    Field(min_length=1),
+    BeforeValidator(lambda value: _listed(value)),
+    WithJsonSchema({"anyOf": [_NAME, {"type": "array", "items": _NAME, "minItems": 1}]}),
+]
 
 
 def _listed(value: Any) -> Any:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer import ranking
-from drivesizer.catalog import Controller, Gearhead, Motor
+from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
 from drivesizer.evaluation import Evaluation
 from drivesizer.objectives import SUMS
 from drivesizer.overload import State, cold, overload_time
@@ -96,7 +96,7 @@ def _figures(evaluation: Evaluation, index: int, motor: Motor, gearhead: Gearhea
     controller = evaluation.catalog.controllers.record(row)
     at_gear = gearhead.intermittent_torque / (gearhead.ratio * gearhead.efficiency * motor.torque_constant)
     limit = min(controller.peak_current, at_gear) if at_gear == at_gear else controller.peak_current
-    title = "Current limit to set: no jam overloads the gearhead"
+    title = "Current limit to set" + (": no jam overloads the gearhead" if gearhead.kind != DIRECT else "")
     found.append(Figure(name="current_limit", title=title, value=limit, kind="current", unit="A"))
     return (
         *found,

@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer import terminal_tables as tables
-from drivesizer.catalog import Catalog
+from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.checks import TITLES
 from drivesizer.objectives import OBJECTIVE, SUMS, objective_figure
 from drivesizer.results import DriveSet, SizingResult, Validation, verdict, worst
@@ -121,7 +121,7 @@ def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
         table.add_row(
             str(found.rank),
             f"{found.motor.family}\n{found.motor.part}",
-            f"{_gearhead(found, sets)}\n{found.gearhead.part}",
+            _gearhead(found, sets) + (f"\n{found.gearhead.part}" if found.gearhead.kind != DIRECT else ""),
             f"{found.encoder.family}\n{found.encoder.part}" if found.encoder else "unknown",
             f"{found.controller.family}\n{found.controller.part}" if found.controller else "none",
             _objective(found, result.objective),
@@ -133,7 +133,8 @@ def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
 def _gearhead(found: DriveSet, among: tuple[DriveSet, ...]) -> str:
     """Gearhead and reduction, with the belt's where the sets differ in it."""
     belt = f" × {found.belt_ratio:g}" if len({s.belt_ratio for s in among}) > 1 else ""
-    return f"{found.gearhead.family} {found.gearhead.reduction}{belt}"
+    gearhead = "none" if found.gearhead.kind == DIRECT else f"{found.gearhead.family} {found.gearhead.reduction}"
+    return f"{gearhead}{belt}"
 
 
 def _nearest(misses: tuple[DriveSet, ...]) -> Table:
@@ -195,7 +196,8 @@ def _tally(console: Console, result: SizingResult) -> None:
         encoder = f", encoder {other.encoder.part}" if other.encoder else ""
         controller = f", controller {other.controller.family}" if other.controller else ""
         single = result.objective in OBJECTIVE
-        value = f": {result.objective} {_objective(other, result.objective)}".replace("\n", " ") if single else ""
+        words = f"{result.objective} {_objective(other, result.objective)}".replace("_", " ").replace("\n", " ")
+        value = f": {words}" if single else ""
         console.print(
             Text(
                 f"Without the families and parts that the spec names, the whole catalogue gives {other.label}{encoder}"

@@ -14,6 +14,7 @@ from rich.text import Text
 
 from drivesizer.catalog import DIRECT, Catalog, columns_of
 from drivesizer.results import Check, DriveSet, Figure, Requirement
+from drivesizer.spec import AS_SPECIFIED
 from drivesizer.units import show
 
 __all__ = [
@@ -89,7 +90,7 @@ def checks(checks: Iterable[Check], title: str) -> Table:
         status = Text(MARK[check.status], style=STYLE[check.status])
         figures = [plain(check, check.demand), plain(check, check.limit)]
         when = [f"{check.at_time:.3g} s" if check.at_time is not None else ""] if timed else []
-        where = f" ({check.case})" if check.case else ""
+        where = f" ({check.case})" if check.case not in ("", AS_SPECIFIED) else ""
         needed = f"\nneeds {percent(check.needed)}" if check.needed and not isnan(check.margin) else ""
         table.add_row(Text(check.title + where), *figures, percent(check.margin) + needed, status, *when)
     return table

@@ -1,0 +1,123 @@
+"""JSON Schema of a catalogue file, for editors: made of the same columns as the reader."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drivesizer.catalog.parts import PARTS, Column, columns_of
+from drivesizer.units import KINDS, noun
+
+__all__ = ["catalog_schema"]
+
+_TEXT: dict[str, Any] = {"type": ["string", "number", "null"]}
+_CONFIDENCE = {"enum": ["quoted", "secondary", "derived", "recalled"]}
+_NAMES = {"type": "array", "items": {"type": ["string", "integer"]}}
+_AT_THE_HEAD = ("part", "family", "manufacturer")
+_SOURCE = {
+    "type": "object",
+    "description": "a document that figures come from",
+    "properties": {"document": {"type": "string"}, "confidence": _CONFIDENCE, "date": _TEXT, "url": _TEXT},
+    "required": ["document", "confidence"],
+    "additionalProperties": False,
+}
+_NOTE = {
+    "type": "object",
+    "properties": {
+        "text": {"type": "string"},
+        "parts": _NAMES | {"description": "all of the table where not given"},
+        "fields": _NAMES | {"description": "the whole row where not given"},
+        "confidence": _CONFIDENCE,
+        "source": {"type": "string"},
+        "exclude": {"type": "boolean", "description": "leave these parts out of the search"},
+        "accepted": {"type": "boolean", "description": "what `catalog check` finds of these fields is known"},
+    },
+    "required": ["text"],
+    "additionalProperties": False,
+}
+
+
+def catalog_schema() -> dict[str, Any]:
+    """The JSON Schema of a catalogue file."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "drivesizer catalogue",
+        "type": "object",
+        "properties": {
+            "catalog": {"const": 1, "description": "number of this schema"},
+            "manufacturer": {"type": "string"},
+            "overrides": {"type": "boolean", "description": "its parts count before those of catalogues named before"},
+            "sources": {"type": "object", "additionalProperties": _SOURCE, "minProperties": 1},
+            **{section: _tables(section) for section in PARTS},
+            "compatibility": _compatibility(),
+        },
+        "required": ["catalog", "manufacturer", "sources"],
+        "additionalProperties": False,
+    }
+
+
+def _tables(section: str) -> dict[str, Any]:
+    """The tables of a section, each a family's or a part of it."""
+    columns = columns_of(section).values()
+    table = {
+        "type": "object",
+        "properties": {
+            "family": _TEXT,
+            "source": {"type": "string", "description": "one of `sources`"},
+            "common": {
+                "type": "object",
+                "description": "figures that all rows share, each with its unit",
+                "properties": {c.name: _figure(c) for c in columns if c.name not in _AT_THE_HEAD},
+                "additionalProperties": False,
+            },
+            "columns": {
+                "type": "array",
+                "description": "names of columns with their units: " + "; ".join(_header(c) for c in columns),
+                "items": {"type": "string", "pattern": _pattern([c.name for c in columns])},
+                "contains": {"const": "part"},
+            },
+            "rows": {"type": "array", "items": {"type": "array", "items": _TEXT}},
+            "notes": {"type": "array", "items": _NOTE},
+        },
+        "required": ["family", "source", "columns", "rows"],
+        "additionalProperties": False,
+    }
+    return {"type": "array", "items": table}
+
+
+def _figure(column: Column) -> dict[str, Any]:
+    if column.kind == "text":
+        return _TEXT
+    if column.kind in ("ratio", "dimensionless"):
+        return {"type": ["number", "string", "null"]}
+    return {"type": ["string", "null"], "description": f"{noun(column.kind)}, e.g. {KINDS[column.kind].example}"}
+
+
+def _header(column: Column) -> str:
+    return column.name if column.kind in ("text", "ratio") or column.unit == "1" else f"{column.name} ({column.unit})"
+
+
+def _pattern(names: list[str]) -> str:
+    return rf"^({'|'.join(names)})( *\(.+\))?$"
+
+
+def _compatibility() -> dict[str, Any]:
+    """Which parts go together, by family or part number; `direct` is no gearhead."""
+    sections: dict[str, tuple[str, ...]] = {
+        "motor_gearhead": ("motors", "gearheads"),
+        "motor_encoder": ("motors", "encoders"),
+        "triples": ("motors", "gearheads", "encoders"),
+    }
+    return {
+        "type": "object",
+        "properties": {name: {"type": "array", "items": _group(parts)} for name, parts in sections.items()},
+        "additionalProperties": False,
+    }
+
+
+def _group(parts: tuple[str, ...]) -> dict[str, Any]:
+    return {
+        "type": "object",
+        "properties": {"name": _TEXT, "source": {"type": "string"}, "without": _NAMES, **dict.fromkeys(parts, _NAMES)},
+        "required": ["source", *parts],
+        "additionalProperties": False,
+    }
