@@ -54,8 +54,10 @@ class Rows:
             self.taken[name] = column[self.rows]
         return self.taken[name]
 
-    def on(self, rows: NDArray[Any]) -> Rows:
-        """Some of the rows."""
+    def on(self, rows: NDArray[Any] | slice) -> Rows:
+        """Some of the rows; for all of them this one, with the columns that it has taken."""
+        if isinstance(rows, slice) and rows == slice(None):
+            return self
         return Rows(self.table, self.rows[rows])
 
 

@@ -110,6 +110,12 @@ class CheckColumn:
             found = (self.limit - self.zero) / (self.demand - self.zero) - 1.0
         return np.where(self.demand == self.zero, nan, found)
 
+    @property
+    def tightness(self) -> NDArray[np.float64]:
+        """The margin as far as it tells of the load; infinite where unknown, without demand or passed by choice."""
+        margin = self.margin
+        return np.where(np.isnan(margin) | (self.by_choice & self.passed), np.inf, margin)
+
     def at(
         self,
         index: int | tuple[()],

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ from drivesizer.physics_limits import (
     load_limits,
     motor_limits,
     moving_limits,
+    on,
     size_limits,
     stress,
 )
@@ -41,7 +42,6 @@ from drivesizer.spec import RobotSpec
 __all__ = ["Examined", "Problem", "examine", "problem"]
 
 Array = NDArray[np.float64]
-Record = TypeVar("Record", bound=tuple[Any, ...])
 _LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
 _BLOCKS = (64, 1024)
 _PIECES = 8192
@@ -81,13 +81,6 @@ class Examined(NamedTuple):
     bound: Array  # their smallest margin is no better than this
 
 
-def _kept(record: Record, keep: NDArray[np.bool_] | None) -> Record:
-    """The rows of a record of columns that are kept."""
-    if keep is None:
-        return record
-    return type(record)(*(_kept(x, keep) if isinstance(x, tuple) else x[keep] for x in record))
-
-
 class _Moving(NamedTuple):
     """The columns of one load case."""
 
@@ -122,12 +115,12 @@ def examine(
     gearhead = Rows(given.catalog.gearheads, sets.gearhead[sieve.rows])
     parts = Parts(motor, gearhead, Rows(given.catalog.encoders, given.encoder.row[motor.rows]), None)
     listed = fits("compatibility", True, sets.listed[sieve.rows])
-    parts = _narrowed(parts, sieve.through([listed, *size_limits(given.spec, motor, gearhead)]))
+    parts = parts.on(sieve.through([listed, *size_limits(given.spec, motor, gearhead)]))
     cases = [_moving(spec, at, parts) for spec, at in zip(given.specs, ats, strict=True)]
     keep = sieve.through(
         _each(given, lambda k: _doubted(moving_limits(given.specs[k], ats[k], *cases[k], parts), cases[k]))
     )
-    cases, parts = [_kept(case, keep) for case in cases], _narrowed(parts, keep)
+    cases, parts = [on(case, keep) for case in cases], parts.on(keep)
     return _powered(given, ats, cases, parts, sieve, exact)
 
 
@@ -144,10 +137,6 @@ def _doubted(checks: list[CheckColumn], case: _Moving) -> list[CheckColumn]:
     if sure.all():
         return checks
     return [replace(c, passed=c.passed & sure) if c.name in _OF_THE_CURRENT else c for c in checks]
-
-
-def _narrowed(parts: Parts, keep: NDArray[np.bool_] | None) -> Parts:
-    return parts if keep is None else Parts(*(None if part is None else part.on(keep) for part in parts))
 
 
 def _each(given: Problem, checks: Callable[[int], list[CheckColumn]]) -> list[CheckColumn]:
@@ -190,12 +179,12 @@ def _powered(
     sieve.checks = [check for check in sieve.checks if check.name != "winding_temperature"]
     sieve.failed_by["winding_temperature"] = sieve.failed_by["winding_temperature"] if sieve.staged else 0
     keep = sieve.through([chosen.checks[0], *found.checks])
-    figures = {name: value if keep is None else value[keep] for name, value in found.figures.items()}
-    row = chosen.row if keep is None else chosen.row[keep]
+    figures = {name: value[keep] for name, value in found.figures.items()}
     fallen = np.concatenate([sieve.rows[:0], *(rows for rows, _ in sieve.fallen)])
     bound = np.concatenate([sieve.margin[:0], *(bound for _, bound in sieve.fallen)])
     return Examined(
-        sieve.rows, sieve.checks, sieve.doubtful, sieve.margin, row, figures, sieve.failed_by, fallen, bound
+        sieve.rows, sieve.checks, sieve.doubtful, sieve.margin, chosen.row[keep], figures, sieve.failed_by,
+        fallen, bound,
     )  # fmt: skip
 
 
@@ -253,7 +242,7 @@ def _by_bounds(
     winding, *others = _undecided(spec, low, high, parts, alive)
     for compute, mask in ((wave.peak_winding, winding), (wave.exact, np.logical_or.reduce(others))):
         if mask.any():
-            some = _kept(asked, mask), _kept(warm, mask), _kept(under, mask), _narrowed(parts, mask)
+            some = on(asked, mask), on(warm, mask), on(under, mask), parts.on(mask)
             few: tuple[Array | None, ...] = compute(spec, at, *some)
             high = wave.Moments(*(_put(column, mask, new) for column, new in zip(high, few, strict=True)))
     return high
@@ -282,12 +271,12 @@ def _closer(
     for count in _BLOCKS:
         mask = _undecided(spec, low, high, parts, alive)[0]
         if mask.any():
-            some = _kept(asked, mask), _kept(warm, mask), _narrowed(parts, mask)
+            some = on(asked, mask), on(warm, mask), parts.on(mask)
             found = wave.bracketed(at, *some, spec.environment.ambient, count)
             low, high = (m._replace(winding=_put(m.winding, mask, b)) for m, b in zip((low, high), found, strict=True))
     mask = _undecided(spec, low, high, parts, alive)[1]
     if mask.any():
-        found = wave.above_bounds(at, _kept(asked, mask), _kept(under, mask), _narrowed(parts, mask), _PIECES)
+        found = wave.above_bounds(at, on(asked, mask), on(under, mask), parts.on(mask), _PIECES)
         low, high = (m._replace(above=_put(m.above, mask, b)) for m, b in zip((low, high), found, strict=True))
     return low, high
 

@@ -39,7 +39,7 @@ class Envelope(NamedTuple):
     low: Array
 
 
-def envelope(duration: Array, functions: Array, pieces: int = 256) -> Envelope:
+def envelope(duration: Array, functions: Array, pieces: int) -> Envelope:
     """Largest and smallest value of each function in consecutive pieces of a cycle, so many at most."""
     starts = np.unique(np.linspace(0, len(duration), pieces, endpoint=False).astype(np.int64))
     return Envelope(

@@ -164,10 +164,10 @@ def _line(asked: Demands, drive_set: DriveSet, voltage: float, temperature: floa
 
 def _continuous(spec: RobotSpec, asked: Demands, motor: _Columns, w: Array) -> tuple[Array, bool]:
     """Continuous torque over speed [N*m], and whether it is from thermal data."""
-    friction, iron = housing_loss(motor, np.ones(1))
+    rubbing, iron = housing_loss(motor, np.ones(1))
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     permitted, ambient = motor["max_winding_temperature"], spec.environment.ambient
-    current = continuous_current(motor["resistance"], *R_th, permitted, ambient, friction * w + iron * w**2)
+    current = continuous_current(motor["resistance"], *R_th, permitted, ambient, rubbing * w + iron * w**2)
     torque = np.asarray(np.maximum(motor["torque_constant"] * current - _friction(asked, w), 0.0))
     if not np.isnan(torque).any():
         return torque, True

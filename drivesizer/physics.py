@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.extremes import Envelope, Extremes, envelope, extremes
+from drivesizer.extremes import Extremes, extremes
 from drivesizer.loadcycle import Ends, LoadCycle, integral, mean_product, rms
 
 __all__ = [
@@ -93,9 +93,8 @@ class _Base(NamedTuple):
     functions: Array
     moments: Array
     extremes: Extremes
-    envelope: Envelope
     warming: Pieces
-    coarse: dict[int, Any]  # the cycle in few blocks, for the bounds of its heat: made when first asked for
+    coarse: dict[tuple[str, int], Any]  # the cycle in few pieces, by what for and how many: made when asked for
     rms_torque: float
     peak_torque: float
     peak_speed: float
@@ -155,7 +154,7 @@ def at_gearhead(cycle: LoadCycle, efficiency: float, quickest: float = inf) -> _
     ], axis=2)  # fmt: skip
     return _Base(
         cycle, functions, _moments(cycle, functions), extremes(functions, cycle.time),
-        envelope(cycle.duration, functions), _warming(cycle.duration, functions, quickest), {},
+        _warming(cycle.duration, functions, quickest), {},
         **_scalars(cycle, torque, speed, running),
     )  # fmt: skip
 

@@ -7,14 +7,15 @@ catalogues; no factor of the paper enters, the spec's ``margins`` do. A missing 
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog import EDGES
 from drivesizer.checks import CheckColumn, at_least, at_most
 from drivesizer.choose import most_voltage
-from drivesizer.physics import SPEED, AtGearhead, Demands, Peak, friction, peak
+from drivesizer.physics import AT_REST, DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE, current_derating, steady_winding_temperature
 
@@ -29,13 +30,13 @@ __all__ = [
     "load_limits",
     "motor_limits",
     "moving_limits",
+    "on",
     "size_limits",
     "stress",
 ]
 
 Array = NDArray[np.float64]
 _ROTARY, _TORQUE = ("rotary_speed", "rpm"), ("torque", "N*m")
-_EDGES = 4  # counts per line of an incremental encoder, evaluated in quadrature
 
 
 class Parts(NamedTuple):
@@ -45,6 +46,18 @@ class Parts(NamedTuple):
     gearhead: Any
     encoder: Any
     controller: Any
+
+    def on(self, rows: Any) -> Parts:
+        """The parts of some of the candidates: by a mask, numbers or a slice."""
+        return Parts(*(None if part is None else part.on(rows) for part in self))
+
+
+Record = TypeVar("Record", bound=tuple[Any, ...])
+
+
+def on(record: Record, rows: Any) -> Record:
+    """A record of columns, records among them, at some of the candidates."""
+    return type(record)(*(on(x, rows) if isinstance(x, tuple) else x[rows] for x in record))
 
 
 class Heat(NamedTuple):
@@ -161,11 +174,11 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
 
 def heat(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: Any) -> Heat:
     """Mean temperature of the winding in the long run."""
-    friction, iron = housing_loss(motor, asked.total_ratio)
-    mean = friction * at.moments[4, SPEED] + iron * at.moments[SPEED, SPEED]
+    rubbing, iron = housing_loss(motor, asked.total_ratio)
+    mean = rubbing * at.moments[DIRECTION, SPEED] + iron * at.moments[SPEED, SPEED]
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     winding = steady_winding_temperature(spec.environment.ambient, motor["resistance"], *R_th, asked.rms_current, mean)
-    return Heat(friction, iron, mean, np.asarray(winding))
+    return Heat(rubbing, iron, mean, np.asarray(winding))
 
 
 def moving_limits(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, parts: Parts) -> list[CheckColumn]:
@@ -182,11 +195,11 @@ def moving_limits(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, p
     return [*found, *_inertias(spec, at, asked, parts), *_holding(spec, at, parts)]
 
 
-def winding_limit(spec: RobotSpec, winding: Array, motor: Any) -> CheckColumn:
-    """A winding temperature against the permitted one."""
+def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | None = None) -> CheckColumn:
+    """A winding temperature against the permitted one, and when it is met."""
     return at_most(
         "winding_temperature", winding, motor["max_winding_temperature"], "temperature", "degC",
-        zero=spec.environment.ambient, needed=spec.margins.temperature,
+        zero=spec.environment.ambient, needed=spec.margins.temperature, time=time,
     )  # fmt: skip
 
 
@@ -208,7 +221,9 @@ def _holding(spec: RobotSpec, at: AtGearhead, parts: Parts) -> list[CheckColumn]
     if not spec.needs.hold_unpowered:
         return []
     rests = (at.cycle.speed == 0.0).all(axis=1).any()
-    standing = np.abs(at.base.functions[:, :, 2]).max() / at.belt if rests else np.nan  # else nobody tells what it is
+    standing = (
+        np.abs(at.base.functions[:, :, AT_REST]).max() / at.belt if rests else np.nan
+    )  # else nobody tells what it is
     reaches = standing * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
     return [at_most("holding", reaches, np.full(reaches.shape, np.nan), "torque", "mN*m")]
 
@@ -272,7 +287,7 @@ def _counting(spec: RobotSpec, belt: float, asked: Demands, parts: Parts) -> lis
     ]
     need = spec.needs.resolution_at_load
     if need is not None:
-        edge = 2 * np.pi / (_EDGES * counts * asked.total_ratio * belt)
+        edge = 2 * np.pi / (EDGES * counts * asked.total_ratio * belt)
         found.append(at_most("encoder_resolution", edge, need, "angle", "deg"))
     return found
 

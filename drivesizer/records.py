@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,11 @@ from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
 from drivesizer.evaluation import Evaluation
 from drivesizer.objectives import SUMS
 from drivesizer.overload import State, cold, overload_time
+from drivesizer.physics import AT_REST
 from drivesizer.ranking import Objective
 from drivesizer.results import DriveSet, Figure
 from drivesizer.search import smallest_margin
-from drivesizer.thermal import TwoBodies
+from drivesizer.thermal import two_bodies
 from drivesizer.waveform import Wave, longest_above, share_above
 
 __all__ = ["drive_set"]
@@ -109,7 +111,7 @@ def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -
     """How long and how often the gearhead is above its continuous torque, in the first load case that is."""
     limit = np.array([gearhead.continuous_torque])
     for base in evaluation.asked.bases if evaluation.asked else ():
-        torque = base.functions[None, :, :, :3].sum(axis=3) / evaluation.candidates.belt[index]
+        torque = base.functions[None, :, :, : AT_REST + 1].sum(axis=3) / evaluation.candidates.belt[index]
         found = Wave(base.cycle.duration, torque, torque)
         longest = float(longest_above(found, limit)[0])
         if longest > 0.0:
@@ -125,10 +127,7 @@ def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -
 
 def _overloads(evaluation: Evaluation, values: dict[str, float], motor: Motor, controller: Controller) -> list[Figure]:
     """How long the motor bears the controller's peak current, cold, and with housing and winding as warm as it gets."""
-    bodies = TwoBodies(
-        R_25=motor.resistance, R_th1=motor.thermal_resistance_winding, R_th2=motor.thermal_resistance_housing,
-        tau_w=motor.winding_time_constant, tau_h=motor.motor_time_constant,
-    )  # fmt: skip
+    bodies = two_bodies(asdict(motor))
     ambient, current = evaluation.spec.environment.ambient, controller.peak_current
     warm = values["winding_temperature"]
     starts = {"cold": cold(ambient), "warm": State(warm, warm)}

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from drivesizer.loadcycle import LoadCycle, mean_product, rms
-from drivesizer.loads import load_cycle
 from drivesizer.results import Requirement
-from drivesizer.spec import RobotSpec
 
 __all__ = ["requirements"]
 
 _SPEED, _TORQUE, _POWER = ("rotary_speed", "rpm"), ("torque", "N*m"), ("power", "W")
 
 
-def requirements(spec: RobotSpec) -> list[Requirement]:
-    """Figures of the load at the driven shaft of one motor set, in the worst of its load cases."""
-    cycles = [load_cycle(case) for _, case in spec.load_cases]
+def requirements(cycles: Sequence[LoadCycle]) -> list[Requirement]:
+    """Figures of the load at the driven shaft of one motor set, in the worst of its load cases' cycles."""
     found = [_figures(cycle) for cycle in cycles]
     rows = []
     for name, (title, symbol, (kind, unit)) in _NAMES.items():

@@ -112,12 +112,8 @@ def _nearest(given: Problem, fallen: Candidates) -> NDArray[np.int64]:
 
 def smallest_margin(checks: list[CheckColumn]) -> Array:
     """The smallest margin of each candidate that is known; what passes by choice is left out."""
-    found: Array | None = None
-    for check in checks:
-        margin = np.nan_to_num(check.margin, nan=np.inf)
-        margin = np.where(check.by_choice & check.passed, np.inf, margin)
-        found = margin if found is None else np.minimum(found, margin)
-    return np.zeros(0) if found is None else found
+    found: Array = np.minimum.reduce([check.tightness for check in checks]) if checks else np.zeros(0)
+    return found
 
 
 def _on(evaluation: Evaluation, rows: NDArray[np.int64]) -> Evaluation:

@@ -19,6 +19,7 @@ from drivesizer.checks import CheckColumn
 __all__ = ["Alone", "Sieve"]
 
 Array = NDArray[np.float64]
+_ALL = slice(None)
 _ENOUGH = 100  # candidates that fell, to find the nearest among
 
 
@@ -66,17 +67,17 @@ class Sieve:
         self.rows = np.flatnonzero(~fails)
         self.doubtful, self.margin = self.doubtful[self.rows], self.margin[self.rows]
 
-    def through(self, found: Sequence[CheckColumn]) -> NDArray[np.bool_] | None:
-        """Keep what does not fail; which of the rows these are, None for all of them."""
+    def through(self, found: Sequence[CheckColumn]) -> NDArray[np.bool_] | slice:
+        """Keep what does not fail; which of the rows these are: a mask, or a slice of all of them."""
         for check in found:
             self.failed_by[check.name] += int(np.count_nonzero(check.failed))
         if not self.staged or not found:
             self._keep(found)
-            return None
+            return _ALL
         keep: NDArray[np.bool_] = ~np.logical_or.reduce([check.failed for check in found])
         if keep.all():
             self._keep(found)
-            return None
+            return _ALL
         fallen, standing = np.flatnonzero(~keep), np.flatnonzero(keep)
         self.fallen.append((self.rows[fallen], _judged([check.on(fallen) for check in found])[1]))
         self.rows, self.doubtful, self.margin = self.rows[standing], self.doubtful[standing], self.margin[standing]
@@ -91,7 +92,7 @@ class Sieve:
         for check in found:
             self.doubtful |= ~check.passed
             if self.margins:
-                self.margin = np.fmin(self.margin, np.where(check.by_choice, np.inf, check.margin))
+                self.margin = np.minimum(self.margin, check.tightness)
 
 
 class Alone(NamedTuple):

@@ -105,7 +105,8 @@ def _known_to(spec: RobotSpec, names: set[str]) -> None:
 def _requirements(found: Found, spec: RobotSpec) -> tuple[Requirement, ...]:
     """(1)-(16) with the rotor inertia of the best candidate; without candidates, with none."""
     if not spec.paper_applies:
-        return tuple(requirements(spec))
+        assert found.evaluation.asked  # such a spec is sized by physics
+        return tuple(requirements([base.cycle for base in found.evaluation.asked.bases]))
     if len(found.evaluation.candidates.motor):
         return tuple(r.at(0) for r in found.evaluation.wheel.values())
     return tuple(paper.vehicle(spec, 0.0).steps.values())

@@ -10,6 +10,7 @@ constant [N*m/A], I_0 no-load current [A], w speed of the motor [rad/s].
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ __all__ = [
     "nominal_current",
     "settled",
     "steady_winding_temperature",
+    "two_bodies",
 ]
 
 Value = float | NDArray[np.float64]
@@ -89,6 +91,17 @@ def settled(ambient: Value, heating: Value, rest: Value = 0.0) -> Value:
         rise = np.divide(heating * (1.0 + COPPER * (ambient - DATA_TEMPERATURE)) + rest, growth)
         found: Value = (ambient + np.where(growth <= 0.0, np.inf + np.asarray(rest), rise))[()]
     return found
+
+
+def two_bodies(motor: Any) -> TwoBodies:
+    """Winding and housing of a motor by the names of its catalogue figures: one motor's, or columns over motors."""
+    return TwoBodies(
+        R_25=motor["resistance"],
+        R_th1=motor["thermal_resistance_winding"],
+        R_th2=motor["thermal_resistance_housing"],
+        tau_w=motor["winding_time_constant"],
+        tau_h=motor["motor_time_constant"],
+    )
 
 
 def steady_winding_temperature(

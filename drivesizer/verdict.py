@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from drivesizer.catalog import Controller, Encoder
+from drivesizer.catalog import EDGES, Controller, Encoder
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
 from drivesizer.control_design import LinearLoop
 from drivesizer.machines import WheeledVehicle
@@ -24,7 +24,6 @@ from drivesizer.thermal import current_derating, steady_winding_temperature
 __all__ = ["METHOD", "Case", "checks", "figures", "quantum"]
 
 METHOD = "closed loop"
-_EDGES = 4  # counts per line of an incremental encoder, evaluated in quadrature
 
 
 class Case(NamedTuple):
@@ -266,4 +265,4 @@ def figures(case: Case) -> tuple[Figure, ...]:
 
 def quantum(case: Case) -> float:
     """Smallest step of a speed that is counted over one control period [rad/s]."""
-    return 2 * math.pi / (_EDGES * case.encoder.counts_per_turn * case.run.period)
+    return 2 * math.pi / (EDGES * case.encoder.counts_per_turn * case.run.period)

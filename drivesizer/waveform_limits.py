@@ -6,8 +6,7 @@ computed from the waveform itself, as is everything that is shown. A bound never
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,16 +17,16 @@ from drivesizer.heat_blocks import blocks, bracket
 from drivesizer.heat_columns import periodic_winding, winding_bounds
 from drivesizer.loadcycle import mean_product
 from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands
-from drivesizer.physics_limits import Heat, Parts, Stress, volts_of, winding_limit
+from drivesizer.physics_limits import Heat, Parts, Stress, on, volts_of, winding_limit
 from drivesizer.spec import RobotSpec
-from drivesizer.thermal import TwoBodies
+from drivesizer.thermal import two_bodies
 from drivesizer.waveform import energy, largest_power, longest_above, longest_run, mean_square, wave
 
 __all__ = ["Moments", "above_bounds", "bounds", "bracketed", "exact", "peak_winding", "waveform_limits"]
 
 Array = NDArray[np.float64]
-Columns = TypeVar("Columns", bound=tuple[Any, ...])
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
+_PIECES = 256  # of a cycle, that bound the time of overload at first
 _SOME = 1e-300  # more than nothing, of an amount that is not known yet
 
 
@@ -46,23 +45,22 @@ class Moments(NamedTuple):
 
 def exact(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts) -> Moments:
     """From the current and voltage of each moment; some candidates at a time."""
-    blocks = [
-        _block(spec, at, _part_of(asked, k), _part_of(warm, k), under.hot[k], _on(parts, k))
-        for k in _slices(at, len(under.hot))
+    found = [
+        _block(spec, at, on(asked, k), on(warm, k), under.hot[k], parts.on(k)) for k in _slices(at, len(under.hot))
     ]
-    return Moments(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
+    return Moments(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
 
 
 def bracketed(
     at: AtGearhead, asked: Demands, warm: Heat, parts: Parts, ambient: float, count: int
 ) -> tuple[Array, Array]:
     """Bounds of the winding's peak from a long cycle in so many blocks [K]: closer than those of ``bounds``."""
-    cycle = at.cycle
-    if count not in at.base.coarse:
-        at.base.coarse[count] = blocks(cycle.duration, at.base.functions, count)
+    store, name = at.base.coarse, ("blocks", count)
+    if name not in store:
+        store[name] = blocks(at.cycle.duration, at.base.functions, count)
     current = asked.coefficients / parts.motor["torque_constant"][:, None]
-    coarse = at.base.coarse[count].behind(at.scale)
-    found = bracket(_two_bodies(parts.motor), ambient, coarse, current, warm.friction, warm.iron)
+    coarse = store[name].behind(at.scale)
+    found = bracket(two_bodies(parts.motor), ambient, coarse, current, warm.friction, warm.iron)
     no_constants = _no_constants(parts.motor)
     low, high = (np.where(no_constants, warm.winding, bound) for bound in found)
     return low, high
@@ -78,9 +76,10 @@ def peak_winding(
     spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts
 ) -> tuple[Array | None, ...]:
     """The exact peak of the winding's temperature alone, in the place that it has in :class:`Moments`."""
-    found = []
-    for k in _slices(at, len(under.hot)):
-        found.append(_peak_winding(spec, at, asked.coefficients[k], _part_of(warm, k), _On(parts.motor, k)))
+    found = [
+        _peak_winding(spec, at, asked.coefficients[k], on(warm, k), parts.motor.on(k))
+        for k in _slices(at, len(under.hot))
+    ]
     winding, time = (np.concatenate(columns) for columns in zip(*found, strict=True))
     return (winding, time, *[None] * (len(Moments._fields) - 2))
 
@@ -88,26 +87,6 @@ def peak_winding(
 def _slices(at: AtGearhead, count: int) -> list[slice]:
     size = max(1, _AT_ONCE // len(at.base.warming.duration))
     return [slice(start, start + size) for start in range(0, count, size)]
-
-
-def _part_of(record: Columns, rows: slice) -> Columns:
-    """A record of columns at some of the candidates."""
-    return type(record)(*(column[rows] for column in record))
-
-
-class _On:
-    """Columns of a part at some of the candidates."""
-
-    def __init__(self, part: Any, rows: slice) -> None:
-        self.part, self.rows = part, rows
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        column: NDArray[Any] = self.part[name][self.rows]
-        return column
-
-
-def _on(parts: Parts, rows: slice) -> Parts:
-    return Parts(*(_On(part, rows) for part in parts))
 
 
 def _block(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, hot: Array, parts: Parts) -> Moments:
@@ -134,19 +113,9 @@ def _peak_winding(spec: RobotSpec, at: AtGearhead, c: Array, warm: Heat, motor: 
     square = mean_square(wave(duration, functions, c, c, motor["torque_constant"]))
     speed = functions[:, :, SPEED]
     loss = np.outer(warm.friction, np.abs(speed).mean(1)) + np.outer(warm.iron, mean_product(speed, speed))
-    found = periodic_winding(_two_bodies(motor), spec.environment.ambient, duration, square, loss)
+    found = periodic_winding(two_bodies(motor), spec.environment.ambient, duration, square, loss)
     no_constants = _no_constants(motor)
     return np.where(no_constants, warm.winding, found.peak), np.where(no_constants, np.nan, found.peak_time)
-
-
-def _two_bodies(motor: Any) -> TwoBodies:
-    return TwoBodies(
-        R_25=motor["resistance"],
-        R_th1=motor["thermal_resistance_winding"],
-        R_th2=motor["thermal_resistance_housing"],
-        tau_w=motor["winding_time_constant"],
-        tau_h=motor["motor_time_constant"],
-    )
 
 
 def bounds(
@@ -163,7 +132,7 @@ def bounds(
         braked = braking_torque(at, asked.coefficients)
         stored_low, stored_high = np.where(least < 0.0, _SOME, 0.0), np.where(braked, np.inf, 0.0)
     heat_low, heat_high = _winding_bounds(spec, at, asked, warm, under, parts.motor)
-    shortest, longest = _above_bounds(at, at.base.envelope, asked, current, parts)
+    shortest, longest = above_bounds(at, asked, under, parts)
     low = Moments(heat_low, nothing, most, nothing, nothing, nothing, stored_low, shortest)
     power = nothing
     if spec.supply.current or spec.supply.power:
@@ -172,26 +141,29 @@ def bounds(
     return low, high
 
 
-def above_bounds(at: AtGearhead, asked: Demands, under: Stress, parts: Parts, pieces: int) -> tuple[Array, Array]:
-    """Bounds of the time on end above the continuous current, from a cycle in so many pieces [s]: closer ones."""
-    if -pieces not in at.base.coarse:
-        at.base.coarse[-pieces] = envelope(at.cycle.duration, at.base.functions, pieces)
-    return _above_bounds(at, at.base.coarse[-pieces], asked, under.current.value, parts)
+def above_bounds(
+    at: AtGearhead, asked: Demands, under: Stress, parts: Parts, pieces: int = _PIECES
+) -> tuple[Array, Array]:
+    """Bounds of the time on end above the continuous current, from a cycle in so many pieces at most [s].
 
-
-def _above_bounds(at: AtGearhead, pieces: Envelope, asked: Demands, peak: Array, parts: Parts) -> tuple[Array, Array]:
-    """Time on end above a current: that of the pieces that surely are above, and of those that may be."""
+    That of the pieces that surely are above, and of those that may be.
+    """
+    store, name = at.base.coarse, ("envelope", pieces)
+    if name not in store:
+        store[name] = envelope(at.cycle.duration, at.base.functions, pieces)
+    found: Envelope = store[name]
+    peak = under.current.value
     k_t, limit = parts.motor["torque_constant"], parts.controller["continuous_current"]
     low = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0)
     high = low.copy()
     rows = np.flatnonzero(peak > limit)
     if len(rows):
         c = asked.coefficients[rows] / k_t[rows, None] * at.scale
-        top, bottom, bound = c @ pieces.high.T, c @ pieces.low.T, limit[rows, None]
-        none, whole = np.zeros_like(top), np.broadcast_to(pieces.duration, top.shape)
+        top, bottom, bound = c @ found.high.T, c @ found.low.T, limit[rows, None]
+        none, whole = np.zeros_like(top), np.broadcast_to(found.duration, top.shape)
         surely, perhaps = np.maximum(bottom, -top) > bound, np.maximum(top, -bottom) > bound
-        low[rows] = np.maximum(longest_run(pieces.duration, none, whole, surely), _SOME)
-        high[rows] = longest_run(pieces.duration, none, whole, perhaps)
+        low[rows] = np.maximum(longest_run(found.duration, none, whole, surely), _SOME)
+        high[rows] = longest_run(found.duration, none, whole, perhaps)
     return low, high
 
 
@@ -228,7 +200,7 @@ def _winding_bounds(
     fast = at.peak_speed
     loss_peak = warm.friction * fast + warm.iron * fast**2
     low, high = winding_bounds(
-        _two_bodies(motor), spec.environment.ambient, asked.rms_current, under.current.value, at.cycle.total,
+        two_bodies(motor), spec.environment.ambient, asked.rms_current, under.current.value, at.cycle.total,
         warm.mean, loss_peak,
     )  # fmt: skip
     no_constants = _no_constants(motor)
@@ -240,7 +212,7 @@ def waveform_limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[Check
     supply, sets, controller = spec.supply, spec.load.motors, parts.controller
     torque, power = spec.margins.torque, found.power * sets
     checks = [
-        winding_limit(spec, found.winding, parts.motor),
+        winding_limit(spec, found.winding, parts.motor, found.winding_time),
         at_most("controller_peak_time", found.above, controller["peak_time"], "time", "s"),
         at_most("bus_voltage", _bus_voltage(spec, found), controller["supply_max"], "voltage", "V"),
     ]
@@ -250,7 +222,7 @@ def waveform_limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[Check
                               time=found.power_time))  # fmt: skip
     if supply.power is not None:
         checks.append(at_most("supply_power", power, supply.power, "power", "W", needed=torque, time=found.power_time))
-    return [replace(checks[0], time=found.winding_time), *checks[1:]]
+    return checks
 
 
 def _bus_voltage(spec: RobotSpec, found: Moments) -> Array:

@@ -13,14 +13,14 @@ from pathlib import Path
 
 from drivesizer import __version__
 from drivesizer.catalog.cache import CacheWarning, digest_of, folder, recall, store
-from drivesizer.catalog.parts import DIRECT, PARTS, Controller, Encoder, Gearhead, Motor, columns_of
+from drivesizer.catalog.parts import DIRECT, EDGES, PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table, joined
 from drivesizer.errors import InputError, quoted
 from drivesizer.textfile import decoded, read_bytes
 
 __all__ = [
-    "DIRECT", "PARTS", "CacheWarning", "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs",
-    "Source", "Table", "columns_of", "load", "shipped",
+    "DIRECT", "EDGES", "PARTS", "CacheWarning", "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note",
+    "Pairs", "Source", "Table", "columns_of", "load", "shipped",
 ]  # fmt: skip
 
 

@@ -11,7 +11,18 @@ from dataclasses import dataclass, field, fields
 from math import inf, nan
 from typing import Any, NamedTuple
 
-__all__ = ["DIRECT", "NO_GEARHEAD", "PARTS", "Column", "Controller", "Encoder", "Gearhead", "Motor", "columns_of"]
+__all__ = [
+    "DIRECT",
+    "EDGES",
+    "NO_GEARHEAD",
+    "PARTS",
+    "Column",
+    "Controller",
+    "Encoder",
+    "Gearhead",
+    "Motor",
+    "columns_of",
+]
 
 
 def _figure(kind: str, unit: str, *, least: float = 0.0) -> Any:
@@ -183,6 +194,7 @@ class Controller:
     price: float = _figure("price", "EUR")
 
 
+EDGES = 4  # of an incremental encoder per line, evaluated in quadrature
 DIRECT = "direct"  # the part that stands for no gearhead at all
 # What is not there weighs nothing and has no limit; infinity here is not an unknown figure but the lack of any limit.
 NO_GEARHEAD = Gearhead(

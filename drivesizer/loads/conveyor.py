@@ -12,13 +12,11 @@ Worked example: goods and belt 20 kg, μ 0.3, drum 90 mm, efficiency 0.9: 0.3 ·
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from drivesizer.course import Course
 from drivesizer.loadcycle import LoadCycle
-from drivesizer.loads.stage import through_stage
+from drivesizer.loads.stage import force_along, through_stage
 from drivesizer.machines import Conveyor
 from drivesizer.spec import RobotSpec
 
@@ -44,9 +42,7 @@ def conveyor(spec: RobotSpec, course: Course) -> LoadCycle:
     load, g = spec.load, spec.environment.gravity
     assert isinstance(load, Conveyor)
     moved = load.mass + load.belt_mass
-    friction = load.friction_coefficient * moved * g * math.cos(load.incline) + load.friction_force
-    climb = load.mass * g * math.sin(load.incline)
-    force = friction * course.direction + (climb + load.force) + moved * course.acceleration
+    force = force_along(course, load, g, moved)
     losses = (load.efficiency, load.efficiency)
     radius = load.drum_diameter / 2
     return through_stage(course, force, radius, losses, mass=moved, turning=load.inertia, motors=load.motors)

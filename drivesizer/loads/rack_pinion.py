@@ -12,13 +12,11 @@ calculation and selection).
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from drivesizer.course import Course
 from drivesizer.loadcycle import LoadCycle
-from drivesizer.loads.stage import through_stage
+from drivesizer.loads.stage import force_along, through_stage
 from drivesizer.machines import RackPinion
 from drivesizer.spec import RobotSpec
 
@@ -43,9 +41,7 @@ def rack_pinion(spec: RobotSpec, course: Course) -> LoadCycle:
     """
     load, g = spec.load, spec.environment.gravity
     assert isinstance(load, RackPinion)
-    friction = load.friction_coefficient * load.mass * g * math.cos(load.incline) + load.friction_force
-    weight = load.mass * g * math.sin(load.incline)
-    force = friction * course.direction + (weight + load.force) + load.mass * course.acceleration
+    force = force_along(course, load, g, load.mass)
     losses = (load.efficiency, load.efficiency)
     radius = load.pinion_diameter / 2
     return through_stage(course, force, radius, losses, mass=load.mass, turning=load.inertia, motors=load.motors)

@@ -24,7 +24,7 @@ import numpy as np
 
 from drivesizer.course import Course
 from drivesizer.loadcycle import LoadCycle
-from drivesizer.loads.stage import through_stage
+from drivesizer.loads.stage import force_along, through_stage
 from drivesizer.machines import Screw
 from drivesizer.spec import RobotSpec
 
@@ -49,9 +49,7 @@ def screw(spec: RobotSpec, course: Course) -> LoadCycle:
     """
     load, g = spec.load, spec.environment.gravity
     assert isinstance(load, Screw)
-    friction = load.friction_coefficient * load.mass * g * math.cos(load.incline) + load.friction_force
-    weight = load.mass * g * math.sin(load.incline)
-    force = friction * course.direction + (weight + load.force) + load.mass * course.acceleration
+    force = force_along(course, load, g, load.mass)
     return through_stage(
         course,
         force,

@@ -13,14 +13,35 @@ Source: maxon Formulae Handbook (J. Braun), mechanical drives: efficiency in eit
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from drivesizer.course import Course
 from drivesizer.loadcycle import Ends, LoadCycle
+from drivesizer.machines import Conveyor, RackPinion, Screw
 
-__all__ = ["through_stage"]
+__all__ = ["force_along", "through_stage"]
+
+
+def force_along(course: Course, load: Conveyor | RackPinion | Screw, g: float, moved: float) -> Ends:
+    """Force that moves a load along its incline: friction, weight, further force and inertia [N].
+
+    Parameters
+    ----------
+    course
+        How the load moves.
+    load
+        What is moved; its ``mass`` climbs.
+    g
+        Gravity [m/s^2].
+    moved
+        What rubs and is accelerated, the load's mass among it [kg].
+    """
+    friction = load.friction_coefficient * moved * g * math.cos(load.incline) + load.friction_force
+    climb = load.mass * g * math.sin(load.incline)
+    return friction * course.direction + (climb + load.force) + moved * course.acceleration
 
 
 def through_stage(
