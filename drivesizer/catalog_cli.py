@@ -126,10 +126,10 @@ def show(
             one["goes_with"] = partners(hit)
         print_document(document)
         return
-    from drivesizer import terminal_catalog
+    from drivesizer import terminal_part
 
     for hit in hits:
-        terminal_catalog.page(hit, sources=source)
+        terminal_part.page(hit, sources=source)
 
 
 @app.command(epilog="Example: drivesizer catalog compare 118752 118743")

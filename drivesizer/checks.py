@@ -74,6 +74,7 @@ TITLES = {
         "traction": "Traction per wheel",
         "belt_tension": "Belt effective tension",
         "belt_speed": "Belt speed",
+        "belt_teeth_in_mesh": "Belt teeth in mesh, small pulley",
         "diameter": "Diameter of motor and gearhead",
         "length": "Length of motor and gearhead",
         "mass": "Mass of motor and gearhead",

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog, Table
+from drivesizer.catalog import Catalog, Table, lines
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
 from drivesizer.choices import Choice
 from drivesizer.spec import RobotSpec
@@ -37,11 +37,6 @@ def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
     return keep
 
 
-def _order(table: Table[Any], figure: str) -> NDArray[np.int64]:
-    """Rows by a figure, then by part number; unknown figures last."""
-    return np.lexsort((table["part"], table[figure]))
-
-
 def encoders(spec: RobotSpec, catalog: Catalog, motor: NDArray[Any]) -> Chosen:
     """The encoder of each candidate.
 
@@ -59,16 +54,16 @@ def encoders(spec: RobotSpec, catalog: Catalog, motor: NDArray[Any]) -> Chosen:
     """
     table, choice = catalog.encoders, spec.select.encoder
     required = max(spec.needs.encoder_counts or 0, choice.min_counts or 0)
-    order = _order(table, "counts_per_turn")
+    order = np.lexsort((table["part"], lines(table)))
     listed = np.zeros((len(catalog.motors), len(table)), bool)
     listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
     fitting = (listed & selected(table, choice))[:, order]
-    enough = fitting & (table["counts_per_turn"][order] >= required)
+    enough = fitting & (lines(table)[order] >= required)
     row = _first(order, [enough], _last(fitting, order))[motor]
     asked = bool(required or choice.family or choice.part)
     if not asked:
         return Chosen(row, [])
-    counts = np.where(row >= 0, np.append(table["counts_per_turn"], np.nan)[row], 0.0)
+    counts = np.where(row >= 0, np.append(lines(table), np.nan)[row], 0.0)
     return Chosen(row, [at_least("encoder_counts", float(required or 1), counts, "dimensionless", "1", by_choice=True)])
 
 
@@ -120,7 +115,7 @@ def controllers(
         Lowest and highest voltage of the supply in all load cases [V]; the spec's own when not given.
     """
     table, (lowest, highest) = catalog.controllers, supply or (spec.supply.lowest, spec.supply.highest)
-    order = _order(table, "continuous_current")
+    order = np.lexsort((table["part"], table["continuous_current"]))
     order = order[_usable(spec, table, lowest, highest)[order]]  # few are left: the columns below stay narrow
     figure = {name: table[name][order] for name in ("continuous_current", "peak_current", "max_duty", "voltage_drop")}
     texts = table["drives"][order]
@@ -128,6 +123,7 @@ def controllers(
     can = np.vstack([drives, drives.any(0)])  # rows: brushed, brushless, motor kind unknown
     kind = catalog.motors["kind"][motor]
     allowed = can[np.where(kind == "brushed", 0, np.where(kind == "brushless", 1, 2))]
+    allowed &= _belongs(catalog, order)[:, motor].T
     enough = allowed & ~(figure["continuous_current"] < rms_current[:, None])
     enough &= ~(figure["peak_current"] < peak_current[:, None])
     sure = ~np.isnan(figure["continuous_current"]) & ~np.isnan(figure["peak_current"])
@@ -142,6 +138,15 @@ def controllers(
         at_most("controller_continuous_current", rms_current, found["continuous_current"], "current", "A"),
         at_most("controller_peak_current", peak_current, found["peak_current"], "current", "A"),
     ])  # fmt: skip
+
+
+def _belongs(catalog: Catalog, order: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which controllers (rows) may drive which motors (columns): one inside an actuator is for its motor alone."""
+    box, whose = catalog.motors["inside"], catalog.controllers["inside"]
+    has_own = np.isin(box, np.unique(whose[whose != ""]))
+    place = whose[order][:, None]
+    found: NDArray[np.bool_] = np.where(has_own, place == box, place == "")
+    return found
 
 
 def _first(order: NDArray[np.int64], masks: list[NDArray[np.bool_]], otherwise: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -225,9 +225,9 @@ def _pick(robot: Any, chosen: str | None) -> Any:
             )
         return result.sets[0]
     parts = [part.strip() for part in chosen.split("/")]
-    if len(parts) != 2 or not all(parts):
-        raise InputError(f"--set: {quoted(chosen)} is not MOTOR/GEARHEAD; expected e.g. 118752/406764")
-    sets = explained(robot, parts[0], parts[1])
+    if len(parts) > 2 or not all(parts):
+        raise InputError(f"--set: {quoted(chosen)} is not MOTOR/GEARHEAD or ACTUATOR; expected e.g. 118752/406764")
+    sets = explained(robot, *parts)
     return min(sets, key=lambda s: ({"pass": 0, "unknown": 1, "fail": 2}[s.status], s.rank))
 
 
@@ -258,8 +258,8 @@ def report(
 
 @app.command(epilog="Example: drivesizer explain examples/sps_robot.yaml --motor 118743 --gearhead 406764")
 def explain(
-    motor: Annotated[str, typer.Option(help="Part number of the motor.")],
-    gearhead: Annotated[str, typer.Option(help="Part number of the gearhead.")],
+    motor: Annotated[str, typer.Option(help="Part number of the motor, or of an actuator.")],
+    gearhead: Annotated[str, typer.Option(help="Part number of the gearhead; `direct` is none.")] = "",
     spec: Spec = DEFAULT,
     json: Json = False,
     catalogs: More = None,

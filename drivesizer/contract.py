@@ -8,7 +8,7 @@ from math import isfinite
 from typing import Any
 
 from drivesizer import __version__
-from drivesizer.catalog import Controller, Encoder, Gearhead, Motor
+from drivesizer.catalog import Actuator, Belt, Controller, Encoder, Gearhead, Motor, Pulley
 from drivesizer.results import (
     Check,
     DriveSet,
@@ -48,7 +48,7 @@ def _requirement(r: Requirement) -> dict[str, Any]:
     }
 
 
-def _part(part: Motor | Gearhead | Encoder | Controller | None) -> dict[str, Any] | None:
+def _part(part: Actuator | Motor | Gearhead | Belt | Pulley | Encoder | Controller | None) -> dict[str, Any] | None:
     """A part with all its figures in SI."""
     if part is None:
         return None
@@ -91,14 +91,28 @@ def _result(checks: tuple[Check, ...]) -> dict[str, Any]:
     }
 
 
+def _belt(found: DriveSet) -> dict[str, Any]:
+    """Ratio and efficiency; pulleys and belt, null where they are not out of the catalogues."""
+    drive = found.belt_drive
+    return {
+        "ratio": found.belt_ratio,
+        "efficiency": found.belt_efficiency,
+        "pulleys": {"driving": _part(drive.driving), "driven": _part(drive.driven)} if drive else None,
+        "part": _part(drive.belt) if drive else None,
+        "centre_distance_m": drive.centre_distance if drive else None,
+        "teeth_in_mesh": drive.teeth_in_mesh if drive else None,
+    }
+
+
 def drive_set(found: DriveSet) -> dict[str, Any]:
     """One set of the contract."""
     return {
         "rank": found.rank,
         "status": found.status,
+        "actuator": _part(found.actuator),
         "motor": _part(found.motor),
         "gearhead": _part(found.gearhead),
-        "belt": {"ratio": found.belt_ratio, "efficiency": found.belt_efficiency},
+        "belt": _belt(found),
         "encoder": _part(found.encoder),
         "controller": _part(found.controller),
         "total_ratio": found.total_ratio,

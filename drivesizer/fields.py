@@ -190,6 +190,6 @@ def exactly_one(section: BaseModel, *names: str) -> None:
     given = [name for name in names if getattr(section, name) is not None]
     if len(given) != 1:
         found = "neither is given" if not given and len(names) == 2 else "none is given" if not given else (
-            "both are given" if len(names) == 2 else f"{' and '.join(given)} are given"
+            "both are given" if len(names) == 2 else f"{'both ' * (len(given) == 2)}{' and '.join(given)} are given"
         )  # fmt: skip
         raise ValueError(f"give {' or '.join(names)}, exactly one of them; {found}")

@@ -34,6 +34,7 @@ __all__ = [
     "at_gearhead",
     "demands",
     "friction",
+    "gear_loss",
     "peak",
 ]
 
@@ -204,7 +205,7 @@ def _scalars(cycle: LoadCycle, torque: Ends, speed: Ends, running: NDArray[np.bo
 def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     r"""Torque and current of every candidate's motor.
 
-    .. math:: \tau = \frac{T}{i e} \text{ or } \frac{T e}{i} + (J_m + J_g + J_e) i a + k_t I_0 \, \mathrm{sgn} w
+    .. math:: \tau = \frac{T}{i e} \text{ or } \frac{T e}{i} + (J_m + J_g + J_e) i a + (k_t I_0 + T_0)\, \mathrm{sgn} w
 
     Parameters
     ----------
@@ -218,9 +219,10 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
 
     Notes
     -----
-    Friction is what ``friction`` tells.
+    Friction is what ``friction`` tells, e and T_0 what ``gear_loss`` does.
     """
-    i, e, k_t = gearhead["ratio"], gearhead["efficiency"], motor["torque_constant"]
+    i, k_t = gearhead["ratio"], motor["torque_constant"]
+    e, idle = gear_loss(gearhead)
     coulomb, viscous = friction(motor)
     left_out = {ACCELERATION: np.isnan(gearhead["inertia"]), DIRECTION: np.isnan(coulomb), SPEED: np.isnan(viscous)}
     c = np.empty((len(i), 6))
@@ -229,7 +231,7 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     c[:, AT_REST] = 1 / i
     known = np.nan_to_num(gearhead["inertia"]) + np.nan_to_num(encoder["inertia"])
     c[:, ACCELERATION] = (motor["rotor_inertia"] + known) * i
-    c[:, DIRECTION] = np.nan_to_num(coulomb)
+    c[:, DIRECTION] = np.nan_to_num(coulomb) + idle
     c[:, SPEED] = np.nan_to_num(viscous) * i
     slope = c @ at.moments  # of the mean square, by each coefficient
     for place, unknown in left_out.items():
@@ -251,6 +253,20 @@ def friction(motor: Any) -> tuple[Array, Array]:
     coulomb = np.where(told, motor["friction_torque"], np.where(brushed, loss, 0.0))
     viscous = np.where(told, motor["viscous_friction"], np.where(brushed, 0.0, loss / motor["no_load_speed"]))
     return coulomb, viscous
+
+
+def gear_loss(gearhead: Any) -> tuple[Array, Array]:
+    r"""What a gearhead takes: the efficiency of what goes through it, and the torque at its input to turn it [N*m].
+
+    Without a no-load torque T_0 in the catalogue it is all in the efficiency e, that at continuous torque T_N. With
+    one, the rest is proportional to torque, so that both make e at T_N; nothing where T_0 alone is more than that.
+
+    .. math:: \frac{1}{e'} = \max\!\left(\frac{1}{e} - \frac{i\,T_0}{T_N},\ 1\right)
+    """
+    e, idle = gearhead["efficiency"], gearhead["no_load_torque"]
+    told = ~np.isnan(idle + gearhead["continuous_torque"])
+    share = 1 / e - gearhead["ratio"] * idle / gearhead["continuous_torque"]
+    return np.where(told, 1 / np.maximum(share, 1.0), e), np.where(told, idle, 0.0)
 
 
 def peak(at: AtGearhead, coefficients: Array) -> Peak:

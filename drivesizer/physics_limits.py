@@ -12,12 +12,14 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import EDGES
+from drivesizer.belts import LEAST_IN_MESH
+from drivesizer.catalog import EDGES, lines
 from drivesizer.checks import CheckColumn, at_least, at_most
 from drivesizer.choose import most_voltage
 from drivesizer.physics import AT_REST, DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE, current_derating, steady_winding_temperature
+from drivesizer.transmission import BeltStage
 
 __all__ = [
     "Heat",
@@ -85,15 +87,21 @@ def load_limits(spec: RobotSpec, at: AtGearhead) -> list[CheckColumn]:
         at_most(own.name, own.demand, own.limit, own.kind, own.unit, needed=grip, time=np.array(own.time))
         for own in at.cycle.own
     ]
-    belt = spec.belt
-    if belt is not None and belt.pulley_diameter is not None:
-        radius = belt.pulley_diameter / 2
-        if belt.max_tension is not None:
-            pull = np.abs(at.cycle.torque).max() / radius
-            found.append(at_most("belt_tension", pull, belt.max_tension, "force", "N", needed=grip))
-        if belt.max_speed is not None:
-            fast = np.abs(at.cycle.speed).max() * radius
-            found.append(at_most("belt_speed", fast, belt.max_speed, "speed", "m/s", needed=spec.margins.speed))
+    return found + _belt_limits(spec, spec.belt, at) if spec.belt else found
+
+
+def _belt_limits(spec: RobotSpec, belt: BeltStage, at: AtGearhead) -> list[CheckColumn]:
+    """Limits of the belt of this ratio, as far as its pulleys are known."""
+    found, drive, diameter = [], belt.drive(at.belt), belt.driven_diameter(at.belt)
+    if diameter is not None and belt.max_tension is not None:
+        pull = np.abs(at.cycle.torque).max() / (diameter / 2)
+        found.append(at_most("belt_tension", pull, belt.max_tension, "force", "N", needed=spec.margins.torque))
+    if diameter is not None and belt.max_speed is not None:
+        fast = np.abs(at.cycle.speed).max() * diameter / 2
+        found.append(at_most("belt_speed", fast, belt.max_speed, "speed", "m/s", needed=spec.margins.speed))
+    if drive is not None:  # no more than it takes, by choice: the smallest pulleys that have it
+        held = drive.teeth_in_mesh
+        found.append(at_least("belt_teeth_in_mesh", LEAST_IN_MESH, held, "dimensionless", "1", by_choice=True))
     return found
 
 
@@ -279,7 +287,7 @@ def _counting(spec: RobotSpec, belt: float, asked: Demands, parts: Parts) -> lis
     """Encoder by speed and frequency, its own and the controller's, and by resolution."""
     encoder, turning = parts.encoder, asked.peak_speed
     speed: dict[str, Any] = {"needed": spec.margins.speed}
-    counts = encoder["counts_per_turn"]
+    counts = lines(encoder)
     rate = np.fmin(encoder["max_frequency"], parts.controller["max_encoder_frequency"])
     found = [
         at_most("encoder_speed", turning, encoder["max_speed"], *_ROTARY, **speed),

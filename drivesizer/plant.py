@@ -10,7 +10,7 @@ load asks to be driven forward. Symbols: i current [A], w motor speed [rad/s], u
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from enum import IntEnum
 from math import inf, isfinite, isnan
 from typing import Any
@@ -21,6 +21,7 @@ from drivesizer import equations as eq
 from drivesizer.errors import InputError
 from drivesizer.loads.wheeled_vehicle import rolling_resistance, turning_inertia
 from drivesizer.machines import WheeledVehicle
+from drivesizer.physics import gear_loss
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
 
@@ -50,7 +51,7 @@ class DriveTrain:
     resistance: float  # ohm
     inductance: float  # H
     torque_constant: float  # N*m/A, equal to V*s/rad
-    friction: float  # N*m at the motor, against the motion
+    friction: float  # N*m at the motor, against the motion: the motor's and the idle gearhead's
     motor_inertia: float  # kg*m^2 at the motor shaft: rotor, encoder, gearhead input
     gear_ratio: float
     gear_efficiency: float
@@ -166,16 +167,18 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
     assert isinstance(spec.load, WheeledVehicle)  # nothing else is validated
     motor, gearhead, load = drive_set.motor, drive_set.gearhead, spec.load
     encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0
+    gear_efficiency, idle = gear_loss(asdict(gearhead))
     train = DriveTrain(
         resistance=motor.resistance,
         inductance=motor.inductance,
         torque_constant=motor.torque_constant,
-        friction=motor.torque_constant * _known(motor.no_load_current, "no-load current of the motor", said),
+        friction=motor.torque_constant * _known(motor.no_load_current, "no-load current of the motor", said)
+        + float(idle),
         motor_inertia=motor.rotor_inertia
         + _known(gearhead.inertia, "inertia of the gearhead", said)
         + _known(encoder, "inertia of the encoder", said),
         gear_ratio=gearhead.ratio,
-        gear_efficiency=gearhead.efficiency,
+        gear_efficiency=float(gear_efficiency),
         belt_ratio=drive_set.belt_ratio,
         belt_efficiency=drive_set.belt_efficiency,
         mass=load.mass / load.driven_wheels,

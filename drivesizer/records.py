@@ -25,7 +25,7 @@ __all__ = ["drive_set"]
 
 def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objective) -> DriveSet:
     """One row of an evaluation as a record."""
-    catalog, given = evaluation.catalog, evaluation.candidates
+    catalog, given, belt = evaluation.catalog, evaluation.candidates, evaluation.spec.belt
     motor = catalog.motors.record(int(given.motor[index]))
     gearhead = catalog.gearheads.record(int(given.gearhead[index]))
     encoder, controller = int(evaluation.encoder[index]), int(evaluation.controller[index])
@@ -40,6 +40,7 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objectiv
         controller=catalog.controllers.record(controller) if controller >= 0 else None,
         belt_ratio=float(given.belt[index]),
         belt_efficiency=evaluation.spec.belt_efficiency,
+        belt_drive=belt.drive(float(given.belt[index])) if belt else None,
         total_ratio=float(gearhead.ratio * given.belt[index]),
         mass=mass,
         mass_of=mass_of,
@@ -48,11 +49,15 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objectiv
         requirements=tuple(r.at(index) for r in evaluation.shaft.values()),
         checks=evaluation.checks_of(index),
         figures=_figures(evaluation, index, motor, gearhead, controller) if evaluation.figures else (),
+        actuator=catalog.actuators.record(catalog.actuators.rows[motor.inside]) if motor.inside else None,
     )
 
 
 def _summed(parts: dict[str, Any], figure: str, over: tuple[str, ...]) -> tuple[float, tuple[str, ...]]:
     """The sum of what is known, and of which parts."""
+    if parts["motor"].inside:  # whose figures are those of the whole actuator
+        value = getattr(parts["motor"], figure)
+        return value, () if math.isnan(value) else ("actuator",)
     known = {p: getattr(parts[p], figure) for p in over if not math.isnan(getattr(parts[p], figure))}
     return (sum(known.values()) if known else math.nan), tuple(known)
 

@@ -88,7 +88,9 @@ def changes_for(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> tuple[Relax
 
 
 def _other_reductions(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> Iterator[Relaxation]:
-    """The nearest reduction of the same family that passes with the same motor and belt."""
+    """The nearest reduction of the same family that passes with the same motor and belt; not of an actuator."""
+    if one.actuator:
+        return
     fixed = {"motor": Choice(part=[one.motor.part]), "gearhead": Choice(family=[one.gearhead.family])}
     narrowed = spec.model_copy(update={"select": spec.select.model_copy(update=fixed)})
     given = candidates(narrowed, catalog)

@@ -13,7 +13,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog, Controller, Encoder, Gearhead, Motor
+from drivesizer.belts import BeltDrive
+from drivesizer.catalog import DIRECT, Actuator, Catalog, Controller, Encoder, Gearhead, Motor
 from drivesizer.declare import Equation
 from drivesizer.spec import RobotSpec
 from drivesizer.units import from_si, show
@@ -30,6 +31,8 @@ __all__ = [
     "SizingResult",
     "Status",
     "Validation",
+    "made_by",
+    "section_of",
     "verdict",
     "worst",
 ]
@@ -171,15 +174,65 @@ class DriveSet:
     beside: tuple[Check, ...] = ()  # of the other method, for the same set
     comparison: tuple[Comparison, ...] = ()  # where both methods look at the same limit
     changes: tuple[Relaxation, ...] = ()  # where it fails: what would let it pass, each alone
+    actuator: Actuator | None = None  # that motor and gearhead are inside of
+    belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
 
     @property
     def label(self) -> str:
         """The set in a line: motor, gearhead, belt."""
-        belt = f" + belt {self.belt_ratio:g}" if self.belt_ratio != 1.0 else ""
+        belt = f" + belt {self.belt_name}" if self.belt_name else ""
+        if self.actuator:
+            return f"{self.motor_name} ({self.gearhead.reduction or 'geared'} inside){belt}"
         names = self.gearhead.family, self.gearhead.reduction, self.gearhead.part
         gearhead = names[2] if names[2].startswith(names[0]) else " ".join(filter(None, names))  # its part may tell all
-        motor = f"{self.motor.family} {self.motor.part}"
-        return f"{motor} without gearhead{belt}" if self.gearhead.kind == "direct" else f"{motor} + {gearhead}{belt}"
+        if self.gearhead.kind == DIRECT:
+            return f"{self.motor_name} without gearhead{belt}"
+        return f"{self.motor_name} + {gearhead}{belt}"
+
+    @property
+    def belt_name(self) -> str:
+        """The belt's ratio, by the teeth of its pulleys where they are known; empty without a belt."""
+        if self.belt_drive:
+            return self.belt_drive.name
+        return f"{self.belt_ratio:g}" if self.belt_ratio != 1.0 else ""
+
+    @property
+    def belt_running(self) -> tuple[str, ...]:
+        """How the belt runs round its pulleys, in words; nothing where they are not known."""
+        drive = self.belt_drive
+        if drive is None:
+            return ()
+        return (
+            f"{drive.name} = {drive.ratio:.4g}",
+            show(self.belt_efficiency, "%", "dimensionless") + " efficient",
+            f"centre distance {show(drive.centre_distance, 'mm', 'length')}",
+            f"{drive.teeth_in_mesh:.1f} teeth in mesh",
+        )
+
+    @property
+    def motor_name(self) -> str:
+        """Family and part of the motor, or of the actuator that it is inside of."""
+        family, part = self.motor.family, self.motor.part
+        return part if part.startswith(family) else f"{family} {part}"
+
+    @property
+    def gearhead_name(self) -> str:
+        """Family and reduction of the gearhead, or where it is."""
+        if self.gearhead.kind == DIRECT:
+            return "none"
+        family = "inside" if self.actuator else self.gearhead.family
+        return f"{family} {self.gearhead.reduction}".strip()
+
+    @property
+    def parts(self) -> dict[str, Any]:
+        """The parts as they are bought, by role; None where none is known. An actuator is one part."""
+        turning: dict[str, Any] = {"motor": self.motor, "gearhead": self.gearhead}
+        controlling = {"encoder": self.encoder, "controller": self.controller}
+        belt = self.belt_drive.parts if self.belt_drive else {}
+        if not self.actuator:
+            return {role: part for role, part in turning.items() if part.part != DIRECT} | belt | controlling
+        outside = {role: part for role, part in controlling.items() if part is None or not part.inside}
+        return {"actuator": self.actuator} | belt | outside
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -209,6 +262,16 @@ class SizingResult:
     unrestricted: DriveSet | None = None  # what the whole catalogue would give, where the spec restricts it
     front: tuple[DriveSet, ...] = ()  # the Pareto front, where one was asked for
     pareto: tuple[str, ...] = ()  # its objectives
+
+
+def section_of(part: Any) -> str:
+    """The catalogue's section that a part is listed in, such as ``motors``."""
+    return f"{type(part).__name__.lower()}s"
+
+
+def made_by(part: Any) -> str:
+    """Maker and family of a part; the family alone where it names its maker."""
+    return str(part.family if part.manufacturer in part.family else f"{part.manufacturer} {part.family}")
 
 
 def verdict(checks: tuple[Check, ...]) -> Status:

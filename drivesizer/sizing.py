@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from drivesizer import paper
+from drivesizer import belt_choice, paper
 from drivesizer.candidates import Candidates, candidates
-from drivesizer.catalog import Catalog, load
+from drivesizer.catalog import DIRECT, Catalog, load, one_of
+from drivesizer.catalog.inside import taken_apart
+from drivesizer.catalog.shafts import on_any_shaft
 from drivesizer.choices import Choice, ControllerChoice, EncoderChoice
 from drivesizer.choose import offered_buses, offers
 from drivesizer.compare import with_both_methods
@@ -29,7 +31,12 @@ __all__ = ["explain", "load_parts", "size"]
 
 def load_parts(spec: RobotSpec) -> Catalog:
     """The catalogues that a spec names; paths count from the spec's folder."""
-    return load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None)
+    return _prepared(load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None))
+
+
+def _prepared(catalog: Catalog) -> Catalog:
+    """A catalogue for the search: actuators taken apart, gearheads with a hub on every shaft that fits."""
+    return on_any_shaft(taken_apart(catalog))
 
 
 def size(
@@ -66,9 +73,11 @@ def size(
     Raises
     ------
     InputError
-        When a family or part that the spec selects is in no catalogue, or the objective needs another method.
+        When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
+        another method.
     """
-    catalog = catalog or load_parts(spec)
+    catalog = _prepared(catalog) if catalog else load_parts(spec)
+    spec = belt_choice.with_pulleys(spec, catalog)
     objective = objective or spec.select.objective
     _known_choices(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})
@@ -87,7 +96,7 @@ def size(
         misses=tuple(shown[found.standing :]),
         relaxations=() if sets else relaxations(spec, catalog),
         counts=found.counts,
-        assumptions=_assumptions(spec),
+        assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec)),
         warnings=(*_warnings(spec, sets), *catalog.replaced),
         unrestricted=_unrestricted(spec, catalog, objective),
         front=tuple(drive_set(found.evaluation, i, n, objective) for n, i in enumerate(found.front, 1)),
@@ -200,7 +209,7 @@ def _unrestricted(spec: RobotSpec, catalog: Catalog, objective: Objective) -> Dr
     return drive_set(found.evaluation, 0, 1, objective) if found.standing else None
 
 
-def explain(spec: RobotSpec, motor: str, gearhead: str, *, catalog: Catalog | None = None) -> list[DriveSet]:
+def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog | None = None) -> list[DriveSet]:
     """One pair of motor and gearhead, check by check, with every belt ratio of the spec.
 
     Parameters
@@ -208,17 +217,18 @@ def explain(spec: RobotSpec, motor: str, gearhead: str, *, catalog: Catalog | No
     spec
         The robot; its choice of motors and gearheads is left aside.
     motor, gearhead
-        Part numbers.
+        Part numbers; an actuator is named as the motor and brings its own gearhead.
     catalog
         Parts to choose from; those that the spec names when not given.
 
     Raises
     ------
     InputError
-        When a part number is in no catalogue.
+        When a part number is in no catalogue, the gearhead is missing or inside something else, or no pulleys fit.
     """
-    catalog = catalog or load_parts(spec)
-    rows = (_row(catalog, "motors", motor), _row(catalog, "gearheads", gearhead))
+    catalog = _prepared(catalog) if catalog else load_parts(spec)
+    spec = belt_choice.with_pulleys(spec, catalog)
+    rows = _pair(catalog, motor, gearhead)
     family = str(catalog.gearheads["family"][rows[1]])
     select = spec.select.model_copy(update={"motor": Choice(part=[motor]), "gearhead": Choice(family=[family])})
     narrowed = spec.model_copy(update={"select": select})
@@ -230,8 +240,23 @@ def explain(spec: RobotSpec, motor: str, gearhead: str, *, catalog: Catalog | No
     return [replace(s, changes=changes_for(spec, catalog, s)) if s.status == "fail" else s for s in both]
 
 
+def _pair(catalog: Catalog, motor: str, gearhead: str) -> tuple[int, int]:
+    """Rows of a motor and a gearhead."""
+    row = _row(catalog, "motors", motor)
+    box = str(catalog.motors["inside"][row])
+    if box and gearhead in ("", box):
+        return row, catalog.gearheads.rows[box]
+    if not gearhead:
+        raise InputError(f"--gearhead: motor {quoted(motor)} needs one; expected a part number, or {DIRECT} for none")
+    other = _row(catalog, "gearheads", gearhead)
+    whole = box or str(catalog.gearheads["inside"][other])
+    if whole:
+        raise InputError(f"--gearhead: {quoted(whole)} is an actuator, which has motor and gearhead inside")
+    return row, other
+
+
 def _row(catalog: Catalog, section: str, part: str) -> int:
     table = catalog.table(section)
     if part not in table.rows:
-        raise InputError(f"{section[:-1]} {quoted(part)} is in no catalogue{nearest(part, table.rows)}")
+        raise InputError(f"{one_of(section)} {quoted(part)} is in no catalogue{nearest(part, table.rows)}")
     return table.rows[part]

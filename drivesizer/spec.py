@@ -40,7 +40,7 @@ from drivesizer.fields import (
 from drivesizer.machines import AXES, Load, WheeledVehicle
 from drivesizer.motions import Motion, Trapezoid
 from drivesizer.spec_errors import explained
-from drivesizer.transmission import BeltStage, Stage
+from drivesizer.transmission import BeltStage, Offer, Stage
 from drivesizer.yaml_source import Path_, YamlSource, read
 
 __all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
@@ -228,16 +228,20 @@ class RobotSpec(Section):
 
     @property
     def belt_ratios(self) -> list[float]:
-        """The belt ratios to search; 1 without a belt."""
-        belt = self.belt
-        if belt is None:
-            return [1.0]
-        return [belt.ratio] if belt.ratio is not None else sorted(set(belt.ratios or []))
+        """The belt ratios to search; 1 without a belt, those that the catalogues offer for pulleys."""
+        return self.belt.to_search if self.belt else [1.0]
 
     @property
     def belt_efficiency(self) -> float:
         """Efficiency of the belt; 1 without one."""
         return self.belt.efficiency if self.belt else 1.0
+
+    def with_offer(self, offer: Offer) -> RobotSpec:
+        """The spec and its cases with what the catalogues offer for the belt."""
+        stages = [s.with_offer(offer) if isinstance(s, BeltStage) else s for s in self.transmission]
+        changed = self.model_copy(update={"transmission": stages})
+        changed._cases = tuple(case.with_offer(offer) for case in self._cases)
+        return changed
 
     @property
     def entered(self) -> dict[str, Any]:

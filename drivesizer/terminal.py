@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer import terminal_tables as tables
-from drivesizer.catalog import DIRECT, Catalog
+from drivesizer.catalog import Catalog, Controller, Encoder
 from drivesizer.checks import TITLES
 from drivesizer.objectives import OBJECTIVE, SUMS, objective_figure
 from drivesizer.results import DriveSet, SizingResult, Validation, verdict, worst
@@ -121,9 +121,9 @@ def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
         table.add_row(
             str(found.rank),
             f"{found.motor.family}\n{found.motor.part}",
-            _gearhead(found, sets) + (f"\n{found.gearhead.part}" if found.gearhead.kind != DIRECT else ""),
-            f"{found.encoder.family}\n{found.encoder.part}" if found.encoder else "unknown",
-            f"{found.controller.family}\n{found.controller.part}" if found.controller else "none",
+            _gearhead(found, sets) + (f"\n{found.gearhead.part}" if "gearhead" in found.parts else ""),
+            _named(found.encoder, "unknown"),
+            _named(found.controller, "none"),
             _objective(found, result.objective),
             Text(percent(tight.margin) if tight else "–", style=STYLE[found.status]),
         )
@@ -133,8 +133,14 @@ def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
 def _gearhead(found: DriveSet, among: tuple[DriveSet, ...]) -> str:
     """Gearhead and reduction, with the belt's where the sets differ in it."""
     belt = f" × {found.belt_ratio:g}" if len({s.belt_ratio for s in among}) > 1 else ""
-    gearhead = "none" if found.gearhead.kind == DIRECT else f"{found.gearhead.family} {found.gearhead.reduction}"
-    return f"{gearhead}{belt}"
+    return f"{found.gearhead_name}{belt}"
+
+
+def _named(part: Encoder | Controller | None, otherwise: str) -> str:
+    """Family and number of a part, or that it is in the actuator."""
+    if part is None:
+        return otherwise
+    return "inside" if part.inside else f"{part.family}\n{part.part}"
 
 
 def _nearest(misses: tuple[DriveSet, ...]) -> Table:
@@ -148,7 +154,7 @@ def _nearest(misses: tuple[DriveSet, ...]) -> Table:
         check = worst(tuple(failed)) or failed[0]
         others = f" (+{len(failed) - 1})" if len(failed) > 1 else ""
         table.add_row(
-            f"{found.motor.family} {found.motor.part}",
+            found.motor_name,
             _gearhead(found, misses),
             check.title + others,
             tables.plain(check, check.demand),
@@ -163,7 +169,7 @@ def _objective(found: DriveSet, objective: str) -> str:
     if objective not in OBJECTIVE:
         return f"{found.objective:.4g}"
     text = show(found.objective, OBJECTIVE[objective].unit, OBJECTIVE[objective].kind)
-    whole = len(SUMS[objective][1]) if objective in SUMS else 1
+    whole = len(SUMS[objective][1]) if objective in SUMS and not found.actuator else 1
     return text if len(found.objective_of) in (0, whole) else f"{text}\n({found.objective_of[0]} only)"
 
 
@@ -173,7 +179,7 @@ def _front(result: SizingResult) -> Table:
     table = tables.bare(("motor", "left"), ("gearhead", "left"), *heads, title="Pareto front")
     for found in result.front:
         table.add_row(
-            f"{found.motor.family} {found.motor.part}", _gearhead(found, result.front),
+            found.motor_name, _gearhead(found, result.front),
             *(objective_figure(found, name).text for name in result.pareto),
         )  # fmt: skip
     return table

@@ -1,4 +1,4 @@
-"""Catalogues on the terminal: lists, a part's page, parts side by side, how complete they are."""
+"""Catalogues on the terminal: what they hold, lists, parts side by side, what a text is found in."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import textwrap
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from math import isnan
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
@@ -16,16 +15,14 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import Catalog, columns_of
+from drivesizer.catalog.columns import Column
 from drivesizer.catalog.compare import Row
-from drivesizer.catalog.lookup import families, origins, partners
-from drivesizer.catalog.parts import Column
-from drivesizer.catalog.query import Hit, Selection
-from drivesizer.report.datasheet import datasheets
-from drivesizer.results import DriveSet
+from drivesizer.catalog.lookup import families
+from drivesizer.catalog.query import OPTIONS, Hit, Selection
 from drivesizer.terminal_tables import bare, console, heading
 from drivesizer.units import label, show
 
-__all__ = ["comparison", "counted", "figure", "listing", "overview", "page", "searched"]
+__all__ = ["comparison", "counted", "figure", "listing", "overview", "searched"]
 
 _SHOWN: dict[str, tuple[tuple[str, str], ...]] = {  # head, column
     "motors": (
@@ -44,19 +41,34 @@ _SHOWN: dict[str, tuple[tuple[str, str], ...]] = {  # head, column
         ("drives", "drives"), ("from", "supply_min"), ("to", "supply_max"), ("cont.", "continuous_current"),
         ("peak", "peak_current"), ("price", "price"),
     ),
+    "actuators": (
+        ("ratio", "reduction"), ("voltage", "nominal_voltage"), ("torque", "nominal_torque"), ("peak", "peak_torque"),
+        ("speed", "no_load_speed"), ("mass", "mass"), ("price", "price"),
+    ),
+    "brakes": (("torque", "static_torque"), ("supply", "supply"), ("adds", "added_length"), ("mass", "mass")),
+    "steppers": (
+        ("wiring", "wiring"), ("steps", "full_steps"), ("current", "phase_current"), ("torque", "holding_torque"),
+        ("resistance", "resistance"), ("inductance", "inductance"), ("mass", "mass"),
+    ),
+    "belts": (("profile", "profile"), ("pitch", "pitch"), ("teeth", "teeth"), ("width", "width")),
+    "pulleys": (("profile", "profile"), ("pitch", "pitch"), ("teeth", "teeth"), ("width", "width"), ("bore", "bore")),
+    "batteries": (
+        ("chemistry", "chemistry"), ("voltage", "nominal_voltage"), ("capacity", "capacity"),
+        ("cont.", "continuous_current"), ("resistance", "resistance"), ("mass", "mass"),
+    ),
 }  # fmt: skip
 _NOTES = {
     "motors": "torque nominal, speed without load",
     "gearheads": "torque and input speed continuous",
     "encoders": "",
     "controllers": "supply from and to; current continuous and peak",
+    "actuators": "at the output: torque continuous and peak, speed without load",
+    "brakes": "",
+    "steppers": "current, resistance and inductance of a phase; torque at standstill",
+    "belts": "",
+    "pulleys": "width of the widest belt",
+    "batteries": "",
 }
-_LINE = (
-    ("no load", "no_load_speed", "", "no_load_current"),
-    ("nominal", "nominal_speed", "nominal_torque", "nominal_current"),
-    ("stall", "", "stall_torque", "stall_current"),
-)
-_DOUBT = {"quoted": "", "secondary": "cyan", "derived": "yellow", "recalled": "red"}
 _BESIDE = 4  # parts side by side on 80 columns
 
 
@@ -71,14 +83,25 @@ def figure(value: Any, column: Column, *, unit: bool = True) -> str:
     return text if unit else text.removesuffix(label(column.unit)).strip()
 
 
+_FEW = 5  # catalogues of which the families are named, else their makers
+
+
 def overview(shelf: Mapping[str, Catalog]) -> None:
-    """The families of each section."""
+    """The families of each section; of many catalogues the makers."""
     out = console()
     for section, names in families(shelf).items():
-        count = sum(map(len, names.values()))
-        heading(out, section, f"{count} parts in {len(names)} families")
-        out.print(counted({name: len(hits) for name, hits in sorted(names.items())}, out.width))
+        hits = [hit for some in names.values() for hit in some]
+        if not hits:
+            continue
+        heading(out, section, f"{len(hits)} parts in {len(names)} famil{'ies' if len(names) > 1 else 'y'}")
+        if len(shelf) > _FEW:
+            counts: Mapping[str, int] = dict(Counter(hit["manufacturer"] for hit in hits).most_common())
+        else:
+            counts = {name: len(some) for name, some in sorted(names.items())}
+        out.print(counted(counts, out.width))
         out.print()
+    if len(shelf) > _FEW:
+        out.print(Text("drivesizer catalog list --catalog maxon names the families of one."))
     out.print(Text("drivesizer catalog list motors --family 'RE 25' lists a family, '--power >=20W' more than one."))
 
 
@@ -139,79 +162,6 @@ def _footer(section: str, found: Selection, limit: int) -> list[str]:
     return said
 
 
-def page(hit: Hit, *, sources: bool = False) -> None:
-    """One part as a data sheet: figures, torque and speed, what goes with it, and what its figures rest on."""
-    out, sheet = console(), _sheet(hit)
-    reduction = f" {hit['reduction']}" if hit.section == "gearheads" else ""
-    head = f"{sheet['maker']} {sheet['family']}{reduction}".strip()
-    heading(out, head, f"{hit.part} · {hit.section[:-1]} in {hit.catalogue}")
-    _figures(out, hit, sheet, sources)
-    if hit.section == "motors":
-        out.print(_torque_speed(hit))
-    _partners(out, hit)
-    _remarks(out, hit, sheet, sources)
-    out.print()
-
-
-def _sheet(hit: Hit) -> dict[str, Any]:
-    """The report's data sheet of one part."""
-    roles: dict[str, Any] = dict.fromkeys(("motor", "gearhead", "encoder", "controller"))
-    roles[hit.section[:-1]] = hit.table.record(hit.row)
-    return datasheets(cast(DriveSet, SimpleNamespace(**roles)), hit.catalog)[0]
-
-
-def _figures(out: Console, hit: Hit, sheet: dict[str, Any], sources: bool) -> None:
-    origin = {name.replace("_", " "): source for name, source in origins(hit).items()}
-    documents = _documents(hit)
-    table = bare(("", "left"), ("", "right"), ("", "left"), *([("source", "right")] if sources else []))
-    table.show_header = sources
-    for row in sheet["rows"]:
-        source = origin[row["name"]]
-        sure = source.confidence if sources else row["mark"]
-        number = [f"[{documents.index(source.document) + 1}]"] if sources else []
-        cells = (row["name"], row["text"], Text(sure, style=_DOUBT[source.confidence]), *map(Text, number))
-        table.add_row(*(Text(c) if isinstance(c, str) else c for c in cells))
-    out.print(table)
-
-
-def _documents(hit: Hit) -> list[str]:
-    """The documents behind a part's figures, each once."""
-    return list(dict.fromkeys(source.document for source in origins(hit).values()))
-
-
-def _torque_speed(hit: Hit) -> Any:
-    """Three points of the line at nominal voltage, as the maker gives them."""
-    schema = columns_of("motors")
-    table = bare(("", "left"), ("speed", "right"), ("torque", "right"), ("current", "right"), title="torque and speed")
-    for name, *columns in _LINE:
-        cells = [figure(hit[c], schema[c]) if c else "0" for c in columns]
-        table.add_row(name, *cells)
-    return table
-
-
-def _partners(out: Console, hit: Hit) -> None:
-    for section, counts in partners(hit).items():
-        if counts:
-            out.print(counted(counts, out.width, f"{section}: {sum(counts.values())} in {len(counts)} families: "))
-        else:
-            out.print(Text(f"{section}: none is listed; one may still exist"))
-    if hit.table.excluded[hit.row]:
-        out.print(Text("excluded from sizing by a note", style="red"))
-
-
-def _remarks(out: Console, hit: Hit, sheet: dict[str, Any], sources: bool) -> None:
-    for note in sheet["notes"]:
-        said = "; ".join(text for text in (note["text"], note["confidence"]) if text)
-        out.print(Text("note: ", style="bold") + Text(f"{note['where']}: {said}" if note["where"] else said))
-    if not sources:
-        out.print(Text("source: ", style="bold") + Text(f"{sheet['source']} ({sheet['confidence']})"))
-        return
-    known = {source.document: source for source in origins(hit).values()}
-    for place, document in enumerate(_documents(hit), 1):
-        parts = (document, known[document].date, known[document].url)
-        out.print(Text(f"[{place}] " + ", ".join(part for part in parts if part)))
-
-
 def comparison(hits: Sequence[Hit], rows: Sequence[Row]) -> None:
     """Parts side by side; a row in which they differ is marked, ? where some are unknown."""
     out = console()
@@ -247,7 +197,7 @@ def searched(groups: Mapping[str, Mapping[str, Sequence[Hit]]], parts: Sequence[
 
 
 def _kinds(hits: Sequence[Hit]) -> str:
-    column = "drives" if hits[0].section == "controllers" else "kind"
+    column = OPTIONS["kind"][hits[0].section]
     return ", ".join(kind for kind in Counter(hit[column] for hit in hits) if kind)
 
 

@@ -10,9 +10,10 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.catalog import PARTS, Catalog, columns_of
+from drivesizer.catalog import PARTS, Catalog, one_of
 from drivesizer.catalog.check import Finding
-from drivesizer.catalog.coverage import LEVELS, coverage, pairs_of
+from drivesizer.catalog.coverage import LEVELS, Coverage, coverage, pairs_of
+from drivesizer.catalog.parts import printed
 from drivesizer.catalog.taking import Taken
 from drivesizer.terminal_catalog import counted
 from drivesizer.terminal_tables import bare, console, heading
@@ -26,22 +27,64 @@ _BESIDE = 5  # catalogues side by side on 80 columns
 def statistics(shelf: Mapping[str, Catalog]) -> None:
     """How complete each catalogue is, section by section, and how sure its figures are."""
     out = console()
-    for name, catalog in shelf.items():
-        heading(out, name, ", ".join(f"{count} pairs of {what}" for what, count in pairs_of(catalog).items() if count))
-        table = bare(("", "left"), ("parts", "right"), ("families", "right"), *((level, "right") for level in LEVELS))
+    found = {name: {s: one for s in PARTS if (one := coverage(c, s)).parts} for name, c in shelf.items()}
+    if len(shelf) > _BESIDE:
+        _summary(out, found)
         for section in PARTS:
-            found = coverage(catalog, section)
-            total = sum(found.sure.values())
-            shares = (_share(found.sure[level], total) for level in LEVELS)
-            table.add_row(section, str(found.parts), str(found.families), *shares)
+            every = [one[section] for one in found.values() if section in one]
+            if every:
+                _completeness(out, {"all": _together(every)}, section)
+        out.print(Text("drivesizer catalog stats --catalog maxon tells of one by itself"))
+        return
+    for name, sections in found.items():
+        pairs = pairs_of(shelf[name]).items()
+        heading(out, name, ", ".join(f"{count} pairs of {what}" for what, count in pairs if count))
+        table = bare(("", "left"), ("parts", "right"), ("families", "right"), *((level, "right") for level in LEVELS))
+        for section, one in sections.items():
+            table.add_row(section, str(one.parts), str(one.families), *_sureness([one]))
         out.print(table)
     for section in PARTS:
-        _completeness(out, shelf, section)
+        some = {name: sections[section] for name, sections in found.items() if section in sections}
+        _completeness(out, some, section)
 
 
-def _completeness(out: Console, shelf: Mapping[str, Catalog], section: str) -> None:
-    found = {name: one for name, catalog in shelf.items() if (one := coverage(catalog, section)).parts}
-    known = [column for column in columns_of(section) if any(one.known[column] for one in found.values())]
+def _summary(out: Console, found: Mapping[str, Mapping[str, Coverage]]) -> None:
+    """Many catalogues, a line each, and their sum by section."""
+    table = bare(("", "left"), ("parts", "right"), ("makers", "right"), *((level, "right") for level in LEVELS))
+    for section in PARTS:
+        some = [one[section] for one in found.values() if section in one]
+        table.add_row(section, str(sum(one.parts for one in some)), str(len(some)), *_sureness(some))
+    out.print(table)
+    table = bare(("catalogue", "left"), ("parts", "left"), *((level, "right") for level in LEVELS))
+    for name, sections in found.items():
+        parts = "\n".join(
+            f"{one.parts} {section if one.parts > 1 else one_of(section)}" for section, one in sections.items()
+        )
+        table.add_row(Text(name), parts, *_sureness(list(sections.values())))
+    out.print(table)
+
+
+def _sureness(some: Sequence[Coverage]) -> list[str]:
+    """The share of each confidence among all known figures."""
+    counts = {level: sum(one.sure[level] for one in some) for level in LEVELS}
+    return [_share(counts[level], sum(counts.values())) for level in LEVELS]
+
+
+def _together(some: Sequence[Coverage]) -> Coverage:
+    """Several catalogues' parts of one kind as one."""
+
+    def total(counts: Sequence[dict[str, int]]) -> dict[str, int]:
+        return {name: sum(one[name] for one in counts) for name in counts[0]} if counts else {}
+
+    return Coverage(
+        parts=sum(one.parts for one in some), families=sum(one.families for one in some),
+        excluded=sum(one.excluded for one in some), known=total([one.known for one in some]),
+        sure=total([one.sure for one in some]),
+    )  # fmt: skip
+
+
+def _completeness(out: Console, found: Mapping[str, Coverage], section: str) -> None:
+    known = [column for column in printed(section) if any(one.known[column] for one in found.values())]
     for start in range(0, len(found), _BESIDE):
         some = dict(list(found.items())[start : start + _BESIDE])
         table = bare((section, "left"), *((escape(name), "right") for name in some), title=f"{section}: figures known")
@@ -49,7 +92,7 @@ def _completeness(out: Console, shelf: Mapping[str, Catalog], section: str) -> N
             shares = (_share(one.known[column], one.parts) for one in some.values())
             table.add_row(column.replace("_", " "), *shares)
         out.print(table)
-    never = [column.replace("_", " ") for column in columns_of(section) if column not in known]
+    never = [column.replace("_", " ") for column in printed(section) if column not in known]
     if found and never:
         out.print(Text(f"never known: {', '.join(never)}"))
 

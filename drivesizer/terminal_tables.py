@@ -12,8 +12,8 @@ from rich.rule import Rule
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.catalog import DIRECT, Catalog, columns_of
-from drivesizer.results import Check, DriveSet, Figure, Requirement
+from drivesizer.catalog import Catalog, columns_of
+from drivesizer.results import Check, DriveSet, Figure, Requirement, made_by, section_of
 from drivesizer.spec import AS_SPECIFIED
 from drivesizer.units import show
 
@@ -115,8 +115,31 @@ _PARTS: dict[str, tuple[tuple[str, str, str, str], ...]] = {  # figure, unit, ki
         ("mass", "g", "mass", ""),
         ("price", "EUR", "price", ""),
     ),
-    "encoder": (("counts_per_turn", "1", "dimensionless", "counts per turn"),),
+    "encoder": (),
     "controller": (("continuous_current", "A", "current", "continuous"), ("peak_current", "A", "current", "peak")),
+    "driving pulley": (
+        ("teeth", "1", "dimensionless", "teeth"),
+        ("mass", "g", "mass", ""),
+        ("price", "EUR", "price", ""),
+    ),
+    "belt": (
+        ("teeth", "1", "dimensionless", "teeth"),
+        ("width", "mm", "length", "wide"),
+        ("mass", "g", "mass", ""),
+        ("price", "EUR", "price", ""),
+    ),
+    "driven pulley": (
+        ("teeth", "1", "dimensionless", "teeth"),
+        ("mass", "g", "mass", ""),
+        ("price", "EUR", "price", ""),
+    ),
+    "actuator": (
+        ("nominal_voltage", "V", "voltage", ""),
+        ("nominal_torque", "N*m", "torque", "continuous"),
+        ("peak_torque", "N*m", "torque", "peak"),
+        ("mass", "g", "mass", ""),
+        ("price", "EUR", "price", ""),
+    ),
 }
 
 
@@ -124,30 +147,38 @@ def parts(found: DriveSet, catalog: Catalog) -> Table:
     """The set, part by part, with what the catalogue is less sure of."""
     table = bare(("", "left"), ("", "left"), ("", "left"))
     table.show_header = False
-    for name, facts in _PARTS.items():
-        part: Any = getattr(found, name)
+    for role, part in found.parts.items():
         if part is None:
-            table.add_row(name, Text("unknown", style="yellow"), "none is listed for this motor")
-            continue
-        if found.gearhead.kind == DIRECT and name == "gearhead":
-            table.add_row(name, Text("none", style="bold"), "the motor drives the load itself")
-            _belt(table, found)
-            continue
-        reduction = f" {part.reduction}" if name == "gearhead" else ""
-        values = [(getattr(part, field), unit, kind, words) for field, unit, kind, words in facts]
-        shown = [f"{show(v, unit, kind)} {words}".strip() for v, unit, kind, words in values if not isnan(v)]
-        doubt = _doubt(catalog, f"{name}s", part.part)
-        text = Text(" · ".join(shown)) + (Text(f"\n{doubt}", style="yellow") if doubt else Text(""))
-        maker = f"{part.manufacturer} " if len(catalog.digests) > 1 else ""  # with one catalogue it goes without saying
-        table.add_row(name, Text(f"{maker}{part.family}{reduction}", style="bold") + Text(f"\n{part.part}"), text)
-        if name == "gearhead":
+            table.add_row(role, Text("unknown", style="yellow"), "none is listed for this motor")
+        else:
+            table.add_row(role, *_part(role, part, catalog, found))
+        if role == "motor" and "gearhead" not in found.parts:
+            table.add_row("gearhead", Text("none", style="bold"), "the motor drives the load itself")
+        if role in ("gearhead", "actuator") or ("gearhead" not in found.parts and role == "motor"):
             _belt(table, found)
     return table
 
 
+def _part(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[Text, Text]:
+    """Name and number of a part; its main figures, and how sure they are."""
+    reduction = f" {part.reduction}" if role in ("gearhead", "actuator") else ""
+    values = [(getattr(part, field), unit, kind, words) for field, unit, kind, words in _PARTS[role]]
+    shown = [f"{show(v, unit, kind)} {words}".strip() for v, unit, kind, words in values if not isnan(v)]
+    if role == "encoder":
+        shown = [part.resolution]
+    if role == "belt":
+        shown += found.belt_running
+    if section_of(part) == "pulleys" and part.bore:
+        shown.append(f"bore {part.bore}")
+    doubt = _doubt(catalog, section_of(part), part.part)
+    text = Text(" · ".join(shown)) + (Text(f"\n{doubt}", style="yellow") if doubt else Text(""))
+    name = made_by(part) if len(catalog.digests) > 1 else part.family  # with one catalogue it goes without saying
+    return Text(f"{name}{reduction}", style="bold") + Text(f"\n{part.part}"), text
+
+
 def _belt(table: Table, found: DriveSet) -> None:
-    """The belt, where there is one."""
-    if found.belt_ratio != 1.0:
+    """The belt, where its ratio is all that is known of it."""
+    if found.belt_ratio != 1.0 and not found.belt_drive:
         efficient = show(found.belt_efficiency, "%", "dimensionless") + " efficient"
         table.add_row("belt", f"{found.belt_ratio:g}", efficient)
 

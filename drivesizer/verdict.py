@@ -172,7 +172,7 @@ def _speed(case: Case) -> Iterator[Check]:
     """The motor's speed and all that counts it."""
     motor, encoder, controller = case.drive_set.motor, case.encoder, case.controller
     speed, when = case.run.motion.tally.speed, case.run.motion.tally.speed_at
-    rotary, lines = ("rotary_speed", "rpm"), encoder.counts_per_turn * speed / (2 * math.pi)
+    rotary, lines = ("rotary_speed", "rpm"), encoder.lines * speed / (2 * math.pi)
     yield _check(at_most("motor_speed", speed, motor.max_speed, *rotary), "Motor permissible speed", when)
     yield _check(at_most("encoder_speed", speed, encoder.max_speed, *rotary), "Encoder speed", when)
     for name, part, limit in (("encoder", "Encoder", encoder.max_frequency),
@@ -265,4 +265,4 @@ def figures(case: Case) -> tuple[Figure, ...]:
 
 def quantum(case: Case) -> float:
     """Smallest step of a speed that is counted over one control period [rad/s]."""
-    return 2 * math.pi / (EDGES * case.encoder.counts_per_turn * case.run.period)
+    return 2 * math.pi / (EDGES * case.encoder.lines * case.run.period)

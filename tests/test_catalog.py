@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivesizer.catalog import PARTS, Catalog, columns_of, load, shipped
+from drivesizer.catalog.joining import joined
 from drivesizer.catalog.reading import parse
-from drivesizer.catalog.tables import joined
+from drivesizer.catalog.shafts import on_any_shaft
 from drivesizer.choices import Choice
 from drivesizer.choose import selected
 from drivesizer.errors import CatalogError, InputError
@@ -174,7 +175,7 @@ def test_no_candidate_holds_an_excluded_part(spec, catalog: Catalog) -> None:
 
 def test_a_catalogue_may_hold_nothing_but_its_head() -> None:
     empty = acme('catalog: 1\nmanufacturer: Acme\nsources: {sheet: {document: "A", confidence: quoted}}\n')
-    assert [len(empty.table(section)) for section in PARTS] == [0, 0, 0, 0]
+    assert [len(empty.table(section)) for section in PARTS] == [0] * len(PARTS)
     assert not pairs(empty)
 
 
@@ -330,7 +331,7 @@ def test_two_files_of_one_name(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("maxom", 'no catalogue is called "maxom"; expected allied_motion, '),
+        ("maxom", 'no catalogue is called "maxom"; the nearest is maxon'),
         ("absent.yaml", "absent.yaml: cannot be read (no such file or directory)"),
     ],
 )
@@ -473,3 +474,59 @@ def test_line_ends_and_byte_order_mark_do_not_matter(tmp_path: Path, newline: st
     path = tmp_path / "acme.yaml"
     path.write_bytes((head + ACME.replace("\n", newline)).encode())
     assert pairs(load([str(path)])) == pairs(acme())
+
+
+# --- parts of another catalogue --------------------------------------------------------------------------------------
+
+GUEST = """
+catalog: 1
+manufacturer: Guest
+sources: {sheet: {document: sheet, confidence: quoted}}
+motors:
+  - {family: GM, source: sheet, columns: [part, torque_constant (mN*m/A), shaft_diameter (mm)], rows: [[GM-1, 40, 9]]}
+gearheads:
+  - {family: GH, source: sheet, common: {mounting: clamping hub}, columns: [part, ratio, max_motor_shaft (mm)],
+     rows: [[GH-5, 5, 11], [GH-7, 7, 8], [GH-9, 9, 19]]}
+compatibility:
+  motor_gearhead:
+    - {source: sheet, motors: [GM], gearheads: [{maxon: GP 26 A}]}
+    - {source: sheet, motors: [{maxon: "118752"}, {faulhaber: no such family}], gearheads: [GH-5]}
+"""
+
+
+def named(catalog: Catalog) -> set[tuple[str, str]]:
+    found = catalog.motor_gearhead
+    return {
+        (str(catalog.motors["part"][a]), str(catalog.gearheads["part"][b]))
+        for a, b in zip(found.left, found.right, strict=True)
+    }
+
+
+@pytest.fixture
+def guest(tmp_path: Path) -> Path:
+    (tmp_path / "guest.yaml").write_text(GUEST)
+    return tmp_path
+
+
+def test_a_list_may_name_parts_of_another_catalogue(guest: Path, catalog: Catalog) -> None:
+    both = load(["maxon", "guest.yaml"], beside=guest)
+    mine = {pair for pair in named(both) if pair[0] == "GM-1" or pair[1] == "GH-5"}
+    family = catalog.gearheads["part"][catalog.gearheads["family"] == "GP 26 A"].tolist()
+    assert mine == {("GM-1", part) for part in family} | {("118752", "GH-5")}
+    assert load(["maxon", "guest.yaml"], beside=guest).motor_gearhead.left.tolist() == both.motor_gearhead.left.tolist()
+
+
+def test_without_that_catalogue_there_is_nothing_to_pair_with(guest: Path) -> None:
+    assert named(load(["guest.yaml"], beside=guest)) == set()
+
+
+def test_a_misspelt_part_of_a_catalogue_that_is_loaded_is_an_error(guest: Path) -> None:
+    (guest / "guest.yaml").write_text(GUEST.replace("GP 26 A", "GP 26 AA"))
+    with pytest.raises(CatalogError, match=r"GP 26 AA.*is no family or part of maxon.*GP 26 A"):
+        load(["maxon", "guest.yaml"], beside=guest)
+
+
+def test_a_clamping_hub_takes_the_shafts_that_it_holds(guest: Path) -> None:
+    """A 9 mm shaft: the 11 mm hub with a bushing; not the 8 mm one, not the 19 mm one; unknown shafts with none."""
+    found = named(on_any_shaft(load(["maxon", "guest.yaml"], beside=guest)))
+    assert {pair for pair in found if pair[1].startswith("GH")} == {("GM-1", "GH-5"), ("118752", "GH-5")}

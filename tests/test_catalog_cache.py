@@ -8,6 +8,9 @@ import json
 import multiprocessing
 import os
 import pickle
+import signal
+import subprocess
+import sys
 import time
 import warnings
 import zipfile
@@ -20,6 +23,7 @@ import pytest
 
 from drivesizer.catalog import PARTS, CacheWarning, Catalog, columns_of, load
 from drivesizer.catalog.cache import folder, recall, store
+from drivesizer.errors import DrivesizerError, InputError
 
 TEXT = """\
 catalog: 1
@@ -303,3 +307,102 @@ def test_a_warm_load_is_much_faster_than_a_cold_one(cache: Path) -> None:
     cold = seconds()
     warm = min(seconds() for _ in range(5))
     assert warm < cold / 3  # about 1/30; the limit leaves room for a busy machine
+
+
+def test_several_catalogues_are_kept_as_one_too(
+    cache: Path, acme: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cold = load(["maxon", str(acme)])
+    assert len(list(cache.iterdir())) == 3
+    monkeypatch.setattr("drivesizer.catalog.joined", lambda *_: pytest.fail("they were joined again"))
+    assert essence(load(["maxon", str(acme)])) == essence(cold)
+    monkeypatch.undo()
+    monkeypatch.setenv("DRIVESIZER_CACHE", str(cache))
+    acme.write_text(acme.read_text(encoding="utf-8").replace("M2", "M3"), encoding="utf-8")
+    assert "M3" in load(["maxon", str(acme)]).motors.rows
+    assert len(list(cache.iterdir())) == 3  # the older ones are gone
+
+
+KILLED = """
+import os, signal, sys
+from drivesizer.catalog import load
+import drivesizer.catalog.cache as cache
+cache.Path.replace = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
+load([sys.argv[1]])
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
+def test_a_process_killed_while_it_compiles_leaves_nothing_that_is_used(cache: Path, acme: Path) -> None:
+    killed = subprocess.run([sys.executable, "-c", KILLED, str(acme)], env=os.environ, timeout=60)
+    assert killed.returncode == -signal.SIGKILL
+    (half,) = cache.iterdir()
+    assert half.name.startswith(".compiling-")
+    assert load([str(acme)]).motors["part"].tolist() == ["M1", "M2"]
+    assert half.exists()  # another process may still be writing it
+    os.utime(half, (0, 0))
+    acme.write_text(acme.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    load([str(acme)])
+    assert not half.exists()
+
+
+# --- files that mean harm --------------------------------------------------------------------------------------------
+
+HEAD = "catalog: 1\nmanufacturer: Acme\nsources: {s: {document: d, confidence: quoted}}\n"
+TABLE = HEAD + "motors:\n  - {family: F, source: s, columns: [part, mass (g)], rows: %s}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (HEAD + "motors: &a [x, x]\nencoders: [*a, *a, *a]\n", "anchors"),
+        (HEAD + "manufacturer: Other\n", "manufacturer"),
+        (HEAD + "motors: !!python/object/apply:os.system [ls]\n", "tag"),
+        (HEAD + "<<: {motors: []}\n", "merge"),
+        (HEAD + "motors:\n\t- {}\n", "tabs"),
+        (HEAD + "motors: " + "[" * 5000, "nested deeper"),
+        (TABLE % "[[M1, heavy]]", "not a number"),
+        (TABLE % "[[M1, 5, 6]]", "cells"),
+        (TABLE % "[[M1, .nan]]", "not a number"),
+        (TABLE % "[[M1, true]]", "not a number"),
+        (TABLE % "{M1: 5}", "list"),
+        (TABLE % ("[" + "[M1, 5], " * 200_000 + "]"), "given twice"),
+        (TABLE % f"[[{'9' * 4_000_000}, 5]]", ""),
+        (HEAD + f"motors: {'x' * 10_000_000}\n", "expected a list"),
+    ],
+    ids=lambda value: value[:24] if len(value) < 200 else "big",
+)
+def test_a_hostile_catalogue_is_one_line_in_bounded_time(cache: Path, tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "bad.yaml"
+    path.write_text(text, encoding="utf-8")
+    start = time.perf_counter()
+    try:
+        load([str(path)])
+        assert not said
+    except DrivesizerError as error:
+        assert said in str(error)
+        assert len(str(error)) < 500 and "\n" not in str(error)
+    assert time.perf_counter() - start < 20.0
+
+
+def test_a_scalar_of_100_megabytes_is_refused_unread(cache: Path, tmp_path: Path) -> None:
+    path = tmp_path / "bad.yaml"
+    with path.open("wb") as file:
+        file.write(HEAD.encode() + b"motors: ")
+        file.truncate(100_000_000)
+    with pytest.raises(InputError, match="larger than 16 MB"):
+        load([str(path)])
+
+
+def test_what_has_no_size_and_no_end_is_refused(cache: Path, tmp_path: Path) -> None:
+    endless = tmp_path / "zero.yaml"
+    endless.symlink_to("/dev/zero")
+    with pytest.raises(InputError, match="larger than 16 MB"):
+        load([str(endless)])
+
+
+def test_bytes_that_are_no_text_are_refused(cache: Path, tmp_path: Path) -> None:
+    path = tmp_path / "bad.yaml"
+    path.write_bytes(HEAD.encode() + b"# \xff\xfe\n")
+    with pytest.raises(InputError, match=r"bad\.yaml:4: the file is not UTF-8 text"):
+        load([str(path)])

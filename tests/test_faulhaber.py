@@ -35,7 +35,7 @@ def _accepted(catalog: Catalog, section: str, figure: str) -> set[str]:
 
 
 def test_counts(faulhaber: Catalog, motors: Table[Motor]) -> None:
-    assert [len(faulhaber.table(s)) for s in ("motors", "gearheads", "encoders", "controllers")] == [240, 644, 4, 0]
+    assert [len(faulhaber.table(s)) for s in ("motors", "gearheads", "encoders", "controllers")] == [240, 644, 6, 0]
     documents = [faulhaber.sources[s].document for s in motors.source]
     assert sum(d.startswith("Motor-Gearbox Database") for d in documents) == 224
     assert (motors["kind"] == "brushed").sum() == 161
@@ -58,13 +58,16 @@ def test_pairs(faulhaber: Catalog, motors: Table[Motor]) -> None:
 
 def test_encoders_only_where_a_source_says_so(faulhaber: Catalog, motors: Table[Motor]) -> None:
     pairs, encoders = faulhaber.motor_encoder, faulhaber.encoders
-    assert encoders["counts_per_turn"].tolist() == [32, 64, 128, 256]
-    np.testing.assert_allclose(
-        encoders["max_speed"], encoders["max_frequency"] / encoders["counts_per_turn"] * 60 * RPM
-    )
+    assert encoders["counts_per_turn"].tolist() == [32, 64, 128, 256, 100, 500]
+    at_frequency = encoders["max_frequency"] / encoders["counts_per_turn"] * 60 * RPM
+    bearing = encoders["max_mechanical_speed"]  # of the HEDS only: 30000 rpm
+    np.testing.assert_allclose(encoders["max_speed"], np.fmin(at_frequency, bearing))
     with_ie3 = {"2232S012BX4", "2232S024BX4", "2250S024BX4", "2232S012BX4S", "2232S024BX4S", "2250S024BX4S"}
-    assert set(motors["part"][pairs.left].tolist()) == with_ie3
-    assert len(pairs.left) == 4 * 6
+    ie3 = np.isin(pairs.right, np.flatnonzero(encoders["family"] == "IE3"))
+    assert set(motors["part"][pairs.left[ie3]].tolist()) == with_ie3
+    assert ie3.sum() == 4 * 6
+    with_heds = {"2230 S", "2233 S", "2036 B", "2444 B", "3056 B", "3564 B", "4490 BS"}
+    assert set(motors["family"][pairs.left[~ie3]].tolist()) == with_heds
 
 
 # --- rows as printed -----------------------------------------------------------------------------------------------

@@ -29,16 +29,38 @@ def test_sets_of_all_makers_fit_together(name, everything):
     text = (resources.files("drivesizer") / "starters" / f"{name}.yaml").read_text(encoding="utf-8")
     spec = read_spec(YamlSource(text.replace("catalogs: [maxon]", "catalogs: [all]"), "all.yaml"))
     result = size(spec, catalog=everything, top=400)
-    pairs = set(zip(everything.motor_gearhead.left.tolist(), everything.motor_gearhead.right.tolist(), strict=True))
+    listed = listed_pairs(everything)
     makers = set()
-    for s in result.sets:
-        motor, gearhead = everything.motors.rows[s.motor.part], everything.gearheads.rows[s.gearhead.part]
-        assert (motor, gearhead) in pairs
-        assert s.gearhead.manufacturer in ("", s.motor.manufacturer)
+    for s in (*result.sets, *result.misses):
+        assert fits_together(s, everything, listed), s.label
         makers.add(s.motor.manufacturer)
     assert "maxon" in makers
     if name == "fan":
         assert "Faulhaber" in makers
+        assert any(s.actuator for s in result.sets)
+
+
+def listed_pairs(catalog):
+    """Part numbers of motors and gearheads that a source puts together."""
+    motors, gearheads = catalog.motors["part"], catalog.gearheads["part"]
+    return set(zip(motors[catalog.motor_gearhead.left].tolist(), gearheads[catalog.motor_gearhead.right].tolist(),
+                   strict=True))  # fmt: skip
+
+
+def fits_together(s, catalog, listed):
+    """By the catalogues' own lists, the hub that holds the shaft, or as one actuator; nothing of another's inside."""
+    inside = {part.inside for part in (s.motor, s.gearhead) if part}
+    if s.actuator:
+        assert inside == {s.actuator.part} == {s.motor.part}
+        assert s.gearhead.ratio == catalog.actuators["ratio"][catalog.actuators.rows[s.actuator.part]]
+    else:
+        assert inside == {""}
+    for part in (s.encoder, s.controller):
+        assert part is None or part.inside in ("", s.motor.inside)
+    if s.controller:
+        assert s.controller.drives in ("", "both", s.motor.kind) or not s.motor.kind
+    hub = s.gearhead.mounting == "clamping hub" and s.motor.shaft_diameter <= s.gearhead.max_motor_shaft
+    return bool(s.actuator) or hub or (s.motor.part, s.gearhead.part) in listed
 
 
 def test_what_lacks_figures_does_not_pass(everything):

@@ -75,7 +75,7 @@ def _per_source(catalog: Catalog, sources: NDArray[np.int32], starts_with: str) 
 
 
 def test_counts(catalog: Catalog) -> None:
-    assert [len(catalog.table(s)) for s in ("motors", "gearheads", "encoders", "controllers")] == [646, 2265, 46, 44]
+    assert [len(catalog.table(s)) for s in ("motors", "gearheads", "encoders", "controllers")] == [646, 2265, 51, 45]
     assert _per_source(catalog, catalog.motors.source, "maxon online shop") == 640
     assert _per_source(catalog, catalog.gearheads.source, "maxon online shop") == 2191
     assert _per_source(catalog, catalog.gearheads.source, "Motor-Gearbox Database") == 74

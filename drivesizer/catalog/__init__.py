@@ -8,20 +8,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import functools
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from drivesizer import __version__
 from drivesizer.catalog.cache import CacheWarning, digest_of, folder, recall, store
-from drivesizer.catalog.parts import DIRECT, EDGES, PARTS, Controller, Encoder, Gearhead, Motor, columns_of
-from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table, joined
-from drivesizer.errors import InputError, quoted
+from drivesizer.catalog.joining import joined
+from drivesizer.catalog.parts import (
+    DIRECT,
+    EDGES,
+    PARTS,
+    RELATIONS,
+    Controller,
+    Encoder,
+    Gearhead,
+    Motor,
+    columns_of,
+    lines,
+    one_of,
+)
+from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
+from drivesizer.catalog.wholes import Actuator, Battery, Belt, Brake, Pulley, Stepper
+from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.textfile import decoded, read_bytes
 
 __all__ = [
-    "DIRECT", "EDGES", "PARTS", "CacheWarning", "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note",
-    "Pairs", "Source", "Table", "columns_of", "load", "shipped",
+    "DIRECT", "EDGES", "PARTS", "RELATIONS", "Actuator", "Battery", "Belt", "Brake", "CacheWarning", "Catalog",
+    "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs", "Pulley", "Source", "Stepper", "Table",
+    "columns_of", "lines", "load", "one_of", "shipped",
 ]  # fmt: skip
+
+
+_LARGEST = 16_000_000  # bytes of a catalogue: twenty times the largest that ships
 
 
 def shipped() -> dict[str, Path]:
@@ -51,36 +70,61 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     CatalogError
         When a file is not what the schema asks for.
     """
-    known = list(shipped())
+    known = shipped()
     named = [each for name in names for each in (known if name == "all" else [name])]
-    paths = [_path(name, beside) for name in dict.fromkeys(named)]
+    paths = [_path(name, beside, known) for name in dict.fromkeys(named)]
     stems = [path.stem for path in paths]
     for stem in stems:
         if stems.count(stem) > 1:
             raise InputError(f"two catalogues are called {quoted(stem)}; rename one of the files")
-    return joined([_one(path) for path in paths])
+    raws = [read_bytes(path, _LARGEST) for path in paths]
+    keys = [_key(raw) for raw in raws]
+
+    def all_of_them() -> Catalog:
+        return joined([_one(*each) for each in zip(paths, raws, keys, strict=True)])
+
+    if len(paths) == 1:
+        return all_of_them()
+    return _compiled(
+        f"{len(paths)} {digest_of(*map(str.encode, stems))}", digest_of(*map(str.encode, keys)), all_of_them
+    )
 
 
-def _path(name: str, beside: Path | None) -> Path:
-    known = shipped()
+def _path(name: str, beside: Path | None, known: Mapping[str, Path]) -> Path:
     if name in known:
         return known[name]
     path = (beside or Path()) / name
     if path.suffix in (".yaml", ".yml"):
         return path
-    raise InputError(f"no catalogue is called {quoted(name)}; expected {', '.join(known)} or a .yaml file")
+    hint = nearest(name, known, 1)
+    raise InputError(f"no catalogue is called {quoted(name)}{hint}; expected a maker's, such as maxon, or a .yaml file")
 
 
-def _one(path: Path) -> Catalog:
-    raw = read_bytes(path)
-    schema = repr([columns_of(section) for section in PARTS]).encode()
-    content = digest_of(raw)
-    compiled = folder() / f"{path.stem}-{digest_of(__version__.encode(), schema, raw)}.catalog"
-    found = recall(compiled)
-    if found is None:
+def _key(raw: bytes) -> str:
+    """What a compilation was made from: this program's version, the schema and the file's bytes."""
+    return digest_of(__version__.encode(), _schema(), raw)
+
+
+@functools.cache
+def _schema() -> bytes:
+    return repr([columns_of(section) for section in PARTS]).encode()
+
+
+def _one(path: Path, raw: bytes, key: str) -> Catalog:
+    def parsed() -> Catalog:
         from drivesizer.catalog.reading import parse
         from drivesizer.yaml_source import YamlSource
 
-        found = parse(YamlSource(decoded(raw, path), str(path)), path.stem, content)
-        store(compiled, found)
+        return parse(YamlSource(decoded(raw, path), str(path)), path.stem, digest_of(raw))
+
+    return _compiled(path.stem, key, parsed)
+
+
+def _compiled(name: str, key: str, make: Callable[[], Catalog]) -> Catalog:
+    """What is kept under a name and a key, made and kept when there is none."""
+    place = folder() / f"{name}-{key}.catalog"
+    found = recall(place)
+    if found is None:
+        found = make()
+        store(place, found)
     return found

@@ -14,6 +14,7 @@ import io
 import json
 import os
 import tempfile
+import time
 import warnings
 import zipfile
 from pathlib import Path
@@ -22,13 +23,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.parts import PARTS, columns_of
-from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
+from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
+from drivesizer.catalog.tables import Across, Catalog, Note, Pairs, Source, Table, empty
 
 __all__ = ["CacheWarning", "digest_of", "folder", "recall", "store"]
 
+_NONE = np.zeros((3, 0), np.int32)
+_HALF = ".compiling-"  # begins the name of a file that is being written
+_LONG_AGO = 600.0  # s, after which nobody writes it any more
 _DIGEST = 32  # bytes of blake2b at the head of a compiled file
-_RELATIONS = ("motor_gearhead", "motor_encoder")
 
 
 class CacheWarning(UserWarning):
@@ -82,7 +85,7 @@ def store(path: Path, catalog: Catalog) -> None:
     body = buffer.getvalue()
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=".compiling-")
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=_HALF)
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(hashlib.blake2b(body, digest_size=_DIGEST).digest() + body)
@@ -94,8 +97,14 @@ def store(path: Path, catalog: Catalog) -> None:
         reason = (error.strerror or str(error)).lower()
         warnings.warn(f"the compiled catalogue is not kept in {path.parent} ({reason})", CacheWarning, stacklevel=2)
         return
+    _tidy(path)
+
+
+def _tidy(path: Path) -> None:
+    """Remove older compilations of the same catalogue, and what a killed process left half done."""
     for old in path.parent.iterdir():
-        if _catalogue(old) == _catalogue(path) and old != path:
+        left_over = old.name.startswith(_HALF) and time.time() - old.stat().st_mtime > _LONG_AGO
+        if left_over or (_catalogue(old) == _catalogue(path) and old != path):
             old.unlink(missing_ok=True)
 
 
@@ -107,16 +116,19 @@ def _catalogue(path: Path) -> tuple[str, str]:
 def _packed(catalog: Catalog) -> dict[str, NDArray[Any]]:
     arrays: dict[str, NDArray[Any]] = {}
     texts: dict[str, Any] = {"sources": catalog.sources, "notes": catalog.notes, "digests": dict(catalog.digests)}
-    texts["overrides"] = catalog.overrides
+    texts |= {"overrides": catalog.overrides, "across": catalog.across, "replaced": catalog.replaced}
     for section in PARTS:
         table, schema = catalog.table(section), columns_of(section)
+        if not len(table):
+            continue
         figures = [name for name, column in schema.items() if column.kind != "text"]
         arrays[f"{section}.figures"] = np.array([table[name] for name in figures])
         arrays[f"{section}.source"] = table.source
         arrays[f"{section}.excluded"] = table.excluded
         texts[section] = {name: table[name].tolist() for name in schema if name not in figures}
-    for relation in _RELATIONS:
-        arrays[relation] = np.array(getattr(catalog, relation))
+    for relation in RELATIONS:
+        if len(getattr(catalog, relation).left):
+            arrays[relation] = np.array(getattr(catalog, relation))
     arrays["texts"] = np.frombuffer(json.dumps(texts).encode(), np.uint8)
     return arrays
 
@@ -125,17 +137,26 @@ def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
     texts = json.loads(arrays["texts"].tobytes())
     tables: dict[str, Any] = {}
     for section in PARTS:
+        if section not in texts:
+            tables[section] = empty(section)
+            continue
         schema = columns_of(section)
         figures = [name for name, column in schema.items() if column.kind != "text"]
         columns: dict[str, NDArray[Any]] = dict(zip(figures, arrays[f"{section}.figures"], strict=True))
         columns |= {name: np.array(values, str) for name, values in texts[section].items()}
         tables[section] = Table(section, columns, arrays[f"{section}.source"], arrays[f"{section}.excluded"])
+    pairs: dict[str, Any] = {relation: Pairs(*arrays.get(relation, _NONE)) for relation in RELATIONS}
     return Catalog(
         **tables,
-        motor_gearhead=Pairs(*arrays["motor_gearhead"]),
-        motor_encoder=Pairs(*arrays["motor_encoder"]),
+        **pairs,
         sources=tuple(Source(*s) for s in texts["sources"]),
         notes=tuple(Note(n[0], tuple(n[1]), tuple(n[2]), *n[3:]) for n in texts["notes"]),
         digests=texts["digests"],
         overrides=texts["overrides"],
+        replaced=tuple(texts["replaced"]),
+        across=tuple(Across(a[0], _names(a[1]), _names(a[2]), a[3]) for a in texts["across"]),
     )
+
+
+def _names(given: list[list[str]]) -> tuple[tuple[str, str], ...]:
+    return tuple((catalogue, name) for catalogue, name in given)

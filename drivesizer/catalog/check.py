@@ -15,8 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.identities import LAWS, Law, Numbers
-from drivesizer.catalog.parts import PARTS, Column, columns_of
+from drivesizer.catalog.columns import Column
+from drivesizer.catalog.identities import LAWS
+from drivesizer.catalog.laws import Law, Numbers
+from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.tables import Catalog, Note, Table
 from drivesizer.units import from_si, show
 
@@ -25,7 +27,9 @@ __all__ = ["Finding", "check", "check_file"]
 INFORMATION = "information"
 _SLACK = 1e-9  # relative: of the arithmetic, not of a printed figure
 _DIGITS = 3  # to which datasheets round
-_NOMINAL = {"nominal_voltage", "counts_per_turn", "stages"}  # whole because they are meant so, not by rounding
+_NOMINAL = {  # whole because they are meant so, not by rounding
+    "nominal_voltage", "counts_per_turn", "steps_per_turn", "full_steps", "stages", "teeth", "pitch", "rated_time",
+}  # fmt: skip
 _PLACES = range(1, 9)  # decimal places that a printed figure may have
 _WRONG: dict[str, Callable[[Any, Any, Any], Any]] = {
     "=": lambda found, expected, span: np.abs(found - expected) > span,
@@ -201,12 +205,9 @@ def _twins(catalog: Catalog, table: Table[Any]) -> Iterator[Finding]:
                           fields=("part",), grade=INFORMATION)  # fmt: skip
 
 
-_RELATIONS = (("motor_gearhead", "gearheads"), ("motor_encoder", "encoders"))
-
-
 def _dangling(catalog: Catalog) -> Iterator[Finding]:
     """Pairs of rows that do not exist (no file can say so, a damaged compilation can)."""
-    for relation, section in _RELATIONS:
+    for relation, section in RELATIONS.items():
         pairs = getattr(catalog, relation)
         sides = ((pairs.left, len(catalog.motors)), (pairs.right, len(catalog.table(section))))
         out = sum(int(((rows < 0) | (rows >= count)).sum()) for rows, count in sides)
@@ -217,7 +218,7 @@ def _dangling(catalog: Catalog) -> Iterator[Finding]:
 
 def _alone(catalog: Catalog) -> Iterator[Finding]:
     """Offered parts that go with no offered part: not wrong, but out of every search with such a part."""
-    for relation, section in _RELATIONS:
+    for relation, section in RELATIONS.items():
         pairs, motors, others = getattr(catalog, relation), catalog.motors, catalog.table(section)
         inside = (pairs.left < len(motors)) & (pairs.right < len(others))
         left, right = pairs.left[inside], pairs.right[inside]

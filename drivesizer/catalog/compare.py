@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from drivesizer.catalog import columns_of
-from drivesizer.catalog.parts import Column
+from drivesizer.catalog.columns import Column
 from drivesizer.catalog.query import Hit
 from drivesizer.errors import InputError
 

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import DIRECT, Catalog, columns_of
+from drivesizer.catalog import DIRECT, Catalog
+from drivesizer.catalog.parts import printed
 
 __all__ = ["LEVELS", "Coverage", "coverage", "pairs_of"]
 
@@ -29,8 +30,8 @@ def coverage(catalog: Catalog, section: str) -> Coverage:
     table = catalog.table(section)
     real = table["part"] != DIRECT
     known = {name: (table[name] != "" if c.kind == "text" else ~np.isnan(table[name])) & real
-             for name, c in columns_of(section).items()}  # fmt: skip
-    figures = [name for name, column in columns_of(section).items() if column.kind != "text"]
+             for name, c in printed(section).items()}  # fmt: skip
+    figures = [name for name, column in printed(section).items() if column.kind != "text"]
     there = np.array([known[name] for name in figures])
     level = _levels(catalog, section, figures)
     return Coverage(

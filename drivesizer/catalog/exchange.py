@@ -16,8 +16,9 @@ from typing import Any
 
 from drivesizer.catalog import PARTS, Catalog, columns_of
 from drivesizer.catalog.check import Finding
+from drivesizer.catalog.columns import Column
 from drivesizer.catalog.lookup import origins
-from drivesizer.catalog.parts import Column
+from drivesizer.catalog.parts import printed
 from drivesizer.catalog.query import Hit
 from drivesizer.units import KINDS, from_si, scale
 
@@ -67,7 +68,7 @@ def as_csv(section: str, hits: Sequence[Hit]) -> bytes:
     """Parts of one section: a header, a row of units, a part in each row, and where it comes from."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
-    columns = columns_of(section)
+    columns = printed(section)
     writer.writerow([*columns, *ORIGIN])
     writer.writerow(["" if c.unit == "1" else c.unit for c in columns.values()] + [""] * len(ORIGIN))
     for hit in hits:
@@ -87,7 +88,7 @@ def _excluded(hit: Hit) -> str:
 
 def as_part(hit: Hit) -> dict[str, Any]:
     """A part with all its figures in SI, null where one is unknown."""
-    values = {name: _known(hit[name]) for name in columns_of(hit.section)}
+    values = {name: _known(hit[name]) for name in printed(hit.section)}
     return {"section": hit.section, "catalog": hit.catalogue, **values, "excluded": _excluded(hit) == "true"}
 
 

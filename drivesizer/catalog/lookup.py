@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 
-from drivesizer.catalog import DIRECT, PARTS, Source
+from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Source
 from drivesizer.catalog.query import OPTIONS, Hit, Shelf, every
 from drivesizer.errors import InputError, nearest, quoted
 
 __all__ = ["families", "find", "look", "origins", "partners"]
-
-_RELATIONS = (("motors", "gearheads", "motor_gearhead"), ("motors", "encoders", "motor_encoder"))
 
 
 def find(shelf: Shelf, part: str) -> list[Hit]:
@@ -68,12 +66,12 @@ def families(shelf: Shelf) -> dict[str, dict[str, list[Hit]]]:
 def partners(hit: Hit) -> dict[str, dict[str, int]]:
     """How many parts of each family go with a part, by section; only sections that its catalogue pairs it with."""
     found: dict[str, dict[str, int]] = {}
-    for left, right, relation in _RELATIONS:
-        if hit.section not in (left, right):
-            continue
-        other = right if hit.section == left else left
+    for relation, right in RELATIONS.items():
         pairs = getattr(hit.catalog, relation)
-        own, others = (pairs.left, pairs.right) if hit.section == left else (pairs.right, pairs.left)
+        if hit.section not in ("motors", right) or not len(pairs.left):
+            continue
+        other = right if hit.section == "motors" else "motors"
+        own, others = (pairs.left, pairs.right) if hit.section == "motors" else (pairs.right, pairs.left)
         names = hit.catalog.table(other)["family"][others[own == hit.row]]
         found[other] = dict(Counter(sorted(names.tolist())))
     return found

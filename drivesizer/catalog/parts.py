@@ -1,4 +1,4 @@
-"""What a catalogue knows of a part: one frozen record per kind of part.
+"""What a catalogue knows of the parts that a drive set is made of: one frozen record per kind of part.
 
 These classes are the catalogue's schema. A field's metadata names its kind of quantity (the reader in
 ``units``) and the unit in which datasheets print it; loader, columns, JSON Schema and datasheet pages are
@@ -7,191 +7,200 @@ derived from them. All figures are SI floats; NaN is *unknown*, and an empty tex
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
-from math import inf, nan
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from math import inf
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from drivesizer.catalog.columns import Column, columns, figure, text
+from drivesizer.catalog.wholes import Actuator, Battery, Belt, Brake, Pulley, Stepper
 
 __all__ = [
-    "DIRECT",
-    "EDGES",
-    "NO_GEARHEAD",
-    "PARTS",
-    "Column",
-    "Controller",
-    "Encoder",
-    "Gearhead",
-    "Motor",
-    "columns_of",
-]
-
-
-def _figure(kind: str, unit: str, *, least: float = 0.0) -> Any:
-    return field(default=nan, metadata={"kind": kind, "unit": unit, "least": least})
-
-
-def _text() -> Any:
-    return field(default="", metadata={"kind": "text", "unit": ""})
-
-
-class Column(NamedTuple):
-    """One field of a part: name, kind of quantity (or ``text``), datasheet unit, smallest allowed value."""
-
-    name: str
-    kind: str
-    unit: str
-    least: float
+    "DIRECT", "EDGES", "NO_GEARHEAD", "PARTS", "RELATIONS", "Controller", "Encoder", "Gearhead", "Motor",
+    "columns_of", "lines", "one_of", "printed",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motor:
     """One winding of a motor, as its datasheet gives it at 25 degC."""
 
-    part: str = _text()
-    family: str = _text()
-    manufacturer: str = _text()
-    kind: str = _text()  # brushed or brushless
-    commutation: str = _text()  # graphite, precious metal CLL, Hall sensors ...
-    bearing: str = _text()
-    assigned_power: float = _figure("power", "W")
-    nominal_voltage: float = _figure("voltage", "V")
-    no_load_speed: float = _figure("rotary_speed", "rpm")
-    no_load_current: float = _figure("current", "mA")
-    friction_torque: float = _figure("torque", "mN*m")  # at any speed, where the maker tells it apart
-    viscous_friction: float = _figure("damping", "N*m*s/rad")  # that grows with speed
-    nominal_speed: float = _figure("rotary_speed", "rpm")
-    nominal_torque: float = _figure("torque", "mN*m")
-    nominal_current: float = _figure("current", "A")
-    stall_torque: float = _figure("torque", "mN*m")
-    stall_current: float = _figure("current", "A")
-    peak_torque: float = _figure("torque", "mN*m")  # permitted for a short time, where the maker limits it
-    max_efficiency: float = _figure("dimensionless", "%")
-    resistance: float = _figure("resistance", "ohm")  # terminal to terminal
-    inductance: float = _figure("inductance", "mH")
-    torque_constant: float = _figure("torque_constant", "mN*m/A")
-    speed_constant: float = _figure("speed_constant", "rpm/V")
-    speed_torque_gradient: float = _figure("speed_torque_gradient", "rpm/(mN*m)")
-    mechanical_time_constant: float = _figure("time", "ms")
-    rotor_inertia: float = _figure("inertia", "g*cm^2")
-    thermal_resistance_winding: float = _figure("thermal_resistance", "K/W")  # winding to housing
-    thermal_resistance_housing: float = _figure("thermal_resistance", "K/W")  # housing to ambient
-    winding_time_constant: float = _figure("time", "s")
-    motor_time_constant: float = _figure("time", "s")
-    ambient_min: float = _figure("temperature", "degC")
-    ambient_max: float = _figure("temperature", "degC")
-    max_winding_temperature: float = _figure("temperature", "degC")
-    max_speed: float = _figure("rotary_speed", "rpm")
-    max_axial_load: float = _figure("force", "N")  # dynamic
-    max_radial_load: float = _figure("force", "N")
-    radial_load_distance: float = _figure("length", "mm")  # from the flange
-    pole_pairs: float = _figure("dimensionless", "1")
-    phases: float = _figure("dimensionless", "1")
-    commutator_segments: float = _figure("dimensionless", "1")
-    diameter: float = _figure("length", "mm")
-    length: float = _figure("length", "mm")
-    mass: float = _figure("mass", "g")
-    price: float = _figure("price", "EUR")  # 1-4 pieces
-    price_5: float = _figure("price", "EUR")  # 5-19 pieces
-    price_20: float = _figure("price", "EUR")  # 20-49 pieces
-    list_price: float = _figure("price_chf", "CHF")
+    part: str = text()
+    family: str = text()
+    manufacturer: str = text()
+    kind: str = text()  # brushed or brushless
+    commutation: str = text()  # graphite, precious metal CLL, Hall sensors ...
+    bearing: str = text()
+    assigned_power: float = figure("power", "W")
+    nominal_voltage: float = figure("voltage", "V")
+    no_load_speed: float = figure("rotary_speed", "rpm")
+    no_load_current: float = figure("current", "mA")
+    friction_torque: float = figure("torque", "mN*m")  # at any speed, where the maker tells it apart
+    viscous_friction: float = figure("damping", "N*m*s/rad")  # that grows with speed
+    nominal_speed: float = figure("rotary_speed", "rpm")
+    nominal_torque: float = figure("torque", "mN*m")
+    nominal_current: float = figure("current", "A")
+    stall_torque: float = figure("torque", "mN*m")
+    stall_current: float = figure("current", "A")
+    peak_torque: float = figure("torque", "mN*m")  # permitted for a short time, where the maker limits it
+    max_efficiency: float = figure("dimensionless", "%")
+    resistance: float = figure("resistance", "ohm")  # terminal to terminal
+    inductance: float = figure("inductance", "mH")
+    torque_constant: float = figure("torque_constant", "mN*m/A")
+    speed_constant: float = figure("speed_constant", "rpm/V")
+    speed_torque_gradient: float = figure("speed_torque_gradient", "rpm/(mN*m)")
+    mechanical_time_constant: float = figure("time", "ms")
+    rotor_inertia: float = figure("inertia", "g*cm^2")
+    thermal_resistance_winding: float = figure("thermal_resistance", "K/W")  # winding to housing
+    thermal_resistance_housing: float = figure("thermal_resistance", "K/W")  # housing to ambient
+    winding_time_constant: float = figure("time", "s")
+    motor_time_constant: float = figure("time", "s")
+    ambient_min: float = figure("temperature", "degC")
+    ambient_max: float = figure("temperature", "degC")
+    max_winding_temperature: float = figure("temperature", "degC")
+    max_speed: float = figure("rotary_speed", "rpm")
+    max_axial_load: float = figure("force", "N")  # dynamic
+    max_radial_load: float = figure("force", "N")
+    radial_load_distance: float = figure("length", "mm")  # from the flange
+    pole_pairs: float = figure("dimensionless", "1")
+    standstill_torque: float = figure("torque", "mN*m")  # for ever, at speed 0
+    half_speed_torque: float = figure("torque", "mN*m")  # for ever, at half the permissible speed
+    top_speed_torque: float = figure("torque", "mN*m")  # for ever, at the permissible speed
+    phases: float = figure("dimensionless", "1")
+    commutator_segments: float = figure("dimensionless", "1")
+    shaft_diameter: float = figure("length", "mm")
+    inside: str = text()  # the actuator that it is built into
+    diameter: float = figure("length", "mm")
+    length: float = figure("length", "mm")
+    mass: float = figure("mass", "g")
+    price: float = figure("price", "EUR")  # 1-4 pieces
+    price_5: float = figure("price", "EUR")  # 5-19 pieces
+    price_20: float = figure("price", "EUR")  # 20-49 pieces
+    list_price: float = figure("price_chf", "CHF")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gearhead:
     """One reduction of a gearhead."""
 
-    part: str = _text()
-    family: str = _text()
-    manufacturer: str = _text()
-    kind: str = _text()  # planetary, spur, koaxdrive
-    version: str = _text()
-    reduction: str = _text()  # as printed: 27:1
-    ratio: float = _figure("ratio", "1")  # exact: 3249/121
-    stages: float = _figure("dimensionless", "1")
-    direction: float = _figure("dimensionless", "1", least=-1.0)  # -1: output turns against the input
-    continuous_torque: float = _figure("torque", "N*m")  # at the output
-    intermittent_torque: float = _figure("torque", "N*m")
-    efficiency: float = _figure("dimensionless", "%")  # the maximum, at rated torque
-    backlash: float = _figure("angle", "deg")  # at no load
-    inertia: float = _figure("inertia", "g*cm^2")  # at the input
-    continuous_input_speed: float = _figure("rotary_speed", "rpm")
-    intermittent_input_speed: float = _figure("rotary_speed", "rpm")
-    continuous_power: float = _figure("power", "W")
-    intermittent_power: float = _figure("power", "W")
-    max_motor_shaft: float = _figure("length", "mm")
-    max_radial_load: float = _figure("force", "N")
-    radial_load_distance: float = _figure("length", "mm")
-    max_axial_load: float = _figure("force", "N")
-    max_press_fit: float = _figure("force", "N")
-    axial_play: str = _text()  # as printed, in mm
-    radial_play: str = _text()  # as printed
-    temperature_min: float = _figure("temperature", "degC")
-    temperature_max: float = _figure("temperature", "degC")
-    diameter: float = _figure("length", "mm")
-    length: float = _figure("length", "mm")
-    mass: float = _figure("mass", "g")
-    price: float = _figure("price", "EUR")
-    price_5: float = _figure("price", "EUR")
-    price_20: float = _figure("price", "EUR")
-    list_price: float = _figure("price_chf", "CHF")
+    part: str = text()
+    family: str = text()
+    manufacturer: str = text()
+    kind: str = text()  # planetary, spur, koaxdrive
+    version: str = text()
+    reduction: str = text()  # as printed: 27:1
+    ratio: float = figure("ratio", "1")  # exact: 3249/121
+    stages: float = figure("dimensionless", "1")
+    direction: float = figure("dimensionless", "1", least=-1.0)  # -1: output turns against the input
+    continuous_torque: float = figure("torque", "N*m")  # at the output
+    intermittent_torque: float = figure("torque", "N*m")
+    emergency_torque: float = figure("torque", "N*m")  # a thousand times in its life or less
+    efficiency: float = figure("dimensionless", "%")  # the maximum, at rated torque
+    backlash: float = figure("angle", "deg")  # at no load
+    stiffness: float = figure("torsional_stiffness", "N*m/arcmin")
+    no_load_torque: float = figure("torque", "N*m")  # at the input, to turn it
+    inertia: float = figure("inertia", "g*cm^2")  # at the input
+    continuous_input_speed: float = figure("rotary_speed", "rpm")
+    intermittent_input_speed: float = figure("rotary_speed", "rpm")
+    continuous_power: float = figure("power", "W")
+    intermittent_power: float = figure("power", "W")
+    mounting: str = text()  # clamping hub: takes any motor whose shaft it holds
+    max_motor_shaft: float = figure("length", "mm")
+    max_radial_load: float = figure("force", "N")
+    radial_load_distance: float = figure("length", "mm")
+    max_axial_load: float = figure("force", "N")
+    max_tilting_moment: float = figure("torque", "N*m")
+    max_press_fit: float = figure("force", "N")
+    axial_play: str = text()  # as printed, in mm
+    radial_play: str = text()  # as printed
+    temperature_min: float = figure("temperature", "degC")
+    temperature_max: float = figure("temperature", "degC")
+    inside: str = text()  # the actuator that it is built into
+    diameter: float = figure("length", "mm")
+    length: float = figure("length", "mm")
+    mass: float = figure("mass", "g")
+    price: float = figure("price", "EUR")
+    price_5: float = figure("price", "EUR")
+    price_20: float = figure("price", "EUR")
+    list_price: float = figure("price_chf", "CHF")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Encoder:
     """One resolution of an encoder."""
 
-    part: str = _text()
-    family: str = _text()
-    manufacturer: str = _text()
-    kind: str = _text()  # incremental, incremental with index, absolute ...
-    counts_per_turn: float = _figure("dimensionless", "1")  # lines; four edges each
-    channels: float = _figure("dimensionless", "1")
-    max_frequency: float = _figure("frequency", "kHz")
-    max_speed: float = _figure("rotary_speed", "rpm")  # from the frequency, or printed
-    max_mechanical_speed: float = _figure("rotary_speed", "rpm")
-    supply: str = _text()
-    line_driver: str = _text()
-    shaft_diameter: float = _figure("length", "mm")
-    inertia: float = _figure("inertia", "g*cm^2")
-    current_draw: float = _figure("current", "mA")
-    diameter: float = _figure("length", "mm")
-    length: float = _figure("length", "mm")  # of its housing
-    added_length: float = _figure("length", "mm")  # what it adds to the motor
-    mass: float = _figure("mass", "g")
-    price: float = _figure("price", "EUR")
+    part: str = text()
+    family: str = text()
+    manufacturer: str = text()
+    kind: str = text()  # incremental, incremental with index, absolute ...
+    counts_per_turn: float = figure("dimensionless", "1")  # lines; four edges each
+    steps_per_turn: float = figure("dimensionless", "1")  # of an absolute one
+    channels: float = figure("dimensionless", "1")
+    max_frequency: float = figure("frequency", "kHz")
+    max_speed: float = figure("rotary_speed", "rpm")  # from the frequency, or printed
+    max_mechanical_speed: float = figure("rotary_speed", "rpm")
+    supply: str = text()
+    line_driver: str = text()
+    shaft_diameter: float = figure("length", "mm")
+    inertia: float = figure("inertia", "g*cm^2")
+    current_draw: float = figure("current", "mA")
+    inside: str = text()  # the actuator that it is built into
+    diameter: float = figure("length", "mm")
+    length: float = figure("length", "mm")  # of its housing
+    added_length: float = figure("length", "mm")  # what it adds to the motor
+    mass: float = figure("mass", "g")
+    price: float = figure("price", "EUR")
+
+    @property
+    def lines(self) -> float:
+        """Lines of an incremental encoder that tells as many positions apart."""
+        return self.counts_per_turn if self.counts_per_turn == self.counts_per_turn else self.steps_per_turn / EDGES
+
+    @property
+    def resolution(self) -> str:
+        """What it tells apart, in words."""
+        if self.counts_per_turn == self.counts_per_turn:
+            return f"{self.counts_per_turn:g} counts per turn"
+        return f"{self.steps_per_turn:g} steps per turn" if self.steps_per_turn == self.steps_per_turn else ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Controller:
     """One servo controller."""
 
-    part: str = _text()
-    family: str = _text()
-    manufacturer: str = _text()
-    drives: str = _text()  # brushed, brushless, or both
-    buses: str = _text()  # separated by semicolons
-    supply_min: float = _figure("voltage", "V")
-    supply_max: float = _figure("voltage", "V")
-    absolute_min: float = _figure("voltage", "V")
-    absolute_max: float = _figure("voltage", "V")
-    continuous_current: float = _figure("current", "A")
-    peak_current: float = _figure("current", "A")
-    peak_time: float = _figure("time", "s")
-    max_duty: float = _figure("dimensionless", "%")
-    voltage_drop: float = _figure("voltage", "V")
-    pwm_frequency: float = _figure("frequency", "kHz")
-    current_loop: float = _figure("frequency", "kHz")
-    speed_loop: float = _figure("frequency", "kHz")
-    position_loop: float = _figure("frequency", "kHz")
-    max_encoder_frequency: float = _figure("frequency", "MHz")
-    max_speed_block: float = _figure("rotary_speed", "rpm")
-    max_speed_sine: float = _figure("rotary_speed", "rpm")
-    max_efficiency: float = _figure("dimensionless", "%")
-    encoder_inputs: str = _text()
-    choke: str = _text()
-    derating: str = _text()
-    dimensions: str = _text()
-    mass: float = _figure("mass", "g")
-    price: float = _figure("price", "EUR")
+    part: str = text()
+    family: str = text()
+    manufacturer: str = text()
+    drives: str = text()  # brushed, brushless, or both
+    buses: str = text()  # separated by semicolons
+    supply_min: float = figure("voltage", "V")
+    supply_max: float = figure("voltage", "V")
+    absolute_min: float = figure("voltage", "V")
+    absolute_max: float = figure("voltage", "V")
+    continuous_current: float = figure("current", "A")
+    peak_current: float = figure("current", "A")
+    peak_time: float = figure("time", "s")
+    max_duty: float = figure("dimensionless", "%")
+    voltage_drop: float = figure("voltage", "V")
+    pwm_frequency: float = figure("frequency", "kHz")
+    current_loop: float = figure("frequency", "kHz")
+    speed_loop: float = figure("frequency", "kHz")
+    position_loop: float = figure("frequency", "kHz")
+    max_encoder_frequency: float = figure("frequency", "MHz")
+    max_speed_block: float = figure("rotary_speed", "rpm")
+    max_speed_sine: float = figure("rotary_speed", "rpm")
+    max_efficiency: float = figure("dimensionless", "%")
+    encoder_inputs: str = text()
+    choke: str = text()
+    derating: str = text()
+    inside: str = text()  # the actuator that it is built into
+    dimensions: str = text()
+    mass: float = figure("mass", "g")
+    price: float = figure("price", "EUR")
 
 
 EDGES = 4  # of an incremental encoder per line, evaluated in quadrature
@@ -204,21 +213,53 @@ NO_GEARHEAD = Gearhead(
     temperature_max=inf, backlash=0.0, inertia=0.0, diameter=0.0, length=0.0, mass=0.0, price=0.0,
 )  # fmt: skip
 
-PARTS: dict[str, type[Motor] | type[Gearhead] | type[Encoder] | type[Controller]] = {
+PARTS: dict[str, type[Any]] = {
     "motors": Motor,
     "gearheads": Gearhead,
     "encoders": Encoder,
     "controllers": Controller,
+    "actuators": Actuator,
+    "brakes": Brake,
+    "steppers": Stepper,
+    "belts": Belt,
+    "pulleys": Pulley,
+    "batteries": Battery,
 }
 
 
-def columns_of(section: str) -> dict[str, Column]:
+def lines(encoder: Any) -> Any:
+    """Lines of encoders that would tell as many positions apart: their own, or an absolute one's steps over four.
+
+    >>> float(lines({"counts_per_turn": np.nan, "steps_per_turn": 4096.0}))
+    1024.0
+    """
+    own = encoder["counts_per_turn"]
+    return np.where(np.isnan(own), encoder["steps_per_turn"] / EDGES, own)
+
+
+# What goes with a motor, by the name of the list that says so.
+RELATIONS = {"motor_gearhead": "gearheads", "motor_encoder": "encoders", "motor_brake": "brakes"}
+
+
+def one_of(section: str) -> str:
+    """What one part of a section is called.
+
+    >>> one_of("motors"), one_of("batteries")
+    ('motor', 'battery')
+    """
+    return "battery" if section == "batteries" else section.removesuffix("s")
+
+
+def printed(section: str) -> dict[str, Column]:
+    """The columns that a catalogue file may give, without that of the parts inside an actuator."""
+    return {name: column for name, column in columns_of(section).items() if name != "inside"}
+
+
+@cache
+def columns_of(section: str) -> Mapping[str, Column]:
     """The columns of a catalogue section, in the order of the record's fields.
 
     >>> columns_of("motors")["rotor_inertia"].unit
     'g*cm^2'
     """
-    return {
-        f.name: Column(f.name, f.metadata["kind"], f.metadata["unit"], f.metadata.get("least", 0.0))
-        for f in fields(PARTS[section])
-    }
+    return MappingProxyType(columns(PARTS[section]))

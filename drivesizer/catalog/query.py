@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, PARTS, Catalog, Table, columns_of, load, shipped
-from drivesizer.catalog.parts import Column
+from drivesizer.catalog.columns import Column
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.units import to_si
 
@@ -38,10 +38,27 @@ _OPTION = re.compile(r"\s*(<=|>=|!=|==|<|>|=)?\s*(.*?)\s*", re.DOTALL)
 # Options of the command line: the column that each asks in a section. A controller serves a range of voltages.
 OPTIONS: dict[str, dict[str, str]] = {
     "family": dict.fromkeys(PARTS, "family"),
-    "voltage": {"motors": "nominal_voltage", "controllers": "supply_min supply_max"},
-    "diameter": dict.fromkeys(("motors", "gearheads", "encoders"), "diameter"),
+    "voltage": {
+        "motors": "nominal_voltage",
+        "controllers": "supply_min supply_max",
+        "actuators": "nominal_voltage",
+        "brakes": "supply",
+        "batteries": "nominal_voltage",
+    },
+    "diameter": dict.fromkeys(("motors", "gearheads", "encoders", "actuators"), "diameter"),
     "power": {"motors": "assigned_power", "gearheads": "continuous_power"},
-    "kind": {"motors": "kind", "gearheads": "kind", "encoders": "kind", "controllers": "drives"},
+    "kind": {
+        "motors": "kind",
+        "gearheads": "kind",
+        "encoders": "kind",
+        "controllers": "drives",
+        "actuators": "gearing",
+        "steppers": "wiring",
+        "belts": "profile",
+        "pulleys": "profile",
+        "batteries": "chemistry",
+        "brakes": "family",
+    },
 }
 
 

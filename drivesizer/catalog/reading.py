@@ -6,18 +6,20 @@ column and not once per cell. Whatever does not fit is one line that names file,
 
 from __future__ import annotations
 
-import difflib
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.parts import DIRECT, NO_GEARHEAD, PARTS, Column, columns_of
-from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
-from drivesizer.errors import CatalogError, InputError, nearest, quoted
+from drivesizer.catalog.columns import Column
+from drivesizer.catalog.parts import DIRECT, NO_GEARHEAD, PARTS, columns_of
+from drivesizer.catalog.reader import CONFIDENCE, Reader, did_you_mean
+from drivesizer.catalog.relations import relations
+from drivesizer.catalog.tables import Catalog, Note, Source, Table
+from drivesizer.errors import InputError, quoted
 from drivesizer.units import scale, to_si
 from drivesizer.yaml_source import Path_, YamlSource
 
@@ -28,52 +30,12 @@ _TOP = {"catalog", "manufacturer", "overrides", "sources", *PARTS, "compatibilit
 _TABLE = {"family", "source", "common", "columns", "rows", "notes"}
 _NOTE = {"parts", "fields", "text", "confidence", "source", "exclude", "accepted"}
 _SOURCE = {"document", "date", "confidence", "url"}
-_RELATIONS = {
-    "motor_gearhead": ("motors", "gearheads"),
-    "motor_encoder": ("motors", "encoders"),
-    "triples": ("motors", "gearheads", "encoders"),
+_NOT_A_COLUMN = {
+    "family": "family stands at the head of its table",
+    "manufacturer": "manufacturer stands at the head of its file",
+    "inside": "inside is not given: it is of the parts of an actuator",
 }
-_CONFIDENCE = ("quoted", "secondary", "derived", "recalled")
-_AT_THE_HEAD = {"family": "table", "manufacturer": "file"}
 _HEADER = re.compile(r"(\w+)(?:\s*\((.+)\))?")
-
-
-class _Reader:
-    """Walks one file; ``fail`` knows where it is."""
-
-    def __init__(self, source: YamlSource) -> None:
-        self.file = source
-        self.sources: dict[str, Source] = {}
-        self.notes: list[Note] = []
-
-    def fail(self, path: Path_, message: str) -> CatalogError:
-        return CatalogError(f"{self.file.where(path)}: {message}")
-
-    def mapping(self, value: Any, path: Path_, allowed: Iterable[str], required: Iterable[str] = ()) -> dict[str, Any]:
-        if not isinstance(value, dict):
-            raise self.fail(path, f"expected fields such as {', '.join(sorted(required) or sorted(allowed)[:3])}")
-        for key in value:
-            if key not in allowed:
-                raise self.fail((*path, key), f"unknown key {quoted(key)}{_nearest(key, allowed)}")
-        for key in sorted(required):
-            if key not in value:
-                raise self.fail(path, f"{quoted(key)} is missing")
-        return value
-
-    def sequence(self, value: Any, path: Path_) -> list[Any]:
-        if not isinstance(value, list):
-            raise self.fail(path, "expected a list")
-        return value
-
-    def source_number(self, name: Any, path: Path_) -> int:
-        if not isinstance(name, str) or name not in self.sources:
-            raise self.fail(path, f"{quoted(name)} is not one of the file's sources ({', '.join(self.sources)})")
-        return list(self.sources).index(name)
-
-
-def _nearest(key: str, allowed: Iterable[str]) -> str:
-    close = difflib.get_close_matches(key, sorted(allowed), 1)
-    return f"; did you mean {quoted(close[0])}?" if close else f"; expected one of {', '.join(sorted(allowed))}"
 
 
 def parse(source: YamlSource, name: str, digest: str) -> Catalog:
@@ -91,64 +53,43 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     CatalogError
         When anything in the file is not what the schema asks for.
     """
-    reader = _Reader(source)
+    reader = Reader(source)
     data = reader.mapping(source.data, (), _TOP, {"catalog", "manufacturer", "sources"})
     if data["catalog"] != SCHEMA or data["catalog"] is True:
         raise reader.fail(("catalog",), f"schema {quoted(data['catalog'])} is not known; expected {SCHEMA}")
     _read_sources(reader, data["sources"])
-    maker = _plain_text(reader, data["manufacturer"], ("manufacturer",))
+    maker = reader.plain_text(data["manufacturer"], ("manufacturer",))
     tables: dict[str, Any] = {s: _section(reader, s, data.get(s) or [], maker) for s in PARTS}
     tables["gearheads"] = _with_direct(reader, tables["gearheads"], data.get("compatibility"))
-    pairs = _relations(reader, tables, data.get("compatibility") or {})
+    pairs = relations(reader, tables, data.get("compatibility") or {})
     return Catalog(
         **tables,
-        motor_gearhead=pairs["motor_gearhead"],
-        motor_encoder=pairs["motor_encoder"],
+        **pairs,
         sources=tuple(reader.sources.values()),
         notes=tuple(reader.notes),
         digests={name: digest},
-        overrides=_flag(reader, data.get("overrides", False), ("overrides",)),
+        overrides=reader.flag(data.get("overrides", False), ("overrides",)),
     )
 
 
-def _read_sources(reader: _Reader, given: Any) -> None:
+def _read_sources(reader: Reader, given: Any) -> None:
     if not given:
         raise reader.fail(("sources",), "expected at least one, e.g. sheet: {document: ..., confidence: quoted}")
     for key, entry in reader.mapping(given, ("sources",), given).items():
         path: Path_ = ("sources", key)
         entry = reader.mapping(entry, path, _SOURCE, {"document", "confidence"})
         _known_confidence(reader, entry["confidence"], path)
-        texts = {k: _plain_text(reader, v, (*path, k)) for k, v in entry.items()}
+        texts = {k: reader.plain_text(v, (*path, k)) for k, v in entry.items()}
         reader.sources[key] = Source(**texts)
 
 
-def _flag(reader: _Reader, value: Any, path: Path_) -> bool:
-    if not isinstance(value, bool):
-        raise reader.fail(path, f"{quoted(value)} is not true or false")
-    return value
-
-
-def _known_confidence(reader: _Reader, value: Any, path: Path_) -> str:
-    if value not in _CONFIDENCE:
-        raise reader.fail(path, f"confidence {quoted(value)} is not one of {', '.join(_CONFIDENCE)}")
+def _known_confidence(reader: Reader, value: Any, path: Path_) -> str:
+    if value not in CONFIDENCE:
+        raise reader.fail(path, f"confidence {quoted(value)} is not one of {', '.join(CONFIDENCE)}")
     return str(value)
 
 
-def _plain_text(reader: _Reader, value: Any, path: Path_) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool) or not isinstance(value, str | int | float):
-        raise reader.fail(path, "expected text")
-    return str(value)
-
-
-def _part_number(reader: _Reader, value: Any, path: Path_) -> str:
-    if isinstance(value, bool) or not isinstance(value, str | int) or not str(value).strip():
-        raise reader.fail(path, f"{quoted(value)} is not a part number; quote it")
-    return str(value)
-
-
-def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any]:
+def _section(reader: Reader, section: str, given: Any, maker: str) -> Table[Any]:
     """All tables of a section under each other."""
     schema = columns_of(section)
     parts: list[dict[str, NDArray[Any]]] = []
@@ -160,7 +101,7 @@ def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any
         columns = _table(reader, section, entry, path)
         count = len(columns["part"])
         columns["manufacturer"] = np.full(count, maker)
-        columns["family"] = np.full(count, _plain_text(reader, entry["family"], (*path, "family")))
+        columns["family"] = np.full(count, reader.plain_text(entry["family"], (*path, "family")))
         parts.append({name: columns.get(name, _unknown(column, count)) for name, column in schema.items()})
         places += [(*path, "rows", row) for row in range(count)]
         source.append(np.full(count, reader.source_number(entry["source"], (*path, "source")), np.int32))
@@ -173,7 +114,7 @@ def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any
     return Table(section, columns, np.concatenate(source or [np.zeros(0, np.int32)]), excluded)
 
 
-def _with_direct(reader: _Reader, table: Table[Any], compatibility: Any) -> Table[Any]:
+def _with_direct(reader: Reader, table: Table[Any], compatibility: Any) -> Table[Any]:
     """The gearheads, and the lack of one where the file lists motors that drive the load themselves."""
     groups = compatibility.get("motor_gearhead") if isinstance(compatibility, dict) else None
     named = [g.get("gearheads") for g in groups if isinstance(g, dict)] if isinstance(groups, list) else []
@@ -189,14 +130,14 @@ def _unknown(column: Column, count: int) -> NDArray[Any]:
     return np.full(count, "") if column.kind == "text" else np.full(count, np.nan)
 
 
-def _unique(reader: _Reader, parts: NDArray[Any], places: list[Path_]) -> None:
+def _unique(reader: Reader, parts: NDArray[Any], places: list[Path_]) -> None:
     first = np.unique(parts, return_index=True)[1]
     again = np.setdiff1d(np.arange(len(parts)), first)
     if len(again):
         raise reader.fail(places[again[0]], f"part {quoted(parts[again[0]])} is given twice")
 
 
-def _table(reader: _Reader, section: str, entry: dict[str, Any], path: Path_) -> dict[str, NDArray[Any]]:
+def _table(reader: Reader, section: str, entry: dict[str, Any], path: Path_) -> dict[str, NDArray[Any]]:
     """The columns that one table gives, its common figures spread over the rows."""
     headers = _headers(reader, section, entry["columns"], (*path, "columns"))
     rows = reader.sequence(entry["rows"], (*path, "rows"))
@@ -213,8 +154,8 @@ def _table(reader: _Reader, section: str, entry: dict[str, Any], path: Path_) ->
         at: Path_ = (*path, "common", name)
         if name in found:
             raise reader.fail(at, f"{name} is a column of this table as well; give it once")
-        if name in _AT_THE_HEAD:
-            raise reader.fail(at, f"{name} stands at the head of its {_AT_THE_HEAD[name]}")
+        if name in _NOT_A_COLUMN:
+            raise reader.fail(at, _NOT_A_COLUMN[name])
         found[name] = np.full(len(rows), _figure(reader, schema[name], value, at))
     return found
 
@@ -223,7 +164,7 @@ def _cell_path(path: Path_, place: int) -> Callable[[int], Path_]:
     return lambda row: (*path, "rows", row, place)
 
 
-def _headers(reader: _Reader, section: str, given: Any, path: Path_) -> list[tuple[Column, float, float]]:
+def _headers(reader: Reader, section: str, given: Any, path: Path_) -> list[tuple[Column, float, float]]:
     """The columns that a table names, each with the factor and offset of its unit."""
     schema = columns_of(section)
     headers: list[tuple[Column, float, float]] = []
@@ -231,9 +172,9 @@ def _headers(reader: _Reader, section: str, given: Any, path: Path_) -> list[tup
         match = _HEADER.fullmatch(str(text).strip())
         name = match.group(1) if match else str(text)
         if name not in schema:
-            raise reader.fail((*path, index), f"unknown column {quoted(name)}{_nearest(name, schema)}")
-        if name in _AT_THE_HEAD:
-            raise reader.fail((*path, index), f"{name} stands at the head of its {_AT_THE_HEAD[name]}")
+            raise reader.fail((*path, index), f"unknown column {quoted(name)}{did_you_mean(name, schema)}")
+        if name in _NOT_A_COLUMN:
+            raise reader.fail((*path, index), _NOT_A_COLUMN[name])
         unit = (match.group(2) or "") if match else ""
         headers.append((schema[name], *_unit(reader, schema[name], unit, (*path, index))))
     names = [header[0].name for header in headers]
@@ -242,7 +183,7 @@ def _headers(reader: _Reader, section: str, given: Any, path: Path_) -> list[tup
     return headers
 
 
-def _unit(reader: _Reader, column: Column, unit: str, path: Path_) -> tuple[float, float]:
+def _unit(reader: Reader, column: Column, unit: str, path: Path_) -> tuple[float, float]:
     """Factor and offset that bring a column's numbers to SI."""
     if column.kind in ("text", "ratio") and unit:
         raise reader.fail(path, f"{column.name} has no unit, found {quoted(unit)}")
@@ -257,13 +198,13 @@ def _unit(reader: _Reader, column: Column, unit: str, path: Path_) -> tuple[floa
 
 
 def _column(
-    reader: _Reader, column: Column, factors: list[float], cells: list[Any], at: Callable[[int], Path_]
+    reader: Reader, column: Column, factors: list[float], cells: list[Any], at: Callable[[int], Path_]
 ) -> NDArray[Any]:
     """One column of cells in SI (or text)."""
     if column.name == "part":
-        return np.array([_part_number(reader, cell, at(row)) for row, cell in enumerate(cells)] or [""])[: len(cells)]
+        return np.array([reader.part_number(cell, at(row)) for row, cell in enumerate(cells)] or [""])[: len(cells)]
     if column.kind == "text":
-        return np.array([_plain_text(reader, cell, at(row)) for row, cell in enumerate(cells)] or [""])[: len(cells)]
+        return np.array([reader.plain_text(cell, at(row)) for row, cell in enumerate(cells)] or [""])[: len(cells)]
     factor, offset = factors
     values = np.array([_cell(reader, column, cell, at(row)) for row, cell in enumerate(cells)], float)
     values = values * factor + offset
@@ -274,7 +215,7 @@ def _column(
     return values
 
 
-def _cell(reader: _Reader, column: Column, cell: Any, path: Path_) -> float:
+def _cell(reader: Reader, column: Column, cell: Any, path: Path_) -> float:
     if cell is None:
         return np.nan
     if isinstance(cell, int | float) and not isinstance(cell, bool):
@@ -284,10 +225,10 @@ def _cell(reader: _Reader, column: Column, cell: Any, path: Path_) -> float:
     raise reader.fail(path, f"{column.name}: {quoted(cell)} is not a number; unknown is written ~")
 
 
-def _figure(reader: _Reader, column: Column, value: Any, path: Path_) -> Any:
+def _figure(reader: Reader, column: Column, value: Any, path: Path_) -> Any:
     """A figure with its unit, as `common` gives it."""
     if column.kind == "text":
-        return _plain_text(reader, value, path)
+        return reader.plain_text(value, path)
     if value is None:
         return np.nan
     if column.kind == "ratio":
@@ -302,7 +243,7 @@ def _figure(reader: _Reader, column: Column, value: Any, path: Path_) -> Any:
 
 
 def _read_notes(
-    reader: _Reader, section: str, entry: dict[str, Any], path: Path_, columns: dict[str, NDArray[Any]]
+    reader: Reader, section: str, entry: dict[str, Any], path: Path_, columns: dict[str, NDArray[Any]]
 ) -> None:
     here = {str(part) for part in columns["part"]}
     for index, given in enumerate(reader.sequence(entry.get("notes") or [], (*path, "notes"))):
@@ -320,62 +261,11 @@ def _read_notes(
             _known_confidence(reader, note["confidence"], at)
         if "source" in note:
             reader.source_number(note["source"], (*at, "source"))
-        texts = {key: _plain_text(reader, note.get(key), (*at, key)) for key in ("text", "confidence", "source")}
+        texts = {key: reader.plain_text(note.get(key), (*at, key)) for key in ("text", "confidence", "source")}
         for key in ("exclude", "accepted"):
-            _flag(reader, note.get(key, False), (*at, key))
+            reader.flag(note.get(key, False), (*at, key))
         flags = {key: note.get(key, False) for key in ("exclude", "accepted")}
         if texts["source"]:
             texts["source"] = reader.sources[texts["source"]].document
         values: dict[str, Any] = texts | flags
         reader.notes.append(Note(section=section, parts=parts, fields=names, **values))
-
-
-def _relations(reader: _Reader, tables: dict[str, Table[Any]], given: Any) -> dict[str, Pairs]:
-    """Which parts go together, families and part numbers resolved to rows."""
-    members = {section: _members(table) for section, table in tables.items()}
-    found: dict[str, list[tuple[NDArray[Any], NDArray[Any], int]]] = {"motor_gearhead": [], "motor_encoder": []}
-    for relation, groups in reader.mapping(given, ("compatibility",), _RELATIONS).items():
-        sections = _RELATIONS[relation]
-        for index, group in enumerate(reader.sequence(groups, ("compatibility", relation))):
-            path: Path_ = ("compatibility", relation, index)
-            group = reader.mapping(group, path, {"name", "source", "without", *sections}, {"source", *sections})
-            rows = {s: _rows(reader, members[s], group[s], (*path, s)) for s in sections}
-            if "without" in group:
-                out = _rows(reader, members[sections[1]], group["without"], (*path, "without"))
-                rows[sections[1]] = np.setdiff1d(rows[sections[1]], out)
-            source = reader.source_number(group["source"], (*path, "source"))
-            for right in sections[1:]:
-                found[f"motor_{right[:-1]}"].append((rows["motors"], rows[right], source))
-    sure = [_CONFIDENCE.index(source.confidence) for source in reader.sources.values()]
-    return {relation: _pairs(sorted(groups, key=lambda g: sure[g[2]])) for relation, groups in found.items()}
-
-
-def _members(table: Table[Any]) -> dict[str, NDArray[Any]]:
-    """Rows by part number and by family name."""
-    order = np.argsort(table["family"], kind="stable")
-    names, first = np.unique(table["family"][order], return_index=True)
-    families = dict(zip(names.tolist(), np.split(order, first[1:]), strict=True)) if len(table) else {}
-    return {part: np.array([row]) for part, row in table.rows.items()} | families
-
-
-def _rows(reader: _Reader, members: dict[str, NDArray[Any]], given: Any, path: Path_) -> NDArray[Any]:
-    found = []
-    for index, name in enumerate(reader.sequence(given, path)):
-        if str(name) not in members:
-            hint = nearest(str(name), members, 1)
-            raise reader.fail((*path, index), f"{quoted(name)} is neither a family nor a part of this catalogue{hint}")
-        found.append(members[str(name)])
-    return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
-
-
-def _pairs(groups: list[tuple[NDArray[Any], NDArray[Any], int]]) -> Pairs:
-    """Groups multiplied out, each pair once with the first source that states it (the surest comes first), sorted."""
-    lefts, rights, sources = [], [], []
-    for left, right, source in groups:
-        lefts.append(np.repeat(left, len(right)))
-        rights.append(np.tile(right, len(left)))
-        sources.append(np.full(len(left) * len(right), source))
-    empty = np.zeros(0, np.int64)
-    left, right, origin = (np.concatenate(part or [empty]) for part in (lefts, rights, sources))
-    _, first = np.unique(left.astype(np.int64) << 32 | right.astype(np.int64), return_index=True)
-    return Pairs(left[first].astype(np.int32), right[first].astype(np.int32), origin[first].astype(np.int32))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from drivesizer.catalog.parts import PARTS, Column, columns_of
+from drivesizer.catalog.columns import Column
+from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.units import KINDS, noun
 
 __all__ = ["catalog_schema"]
@@ -12,7 +13,9 @@ __all__ = ["catalog_schema"]
 _TEXT: dict[str, Any] = {"type": ["string", "number", "null"]}
 _CONFIDENCE = {"enum": ["quoted", "secondary", "derived", "recalled"]}
 _NAMES = {"type": "array", "items": {"type": ["string", "integer"]}}
-_AT_THE_HEAD = ("part", "family", "manufacturer")
+_ACROSS = {"type": "object", "minProperties": 1, "maxProperties": 1, "description": "{catalogue: family or part}"}
+_FITTING = {"type": "array", "items": {"anyOf": [_NAMES["items"], _ACROSS]}}
+_NOT_COMMON = ("part", "family", "manufacturer", "inside")
 _SOURCE = {
     "type": "object",
     "description": "a document that figures come from",
@@ -66,7 +69,7 @@ def _tables(section: str) -> dict[str, Any]:
             "common": {
                 "type": "object",
                 "description": "figures that all rows share, each with its unit",
-                "properties": {c.name: _figure(c) for c in columns if c.name not in _AT_THE_HEAD},
+                "properties": {c.name: _figure(c) for c in columns if c.name not in _NOT_COMMON},
                 "additionalProperties": False,
             },
             "columns": {
@@ -102,11 +105,8 @@ def _pattern(names: list[str]) -> str:
 
 def _compatibility() -> dict[str, Any]:
     """Which parts go together, by family or part number; `direct` is no gearhead."""
-    sections: dict[str, tuple[str, ...]] = {
-        "motor_gearhead": ("motors", "gearheads"),
-        "motor_encoder": ("motors", "encoders"),
-        "triples": ("motors", "gearheads", "encoders"),
-    }
+    sections: dict[str, tuple[str, ...]] = {name: ("motors", right) for name, right in RELATIONS.items()}
+    sections["triples"] = ("motors", "gearheads", "encoders")
     return {
         "type": "object",
         "properties": {name: {"type": "array", "items": _group(parts)} for name, parts in sections.items()},
@@ -117,7 +117,12 @@ def _compatibility() -> dict[str, Any]:
 def _group(parts: tuple[str, ...]) -> dict[str, Any]:
     return {
         "type": "object",
-        "properties": {"name": _TEXT, "source": {"type": "string"}, "without": _NAMES, **dict.fromkeys(parts, _NAMES)},
+        "properties": {
+            "name": _TEXT,
+            "source": {"type": "string"},
+            "without": _NAMES,
+            **dict.fromkeys(parts, _FITTING),
+        },
         "required": ["source", *parts],
         "additionalProperties": False,
     }

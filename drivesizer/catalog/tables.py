@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.parts import DIRECT, PARTS, Controller, Encoder, Gearhead, Motor, columns_of
-from drivesizer.errors import CatalogError, quoted
+from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
+from drivesizer.catalog.wholes import Actuator, Battery, Belt, Brake, Pulley, Stepper
 
-__all__ = ["Catalog", "Note", "Pairs", "Source", "Table"]
+__all__ = ["Across", "Catalog", "Note", "Pairs", "Source", "Table", "empty", "unique_pairs"]
 
-Part = TypeVar("Part", Motor, Gearhead, Encoder, Controller)
+Part = TypeVar("Part")
 
 
 class Source(NamedTuple):
@@ -48,6 +48,15 @@ class Pairs(NamedTuple):
     source: NDArray[np.int32]  # index into Catalog.sources
 
 
+class Across(NamedTuple):
+    """A list of what goes together that names other catalogues: (catalogue, family or part), empty for its own."""
+
+    relation: str
+    motors: tuple[tuple[str, str], ...]
+    others: tuple[tuple[str, str], ...]
+    source: int  # index into Catalog.sources
+
+
 @dataclass(frozen=True)
 class Table(Generic[Part]):
     """All parts of one kind: one array per field, NaN or an empty text where the figure is unknown."""
@@ -65,13 +74,29 @@ class Table(Generic[Part]):
 
     def record(self, row: int) -> Part:
         """One part, as its record."""
-        kind = PARTS[self.section]
-        return kind(**{f.name: self.columns[f.name][row].item() for f in fields(kind)})  # type: ignore[return-value]
+        kind: type[Part] = PARTS[self.section]
+        return kind(**{name: self.columns[name][row].item() for name in columns_of(self.section)})
 
     @cached_property
     def rows(self) -> dict[str, int]:
         """Row by part number."""
         return {str(part): row for row, part in enumerate(self.columns["part"])}
+
+    @cached_property
+    def members(self) -> dict[str, NDArray[np.int64]]:
+        """Rows by part number and by family name."""
+        order = np.argsort(self["family"], kind="stable")
+        names, first = np.unique(self["family"][order], return_index=True)
+        families = dict(zip(names.tolist(), np.split(order, first[1:]), strict=True)) if len(self) else {}
+        return {part: np.array([row]) for part, row in self.rows.items()} | families
+
+
+def empty(section: str) -> Table[Any]:
+    """A table without rows."""
+    columns: dict[str, NDArray[Any]] = {
+        name: np.array([], str if column.kind == "text" else float) for name, column in columns_of(section).items()
+    }
+    return Table(section, columns, np.zeros(0, np.int32), np.zeros(0, bool))
 
 
 @dataclass(frozen=True)
@@ -82,18 +107,30 @@ class Catalog:
     gearheads: Table[Gearhead]
     encoders: Table[Encoder]
     controllers: Table[Controller]
+    actuators: Table[Actuator]
+    brakes: Table[Brake]
+    steppers: Table[Stepper]
+    belts: Table[Belt]
+    pulleys: Table[Pulley]
+    batteries: Table[Battery]
     motor_gearhead: Pairs
     motor_encoder: Pairs
+    motor_brake: Pairs
     sources: tuple[Source, ...]
     notes: tuple[Note, ...]
     digests: Mapping[str, str]  # catalogue name -> digest of its file, so that a result can be traced
     overrides: bool = False  # its parts count before those of the catalogues named before it
+    across: tuple[Across, ...] = ()  # pairs with parts of other catalogues, until those are loaded with it
     replaced: tuple[str, ...] = ()  # parts that an overriding catalogue gives in place of another, in words
 
     def table(self, section: str) -> Table[Any]:
         """The table of a section, such as ``motors``."""
         found: Table[Any] = getattr(self, section)
         return found
+
+    def with_tables(self, tables: Mapping[str, Any], pairs: Mapping[str, Any]) -> Catalog:
+        """The catalogue with other tables and pairs, by their names."""
+        return replace(self, **tables, **pairs)
 
     def notes_on(self, section: str, part: str) -> list[Note]:
         """What the catalogue remarks on a part."""
@@ -115,99 +152,7 @@ def _is_known(value: Any, kind: str) -> bool:
     return bool(value != "") if kind == "text" else bool(value == value)
 
 
-def joined(catalogs: Sequence[Catalog]) -> Catalog:
-    """Several catalogues as one.
-
-    Raises
-    ------
-    CatalogError
-        When a part is in two of them and the later one does not say that it overrides.
-    """
-    if len(catalogs) == 1:
-        return catalogs[0]
-    replaced = _replaced(catalogs)
-    first_source = np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]
-    tables = {name: _joined_tables([c.table(name) for c in catalogs], first_source) for name in PARTS}
-    places = {name: _places(table) for name, table in tables.items()}
-    pairs = {}
-    for right in ("gearheads", "encoders"):
-        listed = _joined_pairs(catalogs, f"motor_{right[:-1]}", right, first_source)
-        pairs[right] = _moved(listed, places["motors"], places[right])
-    left: dict[str, Any] = {name: _kept(table, places[name]) for name, table in tables.items()}
-    return Catalog(
-        **left,
-        motor_gearhead=pairs["gearheads"],
-        motor_encoder=pairs["encoders"],
-        sources=tuple(source for c in catalogs for source in c.sources),
-        notes=tuple(note for c in catalogs for note in c.notes),
-        digests={name: digest for c in catalogs for name, digest in c.digests.items()},
-        replaced=replaced,
-    )
-
-
-def _replaced(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
-    """What is in two catalogues; refused where the later one does not mean to replace it."""
-    owner: dict[tuple[str, str], str] = {}
-    said = []
-    for catalog in catalogs:
-        name = ", ".join(catalog.digests)
-        for section in PARTS:
-            for part in catalog.table(section).rows:
-                first = owner.setdefault((section, part), name)
-                if first == name or part == DIRECT:
-                    continue
-                if not catalog.overrides:
-                    raise CatalogError(
-                        f"part {quoted(part)} is in two catalogues: {first} and {name}; "
-                        "`overrides: true` in the second makes its row count"
-                    )
-                said.append(f"{section[:-1]} {part}: {name} in place of {first}")
-    return tuple(said)
-
-
-def _places(table: Table[Any]) -> NDArray[np.int32]:
-    """Where each row goes when of rows with the same part number the last is left."""
-    _, last = np.unique(table["part"][::-1], return_index=True)
-    keep = np.zeros(len(table), bool)
-    keep[len(table) - 1 - last] = True
-    if keep.all():
-        return np.arange(len(table), dtype=np.int32)
-    place = np.cumsum(keep, dtype=np.int32) - 1
-    of_part = {str(table["part"][row]): place[row] for row in np.flatnonzero(keep)}
-    again = np.flatnonzero(~keep)
-    place[again] = [of_part[str(table["part"][row])] for row in again]
-    return place
-
-
-def _kept(table: Table[Any], place: NDArray[np.int32]) -> Table[Any]:
-    """The rows that are left: of those that go to one place, the last."""
-    if not len(place) or place[-1] == len(place) - 1:
-        return table
-    rows = np.empty(place.max() + 1, np.int64)
-    rows[place] = np.arange(len(place))  # the last assignment stands
-    columns = {name: column[rows] for name, column in table.columns.items()}
-    return Table(table.section, columns, table.source[rows], table.excluded[rows])
-
-
-def _moved(pairs: Pairs, left: NDArray[np.int32], right: NDArray[np.int32]) -> Pairs:
-    """Pairs by the rows that are left, each once with the first source that states it."""
-    moved = left[pairs.left], right[pairs.right]
-    _, first = np.unique(moved[0].astype(np.int64) << 32 | moved[1].astype(np.int64), return_index=True)
-    return Pairs(moved[0][first], moved[1][first], pairs.source[first])
-
-
-def _joined_tables(tables: Sequence[Table[Any]], first_source: NDArray[Any]) -> Table[Any]:
-    columns = {name: np.concatenate([t[name] for t in tables]) for name in tables[0].columns}
-    source = np.concatenate([t.source + first for t, first in zip(tables, first_source, strict=True)])
-    return Table(tables[0].section, columns, source, np.concatenate([t.excluded for t in tables]))
-
-
-def _joined_pairs(catalogs: Sequence[Catalog], name: str, right: str, first_source: NDArray[Any]) -> Pairs:
-    motors = np.cumsum([0, *(len(c.motors) for c in catalogs)])
-    others = np.cumsum([0, *(len(c.table(right)) for c in catalogs)])
-    pairs: list[Pairs] = [getattr(c, name) for c in catalogs]
-    return Pairs(
-        np.concatenate([p.left + motors[k] for k, p in enumerate(pairs)]),
-        np.concatenate([p.right + others[k] for k, p in enumerate(pairs)]),
-        np.concatenate([p.source + first_source[k] for k, p in enumerate(pairs)]),
-    )
+def unique_pairs(left: NDArray[Any], right: NDArray[Any], source: NDArray[Any]) -> Pairs:
+    """Pairs of rows, each once with the first source that states it, sorted."""
+    _, first = np.unique(left.astype(np.int64) << 32 | right.astype(np.int64), return_index=True)
+    return Pairs(*(side[first].astype(np.int32) for side in (left, right, source)))

@@ -13,9 +13,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drivesizer.catalog.columns import Column
 from drivesizer.catalog.exchange import plain
 from drivesizer.catalog.mapping import Plan
-from drivesizer.catalog.parts import Column, columns_of
+from drivesizer.catalog.parts import columns_of
 from drivesizer.catalog.reading import SCHEMA, parse
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.units import number, scale

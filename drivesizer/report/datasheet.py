@@ -1,36 +1,32 @@
-"""The parts of a set as the report prints them: every known figure, how sure it is, and where it comes from."""
+"""Parts as the report prints them: every known figure, how sure it is, and where it comes from."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from drivesizer.catalog import DIRECT, Catalog, Note, columns_of
-from drivesizer.results import DriveSet
+from drivesizer.catalog import Catalog, Note, columns_of, one_of
+from drivesizer.results import DriveSet, section_of
 from drivesizer.units import show
 
-__all__ = ["datasheets"]
+__all__ = ["datasheet", "datasheets"]
 
 _NAMES = {"part", "family", "manufacturer"}  # in the heading already
-_ROLES = (("motor", "motors"), ("gearhead", "gearheads"), ("encoder", "encoders"), ("controller", "controllers"))
 
 
 def datasheets(drive_set: DriveSet, catalog: Catalog) -> list[dict[str, Any]]:
     """The known figures of each part of a set, those that are not quoted from a maker's document marked."""
-    parts = ((role, section, getattr(drive_set, role)) for role, section in _ROLES)
-    return [
-        _datasheet(role, section, part, catalog)
-        for role, section, part in parts
-        if part is not None and part.part != DIRECT
-    ]
+    parts = {(section_of(part), part.part): part for part in drive_set.parts.values() if part is not None}  # each once
+    return [datasheet(section, part, catalog) for (section, _), part in parts.items()]
 
 
-def _datasheet(role: str, section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
+def datasheet(section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
+    """The known figures of one part, as its section's record."""
     table = catalog.table(section)
     row = table.rows[part.part]
     source = catalog.sources[table.source[row]]
     sure = catalog.confidence(section, row)
     return {
-        "role": role,
+        "role": one_of(section),
         "part": part.part,
         "family": part.family,
         "maker": part.manufacturer,
@@ -49,7 +45,7 @@ def _row(part: Any, name: str, section: str, sure: dict[str, str]) -> dict[str, 
     if column.kind.startswith("price"):
         text = f"{value:.2f} {column.unit}"  # to the cent, as money is
     else:
-        text = value if column.kind == "text" else show(value, column.unit, column.kind)
+        text = value if column.kind == "text" else show(value, column.unit, column.kind, 6)
     mark = "" if sure[name] == "quoted" else sure[name]
     return {"name": name.replace("_", " "), "text": text, "mark": mark}
 

@@ -20,6 +20,7 @@ from drivesizer.report.datasheet import datasheets
 from drivesizer.report.derivation import step
 from drivesizer.report.field_figure import MOST_PANELS, torque_speed
 from drivesizer.report.operating import Panel, panels
+from drivesizer.report.parts import parts
 from drivesizer.report.sums import price_of, unknown_of
 from drivesizer.report.wording import cleaned, margin, short, use
 from drivesizer.results import Check, Comparison, DriveSet, Figure, Relaxation, SizingResult, Validation, worst
@@ -97,14 +98,14 @@ def _best(best: DriveSet) -> dict[str, Any]:
     failed = [c for c in best.checks if c.status == "fail" and isnan(c.margin)]
     return {
         "label": best.label,
-        "parts": _parts(best),
+        "parts": parts(best),
         "total_ratio": f"{best.total_ratio:.4g}",
         "mass": show(best.mass, "g", "mass"),
         "mass_of": " + ".join(best.mass_of),
-        "mass_lacks": ", ".join(unknown_of(best.mass_of)),
+        "mass_lacks": ", ".join(unknown_of(best, best.mass_of)),
         "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
         "price_of": " + ".join(price_over),
-        "price_lacks": ", ".join(unknown_of(price_over)),
+        "price_lacks": ", ".join(unknown_of(best, price_over)),
         "tightest": [_check(c) for c in [*failed, *_tightest(best)][:5]],
         "failed": [c.title for c in best.checks if c.status == "fail"],
         "unknown": [c.title for c in best.checks if c.status == "unknown"],
@@ -115,26 +116,6 @@ def _tightest(s: DriveSet) -> list[Check]:
     """Checks with a margin, the smallest first; what was kept small by choice says nothing and is left out."""
     known = (c for c in s.checks if not isnan(c.margin) and not (c.by_choice and c.status == "pass"))
     return sorted(known, key=lambda c: c.margin)
-
-
-def _parts(best: DriveSet) -> list[dict[str, str]]:
-    motor, gearhead = best.motor, best.gearhead
-    belt = f"{best.belt_ratio:g} : 1, efficiency {100 * best.belt_efficiency:.4g} %"
-    rows: list[tuple[str, Any, str]] = [
-        ("Motor", motor, f"{show(motor.assigned_power, 'W', 'power')}, {show(motor.nominal_voltage, 'V', 'voltage')}"),
-        ("Gearhead", gearhead, f"{gearhead.reduction}, exactly {gearhead.ratio:.5g}".removeprefix(", ")),
-        ("Belt", None, belt),
-        ("Encoder", best.encoder, f"{best.encoder.counts_per_turn:g} counts per turn" if best.encoder else ""),
-        ("Controller", best.controller, best.controller.buses.replace(";", ",") if best.controller else ""),
-    ]
-    if best.belt_ratio == 1.0 and best.belt_efficiency == 1.0:
-        rows = [row for row in rows if row[0] != "Belt"]
-    return [{
-        "role": role,
-        "family": f"{part.manufacturer} {part.family}" if part else "" if role == "Belt" else "unknown",
-        "part": part.part if part else "",
-        "said": said,
-    } for role, part, said in rows]  # fmt: skip
 
 
 def _check(c: Check) -> dict[str, Any]:
@@ -218,8 +199,8 @@ def _row(s: DriveSet) -> dict[str, Any]:
     price, _ = price_of(s)
     return {
         "rank": str(s.rank),
-        "motor": f"{s.motor.family} {s.motor.part}",
-        "gearhead": f"{s.gearhead.family} {s.gearhead.reduction} {s.gearhead.part}",
+        "motor": s.motor_name,
+        "gearhead": _gearhead(s, belt=False),
         "ratio": f"{s.total_ratio:.4g}",
         "mass": show(s.mass, "g", "mass"),
         "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
@@ -244,16 +225,17 @@ def _front(result: SizingResult) -> dict[str, Any]:
     return {
         "heads": [f.title for f in found[0]],
         "rows": [
-            [str(s.rank), f"{s.motor.family} {s.motor.part}", _gearhead(s), *(f.text for f in row), s.status]
+            [str(s.rank), s.motor_name, _gearhead(s), *(f.text for f in row), s.status]
             for s, row in zip(result.front, found, strict=False)
         ],
         "more": max(len(result.front) - _LONGEST_FRONT, 0),
     }
 
 
-def _gearhead(s: DriveSet) -> str:
-    belt = f" + belt {s.belt_ratio:g}" if s.belt_ratio != 1.0 else ""
-    return " ".join(f"{s.gearhead.family} {s.gearhead.reduction} {s.gearhead.part}{belt}".split())
+def _gearhead(s: DriveSet, *, belt: bool = True) -> str:
+    driven = f" + belt {s.belt_name}" if belt and s.belt_name else ""
+    part = s.gearhead.part if "gearhead" in s.parts else ""
+    return " ".join(f"{s.gearhead_name} {part}{driven}".split())
 
 
 def _trade_off(result: SizingResult) -> bytes:

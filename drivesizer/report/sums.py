@@ -8,20 +8,13 @@ from drivesizer.results import DriveSet
 
 __all__ = ["price_of", "unknown_of"]
 
-_PARTS = ("motor", "gearhead", "encoder", "controller")
-
 
 def price_of(drive_set: DriveSet) -> tuple[float, tuple[str, ...]]:
     """The sum of the prices that are known [EUR], and of which parts it is; NaN when none is known."""
-    parts = {name: getattr(drive_set, name) for name in _PARTS}
-    prices = {name: part.price for name, part in parts.items() if part is not None and not isnan(part.price)}
+    prices = {name: part.price for name, part in drive_set.parts.items() if part is not None and not isnan(part.price)}
     return (sum(prices.values()) if prices else nan), tuple(prices)
 
 
-def unknown_of(known: tuple[str, ...]) -> tuple[str, ...]:
-    """The parts of a set that a sum does not cover.
-
-    >>> unknown_of(("motor", "gearhead"))
-    ('encoder', 'controller')
-    """
-    return tuple(name for name in _PARTS if name not in known)
+def unknown_of(drive_set: DriveSet, known: tuple[str, ...]) -> tuple[str, ...]:
+    """The parts of a set that a sum does not cover."""
+    return tuple(name for name in drive_set.parts if name not in known)

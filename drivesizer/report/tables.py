@@ -115,6 +115,10 @@ def _parts(section: str, parts: dict[str, Any]) -> Iterator[dict[str, Any]]:
 def _set(s: DriveSet, objective: str) -> Iterator[dict[str, Any]]:
     names = ("motor", "gearhead", "encoder", "controller")
     yield from _parts("set", {name: getattr(s, name) for name in names})
+    if s.belt_drive:
+        yield from _parts("set", {role.replace(" ", "_"): part for role, part in s.belt_drive.parts.items()})
+        yield _figure("set", "centre_distance", "Centre distance", s.belt_drive.centre_distance, "length", "mm")
+        yield _figure("set", "teeth_in_mesh", "Teeth in mesh", s.belt_drive.teeth_in_mesh, "dimensionless", "1")
     figures = {
         "gearhead_ratio": ("Reduction of the gearhead", s.gearhead.ratio, "dimensionless", "1", ()),
         "belt_ratio": ("Reduction of the belt", s.belt_ratio, "dimensionless", "1", ()),
@@ -193,8 +197,9 @@ def _slug(title: str) -> str:
 
 _SET_HEADS = (
     "list", "rank", "status", "motor_family", "motor_part", "gearhead_family", "gearhead_part", "gearhead_ratio",
-    "belt_ratio", "encoder_family", "encoder_part", "controller_family", "controller_part", "total_ratio", "mass_kg",
-    "mass_of", "price_EUR",
+    "belt_ratio", "driving_pulley_part", "belt_part", "driven_pulley_part", "centre_distance_m", "teeth_in_mesh",
+    "encoder_family", "encoder_part", "controller_family", "controller_part", "total_ratio", "mass_kg", "mass_of",
+    "price_EUR",
 )  # fmt: skip
 
 
@@ -204,10 +209,20 @@ def _set_row(s: DriveSet, checks: list[str], figures: list[str]) -> list[Any]:
     chosen = [text for part in (s.encoder, s.controller) for text in ((part.family, part.part) if part else ("", ""))]
     return [
         s.rank, s.status, s.motor.family, s.motor.part, s.gearhead.family, s.gearhead.part, s.gearhead.ratio,
-        s.belt_ratio, *chosen, s.total_ratio, s.mass, " + ".join(s.mass_of), price, " + ".join(price_over), s.objective,
-        tightest.margin if tightest else "", tightest.name if tightest else "",
+        s.belt_ratio, *_belt(s), *chosen, s.total_ratio, s.mass, " + ".join(s.mass_of), price, " + ".join(price_over),
+        s.objective, tightest.margin if tightest else "", tightest.name if tightest else "",
         *(margins.get(name, "") for name in checks), *(does.get(name, "") for name in figures),
     ]  # fmt: skip
+
+
+def _belt(s: DriveSet) -> list[Any]:
+    """Belt and pulleys, empty where they are not out of the catalogues."""
+    drive = s.belt_drive
+    return (
+        [*(part.part for part in drive.parts.values()), drive.centre_distance, drive.teeth_in_mesh]
+        if drive
+        else [""] * 5
+    )
 
 
 def _encoded(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:

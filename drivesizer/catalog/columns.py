@@ -1,0 +1,36 @@
+"""How a record declares the figures of a part: each field with its kind of quantity and its datasheet unit."""
+
+from __future__ import annotations
+
+from dataclasses import field, fields
+from math import nan
+from typing import Any, NamedTuple
+
+__all__ = ["Column", "columns", "figure", "text"]
+
+
+class Column(NamedTuple):
+    """One field of a part: name, kind of quantity (or ``text``), datasheet unit, smallest allowed value."""
+
+    name: str
+    kind: str
+    unit: str
+    least: float
+
+
+def figure(kind: str, unit: str, *, least: float = 0.0) -> Any:
+    """A field that holds a figure of a kind (see ``units``), printed in a unit; unknown unless given."""
+    return field(default=nan, metadata={"kind": kind, "unit": unit, "least": least})
+
+
+def text() -> Any:
+    """A field that holds a text; empty unless given."""
+    return field(default="", metadata={"kind": "text", "unit": ""})
+
+
+def columns(record: Any) -> dict[str, Column]:
+    """The columns of a record, in the order of its fields."""
+    return {
+        f.name: Column(f.name, f.metadata["kind"], f.metadata["unit"], f.metadata.get("least", 0.0))
+        for f in fields(record)
+    }

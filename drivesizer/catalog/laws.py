@@ -1,0 +1,236 @@
+"""A law between the figures of one part, its sides, and what makes laws out of rows of a table.
+
+Every law compares one figure with a function of the part's other figures, or of its sisters'. A figure that is not
+known makes its law say nothing (NaN). The tolerance of a law is what rounding can do, half of the last printed digit of
+every figure in it, and an ``allowance`` for physics that the formula leaves out, with its reason.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog.parts import PARTS, columns_of
+from drivesizer.catalog.tables import Table
+
+__all__ = [
+    "BODY", "DEFINITION", "ENERGY", "HANDBOOK", "ROUNDED", "USAGE", "Band", "Beside", "Formula", "Law", "Numbers",
+    "Side", "above_zero", "bands", "beside", "cylinder", "formulas", "groups", "of_toothed_stages", "offered", "only",
+    "orders", "reductions", "shares", "usual", "whole_numbers", "words",
+]  # fmt: skip
+
+Numbers = NDArray[np.float64]
+Side = Callable[[Table[Any]], Any]
+# name, meaning, figure, relation, expected, other figures, allowance, reason
+Formula = tuple[str, str, str, str, Side, tuple[str, ...], float, str]
+# section, name, figure, expected, least and most share of it, other figures, reason
+Band = tuple[str, str, str, Side, float, float, tuple[str, ...], str]
+# section, figure, side, how many times its sisters' at most, reason
+Beside = tuple[str, str, Callable[[str], Side], float, str]
+
+HANDBOOK = "maxon academy, Formulae Handbook, 2nd ed., 2012"
+DEFINITION = "what the words mean"
+ENERGY = "no machine gives more than it takes"
+BODY = "a body's mass and volume"
+USAGE = "usual in the trade"
+ROUNDED = "only what rounding explains"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Law:
+    """One figure against what other figures say of it."""
+
+    section: str
+    name: str
+    meaning: str  # as a formula or half a sentence
+    figure: str  # the field that is compared; both numbers have its unit
+    relation: str  # = <= >= < >, figure on the left
+    expected: Side
+    fields: tuple[str, ...]  # the other figures that weigh in it, as often as their power says
+    allowance: float = 0.0  # relative, beyond rounding
+    rounds: bool = True  # whether the rounding of the figures counts
+    reason: str = ROUNDED  # of the tolerance
+    source: str = DEFINITION
+    grade: str = "finding"  # or information
+
+
+# --- sides -----------------------------------------------------------------------------------------------------------
+
+
+def only(table: Table[Any], kind: str, values: Any) -> Numbers:
+    """Values of the parts of one kind, unknown for the others."""
+    return np.where(table["kind"] == kind, values, np.nan)
+
+
+def cylinder(table: Table[Any]) -> Numbers:
+    """The volume of a part, from its diameter and length."""
+    return np.asarray(np.pi / 4 * table["diameter"] ** 2 * table["length"])
+
+
+def groups(table: Table[Any], *names: str) -> NDArray[np.intp]:
+    """Number of the group in which parts agree in some fields; an unknown figure agrees with an unknown one."""
+    found: NDArray[np.intp] = np.zeros(len(table), np.intp)
+    for name in names:
+        numbers = np.unique(table[name], return_inverse=True)[1]
+        found = np.unique(found * (len(table) + 1) + numbers, return_inverse=True)[1]
+    return found
+
+
+def offered(table: Table[Any], figure: str, rows: NDArray[np.bool_], how: Callable[[Numbers], Any]) -> float:
+    """Median, least or greatest figure of some of the offered parts."""
+    values = table[figure][rows & ~table.excluded & ~np.isnan(table[figure])]
+    return float(how(values)) if len(values) else np.nan
+
+
+def usual(*names: str) -> Callable[[str], Side]:
+    """The median of a figure over the parts that agree in some fields."""
+
+    def side(figure: str) -> Side:
+        def values(table: Table[Any]) -> Numbers:
+            group = groups(table, *names)
+            medians = [offered(table, figure, group == k, np.median) for k in range(int(group.max(initial=-1)) + 1)]
+            alike = np.all([~np.isnan(table[n]) for n in names if columns_of(table.section)[n].kind != "text"], axis=0)
+            return np.where(alike, np.array(medians, float)[group], np.nan)
+
+        return values
+
+    return side
+
+
+def of_toothed_stages(table: Table[Any], gearing: str, base: float) -> Numbers:
+    """A number to the power of the stages, where the column ``gearing`` says planetary or spur."""
+    return np.where(np.isin(table[gearing], ("planetary", "spur")), base ** table["stages"], np.nan)
+
+
+def _printed_reduction(table: Table[Any]) -> Numbers:
+    """The number in front of ``:1``; unknown where the reduction is written otherwise."""
+
+    def number(text: str) -> float:
+        try:
+            return float(text.removesuffix(":1"))
+        except ValueError:
+            return np.nan
+
+    return np.array([number(text) for text in table["reduction"].tolist()], float)
+
+
+def _number(value: float) -> Side:
+    """The same number for every part but a gearhead of no stages, which stands for no gearhead at all."""
+
+    def values(table: Table[Any]) -> Numbers:
+        found = np.full(len(table), value)
+        return np.where(table["stages"] == 0, np.nan, found) if table.section == "gearheads" else found
+
+    return values
+
+
+def _one(table: Table[Any]) -> Numbers:
+    """One, but for a part that gears nothing: it may lose nothing."""
+    if "ratio" not in table.columns:
+        return np.ones(len(table))
+    return np.where(np.abs(table["ratio"] - 1) > 0, 1.0, np.nan)
+
+
+def _column(name: str) -> Side:
+    return lambda table: table[name]
+
+
+def _whole(name: str) -> Side:
+    return lambda table: np.round(table[name])
+
+
+def _times(share: float, side: Side) -> Side:
+    return lambda table: share * side(table)
+
+
+# --- laws out of rows ------------------------------------------------------------------------------------------------
+
+
+def words(name: str) -> str:
+    """A field's name as people read it."""
+    return name.replace("_", " ")
+
+
+def formulas(section: str, rows: Iterable[Formula], source: str) -> Iterator[Law]:
+    """Formulas of a section's parts."""
+    for name, meaning, figure, relation, expected, fields, allowance, reason in rows:
+        yield Law(section=section, name=name, meaning=meaning, figure=figure, relation=relation, expected=expected,
+                  fields=fields, allowance=allowance, reason=reason, source=source)  # fmt: skip
+
+
+def orders(rows: Iterable[tuple[str, str, str, str]]) -> Iterator[Law]:
+    """Figures of one part in their order; printed figures are in it themselves, so rounding has no say."""
+    said = {"<": "below", "<=": "not above", ">=": "not below"}
+    for section, figure, relation, other in rows:
+        yield Law(section=section, name=f"{words(figure)} and {words(other)}", figure=figure, relation=relation,
+                  meaning=f"{said[relation]} {words(other)}", expected=_column(other), fields=(other,), rounds=False,
+                  reason="none: rounding keeps the order")  # fmt: skip
+
+
+def bands(rows: Iterable[Band]) -> Iterator[Law]:
+    """A figure between two shares of what is expected."""
+    for section, name, figure, side, least, most, fields, reason in rows:
+        for relation, share, word in ((">=", least, "least"), ("<=", most, "most")):
+            yield Law(section=section, name=f"{name}, at {word}", meaning=f"{share:g} of it at {word}", figure=figure,
+                      relation=relation, expected=_times(share, side), fields=fields, reason=reason,
+                      source=BODY if "mass" in (figure, *fields) else USAGE)  # fmt: skip
+
+
+def beside(rows: Iterable[Beside]) -> Iterator[Law]:
+    """A figure against the median of the part's sisters."""
+    for section, figure, side, times, reason in rows:
+        for relation, share, word in ((">=", 1 / times, "least"), ("<=", times, "most")):
+            yield Law(section=section, name=f"{words(figure)} beside its sisters', at {word}", figure=figure,
+                      meaning=f"{share:.3g} of the median at {word}", relation=relation, fields=("family",),
+                      expected=_times(share, side(figure)), rounds=False, reason=reason, source=USAGE)  # fmt: skip
+
+
+def reductions(section: str, gearing: str) -> Iterator[Law]:
+    """What holds for every reduction; the column ``gearing`` names its kind."""
+    yield Law(
+        section=section,
+        name="printed reduction",
+        meaning="the reduction is the ratio, rounded",
+        figure="ratio",
+        relation="=",
+        expected=_printed_reduction,
+        fields=("reduction",),
+        allowance=0.03,
+        reason="half of the last digit of the reductions from 17:1 on; 4.8:1 and the like come nearer",
+    )
+    yield Law(section=section, name="ratio per stage, at least", meaning="1.5 to the power of the stages at least",
+              figure="ratio", relation=">=", expected=lambda g: np.where(g["stages"] > 0, 1.5 ** g["stages"], np.nan),
+              fields=("stages",), reason="2.1 to 6.75 of 2215 maxon gearheads, Faulhaber from 1.76",
+              source=USAGE)  # fmt: skip
+    yield Law(section=section, name="ratio per stage, at most", meaning="10 to the power of the stages at most",
+              figure="ratio", relation="<=", expected=lambda g: of_toothed_stages(g, gearing, 10.0),
+              fields=("stages", gearing), source=USAGE,
+              reason="beyond, planets would touch; other kinds have no such bound")  # fmt: skip
+
+
+def shares(rows: Iterable[tuple[str, str]]) -> Iterator[Law]:
+    """Figures below 1."""
+    for section, figure in rows:
+        yield Law(section=section, name=f"{words(figure)} is a share", meaning="below 1", figure=figure, relation="<",
+                  expected=_one, fields=(), rounds=False, reason="none")  # fmt: skip
+
+
+def whole_numbers(rows: Iterable[tuple[str, str]]) -> Iterator[Law]:
+    """Figures that count something."""
+    for section, figure in rows:
+        yield Law(section=section, name=f"{words(figure)} is a whole number", meaning="whole", figure=figure,
+                  relation="=", expected=_whole(figure), fields=(), rounds=False, reason="none")  # fmt: skip
+
+
+def above_zero(but: set[str]) -> Iterator[Law]:
+    """Every figure of every section but those that may be zero."""
+    for section in PARTS:
+        for column in columns_of(section).values():
+            if column.kind not in ("text", "temperature") and column.name not in but:
+                yield Law(section=section, name=f"{words(column.name)} is above zero", meaning="0 is not unknown (~)",
+                          figure=column.name, relation=">", expected=_number(0.0), fields=(), rounds=False,
+                          reason="none")  # fmt: skip

@@ -1,0 +1,163 @@
+"""What a catalogue knows of parts beside motor, gearhead, encoder and controller: one frozen record per kind.
+
+An actuator or gearmotor is sold whole; ``inside`` takes it apart for the search. Belts, pulleys, brakes, steppers and
+batteries are parts of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from drivesizer.catalog.columns import figure, text
+
+__all__ = ["Actuator", "Battery", "Belt", "Brake", "Pulley", "Stepper"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Actuator:
+    """A motor sold with its gearhead inside, maybe with encoder and controller: figures at the output, as printed."""
+
+    part: str = text()
+    family: str = text()
+    manufacturer: str = text()
+    kind: str = text()  # of the motor: brushed or brushless
+    gearing: str = text()  # planetary, spur, strain wave, cycloidal, none
+    reduction: str = text()  # as printed: 9:1
+    ratio: float = figure("ratio", "1")
+    stages: float = figure("dimensionless", "1")
+    direction: float = figure("dimensionless", "1", least=-1.0)
+    efficiency: float = figure("dimensionless", "%")  # of the gear inside
+    nominal_voltage: float = figure("voltage", "V")
+    no_load_speed: float = figure("rotary_speed", "rpm")  # of the output, like all speeds here
+    no_load_current: float = figure("current", "A")
+    nominal_speed: float = figure("rotary_speed", "rpm")
+    nominal_torque: float = figure("torque", "N*m")  # of the output, for ever, like all torques here
+    nominal_current: float = figure("current", "A")
+    stall_torque: float = figure("torque", "N*m")
+    stall_current: float = figure("current", "A")
+    peak_torque: float = figure("torque", "N*m")  # for a short time
+    peak_current: float = figure("current", "A")
+    max_speed: float = figure("rotary_speed", "rpm")
+    torque_constant: float = figure("torque_constant", "N*m/A")  # at the output, losses of the gear included
+    motor_torque_constant: float = figure("torque_constant", "mN*m/A")  # of the motor inside
+    resistance: float = figure("resistance", "ohm")  # terminal to terminal
+    inductance: float = figure("inductance", "mH")
+    rotor_inertia: float = figure("inertia", "g*cm^2")  # of the motor inside, the gear's input included
+    output_inertia: float = figure("inertia", "kg*m^2")  # all of it as the output feels it
+    pole_pairs: float = figure("dimensionless", "1")
+    thermal_resistance_winding: float = figure("thermal_resistance", "K/W")
+    thermal_resistance_housing: float = figure("thermal_resistance", "K/W")
+    winding_time_constant: float = figure("time", "s")
+    motor_time_constant: float = figure("time", "s")
+    max_winding_temperature: float = figure("temperature", "degC")
+    ambient_min: float = figure("temperature", "degC")
+    ambient_max: float = figure("temperature", "degC")
+    backlash: float = figure("angle", "deg")
+    max_radial_load: float = figure("force", "N")
+    max_axial_load: float = figure("force", "N")
+    steps_per_turn: float = figure("dimensionless", "1")  # of the output, that its encoder tells apart
+    controller: str = text()  # integrated, or the name of the one inside; empty: it needs one
+    buses: str = text()  # of the one inside, separated by semicolons
+    supply_min: float = figure("voltage", "V")
+    supply_max: float = figure("voltage", "V")
+    diameter: float = figure("length", "mm")
+    length: float = figure("length", "mm")
+    dimensions: str = text()
+    mass: float = figure("mass", "g")
+    price: float = figure("price", "EUR")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Brake:
+    """A holding brake that releases when it has current."""
+
+    part: str = text()
+    family: str = text()
+    manufacturer: str = text()
+    static_torque: float = figure("torque", "N*m")
+    supply: float = figure("voltage", "V")
+    power: float = figure("power", "W")
+    inertia: float = figure("inertia", "g*cm^2")
+    added_length: float = figure("length", "mm")
+    mass: float = figure("mass", "g")
+    price: float = figure("price", "EUR")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stepper:
+    """One wiring of a stepper motor."""
+
+    part: str = text()
+    family: str = text()
+    manufacturer: str = text()
+    wiring: str = text()  # bipolar, unipolar, series, parallel
+    full_steps: float = figure("dimensionless", "1")  # per turn
+    phase_current: float = figure("current", "A")
+    holding_torque: float = figure("torque", "N*m")
+    resistance: float = figure("resistance", "ohm")  # of a phase
+    inductance: float = figure("inductance", "mH")  # of a phase
+    rotor_inertia: float = figure("inertia", "g*cm^2")
+    max_radial_load: float = figure("force", "N")
+    max_axial_load: float = figure("force", "N")
+    supply_min: float = figure("voltage", "V")
+    supply_max: float = figure("voltage", "V")
+    mass: float = figure("mass", "g")
+    price: float = figure("price", "EUR")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Belt:
+    """One toothed belt, closed."""
+
+    part: str = text()
+    family: str = text()
+    manufacturer: str = text()
+    profile: str = text()  # HTD, GT2, RT25
+    pitch: float = figure("length", "mm")
+    teeth: float = figure("dimensionless", "1")
+    width: float = figure("length", "mm")
+    mass: float = figure("mass", "g")
+    price: float = figure("price", "EUR")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pulley:
+    """One pulley for toothed belts."""
+
+    part: str = text()
+    family: str = text()
+    manufacturer: str = text()
+    profile: str = text()
+    pitch: float = figure("length", "mm")
+    teeth: float = figure("dimensionless", "1")
+    width: float = figure("length", "mm")  # of the widest belt
+    bore: str = text()  # as printed
+    mass: float = figure("mass", "g")
+    price: float = figure("price", "EUR")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Battery:
+    """One cell or block."""
+
+    part: str = text()
+    family: str = text()
+    manufacturer: str = text()
+    chemistry: str = text()  # Li-ion, LiFePO4, lead-acid
+    format: str = text()  # 21700, 18650, block
+    nominal_voltage: float = figure("voltage", "V")
+    charge_voltage: float = figure("voltage", "V")
+    cutoff_voltage: float = figure("voltage", "V")
+    capacity: float = figure("charge", "A*h")
+    rated_time: float = figure("time", "h")  # in which the capacity is drawn
+    capacity_10h: float = figure("charge", "A*h")
+    capacity_5h: float = figure("charge", "A*h")
+    capacity_1h: float = figure("charge", "A*h")
+    continuous_current: float = figure("current", "A")
+    peak_current: float = figure("current", "A")
+    max_charge_current: float = figure("current", "A")
+    resistance: float = figure("resistance", "mohm")  # to direct current, where the maker tells it apart
+    peukert_exponent: float = figure("dimensionless", "1")
+    mass: float = figure("mass", "g")
+    dimensions: str = text()
+    price: float = figure("price", "EUR")
