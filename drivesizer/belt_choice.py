@@ -233,8 +233,8 @@ def assumptions(spec: RobotSpec) -> tuple[str, ...]:
     drives, ratios = spec.belt.offer
     if len(drives) < ratios:
         said.append(
-            f"the pulleys give {ratios} ratios: {len(drives)} that cover the range best are searched, with 6 teeth in mesh "
-            "where there are such"
+            f"the pulleys give {ratios} ratios: {len(drives)} that cover the range best are searched, of those with "
+            "6 teeth in mesh where there are such"
         )
     return tuple(said)
 

@@ -132,7 +132,7 @@ def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
 
 def _gearhead(found: DriveSet, among: tuple[DriveSet, ...]) -> str:
     """Gearhead and reduction, with the belt's where the sets differ in it."""
-    belt = f" × {found.belt_ratio:g}" if len({s.belt_ratio for s in among}) > 1 else ""
+    belt = f" × {found.belt_name or 1}" if len({s.belt_ratio for s in among}) > 1 else ""
     return f"{found.gearhead_name}{belt}"
 
 
