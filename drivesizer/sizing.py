@@ -145,7 +145,8 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
     """What the method takes for granted, as sentences."""
     if spec.method == "physics":
         said = [
-            "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well",
+            "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well; "
+            "where a gearhead's no-load torque is printed, that is lost at any torque and the rest in proportion",
             "brushed motors lose k_t I_0 at any speed; of brushless ones the no-load loss rises with speed",
             "the winding's peak is that of the cycle repeated for ever; friction and iron losses warm the housing, "
             "copper the winding; where time constants are unknown it is the mean",

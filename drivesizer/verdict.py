@@ -61,8 +61,9 @@ def _check(column: CheckColumn, title: str, at_time: float | None = None, note: 
 
 
 def checks(case: Case) -> tuple[Check, ...]:
-    """Every demand of a march against its limit."""
-    return (*_loop(case), *_electrical(case), *_heat(case), *_gearhead(case), *_speed(case), *_load(case))
+    """Every demand of a march against its limit; where there is no part, or nothing limits it, there is no check."""
+    found = (*_loop(case), *_electrical(case), *_heat(case), *_gearhead(case), *_speed(case), *_load(case))
+    return tuple(check for check in found if not check.limit == math.inf)
 
 
 def _loop(case: Case) -> Iterator[Check]:

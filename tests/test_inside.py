@@ -14,6 +14,7 @@ from drivesizer.catalog.inside import taken_apart
 from drivesizer.cli import app
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.results import DriveSet
+from drivesizer.simulate import validate
 from drivesizer.sizing import explain, size
 from drivesizer.spec import load_spec
 
@@ -210,3 +211,11 @@ def test_absolute_encoders_count_as_lines_of_four_edges(shop):
     encoder = catalog.encoders.record(0)
     assert encoder.lines == 1024 and encoder.resolution == "4096 steps per turn"
     assert np.isnan(catalog.encoders["counts_per_turn"][0])
+
+
+def test_the_closed_loop_checks_nothing_that_nobody_limits(shop):
+    """The encoder inside has no frequency limit of its own: what the actuator may do is its speed."""
+    proof = validate(load_spec(shop / "robot.yaml"), one(shop, "XA70-10"))
+    names = {check.name for check in proof.checks}
+    assert "motor_speed" in names and not names & {"encoder_frequency", "encoder_speed", "controller_frequency"}
+    assert all(check.limit < inf or isnan(check.limit) for check in proof.checks)
