@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields
+from dataclasses import asdict, fields
 from math import isfinite
 from typing import Any
 
@@ -170,6 +170,7 @@ def validation(proof: Validation) -> dict[str, Any]:
         "status": proof.status,
         "set": drive_set(proof.drive_set),
         "gains": {f.name: getattr(gains, f.name) for f in fields(gains)},
+        "controller_gains": [asdict(gain) for gain in proof.controller_gains],
         "figures": {figure.name: _figure(figure) for figure in proof.figures},
         "checks": [_check(check) for check in proof.checks],
         "assumptions": list(proof.assumptions),

@@ -48,6 +48,7 @@ __all__ = [
     "Pull",
     "Quantity",
     "Ratio",
+    "Resistance",
     "Section",
     "Share",
     "SignedSpeed",
@@ -134,6 +135,7 @@ Stiffness = Annotated[float, Quantity("torsional_stiffness", above=0.0)]
 Voltage = Annotated[float, Quantity("voltage", above=0.0)]
 Current = Annotated[float, Quantity("current", above=0.0)]
 Power = Annotated[float, Quantity("power", above=0.0)]
+Resistance = Annotated[float, Quantity("resistance", above=0.0)]
 Capacitance = Annotated[float, Quantity("capacitance", above=0.0)]
 Frequency = Annotated[float, Quantity("frequency", above=0.0)]
 Temperature = Annotated[float, Quantity("temperature", above=0.0)]

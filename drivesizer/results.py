@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.belts import BeltDrive
+from drivesizer.cascade import Cascade, ControllerGain
 from drivesizer.catalog import DIRECT, Actuator, Catalog, Controller, Encoder, Gearhead, Motor
 from drivesizer.declare import Equation
 from drivesizer.spec import RobotSpec
@@ -312,8 +313,9 @@ class Validation:
     status: Status  # fail when a check fails; unknown figures leave a pass a pass, and are told
     checks: tuple[Check, ...]  # with the time of the worst moment
     figures: tuple[Figure, ...]  # tracking error, bandwidth, margins of stability ...
-    gains: Gains
+    gains: Gains | Cascade
     series: dict[str, NDArray[np.float64]]  # SI columns over time, "time" first
     series_units: dict[str, tuple[str, str]]  # per column: kind and unit of the trade
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
+    controller_gains: tuple[ControllerGain, ...] = ()  # the same in the controller's own units, where known

@@ -71,6 +71,10 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
     if not applies(spec):
         raise InputError("the closed loop is for a wheeled_vehicle without wind; `drivesizer size` checks this load")
     asked = profile_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
+    if spec.control.structure == "cascade":
+        from drivesizer import servo, servo_verdict
+
+        return servo_verdict.validation(servo.run(spec, drive_set, asked))
     period, said = _period(drive_set)
     train, assumed = drive_train(spec, drive_set, period)
     if not asked.top_speed * train.motor_per_speed <= _FASTEST:

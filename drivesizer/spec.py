@@ -23,7 +23,6 @@ from drivesizer.fields import (
     Factor,
     Force,
     Frequency,
-    Gain,
     Gravity,
     Length,
     Mass,
@@ -31,12 +30,14 @@ from drivesizer.fields import (
     Power,
     Price,
     Ratio,
+    Resistance,
     Section,
     Share,
     Temperature,
     Voltage,
     default,
 )
+from drivesizer.loop_schema import Control, Plant
 from drivesizer.machines import AXES, Load, WheeledVehicle
 from drivesizer.motions import Motion, Trapezoid
 from drivesizer.spec_errors import explained
@@ -62,6 +63,7 @@ class Supply(Section):
     nominal: Voltage
     min: Voltage | None = Field(default=None, description="lowest voltage; nominal where not given")
     max: Voltage | None = Field(default=None, description="highest voltage; nominal where not given")
+    resistance: Resistance | None = Field(default=None, description="of source and cables, in the closed loop")
     current: Current | None = Field(default=None, description="what the supply can give to all motor sets")
     power: Power | None = Field(default=None, description="what the supply can give to all motor sets")
     regeneration: Part = Field(default=0, description="share of returned energy that the supply takes back; 0 none")
@@ -116,23 +118,6 @@ class Needs(Section):
     price: Price | None = Field(default=None, description="of motor and gearhead together, at most")
 
 
-class Control(Section):
-    """The velocity controller of the validation; gains are designed where none are given."""
-
-    kp: Gain | None = Field(default=None, description="proportional gain [V per rad/s at the motor]")
-    ki: Gain = Field(default=0, description="integral gain [V per rad]")
-    kd: Gain = Field(default=0, description="derivative gain [V per rad/s^2]")
-    bandwidth: Frequency | None = Field(default=None, description="closed-loop bandwidth to design for")
-
-    @model_validator(mode="after")
-    def _whole(self) -> Control:
-        if self.kp is None and (self.ki or self.kd):
-            raise ValueError("ki and kd need kp")
-        if self.kp is not None and self.bandwidth is not None:
-            raise ValueError("give kp or bandwidth, not both")
-        return self
-
-
 class Case(Section):
     """What differs in another load case; everything else is as the spec says."""
 
@@ -165,6 +150,7 @@ class RobotSpec(Section):
     environment: Environment = Field(default_factory=Environment)
     needs: Needs = Field(default_factory=Needs)
     control: Control = Field(default_factory=Control)
+    plant: Plant = Field(default_factory=Plant)
     select: Select = Field(default_factory=Select)
     cases: Annotated[list[Case], Field(max_length=100)] = Field(
         default_factory=list, description="further load cases; a set must pass all"

@@ -241,10 +241,6 @@ def validation(proof: Validation) -> None:
     console = tables.console()
     tables.heading(console, f"{proof.spec.name}: {proof.profile}", MARK[proof.status], STYLE[proof.status])
     console.print(Text(proof.drive_set.label))
-    gains = proof.gains
-    console.print(
-        f"Gains kp {gains.kp:.4g} V/(rad/s), ki {gains.ki:.4g} V/rad, kd {gains.kd:.4g} V/(rad/s²) every "
-        f"{show(gains.period, 'ms', 'time')}; {gains.rule}"
-    )
+    console.print(tables.gains(proof))
     console.print(tables.checks(proof.checks, "Demand against limit"))
     console.print(tables.loose(proof.figures, "The closed loop"))

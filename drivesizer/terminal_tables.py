@@ -13,9 +13,10 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import Catalog, columns_of
-from drivesizer.results import Check, DriveSet, Figure, Requirement, made_by, section_of
+from drivesizer.gain_table import gain_rows
+from drivesizer.results import Check, DriveSet, Figure, Requirement, Validation, made_by, section_of
 from drivesizer.spec import AS_SPECIFIED
-from drivesizer.units import show
+from drivesizer.units import label, show
 
 __all__ = [
     "MARK",
@@ -23,6 +24,7 @@ __all__ = [
     "bare",
     "checks",
     "console",
+    "gains",
     "heading",
     "loose",
     "parts",
@@ -207,4 +209,15 @@ def loose(figures: Iterable[Figure], title: str) -> Table:
     for figure in figures:
         when = f"at {figure.at_time:.4g} s" if figure.at_time is not None else ""
         table.add_row(figure.title, figure.text, when)
+    return table
+
+
+def gains(proof: Validation) -> Table:
+    """The controller's gains in SI, and in its own units where they are known."""
+    table = bare(("", "left"), ("", "right"), title=f"Gains: {proof.gains.rule}")
+    table.show_header = False
+    for row in gain_rows(proof.gains):
+        table.add_row(row.title, f"{row.value:.4g} {label(row.unit)}")
+    for gain in proof.controller_gains:
+        table.add_row(f"{gain.place} {gain.name}", f"{gain.value} {gain.unit}")
     return table

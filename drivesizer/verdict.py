@@ -21,7 +21,7 @@ from drivesizer.results import Check, DriveSet, Figure
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import current_derating, steady_winding_temperature
 
-__all__ = ["METHOD", "Case", "checks", "figures", "quantum"]
+__all__ = ["METHOD", "Case", "check_of", "checks", "figures", "quantum"]
 
 METHOD = "closed loop"
 
@@ -55,7 +55,7 @@ class Case(NamedTuple):
         return self.drive_set.encoder or Encoder()
 
 
-def _check(column: CheckColumn, title: str, at_time: float | None = None, note: str = "") -> Check:
+def check_of(column: CheckColumn, title: str, at_time: float | None = None, note: str = "") -> Check:
     """The record of a check of single figures."""
     return column.at((), METHOD, title=title, at_time=at_time, note=note)
 
@@ -63,24 +63,24 @@ def _check(column: CheckColumn, title: str, at_time: float | None = None, note: 
 def checks(case: Case) -> tuple[Check, ...]:
     """Every demand of a march against its limit; where there is no part, or nothing limits it, there is no check."""
     found = (*_loop(case), *_electrical(case), *_heat(case), *_gearhead(case), *_speed(case), *_load(case))
-    return tuple(check for check in found if not check.limit == math.inf)
+    return tuple(check for check in found if check.limit != math.inf)
 
 
 def _loop(case: Case) -> Iterator[Check]:
     """Stability, tracking and bandwidth."""
     loop, run, top = case.loop, case.run, case.profile.top_speed
     margin = "none" if math.isnan(loop.phase_margin) else f"{math.degrees(loop.phase_margin):.3g}°"
-    yield _check(
+    yield check_of(
         fits("stability", loop.stable and not loop.phase_margin <= 0.0, True), "Stability of the linear loop",
         note=f"phase margin {margin}; largest pole {loop.pole_radius:.4g}, stable inside 1",
     )  # fmt: skip
     worst = run.error.value / case.train.motor_per_speed
-    yield _check(
+    yield check_of(
         at_most("tracking_error", worst, FOLLOWS * top if top else math.nan, "speed", "m/s"), "Tracking error",
         run.error.time, f"to follow is to stay within {FOLLOWS:.0%} of the top speed, a convention of this program",
     )  # fmt: skip
     if case.spec.needs.bandwidth is not None:
-        yield _check(
+        yield check_of(
             at_least("bandwidth", case.spec.needs.bandwidth, loop.bandwidth, "frequency", "Hz"), "Closed-loop bandwidth"
         )
 
@@ -89,26 +89,26 @@ def _electrical(case: Case) -> Iterator[Check]:
     """Voltage and current that the controller must give."""
     run, controller, rms = case.run, case.controller, case.rms_current
     voltage, current = case.free.demanded_voltage, case.free.demanded_current
-    yield _check(
+    yield check_of(
         at_most("supply_voltage", voltage.value, case.usable_voltage, "voltage", "V"), "Motor voltage", voltage.time,
         "that following takes; what the controller can give at the lowest supply voltage",
     )  # fmt: skip
-    yield _check(
+    yield check_of(
         at_most("controller_peak_current", current.value, controller.peak_current, "current", "A"),
         "Controller peak current", current.time, "that following takes",
     )  # fmt: skip
-    yield _check(
+    yield check_of(
         at_most("controller_peak_time", _over(case), controller.peak_time, "time", "s"),
         "Time above the continuous current", run.longest_over_at if run.longest_over else None,
     )  # fmt: skip
-    yield _check(
+    yield check_of(
         at_most("controller_continuous_current", rms, controller.continuous_current, "current", "A"),
         "Controller continuous current (RMS)",
     )  # fmt: skip
     if case.spec.supply.current is not None:
         power = run.motion.tally.power * case.spec.load.motors
         drawn = power / case.spec.supply.lowest
-        yield _check(
+        yield check_of(
             at_most("supply_current", drawn, case.spec.supply.current, "current", "A"), "Supply current, all sets",
             run.motion.tally.power_at, "electrical power over the lowest supply voltage",
         )  # fmt: skip
@@ -123,13 +123,13 @@ def _heat(case: Case) -> Iterator[Check]:
     """The motor's RMS current and its winding's temperature."""
     motor, ambient, rms = case.drive_set.motor, case.spec.environment.ambient, case.rms_current
     limit, derating = motor.max_winding_temperature, float(current_derating(ambient, motor.max_winding_temperature))
-    yield _check(
+    yield check_of(
         at_most("motor_nominal_current", rms, motor.nominal_current * derating, "current", "A"),
         "Motor nominal current (RMS)", note="the nominal current in this ambient" if derating != 1.0 else "",
     )  # fmt: skip
     winding = winding_temperature(case)
     runs_away = "runs away: the copper loss grows faster than it is carried off"
-    yield _check(
+    yield check_of(
         at_most("winding_temperature", winding, limit, "temperature", "degC", zero=ambient), "Winding temperature",
         note=runs_away if math.isinf(winding) else "steady mean, copper loss",
     )  # fmt: skip
@@ -151,19 +151,19 @@ def _gearhead(case: Case) -> Iterator[Check]:
         sustained, note = Peak(), "the profile has no constant stretch: the peak"
         sustained.see(speed.speed, speed.speed_at)
     rotary = ("rotary_speed", "rpm")
-    yield _check(
+    yield check_of(
         at_most("gearhead_continuous_torque", _running_torque(case), gearhead.continuous_torque, "torque", "N*m"),
         "Gearhead continuous torque (RMS)", note="while running",
     )  # fmt: skip
-    yield _check(
+    yield check_of(
         at_most("gearhead_intermittent_torque", torque.value, gearhead.intermittent_torque, "torque", "N*m"),
         "Gearhead intermittent torque", torque.time,
     )  # fmt: skip
-    yield _check(
+    yield check_of(
         at_most("gearhead_continuous_speed", sustained.value, gearhead.continuous_input_speed, *rotary),
         "Gearhead continuous input speed", sustained.time, note,
     )  # fmt: skip
-    yield _check(
+    yield check_of(
         at_most("gearhead_intermittent_speed", speed.speed, gearhead.intermittent_input_speed, *rotary),
         "Gearhead intermittent input speed", speed.speed_at,
     )  # fmt: skip
@@ -174,16 +174,16 @@ def _speed(case: Case) -> Iterator[Check]:
     motor, encoder, controller = case.drive_set.motor, case.encoder, case.controller
     speed, when = case.run.motion.tally.speed, case.run.motion.tally.speed_at
     rotary, lines = ("rotary_speed", "rpm"), encoder.lines * speed / (2 * math.pi)
-    yield _check(at_most("motor_speed", speed, motor.max_speed, *rotary), "Motor permissible speed", when)
-    yield _check(at_most("encoder_speed", speed, encoder.max_speed, *rotary), "Encoder speed", when)
+    yield check_of(at_most("motor_speed", speed, motor.max_speed, *rotary), "Motor permissible speed", when)
+    yield check_of(at_most("encoder_speed", speed, encoder.max_speed, *rotary), "Encoder speed", when)
     for name, part, limit in (("encoder", "Encoder", encoder.max_frequency),
                               ("controller", "Controller", controller.max_encoder_frequency)):  # fmt: skip
-        yield _check(
+        yield check_of(
             at_most(f"{name}_frequency", lines, limit, "frequency", "kHz"), f"{part} frequency of encoder lines", when
         )
     if motor.kind == "brushless":
         electrical = speed * motor.pole_pairs
-        yield _check(
+        yield check_of(
             at_most("controller_electrical_speed", electrical, controller.max_speed_sine, *rotary),
             "Controller electrical speed", when, "speed times pole pairs, sinusoidal commutation",
         )  # fmt: skip
@@ -197,7 +197,7 @@ def _load(case: Case) -> Iterator[Check]:
         return
     weight = case.train.mass * case.spec.environment.gravity * math.cos(load.slope)
     force = _peak(case, "traction")
-    yield _check(
+    yield check_of(
         at_most("traction", force.value, load.friction_coefficient * weight, "force", "N"), "Traction per wheel",
         force.time, "the driven wheels carry the whole weight, each the same",
     )  # fmt: skip

@@ -12,6 +12,7 @@ from typing import Any
 from drivesizer import __version__
 from drivesizer.catalog import Catalog
 from drivesizer.checks import TITLES
+from drivesizer.gain_table import gain_rows
 from drivesizer.loadcycle import LoadCycle
 from drivesizer.loads import load_cycle
 from drivesizer.objectives import objective_figure
@@ -259,8 +260,6 @@ def _figures(
 
 
 def _loop(v: Validation) -> dict[str, Any]:
-    gains = (("K_p", v.gains.kp, "V·s/rad"), ("K_i", v.gains.ki, "V/rad"), ("K_d", v.gains.kd, "V·s²/rad"),
-             ("filter of the derivative", v.gains.filter_time, "s"), ("period", v.gains.period, "s"))  # fmt: skip
     tight = worst(v.checks)
     return {
         "tightest": f"{tight.title} {margin(tight.margin)}" if tight else "",
@@ -270,7 +269,7 @@ def _loop(v: Validation) -> dict[str, Any]:
         "status": v.status,
         "checks": [_check(c) for c in v.checks],
         "figures": [_figure(f) for f in v.figures],
-        "gains": [[name, f"{value:.4g} {unit}"] for name, value, unit in gains],
+        "gains": [[row.title, f"{row.value:.4g} {label(row.unit)}"] for row in gain_rows(v.gains)],
         "rule": v.gains.rule,
         "source": v.gains.source,
         "assumptions": list(v.assumptions),

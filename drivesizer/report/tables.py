@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from drivesizer.gain_table import gain_rows
 from drivesizer.objectives import objective_figure
 from drivesizer.report.sums import price_of
 from drivesizer.results import Check, DriveSet, Figure, Relaxation, Requirement, SizingResult, Validation, worst
@@ -143,19 +144,9 @@ def _validation(v: Validation) -> Iterator[dict[str, Any]]:
     yield {"section": "validation", "name": "verdict", "title": f"Closed loop, {v.profile}", "status": v.status, **rank}
     yield from (_check("validation", c) | rank for c in v.checks)
     yield from (_loose("validation", f) | rank for f in v.figures)
-    for name, title, unit in _GAINS:
-        value = getattr(v.gains, name)
+    for name, title, value, unit in gain_rows(v.gains):
         yield {"section": "validation", "name": name, "title": title, "value": value, "unit": unit, "si_value": value,
                "si_unit": unit, "note": f"{v.gains.rule}; {v.gains.source}", **rank}  # fmt: skip
-
-
-_GAINS = (
-    ("kp", "Proportional gain, at the motor", "V*s/rad"),
-    ("ki", "Integral gain", "V/rad"),
-    ("kd", "Derivative gain", "V*s^2/rad"),
-    ("filter_time", "Filter of the derivative", "s"),
-    ("period", "Period of the controller", "s"),
-)
 
 
 def _loose(section: str, f: Figure) -> dict[str, Any]:

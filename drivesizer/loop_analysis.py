@@ -1,0 +1,271 @@
+"""What linear theory says of a sampled loop: poles, margins, bandwidth, step response, Bode data.
+
+The loops are those of ``loop_plant`` and the voltage loop of ``control_design``. Both directions of power are looked
+at; a loop's record is that of the direction nearer to instability, its margins and bandwidth the least of both.
+Margins and bandwidth are roots on the frequency response itself (no polynomials, which are ill-conditioned for slow
+loops), on a grid that is finer around every pole near the unit circle.
+
+.. [1] K. J. Åström, T. Hägglund, *PID Controllers: Theory, Design, and Tuning*, 2nd ed., ISA 1995, ch. 4: margins,
+   maximum sensitivity.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.cascade import Cascade
+from drivesizer.control_design import LinearLoop, open_loop
+from drivesizer.loop_plant import Shaft, current_open_loop, position_open_loop, resonance, velocity_open_loop
+from drivesizer.plant import DriveTrain, Mode, Regime, modes
+from drivesizer.results import Gains
+
+__all__ = ["Bode", "CascadeLoops", "Loop", "analyse_cascade", "analyse_voltage", "loop_of"]
+
+_POINTS = 1500
+_DECADES = 6.0  # below the Nyquist frequency
+_MOST_SAMPLES = 20_000  # of a step response
+_SETTLED = 0.02  # of the final value
+_DIRECTIONS = {"driving": Regime.FORWARD_DRIVING, "braking": Regime.FORWARD_BRAKING}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bode:
+    """Frequency response of a loop."""
+
+    frequency: NDArray[np.float64]  # Hz
+    open_magnitude: NDArray[np.float64]
+    open_phase: NDArray[np.float64]  # rad
+    closed_magnitude: NDArray[np.float64]
+    closed_phase: NDArray[np.float64]  # rad
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Loop(LinearLoop):
+    """A linear loop in full; NaN where a figure does not exist, such as margins of an unstable loop."""
+
+    name: str
+    direction: str  # of power: the one nearer to instability; "" where it plays no part
+    period: float  # s
+    gain_reduction: float  # factor below 1 down to which the gain may fall; NaN: to any
+    crossover: float  # Hz, where the phase margin of this direction is
+    sensitivity: float  # largest |1/(1 + L)|, the reciprocal of the distance to -1 [1]
+    rise_time: float  # s, 10-90 %
+    overshoot: float  # share of the step
+    settling_time: float  # s, to 2 %
+    step: NDArray[np.float64]  # the response to a step, sampled; empty where the loop is unstable
+    bode: Bode
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CascadeLoops:
+    """The loops of a cascade, and the elastic frequencies where there is a shaft."""
+
+    current: Loop
+    velocity: Loop
+    position: Loop | None
+    resonance: float = math.nan  # Hz
+    anti_resonance: float = math.nan  # Hz
+    rigid_bandwidth: float = math.nan  # Hz, that the velocity loop would have with a stiff shaft
+
+    @property
+    def all(self) -> tuple[Loop, ...]:
+        """The loops that there are, from the inside out."""
+        return (self.current, self.velocity, *([self.position] if self.position else []))
+
+
+def analyse_cascade(train: DriveTrain, cascade: Cascade, shaft: Shaft | None = None) -> CascadeLoops:
+    """The loops of a cascade around a rigid machine, or one with an elastic shaft.
+
+    Parameters
+    ----------
+    train, cascade
+        The machine and its controller. References go in without feedforward.
+    shaft
+        What is elastic between motor and load; none: rigid.
+    """
+    every = modes(train)
+    position = None
+    if cascade.position_kp and cascade.position_period:
+        position = _worse("position", every, lambda mode: position_open_loop(train, mode, cascade, shaft))
+    # braking, the load's inertia counts less: that resonance is the lower one
+    found = resonance(train, every[Regime.FORWARD_BRAKING], shaft) if shaft else (math.nan, math.nan)
+    velocity = _worse("velocity", every, lambda mode: velocity_open_loop(train, mode, cascade, shaft))
+    rigid = _worse("velocity", every, lambda mode: velocity_open_loop(train, mode, cascade)) if shaft else velocity
+    return CascadeLoops(
+        current=loop_of("current", current_open_loop(train, cascade)),
+        velocity=velocity,
+        position=position,
+        anti_resonance=found[0],
+        resonance=found[1],
+        rigid_bandwidth=rigid.bandwidth,
+    )
+
+
+def analyse_voltage(train: DriveTrain, gains: Gains) -> Loop:
+    """The velocity loop that acts on the voltage, in full; see :func:`drivesizer.control_design.analyse`."""
+    return _worse("velocity", modes(train), lambda mode: open_loop(train, mode, gains))
+
+
+def _worse(name: str, every: tuple[Mode, ...], opened: Callable[[Mode], Any]) -> Loop:
+    """Of driving and braking the one nearer to instability, with the least margins and bandwidth of both."""
+    found = [loop_of(name, opened(every[r]), direction) for direction, r in _DIRECTIONS.items()]
+    unstable = [loop for loop in found if not loop.stable]
+    if unstable:  # it has no margins, whatever the other direction's are
+        return max(unstable, key=lambda loop: loop.pole_radius)
+    worst = max(found, key=lambda loop: loop.sensitivity)
+    return replace(
+        worst,
+        gain_margin=_least(loop.gain_margin for loop in found),
+        phase_margin=_least(loop.phase_margin for loop in found),
+        bandwidth=_least(loop.bandwidth for loop in found),
+    )
+
+
+def loop_of(name: str, opened: Any, direction: str = "") -> Loop:
+    """All figures of a loop with unit feedback.
+
+    Parameters
+    ----------
+    name, direction
+        What the record is called.
+    opened
+        The open loop: a sampled python-control system with one input and one output.
+    """
+    import control
+
+    closed = control.feedback(opened, 1)
+    poles = tuple(complex(p) for p in closed.poles())
+    radius = max((abs(p) for p in poles), default=0.0)
+    w = _grid([*poles, *opened.poles()], opened.dt)
+    L = _response(opened, w)
+    stable = radius < 1.0
+    margins = _margins(opened, w, L) if stable else (math.nan,) * 4
+    step = _step(closed, radius) if stable else np.empty(0)
+    rise, over, settling = _answer(step, closed)
+    return Loop(
+        name=name,
+        direction=direction,
+        period=float(opened.dt),
+        stable=stable,
+        pole_radius=radius,
+        poles=poles,
+        gain_margin=margins[0],
+        gain_reduction=margins[1],
+        phase_margin=margins[2],
+        crossover=margins[3],
+        sensitivity=float(np.max(1.0 / np.abs(1.0 + L))),
+        bandwidth=_bandwidth(opened, closed, w, L) if stable else math.nan,
+        rise_time=rise,
+        overshoot=over,
+        settling_time=settling,
+        step=step,
+        bode=_bode(w, L),
+    )
+
+
+def _least(figures: Iterable[float]) -> float:
+    return min((f for f in figures if math.isfinite(f)), default=math.nan)
+
+
+def _grid(poles: Iterable[complex], period: float) -> NDArray[np.float64]:
+    """Angular frequencies up to the Nyquist frequency [rad/s], finer around the poles that ring."""
+    nyquist = math.pi / period
+    even = np.geomspace(nyquist * 10.0**-_DECADES, nyquist, _POINTS)
+    around = np.geomspace(1e-7, 0.1, 40)  # and not on the pole itself
+    rings = [abs(np.angle(p)) / period for p in poles if p.imag > 0.0 and abs(p) > 0.5]
+    near = [w * (1.0 + sign * around) for w in rings for sign in (-1.0, 1.0)]
+    every: NDArray[np.float64] = np.unique(np.concatenate([even, *near]))
+    inside: NDArray[np.float64] = every[(every >= even[0]) & (every <= nyquist)]
+    return inside
+
+
+def _response(system: Any, w: NDArray[np.float64]) -> NDArray[np.complex128]:
+    z = np.exp(1j * w * system.dt)[:, None, None]
+    through = system.C @ np.linalg.solve(z * np.eye(system.nstates) - system.A, system.B + 0j) + system.D
+    found: NDArray[np.complex128] = through[:, 0, 0]
+    return found
+
+
+def _crossings(
+    system: Any, w: NDArray[np.float64], sampled: NDArray[np.float64], figure: Callable[[complex], float]
+) -> Iterator[tuple[float, complex]]:
+    """Angular frequency [rad/s] and response wherever a figure of the response changes sign."""
+    from scipy.optimize import brentq
+
+    def response(x: float) -> complex:
+        return complex(_response(system, np.array([x]))[0])
+
+    for n in np.flatnonzero(np.sign(sampled[:-1]) * np.sign(sampled[1:]) < 0.0):
+        at = float(brentq(lambda x: figure(response(x)), w[n], w[n + 1], xtol=1e-12 * w[n]))
+        yield at, response(at)
+
+
+def _margins(opened: Any, w: NDArray[np.float64], L: NDArray[np.complex128]) -> tuple[float, float, float, float]:
+    """Gain margin up and down [factors], phase margin in either sense [rad], and its frequency [Hz]; NaN: none."""
+    real = [z.real for _, z in _crossings(opened, w, L.imag, lambda z: z.imag)]
+    real.append(float(L[-1].real))  # at the Nyquist frequency the response is real
+    factors = [-1.0 / x for x in real if x < 0.0]
+    phases = [
+        (abs(math.remainder(math.pi + math.atan2(z.imag, z.real), 2.0 * math.pi)), at / (2.0 * math.pi))
+        for at, z in _crossings(opened, w, np.abs(L) - 1.0, lambda z: abs(z) - 1.0)
+    ]
+    up = min((f for f in factors if f > 1.0), default=math.nan)
+    down = max((f for f in factors if f < 1.0), default=math.nan)
+    return up, down, *min(phases, default=(math.nan, math.nan))
+
+
+def _bandwidth(opened: Any, closed: Any, w: NDArray[np.float64], L: NDArray[np.complex128]) -> float:
+    """Where the closed loop first falls 3 dB below its value at rest [Hz]; NaN where it does not."""
+    level = abs(complex(closed(1.0 + 0j))) / math.sqrt(2.0)
+    if not (math.isfinite(level) and level > 0.0):
+        return math.nan
+    above = np.abs(L / (1.0 + L)) - level
+    found = _crossings(opened, w, above, lambda z: abs(z / (1.0 + z)) - level)
+    return next(found, (math.nan, 0j))[0] / (2.0 * math.pi) if above[0] > 0.0 else math.nan
+
+
+def _step(closed: Any, radius: float) -> NDArray[np.float64]:
+    """The response of a stable loop to a step, until its slowest pole has died out to 1e-4, or the samples are many."""
+    import control
+
+    samples = 100 + math.ceil(math.log(1e-4) / math.log(min(max(radius, 0.1), 1.0 - 1e-9)))
+    time = np.arange(min(samples, _MOST_SAMPLES)) * closed.dt
+    return np.asarray(control.step_response(closed, time).outputs, float)
+
+
+def _answer(step: NDArray[np.float64], closed: Any) -> tuple[float, float, float]:
+    """Rise time [s], overshoot and settling time [s] of a step; NaN where it does not get there."""
+    final = float(np.real(closed(1.0 + 0j)))
+    if not len(step) or not (math.isfinite(final) and abs(final) > 1e-9):
+        return (math.nan,) * 3
+    y = step / final
+    outside = np.flatnonzero(np.abs(y - 1.0) > _SETTLED)
+    settled = int(outside[-1]) + 1 if len(outside) else 0
+    rise = _reached(y, 0.9) - _reached(y, 0.1)
+    return rise * closed.dt, max(float(y.max()) - 1.0, 0.0), settled * closed.dt if settled < len(y) else math.nan
+
+
+def _reached(y: NDArray[np.float64], level: float) -> float:
+    """When a response first reaches a level, in samples, with a straight line between two; NaN never."""
+    above = np.flatnonzero(y >= level)
+    if not len(above):
+        return math.nan
+    n = int(above[0])
+    return n - float((y[n] - level) / (y[n] - y[n - 1])) if n else 0.0
+
+
+def _bode(w: NDArray[np.float64], L: NDArray[np.complex128]) -> Bode:
+    closed = L / (1.0 + L)
+    return Bode(
+        frequency=w / (2.0 * math.pi),
+        open_magnitude=np.abs(L),
+        open_phase=np.unwrap(np.angle(L)),
+        closed_magnitude=np.abs(closed),
+        closed_phase=np.unwrap(np.angle(closed)),
+    )
