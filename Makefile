@@ -36,6 +36,7 @@ bench: $(READY)
 	$(BIN)/python benchmarks/size_start.py
 	$(BIN)/python benchmarks/catalog_load.py
 	$(BIN)/python benchmarks/search_sets.py
+	$(BIN)/python benchmarks/closed_loop.py
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

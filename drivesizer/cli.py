@@ -188,12 +188,18 @@ def validate(
     chosen: Chosen = None,
     json: Json = False,
     csv: Annotated[Path | None, typer.Option(help="Also write the time series to this CSV file.")] = None,
+    everything: Annotated[bool, typer.Option("--all", help="The best sets of the search, ranked anew.")] = False,
+    top: Annotated[int, typer.Option(min=1, max=100, help="How many, with --all.")] = 5,
     catalogs: More = None,
 ) -> None:
     """Drive a set through the profile in closed loop: every demand against its limit."""
     from drivesizer.simulate import validate as validated
 
     robot = _load(spec, catalogs)
+    if everything:
+        if chosen or csv:
+            raise InputError("--all: it takes the sets of the search; --set and --csv are for one of them")
+        raise typer.Exit(_all_of(robot, profile, top, json))
     found = _pick(robot, chosen)
     proof = validated(robot, found, profile=profile)
     if csv:
@@ -210,6 +216,28 @@ def validate(
         terminal.validation(proof)
         _tell(proof.warnings)
     raise typer.Exit(0 if proof.status == "pass" else 1)
+
+
+def _all_of(robot: Any, profile: str | None, top: int, json: bool) -> int:
+    """The best sets of the search in closed loop, those that pass first; the exit status."""
+    from drivesizer.simulate import validate_all
+    from drivesizer.sizing import size as sized
+
+    result = sized(robot, top=top)
+    if not result.sets:
+        raise NothingFitsError("no set stands; `drivesizer size` shows the nearest misses")
+    proofs, said = validate_all(result, profile=profile)
+    if json:
+        from drivesizer import contract
+
+        documents = [contract.validation(proof) for proof in proofs]
+        typer.echo(contract.as_text({"schema_version": contract.SCHEMA_VERSION, "validations": documents}))
+    else:
+        from drivesizer import terminal
+
+        terminal.validations(proofs, result.objective)
+    _tell(tuple(said))
+    return 0 if any(proof.status == "pass" for proof in proofs) else 1
 
 
 def _pick(robot: Any, chosen: str | None) -> Any:

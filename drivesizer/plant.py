@@ -22,12 +22,14 @@ from drivesizer.errors import InputError
 from drivesizer.loads.wheeled_vehicle import rolling_resistance, turning_inertia
 from drivesizer.machines import WheeledVehicle
 from drivesizer.physics import gear_loss
+from drivesizer.profile import Profile
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
 
-__all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "modes"]
+__all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "modes", "within_reach"]
 
 _NO_INDUCTANCE = 1e-3  # electrical time constant in control periods, where the inductance is unknown: none to speak of
+_FASTEST = 1e9  # rad/s at the motor: beyond any machine, and small enough that squares stay finite
 _NEEDED = {
     "motor": ("resistance", "torque_constant", "rotor_inertia"),
     "gearhead": ("ratio", "efficiency"),
@@ -191,6 +193,18 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
     if not all(isfinite(getattr(train, f.name)) for f in fields(train)):
         raise InputError("the load's figures leave the range of numbers that can be computed with")
     return train, said
+
+
+def within_reach(train: DriveTrain, profile: Profile) -> None:
+    """Refuse a profile that is faster than any machine.
+
+    Raises
+    ------
+    InputError
+        When its top speed is beyond 1e9 rad/s at the motor.
+    """
+    if not profile.top_speed * train.motor_per_speed <= _FASTEST:
+        raise InputError(f"profile {profile.name}: {profile.top_speed:g} m/s is no speed that a motor can be turned to")
 
 
 def _known(value: float, what: str, said: list[str]) -> float:

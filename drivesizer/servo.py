@@ -22,7 +22,7 @@ from drivesizer.linear_modes import Machine, machine_of
 from drivesizer.loop_analysis import CascadeLoops, analyse_cascade
 from drivesizer.loop_plant import Shaft
 from drivesizer.physics_limits import housing_loss
-from drivesizer.plant import DriveTrain, drive_train
+from drivesizer.plant import DriveTrain, drive_train, within_reach
 from drivesizer.profile import Profile
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
@@ -66,6 +66,7 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> ServoCase:
     """
     every, said = rates(drive_set.controller)
     train, assumed = drive_train(spec, drive_set, every.current)
+    within_reach(train, asked)
     cascade, designed = design_cascade(train, every, _wanted(spec), where=lambda field: spec.where(_path(field)))
     shaft = _shaft(spec, train)
     usable = _usable(spec, drive_set)
@@ -73,7 +74,8 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> ServoCase:
     task = Task(time=asked.time, speed=tuple(v / train.radius for v in asked.speed))
     out = march(drive, task)
     if out.problems[0]:
-        raise InputError(f"the closed loop: {out.problems[0]}; expected other gains")
+        wanted = "a shorter profile" if "steps" in out.problems[0] else "other gains"
+        raise InputError(f"profile {asked.name}: {out.problems[0]}; expected {wanted}")
     return ServoCase(
         spec, drive_set, asked, train, cascade, shaft, analyse_cascade(train, cascade, shaft), usable, out,
         _periodic(drive, task, out), (*said, *assumed, *designed),

@@ -18,18 +18,17 @@ from drivesizer.control_design import COMPUTING, analyse, design
 from drivesizer.errors import InputError
 from drivesizer.machines import WheeledVehicle
 from drivesizer.march import Limits, Run, march
-from drivesizer.plant import DriveTrain, drive_train
+from drivesizer.plant import DriveTrain, drive_train, within_reach
 from drivesizer.profile import Profile, profile_of
 from drivesizer.profile import profile as named
-from drivesizer.results import Check, DriveSet, Gains, Status, Validation
+from drivesizer.results import Check, DriveSet, Gains, SizingResult, Status, Validation
 from drivesizer.spec import RobotSpec
 from drivesizer.units import show
 from drivesizer.verdict import Case, checks, figures, quantum
 
-__all__ = ["applies", "validate"]
+__all__ = ["applies", "validate", "validate_all"]
 
 _PERIOD = 1e-3  # s, where the controller's is unknown
-_FASTEST = 1e9  # rad/s at the motor: beyond any machine, and small enough that squares stay finite
 
 _UNITS = {
     "time": ("time", "s"),
@@ -77,8 +76,7 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
         return servo_verdict.validation(servo.run(spec, drive_set, asked))
     period, said = _period(drive_set)
     train, assumed = drive_train(spec, drive_set, period)
-    if not asked.top_speed * train.motor_per_speed <= _FASTEST:
-        raise InputError(f"profile {asked.name}: {asked.top_speed:g} m/s is no speed that a motor can be turned to")
+    within_reach(train, asked)
     gains = design(spec, train, period)
     usable = _usable_voltage(spec, drive_set)
     loop = analyse(train, gains)
@@ -100,6 +98,31 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
         assumptions=(*said, *assumed, *_assumptions(case)),
         warnings=_warnings(case, found),
     )
+
+
+def validate_all(result: SizingResult, *, profile: str | Profile | None = None) -> tuple[list[Validation], list[str]]:
+    """The sets of a sizing in closed loop: those that pass first, each group in the order of the sizing.
+
+    Returns
+    -------
+    tuple
+        The proofs, and why others could not be driven: a figure that the model needs is unknown.
+
+    Raises
+    ------
+    InputError
+        As :func:`validate`, where no set can be driven.
+    """
+    found: list[Validation] = []
+    said: list[str] = []
+    for one in result.sets:
+        try:
+            found.append(validate(result.spec, one, profile=profile))
+        except InputError as error:
+            said.append(f"{one.label}: {error}")
+    if not found:
+        raise InputError(said[0])
+    return sorted(found, key=lambda proof: proof.status != "pass"), said
 
 
 def applies(spec: RobotSpec) -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -14,7 +16,7 @@ from drivesizer.results import DriveSet, SizingResult, Validation, verdict, wors
 from drivesizer.terminal_tables import MARK, STYLE, percent
 from drivesizer.units import show
 
-__all__ = ["explained", "sizing", "validation"]
+__all__ = ["explained", "sizing", "validation", "validations"]
 
 
 def sizing(result: SizingResult, *, quiet: bool = False) -> None:
@@ -244,3 +246,22 @@ def validation(proof: Validation) -> None:
     console.print(tables.gains(proof))
     console.print(tables.checks(proof.checks, "Demand against limit"))
     console.print(tables.loose(proof.figures, "The closed loop"))
+
+
+def validations(proofs: Sequence[Validation], objective: str) -> None:
+    """Print several sets in closed loop, a line each, the best first."""
+    console = tables.console()
+    first = proofs[0]
+    tables.heading(console, f"{first.spec.name}: {first.profile}", f"{len(proofs)} sets in closed loop", "")
+    table = tables.bare(
+        ("", "right"), ("was", "right"), ("set", "left"), (objective.replace("_", " "), "right"), ("tightest", "right"),
+        ("", "left"),
+    )  # fmt: skip
+    for place, proof in enumerate(proofs, 1):
+        tight = worst(proof.checks)
+        table.add_row(
+            str(place), str(proof.drive_set.rank), Text(proof.drive_set.label), _objective(proof.drive_set, objective),
+            f"{tight.title} {percent(tight.margin)}" if tight else "–",
+            Text(MARK[proof.status], style=STYLE[proof.status]),
+        )  # fmt: skip
+    console.print(table)

@@ -211,3 +211,38 @@ def test_json_csv_and_report_carry_the_same(tmp_path, monkeypatch):
     written = CliRunner().invoke(app, ["report", "-o", "report.csv", "--top", "1"])
     assert written.exit_code in (0, 1)
     assert "velocity_kp" in (tmp_path / "report.csv").read_text(encoding="utf-8")
+
+
+def test_a_profile_beyond_any_machine_is_refused():
+    from drivesizer.profile import Profile
+
+    spec = spec_of()
+    fast = Profile(name="fast", time=(0.0, 1.0, 2.0), speed=(0.0, 1e300, 0.0))
+    with pytest.raises(InputError, match="no speed that a motor can be turned to"):
+        validate(spec, explain(spec, *parts())[0], profile=fast)
+
+
+def test_a_profile_with_more_samples_than_are_marched_is_refused_in_plain_words():
+    from drivesizer.profile import Profile
+
+    spec = spec_of()
+    corners = tuple(np.linspace(0.0, 4000.0, 4001).tolist())
+    long = Profile(name="long", time=corners, speed=tuple(1.0 + 0.1 * (n % 2) for n in range(4001)))
+    with pytest.raises(InputError, match="profile long: more steps than are permitted; expected a shorter profile"):
+        validate(spec, explain(spec, *parts())[0], profile=long)
+
+
+def test_the_best_sets_of_the_search_are_ranked_anew(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = SPEC.replace("CONTROL", "{structure: cascade, velocity: {bandwidth: 30 Hz}}").replace("PLANT", "")
+    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
+    run = CliRunner().invoke(app, ["validate", "--all", "--top", "3", "--json"])
+    proofs = json.loads(run.stdout)["validations"]
+    assert len(proofs) == 3
+    status = [proof["status"] != "pass" for proof in proofs]
+    assert status == sorted(status)
+    assert sorted(proof["set"]["rank"] for proof in proofs) == [1, 2, 3]
+    shown = CliRunner().invoke(app, ["validate", "--all", "--top", "2"])
+    assert "2 sets in closed loop" in shown.stdout and "tightest" in shown.stdout
+    refused = CliRunner().invoke(app, ["validate", "--all", "--csv", "x.csv"])
+    assert isinstance(refused.exception, InputError) and not (tmp_path / "x.csv").exists()
