@@ -7,17 +7,28 @@ suffices the nearest is named, so that its check can say by how much it falls sh
 
 from __future__ import annotations
 
+from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog, Table, lines
+from drivesizer.catalog import Catalog, Controller, Table, lines
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
 from drivesizer.choices import Choice
 from drivesizer.spec import RobotSpec
 
-__all__ = ["Chosen", "controllers", "encoders", "most_voltage", "offered_buses", "offers", "selected", "usable_voltage"]
+__all__ = [
+    "Chosen",
+    "controllers",
+    "encoders",
+    "most_voltage",
+    "offered_buses",
+    "offers",
+    "selected",
+    "usable_in",
+    "usable_voltage",
+]
 
 
 class Chosen(NamedTuple):
@@ -37,6 +48,11 @@ def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
     return keep
 
 
+def _order(table: Table[Any], figure: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Rows by a figure, then by part number; unknown figures last."""
+    return np.lexsort((table["part"], figure))
+
+
 def encoders(spec: RobotSpec, catalog: Catalog, motor: NDArray[Any]) -> Chosen:
     """The encoder of each candidate.
 
@@ -54,16 +70,17 @@ def encoders(spec: RobotSpec, catalog: Catalog, motor: NDArray[Any]) -> Chosen:
     """
     table, choice = catalog.encoders, spec.select.encoder
     required = max(spec.needs.encoder_counts or 0, choice.min_counts or 0)
-    order = np.lexsort((table["part"], lines(table)))
+    counted = lines(table)
+    order = _order(table, counted)
     listed = np.zeros((len(catalog.motors), len(table)), bool)
     listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
     fitting = (listed & selected(table, choice))[:, order]
-    enough = fitting & (lines(table)[order] >= required)
+    enough = fitting & (counted[order] >= required)
     row = _first(order, [enough], _last(fitting, order))[motor]
     asked = bool(required or choice.family or choice.part)
     if not asked:
         return Chosen(row, [])
-    counts = np.where(row >= 0, np.append(lines(table), np.nan)[row], 0.0)
+    counts = np.where(row >= 0, np.append(counted, np.nan)[row], 0.0)
     return Chosen(row, [at_least("encoder_counts", float(required or 1), counts, "dimensionless", "1", by_choice=True)])
 
 
@@ -88,6 +105,13 @@ def usable_voltage(lowest: float, max_duty: Any, voltage_drop: Any) -> Any:
     20.7
     """
     return np.maximum(max_duty * (lowest - voltage_drop), 0.0)
+
+
+def usable_in(spec: RobotSpec, controller: Controller | None) -> float:
+    """What a set's controller can give its motor at the lowest supply voltage [V]; NaN unknown."""
+    if controller is None:
+        return nan
+    return float(usable_voltage(spec.supply.lowest, controller.max_duty, controller.voltage_drop))
 
 
 def controllers(
@@ -115,7 +139,7 @@ def controllers(
         Lowest and highest voltage of the supply in all load cases [V]; the spec's own when not given.
     """
     table, (lowest, highest) = catalog.controllers, supply or (spec.supply.lowest, spec.supply.highest)
-    order = np.lexsort((table["part"], table["continuous_current"]))
+    order = _order(table, table["continuous_current"])
     order = order[_usable(spec, table, lowest, highest)[order]]  # few are left: the columns below stay narrow
     figure = {name: table[name][order] for name in ("continuous_current", "peak_current", "max_duty", "voltage_drop")}
     texts = table["drives"][order]

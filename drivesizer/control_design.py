@@ -27,7 +27,7 @@ from drivesizer.results import Gains
 from drivesizer.spec import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["LinearLoop", "Pid", "analyse", "design", "effective_delay", "open_loop"]
+__all__ = ["LinearLoop", "Pid", "analyse", "design", "effective_delay", "open_loop", "sampled_pid"]
 
 RULE = "SIMC PI"
 SOURCE = "S. Skogestad, J. Process Control 13 (2003) 291-309"
@@ -175,13 +175,20 @@ def open_loop(train: DriveTrain, mode: Mode, gains: Gains) -> Any:
     period = gains.period
     plant = control.ss(A[:2, :2], B[:2, :1], [[0, 1]], 0).sample(period, "zoh")
     late = control.ss(control.tf([1], [1, *[0] * round(COMPUTING)], period))
-    pid: Any = control.ss([], [], [], [[gains.kp]], period)
-    if gains.ki:
-        pid = pid + control.ss(control.tf([gains.ki * period, 0], [1, -1], period))
-    if gains.kd:
-        filtered = gains.filter_time + period
-        pid = pid + control.ss(control.tf([gains.kd, -gains.kd], [filtered, -gains.filter_time], period))
-    return plant * late * pid
+    return plant * late * sampled_pid(gains.kp, gains.ki, period, gains.kd, gains.filter_time)
+
+
+def sampled_pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: float = 0.0) -> Any:
+    """What :class:`Pid` is without its limits, as a python-control system; it answers at once."""
+    import control
+
+    found: Any = control.ss([], [], [], [[kp]], period)
+    if ki:
+        found = found + control.ss(control.tf([ki * period, 0], [1, -1], period))
+    if kd:
+        filtered = filter_time + period
+        found = found + control.ss(control.tf([kd, -kd], [filtered, -filter_time], period))
+    return found
 
 
 def analyse(train: DriveTrain, gains: Gains) -> LinearLoop:

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.cascade import Cascade
-from drivesizer.control_design import COMPUTING
+from drivesizer.control_design import COMPUTING, sampled_pid
 from drivesizer.errors import InputError
 from drivesizer.motion import matrices
 from drivesizer.plant import DriveTrain, Mode
@@ -113,13 +113,8 @@ def _pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: floa
     """A sampled PID and the period that it computes: the controller of ``control_design.Pid``, one answer late."""
     import control
 
-    found: Any = control.ss([], [], [], [[kp]], period)
-    if ki:
-        found = found + control.ss(control.tf([ki * period, 0], [1, -1], period))
-    if kd:
-        filtered = filter_time + period
-        found = found + control.ss(control.tf([kd, -kd], [filtered, -filter_time], period))
-    return control.ss(control.tf([1], [1, *[0] * round(COMPUTING)], period)) * found
+    late = control.ss(control.tf([1], [1, *[0] * round(COMPUTING)], period))
+    return late * sampled_pid(kp, ki, period, kd, filter_time)
 
 
 def _lifted(fast: Any, steps: int) -> Any:

@@ -15,7 +15,7 @@ import numpy as np
 from drivesizer.cascade import Cascade, controller_gains, rates
 from drivesizer.cascade_design import Wanted, design_cascade
 from drivesizer.catalog import EDGES
-from drivesizer.choose import usable_voltage
+from drivesizer.choose import usable_in
 from drivesizer.engine import CurrentLimit, Drive, Encoder, Heat, Marched, Supply, Task, march
 from drivesizer.errors import InputError
 from drivesizer.linear_modes import Machine, machine_of
@@ -69,7 +69,7 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> ServoCase:
     within_reach(train, asked)
     cascade, designed = design_cascade(train, every, _wanted(spec), where=lambda field: spec.where(_path(field)))
     shaft = _shaft(spec, train)
-    usable = _usable(spec, drive_set)
+    usable = usable_in(spec, drive_set.controller)
     drive = _drive(spec, drive_set, train, cascade, shaft, usable)
     task = Task(time=asked.time, speed=tuple(v / train.radius for v in asked.speed))
     out = march(drive, task)
@@ -110,13 +110,6 @@ def _shaft(spec: RobotSpec, train: DriveTrain) -> Shaft | None:
         raise InputError(f"{where}: two_mass needs plant.stiffness or the belt's, e.g. stiffness: 500 N*m/rad")
     damping = 2.0 * spec.plant.damping_ratio * math.sqrt(stiffness * train.load_inertia)
     return Shaft(stiffness=stiffness, damping=damping)
-
-
-def _usable(spec: RobotSpec, drive_set: DriveSet) -> float:
-    controller = drive_set.controller
-    if controller is None:
-        return math.nan
-    return float(usable_voltage(spec.supply.lowest, controller.max_duty, controller.voltage_drop))
 
 
 def _drive(
@@ -163,18 +156,14 @@ def _heat(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain) -> Heat | Non
 
     What friction and iron lose warms the housing: by the speed; what grows with its square counts as at the top speed.
     """
-    motor = drive_set.motor
-    bodies: TwoBodies = two_bodies(asdict(motor))
+    figures = asdict(drive_set.motor)
+    bodies: TwoBodies = two_bodies(figures)
     if not bodies.known:
         return None
     top = _top_speed(spec, train)
-    rubbing, iron = (float(np.asarray(x)[0]) for x in housing_loss(_columns(motor), np.ones(1)))
+    rubbing, iron = (float(x[0]) for x in housing_loss(figures, np.ones(1)))
     loss = rubbing + iron * top
     return Heat(bodies=bodies, ambient=spec.environment.ambient, loss_torque=loss if loss > 0.0 else 0.0)
-
-
-def _columns(motor: Any) -> dict[str, Any]:
-    return {name: np.array([value]) for name, value in asdict(motor).items()}
 
 
 def _top_speed(spec: RobotSpec, train: DriveTrain) -> float:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.choose import usable_voltage
+from drivesizer.choose import usable_in
 from drivesizer.control_design import COMPUTING, analyse, design
 from drivesizer.errors import InputError
 from drivesizer.machines import WheeledVehicle
@@ -78,7 +78,7 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
     train, assumed = drive_train(spec, drive_set, period)
     within_reach(train, asked)
     gains = design(spec, train, period)
-    usable = _usable_voltage(spec, drive_set)
+    usable = usable_in(spec, drive_set.controller)
     loop = analyse(train, gains)
     run = march(train, gains, _limits(spec, drive_set, usable), asked)
     free = _without_limits(run, train, gains, asked) if loop.stable else run
@@ -136,14 +136,6 @@ def _period(drive_set: DriveSet) -> tuple[float, list[str]]:
     if rate > 0.0:
         return 1.0 / rate, []
     return _PERIOD, [f"the controller's rate is unknown: it runs every {show(_PERIOD, 'ms', 'time')}"]
-
-
-def _usable_voltage(spec: RobotSpec, drive_set: DriveSet) -> float:
-    """What the controller can give the motor at the lowest supply voltage [V]; NaN unknown."""
-    controller = drive_set.controller
-    if controller is None:
-        return math.nan
-    return float(usable_voltage(spec.supply.lowest, controller.max_duty, controller.voltage_drop))
 
 
 def _limits(spec: RobotSpec, drive_set: DriveSet, usable: float) -> Limits:

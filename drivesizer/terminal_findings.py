@@ -12,8 +12,9 @@ from rich.text import Text
 
 from drivesizer.catalog import PARTS, Catalog, one_of
 from drivesizer.catalog.check import Finding
-from drivesizer.catalog.coverage import LEVELS, Coverage, coverage, pairs_of
+from drivesizer.catalog.coverage import Coverage, coverage, pairs_of
 from drivesizer.catalog.parts import printed
+from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.catalog.taking import Taken
 from drivesizer.terminal_catalog import counted
 from drivesizer.terminal_tables import bare, console, heading
@@ -21,6 +22,7 @@ from drivesizer.units import show
 
 __all__ = ["findings", "statistics", "taken"]
 
+_LEVELS = [(level, "right") for level in CONFIDENCE]  # heads of columns
 _BESIDE = 5  # catalogues side by side on 80 columns
 
 
@@ -39,7 +41,7 @@ def statistics(shelf: Mapping[str, Catalog]) -> None:
     for name, sections in found.items():
         pairs = pairs_of(shelf[name]).items()
         heading(out, name, ", ".join(f"{count} pairs of {what}" for what, count in pairs if count))
-        table = bare(("", "left"), ("parts", "right"), ("families", "right"), *((level, "right") for level in LEVELS))
+        table = bare(("", "left"), ("parts", "right"), ("families", "right"), *_LEVELS)
         for section, one in sections.items():
             table.add_row(section, str(one.parts), str(one.families), *_sureness([one]))
         out.print(table)
@@ -50,12 +52,12 @@ def statistics(shelf: Mapping[str, Catalog]) -> None:
 
 def _summary(out: Console, found: Mapping[str, Mapping[str, Coverage]]) -> None:
     """Many catalogues, a line each, and their sum by section."""
-    table = bare(("", "left"), ("parts", "right"), ("makers", "right"), *((level, "right") for level in LEVELS))
+    table = bare(("", "left"), ("parts", "right"), ("makers", "right"), *_LEVELS)
     for section in PARTS:
         some = [one[section] for one in found.values() if section in one]
         table.add_row(section, str(sum(one.parts for one in some)), str(len(some)), *_sureness(some))
     out.print(table)
-    table = bare(("catalogue", "left"), ("parts", "left"), *((level, "right") for level in LEVELS))
+    table = bare(("catalogue", "left"), ("parts", "left"), *_LEVELS)
     for name, sections in found.items():
         parts = "\n".join(
             f"{one.parts} {section if one.parts > 1 else one_of(section)}" for section, one in sections.items()
@@ -66,8 +68,8 @@ def _summary(out: Console, found: Mapping[str, Mapping[str, Coverage]]) -> None:
 
 def _sureness(some: Sequence[Coverage]) -> list[str]:
     """The share of each confidence among all known figures."""
-    counts = {level: sum(one.sure[level] for one in some) for level in LEVELS}
-    return [_share(counts[level], sum(counts.values())) for level in LEVELS]
+    counts = {level: sum(one.sure[level] for one in some) for level in CONFIDENCE}
+    return [_share(counts[level], sum(counts.values())) for level in CONFIDENCE]
 
 
 def _together(some: Sequence[Coverage]) -> Coverage:

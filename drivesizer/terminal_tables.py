@@ -105,6 +105,7 @@ def plain(check: Check, figure: float) -> str:
     return check.shown(figure)
 
 
+_PULLEY = (("teeth", "1", "dimensionless", "teeth"), ("mass", "g", "mass", ""), ("price", "EUR", "price", ""))
 _PARTS: dict[str, tuple[tuple[str, str, str, str], ...]] = {  # figure, unit, kind, words
     "motor": (
         ("assigned_power", "W", "power", ""),
@@ -119,22 +120,14 @@ _PARTS: dict[str, tuple[tuple[str, str, str, str], ...]] = {  # figure, unit, ki
     ),
     "encoder": (),
     "controller": (("continuous_current", "A", "current", "continuous"), ("peak_current", "A", "current", "peak")),
-    "driving pulley": (
-        ("teeth", "1", "dimensionless", "teeth"),
-        ("mass", "g", "mass", ""),
-        ("price", "EUR", "price", ""),
-    ),
+    "driving pulley": _PULLEY,
     "belt": (
         ("teeth", "1", "dimensionless", "teeth"),
         ("width", "mm", "length", "wide"),
         ("mass", "g", "mass", ""),
         ("price", "EUR", "price", ""),
     ),
-    "driven pulley": (
-        ("teeth", "1", "dimensionless", "teeth"),
-        ("mass", "g", "mass", ""),
-        ("price", "EUR", "price", ""),
-    ),
+    "driven pulley": _PULLEY,
     "actuator": (
         ("nominal_voltage", "V", "voltage", ""),
         ("nominal_torque", "N*m", "torque", "continuous"),

@@ -10,9 +10,10 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from drivesizer.catalog import EDGES, Controller, Encoder
+from drivesizer.catalog import Controller, Encoder
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
 from drivesizer.control_design import LinearLoop
+from drivesizer.loop_warnings import speed_quantum
 from drivesizer.machines import WheeledVehicle
 from drivesizer.march import FOLLOWS, Peak, Run
 from drivesizer.plant import DriveTrain, Mode, Regime
@@ -266,4 +267,4 @@ def figures(case: Case) -> tuple[Figure, ...]:
 
 def quantum(case: Case) -> float:
     """Smallest step of a speed that is counted over one control period [rad/s]."""
-    return 2 * math.pi / (EDGES * case.encoder.lines * case.run.period)
+    return speed_quantum(case.encoder.lines, case.run.period)

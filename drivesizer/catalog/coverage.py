@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.catalog.parts import printed
+from drivesizer.catalog.tables import CONFIDENCE
 
-__all__ = ["LEVELS", "Coverage", "coverage", "pairs_of"]
-
-LEVELS = ("quoted", "secondary", "derived", "recalled")  # from the surest down
+__all__ = ["Coverage", "coverage", "pairs_of"]
 
 
 class Coverage(NamedTuple):
@@ -39,20 +38,20 @@ def coverage(catalog: Catalog, section: str) -> Coverage:
         families=len(np.unique(table["family"][real])),
         excluded=int((table.excluded & real).sum()),
         known={name: int(mask.sum()) for name, mask in known.items()},
-        sure={name: int((there & (level == place)).sum()) for place, name in enumerate(LEVELS)},
+        sure={name: int((there & (level == place)).sum()) for place, name in enumerate(CONFIDENCE)},
     )
 
 
 def _levels(catalog: Catalog, section: str, figures: list[str]) -> NDArray[Any]:
-    """The confidence of each figure as its place in LEVELS: what Catalog.confidence says, for all rows at once."""
+    """The confidence of each figure as its place in CONFIDENCE: what Catalog.confidence says, for all rows at once."""
     table = catalog.table(section)
-    of_source = np.array([LEVELS.index(source.confidence) for source in catalog.sources])
+    of_source = np.array([CONFIDENCE.index(source.confidence) for source in catalog.sources])
     level = np.tile(of_source[table.source], (len(figures), 1))
     for note in catalog.notes:
         if note.section == section and note.confidence:
             rows = [table.rows[part] for part in note.parts if part in table.rows]
             columns = [place for place, name in enumerate(figures) if not note.fields or name in note.fields]
-            level[np.ix_(columns, rows)] = LEVELS.index(note.confidence)
+            level[np.ix_(columns, rows)] = CONFIDENCE.index(note.confidence)
     return level
 
 

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.catalog.parts import PARTS, columns_of
+from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.yaml_source import Path_, YamlSource, read
 
@@ -26,7 +27,6 @@ __all__ = ["Plan", "plan"]
 
 _KEYS = ("manufacturer", "family", "source", "unknown", "common", "columns")
 _SOURCE = ("name", "document", "confidence", "date", "url")
-_CONFIDENCE = ("quoted", "secondary", "derived", "recalled")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,8 +85,8 @@ def _said(file: YamlSource, given: dict[str, Any], options: Mapping[str, str | N
     said |= {key: value for key, value in options.items() if value}
     if not said["document"]:
         raise InputError("--document: where the figures come from is not told; expected e.g. 'data sheet, 2024-05'")
-    if said["confidence"] not in _CONFIDENCE:
-        raise InputError(f"--confidence: {quoted(said['confidence'])}; expected one of {', '.join(_CONFIDENCE)}")
+    if said["confidence"] not in CONFIDENCE:
+        raise InputError(f"--confidence: {quoted(said['confidence'])}; expected one of {', '.join(CONFIDENCE)}")
     return said
 
 

@@ -10,9 +10,7 @@ from drivesizer.catalog.tables import Note, Source
 from drivesizer.errors import CatalogError, quoted
 from drivesizer.yaml_source import Path_, YamlSource
 
-__all__ = ["CONFIDENCE", "Reader", "did_you_mean"]
-
-CONFIDENCE = ("quoted", "secondary", "derived", "recalled")  # from the surest down
+__all__ = ["Reader", "did_you_mean"]
 
 
 class Reader:

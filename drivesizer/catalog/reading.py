@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.columns import Column
 from drivesizer.catalog.parts import DIRECT, NO_GEARHEAD, PARTS, columns_of
-from drivesizer.catalog.reader import CONFIDENCE, Reader, did_you_mean
+from drivesizer.catalog.reader import Reader, did_you_mean
 from drivesizer.catalog.relations import relations
-from drivesizer.catalog.tables import Catalog, Note, Source, Table
+from drivesizer.catalog.tables import CONFIDENCE, Catalog, Note, Source, Table
 from drivesizer.errors import InputError, quoted
 from drivesizer.units import scale, to_si
 from drivesizer.yaml_source import Path_, YamlSource

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import RELATIONS, one_of
-from drivesizer.catalog.reader import CONFIDENCE, Reader
-from drivesizer.catalog.tables import Across, Pairs, Table, unique_pairs
+from drivesizer.catalog.reader import Reader
+from drivesizer.catalog.tables import CONFIDENCE, Across, Pairs, Table, unique_pairs
 from drivesizer.errors import nearest, quoted
 from drivesizer.yaml_source import Path_
 

@@ -6,12 +6,13 @@ from typing import Any
 
 from drivesizer.catalog.columns import Column
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
+from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.units import KINDS, noun
 
 __all__ = ["catalog_schema"]
 
 _TEXT: dict[str, Any] = {"type": ["string", "number", "null"]}
-_CONFIDENCE = {"enum": ["quoted", "secondary", "derived", "recalled"]}
+_CONFIDENCE = {"enum": list(CONFIDENCE)}
 _NAMES = {"type": "array", "items": {"type": ["string", "integer"]}}
 _ACROSS = {"type": "object", "minProperties": 1, "maxProperties": 1, "description": "{catalogue: family or part}"}
 _FITTING = {"type": "array", "items": {"anyOf": [_NAMES["items"], _ACROSS]}}

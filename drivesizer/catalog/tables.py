@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 from drivesizer.catalog.wholes import Actuator, Battery, Belt, Brake, Pulley, Stepper
 
-__all__ = ["Across", "Catalog", "Note", "Pairs", "Source", "Table", "empty", "unique_pairs"]
+__all__ = ["CONFIDENCE", "Across", "Catalog", "Note", "Pairs", "Source", "Table", "empty", "unique_pairs"]
 
 Part = TypeVar("Part")
+CONFIDENCE = ("quoted", "secondary", "derived", "recalled")  # from the surest down
 
 
 class Source(NamedTuple):
