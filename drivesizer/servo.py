@@ -70,7 +70,9 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> ServoCase:
     cascade, designed = design_cascade(train, every, _wanted(spec), where=lambda field: spec.where(_path(field)))
     shaft = _shaft(spec, train)
     usable = usable_in(spec, drive_set.controller)
-    drive = _drive(spec, drive_set, train, cascade, shaft, usable)
+    machine = _machine(spec, drive_set, train, shaft)
+    heat = _heat(spec, drive_set, asked.top_speed * train.motor_per_speed) if spec.plant.warming else None
+    drive = _drive(spec, drive_set, machine, cascade, heat, usable)
     task = Task(time=asked.time, speed=tuple(v / train.radius for v in asked.speed))
     out = march(drive, task)
     if out.problems[0]:
@@ -113,7 +115,7 @@ def _shaft(spec: RobotSpec, train: DriveTrain) -> Shaft | None:
 
 
 def _drive(
-    spec: RobotSpec, drive_set: DriveSet, train: DriveTrain, cascade: Cascade, shaft: Shaft | None, usable: float
+    spec: RobotSpec, drive_set: DriveSet, machine: Machine, cascade: Cascade, heat: Heat | None, usable: float
 ) -> Drive:
     """The set as the engine takes it; an unknown limit is none there, and unknown in its check."""
     controller, known = drive_set.controller, not math.isnan(usable)
@@ -125,7 +127,7 @@ def _drive(
     counted = spec.control.speed_from == "counts" and drive_set.encoder is not None
     lines = drive_set.encoder.lines if counted and drive_set.encoder else math.nan
     return Drive(
-        machine=_machine(spec, drive_set, train, shaft),
+        machine=machine,
         controller=cascade,
         supply=Supply(
             voltage=spec.supply.lowest, resistance=spec.supply.resistance or 0.0, sets=spec.load.motors,
@@ -136,7 +138,7 @@ def _drive(
             peak=limit("peak_current"), continuous=limit("continuous_current"), peak_time=limit("peak_time")
         ),
         encoder=Encoder(edges=0 if math.isnan(lines) else round(EDGES * lines)),
-        heat=_heat(spec, drive_set, train) if spec.plant.warming else None,
+        heat=heat,
     )  # fmt: skip
 
 
@@ -151,25 +153,19 @@ def _machine(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain, shaft: Sha
     )
 
 
-def _heat(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain) -> Heat | None:
+def _heat(spec: RobotSpec, drive_set: DriveSet, top: float) -> Heat | None:
     """Winding and housing; None where a thermal figure is unknown.
 
-    What friction and iron lose warms the housing: by the speed; what grows with its square counts as at the top speed.
+    What friction and iron lose warms the housing: by the speed; what grows with its square counts as at the motor's
+    top speed [rad/s].
     """
     figures = asdict(drive_set.motor)
     bodies: TwoBodies = two_bodies(figures)
     if not bodies.known:
         return None
-    top = _top_speed(spec, train)
     rubbing, iron = (float(x[0]) for x in housing_loss(figures, np.ones(1)))
     loss = rubbing + iron * top
     return Heat(bodies=bodies, ambient=spec.environment.ambient, loss_torque=loss if loss > 0.0 else 0.0)
-
-
-def _top_speed(spec: RobotSpec, train: DriveTrain) -> float:
-    """Highest speed of the motor that the spec's own motion asks for [rad/s]."""
-    speed = getattr(spec.motion, "speed", None)
-    return float(speed) * train.motor_per_speed if isinstance(speed, float) else 0.0
 
 
 def _periodic(drive: Drive, task: Task, out: Marched) -> dict[str, float]:

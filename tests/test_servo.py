@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -246,3 +247,15 @@ def test_the_best_sets_of_the_search_are_ranked_anew(tmp_path, monkeypatch):
     assert "2 sets in closed loop" in shown.stdout and "tightest" in shown.stdout
     refused = CliRunner().invoke(app, ["validate", "--all", "--csv", "x.csv"])
     assert isinstance(refused.exception, InputError) and not (tmp_path / "x.csv").exists()
+
+
+def test_iron_warms_by_the_speed_of_the_profile_that_is_driven():
+    """A brushless motor driven twice as fast: the loss per speed, which is that at the top, is twice as much."""
+    from drivesizer.catalog import load
+
+    spec, catalog = spec_of(), load()
+    motor = catalog.motors.record(catalog.motors.rows["309756"])  # EC-4pole 30
+    found = replace(explain(spec, *parts())[0], motor=motor)
+    slow, fast = (servo._heat(spec, found, top) for top in (200.0, 400.0))
+    assert slow and fast and slow.loss_torque > 0.0
+    assert fast.loss_torque == pytest.approx(2.0 * slow.loss_torque, rel=1e-12)
