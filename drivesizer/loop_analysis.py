@@ -13,19 +13,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.cascade import Cascade
-from drivesizer.control_design import LinearLoop, open_loop
+from drivesizer.control_design import open_loop
 from drivesizer.loop_plant import Shaft, current_open_loop, position_open_loop, resonance, velocity_open_loop
+from drivesizer.loops import Bode, Loop, Loops
 from drivesizer.plant import DriveTrain, Mode, Regime, modes
 from drivesizer.results import Gains
 
-__all__ = ["Bode", "CascadeLoops", "Loop", "analyse_cascade", "analyse_voltage", "loop_of"]
+__all__ = ["analyse_cascade", "analyse_voltage", "loop_of"]
 
 _POINTS = 1500
 _DECADES = 6.0  # below the Nyquist frequency
@@ -34,52 +35,7 @@ _SETTLED = 0.02  # of the final value
 _DIRECTIONS = {"driving": Regime.FORWARD_DRIVING, "braking": Regime.FORWARD_BRAKING}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Bode:
-    """Frequency response of a loop."""
-
-    frequency: NDArray[np.float64]  # Hz
-    open_magnitude: NDArray[np.float64]
-    open_phase: NDArray[np.float64]  # rad
-    closed_magnitude: NDArray[np.float64]
-    closed_phase: NDArray[np.float64]  # rad
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Loop(LinearLoop):
-    """A linear loop in full; NaN where a figure does not exist, such as margins of an unstable loop."""
-
-    name: str
-    direction: str  # of power: the one nearer to instability; "" where it plays no part
-    period: float  # s
-    gain_reduction: float  # factor below 1 down to which the gain may fall; NaN: to any
-    crossover: float  # Hz, where the phase margin of this direction is
-    sensitivity: float  # largest |1/(1 + L)|, the reciprocal of the distance to -1 [1]
-    rise_time: float  # s, 10-90 %
-    overshoot: float  # share of the step
-    settling_time: float  # s, to 2 %
-    step: NDArray[np.float64]  # the response to a step, sampled; empty where the loop is unstable
-    bode: Bode
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CascadeLoops:
-    """The loops of a cascade, and the elastic frequencies where there is a shaft."""
-
-    current: Loop
-    velocity: Loop
-    position: Loop | None
-    resonance: float = math.nan  # Hz
-    anti_resonance: float = math.nan  # Hz
-    rigid_bandwidth: float = math.nan  # Hz, that the velocity loop would have with a stiff shaft
-
-    @property
-    def all(self) -> tuple[Loop, ...]:
-        """The loops that there are, from the inside out."""
-        return (self.current, self.velocity, *([self.position] if self.position else []))
-
-
-def analyse_cascade(train: DriveTrain, cascade: Cascade, shaft: Shaft | None = None) -> CascadeLoops:
+def analyse_cascade(train: DriveTrain, cascade: Cascade, shaft: Shaft | None = None) -> Loops:
     """The loops of a cascade around a rigid machine, or one with an elastic shaft.
 
     Parameters
@@ -97,7 +53,7 @@ def analyse_cascade(train: DriveTrain, cascade: Cascade, shaft: Shaft | None = N
     found = resonance(train, every[Regime.FORWARD_BRAKING], shaft) if shaft else (math.nan, math.nan)
     velocity = _worse("velocity", every, lambda mode: velocity_open_loop(train, mode, cascade, shaft))
     rigid = _worse("velocity", every, lambda mode: velocity_open_loop(train, mode, cascade)) if shaft else velocity
-    return CascadeLoops(
+    return Loops(
         current=loop_of("current", current_open_loop(train, cascade)),
         velocity=velocity,
         position=position,

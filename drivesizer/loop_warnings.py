@@ -11,8 +11,8 @@ from collections.abc import Iterable
 
 from drivesizer.cascade import LEAST_PHASE_MARGIN
 from drivesizer.catalog import EDGES
-from drivesizer.loop_analysis import CascadeLoops, Loop
 from drivesizer.loop_plant import Shaft
+from drivesizer.loops import Loop, Loops
 from drivesizer.profile import Profile
 from drivesizer.units import show
 
@@ -71,7 +71,7 @@ def shortest_ramp(profile: Profile) -> float:
     return min(ramps, default=math.nan)
 
 
-def resonance_warning(loops: CascadeLoops, shaft: Shaft) -> list[str]:
+def resonance_warning(loops: Loops, shaft: Shaft) -> list[str]:
     """Whether the bandwidth that the gains ask of a stiff machine reaches to where the load swings [2]."""
     wanted, most = loops.rigid_bandwidth, RESONANCE_SHARE * loops.resonance
     if not wanted > most:

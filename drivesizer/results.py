@@ -17,6 +17,7 @@ from drivesizer.belts import BeltDrive
 from drivesizer.cascade import Cascade, ControllerGain
 from drivesizer.catalog import DIRECT, Actuator, Catalog, Controller, Encoder, Gearhead, Motor
 from drivesizer.declare import Equation
+from drivesizer.loops import Loop
 from drivesizer.spec import RobotSpec
 from drivesizer.units import from_si, show
 
@@ -319,3 +320,4 @@ class Validation:
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     controller_gains: tuple[ControllerGain, ...] = ()  # the same in the controller's own units, where known
+    loops: tuple[Loop, ...] = ()  # what linear theory says of each, from the inside out

@@ -19,8 +19,9 @@ from drivesizer.choose import usable_in
 from drivesizer.engine import CurrentLimit, Drive, Encoder, Heat, Marched, Supply, Task, march
 from drivesizer.errors import InputError
 from drivesizer.linear_modes import Machine, machine_of
-from drivesizer.loop_analysis import CascadeLoops, analyse_cascade
+from drivesizer.loop_analysis import analyse_cascade
 from drivesizer.loop_plant import Shaft
+from drivesizer.loops import Loops
 from drivesizer.physics_limits import housing_loss
 from drivesizer.plant import DriveTrain, drive_train, within_reach
 from drivesizer.profile import Profile
@@ -44,7 +45,7 @@ class ServoCase(NamedTuple):
     train: DriveTrain
     cascade: Cascade
     shaft: Shaft | None
-    loops: CascadeLoops
+    loops: Loops
     usable_voltage: float  # V, NaN unknown
     out: Marched  # from cold
     periodic: dict[str, float]  # highest temperatures over the cycle repeated for ever [K]; empty: unknown

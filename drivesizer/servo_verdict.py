@@ -53,6 +53,7 @@ def validation(case: ServoCase) -> Validation:
         series_units=dict(_UNITS),
         assumptions=(*case.said, *_assumptions(case)),
         warnings=_warnings(case, found, lacking),
+        loops=case.loops.all,
         controller_gains=gains,
     )
 
@@ -168,7 +169,7 @@ def _figures(case: ServoCase) -> tuple[Figure, ...]:
          case.figure("angle_error_time")),
         ("voltage_saturation", "Time at the voltage limit", case.figure("time_at_voltage_limit") / time, *share, None),
         ("current_limitation", "Time at the current limit", case.figure("time_at_current_limit") / time, *share, None),
-        ("current_bandwidth", "Current loop, bandwidth (-3 dB)", case.loops.current.bandwidth, "frequency", "Hz", None),
+        ("current_bandwidth", "Current loop, bandwidth (-3 dB)", case.loops.all[0].bandwidth, "frequency", "Hz", None),
         ("bandwidth", "Velocity loop, bandwidth (-3 dB)", velocity.bandwidth, "frequency", "Hz", None),
         ("phase_margin", "Velocity loop, phase margin", velocity.phase_margin, "angle", "deg", None),
         ("gain_margin", "Velocity loop, gain margin (factor)", velocity.gain_margin, "dimensionless", "1", None),

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from drivesizer.choose import usable_in
 from drivesizer.control_design import COMPUTING, analyse, design
 from drivesizer.errors import InputError
+from drivesizer.loop_analysis import analyse_voltage
 from drivesizer.machines import WheeledVehicle
 from drivesizer.march import Limits, Run, march
 from drivesizer.plant import DriveTrain, drive_train, within_reach
@@ -97,6 +98,7 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
         series_units=dict(_UNITS),
         assumptions=(*said, *assumed, *_assumptions(case)),
         warnings=_warnings(case, found),
+        loops=(analyse_voltage(train, gains),),
     )
 
 
