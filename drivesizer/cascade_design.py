@@ -61,7 +61,6 @@ def design_cascade(
     every: Rates,
     wanted: Wanted,
     *,
-    viscous: float = 0.0,
     where: Callable[[str], str] = "control.{}".format,
 ) -> tuple[Cascade, list[str]]:
     """All gains of a cascade: those that are given, and the rest designed around them.
@@ -76,8 +75,6 @@ def design_cascade(
         The periods, see :func:`drivesizer.cascade.rates`.
     wanted
         What the user gives.
-    viscous
-        Friction that grows with speed [N*m*s/rad at the motor], for the feedforward and the placed poles.
     where
         From a field of :class:`Wanted` to its place in the user's text.
 
@@ -94,11 +91,11 @@ def design_cascade(
     _look(wanted, where)
     current, current_rule = _current(train, every, wanted, where)
     lag = current_lag(train, *current, every.current) + LATE * every.velocity
-    velocity, velocity_rule = _velocity(train, lag, wanted, viscous, where)
+    velocity, velocity_rule = _velocity(train, lag, wanted, where)
     outer, outer_rule = _position(train, lag + LATE * every.position, velocity, wanted)
     rules = [rule for rule in (current_rule, velocity_rule, outer_rule) if rule]
     kd = wanted.velocity_kd or 0.0
-    fed = dict(zip(("acceleration", "velocity", "friction"), feedforward(train, viscous), strict=True))
+    fed = dict(zip(("acceleration", "velocity", "friction"), feedforward(train), strict=True))
     given = {f"feedforward_{name}": getattr(wanted, f"feedforward_{name}") for name in fed}
     found = Cascade(
         current_kp=current[0],
@@ -163,7 +160,7 @@ def _current(
 
 
 def _velocity(
-    train: DriveTrain, lag: float, wanted: Wanted, viscous: float, where: Callable[[str], str]
+    train: DriveTrain, lag: float, wanted: Wanted, where: Callable[[str], str]
 ) -> tuple[tuple[float, float], str]:
     """Gains of the velocity loop and their rule."""
     kp, ki = wanted.velocity_kp, wanted.velocity_ki
@@ -174,7 +171,7 @@ def _velocity(
     every, k_t = modes(train), train.torque_constant
     J, damping = every[Regime.FORWARD_DRIVING].inertia, wanted.damping or _DAMPING
     if kp is not None:
-        w = (k_t * kp + viscous) / (2.0 * damping * J)
+        w = (k_t * kp + train.viscous) / (2.0 * damping * J)
     elif ki is not None:
         w = math.sqrt(k_t * ki / J)
     else:
@@ -182,7 +179,7 @@ def _velocity(
         most = most_bandwidth(lag, damping, every[Regime.FORWARD_BRAKING].inertia / J)
         _reachable(wanted.bandwidth, most, damping, where)
         w = natural_frequency(wanted.bandwidth, damping)
-    placed = pole_placement(J, k_t, w, damping, viscous)
+    placed = pole_placement(J, k_t, w, damping, train.viscous)
     if placed[0] < 0.0:
         raise InputError(f"{where('bandwidth')}: the friction alone makes the drive faster than that; expected more")
     gains = (placed[0] if kp is None else kp, placed[1] if ki is None else ki)

@@ -162,15 +162,13 @@ def position_gain(velocity_lag: float) -> float:
     return 1.0 / (4.0 * velocity_lag)
 
 
-def feedforward(train: DriveTrain, viscous: float = 0.0) -> tuple[float, float, float]:
+def feedforward(train: DriveTrain) -> tuple[float, float, float]:
     """Current that the motion is known to need, driving: acceleration, viscous friction, friction with a direction.
 
     Parameters
     ----------
     train
         The machine. What changes sign with the direction is friction; what does not is weight, and left to the loop.
-    viscous
-        Friction that grows with speed [N*m*s/rad at the motor].
 
     Returns
     -------
@@ -179,4 +177,4 @@ def feedforward(train: DriveTrain, viscous: float = 0.0) -> tuple[float, float, 
     """
     every, k_t = modes(train), train.torque_constant
     forward, backward = every[Regime.FORWARD_DRIVING], every[Regime.BACKWARD_DRIVING]
-    return forward.inertia / k_t, viscous / k_t, (forward.drag - backward.drag) / 2.0 / k_t
+    return forward.inertia / k_t, train.viscous / k_t, (forward.drag - backward.drag) / 2.0 / k_t

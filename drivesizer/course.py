@@ -84,7 +84,7 @@ class Course:
             Limits of the load itself.
         """
         speed, acceleration = self.speed / radius, self.acceleration / radius
-        return LoadCycle(self.name, self.duration, speed, acceleration, torque, inertia, own).split()
+        return LoadCycle(self.name, self.duration, speed, acceleration, torque, inertia, own, radius).split()
 
 
 def course(profile: Profile) -> Course:

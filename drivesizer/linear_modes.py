@@ -72,6 +72,7 @@ def machine_of(train: DriveTrain) -> Machine:
         torque_constant=train.torque_constant,
         motor_inertia=train.motor_inertia,
         friction=train.friction,
+        viscous=train.viscous,
         ratio=train.ratio,
         efficiency=train.efficiency,
         belt_ratio=train.belt_ratio,
@@ -79,7 +80,7 @@ def machine_of(train: DriveTrain) -> Machine:
         load_inertia=train.load_inertia,
         forward_torque=train.forward_torque,
         backward_torque=train.backward_torque,
-        rest_torque=train.slope_torque,
+        rest_torque=train.rest_torque,
     )
 
 

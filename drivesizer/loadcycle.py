@@ -47,6 +47,7 @@ class LoadCycle:
     torque: Ends  # N*m, the load's own inertia included
     inertia: float = nan  # kg*m^2, of all that moves with the shaft, seen at it
     own: tuple[OwnLimit, ...] = ()
+    radius: float = 1.0  # m, way of the load per angle of the shaft; 1 where it turns with the shaft
 
     def __post_init__(self) -> None:
         shape = (len(self.duration), 2)

@@ -1,6 +1,6 @@
 """What linear theory says of a sampled loop: poles, margins, bandwidth, step response, Bode data.
 
-The loops are those of ``loop_plant`` and the voltage loop of ``control_design``. Both directions of power are looked
+The loops are those of ``loop_plant``. Both directions of power are looked
 at; a loop's record is that of the direction nearer to instability, its margins and bandwidth the least of both.
 Margins and bandwidth are roots on the frequency response itself (no polynomials, which are ill-conditioned for slow
 loops), on a grid that is finer around every pole near the unit circle.
@@ -20,13 +20,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.cascade import Cascade
-from drivesizer.control_design import open_loop
-from drivesizer.loop_plant import Shaft, current_open_loop, position_open_loop, resonance, velocity_open_loop
+from drivesizer.loop_plant import (
+    Shaft,
+    current_open_loop,
+    position_open_loop,
+    resonance,
+    velocity_open_loop,
+    voltage_open_loop,
+)
 from drivesizer.loops import Bode, Loop, Loops
 from drivesizer.plant import DriveTrain, Mode, Regime, modes
 from drivesizer.results import Gains
 
-__all__ = ["analyse_cascade", "analyse_voltage", "loop_of"]
+__all__ = ["analyse", "loop_of"]
 
 _POINTS = 1500
 _DECADES = 6.0  # below the Nyquist frequency
@@ -35,37 +41,39 @@ _SETTLED = 0.02  # of the final value
 _DIRECTIONS = {"driving": Regime.FORWARD_DRIVING, "braking": Regime.FORWARD_BRAKING}
 
 
-def analyse_cascade(train: DriveTrain, cascade: Cascade, shaft: Shaft | None = None) -> Loops:
-    """The loops of a cascade around a rigid machine, or one with an elastic shaft.
+def analyse(train: DriveTrain, controller: Cascade | Gains, shaft: Shaft | None = None) -> Loops:
+    """The loops of a controller around a rigid machine, or one with an elastic shaft.
 
     Parameters
     ----------
-    train, cascade
+    train, controller
         The machine and its controller. References go in without feedforward.
     shaft
         What is elastic between motor and load; none: rigid.
     """
     every = modes(train)
+
+    def velocity(shaft: Shaft | None) -> Loop:
+        if isinstance(controller, Gains):
+            return _worse("velocity", every, lambda mode: voltage_open_loop(train, mode, controller, shaft))
+        return _worse("velocity", every, lambda mode: velocity_open_loop(train, mode, controller, shaft))
+
+    outer, inner = velocity(shaft), None
     position = None
-    if cascade.position_kp and cascade.position_period:
-        position = _worse("position", every, lambda mode: position_open_loop(train, mode, cascade, shaft))
+    if isinstance(controller, Cascade):
+        inner = loop_of("current", current_open_loop(train, controller))
+        if controller.position_kp and controller.position_period:
+            position = _worse("position", every, lambda mode: position_open_loop(train, mode, controller, shaft))
     # braking, the load's inertia counts less: that resonance is the lower one
     found = resonance(train, every[Regime.FORWARD_BRAKING], shaft) if shaft else (math.nan, math.nan)
-    velocity = _worse("velocity", every, lambda mode: velocity_open_loop(train, mode, cascade, shaft))
-    rigid = _worse("velocity", every, lambda mode: velocity_open_loop(train, mode, cascade)) if shaft else velocity
     return Loops(
-        current=loop_of("current", current_open_loop(train, cascade)),
-        velocity=velocity,
+        current=inner,
+        velocity=outer,
         position=position,
         anti_resonance=found[0],
         resonance=found[1],
-        rigid_bandwidth=rigid.bandwidth,
+        rigid_bandwidth=(velocity(None) if shaft else outer).bandwidth,
     )
-
-
-def analyse_voltage(train: DriveTrain, gains: Gains) -> Loop:
-    """The velocity loop that acts on the voltage, in full; see :func:`drivesizer.control_design.analyse`."""
-    return _worse("velocity", modes(train), lambda mode: open_loop(train, mode, gains))
 
 
 def _worse(name: str, every: tuple[Mode, ...], opened: Callable[[Mode], Any]) -> Loop:

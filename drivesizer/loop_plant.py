@@ -22,12 +22,20 @@ from typing import Any
 import numpy as np
 
 from drivesizer.cascade import Cascade
-from drivesizer.control_design import COMPUTING, sampled_pid
+from drivesizer.control_design import COMPUTING
 from drivesizer.errors import InputError
-from drivesizer.motion import matrices
-from drivesizer.plant import DriveTrain, Mode
+from drivesizer.plant import DriveTrain, Mode, matrices
+from drivesizer.results import Gains
 
-__all__ = ["Shaft", "current_open_loop", "plant", "position_open_loop", "resonance", "velocity_open_loop"]
+__all__ = [
+    "Shaft",
+    "current_open_loop",
+    "plant",
+    "position_open_loop",
+    "resonance",
+    "velocity_open_loop",
+    "voltage_open_loop",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,7 +92,8 @@ def plant(train: DriveTrain, mode: Mode, shaft: Shaft | None = None, *, angle: b
     import control
 
     A, B = matrices(train, mode)
-    A, B = (A[:2, :2], B[:2, :1]) if shaft is None else _two_masses(train, mode, shaft, A)
+    if shaft is not None:
+        A, B = _two_masses(train, mode, shaft, A)
     C = np.eye(2, len(A))
     if angle:
         n = len(A)
@@ -101,7 +110,7 @@ def _two_masses(train: DriveTrain, mode: Mode, shaft: Shaft, rigid: np.ndarray) 
     A = np.array(
         [
             [rigid[0, 0], rigid[0, 1], 0.0, 0.0],
-            [train.torque_constant / J_M, -d / J_M, d / J_M, -c / J_M],
+            [train.torque_constant / J_M, -(d + train.viscous) / J_M, d / J_M, -c / J_M],
             [0.0, d / J_L, -d / J_L, c / J_L],
             [0.0, 1.0, -1.0, 0.0],
         ]
@@ -110,11 +119,16 @@ def _two_masses(train: DriveTrain, mode: Mode, shaft: Shaft, rigid: np.ndarray) 
 
 
 def _pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: float = 0.0) -> Any:
-    """A sampled PID and the period that it computes: the controller of ``control_design.Pid``, one answer late."""
+    """A sampled PID with a filtered derivative, and the period that it computes: the answer to the sample before."""
     import control
 
-    late = control.ss(control.tf([1], [1, *[0] * round(COMPUTING)], period))
-    return late * sampled_pid(kp, ki, period, kd, filter_time)
+    found: Any = control.ss([], [], [], [[kp]], period)
+    if ki:
+        found = found + control.ss(control.tf([ki * period, 0], [1, -1], period))
+    if kd:
+        filtered = filter_time + period
+        found = found + control.ss(control.tf([kd, -kd], [filtered, -filter_time], period))
+    return control.ss(control.tf([1], [1, *[0] * round(COMPUTING)], period)) * found
 
 
 def _lifted(fast: Any, steps: int) -> Any:
@@ -125,6 +139,12 @@ def _lifted(fast: Any, steps: int) -> Any:
     many = np.linalg.matrix_power(held, steps)
     n = fast.nstates
     return control.ss(many[:n, :n], many[:n, n:], fast.C, fast.D, fast.dt * steps)
+
+
+def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains, shaft: Shaft | None = None) -> Any:
+    """The velocity loop that acts on the voltage, open: from the speed error to the motor's speed."""
+    forward = plant(train, mode, shaft).sample(gains.period, "zoh")[1, 0]
+    return forward * _pid(gains.kp, gains.ki, gains.period, gains.kd, gains.filter_time)
 
 
 def current_open_loop(train: DriveTrain, cascade: Cascade) -> Any:

@@ -59,7 +59,7 @@ class Control(Section):
     position: PositionLoop | None = None
     feedforward: Feedforward = Field(default_factory=Feedforward)
     speed_from: Literal["exact", "counts"] = Field(
-        default="exact", description="how the cascade measures: exactly, or by the encoder's counts"
+        default="exact", description="how speed is measured: exactly, or by the encoder's counts"
     )
 
     @model_validator(mode="after")
@@ -68,7 +68,7 @@ class Control(Section):
             raise ValueError("ki and kd need kp")
         if self.kp is not None and self.bandwidth is not None:
             raise ValueError("give kp or bandwidth, not both")
-        own = {"current", "velocity", "position", "feedforward", "speed_from"} & self.model_fields_set
+        own = {"current", "velocity", "position", "feedforward"} & self.model_fields_set
         if self.structure == "voltage_pid" and own:
             raise ValueError(f"{min(own)} belongs to structure: cascade")
         if self.structure == "cascade" and {"kp", "ki", "kd", "bandwidth"} & self.model_fields_set:
@@ -77,7 +77,7 @@ class Control(Section):
 
 
 class Plant(Section):
-    """How the closed loop models the machine, with structure: cascade; rigid where nothing is said."""
+    """How the closed loop models the machine; rigid where nothing is said."""
 
     model: Literal["rigid", "two_mass"] = Field(default="rigid", description="two_mass: motor, shaft, load")
     stiffness: Stiffness | None = Field(default=None, description="of the shaft, seen at the load; else the belt's")

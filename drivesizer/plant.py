@@ -1,11 +1,11 @@
-"""One motor set and its share of the vehicle as a machine in motion: what the closed loop drives.
+"""One motor set and its share of the load as a machine in motion: what the closed loop drives.
 
-A rigid chain from the rotor to the robot: DC motor, gearhead, belt, wheel. Between the reversals of speed and of
+A rigid chain from the rotor to the driven shaft: motor, gearhead, belt, load. Between the reversals of speed and of
 power it is linear, so it is a handful of linear modes: standing, and driving or braking in either direction.
-Physical kinematics: the wheel turns at v/r; the paper's speed reserve and oversize factor are no physics.
+The paper's speed reserve, bearing and oversize factors are no physics and not in here.
 
-Convention: forward is positive at the motor, the wheel and the robot; torque at the wheel is positive when the
-load asks to be driven forward. Symbols: i current [A], w motor speed [rad/s], u voltage [V], K whole reduction [1].
+Convention: forward is positive at the motor, the shaft and the load; torque at the shaft is positive when the load
+asks to be driven forward. Symbols: i current [A], w motor speed [rad/s], u voltage [V], K whole reduction [1].
 """
 
 from __future__ import annotations
@@ -13,20 +13,17 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, fields, replace
 from enum import IntEnum
 from math import inf, isfinite, isnan
-from typing import Any
 
 import numpy as np
 
-from drivesizer import equations as eq
 from drivesizer.errors import InputError
-from drivesizer.loads.wheeled_vehicle import rolling_resistance, turning_inertia
-from drivesizer.machines import WheeledVehicle
-from drivesizer.physics import gear_loss
+from drivesizer.physics import friction, gear_loss
 from drivesizer.profile import Profile
 from drivesizer.results import DriveSet
+from drivesizer.shaft_load import at_shaft
 from drivesizer.spec import RobotSpec
 
-__all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "modes", "within_reach"]
+__all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "matrices", "modes", "within_reach"]
 
 _NO_INDUCTANCE = 1e-3  # electrical time constant in control periods, where the inductance is unknown: none to speak of
 _FASTEST = 1e9  # rad/s at the motor: beyond any machine, and small enough that squares stay finite
@@ -54,21 +51,21 @@ class DriveTrain:
     inductance: float  # H
     torque_constant: float  # N*m/A, equal to V*s/rad
     friction: float  # N*m at the motor, against the motion: the motor's and the idle gearhead's
+    viscous: float = 0.0  # N*m*s/rad at the motor
     motor_inertia: float  # kg*m^2 at the motor shaft: rotor, encoder, gearhead input
     gear_ratio: float
     gear_efficiency: float
     belt_ratio: float
     belt_efficiency: float
-    turning_inertia: float  # kg*m^2 at the wheel: wheel and shaft
-    mass: float  # kg, the vehicle's share
-    radius: float  # m, of the wheel
-    forward_torque: float  # N*m at the wheel, resistance when the robot moves forward
-    backward_torque: float  # N*m at the wheel, the same when it moves backward
-    slope_torque: float  # N*m at the wheel, weight alone
+    load_inertia: float  # kg*m^2 at the driven shaft
+    radius: float  # m, way of the load per angle of the driven shaft; 1 where it turns with it
+    forward_torque: float  # N*m at the driven shaft, resistance when the load moves forward
+    backward_torque: float  # N*m at the driven shaft, the same when it moves backward
+    rest_torque: float  # N*m at the driven shaft, weight alone
 
     @property
     def ratio(self) -> float:
-        """Whole reduction K, motor turns per turn of the wheel."""
+        """Whole reduction K, motor turns per turn of the driven shaft."""
         return self.gear_ratio * self.belt_ratio
 
     @property
@@ -77,45 +74,24 @@ class DriveTrain:
         return self.gear_efficiency * self.belt_efficiency
 
     @property
-    def load_inertia(self) -> float:
-        """Inertia at the wheel, the vehicle's share of mass included [kg*m^2]."""
-        return self.turning_inertia + self.mass * self.radius**2
-
-    @property
     def motor_per_speed(self) -> float:
-        """Motor speed per speed of the robot, K/r [rad/m]."""
+        """Motor speed per speed of the load, K/r [rad/m, or 1]."""
         return self.ratio / self.radius
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mode:
-    """A regime in numbers: J dw/dt = k_t i - drag, and what is affine in the current."""
+    """A regime in numbers: J dw/dt = k_t i - b w - drag."""
 
     regime: Regime
     inertia: float  # kg*m^2 at the motor, infinite when standing
     drag: float  # N*m at the motor: friction and resistance
-    wheel_torque: tuple[float, float]  # N*m, and N*m/A: at the wheel
-    gear_torque: tuple[float, float]  # N*m, and N*m/A: at the gearhead's output
-    acceleration: tuple[float, float]  # m/s^2, and m/s^2/A: of the robot
-    resistance_force: float  # N, of the vehicle's share: rolling and weight
 
 
 def modes(train: DriveTrain) -> tuple[Mode, ...]:
-    """The five modes of a drive train, in the order of :class:`Regime`."""
-    return (_standing(train), *(_moving(train, regime) for regime in list(Regime)[1:]))
-
-
-def _standing(train: DriveTrain) -> Mode:
-    """At rest friction takes up what the motor does not: the gear holds the weight, ideally."""
-    return Mode(
-        regime=Regime.STANDING,
-        inertia=inf,
-        drag=0.0,
-        wheel_torque=(train.slope_torque, 0.0),
-        gear_torque=(train.slope_torque / train.belt_ratio, 0.0),
-        acceleration=(0.0, 0.0),
-        resistance_force=train.slope_torque / train.radius,
-    )
+    """The five modes of a drive train, in the order of :class:`Regime`; at rest friction takes what the motor gives."""
+    standing = Mode(regime=Regime.STANDING, inertia=inf, drag=0.0)
+    return (standing, *(_moving(train, regime) for regime in list(Regime)[1:]))
 
 
 def _moving(train: DriveTrain, regime: Regime) -> Mode:
@@ -124,23 +100,22 @@ def _moving(train: DriveTrain, regime: Regime) -> Mode:
     resistance = train.forward_torque if forward else train.backward_torque
     # T_in = T_out/(i e) where power goes to the load, T_out e/i where it comes back (Giberti et al. 2010)
     share = (1.0 / train.efficiency if driving else train.efficiency) / train.ratio
-    at_gearhead = (1.0 / train.belt_efficiency if driving else train.belt_efficiency) / train.belt_ratio
     inertia = train.motor_inertia + train.load_inertia * share / train.ratio
     drag = (train.friction if forward else -train.friction) + resistance * share
-    turn = -drag / inertia, train.torque_constant / inertia  # rad/s^2 at the motor, and per ampere
-    wheel = (
-        resistance + train.load_inertia / train.ratio * turn[0],
-        train.load_inertia / train.ratio * turn[1],
-    )
-    return Mode(
-        regime=regime,
-        inertia=inertia,
-        drag=drag,
-        wheel_torque=wheel,
-        gear_torque=(wheel[0] * at_gearhead, wheel[1] * at_gearhead),
-        acceleration=(turn[0] / train.motor_per_speed, turn[1] / train.motor_per_speed),
-        resistance_force=resistance / train.radius,
-    )
+    return Mode(regime=regime, inertia=inertia, drag=drag)
+
+
+def matrices(train: DriveTrain, mode: Mode) -> tuple[np.ndarray, np.ndarray]:
+    """State matrices of a mode: states current and motor speed, input voltage.
+
+    Returns
+    -------
+    tuple
+        A (2x2) and B (2x1) of dx/dt = A x + B u; Krause, Wasynczuk, Sudhoff, *Analysis of Electric Machinery*, the
+        permanent-magnet DC machine.
+    """
+    R, L, k, J = train.resistance, train.inductance, train.torque_constant, mode.inertia
+    return np.array([[-R / L, -k / L], [k / J, -train.viscous / J]]), np.array([[1 / L], [0.0]])
 
 
 def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[DriveTrain, list[str]]:
@@ -149,7 +124,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
     Parameters
     ----------
     spec, drive_set
-        The robot, and the parts that drive each of its wheels.
+        The machine, and the parts of one motor set.
     period
         Control period [s].
 
@@ -166,16 +141,16 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
                 f"{name} {part.part}: {', '.join(missing)} not in the catalogue; the validation needs them"
             )
     said: list[str] = []
-    assert isinstance(spec.load, WheeledVehicle)  # nothing else is validated
-    motor, gearhead, load = drive_set.motor, drive_set.gearhead, spec.load
+    motor, gearhead, shaft = drive_set.motor, drive_set.gearhead, at_shaft(spec)
     encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0
     gear_efficiency, idle = gear_loss(asdict(gearhead))
+    coulomb, viscous = (float(x) for x in friction(asdict(motor)))
     train = DriveTrain(
         resistance=motor.resistance,
         inductance=motor.inductance,
         torque_constant=motor.torque_constant,
-        friction=motor.torque_constant * _known(motor.no_load_current, "no-load current of the motor", said)
-        + float(idle),
+        friction=_known(coulomb, "friction of the motor", said) + float(idle),
+        viscous=_known(viscous, "viscous friction of the motor", said),
         motor_inertia=motor.rotor_inertia
         + _known(gearhead.inertia, "inertia of the gearhead", said)
         + _known(encoder, "inertia of the encoder", said),
@@ -183,9 +158,11 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
         gear_efficiency=float(gear_efficiency),
         belt_ratio=drive_set.belt_ratio,
         belt_efficiency=drive_set.belt_efficiency,
-        mass=load.mass / load.driven_wheels,
-        radius=load.wheel_diameter / 2,
-        **_at_the_wheel(spec),
+        load_inertia=_known(shaft.inertia, "inertia of the load", said),
+        radius=shaft.radius,
+        forward_torque=shaft.forward_torque,
+        backward_torque=shaft.backward_torque,
+        rest_torque=shaft.rest_torque,
     )
     if not train.inductance > 0.0:  # NaN too
         said.append("the motor's inductance is unknown: the current follows the voltage at once")
@@ -204,7 +181,8 @@ def within_reach(train: DriveTrain, profile: Profile) -> None:
         When its top speed is beyond 1e9 rad/s at the motor.
     """
     if not profile.top_speed * train.motor_per_speed <= _FASTEST:
-        raise InputError(f"profile {profile.name}: {profile.top_speed:g} m/s is no speed that a motor can be turned to")
+        at_motor = profile.top_speed * train.motor_per_speed
+        raise InputError(f"profile {profile.name}: {at_motor:.3g} rad/s is no speed that a motor can be turned to")
 
 
 def _known(value: float, what: str, said: list[str]) -> float:
@@ -213,26 +191,3 @@ def _known(value: float, what: str, said: list[str]) -> float:
         said.append(f"the {what} is unknown and taken as 0")
         return 0.0
     return value
-
-
-@np.errstate(all="ignore")  # what is out of range is refused by the caller
-def _at_the_wheel(spec: RobotSpec) -> dict[str, Any]:
-    """Resistances and turning inertia at one wheel, by the paper's equations (2)-(5), (8), (9)."""
-    load = spec.load
-    assert isinstance(load, WheeledVehicle)
-    C_rr = rolling_resistance(load)
-    terms = {"m_R": load.mass, "g": spec.environment.gravity, "theta": load.slope}
-    weight = eq.nominal_force(C_rr=0.0, **terms)
-    rolling = eq.nominal_force(C_rr=C_rr, **terms) - weight
-
-    def torque(force: float, direction: float) -> float:
-        """(2), with its bearing loss always against the motion: as printed it would push downhill."""
-        bare, full = (eq.nominal_torque(load.wheel_diameter, force, d) for d in (1.0, spec.paper_factors.bearing))
-        return float(eq.nominal_torque_per_motor(bare + direction * abs(full - bare), load.driven_wheels))
-
-    return {
-        "turning_inertia": turning_inertia(load),
-        "forward_torque": torque(weight + rolling, +1.0),
-        "backward_torque": torque(weight - rolling, -1.0),
-        "slope_torque": torque(weight, 0.0),
-    }

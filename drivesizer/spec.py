@@ -20,6 +20,7 @@ from drivesizer.fields import (
     Angle,
     Capacitance,
     Current,
+    Duration,
     Factor,
     Force,
     Frequency,
@@ -101,6 +102,12 @@ class Margins(Section):
     temperature: Allowance = Field(default=0, description="of the winding's permitted rise over the ambient")
 
 
+class Mission(Section):
+    """What is done with the motion, for the closed loop."""
+
+    duration: Duration = Field(description="for which the cycle is repeated, rounded up to whole cycles")
+
+
 class Needs(Section):
     """What the drive must offer beyond moving the load."""
 
@@ -149,6 +156,7 @@ class RobotSpec(Section):
     supply: Supply
     environment: Environment = Field(default_factory=Environment)
     needs: Needs = Field(default_factory=Needs)
+    mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
     control: Control = Field(default_factory=Control)
     plant: Plant = Field(default_factory=Plant)
     select: Select = Field(default_factory=Select)

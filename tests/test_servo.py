@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from drivesizer import servo
+from drivesizer import closed_loop
 from drivesizer.cascade import Cascade
 from drivesizer.cli import app
 from drivesizer.errors import InputError
@@ -114,7 +114,7 @@ def test_two_masses_swing_at_their_resonance():
     """f = sqrt(c (1/(e K^2 J_M)... at the load: 1/J_L and the motor's own through K^2 with the gears' share) / 2 pi."""
     spec = spec_of(plant="plant: {model: two_mass, stiffness: 3000 N*m/rad, damping_ratio: 0.1, backlash: 0.2 deg}")
     found = proof(spec)
-    case = servo.run(spec, found.drive_set, _profile(spec))
+    case = closed_loop.run(spec, found.drive_set, _profile(spec))
     train = case.train
     braking = train.efficiency / train.ratio  # the share of the shaft's torque that the motor feels
     own = 3000.0 * (1 / train.load_inertia + braking / (train.ratio * train.motor_inertia))
@@ -152,7 +152,7 @@ def test_without_feedforward_the_error_at_the_ramps_start_is_that_of_a_second_or
     )
     spec = spec_of(bare)
     found = proof(spec)
-    train = servo.run(spec, found.drive_set, _profile(spec)).train
+    train = closed_loop.run(spec, found.drive_set, _profile(spec)).train
     mode, z = modes(train)[Regime.FORWARD_DRIVING], math.sqrt(0.5)
     gains = found.gains
     assert isinstance(gains, Cascade)
@@ -256,6 +256,6 @@ def test_iron_warms_by_the_speed_of_the_profile_that_is_driven():
     spec, catalog = spec_of(), load()
     motor = catalog.motors.record(catalog.motors.rows["309756"])  # EC-4pole 30
     found = replace(explain(spec, *parts())[0], motor=motor)
-    slow, fast = (servo._heat(spec, found, top) for top in (200.0, 400.0))
+    slow, fast = (closed_loop._heat(spec, found, top) for top in (200.0, 400.0))
     assert slow and fast and slow.loss_torque > 0.0
     assert fast.loss_torque == pytest.approx(2.0 * slow.loss_torque, rel=1e-12)

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drivesizer import march as marching
-from drivesizer.control_design import analyse, design, effective_delay, open_loop
+from drivesizer.control_design import design, effective_delay
 from drivesizer.errors import InputError
-from drivesizer.motion import Motion
+from drivesizer.loop_analysis import analyse
+from drivesizer.loop_plant import voltage_open_loop
 from drivesizer.plant import DriveTrain, Regime, drive_train, modes
 from drivesizer.profile import Profile
 from drivesizer.simulate import validate
@@ -55,63 +55,13 @@ def train_of(**figures):
     """A drive train with ratio and efficiencies far from 1."""
     given = {
         "resistance": 2.0, "inductance": 1e-9, "torque_constant": 0.05, "friction": 0.0, "motor_inertia": 2e-5,
-        "gear_ratio": 7.0, "gear_efficiency": 0.8, "belt_ratio": 1.3, "belt_efficiency": 0.9, "turning_inertia": 1e-3,
-        "mass": 8.0, "radius": 0.1, "forward_torque": 0.0, "backward_torque": 0.0, "slope_torque": 0.0,
+        "gear_ratio": 7.0, "gear_efficiency": 0.8, "belt_ratio": 1.3, "belt_efficiency": 0.9, "load_inertia": 0.081,
+        "radius": 0.1, "forward_torque": 0.0, "backward_torque": 0.0, "rest_torque": 0.0,
     }  # fmt: skip
     return DriveTrain(**(given | figures))
 
 
-# --- the machine against closed forms
-
-
-def test_voltage_step_rises_like_first_order():
-    train, volts = train_of(), 10.0
-    motion = Motion(train, PERIOD)
-    load = (1e-3 + 8.0 * 0.1**2) / (7.0 * 1.3) ** 2 / (0.8 * 0.9)  # seen through the gears, their loss included
-    tau = 2.0 * (2e-5 + load) / 0.05**2
-    late = PERIOD / 16  # a start from rest is met to a sixteenth of a period
-    for n in range(1, 5001):
-        motion.advance(volts, n * PERIOD)
-        if n % 500 == 0:
-            expected, slope = (
-                volts / 0.05 * f for f in (-math.expm1(-n * PERIOD / tau), math.exp(-n * PERIOD / tau) / tau)
-            )
-            assert motion.w == pytest.approx(expected, abs=1.01 * slope * late)  # 5 mrad/s of 200 at most
-    assert 1.5 * tau < 5000 * PERIOD
-
-
-def test_steady_speed_is_no_load_speed_less_what_drag_takes():
-    train = train_of(friction=2e-3, forward_torque=0.3, backward_torque=-0.3)
-    motion = Motion(train, PERIOD)
-    for n in range(100_000):
-        motion.advance(10.0, n * PERIOD)
-    drag = 2e-3 + 0.3 / (7.0 * 1.3 * 0.8 * 0.9)
-    assert motion.w == pytest.approx((10.0 - 2.0 * drag / 0.05) / 0.05, abs=1e-5)  # rad/s
-    assert motion.i == pytest.approx(drag / 0.05, abs=1e-6)
-
-
-@pytest.mark.parametrize("amperes", [0.99, -0.99, 1.01, -1.01])
-def test_breakaway(amperes):
-    train = train_of(friction=2e-3, forward_torque=0.5, backward_torque=-0.1)
-    up = (2e-3 + 0.5 / (7.0 * 1.3 * 0.8 * 0.9)) / 0.05
-    down = (2e-3 + 0.1 / (7.0 * 1.3 * 0.8 * 0.9)) / 0.05
-    motion = Motion(train, PERIOD)
-    volts = amperes * (up if amperes > 0 else down) * 2.0  # R i
-    for n in range(50):
-        motion.advance(volts, n * PERIOD)
-    assert np.sign(motion.w) == (0 if abs(amperes) < 1.0 else np.sign(amperes))
-
-
-def test_steep_slope_is_not_held_by_friction_and_rolls_back():
-    train = train_of(friction=2e-3, forward_torque=3.2, backward_torque=2.8, slope_torque=3.0)
-    motion = Motion(train, PERIOD)
-    assert motion.i == pytest.approx(3.0 / (7.0 * 1.3) / 0.05)  # the start: the weight is held, ideally
-    for n in range(100_000):
-        motion.advance(0.0, n * PERIOD)
-    braking = (2.8 * 0.8 * 0.9 / (7.0 * 1.3) - 2e-3) / 0.05  # the weight drives the shorted motor
-    assert motion.regime == Regime.BACKWARD_BRAKING
-    assert motion.i == pytest.approx(braking, abs=1e-6)
-    assert motion.w == pytest.approx(-2.0 * braking / 0.05, abs=1e-6)
+# --- the machine against an integrator
 
 
 def saturated(chosen, train, volts, times):
@@ -153,9 +103,8 @@ def test_limits_hold(spec, chosen):
     weak = replace(chosen, controller=replace(chosen.controller, peak_current=3.0))
     proof = validate(spec, weak, profile=Profile("steep", (0.0, 0.2, 0.6, 0.8, 1.0), (0.0, 1.5, 1.5, -1.5, -1.5)))
     assert np.abs(proof.series["voltage"]).max() <= 0.9 * (22.0 - 1.0)
-    assert np.abs(proof.series["current"]).max() == pytest.approx(
-        3.0, abs=1e-3
-    )  # A: the power may turn within a period
+    # A: the power may turn within a period
+    assert np.abs(proof.series["current"]).max() == pytest.approx(3.0, abs=2e-3)
     assert check(proof, "controller_peak_current").status == "fail"
     assert figure(proof, "current_limitation") > 0.1
 
@@ -167,7 +116,7 @@ def test_unsaturated_loop_is_the_sampled_linear_loop(spec, chosen):
     asked = Profile("small", (0.0, 0.05, 0.15, 0.4), (1.0, 1.0, 1.02, 1.02))
     proof = validate(spec, chosen, profile=asked)
     train, _ = drive_train(spec, chosen, PERIOD)
-    loop = open_loop(train, modes(train)[Regime.FORWARD_DRIVING], proof.gains)
+    loop = voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], proof.gains)
     time = np.arange(1001) * PERIOD
     change = (np.interp(time, asked.time, asked.speed) - 1.0) * train.motor_per_speed
     linear = control.forced_response(control.feedback(loop, 1), time, change).outputs
@@ -198,10 +147,10 @@ def test_half_rule_of_complex_roots_keeps_their_sum():
 def test_gain_margin_is_where_the_loop_becomes_unstable(spec, chosen):
     train, _ = drive_train(spec, chosen, PERIOD)
     gains = design(spec, train, PERIOD)
-    margin = analyse(train, gains).gain_margin
+    margin = analyse(train, gains).velocity.gain_margin
     for factor, stable in ((0.999, True), (1.001, False)):
         higher = replace(gains, kp=gains.kp * margin * factor, ki=gains.ki * margin * factor)
-        assert analyse(train, higher).stable is stable
+        assert analyse(train, higher).velocity.stable is stable
 
 
 def test_bandwidth_asked_for_is_reached_or_refused(spec, chosen):
@@ -236,29 +185,6 @@ def test_energy_balance(spec, chosen, degrees):
     assert electrical == pytest.approx(sum(lost.values()), abs=1e-3 * sum(map(abs, lost.values())))
 
 
-def test_a_steady_stretch_that_is_carried_is_as_good_as_one_that_is_marched(spec, chosen, monkeypatch):
-    short = changed(spec, "motion", cruise_time=3.0, rest_time=1.0)
-    carried = validate(short, chosen)
-    monkeypatch.setattr(marching, "_STEADY", -1.0)  # nothing is ever steady
-    marched = validate(short, chosen)
-    assert len(marched.series["time"]) > 1.2 * len(carried.series["time"])
-    for name in ("rms_current", "tracking_error_rms", "energy_in", "energy_returned"):
-        assert figure(carried, name) == pytest.approx(figure(marched, name), rel=1e-9)
-    for a, b in zip(carried.checks, marched.checks, strict=True):
-        assert a.demand == pytest.approx(b.demand, rel=1e-9, nan_ok=True)
-
-
-def test_long_marches_keep_few_rows_and_are_bounded(spec, chosen, monkeypatch):
-    saw = Profile("saw", tuple(0.5 * n for n in range(9)), tuple(1.0 + n % 2 for n in range(9)))
-    monkeypatch.setattr(marching, "_MOST_ROWS", 400)
-    proof = validate(spec, chosen, profile=saw)
-    assert 200 < len(proof.series["time"]) <= 402
-    assert np.all(np.diff(proof.series["time"]) > 0.0)
-    monkeypatch.setattr(marching, "_MOST_STEPS", 9000)
-    with pytest.raises(InputError, match="more than 9000 control periods"):
-        validate(spec, chosen, profile=saw)
-
-
 # --- verdicts
 
 
@@ -280,7 +206,7 @@ def test_the_paper_s_drive_in_steady_state(proof):
     """Cruise by hand: speed from the wheel, current from resistance through the gears and no-load current."""
     ratio = 3249 / 121 * 1.1
     speed = 1.5 / 0.0762 * ratio
-    torque = 0.02 * 45 * 9.80665 * 0.0762 / 0.95 / 4
+    torque = 0.02 * 45 * 9.80665 * 0.0762 / 4
     current = torque / (ratio * 0.8 * 0.95) / 0.0234 + 0.0369
     cruise = int(np.searchsorted(proof.series["time"], 241.999)) - 1
     assert proof.series["motor_speed"][cruise] == pytest.approx(speed, abs=1e-6)
@@ -369,7 +295,7 @@ def test_there_and_back_again_is_symmetric(spec, chosen):
 def test_what_is_not_known_is_unknown_and_never_passes(spec, chosen):
     proof = validate(spec, replace(chosen, controller=None, encoder=None))
     unknown = {c.name for c in proof.checks if c.status == "unknown"}
-    assert {"supply_voltage", "controller_peak_current", "controller_peak_time", "controller_continuous_current",
+    assert {"supply_voltage", "controller_peak_current", "controller_i2t", "controller_continuous_current",
             "encoder_speed", "encoder_frequency", "controller_frequency"} < unknown  # fmt: skip
     assert proof.status == "pass" and proof.gains.period == 1e-3
     assert any("rate is unknown" in a for a in proof.assumptions)
@@ -395,11 +321,22 @@ def test_heat(spec, chosen):
     assert check(proof, "motor_speed").status == "pass"
 
 
-def test_time_above_the_continuous_current(spec, chosen):
-    small = replace(chosen, controller=replace(chosen.controller, continuous_current=1.2, peak_time=1.0))
-    found = check(validate(spec, small), "controller_peak_time")
-    assert found.demand == pytest.approx(2.0, abs=0.02)  # the whole acceleration
-    assert (found.status, found.at_time) == ("fail", pytest.approx(2.0, abs=0.02))
+@pytest.mark.parametrize("peak_time", [1.0, 4.0])
+def test_current_above_the_continuous_one(spec, chosen, peak_time):
+    """The sum of I^2 - I_cont^2 over the acceleration, against what the peak current may hold for its time."""
+    figures = {"continuous_current": 1.2, "peak_current": 2.0, "peak_time": peak_time}
+    proof = validate(spec, replace(chosen, controller=replace(chosen.controller, **figures)))
+    time, current = proof.series["time"], proof.series["current"]
+    up = time < 2.0
+    summed = np.trapezoid(np.maximum(current[up] ** 2 - 1.44, 0.0), time[up])
+    found = check(proof, "controller_i2t")
+    assert found.demand == pytest.approx(summed / ((4.0 - 1.44) * peak_time), rel=5e-3)
+    assert found.status == ("fail" if found.demand > 1.0 else "pass")
+
+
+def test_a_peak_of_unknown_time_is_unknown(spec, chosen):
+    weak = replace(chosen.controller, continuous_current=1.2, peak_time=nan)
+    assert check(validate(spec, replace(chosen, controller=weak)), "controller_i2t").status == "unknown"
 
 
 @pytest.mark.parametrize(
@@ -408,7 +345,7 @@ def test_time_above_the_continuous_current(spec, chosen):
         pytest.param(Profile("blink", (0.0, 1e-9, 2e-9), (0.0, 1.5, 0.0)), "between two samples", id="unseen"),
         pytest.param(Profile("light", (0.0, 1.0), (0.0, 1e300)), "no speed", id="too fast for numbers"),
         pytest.param(Profile("age", (0.0, 1e300), (1.0, 1.0)), "too long", id="too long for numbers"),
-        pytest.param(Profile("ramp", (0.0, 1e6), (0.0, 1.0)), "control periods in which", id="too many steps"),
+        pytest.param(Profile("ramp", (0.0, 1e6), (0.0, 1.0)), "more steps than are permitted", id="too many steps"),
     ],
 )
 def test_profiles_that_cannot_be_driven_are_refused(spec, chosen, asked, message):

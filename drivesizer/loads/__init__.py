@@ -11,7 +11,7 @@ from drivesizer.loadcycle import LoadCycle
 from drivesizer.profile import Profile, profile_of
 from drivesizer.spec import RobotSpec
 
-__all__ = ["load_cycle"]
+__all__ = ["load_cycle", "of_course"]
 
 _HOME = {  # kind -> module, where the function has the same name
     "wheeled_vehicle": "wheeled_vehicle",
@@ -56,6 +56,17 @@ def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:
         from drivesizer.loads.recorded import recorded
 
         return recorded(spec)
+    return of_course(spec, course(profile or profile_of(spec)))
+
+
+def of_course(spec: RobotSpec, course: Course) -> LoadCycle:
+    """What a load that is not a recording asks of the driven shaft of one motor set, the belt's own inertia apart.
+
+    Raises
+    ------
+    InputError
+        When a figure leaves the range of numbers that can be computed with.
+    """
     name = _HOME[spec.load.kind]
     function: Callable[[RobotSpec, Course], LoadCycle] = getattr(import_module(f"drivesizer.loads.{name}"), name)
-    return function(spec, course(profile or profile_of(spec)))
+    return function(spec, course)

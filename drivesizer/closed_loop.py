@@ -1,0 +1,292 @@
+"""A set in closed loop: gains designed, loops analysed, and the machine marched along a profile.
+
+Puts together ``control_design`` or ``cascade_design`` (gains), ``loop_analysis`` (what linear theory says) and
+``engine`` (the march: sampled, limited, warming); ``verdict`` says what it means. What is taken for granted on the way
+is kept with the result.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drivesizer.cascade import Cascade, rates
+from drivesizer.cascade_design import Wanted, design_cascade
+from drivesizer.catalog import EDGES, Controller
+from drivesizer.choose import usable_in
+from drivesizer.control_design import design
+from drivesizer.engine import CurrentLimit, Drive, Encoder, Heat, Marched, Supply, Task, march
+from drivesizer.errors import InputError
+from drivesizer.linear_modes import Machine, machine_of
+from drivesizer.loop_analysis import analyse
+from drivesizer.loop_plant import Shaft
+from drivesizer.loops import Loops
+from drivesizer.physics_limits import housing_loss
+from drivesizer.plant import DriveTrain, drive_train, within_reach
+from drivesizer.profile import Profile
+from drivesizer.results import DriveSet, Gains
+from drivesizer.shaft_load import at_shaft, remaining_torque
+from drivesizer.spec import RobotSpec
+from drivesizer.thermal import TwoBodies, two_bodies
+from drivesizer.units import show
+
+__all__ = ["FOLLOWS", "Case", "run"]
+
+FOLLOWS = 0.1  # of the top speed: a drive whose error grows beyond a tenth is not said to follow (our convention)
+_PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's is unknown
+_ROUNDS = 3  # of the search for the periodic temperatures
+_NUDGE = 1.0  # K, by which starts differ to see what a cycle makes of them
+_FOUND = 0.05  # K
+_HOTTEST = 2000.0  # K: beyond it the winding runs away
+_WHOLE = 1e-9  # share of a cycle that is none
+
+
+class Case(NamedTuple):
+    """A march in closed loop and all that it was made of."""
+
+    spec: RobotSpec
+    drive_set: DriveSet
+    profile: Profile
+    train: DriveTrain
+    controller: Gains | Cascade
+    shaft: Shaft | None
+    loops: Loops
+    usable_voltage: float  # V, NaN unknown
+    task: Task
+    out: Marched  # from cold
+    free: Marched  # the same without limits: what following takes; the march itself where that does not come to an end
+    periodic: dict[str, float]  # highest temperatures over the cycle repeated for ever [K]; empty: unknown
+    said: tuple[str, ...]  # what was assumed on the way
+
+    def figure(self, name: str) -> float:
+        """A figure of the march, SI."""
+        return float(self.out.figures[name][0])
+
+    def takes(self, name: str) -> float:
+        """A figure of the march without limits, SI."""
+        return float(self.free.figures[name][0])
+
+    @property
+    def velocity_period(self) -> float:
+        """Period of the velocity loop [s]."""
+        return self.controller.period if isinstance(self.controller, Gains) else self.controller.velocity_period
+
+
+def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
+    """Design a controller for a set, analyse its loops and march it along a profile, as often as the mission lasts.
+
+    Raises
+    ------
+    InputError
+        When gains exclude each other, the bandwidth is out of reach, a figure that the model needs is missing, the
+        profile cannot be sampled, or the loop leaves the range of numbers.
+    """
+    train, controller, said = _designed(spec, drive_set)
+    within_reach(train, asked)
+    _sampled(controller, asked)
+    shaft = _shaft(spec, train)
+    loops = analyse(train, controller, shaft)
+    usable = usable_in(spec, drive_set.controller)
+    machine = _machine(spec, drive_set, train, shaft)
+    heat = _heat(spec, drive_set, asked.top_speed * train.motor_per_speed) if spec.plant.warming else None
+    drive = _drive(spec, drive_set, machine, controller, heat, usable)
+    task = _task(spec, asked, train)
+    out = march(drive, task)
+    if out.problems[0]:
+        wanted = "a shorter profile" if "steps" in out.problems[0] else "other gains"
+        raise InputError(f"profile {asked.name}: {out.problems[0]}; expected {wanted}")
+    free = _without_limits(drive, task, out, loops)
+    found = _periodic(drive, replace(task, cycles=1), out if task.cycles == 1 else None)
+    return Case(spec, drive_set, asked, train, controller, shaft, loops, usable, task, out, free, found, tuple(said))
+
+
+# --- the controller
+
+
+def _designed(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
+    """The machine, its controller, and what was assumed of both."""
+    if spec.control.structure == "voltage_pid":
+        period, said = _period(drive_set.controller)
+        train, assumed = drive_train(spec, drive_set, period)
+        return train, design(spec, train, period), [*said, *assumed]
+    every, said = rates(drive_set.controller)
+    train, assumed = drive_train(spec, drive_set, every.current)
+    cascade, designed = design_cascade(train, every, _wanted(spec), where=lambda field: spec.where(_path(field)))
+    return train, cascade, [*said, *assumed, *designed]
+
+
+def _period(controller: Controller | None) -> tuple[float, list[str]]:
+    """The period of a controller's velocity loop [s]."""
+    rate = controller.speed_loop if controller else math.nan
+    if rate > 0.0:
+        return 1.0 / rate, []
+    return _PERIOD, [f"the controller's rate is unknown: it runs every {show(_PERIOD, 'ms', 'time')}"]
+
+
+def _wanted(spec: RobotSpec) -> Wanted:
+    """What the spec gives of the cascade."""
+    c = spec.control
+    given: dict[str, Any] = {f"current_{name}": getattr(c.current, name) for name in ("kp", "ki")}
+    given |= {f"velocity_{name}": getattr(c.velocity, name) for name in ("kp", "ki", "kd")}
+    given |= {name: getattr(c.velocity, name) for name in ("filter_time", "bandwidth", "damping", "phase_margin")}
+    given |= {f"feedforward_{name}": value for name, value in c.feedforward.model_dump().items()}
+    return Wanted(position=c.position is not None, position_kp=c.position.kp if c.position else None, **given)
+
+
+def _path(field: str) -> tuple[str, ...]:
+    """Where a field of ``Wanted`` stands in the spec."""
+    section, _, name = field.partition("_")
+    if section in ("current", "velocity", "position", "feedforward"):
+        return "control", section, name
+    return "control", "velocity", field
+
+
+# --- what is asked
+
+
+def _sampled(controller: Gains | Cascade, asked: Profile) -> None:
+    """Refuse a profile whose top speed no sample of the velocity loop sees, or that has more samples than numbers."""
+    period = controller.period if isinstance(controller, Gains) else controller.velocity_period
+    if not asked.duration / period < 2.0**53:
+        raise InputError(f"profile {asked.name}: {asked.duration:g} s is too long to be sampled every {period:g} s")
+    time, speed = np.array(asked.time) - asked.time[0], np.array(asked.speed)
+    near = np.unique(np.concatenate([np.floor(time / period + k) for k in (-1.0, 0.0, 1.0)])) * period
+    seen = np.abs(np.interp(near[(near >= 0.0) & (near <= time[-1])], time, speed)).max(initial=0.0)
+    if not seen >= (1.0 - FOLLOWS) * asked.top_speed:
+        raise InputError(
+            f"profile {asked.name}: its top speed lies between two samples of the controller, {period:g} s apart; "
+            "expected a slower change"
+        )
+
+
+def _task(spec: RobotSpec, asked: Profile, train: DriveTrain) -> Task:
+    """What is asked of the driven shaft, as often as the mission lasts."""
+    left = remaining_torque(spec, asked, at_shaft(spec))
+    lasts = spec.mission.duration / asked.duration if spec.mission else 1.0
+    return Task(
+        time=asked.time,
+        speed=tuple((np.array(asked.speed) / train.radius).tolist()),
+        load_time=tuple(left[:, 0].tolist()),
+        load_torque=tuple(left[:, 1].tolist()),
+        cycles=max(1, math.ceil(lasts - _WHOLE)),
+    )
+
+
+# --- the machine
+
+
+def _shaft(spec: RobotSpec, train: DriveTrain) -> Shaft | None:
+    """What is elastic between motor and load, as the spec says; none of a rigid model."""
+    if spec.plant.model == "rigid":
+        return None
+    where, stiffness = spec.where(("plant", "model")), spec.plant.stiffness or (spec.belt and spec.belt.stiffness)
+    if not stiffness:
+        raise InputError(f"{where}: two_mass needs plant.stiffness or the belt's, e.g. stiffness: 500 N*m/rad")
+    if not train.load_inertia > 0.0:
+        raise InputError(f"{where}: two_mass needs an inertia of the load, e.g. inertia: 0.02 kg*m^2")
+    damping = 2.0 * spec.plant.damping_ratio * math.sqrt(stiffness * train.load_inertia)
+    return Shaft(stiffness=stiffness, damping=damping)
+
+
+def _machine(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain, shaft: Shaft | None) -> Machine:
+    machine = machine_of(train)
+    if shaft is None:
+        return machine
+    own = drive_set.gearhead.backlash / drive_set.belt_ratio
+    gap = spec.plant.backlash if spec.plant.backlash is not None else own
+    return replace(
+        machine, stiffness=shaft.stiffness, damping=shaft.damping, gap=0.0 if math.isnan(gap) else float(gap)
+    )
+
+
+def _drive(
+    spec: RobotSpec, drive_set: DriveSet, machine: Machine, own: Gains | Cascade, heat: Heat | None, usable: float
+) -> Drive:
+    """The set as the engine takes it; an unknown limit is none there, and unknown in its check."""
+    controller, known = drive_set.controller, not math.isnan(usable)
+
+    def limit(name: str) -> float:
+        value = getattr(controller, name) if controller else math.nan
+        return math.inf if math.isnan(value) else float(value)
+
+    counted = spec.control.speed_from == "counts" and drive_set.encoder is not None
+    lines = drive_set.encoder.lines if counted and drive_set.encoder else math.nan
+    return Drive(
+        machine=machine,
+        controller=own,
+        supply=Supply(
+            voltage=spec.supply.lowest, resistance=spec.supply.resistance or 0.0, sets=spec.load.motors,
+            max_duty=controller.max_duty if controller and known else 1.0,
+            voltage_drop=controller.voltage_drop if controller and known else 0.0,
+        ),
+        current=CurrentLimit(
+            peak=limit("peak_current"), continuous=limit("continuous_current"), peak_time=limit("peak_time")
+        ),
+        encoder=Encoder(edges=0 if math.isnan(lines) else round(EDGES * lines)),
+        heat=heat,
+    )  # fmt: skip
+
+
+def _heat(spec: RobotSpec, drive_set: DriveSet, top: float) -> Heat | None:
+    """Winding and housing; None where a thermal figure is unknown.
+
+    What friction and iron lose warms the housing: by the speed; what grows with its square counts as at the motor's
+    top speed [rad/s].
+    """
+    figures = asdict(drive_set.motor)
+    bodies: TwoBodies = two_bodies(figures)
+    if not bodies.known:
+        return None
+    rubbing, iron = (float(x[0]) for x in housing_loss(figures, np.ones(1)))
+    loss = rubbing + iron * top
+    return Heat(bodies=bodies, ambient=spec.environment.ambient, loss_torque=loss if loss > 0.0 else 0.0)
+
+
+# --- the march without limits, and the cycle repeated for ever
+
+
+def _without_limits(drive: Drive, task: Task, out: Marched, loops: Loops) -> Marched:
+    """The march with nothing in its way; the same one where no limit was met, or where that would not end."""
+    met = out.figures["time_at_voltage_limit"][0] + out.figures["time_at_current_limit"][0]
+    if not met or not all(loop.stable for loop in loops.all):
+        return out
+    supply = replace(drive.supply, voltage=math.inf, resistance=0.0)
+    free = march(replace(drive, supply=supply, current=CurrentLimit(), heat=None), replace(task, cycles=1), rows=0)
+    return out if free.problems[0] else free
+
+
+def _periodic(drive: Drive, task: Task, out: Marched | None) -> dict[str, float]:
+    """Highest temperatures over the cycle repeated for ever [K].
+
+    A cycle makes of two starting temperatures two at its end, nearly affinely: its fixed point is sought by Newton's
+    method, with differences of 1 K.
+    """
+    if drive.heat is None:
+        return {}
+    heat, end = drive.heat, _ends(out or march(drive, task, rows=0))
+    start = np.array([heat.ambient, heat.ambient])
+    for _ in range(_ROUNDS):
+        slopes = np.column_stack([
+            (_ends(march(_from(drive, start + _NUDGE * unit), task, rows=0)) - end) / _NUDGE for unit in np.eye(2)
+        ])  # fmt: skip
+        step = np.linalg.solve(np.eye(2) - slopes, end - start)
+        start = start + step
+        if not np.isfinite(start).all() or start.max() > _HOTTEST or np.abs(np.linalg.eigvals(slopes)).max() >= 1.0:
+            return {"winding": math.inf, "housing": math.inf}  # it runs away
+        last = march(_from(drive, start), task, rows=0)
+        end = _ends(last)
+        if np.abs(end - start).max() < _FOUND:
+            break
+    return {name: float(last.figures[f"{name}_highest"][0]) for name in ("winding", "housing")}
+
+
+def _from(drive: Drive, start: Any) -> Drive:
+    assert drive.heat is not None
+    return replace(drive, heat=replace(drive.heat, winding=float(start[0]), housing=float(start[1])))
+
+
+def _ends(out: Marched) -> Any:
+    return np.array([out.figures["winding"][0], out.figures["housing"][0]])
