@@ -1,4 +1,4 @@
-"""The engine of the closed loop: closed forms, an independent integrator, the older march, energy, batches, cycles."""
+"""The engine of the closed loop: closed forms, an independent integrator, energy, batches, cycles."""
 
 from __future__ import annotations
 
@@ -9,14 +9,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drivesizer import engine, kernel
 from drivesizer.cascade import Cascade
-from drivesizer.control_design import design, open_loop
-from drivesizer.engine import CurrentLimit, Drive, Encoder, Heat, Supply, Task, march, march_many
+from drivesizer.control_design import design
+from drivesizer.engine import CurrentLimit, Drive, Encoder, Heat, Supply, Task, batch, cycles, loop, march, march_many
 from drivesizer.errors import InputError
 from drivesizer.linear_modes import Machine, columns, discretised, generators, machine_of
-from drivesizer.march import Limits
-from drivesizer.march import march as older
+from drivesizer.loop_plant import voltage_open_loop
 from drivesizer.overload import State, steady_state
 from drivesizer.plant import Regime, drive_train, modes
 from drivesizer.profile import profile_of
@@ -211,35 +209,16 @@ def robot_drive(train, g, **more):
     return Drive(machine=machine_of(train), controller=g, supply=supply, **more)
 
 
-def test_the_robot_s_trapezoid_as_the_older_march(robot):
-    spec, train, g = robot
-    profile = profile_of(spec)
-    old = older(train, g, Limits(supply=22.0, voltage=18.9, peak_current=10.0, continuous_current=5.0), profile)
-    task = Task(time=profile.time, speed=tuple(v / train.radius for v in profile.speed))
-    new = march(robot_drive(train, g, current=CurrentLimit(peak=10.0)), task)
-    tally = old.motion.tally
-    rms = math.sqrt(sum(tally.square) / old.duration)
-    # the older march meets a start from rest to a sixteenth of a period, this one to a 1024th
-    assert figure(new, "rms_current") == pytest.approx(rms, abs=1e-8)
-    assert figure(new, "energy_in") == pytest.approx(tally.energy_in, abs=1e-4)  # J of 1334
-    assert figure(new, "energy_back") == pytest.approx(tally.energy_back, abs=1e-5)
-    assert figure(new, "speed_error") == pytest.approx(old.error.value, abs=1e-5)
-    assert figure(new, "speed") == pytest.approx(tally.speed, abs=1e-6)
-    assert figure(new, "voltage_asked") == pytest.approx(old.demanded_voltage.value, abs=1e-8)
-    assert figure(new, "current_asked") == pytest.approx(old.demanded_current.value, abs=1e-6)
-    assert figure(new, "angle") == pytest.approx(old.motion.x, abs=1e-3)  # rad of 140 705
-
-
 def test_linear_loop_against_python_control(robot):
     import control
 
     _, train, g = robot
     task = Task(time=(0.0, 0.05, 0.15, 0.4), speed=tuple(v / train.radius for v in (1.0, 1.0, 1.02, 1.02)))
     run = march(robot_drive(train, g), task)
-    loop = open_loop(train, modes(train)[Regime.FORWARD_DRIVING], g)
+    opened = voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], g)
     time = np.arange(1001) * PERIOD
     change = (np.interp(time, task.time, task.speed) - task.speed[0]) * train.ratio
-    linear = control.forced_response(control.feedback(loop, 1), time, change).outputs
+    linear = control.forced_response(control.feedback(opened, 1), time, change).outputs
     n = np.rint(run.series["time"] / PERIOD).astype(int)
     assert run.series["motor_speed"] - train.motor_per_speed == pytest.approx(linear[n], abs=1e-8)  # rad/s
 
@@ -357,7 +336,7 @@ def test_plain_python_gives_the_same(monkeypatch):
     drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
     task = Task(time=(0.0, 0.1, 0.2), speed=(0.0, 40.0, 0.0))
     fast = march(drive, task)
-    monkeypatch.setattr(engine, "compiled", lambda: kernel.march_one)
+    monkeypatch.setattr(batch, "compiled", lambda: loop.march_one)
     slow = march(drive, task)
     for name, column in fast.figures.items():
         assert column == pytest.approx(slow.figures[name], rel=1e-6, abs=1e-9, nan_ok=True)
@@ -370,7 +349,7 @@ def test_cycles_that_repeat_are_added(heat, monkeypatch):
     task = Task(time=(0.0, 0.2, 0.8, 1.0, 2.0), speed=(0.0, 30.0, 30.0, 0.0, 0.0), cycles=60)
     added = march(drive, task)
     for name in ("_PERIODIC", "_PERIODIC_WARM"):
-        monkeypatch.setattr(engine, name, -1.0)  # nothing repeats
+        monkeypatch.setattr(cycles, name, -1.0)  # nothing repeats
     marched = march(drive, task)
     assert figure(added, "steps") < 0.1 * figure(marched, "steps")
     for name in ("time", "rms_current", "energy_in", "copper_heat", "speed_error_square", "angle"):

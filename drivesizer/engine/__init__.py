@@ -1,0 +1,19 @@
+"""Motor sets in closed loop along a reference: one with its course over time, or many at once.
+
+Data in, data out: a ``Drive`` is a machine, a controller and what holds it back; a ``Task`` is what it is asked for. A
+set starts in equilibrium at the first speed. Between samples the machine is exact (see ``linear_modes``); temperatures
+move with the loss of each period, and the winding's resistance follows to 0.01 K.
+Assumed: a reference or a load that has a corner between two samples takes it at the next one. A cycle that repeats is
+marched until it ends as it began, to 1e-7 of full scale (1e-3 while the winding's resistance moves); the cycles after
+that are added; a heated set's last is marched again at its temperatures, sums between to 5e-3. Where
+the power turns round twice within one sample, that is not seen; the bus sags by the current at the sample.
+Symbols: I current [A], U voltage [V], w motor speed [rad/s], T temperature [K].
+"""
+
+from __future__ import annotations
+
+from drivesizer.engine.batch import march, march_many
+from drivesizer.engine.drive import CurrentLimit, Drive, Encoder, Heat, Supply, Task
+from drivesizer.engine.figures import FIGURES, Marched
+
+__all__ = ["FIGURES", "CurrentLimit", "Drive", "Encoder", "Heat", "Marched", "Supply", "Task", "march", "march_many"]

@@ -1,0 +1,122 @@
+"""Motor sets at their start: in equilibrium at the first speed, their matrices made together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+import drivesizer.engine.places as at
+from drivesizer.cascade import Cascade
+from drivesizer.engine.drive import Drive, Heat, Task
+from drivesizer.engine.modes import held, mode_of, resisting
+from drivesizer.engine.parameters import resistances, table
+from drivesizer.engine.pieces import pieces_of
+from drivesizer.engine.places import STATE, TALLY, Array
+from drivesizer.errors import InputError
+from drivesizer.linear_modes import columns, discretised
+
+__all__ = ["Run", "ready", "tally"]
+
+
+def _start(p: Array, pieces: Array, heat: Heat | None, ki: tuple[bool, bool]) -> Array:
+    """The state in equilibrium at the first speed; ki: whether the outer and the inner loop have an integral."""
+    s = np.zeros(len(STATE))
+    w, l = pieces[0, 3], pieces[0, 6]
+    i, T = _equilibrium(p, w, l)
+    s[at.I], s[at.W], s[at.V] = i, w, w / p[at.RATIO]
+    if p[at.TWO]:
+        s[at.F] = T / p[at.C] + 0.5 * p[at.GAP] * np.sign(T)
+    if heat is not None:
+        s[at.T_W], s[at.T_H] = (0.0 if math.isnan(x) else x - heat.ambient for x in (heat.winding, heat.housing))
+    s[at.RES] = p[at.R_A] + p[at.ALPHA] * s[at.T_W] if p[at.HEAT] else p[at.R25]
+    s[at.CODE] = mode_of(p, i, w, s[at.F], s[at.V], l)
+    volts = s[at.RES] * i + p[at.K_T] * w  # what the integral holds is what was asked for last
+    if p[at.CASCADE]:
+        ahead = p[at.FFV] * w + p[at.FFF] * np.sign(w)
+        s[at.OUTER], s[at.I_ASK], s[at.INNER] = (i - ahead) * ki[0], i * ki[0], volts * ki[1]
+        s[at.PEND] = s[at.INNER]
+    else:
+        s[at.PEND] = s[at.OUTER] = volts * ki[0]
+    return s
+
+
+def _equilibrium(p: Array, w: float, l: float) -> tuple[float, float]:
+    """Current that keeps a speed, and the driven shaft's torque; none of either where friction holds."""
+    k = p[at.K_T]
+    if w:
+        side = 1 if w > 0.0 else -1
+        T = resisting(p, side) + l + p[at.B_L] * w / p[at.RATIO]
+        share = p[at.DRIVE] if T * side > 0.0 else p[at.BRAKE]
+        return float((side * p[at.F_M] + p[at.B_M] * w + T * share) / k), float(T)
+    T = p[at.T_0] + l
+    ends = (T, T) if p[at.TWO] else (p[at.T_F] + l, p[at.T_B] + l)
+    if p[at.TWO] and p[at.T_B] <= -l <= p[at.T_F]:
+        return 0.0, 0.0
+    if held(p, ends[1], -1) <= 0.0 <= held(p, ends[0], 1):
+        return 0.0, float(T)
+    return float(T / (p[at.RATIO] * k)), float(T)
+
+
+def _ring(p: Array, w: float) -> Array:
+    """Counts of the periods before the start."""
+    window = int(p[at.WINDOW])
+    back = p[at.H] * p[at.N_V] * np.arange(-window, 0)
+    return np.asarray(np.floor(w * back * p[at.EDGES] / (2.0 * math.pi)))
+
+
+@dataclass(slots=True)
+class Run:
+    """One set on its way."""
+
+    p: Array
+    s: Array
+    g: Array
+    M: Array
+    pieces: Array
+    ring: Array
+    status: int = 0
+    cycles: int = 0
+    time: float = 0.0  # s
+    owed: tuple[int, Array, float, float] | None = None  # cycles not yet added, sums and heat of the one before, heat
+
+
+def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
+    """Some sets at their start; their matrices are made together."""
+    top = max(map(abs, task.speed))
+    P = np.array([table(d, top, most, task.cycles > 1) for d in drives], float)
+    found: dict[int, Run] = {}
+    known: dict[tuple[float, ...], Array] = {}
+    for warm in (False, True):
+        here = [n for n, p in enumerate(P) if (p[at.HEAT] != 0.0) == warm]
+        if not here:
+            continue
+        resistance = np.array([resistances(P[n]) for n in here])
+        with np.errstate(all="ignore"):
+            M = discretised(columns([drives[n].machine for n in here]), resistance, P[here, at.H])
+        if not np.isfinite(M).all():
+            raise InputError("the machine's figures leave the range of numbers that can be computed with")
+        for m, n in enumerate(here):
+            same = tuple(P[n, [at.H, at.RATIO, at.N_V, at.N_P]].tolist())
+            if same not in known:
+                known[same] = pieces_of(task, P[n])
+            found[n] = _begun(P[n], M[m], drives[n], known[same].copy())
+    return [found[n] for n in range(len(drives))]
+
+
+def _begun(p: Array, M: Array, drive: Drive, pieces: Array) -> Run:
+    c = drive.controller
+    ki = (c.velocity_ki != 0.0, c.current_ki != 0.0) if isinstance(c, Cascade) else (c.ki != 0.0, False)
+    if not len(pieces):
+        raise InputError("task: it lies between two samples of the controller")
+    return Run(p, _start(p, pieces, drive.heat, ki), tally(), M, pieces, _ring(p, float(pieces[0, 3])))
+
+
+def tally() -> Array:
+    """Tallies before anything was seen."""
+    g = np.zeros(len(TALLY))
+    g[[at.G_WINDING, at.G_HOUSING]] = -math.inf
+    g[at.G_V_LOW], g[at.G_V_HIGH] = math.inf, -math.inf
+    return g

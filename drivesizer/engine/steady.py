@@ -1,0 +1,67 @@
+"""Long stretches in which nothing changes, carried in one step."""
+
+from __future__ import annotations
+
+import math
+
+import drivesizer.engine.places as at
+from drivesizer.engine.places import Array
+from drivesizer.engine.tallies import count, strain
+from drivesizer.engine.warming import heat
+
+__all__ = ["carried", "hold", "regulated", "steady"]
+
+
+def regulated(p: Array, s: Array) -> bool:
+    """Whether an integral keeps the current while the winding's resistance moves; else the voltage stays."""
+    if s[at.U_CUT] != 0.0:
+        return False
+    return bool(p[at.CKI] != 0.0 if p[at.CASCADE] != 0.0 else p[at.KI] != 0.0 and s[at.W] != 0.0)
+
+
+def hold(p: Array, s: Array, g: Array, u: float, l: float, t: float, duration: float) -> None:
+    """Carry a steady state on; the controller follows the winding's resistance."""
+    R, Q0 = s[at.RES], s[at.Q]
+    count(p, s, g, s[at.I] * s[at.I] * duration, 0.0, 0.0, duration)
+    strain(p, s, g, int(s[at.CODE]), l, t, duration)
+    heat(p, s, g, s[at.W] * duration, duration)
+    work = (u - R * s[at.I]) * s[at.I] * duration + (s[at.Q] - Q0)  # what turns into motion, and the copper's heat
+    if work > 0.0:
+        g[at.G_IN] += work
+    else:
+        g[at.G_BACK] -= work
+    s[at.X] += s[at.W] * duration
+    s[at.Y] += s[at.V] * duration
+    rise = (s[at.RES] - R) * s[at.I] if regulated(p, s) else 0.0
+    s[at.PEND] += rise
+    s[at.INNER if p[at.CASCADE] != 0.0 else at.OUTER] += rise
+
+
+def steady(p: Array, s: Array, mind: Array, lag: float) -> bool:
+    """Whether nothing changed since it was last asked."""
+    now = (
+        s[at.I], s[at.W], s[at.F], s[at.V], s[at.PEND], s[at.OUTER], s[at.OUTER + 1], s[at.INNER], s[at.I_ASK],
+        lag if p[at.PKP] > 0.0 else 0.0, s[at.U_CUT],
+    )  # fmt: skip
+    asked = p[at.TOL_I] if p[at.CASCADE] != 0.0 else p[at.TOL_U]
+    limits = (
+        p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], asked, asked, p[at.TOL_U],
+        p[at.TOL_I], p[at.TOL_X], p[at.TOL_U],
+    )  # fmt: skip
+    same = p[at.EDGES] == 0.0 or s[at.W] == 0.0  # counts go on
+    for n in range(at.STEADY):
+        same = same and abs(now[n] - mind[n]) <= limits[n]
+        mind[n] = now[n]
+    return bool(same)
+
+
+def carried(p: Array, s: Array, left: int) -> int:
+    """How many periods a steady state may be carried: until the I2t integral is full, or the current moves."""
+    if p[at.HEAT] != 0.0 and not regulated(p, s):
+        rate = abs(s[at.RES] * s[at.I] * s[at.I] - (s[at.T_W] - s[at.T_H]) / p[at.R_1]) / p[at.C_W]
+        left = int(min(at.FRESH / (rate * p[at.H] + 1e-300), left))
+    grows = (s[at.I] * s[at.I] - p[at.CONT2]) * p[at.H]
+    if grows <= 0.0 or p[at.BUDGET] == math.inf:
+        return left
+    free = (p[at.BUDGET] - s[at.I2T]) / grows - 2.0 * max(1.0, p[at.N_V])
+    return int(min(max(free, 0.0), left))
