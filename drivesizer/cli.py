@@ -186,6 +186,12 @@ def validate(
     chosen: Chosen = None,
     json: Json = False,
     csv: Annotated[Path | None, typer.Option(help="Also write the time series to this CSV file.")] = None,
+    drawings: Annotated[
+        Path | None, typer.Option("--figures", metavar="FOLDER", help="Also draw the loop, Bode and step: SVG and PNG.")
+    ] = None,
+    case: Annotated[
+        str | None, typer.Option(metavar="NAME", help="The load case to drive; else the spec itself.")
+    ] = None,
     everything: Annotated[bool, typer.Option("--all", help="The best sets of the search, ranked anew.")] = False,
     top: Annotated[int, typer.Option(min=1, max=100, help="How many, with --all.")] = 5,
     catalogs: More = None,
@@ -194,12 +200,18 @@ def validate(
     from drivesizer.simulate import validate as validated
 
     robot = _load(spec, catalogs)
+    driven = _case(robot, case)
     if everything:
-        if chosen or csv:
-            raise InputError("--all: it takes the sets of the search; --set and --csv are for one of them")
-        raise typer.Exit(_all_of(robot, profile, top, json))
+        if chosen or csv or drawings:
+            raise InputError("--all: it takes the sets of the search; --set, --csv and --figures are for one of them")
+        raise typer.Exit(_all_of(robot, driven, profile, top, json))
     found = _pick(robot, chosen)
-    proof = validated(robot, found, profile=profile)
+    proof = validated(driven, found, profile=profile)
+    if drawings:
+        from drivesizer.report import write_figures
+
+        for path in write_figures(proof, drawings):
+            typer.echo(f"{path} written", err=True)
     if csv:
         from drivesizer.report import write_series
 
@@ -216,7 +228,15 @@ def validate(
     raise typer.Exit(0 if proof.status == "pass" else 1)
 
 
-def _all_of(robot: Any, profile: str | None, top: int, json: bool) -> int:
+def _case(robot: Any, name: str | None) -> Any:
+    """The load case of a spec that a name stands for; the spec itself without one."""
+    found = {case or "": spec for case, spec in robot.load_cases}
+    if name is not None and name not in found:
+        raise InputError(f"--case: {quoted(name)} is not known; expected {', '.join(filter(None, found)) or 'none'}")
+    return robot if name is None else found[name]
+
+
+def _all_of(robot: Any, driven: Any, profile: str | None, top: int, json: bool) -> int:
     """The best sets of the search in closed loop, those that pass first; the exit status."""
     from drivesizer.simulate import validate_all
     from drivesizer.sizing import size as sized
@@ -224,7 +244,7 @@ def _all_of(robot: Any, profile: str | None, top: int, json: bool) -> int:
     result = sized(robot, top=top)
     if not result.sets:
         raise NothingFitsError("no set stands; `drivesizer size` shows the nearest misses")
-    proofs, said = validate_all(result, profile=profile)
+    proofs, said = validate_all(result, spec=driven, profile=profile)
     if json:
         from drivesizer import contract
 

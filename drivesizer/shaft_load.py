@@ -126,14 +126,17 @@ def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArr
         return np.empty((0, 2))
     level = np.abs(left[:, 1] - left[:, 0]) <= _NOTHING * largest
     left[level, 1] = left[level, 0]
-    return _corners(cycle.time + profile.time[0], left, _NOTHING * largest)
+    edges = profile.time[0] + np.concatenate([[0.0], np.cumsum(cycle.duration)])
+    return _corners(edges, left, _NOTHING * largest)
 
 
-def _corners(time: NDArray[np.float64], value: NDArray[np.float64], small: float) -> NDArray[np.float64]:
+def _corners(edges: NDArray[np.float64], value: NDArray[np.float64], small: float) -> NDArray[np.float64]:
     """Segments with two ends as rows of rising time; where the ends of two segments meet, one row is enough."""
+    time = np.stack([edges[:-1], edges[1:]], axis=1)
     meets = np.append(np.abs(value[1:, 0] - value[:-1, 1]) <= small, False)
-    time = time.copy()
-    time[:-1, 1] = np.nextafter(time[:-1, 1], -math.inf)
+    time[:-1, 1] = np.maximum(np.nextafter(time[:-1, 1], -math.inf), time[:-1, 0])
     kept = np.stack([np.ones(len(meets), bool), ~meets], axis=1).ravel()
     rows: NDArray[np.float64] = np.stack([time, value], axis=2).reshape(-1, 2)[kept]
-    return rows
+    rises = np.append(np.diff(rows[:, 0]) > 0.0, True)
+    found: NDArray[np.float64] = rows[rises]
+    return found  # a segment too short for its times to differ: its end

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from drivesizer.cascade import Cascade, ControllerGain, controller_gains
 from drivesizer.closed_loop import Case, run
 from drivesizer.control_design import COMPUTING
@@ -25,6 +27,8 @@ from drivesizer.units import show
 from drivesizer.verdict import SPEED, checks
 
 __all__ = ["validate", "validate_all"]
+
+_KEPT = 0.5  # of the RMS current: less at rest is not told
 
 
 def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | None = None) -> Validation:
@@ -74,8 +78,19 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
     )
 
 
-def validate_all(result: SizingResult, *, profile: str | Profile | None = None) -> tuple[list[Validation], list[str]]:
+def validate_all(
+    result: SizingResult, *, spec: RobotSpec | None = None, profile: str | Profile | None = None
+) -> tuple[list[Validation], list[str]]:
     """The sets of a sizing in closed loop: those that pass first, each group in the order of the sizing.
+
+    Parameters
+    ----------
+    result
+        The sizing.
+    spec
+        The load case that is driven; the sizing's own spec when not given.
+    profile
+        As :func:`validate`.
 
     Returns
     -------
@@ -91,7 +106,7 @@ def validate_all(result: SizingResult, *, profile: str | Profile | None = None) 
     said: list[str] = []
     for one in result.sets:
         try:
-            found.append(validate(result.spec, one, profile=profile))
+            found.append(validate(spec or result.spec, one, profile=profile))
         except InputError as error:
             said.append(f"{one.label}: {error}")
     if not found:
@@ -150,7 +165,7 @@ def _warnings(case: Case, found: tuple[Check, ...]) -> list[str]:
     said = loop_warnings(case.loops.all, case.profile)
     if case.shaft:
         said += resonance_warning(case.loops, case.shaft)
-    said += _resolution(case)
+    said += [*_resolution(case), *_kept_at_rest(case)]
     failed = {check.name for check in found if check.status == "fail"}
     if "stability" in failed:
         said.append("the loop is unstable with these gains: lower them, or leave them out to have them designed")
@@ -173,6 +188,20 @@ def _resolution(case: Case) -> list[str]:
         return resolution_warning(encoder.lines, case.velocity_period, case.controller.kp, limit, "voltage")
     peak = controller.peak_current if controller else math.nan
     return resolution_warning(encoder.lines, case.velocity_period, case.controller.velocity_kp, peak)
+
+
+def _kept_at_rest(case: Case) -> list[str]:
+    """A current that the loop's integral keeps up at rest, where friction holds and nothing tells it to let go."""
+    rows, machine = series(case), case.train
+    still = (rows["speed_reference"] == 0.0) & (rows["motor_speed"] == 0.0)
+    kept = float(np.abs(rows["current"][still]).max(initial=0.0))
+    asked = abs(machine.rest_torque) / machine.ratio / machine.torque_constant
+    if not kept > asked + _KEPT * case.figure("rms_current"):
+        return []
+    return [
+        f"at rest the integral of the loop keeps up to {show(kept, 'A', 'current', 3)} against friction, where holding "
+        f"takes {show(asked, 'A', 'current', 3)}: a power stage that is switched off at rest spares that heat"
+    ]
 
 
 def _does_not_follow(case: Case) -> str:

@@ -166,7 +166,8 @@ def test_an_auto_tuned_epos4_has_these_gains():
     by_rule = pole_placement(inertia, k_t, math.sqrt(k_t * ki / inertia), 1.0)
     assert by_rule == pytest.approx((kp, ki), rel=3e-3)  # it places a double pole
     train = train_of(torque_constant=k_t, motor_inertia=inertia - J_L / (E * K * K))
-    assert feedforward(replace(train, viscous=viscous))[:2] == pytest.approx((6_274e-6, 20_858e-6), rel=5e-3)  # 0x30A2:04, :03
+    rubbing = replace(train, viscous=viscous)
+    assert feedforward(rubbing)[:2] == pytest.approx((6_274e-6, 20_858e-6), rel=5e-3)  # 0x30A2:04, :03
 
 
 def test_the_epos4_s_position_pid_is_the_cascade_with_the_path_s_velocity():
@@ -312,7 +313,7 @@ def test_placed_poles_are_there_in_the_sampled_loop():
     assert loop.bandwidth == pytest.approx(4.0, rel=0.03)
 
 
-@pytest.mark.filterwarnings("ignore:stability_margins")  # it takes the frequency response, which is accurate
+@pytest.mark.filterwarnings("ignore")  # control.margin leaves polynomials for the frequency response, which is accurate
 def test_the_voltage_loop_has_python_control_s_margins():
     gains = Gains(kp=0.05, ki=1.5, kd=0.0, filter_time=0.0, period=4e-4, rule="", source="")
     found = analyse(TRAIN, gains)

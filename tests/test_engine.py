@@ -17,7 +17,6 @@ from drivesizer.linear_modes import Machine, columns, discretised, generators, m
 from drivesizer.loop_plant import voltage_open_loop
 from drivesizer.overload import State, steady_state
 from drivesizer.plant import Regime, drive_train, modes
-from drivesizer.profile import profile_of
 from drivesizer.results import Gains
 from drivesizer.sizing import explain
 from drivesizer.thermal import TwoBodies
