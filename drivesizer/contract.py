@@ -9,6 +9,8 @@ from typing import Any
 
 from drivesizer import __version__
 from drivesizer.catalog import Actuator, Belt, Controller, Encoder, Gearhead, Motor, Pulley
+from drivesizer.loop_table import settled
+from drivesizer.loops import Bode, Loop
 from drivesizer.results import (
     Check,
     DriveSet,
@@ -20,6 +22,7 @@ from drivesizer.results import (
     verdict,
     worst,
 )
+from drivesizer.thinning import on_curves
 from drivesizer.units import KINDS, from_si
 
 __all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "sizing", "validation"]
@@ -173,6 +176,61 @@ def validation(proof: Validation) -> dict[str, Any]:
         "controller_gains": [asdict(gain) for gain in proof.controller_gains],
         "figures": {figure.name: _figure(figure) for figure in proof.figures},
         "checks": [_check(check) for check in proof.checks],
+        "loops": [_loop(loop) for loop in proof.loops],
         "assumptions": list(proof.assumptions),
         "warnings": list(proof.warnings),
+    }
+
+
+_LOOP = (  # key of the document, attribute of a loop; SI, the unit in the key
+    ("period_s", "period"),
+    ("pole_radius", "pole_radius"),
+    ("gain_margin", "gain_margin"),
+    ("gain_reduction", "gain_reduction"),
+    ("phase_margin_rad", "phase_margin"),
+    ("crossover_Hz", "crossover"),
+    ("sensitivity", "sensitivity"),
+    ("bandwidth_Hz", "bandwidth"),
+    ("rise_time_s", "rise_time"),
+    ("overshoot", "overshoot"),
+    ("settling_time_s", "settling_time"),
+)
+_MOST_POINTS = 200  # of a curve
+
+
+def _loop(loop: Loop) -> dict[str, Any]:
+    """A loop with its poles in the z plane as [re, im]; null where a figure does not exist."""
+    return {
+        "name": loop.name,
+        "direction": loop.direction or None,
+        "stable": loop.stable,
+        **{key: _number(getattr(loop, name)) for key, name in _LOOP},
+        "poles": [[_number(pole.real), _number(pole.imag)] for pole in loop.poles],
+        "bode": _bode(loop.bode),
+        "step": _step(loop),
+    }
+
+
+def _bode(bode: Bode) -> dict[str, Any]:
+    """Curves over the frequency; ``thinned_from`` says how many points were computed, peaks are kept."""
+    rows = on_curves((bode.open_magnitude, bode.closed_magnitude), _MOST_POINTS)
+    columns = {
+        "frequency_Hz": bode.frequency,
+        "open_magnitude": bode.open_magnitude,
+        "open_phase_rad": bode.open_phase,
+        "closed_magnitude": bode.closed_magnitude,
+        "closed_phase_rad": bode.closed_phase,
+    }
+    return {"thinned_from": len(bode.frequency)} | {k: [_number(x) for x in v[rows]] for k, v in columns.items()}
+
+
+def _step(loop: Loop) -> dict[str, Any] | None:
+    """The answer to a unit step until it has long settled, thinned as the curves are; null of an unstable loop."""
+    if not len(loop.step):
+        return None
+    rows = on_curves((loop.step[: settled(loop)],), _MOST_POINTS)
+    return {
+        "thinned_from": len(loop.step),
+        "time_s": [_number(n * loop.period) for n in rows],
+        "response": [_number(x) for x in loop.step[rows]],
     }

@@ -88,7 +88,7 @@ def _electrical(case: Case) -> list[_Row]:
 def series_units(case: Case) -> dict[str, tuple[str, str]]:
     """Kind and unit of the trade of each column of the series."""
     speed, way = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis]
-    return {
+    units = {
         "time": ("time", "s"),
         "speed_reference": speed,
         "speed": speed,
@@ -102,6 +102,7 @@ def series_units(case: Case) -> dict[str, tuple[str, str]]:
         "winding_temperature": _HEAT,
         "supply_power": ("power", "W"),
     }
+    return {name: unit for name, unit in units.items() if name in series(case)}
 
 
 def series(case: Case) -> dict[str, NDArray[np.float64]]:
@@ -109,7 +110,7 @@ def series(case: Case) -> dict[str, NDArray[np.float64]]:
     rows: Any = case.out.series
     per_speed = case.train.motor_per_speed
     reference, speed = rows["reference"] / per_speed, rows["load_speed"] * case.train.radius
-    return {
+    found = {
         "time": rows["time"],
         "speed_reference": reference,
         "speed": speed,
@@ -123,3 +124,6 @@ def series(case: Case) -> dict[str, NDArray[np.float64]]:
         "winding_temperature": rows["winding"],
         "supply_power": rows["voltage"] * rows["current"] * case.spec.load.motors,
     }
+    if not case.periodic:
+        del found["winding_temperature"]  # it is held at 25 degC
+    return found

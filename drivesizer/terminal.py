@@ -13,6 +13,7 @@ from drivesizer.catalog import Catalog, Controller, Encoder
 from drivesizer.checks import TITLES
 from drivesizer.objectives import OBJECTIVE, SUMS, objective_figure
 from drivesizer.results import DriveSet, SizingResult, Validation, verdict, worst
+from drivesizer.terminal_loops import loops
 from drivesizer.terminal_tables import MARK, STYLE, percent
 from drivesizer.units import show
 
@@ -246,6 +247,8 @@ def validation(proof: Validation) -> None:
     console.print(tables.gains(proof))
     console.print(tables.checks(proof.checks, "Demand against limit"))
     console.print(tables.loose(proof.figures, "The closed loop"))
+    if proof.loops:
+        console.print(loops(proof.loops, console.width))
 
 
 def validations(proofs: Sequence[Validation], objective: str) -> None:

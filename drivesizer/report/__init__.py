@@ -1,4 +1,4 @@
-"""Reports to hand on: what a sizing and its validation found, as PDF or CSV.
+"""Reports to hand on: what a sizing and its validation found, as PDF, CSV or figures.
 
 Every kind of report is a function from records to the bytes of files, and is imported when it is asked for;
 ``put`` writes those bytes, whole or not at all.
@@ -15,7 +15,7 @@ from drivesizer.errors import InputError, quoted
 if TYPE_CHECKING:
     from drivesizer.results import SizingResult, Validation
 
-__all__ = ["KNOWN", "write", "write_series", "write_sets"]
+__all__ = ["KNOWN", "write", "write_figures", "write_series", "write_sets"]
 
 _RENDERERS = {".csv": "tables", ".pdf": "pdf"}  # suffix -> module with a function ``render``
 KNOWN = tuple(_RENDERERS)
@@ -82,3 +82,28 @@ def write_series(validation: Validation, path: Path) -> list[Path]:
 
     ready(path)
     return put({path: timeseries_csv(validation)})
+
+
+def write_figures(validation: Validation, folder: Path) -> list[Path]:
+    """Write the figures of the closed loop as SVG and as PNG of 200 dots per inch.
+
+    Parameters
+    ----------
+    validation
+        The closed loop; one without records of its loops has no ``bode`` and no ``step``.
+    folder
+        Where to; it is made where it does not exist, its parent must.
+
+    Returns
+    -------
+    list[Path]
+        ``closed_loop``, ``bode`` and ``step``, each as ``.svg`` and ``.png``.
+
+    Raises
+    ------
+    InputError
+        When the folder is a file or cannot be made, or a file cannot be written. No file is changed then.
+    """
+    from drivesizer.report.figure_files import figures_into
+
+    return figures_into(validation, folder)

@@ -20,7 +20,11 @@ from drivesizer.report import figures
 from drivesizer.report.datasheet import datasheets
 from drivesizer.report.derivation import step
 from drivesizer.report.field_figure import MOST_PANELS, torque_speed
+from drivesizer.report.loop_curves import bode
+from drivesizer.report.loop_curves import step as step_answers
+from drivesizer.report.loop_rows import gain, linear
 from drivesizer.report.operating import Panel, panels
+from drivesizer.report.panels import windows
 from drivesizer.report.parts import parts
 from drivesizer.report.sums import price_of, unknown_of
 from drivesizer.report.wording import cleaned, margin, short, use
@@ -256,6 +260,8 @@ def _figures(
         made["front"] = _trade_off(result)
     if validation:
         made["loop"] = figures.closed_loop(validation)
+    if validation and validation.loops:
+        made |= {"bode": bode(validation.loops), "step": step_answers(validation.loops)}
     return {name: {"svg": svg.decode()} for name, svg in made.items()}
 
 
@@ -269,7 +275,11 @@ def _loop(v: Validation) -> dict[str, Any]:
         "status": v.status,
         "checks": [_check(c) for c in v.checks],
         "figures": [_figure(f) for f in v.figures],
-        "gains": [[row.title, f"{row.value:.4g} {label(row.unit)}"] for row in gain_rows(v.gains)],
+        "shown": [title for _, title in figures.closed_loop_rows(v)],
+        "cut": len(windows(v.series)) > 1,
+        "linear": linear(v.loops),
+        "gains": [[row.title, gain(row)] for row in gain_rows(v.gains)],
+        "own_gains": [[g.place, g.name, f"{g.value} {g.unit}"] for g in v.controller_gains],
         "rule": v.gains.rule,
         "source": v.gains.source,
         "assumptions": list(v.assumptions),

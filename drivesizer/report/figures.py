@@ -1,4 +1,4 @@
-"""Figures as SVG: the motion, the load over its cycle, a front, the closed loop."""
+"""Figures: the motion, the load over its cycle, a front, the closed loop."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drivesizer.loads import load_cycle
 from drivesizer.motions import Trapezoid
 from drivesizer.profile import profile_of
 from drivesizer.report.panels import Window, thinned, windows
-from drivesizer.report.style import CASES, COLOURS, drawn, named, torque_unit
+from drivesizer.report.style import CASES, COLOURS, Form, drawn, named, torque_unit
 from drivesizer.results import Validation
 from drivesizer.spec import RobotSpec
 from drivesizer.units import from_si, label
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["closed_loop", "load_over_time", "speed_profile", "stretches", "trade_off"]
+__all__ = ["closed_loop", "closed_loop_rows", "load_over_time", "speed_profile", "stretches", "trade_off"]
 
 
 def speed_profile(spec: RobotSpec) -> bytes:
@@ -173,22 +173,35 @@ _NAMED = 25  # numbers beside more points than these would cover one another
 
 _ROWS = (  # columns of the series, and how the axis is called
     (("speed_reference", "speed"), "speed"),
-    (("error",), "error"),
+    (("error",), "speed error"),
+    (("position_error",), "position error"),
     (("current",), "current"),
     (("voltage",), "voltage"),
+    (("winding_temperature",), "winding temperature"),
 )
 
 
-def closed_loop(validation: Validation) -> bytes:
-    """Reference and speed, error, current and voltage over the moments in which something changes."""
-    series, shown = validation.series, windows(validation.series)
-    rows = [(names, title) for names, title in _ROWS if all(name in series for name in names)]
+def closed_loop_rows(validation: Validation) -> list[tuple[tuple[str, ...], str]]:
+    """What the figure of the closed loop shows: columns of the series that are there and known, and their title.
+
+    A winding whose temperature is not known, or is not to move, is kept at one: there is nothing to show then.
+    """
+    series = validation.series
+    known = {name for name, values in series.items() if np.isfinite(values).any()}
+    if np.ptp(series.get("winding_temperature", np.zeros(1))) == 0.0:
+        known -= {"winding_temperature"}
+    return [row for row in _ROWS if known.issuperset(row[0])]
+
+
+def closed_loop(validation: Validation, form: Form = "svg") -> bytes:
+    """Reference and speed, errors, current, voltage and winding over the moments in which something changes."""
+    shown, rows = windows(validation.series), closed_loop_rows(validation)
 
     def draw(figure: Figure) -> None:
         grid = figure.subplots(len(rows), len(shown), sharex="col", sharey="row", squeeze=False)
         for line, (names, title) in zip(grid, rows, strict=True):
             _, unit = validation.series_units[names[-1]]
-            line[0].set_ylabel(f"{title} ({label(unit)})")
+            line[0].set_ylabel("\n".join([*title.split(), f"({label(unit)})"]))
             for axes, window in zip(line, shown, strict=True):
                 _traces(axes, validation, names, window)
         for axes, window in zip(grid[0], shown, strict=True):
@@ -199,7 +212,10 @@ def closed_loop(validation: Validation) -> bytes:
             grid[0][0].legend(loc="best")
         figure.align_ylabels()
 
-    return drawn(draw, 1.25 * len(rows) + 0.3)
+    return drawn(draw, (1.25 if len(rows) <= _FEW else 1.1) * len(rows) + 0.3, form)
+
+
+_FEW = 4  # rows: more are drawn lower, so that the figure and its caption fit a page
 
 
 def _traces(axes: Axes, validation: Validation, names: tuple[str, ...], window: Window) -> None:

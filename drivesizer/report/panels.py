@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.thinning import extremes
+
 __all__ = ["Window", "thinned", "windows"]
 
 _MOST = 1500  # samples that a trace keeps: finer than print
@@ -53,12 +55,6 @@ def thinned(time: NDArray[np.float64], values: NDArray[np.float64], window: Wind
     The neighbours outside the window are among them: where nothing changes a record may have few samples.
     """
     first, last = np.searchsorted(time, [window.start, window.end])
-    rows = np.arange(max(first - 1, 0), min(last + 1, len(time)))
-    size = -(-len(rows) // (_MOST // 2))
-    if size <= 2:
-        return rows
-    whole = rows[: len(rows) // size * size].reshape(-1, size)
-    held = np.where(np.isnan(values[whole]), 0.0, values[whole])
-    pick = np.arange(len(whole))
-    kept = np.concatenate([whole[pick, held.argmin(1)], whole[pick, held.argmax(1)], rows[[0, -1]]])
-    return np.unique(kept)
+    start, end = max(first - 1, 0), min(last + 1, len(time))
+    kept: NDArray[np.int64] = start + extremes(values[start:end], _MOST)
+    return kept

@@ -1,4 +1,4 @@
-"""One house style for all figures: colours, lines, units, and a drawing as SVG.
+"""One house style for all figures: colours, lines, units, and a drawing as SVG or PNG.
 
 Thin lines that differ in dashes as well as in colour (Okabe-Ito), so that a grey print and a colour-blind reader lose
 nothing; a unit on every axis. Nothing here depends on the clock or on installed fonts. matplotlib is imported when a
@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import io
 import warnings
-from typing import Any
+from typing import Any, Literal
 
 from drivesizer.report.wording import clean, short
 
-__all__ = ["CASES", "COLOURS", "STYLE", "drawn", "named", "torque_unit"]
+__all__ = ["CASES", "COLOURS", "STYLE", "Form", "drawn", "named", "torque_unit"]
+
+Form = Literal["svg", "png"]
 
 COLOURS = {  # Okabe and Ito
     "blue": "#0072B2", "vermillion": "#D55E00", "green": "#009E73", "purple": "#CC79A7", "grey": "#555555",
@@ -43,11 +45,24 @@ STYLE: dict[Any, Any] = {
 }
 
 _WIDTH = 6.5  # inches: the text width of the report
+_DOTS = 200  # per inch, of a PNG
+_UNDATED: dict[Form, dict[str, Any]] = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}
 
 
-def drawn(draw: Any, height: float) -> bytes:
-    """A figure in the house style as SVG."""
+def drawn(draw: Any, height: float, form: Form = "svg") -> bytes:
+    """A figure in the house style.
+
+    Parameters
+    ----------
+    draw
+        What draws into a matplotlib figure.
+    height
+        Of the figure [in].
+    form
+        Drawing for print, or picture of 200 dots per inch.
+    """
     import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
@@ -55,13 +70,21 @@ def drawn(draw: Any, height: float) -> bytes:
         matplotlib.rcdefaults()  # not what the user's matplotlibrc says
         matplotlib.rcParams.update(STYLE)
         figure = Figure(figsize=(_WIDTH, height), layout="constrained")
-        FigureCanvasSVG(figure)
+        (FigureCanvasSVG if form == "svg" else FigureCanvasAgg)(figure)
         draw(figure)
         stream = io.BytesIO()
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="Glyph .* missing")  # a box stands in for a letter of far scripts
-            figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+            _lay_out(figure)
+            dots = "figure" if form == "svg" else _DOTS
+            figure.savefig(stream, format=form, metadata=_UNDATED[form], dpi=dots)
     return stream.getvalue()
+
+
+def _lay_out(figure: Any) -> None:
+    """Place the axes once: left to itself, matplotlib draws the whole figure for that before it draws it."""
+    figure.get_layout_engine().execute(figure)
+    figure.set_layout_engine(None)
 
 
 CASES: tuple[tuple[str, Any], ...] = (  # colour and dashes of each load case

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.gain_table import gain_rows
+from drivesizer.loop_table import loop_figures
 from drivesizer.objectives import objective_figure
 from drivesizer.report.sums import price_of
 from drivesizer.results import Check, DriveSet, Figure, Relaxation, Requirement, SizingResult, Validation, worst
@@ -38,7 +39,7 @@ def render(result: SizingResult, validation: Validation | None, path: Path) -> d
 
 
 def report_csv(result: SizingResult, validation: Validation | None) -> bytes:
-    """Requirements, sets, what they do, checks, changes, the Pareto front and the closed loop, one figure in a row."""
+    """Requirements, sets, what they do, checks, changes, the Pareto front, the closed loop: one figure in a row."""
     rows = (row for part in _sections(result, validation) for row in part)
     return _encoded(COLUMNS, ([row.get(column, "") for column in COLUMNS] for row in rows))
 
@@ -147,6 +148,12 @@ def _validation(v: Validation) -> Iterator[dict[str, Any]]:
     for name, title, value, unit in gain_rows(v.gains):
         yield {"section": "validation", "name": name, "title": title, "value": value, "unit": unit, "si_value": value,
                "si_unit": unit, "note": f"{v.gains.rule}; {v.gains.source}", **rank}  # fmt: skip
+    for loop in v.loops:
+        said = {"case": loop.direction, "status": "pass" if loop.stable else "fail"} | rank
+        for f in loop_figures(loop):
+            yield (
+                _figure("loop", f"{loop.name}_{f.name}", f"{loop.name} loop, {f.title}", f.value, f.kind, f.unit) | said
+            )
 
 
 def _loose(section: str, f: Figure) -> dict[str, Any]:

@@ -1,0 +1,43 @@
+"""The figures of a validation as files: a drawing and a picture of each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import get_args
+
+from drivesizer.errors import InputError
+from drivesizer.report.figures import closed_loop
+from drivesizer.report.files import put, ready
+from drivesizer.report.loop_curves import bode, step
+from drivesizer.report.style import Form
+from drivesizer.results import Validation
+
+__all__ = ["figures_into"]
+
+
+def figures_into(validation: Validation, folder: Path) -> list[Path]:
+    """Draw into a folder; see :func:`drivesizer.report.write_figures`."""
+    made: dict[str, Callable[[Form], bytes]] = {"closed_loop": lambda form: closed_loop(validation, form)}
+    if validation.loops:
+        made["bode"] = lambda form: bode(validation.loops, form)
+        made["step"] = lambda form: step(validation.loops, form)
+    paths = {(name, form): folder / f"{name}.{form}" for name in made for form in get_args(Form)}
+    _ready(folder, list(paths.values()))
+    files = {path: made[name](form) for (name, form), path in paths.items()}
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({(error.strerror or str(error)).lower()})") from None
+    return put(files)
+
+
+def _ready(folder: Path, paths: list[Path]) -> None:
+    """Refuse a folder that cannot be one, and what stands in the way in it, before time is spent on the content."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file; expected a folder for the figures")
+    if folder.is_dir():
+        for path in paths:
+            ready(path)
+    elif not folder.parent.is_dir():
+        raise InputError(f"{folder}: cannot be made, there is no folder {folder.parent}")

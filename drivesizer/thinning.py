@@ -1,0 +1,50 @@
+"""Fewer points of a long record or curve: what a figure or another program needs of it, its peaks among them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["extremes", "on_curves"]
+
+
+def extremes(values: NDArray[np.float64], most: int) -> NDArray[np.int64]:
+    """Indices of the least and the largest value in equal bins, and of both ends; all where they are few.
+
+    Parameters
+    ----------
+    values
+        A column; NaN counts as 0.
+    most
+        How many to keep, the ends not counted.
+
+    Examples
+    --------
+    >>> extremes(np.array([0.0, 0.0, 9.0, 0.0, -9.0, 0.0, 0.0, 1.0]), 4).tolist()
+    [0, 2, 4, 7]
+    """
+    count = len(values)
+    size = -(-count // (most // 2))
+    if size <= 2:
+        return np.arange(count)
+    bins = np.minimum(np.arange(-(-count // size) * size), count - 1).reshape(-1, size)  # the last one filled up
+    held, pick = np.nan_to_num(values)[bins], np.arange(len(bins))
+    return np.unique(np.concatenate([bins[pick, held.argmin(1)], bins[pick, held.argmax(1)], [0, count - 1]]))
+
+
+def on_curves(columns: tuple[NDArray[np.float64], ...], most: int) -> NDArray[np.int64]:
+    """Indices of points along smooth curves over one axis, evenly, with the peaks and troughs of each.
+
+    Parameters
+    ----------
+    columns
+        Curves over the same points.
+    most
+        How many points to keep at most: half of them evenly, the others at the extremes.
+    """
+    count = len(columns[0])
+    if count <= most:
+        return np.arange(count)
+    share = most // (2 * len(columns)) - 2  # the ends come on top
+    even = np.linspace(0, count - 1, most // 2).round().astype(np.int64)
+    return np.unique(np.concatenate([even, *(extremes(column, share) for column in columns)]))
