@@ -157,7 +157,10 @@ def _of_the_controller(case: Case) -> list[str]:
             f"the voltage answers the measurement of {COMPUTING:g} control period before",
             "the current limit is ideal: the controller's current loop is much faster than its speed loop",
         ]
-    return ["each loop answers one period of its own late"]
+    return [
+        "the march's current loop answers one period late, its velocity and position loops at once; the analysis of the "
+        "linear loops takes each as one period of its own late, which leaves less margin"
+    ]
 
 
 def _warnings(case: Case, found: tuple[Check, ...]) -> list[str]:

@@ -193,11 +193,10 @@ def strayed(run, found, period):
 # --- the voltage PID
 
 
-@pytest.mark.parametrize("degrees", [0.0, 4.0], ids=["level", "uphill"])
 @pytest.mark.parametrize(
-    ("more", "rate", "amps"),
-    [({}, 6e-4, 5e-6), (RUBS | SHAFT | {"gap": 0.01}, 0.01, 1e-3)],
-    ids=["rigid", "two masses"],
+    ("degrees", "more", "rate", "amps"),
+    [(0.0, {}, 6e-4, 5e-6), (4.0, {}, 6e-4, 5e-6), (4.0, RUBS | SHAFT | {"gap": 0.01}, 0.01, 1e-3)],
+    ids=["rigid, level", "rigid, uphill", "two masses, uphill"],
 )
 def test_the_voltage_pid(spec, catalog, degrees, more, rate, amps):
     """A thousand samples through the limits and the reversal.

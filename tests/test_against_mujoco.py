@@ -206,8 +206,10 @@ def test_driving(robot, degrees, structure, limits):
 # --- driving and braking: two masses, and a loss by the direction of power
 
 
-@pytest.mark.parametrize("degrees", [0.0, 3.0, -6.0])
-@pytest.mark.parametrize("structure", ["voltage PID", "cascade"])
+@pytest.mark.parametrize(
+    ("structure", "degrees"),
+    [("voltage PID", 0.0), ("voltage PID", 3.0), ("voltage PID", -6.0), ("cascade", 0.0), ("cascade", -6.0)],
+)
 def test_there_and_back(robot, degrees, structure):
     """The current goes from driving to braking and back, the motion through rest.
 
@@ -225,8 +227,7 @@ def test_there_and_back(robot, degrees, structure):
     assert strayed[0] < 0.012 and strayed[1] < 1e-3  # rad/s, A: RMS over the whole second
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.01])
-@pytest.mark.parametrize("structure", ["voltage PID", "cascade"])
+@pytest.mark.parametrize(("structure", "gap"), [("voltage PID", 0.0), ("voltage PID", 0.01), ("cascade", 0.01)])
 def test_a_soft_shaft_there_and_back(robot, gap, structure):
     """The march's two masses with a shaft that rings at 87 Hz, without and with backlash; the rotor's speed.
 
