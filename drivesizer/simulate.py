@@ -158,8 +158,8 @@ def _of_the_controller(case: Case) -> list[str]:
             "the current limit is ideal: the controller's current loop is much faster than its speed loop",
         ]
     return [
-        "the march's current loop answers one period late, its velocity and position loops at once; the analysis of the "
-        "linear loops takes each as one period of its own late, which leaves less margin"
+        "in the march the current loop answers one period late, the others at once; the analysis of the linear loops "
+        "takes each as one period of its own late, which leaves less margin"
     ]
 
 
