@@ -22,6 +22,7 @@ __all__ = ["Ends", "LoadCycle", "OwnLimit", "cut_points", "integral", "mean_prod
 Ends = NDArray[np.float64]  # shape (segments, 2): values at the left and the right end
 
 
+_NO_PART = 1e-250  # of a segment: a smaller one would last for no time that numbers can tell
 _LARGEST = 1e60  # of any figure: products of a few of them can still be computed with
 
 
@@ -122,8 +123,8 @@ def cut_points(column: Ends) -> tuple[NDArray[np.int64], NDArray[np.float64], En
     crosses = left * right < 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
         at = np.where(crosses, left / (left - right), 0.5)
-    column = np.where(np.stack([crosses & (at <= 0.0), crosses & (at >= 1.0)], axis=1), 0.0, column)
-    crosses &= (at > 0.0) & (at < 1.0)
+    column = np.where(np.stack([crosses & (at <= _NO_PART), crosses & (at >= 1.0)], axis=1), 0.0, column)
+    crosses &= (at > _NO_PART) & (at < 1.0)
     return np.where(crosses, 2, 1), np.where(crosses, at, 1.0), column
 
 

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from drivesizer.errors import InputError
@@ -38,6 +38,7 @@ def test_integrals_of_products_against_simpson(rows):
 
 
 @given(segments)
+@example([(0.5, (0.0, 0.0), (5e-324, -1.0))])
 def test_cutting_changes_no_integral_and_leaves_one_sign(rows):
     c = cycle_of(rows)
     cut = c.split()
