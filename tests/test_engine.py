@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from drivesizer.cascade import Cascade
 from drivesizer.control_design import design
-from drivesizer.engine import CurrentLimit, Drive, Encoder, Heat, Supply, Task, batch, cycles, loop, march, march_many
+from drivesizer.engine import CurrentLimit, Drive, Encoder, Heat, Supply, Task, batch, loop, march, march_many, repeats
 from drivesizer.errors import InputError
 from drivesizer.linear_modes import Machine, columns, discretised, generators, machine_of
 from drivesizer.loop_plant import voltage_open_loop
@@ -347,8 +347,8 @@ def test_cycles_that_repeat_are_added(heat, monkeypatch):
     drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=24.0), heat=heat)
     task = Task(time=(0.0, 0.2, 0.8, 1.0, 2.0), speed=(0.0, 30.0, 30.0, 0.0, 0.0), cycles=60)
     added = march(drive, task)
-    for name in ("_PERIODIC", "_PERIODIC_WARM"):
-        monkeypatch.setattr(cycles, name, -1.0)  # nothing repeats
+    for name in ("_PERIODIC", "_PERIODIC_WARM", "_ALIKE"):
+        monkeypatch.setattr(repeats, name, -1.0)  # nothing repeats
     marched = march(drive, task)
     assert figure(added, "steps") < 0.1 * figure(marched, "steps")
     for name in ("time", "rms_current", "energy_in", "copper_heat", "speed_error_square", "angle"):

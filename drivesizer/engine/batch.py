@@ -67,14 +67,15 @@ def _march(drives: Sequence[Drive], task: Task, rows: int, most: int, threads: i
     checked(drives, task)
     loop = compiled()
     blocks = [drives[n : n + _BLOCK] for n in range(0, len(drives), _BLOCK)]
-    book = np.zeros((rows + 2 if rows else 0, len(ROW))), np.zeros(rows + 2, np.int8), np.array([0, 1, rows // 2])
+    book = np.zeros((rows + 2 if rows else 0, len(ROW))), np.zeros(rows + 2, np.int8), np.array([0, 1, rows // 2, 1])
     found: list[Run] = []
     with ThreadPoolExecutor(threads) as pool:
         for block in blocks:  # made ready by one thread: two would wait for each other's interpreter
-            run = ready(block, task, most)
+            runs = ready(block, task, most)
+            book[2][3] = max(book[0].shape[0] // (2 * len(runs[0].pieces)), 1)
             list(pool.map(lambda part: [all_cycles(loop, one, task.cycles, book) for one in part],
-                          [run[n::threads] for n in range(threads)]))  # fmt: skip
-            found += run
+                          [runs[n::threads] for n in range(threads)]))  # fmt: skip
+            found += runs
     return Marched(
         figures=figures_of(found),
         problems=tuple(_PROBLEMS[run.status] for run in found),

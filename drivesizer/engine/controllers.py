@@ -11,7 +11,7 @@ from drivesizer.engine.places import Array
 from drivesizer.engine.steps import step
 from drivesizer.engine.tallies import see
 
-__all__ = ["ask", "cascade", "clipped", "counted", "measured", "pid", "single"]
+__all__ = ["ask", "cascade", "clipped", "counted", "lag_of", "measured", "pid", "single"]
 
 
 def pid(p: Array, s: Array, place: int, error: float, rests: bool) -> float:
@@ -24,16 +24,23 @@ def pid(p: Array, s: Array, place: int, error: float, rests: bool) -> float:
     return float(p[at.KP] * error + s[place] + s[place + 1])
 
 
-def counted(p: Array, s: Array) -> float:
-    """The motor's angle in whole counts."""
-    return float(math.floor(s[at.X] * p[at.EDGES] / (2.0 * math.pi)))
+def counted(p: Array, angle: float) -> float:
+    """An angle in whole counts."""
+    return float(math.floor(angle * p[at.EDGES] / (2.0 * math.pi)))
+
+
+def lag_of(p: Array, s: Array, angle: float) -> float:
+    """The position's error; with counts whole ones, as the reference is: a motor within its count may rest."""
+    if p[at.EDGES] == 0.0:
+        return float(angle - s[at.X])
+    return (counted(p, angle) - counted(p, s[at.X])) * 2.0 * math.pi / float(p[at.EDGES])
 
 
 def measured(p: Array, s: Array, ring: Array) -> float:
     """Speed of the motor: exact, or the counts of the last periods over their time."""
     if p[at.EDGES] == 0.0:
         return float(s[at.W])
-    count, window = counted(p, s), int(p[at.WINDOW])
+    count, window = counted(p, s[at.X]), int(p[at.WINDOW])
     slot = int(s[at.SEEN]) % window
     speed = (count - ring[slot]) * 2.0 * math.pi / (p[at.EDGES] * p[at.H] * p[at.N_V] * window)
     ring[slot] = count
@@ -48,8 +55,7 @@ def ask(p: Array, s: Array, ring: Array, k: int, speed: float, slope: float, ang
         return
     w = measured(p, s, ring)
     if n_p > 0 and k % (n_v * n_p) == 0:
-        counts = counted(p, s)
-        s[at.W_ADD] = p[at.PKP] * (angle - (counts * 2.0 * math.pi / p[at.EDGES] if p[at.EDGES] > 0.0 else s[at.X]))
+        s[at.W_ADD] = p[at.PKP] * lag_of(p, s, angle)
     error = speed + s[at.W_ADD] - w
     sign = 1.0 if speed > 0.0 else -1.0 if speed < 0.0 else 0.0
     ahead = p[at.FFV] * speed + p[at.FFF] * sign + p[at.FFA] * slope

@@ -1,47 +1,49 @@
-"""A task done many times: cycles that repeat are not marched but added."""
+"""A task done many times, and its long constant stretches: laps that repeat are not marched but added.
+
+Laps are marched 1, 1, 2, 4, 8 ... at a time until one ends as it began, or its sums are those of the one before.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 import drivesizer.engine.places as at
-from drivesizer.engine.figures import PEAKS, SUMS
-from drivesizer.engine.parameters import STILL, STILL_WARM
-from drivesizer.engine.places import ROW, STATE, Array
-from drivesizer.engine.start import Run, tally
+from drivesizer.engine.laps import Lap, grown, joined, marched
+from drivesizer.engine.places import ROW, Array
+from drivesizer.engine.repeats import alike, voltages
+from drivesizer.engine.start import Run
 
 __all__ = ["all_cycles"]
 
-_PERIODIC, _PERIODIC_WARM = 1e-7, 1e-3  # difference of a cycle's end from its start, of full scale, that is none
-_COMPARED = [STATE.index(n) for n in ("I", "W", "F", "V", "PEND", "OUTER", "INNER", "I_ASK")]
+_COUNTS = 8  # of the encoder, that a lag moves by without growing
+_LAGS = 0.2  # of the lag, by which it grows in a lap where the position loop does not keep up
+_NONE = np.zeros((0, len(ROW)))
 
 
 def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
-    """March a cycle until it repeats, then add the rest; heated, the last one is marched again."""
-    none = np.zeros((0, len(ROW)))
-    while run.cycles < cycles and not run.status:
-        before, g = run.s.copy(), tally()
-        run.s[at.WW : at.HQ + 1] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
-        rows = book[0] if not run.cycles else none
-        run.status = int(loop(run.p, run.s, g, run.M, *_scratch(run), run.pieces, run.ring, rows, *book[1:]))
-        _merge(run, g)
-        _settle(run, before, g)
-        left = cycles - run.cycles
-        if left > 0 and not run.status:
-            run.pieces[:, 5] += _turned(run)
-            again = _repeats(run, before, g, left - int(run.p[at.HEAT] != 0.0))
-            if again > 0:
-                _add(run, before, g, again)
+    """March a set through all cycles of its task; the course of the first goes into the book."""
+    turned = _turned(run)
+    length = float(run.pieces[-1, 1]) * run.p[at.H]
+
+    def lap(done: int, many: int) -> Lap:
+        found: Lap | None = None
+        for n in range(done, done + many):
+            run.s[at.TURN] = n * turned
+            found = joined(found, _cycle(loop, run, book if n == 0 else (_NONE, *book[1:])), n * length)
+            run.cycles = n + 1
+            if run.status:
+                break
+        assert found is not None
+        return found
+
+    run.g[:] = _repeated(run, lap, cycles, turned).g
+    run.time = (run.cycles if run.status else cycles) * length
     return run
-
-
-def _scratch(run: Run) -> tuple[Array, Array, Array, Array]:
-    """Where the march works: matrices in use, the temperatures that they are for, a step, what is steady."""
-    work = run.M[0].copy() if run.p[at.HEAT] else run.M[0]
-    return work, np.full(run.M.shape[1:3], math.nan), np.zeros(16), np.zeros(at.STEADY)
 
 
 def _turned(run: Run) -> float:
@@ -51,89 +53,117 @@ def _turned(run: Run) -> float:
     return float(last[5] + (last[3] + 0.5 * last[4] * since) * since - run.pieces[0, 5])
 
 
-def _merge(run: Run, g: Array) -> None:
-    """Add a cycle to what was watched."""
-    for n in PEAKS:
-        if g[n] > run.g[n]:
-            run.g[n], run.g[n + 1] = g[n], g[n + 1] + run.time
-    run.g[SUMS] += g[SUMS]
-    for n in (at.G_I2T, at.G_WINDING, at.G_HOUSING, at.G_V_HIGH):
-        run.g[n] = max(run.g[n], g[n])
-    run.g[at.G_V_LOW] = min(run.g[at.G_V_LOW], g[at.G_V_LOW])
-    run.cycles += 1
-    run.time += run.pieces[-1, 1] * run.p[at.H]
+def _cycle(loop: Any, run: Run, book: tuple[Any, ...]) -> Lap:
+    """One cycle, its long constant stretches for themselves."""
+    found: Lap | None = None
+    for a, b, long in run.parts:
+        part = run.pieces[a:b]
+        found = joined(found, _stretch(loop, run, part[0], book) if long else marched(loop, run, part, book))
+        if run.status:
+            break
+    assert found is not None
+    return replace(found, count=1)
 
 
-def _compared(p: Array, s: Array) -> Array:
-    """What has to repeat; voltages without the copper's drop, which goes with the temperature."""
-    free = s.copy()
-    free[_volts(p)] -= s[at.RES] * s[at.I]
-    return free[_COMPARED]
+def _stretch(loop: Any, run: Run, piece: Array, book: tuple[Any, ...]) -> Lap:
+    """A long stretch at one speed and load, lap by lap."""
+    first, end, length = int(piece[0]), int(piece[1]), run.lap
+    laps = (end - first) // length
+
+    def part(a: int, b: int) -> Lap:
+        some = piece.copy()[None]
+        some[0, 0], some[0, 1], some[0, 8] = a, b, piece[8] * (a == first)
+        return marched(loop, run, some, book)
+
+    def lap(done: int, many: int) -> Lap:
+        return replace(part(first + done * length, first + (done + many) * length), count=many)
+
+    found = _repeated(run, lap, laps, float(piece[3]) * length * run.p[at.H], run.p[at.H])
+    rest = first + laps * length
+    return found if run.status or rest == end else joined(found, part(rest, end))
 
 
-def _volts(p: Array) -> list[int]:
-    """Places of the controller's voltages."""
-    return [int(at.PEND), int(at.INNER if p[at.CASCADE] else at.OUTER)]
+def _repeated(run: Run, march: Callable[[int, int], Lap], laps: int, turned: float, period: float = 0.0) -> Lap:
+    """March laps until they are alike, and add the rest; heated, the last is marched again at its temperatures.
+
+    Parameters
+    ----------
+    run
+        The set on its way.
+    march
+        Marches laps: how many were done before, how many now.
+    laps
+        All of them.
+    turned
+        Angle of the reference over one [rad].
+    period
+        Of the controller, where one state may fill all laps: if it stays, the march carries it to their end [s].
+    """
+    total: Lap | None = None
+    earlier: list[Lap] = []
+    owed: Callable[[Lap | None], Lap] | None = None
+    done, tried = 0, 0
+    many = 1
+    while done < laps and not run.status:
+        before, many = run.s.copy(), min(many, laps - done)
+        lap = march(done, many)
+        if owed:
+            total, owed = joined(total, owed(lap)), None
+        total, done, tried = joined(total, lap), done + many, tried + many
+        if lap.steps * period < 0.5 * lap.time and period:
+            many = laps - done
+            continue
+        times = alike(run, before, lap, earlier, many * turned, (laps - done - (run.p[at.HEAT] != 0.0)) // many,
+                      not period)  # fmt: skip
+        if times > 0:
+            owed = _added(run, before, lap, times, many * turned)
+            done += times * many
+        else:
+            many = tried
+        earlier.append(lap)
+        if owed and not run.p[at.HEAT]:
+            total, owed = joined(total, owed(None)), None
+    assert total is not None
+    return joined(total, owed(None)) if owed else total
 
 
-def _repeats(run: Run, before: Array, g: Array, left: int) -> int:
-    """How many more cycles are like the one before: it ended as it began, and no limit will come in between."""
-    p, s = run.p, run.s
-    share = _PERIODIC_WARM / STILL_WARM if p[at.HEAT] else _PERIODIC / STILL
-    asked = p[at.TOL_I] if p[at.CASCADE] else p[at.TOL_U]
-    limits = np.array([p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], asked,
-                       p[at.TOL_U], p[at.TOL_I]])  # fmt: skip
-    if np.any(np.abs(_compared(p, s) - _compared(p, before)) > share * limits):
-        return 0
-    if p[at.PKP] and abs(s[at.X] - before[at.X] - _turned(run)) > share * p[at.TOL_X]:
-        return 0
-    grows, budget = s[at.I2T] - before[at.I2T], p[at.BUDGET]
-    if budget == math.inf or abs(grows) <= _PERIODIC * budget:
-        return left
-    if g[at.G_LIMITED] > 0.0:
-        return 0
-    return left if grows < 0.0 else min(left, max(0, int((budget - g[at.G_I2T]) / grows) - 1))
+def _added(run: Run, before: Array, lap: Lap, times: int, turned: float) -> Callable[[Lap | None], Lap]:
+    """Go on by laps like one; what they add, when the lap after them is known."""
+    s, budget, heat = run.s, float(run.p[at.BUDGET]), _warmed(run, lap, times)
+    grows = float(s[at.I2T] - before[at.I2T])
+    s[at.I2T] = min(max(0.0, s[at.I2T] + times * grows), budget)
+    s[at.Y] += times * (s[at.Y] - before[at.Y])
+    lags = _lags(run, before, lap, turned)
+    _turn(run, times * (turned - lags))
+    highest = min(lap.g[at.G_I2T] + times * max(grows, 0.0), budget)
+    return lambda then: grown(lap, then, times, heat, highest, lags)
 
 
-def _add(run: Run, before: Array, g: Array, n: int) -> None:
-    """Add cycles like the one before; of a heated set the temperatures go by the affine map of one."""
-    s = run.s
-    heat = s[at.Q] - before[at.Q]
+def _warmed(run: Run, lap: Lap, times: int) -> float:
+    """Warm a set by laps like one, the controller's voltages following the winding; heat of the copper [J]."""
+    s, heat = run.s, times * lap.heat
     if run.p[at.HEAT]:
-        many = np.linalg.matrix_power(_affine(s, before), n) @ np.array([s[at.T_W], s[at.T_H], 0.0, 1.0])
-        s[at.T_W], s[at.T_H], whole = many[:3]
-        s[_volts(run.p)] -= s[at.RES] * s[at.I]
+        s[at.T_W], s[at.T_H], heat, _ = np.linalg.matrix_power(lap.A, times) @ (s[at.T_W], s[at.T_H], 0.0, 1.0)
+        places = voltages(run.p)
+        s[places] -= s[at.RES] * s[at.I]
         s[at.RES] = run.p[at.R_A] + run.p[at.ALPHA] * s[at.T_W]
-        s[_volts(run.p)] += s[at.RES] * s[at.I]
-        run.owed = n, g[SUMS].copy(), heat, whole
-    else:
-        whole = n * heat
-        run.g[SUMS] += n * g[SUMS]
-    s[at.Q] += whole
-    s[at.I2T] = max(0.0, s[at.I2T] + n * (s[at.I2T] - before[at.I2T]))
-    moved = s[at.X] - before[at.X], s[at.Y] - before[at.Y]
-    s[at.X], s[at.Y] = s[at.X] + n * moved[0], s[at.Y] + n * moved[1]
-    run.pieces[:, 5] += n * _turned(run)
-    run.cycles += n
-    run.time += n * run.pieces[-1, 1] * run.p[at.H]
+        s[places] += s[at.RES] * s[at.I]
+    s[at.Q] += heat
+    return float(heat)
 
 
-def _settle(run: Run, before: Array, g: Array) -> None:
-    """Add the cycles of a heated set between the ones marched: between those by the copper's heat, which is known."""
-    if run.owed is None:
-        return
-    n, sums, heat, whole = run.owed
-    more = float(run.s[at.Q] - before[at.Q]) - heat
-    share = min(max((whole / n - heat) / more, 0.0), 1.0) if more else 0.0
-    run.g[SUMS] += n * (sums + share * (g[SUMS] - sums))
-    run.owed = None
+def _lags(run: Run, before: Array, lap: Lap, turned: float) -> float:
+    """By what the position's error grew in a lap; none where a position loop keeps it, but for some counts [rad]."""
+    found = float(turned - (run.s[at.X] - before[at.X]))
+    counts = _COUNTS * 2.0 * math.pi / run.p[at.EDGES] if run.p[at.EDGES] else 0.0
+    kept = max(counts, _LAGS * math.sqrt(lap.g[at.G_E2_X] / lap.time))
+    return 0.0 if run.p[at.PKP] and abs(found) < kept else found
 
 
-def _affine(s: Array, before: Array) -> Array:
-    """What a cycle makes of winding, housing and copper heat: with its current it is affine in the temperatures."""
-    found = np.eye(4)
-    found[:3, 0] = s[at.WW], s[at.WH], s[at.WQ]
-    found[:3, 1] = s[at.HW], s[at.HH], s[at.HQ]
-    start, end = before[[at.T_W, at.T_H]], np.array([s[at.T_W], s[at.T_H], s[at.Q] - before[at.Q]])
-    found[:3, 3] = end - found[:3, :2] @ start
-    return found
+def _turn(run: Run, angle: float) -> None:
+    """Turn the motor on, where it is counted by whole counts: those of the periods before go with it."""
+    if run.p[at.EDGES]:
+        counts = round(angle * run.p[at.EDGES] / (2.0 * math.pi))
+        angle = counts * 2.0 * math.pi / run.p[at.EDGES]
+        run.ring += counts
+    run.s[at.X] += angle

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivesizer.cascade import Cascade
+from drivesizer.engine.places import Array
 from drivesizer.linear_modes import Machine
 from drivesizer.results import Gains
 from drivesizer.thermal import TwoBodies
@@ -52,6 +54,7 @@ class Heat:
     housing: float = math.nan  # K at the start; NaN: ambient
     loss: float = 0.0  # W at the housing, always
     loss_torque: float = 0.0  # N*m at the housing: times the speed
+    loss_viscous: float = 0.0  # N*m*s/rad at the housing: times the square of the speed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,8 +74,8 @@ class Drive:
 class Task:
     """What is asked of the driven shaft; straight lines between the corners."""
 
-    time: tuple[float, ...]  # s, strictly rising
-    speed: tuple[float, ...]  # rad/s of the driven shaft
-    load_time: tuple[float, ...] = ()  # s, strictly rising
-    load_torque: tuple[float, ...] = ()  # N*m, added to the machine's own; before and after the corners as at the ends
+    time: Sequence[float] | Array  # s, strictly rising
+    speed: Sequence[float] | Array  # rad/s of the driven shaft
+    load_time: Sequence[float] | Array = ()  # s, strictly rising
+    load_torque: Sequence[float] | Array = ()  # N*m, added to the machine's own; beyond the corners as there
     cycles: int = 1  # how often it is done; its length is then rounded up to whole samples of the slowest loop

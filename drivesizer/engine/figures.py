@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 import drivesizer.engine.places as at
+from drivesizer.engine.laps import PEAKS
 from drivesizer.engine.places import ROW, TALLY, Array
 from drivesizer.engine.start import Run
 
-__all__ = ["FIGURES", "PEAKS", "SUMS", "Marched", "course_of", "figures_of"]
+__all__ = ["FIGURES", "Marched", "course_of", "figures_of"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,8 +32,6 @@ FIGURES = {
     "speed_error_square": "E2_W", "angle_error_square": "E2_X", "i2t_highest": "I2T", "winding_highest": "WINDING",
     "housing_highest": "HOUSING", "bus_lowest": "V_LOW", "bus_highest": "V_HIGH",
 }  # fmt: skip
-PEAKS = [n for n, name in enumerate(TALLY) if f"T_{name}" in TALLY]
-SUMS = slice(TALLY.index("SQUARE"), TALLY.index("I2T"))
 
 
 def figures_of(runs: Sequence[Run]) -> dict[str, Array]:

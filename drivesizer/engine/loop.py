@@ -12,7 +12,7 @@ from drivesizer.engine.modes import gear_torque
 from drivesizer.engine.places import Array
 from drivesizer.engine.steady import carried, hold, steady
 from drivesizer.engine.steps import advance
-from drivesizer.engine.tallies import record, remain, strain, watch
+from drivesizer.engine.tallies import record, remain, square_of, strain, watch
 from drivesizer.engine.warming import heat
 
 __all__ = ["march_one", "note", "rest", "sample", "wrong"]
@@ -32,7 +32,7 @@ def sample(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z:
     """What the controller does at a sample, watched: the voltage that is held over the period."""
     t, h, since, slope, dl = k * p[at.H], p[at.H], k * p[at.H] - piece[2], piece[4], piece[7]
     speed, l = piece[3] + slope * since, piece[6] + dl * since
-    angle = piece[5] + (piece[3] + 0.5 * slope * since) * since
+    angle = s[at.TURN] + piece[5] + (piece[3] + 0.5 * slope * since) * since
     if p[at.CASCADE] != 0.0:
         ask(p, s, ring, k, speed, slope, angle)
         u = cascade(p, s, g, t, h)
@@ -54,7 +54,7 @@ def wrong(p: Array, s: Array) -> int:
 def rest(p: Array, s: Array, g: Array, mind: Array, piece: Array, k: int, u: float) -> int:
     """Where nothing changes, carry the state as far as it goes: for how many periods."""
     h, speed = p[at.H], piece[3]
-    lag = piece[5] + speed * ((k - 1) * h - piece[2]) + speed * h - s[at.X]
+    lag = s[at.TURN] + piece[5] + speed * ((k - 1) * h - piece[2]) + speed * h - s[at.X]
     carry = carried(p, s, int(piece[1]) - k) if steady(p, s, mind, lag) else 0
     if carry > 0:
         remain(p, s, g, speed - s[at.W], lag, carry * h)
@@ -65,9 +65,9 @@ def rest(p: Array, s: Array, g: Array, mind: Array, piece: Array, k: int, u: flo
 def march_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z: Array, mind: Array, pieces: Array,
               ring: Array, rows: Array, kept: Any, size: Any) -> int:  # fmt: skip
     """March a set along all pieces: first, end, start [s], speed, slope, angle, load, its slope, corner."""
-    h, near = p[at.H], max(rows.shape[0] // (2 * pieces.shape[0]), 1)
+    h, near = p[at.H], size[3]
     n_v, cycle = int(p[at.N_V]), int(p[at.N_V] * max(p[at.N_P], 1.0))
-    corner, turned, spent, u = 0, 0.0, 0.0, 0.0
+    corner, turned, swept, spent, u = 0, 0.0, 0.0, 0.0, 0.0
     for n in range(pieces.shape[0]):
         piece = pieces[n]
         k, end, constant = int(piece[0]), int(piece[1]), piece[4] == 0.0 and piece[7] == 0.0
@@ -75,14 +75,15 @@ def march_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array,
         mind[:] = math.nan
         strain(p, s, g, int(s[at.CODE]), piece[6] + piece[7] * (k * h - piece[2]), k * h, 0.0)
         while k < end:
-            t, x, taken = k * h, s[at.X], g[at.G_IN] - g[at.G_BACK]
+            t, x, w, taken = k * h, s[at.X], s[at.W], g[at.G_IN] - g[at.G_BACK]
             u = sample(p, s, g, M, work, stamp, z, ring, rows, kept, size, piece, k, k - corner < near)
             advance(p, s, g, M, work, stamp, z, u, piece[6] + piece[7] * (t - piece[2]), piece[7], t)
             bus(p, g, (g[at.G_IN] - g[at.G_BACK] - taken) / h, t)
-            turned, spent, k = turned + abs(s[at.X] - x), spent + h, k + 1
+            turned, swept = turned + abs(s[at.X] - x), swept + square_of(w, s[at.W], s[at.X] - x, h)
+            spent, k = spent + h, k + 1
             if k % n_v == 0 or k == end:
-                heat(p, s, g, turned, spent)
-                turned = spent = 0.0
+                heat(p, s, g, turned, swept, spent)
+                turned = swept = spent = 0.0
             status = wrong(p, s)
             if status != at.GOOD:
                 return status

@@ -20,7 +20,7 @@ STILL, STILL_WARM = 1e-12, 1e-9  # change over a sample, of full scale, that is 
 _NODES, _NODE = 24, 20.0  # nodes of temperature, and K between them: the modes are met to 4e-6 of themselves
 
 
-def table(drive: Drive, top: float, most: int, sense: bool) -> list[float]:
+def table(drive: Drive, top: float, most: int) -> list[float]:
     """A set as the march's parameters.
 
     Parameters
@@ -31,16 +31,14 @@ def table(drive: Drive, top: float, most: int, sense: bool) -> list[float]:
         Highest speed that is asked of the driven shaft [rad/s]: a scale where the voltage has no bound.
     most
         Steps at which the march is given up.
-    sense
-        Whether to follow what a kelvin at the start makes of the temperatures.
     """
-    named = parameters(drive, top, most, sense) | controller(drive) | thermal(drive.heat)
+    named = parameters(drive, top, most) | controller(drive) | thermal(drive.heat)
     scale = named.get("PKP", 0.0)
     named["TOL_X"] = named["TOL_W"] / scale if scale else math.inf
     return [named.get(name, 0.0) for name in PARAMETERS]
 
 
-def parameters(drive: Drive, top: float, most: int, sense: bool) -> dict[str, float]:
+def parameters(drive: Drive, top: float, most: int) -> dict[str, float]:
     """A set in the march's names, its thermal figures and controller apart."""
     m, supply, limit = drive.machine, drive.supply, drive.current
     volts = supply.voltage if supply.voltage < math.inf else 2.0 * m.torque_constant * m.ratio * max(top, 1.0)
@@ -58,7 +56,7 @@ def parameters(drive: Drive, top: float, most: int, sense: bool) -> dict[str, fl
         "TWO": float(m.flexible), "EDGES": drive.encoder.edges, "WINDOW": max(drive.encoder.periods, 1),
         "V_0": supply.voltage, "R_S": supply.resistance, "SETS": supply.sets, "DUTY": supply.max_duty,
         "DROP": supply.voltage_drop, "RAISES": float(supply.raises), "PEAK": limit.peak, "CONT2": square,
-        "BUDGET": max(budget, 0.0) if not math.isnan(budget) else math.inf, "MOST": most, "SENSE": float(sense),
+        "BUDGET": max(budget, 0.0) if not math.isnan(budget) else math.inf, "MOST": most,
         "TOL_I": tight * full_i, "TOL_W": tight * full_w, "TOL_U": tight * volts,
         "TOL_F": tight * m.ratio * m.torque_constant * full_i / m.stiffness if m.flexible else math.inf,
     }  # fmt: skip
@@ -91,7 +89,7 @@ def thermal(heat: Heat | None) -> dict[str, float]:
     return {
         "HEAT": 1.0, "R_1": b.R_th1, "R_2": b.R_th2, "C_W": b.capacity_w, "C_H": b.capacity_h,
         "R_A": b.R_25 * (1.0 + COPPER * (heat.ambient - DATA_TEMPERATURE)), "ALPHA": COPPER * b.R_25,
-        "AMBIENT": heat.ambient, "P_0": heat.loss, "P_1": heat.loss_torque,
+        "AMBIENT": heat.ambient, "P_0": heat.loss, "P_1": heat.loss_torque, "P_2": heat.loss_viscous,
         "NODE_0": low - heat.ambient - _NODE, "NODE_D": _NODE, "NODES": _NODES,
     }  # fmt: skip
 

@@ -1,6 +1,12 @@
-"""A task as straight pieces between samples."""
+"""A task as straight pieces between samples.
+
+A corner that lies between two samples is taken at the next one. A piece shorter than a sample runs, where it is not
+left out, to where reference and load are a sample later; so a jump lasts a sample at most.
+"""
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 
@@ -9,30 +15,77 @@ from drivesizer.engine.drive import Task
 from drivesizer.engine.places import Array
 from drivesizer.errors import InputError
 
-__all__ = ["pieces_of"]
+__all__ = ["pieces_of", "stretches"]
 
 _WHOLE = 1e-9  # a corner this near to a sample, in periods, is on it
+_ROUNDING = 8.0 * np.finfo(float).eps  # of a time, the same
+_LAP = 4096  # periods of a lap of a long stretch, at least
+_LAPS = 64  # of which a stretch is long
 
 
 def pieces_of(task: Task, p: Array) -> Array:
-    """The task as the march's pieces, at the motor shaft; corners between two samples leave none."""
-    h, K = p[at.H], p[at.RATIO]
-    time, speed = np.array(task.time) - task.time[0], np.array(task.speed) * K
+    """A task at the motor shaft: first and last sample, start [s], speed, slope, angle, load, its slope, corner."""
+    h, K, origin = p[at.H], p[at.RATIO], task.time[0]
+    time, speed = np.asarray(task.time, float) - origin, np.asarray(task.speed, float) * K
     if not time[-1] / h < 2.0**53:
         raise InputError(f"task: {time[-1]:g} s is too long to be sampled every {h:g} s")
-    load_time, load = np.array(task.load_time or (0.0,)) - task.time[0], np.array(task.load_torque or (0.0,))
-    starts = np.unique(np.concatenate((time, load_time[(load_time > 0.0) & (load_time < time[-1])])))
-    n = np.searchsorted(time, starts[:-1], "right") - 1
-    slope = (np.diff(speed) / np.diff(time))[n]
-    angle = np.concatenate(([0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2.0)))[n]
-    since = starts[:-1] - time[n]
-    forces = np.interp(starts, load_time, load)
-    tick = np.ceil(starts / h - _WHOLE)
+    load = np.array([0.0]), np.array([0.0])
+    if len(task.load_time):
+        load = np.asarray(task.load_time, float) - origin, np.asarray(task.load_torque, float)
+    starts = np.unique(np.concatenate((time, load[0][(load[0] > 0.0) & (load[0] < time[-1])])))
+    tick = _ticks(starts, h)
     if task.cycles > 1:
-        whole = p[at.N_V] * max(p[at.N_P], 1.0)
+        whole = _whole(p)
         tick[-1] = np.ceil(tick[-1] / whole - _WHOLE) * whole
-    found = np.column_stack((
-        tick[:-1], tick[1:], starts[:-1], speed[n] + slope * since, slope,
-        angle + (speed[n] + 0.5 * slope * since) * since, forces[:-1], np.diff(forces) / np.diff(starts), since == 0.0,
-    ))  # fmt: skip
-    return np.ascontiguousarray(found[found[:, 1] > found[:, 0]])
+    kept = np.flatnonzero(tick[1:] > tick[:-1])
+    first, last, start = tick[kept], tick[kept + 1], starts[kept]
+    short = (starts[kept + 1] - start < h) & (last - first == 1.0)
+    corner = np.isin(start, time)
+    start = np.where(short, np.maximum(start, first * h), start)
+    later = np.where(short, (first + 1.0 - _WHOLE) * h, start)
+    (v, slope), (l, dl) = _line(start, time, speed), _line(start, *load)
+    slope = np.where(short, (_line(later, time, speed)[0] - v) / h, slope)
+    dl = np.where(short, (_line(later, *load)[0] - l) / h, dl)
+    return np.column_stack((first, last, start, v, slope, _angle(start, time, speed), l, dl, corner))
+
+
+def _ticks(starts: Array, h: float) -> Array:
+    """The sample at which each corner is taken; corners that cannot be told apart are taken at the same one."""
+    slack = _WHOLE + _ROUNDING * starts / h
+    tick = np.ceil(starts / h - slack)
+    apart = np.concatenate(([True], np.diff(starts) > 2.0 * h * slack[1:]))
+    return np.asarray(tick[np.maximum.accumulate(np.where(apart, np.arange(len(starts)), 0))])
+
+
+def _line(x: Array, corners: Array, values: Array) -> tuple[Array, Array]:
+    """Value and slope to the right of some points of straight lines between corners; constant beyond them."""
+    n = np.searchsorted(corners, x, "right") - 1
+    inside = (n >= 0) & (n < len(corners) - 1)
+    a, b = np.where(inside, n, 0), np.where(inside, n + 1, 0)
+    rise, run = values[b] - values[a], np.where(inside, corners[b] - corners[a], 1.0)
+    slope = np.where(inside, rise / run, 0.0)
+    beyond = np.where(n < 0, values[0], values[-1])
+    return np.where(inside, values[a] + slope * (x - corners[a]), beyond), slope
+
+
+def _angle(x: Array, time: Array, speed: Array) -> Array:
+    """Angle gone through until some moments."""
+    n = np.clip(np.searchsorted(time, x, "right") - 1, 0, len(time) - 2)
+    before = np.concatenate(([0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2.0)))[n]
+    return np.asarray(before + (x - time[n]) * (speed[n] + _line(x, time, speed)[0]) / 2.0)
+
+
+def _whole(p: Array) -> float:
+    """Periods after which all loops are at the same sample again."""
+    return float(p[at.N_V] * max(p[at.N_P], 1.0))
+
+
+def stretches(pieces: Array, p: Array) -> tuple[list[tuple[int, int, bool]], int]:
+    """A task's pieces from place to place, the long constant ones alone; and the periods of a lap of those."""
+    lap = int(np.ceil(_LAP / _whole(p)) * _whole(p))
+    constant = (pieces[:, 4] == 0.0) & (pieces[:, 7] == 0.0) & (pieces[:, 1] - pieces[:, 0] >= _LAPS * lap)
+    cuts = {0, len(pieces)}
+    for n in np.flatnonzero(constant).tolist():
+        cuts |= {n, n + 1}
+    edges = sorted(cuts)
+    return [(a, b, bool(constant[a])) for a, b in pairwise(edges)], lap

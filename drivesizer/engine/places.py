@@ -29,27 +29,28 @@ def _places(names: list[str]) -> Iterable[int]:
 _PARAMETERS = """
     H R25 K_T J_M F_M F_S B_M RATIO DRIVE BRAKE J_L B_L T_F T_B T_0 C DAMP GAP G_0 G_D G_B TWO
     CASCADE N_V N_P KP KI KEEP KD CKP CKI PKP FFV FFF FFA DELAY EDGES WINDOW V_0 R_S SETS DUTY DROP
-    RAISES PEAK CONT2 BUDGET HEAT R_1 R_2 C_W C_H R_A ALPHA AMBIENT P_0 P_1 NODE_0 NODE_D NODES MOST
-    SENSE TOL_I TOL_W TOL_U TOL_F TOL_X
+    RAISES PEAK CONT2 BUDGET HEAT R_1 R_2 C_W C_H R_A ALPHA AMBIENT P_0 P_1 P_2 NODE_0 NODE_D NODES
+    MOST SENSE TOL_I TOL_W TOL_U TOL_F TOL_X
 """
 PARAMETERS = _PARAMETERS.split()
 (
     H, R25, K_T, J_M, F_M, F_S, B_M, RATIO, DRIVE, BRAKE, J_L, B_L, T_F, T_B, T_0, C, DAMP, GAP, G_0, G_D, G_B, TWO,
     CASCADE, N_V, N_P, KP, KI, KEEP, KD, CKP, CKI, PKP, FFV, FFF, FFA, DELAY, EDGES, WINDOW, V_0, R_S, SETS, DUTY, DROP,
-    RAISES, PEAK, CONT2, BUDGET, HEAT, R_1, R_2, C_W, C_H, R_A, ALPHA, AMBIENT, P_0, P_1, NODE_0, NODE_D, NODES, MOST,
-    SENSE, TOL_I, TOL_W, TOL_U, TOL_F, TOL_X,
+    RAISES, PEAK, CONT2, BUDGET, HEAT, R_1, R_2, C_W, C_H, R_A, ALPHA, AMBIENT, P_0, P_1, P_2, NODE_0, NODE_D, NODES,
+    MOST, SENSE, TOL_I, TOL_W, TOL_U, TOL_F, TOL_X,
 ) = _places(PARAMETERS)  # fmt: skip
 
 # machine; heat (rises over ambient, copper heat, and what a kelvin at the start makes of them); controller: pending
-# voltage, integrals with derivative, last error and its presence, current asked for, what was cut
+# voltage, integrals with derivative, last error and its presence, current asked for, what was cut; angle of the
+# reference when the cycle started
 _STATE = """
     I W F V X Y T_W T_H Q WW WH WQ HW HH HQ CODE I2T PEND OUTER - - - INNER - - -
-    I_ASK I_CUT U_CUT W_ADD LIMIT STEPS SQUARE RES SEEN
+    I_ASK I_CUT U_CUT W_ADD LIMIT STEPS SQUARE RES SEEN TURN
 """
 STATE = _STATE.split()
 (
     I, W, F, V, X, Y, T_W, T_H, Q, WW, WH, WQ, HW, HH, HQ, CODE, I2T, PEND, OUTER, _, _, _, INNER, _, _, _,
-    I_ASK, I_CUT, U_CUT, W_ADD, LIMIT, STEPS, SQUARE, RES, SEEN,
+    I_ASK, I_CUT, U_CUT, W_ADD, LIMIT, STEPS, SQUARE, RES, SEEN, TURN,
 ) = _places(STATE)  # fmt: skip
 
 # largest magnitudes with their times, then what adds up [s, A^2 s, J, (rad/s)^2 s, rad^2 s], then highest and lowest

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import fields
-from itertools import pairwise
+
+import numpy as np
 
 from drivesizer.cascade import Cascade
 from drivesizer.engine.drive import Drive, Task
@@ -18,8 +19,8 @@ __all__ = ["checked", "multiples"]
 def checked(drives: Sequence[Drive], task: Task) -> None:
     """Refuse what cannot be computed with."""
     for name, times, values in (("time", task.time, task.speed), ("load_time", task.load_time, task.load_torque)):
-        rising = all(a < b for a, b in pairwise(times))
-        if len(times) != len(values) or not rising or not all(map(math.isfinite, (*times, *values))):
+        t, v = np.asarray(times, float), np.asarray(values, float)
+        if t.ndim != 1 or t.shape != v.shape or not (np.all(np.diff(t) > 0.0) and np.isfinite((t, v)).all()):
             raise InputError(f"task: {name} and its values are to be finite, as many, and the times rising")
     if len(task.time) < 2 or task.cycles < 1:
         raise InputError("task: expected at least two corners, and at least one cycle")

@@ -13,7 +13,7 @@ from drivesizer.cascade import Cascade
 from drivesizer.engine.drive import Drive, Heat, Task
 from drivesizer.engine.modes import held, mode_of, resisting
 from drivesizer.engine.parameters import resistances, table
-from drivesizer.engine.pieces import pieces_of
+from drivesizer.engine.pieces import pieces_of, stretches
 from drivesizer.engine.places import STATE, TALLY, Array
 from drivesizer.errors import InputError
 from drivesizer.linear_modes import columns, discretised
@@ -71,22 +71,24 @@ def _ring(p: Array, w: float) -> Array:
 class Run:
     """One set on its way."""
 
-    p: Array
-    s: Array
-    g: Array
-    M: Array
+    p: Array  # parameters
+    s: Array  # state
+    g: Array  # tallies, when it has come to the end
+    M: Array  # matrices
+    scratch: tuple[Array, Array, Array, Array]  # matrices in use, their temperatures, a step, what is steady
     pieces: Array
-    ring: Array
+    parts: list[tuple[int, int, bool]]  # of the pieces, from place to place; whether a long constant stretch
+    lap: int  # periods that such a stretch is marched in
+    ring: Array  # counts
     status: int = 0
     cycles: int = 0
     time: float = 0.0  # s
-    owed: tuple[int, Array, float, float] | None = None  # cycles not yet added, sums and heat of the one before, heat
 
 
 def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
     """Some sets at their start; their matrices are made together."""
-    top = max(map(abs, task.speed))
-    P = np.array([table(d, top, most, task.cycles > 1) for d in drives], float)
+    top = float(np.abs(task.speed).max())
+    P = np.array([table(d, top, most) for d in drives], float)
     found: dict[int, Run] = {}
     known: dict[tuple[float, ...], Array] = {}
     for warm in (False, True):
@@ -102,16 +104,21 @@ def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
             same = tuple(P[n, [at.H, at.RATIO, at.N_V, at.N_P]].tolist())
             if same not in known:
                 known[same] = pieces_of(task, P[n])
-            found[n] = _begun(P[n], M[m], drives[n], known[same].copy())
+            found[n] = _begun(P[n], M[m], drives[n], known[same], task.cycles > 1)
     return [found[n] for n in range(len(drives))]
 
 
-def _begun(p: Array, M: Array, drive: Drive, pieces: Array) -> Run:
+def _begun(p: Array, M: Array, drive: Drive, pieces: Array, many: bool) -> Run:
     c = drive.controller
     ki = (c.velocity_ki != 0.0, c.current_ki != 0.0) if isinstance(c, Cascade) else (c.ki != 0.0, False)
     if not len(pieces):
         raise InputError("task: it lies between two samples of the controller")
-    return Run(p, _start(p, pieces, drive.heat, ki), tally(), M, pieces, _ring(p, float(pieces[0, 3])))
+    parts, lap = stretches(pieces, p)
+    p[at.SENSE] = many or any(long for _, _, long in parts)
+    work = M[0].copy() if p[at.HEAT] else M[0]
+    scratch = work, np.full(M.shape[1:3], math.nan), np.zeros(16), np.zeros(at.STEADY)
+    ring = _ring(p, float(pieces[0, 3]))
+    return Run(p, _start(p, pieces, drive.heat, ki), tally(), M, scratch, pieces, parts, lap, ring)
 
 
 def tally() -> Array:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import drivesizer.engine.places as at
+from drivesizer.engine.limits import bus
 from drivesizer.engine.places import Array
-from drivesizer.engine.tallies import count, strain
+from drivesizer.engine.tallies import count, see, strain
 from drivesizer.engine.warming import heat
 
 __all__ = ["carried", "hold", "regulated", "steady"]
@@ -24,7 +25,7 @@ def hold(p: Array, s: Array, g: Array, u: float, l: float, t: float, duration: f
     R, Q0 = s[at.RES], s[at.Q]
     count(p, s, g, s[at.I] * s[at.I] * duration, 0.0, 0.0, duration)
     strain(p, s, g, int(s[at.CODE]), l, t, duration)
-    heat(p, s, g, s[at.W] * duration, duration)
+    heat(p, s, g, abs(s[at.W]) * duration, s[at.W] * s[at.W] * duration, duration)
     work = (u - R * s[at.I]) * s[at.I] * duration + (s[at.Q] - Q0)  # what turns into motion, and the copper's heat
     if work > 0.0:
         g[at.G_IN] += work
@@ -35,6 +36,11 @@ def hold(p: Array, s: Array, g: Array, u: float, l: float, t: float, duration: f
     rise = (s[at.RES] - R) * s[at.I] if regulated(p, s) else 0.0
     s[at.PEND] += rise
     s[at.INNER if p[at.CASCADE] != 0.0 else at.OUTER] += rise
+    bus(p, g, (u + rise) * s[at.I], t + duration)
+    see(g, at.G_U, u + rise, t + duration)
+    see(g, at.G_U_ASKED, u + rise + s[at.U_CUT], t + duration)
+    if (u + rise) * s[at.I] > g[at.G_POWER]:
+        see(g, at.G_POWER, (u + rise) * s[at.I], t + duration)
 
 
 def steady(p: Array, s: Array, mind: Array, lag: float) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import drivesizer.engine.places as at
 from drivesizer.engine.modes import matrix_of, mode_of, resisting
 from drivesizer.engine.places import Array
-from drivesizer.engine.tallies import count, see, strain
+from drivesizer.engine.tallies import count, see, square_of, strain
 
 __all__ = ["advance", "fresh", "step", "stop", "take"]
 
@@ -59,9 +59,7 @@ def take(p: Array, s: Array, g: Array, z: Array, code: int, u: float, t: float, 
     two = p[at.TWO] != 0.0
     q, x = (z[12], z[13]) if two else (z[10], z[11])
     first, last = s[at.I], z[8]
-    mean, rise, bend = q / dt, last - first, (first + last) / 2.0 - q / dt
-    # exact for a current that is a parabola in time (expansion in Legendre polynomials)
-    count(p, s, g, dt * (mean * mean + rise * rise / 12.0 + bend * bend / 5.0), u, q, dt)
+    count(p, s, g, square_of(first, last, q, dt), u, q, dt)
     see(g, at.G_I, last, t)
     see(g, at.G_W, z[9], t)
     power = u * (first if (first > last) == (u > 0.0) else last)

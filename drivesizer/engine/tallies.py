@@ -8,13 +8,19 @@ import drivesizer.engine.places as at
 from drivesizer.engine.modes import gear_torque
 from drivesizer.engine.places import Array
 
-__all__ = ["count", "record", "remain", "see", "strain", "watch"]
+__all__ = ["count", "record", "remain", "see", "square_of", "strain", "watch"]
 
 
 def see(g: Array, place: int, value: float, t: float) -> None:
     """Keep the largest magnitude and its time."""
     if abs(value) > g[place]:
         g[place], g[place + 1] = abs(value), t
+
+
+def square_of(first: float, last: float, area: float, dt: float) -> float:
+    """Integral of a square by the ends and the integral; exact for a parabola (its Legendre polynomials)."""
+    mean, rise, bend = area / dt, last - first, (first + last) / 2.0 - area / dt
+    return dt * (mean * mean + rise * rise / 12.0 + bend * bend / 5.0)
 
 
 def count(p: Array, s: Array, g: Array, square: float, u: float, q: float, dt: float) -> None:
@@ -57,7 +63,8 @@ def remain(p: Array, s: Array, g: Array, error: float, lag: float, time: float) 
 
 
 def record(rows: Array, kept: Any, size: Any, always: bool, k: int, row: Any) -> None:
-    """Keep a row: all while few, else evenly thinned, those after a corner always (size: rows, stride, spare)."""
+    """Keep a row: all while few, else evenly thinned, those after a corner always (size: rows, stride, spare,
+    how many after a corner)."""
     if (not always or size[2] <= 0) and k % size[1] != 0:
         return
     n = size[0]

@@ -28,14 +28,14 @@ def warm(p: Array, s: Array, place: int, I2: float, loss: float, R: float, dt: f
         s[place], s[place + 1], s[place + 2] = w + sum_w, hot + sum_h, s[place + 2] + copper
 
 
-def heat(p: Array, s: Array, g: Array, turned: float, dt: float) -> None:
-    """Temperatures after a period, or after a long stretch at rest or constant speed."""
+def heat(p: Array, s: Array, g: Array, turned: float, swept: float, dt: float) -> None:
+    """Temperatures after a period, or a long stretch at one speed; turned: by what angle, swept: integral of w^2 dt."""
     I2 = s[at.SQUARE] / dt
     s[at.SQUARE] = 0.0
     if p[at.HEAT] == 0.0:
         s[at.Q] += p[at.R25] * I2 * dt
         return
-    warm(p, s, at.T_W, I2, p[at.P_0] + p[at.P_1] * abs(turned) / dt, p[at.R_A], dt)
+    warm(p, s, at.T_W, I2, p[at.P_0] + (p[at.P_1] * turned + p[at.P_2] * swept) / dt, p[at.R_A], dt)
     if p[at.SENSE] != 0.0:
         warm(p, s, at.WW, I2, 0.0, 0.0, dt)
         warm(p, s, at.HW, I2, 0.0, 0.0, dt)
