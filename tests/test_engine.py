@@ -145,29 +145,34 @@ def test_a_day_at_one_speed_is_carried_to_the_steady_temperature():
 
 
 def saturated_by_solver(m, g, volts, task, n):
-    """The sampled loop with each period integrated; speeds at the samples."""
+    """The sampled loop with each period integrated; current, speed (and twist, speed of the load) at the samples."""
     K, two = m.ratio, m.flexible
     w = task.speed[0] * K
     share = 1 / (K * m.efficiency)
-    i = (m.friction + m.forward_torque * share) / m.torque_constant
-    x = np.array([i, w, m.forward_torque / m.stiffness, w / K] if two else [i, w])
+    corners = (task.load_time, task.load_torque) if task.load_time else ((0.0,), (0.0,))
+
+    def resists(t):
+        return m.forward_torque + np.interp(t, *corners)
+
+    i = (m.friction + resists(0.0) * share) / m.torque_constant
+    x = np.array([i, w, resists(0.0) / m.stiffness, w / K] if two else [i, w])
     pending = integral = m.resistance * i + m.torque_constant * w
 
-    def rigid(_, x, u):
+    def rigid(t, x, u):
         net = m.torque_constant * x[0] - m.friction
-        drives = m.forward_torque * K * m.motor_inertia + m.load_inertia * net > 0.0
+        drives = resists(t) * K * m.motor_inertia + m.load_inertia * net > 0.0
         s = 1 / (K * m.efficiency) if drives else m.efficiency / K
-        dw = (net - m.forward_torque * s) / (m.motor_inertia + m.load_inertia * s / K)
+        dw = (net - resists(t) * s) / (m.motor_inertia + m.load_inertia * s / K)
         return (u - m.resistance * x[0] - m.torque_constant * x[1]) / m.inductance, dw
 
-    def flexible(_, x, u):
+    def flexible(t, x, u):
         T = m.stiffness * x[2] + m.damping * (x[1] / K - x[3])
         s = 1 / (K * m.efficiency) if T > 0.0 else m.efficiency / K
         return (
             (u - m.resistance * x[0] - m.torque_constant * x[1]) / m.inductance,
             (m.torque_constant * x[0] - m.friction - s * T) / m.motor_inertia,
             x[1] / K - x[3],
-            (T - m.forward_torque) / m.load_inertia,
+            (T - resists(t)) / m.load_inertia,
         )
 
     found = []
@@ -178,9 +183,8 @@ def saturated_by_solver(m, g, volts, task, n):
         if not (pending - u) * error > 0.0:
             integral += g.ki * g.period * error
         pending = g.kp * error + integral
-        x = solve_ivp(flexible if two else rigid, (0, g.period), x, "DOP853", args=(u,), rtol=1e-10, atol=1e-10).y[
-            :, -1
-        ]
+        span = k * g.period, (k + 1) * g.period
+        x = solve_ivp(flexible if two else rigid, span, x, "DOP853", args=(u,), rtol=1e-10, atol=1e-10).y[:, -1]
     return np.array(found)
 
 

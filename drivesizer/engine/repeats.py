@@ -82,16 +82,15 @@ def _same(p: Array, lap: Lap, earlier: Sequence[Lap]) -> bool:
 
 
 def _drifts(lap: Lap, earlier: Sequence[Lap], left: int) -> bool:
-    """Whether the sums change as a slow drift does, twice as much in laps twice as long, and would not stay the same."""
+    """Whether the sums change as in a slow drift, twice as much in laps twice as long, and would not stay the same."""
     counts = [x.count for x in (*earlier[-2:], lap)]
     if len(counts) < 3 or counts != [counts[0], 2 * counts[0], 4 * counts[0]]:
         return False
     (a, _), (b, _), (c, scale) = (_means(x) for x in (*earlier[-2:], lap))
     along = ((c - b) * (b - a) > 0.0) & (np.abs(c - b) > _DRIFT[0] * np.abs(b - a))
     along &= np.abs(c - b) < _DRIFT[1] * np.abs(b - a)
-    return bool(
-        np.any(along & (np.abs(c - b) * left / 1.5 > _ALIKE * scale))
-    )  # 1.5 laps from one's middle to the next's
+    ahead = np.abs(c - b) * (left / 2) / 0.75  # to the middle of the rest, in laps; the two are 3/4 of a lap apart
+    return bool(np.any(along & (ahead > _ALIKE * scale)))
 
 
 def _means(lap: Lap) -> tuple[Array, Array]:

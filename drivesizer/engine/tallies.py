@@ -64,10 +64,12 @@ def remain(p: Array, s: Array, g: Array, error: float, lag: float, time: float) 
 
 def record(rows: Array, kept: Any, size: Any, always: bool, k: int, row: Any) -> None:
     """Keep a row: all while few, else evenly thinned, those after a corner always (size: rows, stride, spare,
-    how many after a corner)."""
+    how many after a corner). One of the same time as the last takes its place: a stretch ends where the next begins."""
     if (not always or size[2] <= 0) and k % size[1] != 0:
         return
     n = size[0]
+    if n > 0 and rows[n - 1, 0] == row[0]:
+        n -= 1
     kept[n] = always and size[2] > 0
     size[2] -= kept[n]
     for c in range(len(row)):
