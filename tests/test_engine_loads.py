@@ -215,7 +215,7 @@ def test_a_cascade_through_a_gap_against_fine_steps():
     )  # fmt: skip
     task = Task(time=(0.0, 0.01, 0.06, 0.12), speed=(15.0, 15.0, -20.0, 12.0))
     run = march(Drive(machine=m, controller=CASCADE, supply=Supply(voltage=60.0)), task)
-    exact = gap_by_steps(m, CASCADE, task, 1200, 100)
+    exact = gap_by_steps(m, CASCADE, task, 1201, 100)  # with the state at the end
     n = np.rint(run.series["time"] / 1e-4).astype(int)
     free = run.series["gear_torque"] == 0.0
     assert np.count_nonzero(np.diff(free.astype(int))) == 4  # through the gap and back
