@@ -1,7 +1,7 @@
-"""The content of the PDF report as plain data: what the template prints, in its order.
+"""The content of a report as plain data: what is printed, in its order; the figures are in ``drawings``.
 
-Nothing is computed here but texts. The template receives one JSON document; strings of it are printed as
-strings, so that no text of a spec or a catalogue is ever read as markup.
+Nothing is computed here but texts. Strings of it are printed as strings, so that no text of a spec or a catalogue is
+ever read as markup.
 """
 
 from __future__ import annotations
@@ -13,30 +13,27 @@ from drivesizer import __version__
 from drivesizer.catalog import Catalog
 from drivesizer.checks import TITLES
 from drivesizer.gain_table import gain_rows
-from drivesizer.loadcycle import LoadCycle
 from drivesizer.loads import load_cycle
 from drivesizer.objectives import objective_figure
 from drivesizer.report import figures
 from drivesizer.report.datasheet import datasheets
 from drivesizer.report.derivation import step
-from drivesizer.report.field_figure import MOST_PANELS, torque_speed
-from drivesizer.report.loop_curves import bode
-from drivesizer.report.loop_curves import step as step_answers
+from drivesizer.report.field_figure import MOST_PANELS
 from drivesizer.report.loop_rows import gain, linear
-from drivesizer.report.operating import Panel, panels
+from drivesizer.report.operating import panels
 from drivesizer.report.panels import windows
 from drivesizer.report.parts import parts
 from drivesizer.report.sums import price_of, unknown_of
 from drivesizer.report.wording import cleaned, margin, short, use
 from drivesizer.results import Check, Comparison, DriveSet, Figure, Relaxation, SizingResult, Validation, worst
 from drivesizer.spec import AS_SPECIFIED
-from drivesizer.units import from_si, label, show
+from drivesizer.units import show
 
 __all__ = ["document"]
 
 
 def document(result: SizingResult, validation: Validation | None) -> dict[str, Any]:
-    """Everything that the template prints.
+    """Everything that a report prints.
 
     Parameters
     ----------
@@ -74,7 +71,6 @@ def _content(result: SizingResult, validation: Validation | None, best: DriveSet
         "load_steps": [step(r) | {"text": r.text} for r in result.requirements],
         "candidates": _candidates(result),
         "front": _front(result) if result.front else None,
-        "figures": _figures(result, validation, cycles, fields),
         "hidden_fields": len(fields[MOST_PANELS:]),
         "cut": len(figures.stretches(cycles)) > 1,
         "loop": _loop(validation) if validation else None,
@@ -241,28 +237,6 @@ def _gearhead(s: DriveSet, *, belt: bool = True) -> str:
     driven = f" + belt {s.belt_name}" if belt and s.belt_name else ""
     part = s.gearhead.part if "gearhead" in s.parts else ""
     return " ".join(f"{s.gearhead_name} {part}{driven}".split())
-
-
-def _trade_off(result: SizingResult) -> bytes:
-    across, up = ([objective_figure(s, name) for s in result.front] for name in result.pareto[:2])
-    x, y = ([float(from_si(f.value, f.unit, f.kind)) for f in column] for column in (across, up))
-    heads = [f"{column[0].title} ({label(column[0].unit)})" for column in (across, up)]
-    return figures.trade_off([str(s.rank) for s in result.front], x, y, heads)
-
-
-def _figures(
-    result: SizingResult, validation: Validation | None, cycles: list[tuple[str, LoadCycle]], fields: list[Panel]
-) -> dict[str, Any]:
-    made = {"profile": figures.speed_profile(result.spec), "cycle": figures.load_over_time(cycles)}
-    if fields:
-        made["field"] = torque_speed(fields)
-    if len(result.front) > 1:
-        made["front"] = _trade_off(result)
-    if validation:
-        made["loop"] = figures.closed_loop(validation)
-    if validation and validation.loops:
-        made |= {"bode": bode(validation.loops), "step": step_answers(validation.loops)}
-    return {name: {"svg": svg.decode()} for name, svg in made.items()}
 
 
 def _loop(v: Validation) -> dict[str, Any]:

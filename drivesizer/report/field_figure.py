@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivesizer.operating_field import OperatingField
 from drivesizer.report.operating import Panel
-from drivesizer.report.style import CASES, COLOURS, drawn, named, torque_unit
+from drivesizer.report.style import CASES, COLOURS, Form, drawn, named, torque_unit
 from drivesizer.units import from_si, label, show
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["MOST_PANELS", "torque_speed"]
 
 
-def torque_speed(panels: Sequence[Panel]) -> bytes:
+def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
     """The motor's field, winding hot and cold, with the load cases in it.
 
     Parameters
@@ -38,7 +38,7 @@ def torque_speed(panels: Sequence[Panel]) -> bytes:
                 given = show(lines.voltage, "V", "voltage"), show(lines.ambient, "degC", "temperature")
                 axes.set_title(f"{given[0]} usable, ambient {given[1]}", fontsize=7.5, loc="left")
 
-    return drawn(draw, 3.2 * len(shown))
+    return drawn(draw, 3.2 * len(shown), form)
 
 
 MOST_PANELS = 3

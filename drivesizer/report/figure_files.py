@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import get_args
 
 from drivesizer.errors import InputError
-from drivesizer.report.figures import closed_loop
+from drivesizer.report.drawings import loop_drawings
 from drivesizer.report.files import put, ready
-from drivesizer.report.loop_curves import bode, step
 from drivesizer.report.style import Form
 from drivesizer.results import Validation
 
@@ -18,10 +16,7 @@ __all__ = ["figures_into"]
 
 def figures_into(validation: Validation, folder: Path) -> list[Path]:
     """Draw into a folder; see :func:`drivesizer.report.write_figures`."""
-    made: dict[str, Callable[[Form], bytes]] = {"closed_loop": lambda form: closed_loop(validation, form)}
-    if validation.loops:
-        made["bode"] = lambda form: bode(validation.loops, form)
-        made["step"] = lambda form: step(validation.loops, form)
+    made = loop_drawings(validation)
     paths = {(name, form): folder / f"{name}.{form}" for name in made for form in get_args(Form)}
     _ready(folder, list(paths.values()))
     files = {path: made[name](form) for (name, form), path in paths.items()}

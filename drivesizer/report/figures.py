@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 __all__ = ["closed_loop", "closed_loop_rows", "load_over_time", "speed_profile", "stretches", "trade_off"]
 
 
-def speed_profile(spec: RobotSpec) -> bytes:
+def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
     """The speed that the spec asks for over one cycle: a trapezoid by its phases, any other motion to scale."""
     motion = spec.motion
     if isinstance(motion, Trapezoid):
-        return drawn(lambda figure: _phases(figure.add_subplot(), motion, spec.load.axis), 1.9)
+        return drawn(lambda figure: _phases(figure.add_subplot(), motion, spec.load.axis), 1.9, form)
     if motion is None:
         cycle = load_cycle(spec)
         time, speed, axis = cycle.time.ravel(), cycle.speed.ravel(), "rotary"
@@ -45,7 +45,7 @@ def speed_profile(spec: RobotSpec) -> bytes:
         axes.axhline(0.0, color="black", linewidth=0.6)
         axes.set(xlim=(time[0], time[-1]), xlabel="time (s)", ylabel=f"speed ({label(unit)})")
 
-    return drawn(draw, 1.9)
+    return drawn(draw, 1.9, form)
 
 
 _SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
@@ -83,7 +83,7 @@ def _legs(motion: Trapezoid, top: float) -> list[tuple[str, float, float]]:
     return there + [(name, duration, -end) for name, duration, end in there] if motion.there_and_back else there
 
 
-def load_over_time(cycles: Sequence[tuple[str, LoadCycle]]) -> bytes:
+def load_over_time(cycles: Sequence[tuple[str, LoadCycle]], form: Form = "svg") -> bytes:
     """Torque and speed of the driven shaft over the cycle, of one load case or of several.
 
     Parameters
@@ -109,7 +109,7 @@ def load_over_time(cycles: Sequence[tuple[str, LoadCycle]]) -> bytes:
             figure.legend(*grid[0][0].get_legend_handles_labels(), loc="outside upper center", ncols=len(cycles))
         figure.align_ylabels()
 
-    return drawn(draw, 2.9)
+    return drawn(draw, 2.9, form)
 
 
 def _over_time(
@@ -143,7 +143,9 @@ def _changes(cycle: LoadCycle) -> list[Window]:
     return windows({"time": cycle.time.ravel(), "speed_reference": np.append(0.0, np.cumsum(steps))})
 
 
-def trade_off(names: Sequence[str], across: Sequence[float], up: Sequence[float], heads: Sequence[str]) -> bytes:
+def trade_off(
+    names: Sequence[str], across: Sequence[float], up: Sequence[float], heads: Sequence[str], form: Form = "svg"
+) -> bytes:
     """Sets of a Pareto front by two of their objectives, numbered as in the table.
 
     Parameters
@@ -165,7 +167,7 @@ def trade_off(names: Sequence[str], across: Sequence[float], up: Sequence[float]
         axes.margins(0.08)
         axes.set(xlabel=heads[0], ylabel=heads[1])
 
-    return drawn(draw, 2.4)
+    return drawn(draw, 2.4, form)
 
 
 _NAMED = 25  # numbers beside more points than these would cover one another
