@@ -91,7 +91,7 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
     loops = analyse(train, controller, shaft)
     usable = usable_in(spec, drive_set.controller)
     machine = _machine(spec, drive_set, train, shaft)
-    heat = _heat(spec, drive_set, asked.top_speed * train.motor_per_speed) if spec.plant.warming else None
+    heat, lacks = _heat(spec, drive_set)
     drive = _drive(spec, drive_set, machine, controller, heat, usable)
     task = _task(spec, asked, train)
     out = march(drive, task)
@@ -100,7 +100,9 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
         raise InputError(f"profile {asked.name}: {out.problems[0]}; expected {wanted}")
     free = _without_limits(drive, task, out, loops)
     found = _periodic(drive, replace(task, cycles=1), out if task.cycles == 1 else None)
-    return Case(spec, drive_set, asked, train, controller, shaft, loops, usable, task, out, free, found, tuple(said))
+    return Case(
+        spec, drive_set, asked, train, controller, shaft, loops, usable, task, out, free, found, (*said, *lacks)
+    )
 
 
 # --- the controller
@@ -230,19 +232,17 @@ def _drive(
     )  # fmt: skip
 
 
-def _heat(spec: RobotSpec, drive_set: DriveSet, top: float) -> Heat | None:
-    """Winding and housing; None where a thermal figure is unknown.
-
-    What friction and iron lose warms the housing: by the speed; what grows with its square counts as at the motor's
-    top speed [rad/s].
-    """
+def _heat(spec: RobotSpec, drive_set: DriveSet) -> tuple[Heat | None, list[str]]:
+    """Winding and housing, which friction and iron warm, and what is left out; None where a figure is unknown."""
     figures = asdict(drive_set.motor)
     bodies: TwoBodies = two_bodies(figures)
-    if not bodies.known:
-        return None
-    rubbing, iron = (float(x[0]) for x in housing_loss(figures, np.ones(1)))
-    loss = rubbing + iron * top
-    return Heat(bodies=bodies, ambient=spec.environment.ambient, loss_torque=loss if loss > 0.0 else 0.0)
+    if not (bodies.known and spec.plant.warming):
+        return None, []
+    coulomb, viscous = (float(x[0]) for x in housing_loss(figures, np.ones(1)))
+    losses = {"loss_torque": coulomb, "loss_viscous": viscous}
+    known = {name: loss for name, loss in losses.items() if not math.isnan(loss)}
+    said = ["what the motor loses beside its copper is unknown, and warms nothing"] if known != losses else []
+    return Heat(bodies=bodies, ambient=spec.environment.ambient, **known), said
 
 
 # --- the march without limits, and the cycle repeated for ever

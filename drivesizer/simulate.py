@@ -139,7 +139,7 @@ def _assumptions(case: Case) -> list[str]:
     if math.isnan(case.usable_voltage):
         said.append("the controller's voltage limit is unknown: the motor gets up to the lowest supply voltage")
     if case.periodic:
-        said.append("what friction and iron lose warms the housing")
+        said.append("what friction and iron lose warms the housing; iron by the square of the speed")
     else:
         said.append("the winding's resistance is that at 25 °C: a thermal figure is unknown, or plant.warming is off")
     if len(case.task.load_time):
@@ -158,8 +158,7 @@ def _of_the_controller(case: Case) -> list[str]:
             "the current limit is ideal: the controller's current loop is much faster than its speed loop",
         ]
     return [
-        "in the march the current loop answers one period late, the others at once; the analysis of the linear loops "
-        "takes each as one period of its own late, which leaves less margin"
+        f"each loop answers its sample of {COMPUTING:g} period of its own before; a faster controller has more margin"
     ]
 
 

@@ -93,7 +93,7 @@ def exponential(damping, induced, per_ampere, inductance, period):
 
 
 class ServoCascade:
-    """Position, velocity and current loops, each at its rate; the voltage a current period late.
+    """Position, velocity and current loops, each at its rate and a period of its own late.
 
     The current asked for is held to the peak for its time, then to what just fills the integral of I^2 - I_cont^2.
     """
@@ -101,7 +101,8 @@ class ServoCascade:
     def __init__(self, drive, machine):
         self.drive, c, m = drive, drive.controller, machine.m
         volts = m.resistance * machine.i + m.torque_constant * machine.w
-        self.more, self.asked, self.cut, self.pending, self.beyond = 0.0, machine.i, 0.0, volts, 0.0
+        self.more, self.next_more, self.asked, self.next, self.cut, self.beyond = 0.0, 0.0, 0.0, machine.i, 0.0, 0.0
+        self.pending = volts
         fed = c.feedforward_velocity * machine.w + c.feedforward_friction * np.sign(machine.w)
         self.outer = Pid(c.velocity_kp, c.velocity_ki, c.velocity_kd, c.filter_time, c.velocity_period, machine.i - fed)
         self.inner = Pid(c.current_kp, c.current_ki, 0.0, 0.0, c.current_period, volts)
@@ -112,7 +113,8 @@ class ServoCascade:
         self.fill(machine)
         if n % c.current_steps == 0:
             if c.position_kp and n % (c.current_steps * c.velocity_steps) == 0:
-                self.more = c.position_kp * (asked.angle(n) - machine.angle)
+                found = c.position_kp * (asked.angle(n) - machine.angle)
+                self.more, self.next_more = self.next_more if self.drive.delay else found, found
             self.ask(machine, asked, n)
         error = self.asked - machine.i
         wanted = self.inner.answer(error, self.beyond * error > 0.0)
@@ -124,11 +126,17 @@ class ServoCascade:
 
     def ask(self, machine, asked, n):
         c, w = self.drive.controller, asked.speed(n)
+        if self.drive.delay:
+            self.limit(self.next)
         error = w + self.more - machine.w
         fed = c.feedforward_velocity * w + c.feedforward_friction * np.sign(w)
-        wanted = fed + c.feedforward_acceleration * asked.slope(n)
-        wanted += self.outer.answer(error, self.cut * error > 0.0 or self.beyond * error > 0.0)
-        most = self.most(c.velocity_period)
+        self.next = fed + c.feedforward_acceleration * asked.slope(n)
+        self.next += self.outer.answer(error, self.cut * error > 0.0 or self.beyond * error > 0.0)
+        if not self.drive.delay:
+            self.limit(self.next)
+
+    def limit(self, wanted):
+        most = self.most(self.drive.controller.velocity_period)
         self.asked = max(-most, min(most, wanted))
         self.cut = wanted - self.asked
 

@@ -90,8 +90,6 @@ def test_the_voltage_pid_is_the_linear_loop(spec, catalog, shaft, degrees, regim
 
 # --- the cascade
 
-COMPUTING = 0  # velocity and position periods between a measurement and the demand that answers it, in the march
-
 
 def lifted(fast, steps):
     """A sampled system under an input that is held over some steps, at those steps."""
@@ -99,8 +97,8 @@ def lifted(fast, steps):
     return control.ss(power[-1], sum(power[:-1]) @ fast.B, fast.C, fast.D, fast.dt * steps)
 
 
-def late(period, samples=1):
-    return control.ss(control.tf([1.0], [1.0, *[0.0] * samples], period))
+def late(period):
+    return control.ss(control.tf([1.0], [1.0, 0.0], period))
 
 
 def sampled_pid(kp, ki, period, kd=0.0, filter_time=0.0):
@@ -109,25 +107,25 @@ def sampled_pid(kp, ki, period, kd=0.0, filter_time=0.0):
     return found + control.ss(control.tf([kd, -kd], [filter_time + period, -filter_time], period)) if kd else found
 
 
-def outer_loops(train, mode, c, shaft, computing):
-    """The open loops of velocity and position around a current loop that computes for one of its periods."""
+def outer_loops(train, mode, c, shaft):
+    """The open loops of velocity and position around the current loop; each computes for one of its periods."""
     inner = late(c.current_period) * sampled_pid(c.current_kp, c.current_ki, c.current_period)
     forward = plant(train, mode, shaft, angle=True).sample(c.current_period, "zoh") * inner
     current, speed = (control.ss([], [], [], [row], forward.dt) for row in ([1, 0, 0], [0, 1, 0]))
     closed = lifted(control.feedback(forward, current), c.current_steps)
     pid = sampled_pid(c.velocity_kp, c.velocity_ki, c.velocity_period, c.velocity_kd, c.filter_time)
-    opened = closed * late(closed.dt, computing) * pid
+    opened = closed * late(closed.dt) * pid
     speed.dt = opened.dt
     found = {"velocity": opened[1, 0]}
     if c.velocity_steps:
         closed = lifted(control.feedback(opened, speed), c.velocity_steps)[2, 0]
-        found["position"] = closed * late(closed.dt, computing) * c.position_kp
+        found["position"] = closed * late(closed.dt) * c.position_kp
     return found
 
 
 def servo(train, shaft, **more):
     """A cascade without feedforward, that a shaft bears."""
-    c, _ = design_cascade(train, RATES, Wanted(bandwidth=8.0 if shaft else 30.0, position=True))
+    c, _ = design_cascade(train, RATES, Wanted(bandwidth=5.0 if shaft else 30.0, position=True))
     fed = {f"feedforward_{name}": 0.0 for name in ("velocity", "friction", "acceleration")}
     return replace(c, velocity_kd=2e-5 if shaft else 1e-3, filter_time=1e-3, **fed, **more)
 
@@ -138,7 +136,7 @@ def test_the_loops_of_the_design_compute_for_a_period_each(spec, catalog, shaft,
     """What ``loop_plant`` analyses is the cascade put together here, each loop one of its own periods late."""
     _, train = on_slope(spec, catalog, degrees)
     mode, c = modes(train)[regime], servo(train, shaft)
-    found = outer_loops(train, mode, c, shaft, 1)
+    found = outer_loops(train, mode, c, shaft)
     for name, told in (("velocity", velocity_open_loop), ("position", position_open_loop)):
         L = told(train, mode, c, shaft)
         z = np.exp(1j * np.geomspace(1.0, math.pi / L.dt, 50) * L.dt)
@@ -154,7 +152,7 @@ def test_the_velocity_loop_of_the_cascade_is_the_linear_loop(spec, catalog, shaf
     assert one_mode(run, regime)
     when = np.arange(750) * c.velocity_period
     change = (np.interp(when, *BUMP) - 1.0) * train.motor_per_speed
-    closed = control.feedback(outer_loops(train, modes(train)[regime], c, shaft, COMPUTING)["velocity"], 1)
+    closed = control.feedback(outer_loops(train, modes(train)[regime], c, shaft)["velocity"], 1)
     speed = control.forced_response(closed, when, change).outputs
     s = {name: column[:-1] for name, column in run.series.items()}  # the last row is the end, after all samples
     n = np.rint(s["time"] / c.current_period).astype(int)
@@ -175,14 +173,14 @@ def test_the_position_loop_of_the_cascade_is_the_linear_loop(spec, catalog, shaf
     task = Task(time=(0.0, *t, 0.24), speed=tuple(w / train.ratio for w in (cruise, cruise, top, cruise, cruise)))
     run = march(Drive(machine=machine(train, shaft), controller=c, supply=FREE), task)
     assert one_mode(run, regime)
-    closed = control.feedback(outer_loops(train, modes(train)[regime], c, shaft, COMPUTING)["position"], 1)
+    closed = control.feedback(outer_loops(train, modes(train)[regime], c, shaft)["position"], 1)
     when = np.arange(200) * T
     expected = control.forced_response(closed, when, leap * (when > 10.5 * T)).outputs
     s = {name: column[:-1] for name, column in run.series.items()}  # the last row is the end, after all samples
     n = np.rint(s["time"] / c.current_period).astype(int)
     at = n % (c.current_steps * c.velocity_steps) == 0
     turned = leap * (s["time"] > 10.5 * T) - s["position_error"]
-    assert at.sum() > 100 and expected[-1] > 0.5 * leap
+    assert at.sum() > 100 and expected[-1] > 0.4 * leap
     assert turned[at] == pytest.approx(expected[n[at] // (c.current_steps * c.velocity_steps)], abs=1e-10)  # rad
 
 
@@ -228,4 +226,4 @@ def test_ever_shorter_periods_lead_to_the_continuous_loop(spec, catalog, structu
     # a sampled loop answers 1.5 periods later (one for computing, half of one for holding): 0.6 ms of 194 rad/s^2
     most = 1.5 * PERIOD * np.abs(np.diff(change)).max() / 1e-4
     assert off[0] < most < 0.13  # rad/s of 12
-    assert np.array(off[:-1]) / off[1:] == pytest.approx([2.0] * 3, abs=0.06)
+    assert np.array(off[:-1]) / off[1:] == pytest.approx([2.0] * 3, abs=0.08)

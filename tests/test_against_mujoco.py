@@ -234,7 +234,7 @@ def test_a_soft_shaft_there_and_back(robot, gap, structure):
     The rotor alone has up to 1.2e5 rad/s^2: a step of MuJoCo, 10 us and 4 us of that, is 1.2 and 0.5 rad/s.
     """
     train, controllers, load = robot(3.0)
-    soft, _ = design_cascade(train, RATES, Wanted(bandwidth=8.0, position=True))
+    soft, _ = design_cascade(train, RATES, Wanted(bandwidth=5.0, position=True))
     c, period, steps = (soft, RATES.current, 5) if structure == "cascade" else (
         slower(controllers[structure]), PERIOD, 20)  # fmt: skip
     s = driven(train, c, (0.0, 0.3, 0.4, 0.9, 1.0), (0.0, 1.0, 1.0, -0.8, -0.8),

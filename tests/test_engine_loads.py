@@ -188,17 +188,17 @@ def gap_by_steps(m, c, task, n, parts):
 
     x, angle, gone, more, asked = [i, w, T / m.stiffness + half, w / K], 0.0, 0.0, 0.0, i
     outer, inner, before, found = i, m.resistance * i + k * w, w, []
-    pending = inner
+    pending, following, later = inner, i, 0.0  # what each loop answers its sample before
     for step in range(n):
         speed = K * np.interp(step * h, task.time, task.speed)
         angle, before = angle + (speed + before) / 2.0 * h * (step > 0), speed  # its corners are at samples
         found.append(x)
         if step % 4 == 0:
             if step % 8 == 0:
-                more = c.position_kp * (angle - gone)
+                more, later = later, c.position_kp * (angle - gone)
             error = speed + more - x[1]
             outer += c.velocity_ki * c.velocity_period * error
-            asked = c.velocity_kp * error + outer
+            asked, following = following, c.velocity_kp * error + outer
         inner += c.current_ki * h * (asked - x[0])
         u, pending = pending, c.current_kp * (asked - x[0]) + inner
         for _ in range(parts):

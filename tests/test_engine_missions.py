@@ -53,7 +53,7 @@ def all_marched(monkeypatch, drive, task):
 def test_cycles_that_are_alike_are_added(change, monkeypatch):
     drive = replace(COUNTED, **change)
     added, marched = march(drive, CYCLE), all_marched(monkeypatch, drive, CYCLE)
-    assert figure(added, "steps") < 0.3 * figure(marched, "steps")
+    assert figure(added, "steps") < 0.4 * figure(marched, "steps")
     for name in MET:
         assert figure(added, name) == pytest.approx(figure(marched, name), rel=5e-3), name
     assert figure(added, "angle") == pytest.approx(figure(marched, "angle"), abs=0.5)  # rad at the motor of 15 000
@@ -75,7 +75,7 @@ def test_the_current_s_integral_grows_through_cycles_that_are_added(change, monk
     assert rises > 300.0
     assert figure(marched, "i2t_highest") > rises
     assert figure(added, "i2t_highest") == pytest.approx(figure(marched, "i2t_highest"), rel=5e-3)
-    assert figure(added, "steps") < 0.3 * figure(marched, "steps")
+    assert figure(added, "steps") < 0.4 * figure(marched, "steps")
 
 
 @pytest.mark.parametrize("encoder", [Encoder(), Encoder(edges=2000, periods=4)], ids=["exact", "counted"])

@@ -249,13 +249,21 @@ def test_the_best_sets_of_the_search_are_ranked_anew(tmp_path, monkeypatch):
     assert isinstance(refused.exception, InputError) and not (tmp_path / "x.csv").exists()
 
 
-def test_iron_warms_by_the_speed_of_the_profile_that_is_driven():
-    """A brushless motor driven twice as fast: the loss per speed, which is that at the top, is twice as much."""
+def test_iron_warms_by_the_square_of_the_speed():
+    """At its nominal point, by the datasheet, the winding of a brushless motor is as hot as it may be in 25 degC."""
     from drivesizer.catalog import load
 
     spec, catalog = spec_of(), load()
     motor = catalog.motors.record(catalog.motors.rows["309756"])  # EC-4pole 30
-    found = replace(explain(spec, *parts())[0], motor=motor)
-    slow, fast = (closed_loop._heat(spec, found, top) for top in (200.0, 400.0))
-    assert slow and fast and slow.loss_torque > 0.0
-    assert fast.loss_torque == pytest.approx(2.0 * slow.loss_torque, rel=1e-12)
+    heat, said = closed_loop._heat(spec, replace(explain(spec, *parts())[0], motor=motor))
+    assert heat and heat.loss_torque == 0.0 and not said
+    rise = motor.max_winding_temperature - 298.15
+    copper = motor.resistance * (1.0 + 0.00392 * rise) * motor.nominal_current**2
+    iron = heat.loss_viscous * motor.nominal_speed**2
+    R_th1, R_th2 = motor.thermal_resistance_winding, motor.thermal_resistance_housing
+    assert R_th1 * copper + R_th2 * (copper + iron) == pytest.approx(rise, rel=2e-3)
+    assert iron > 0.1 * copper
+
+    unknown = replace(motor, nominal_speed=float("nan"))
+    heat, said = closed_loop._heat(spec, replace(explain(spec, *parts())[0], motor=unknown))
+    assert heat and heat.loss_viscous == 0.0 and "unknown" in said[0]

@@ -11,7 +11,7 @@ from drivesizer.engine.places import Array
 from drivesizer.engine.steps import step
 from drivesizer.engine.tallies import see
 
-__all__ = ["ask", "cascade", "clipped", "counted", "lag_of", "measured", "pid", "single"]
+__all__ = ["ahead", "ask", "cascade", "clipped", "counted", "lag_of", "measured", "pid", "restrict", "single"]
 
 
 def pid(p: Array, s: Array, place: int, error: float, rests: bool) -> float:
@@ -48,21 +48,38 @@ def measured(p: Array, s: Array, ring: Array) -> float:
     return float(speed)
 
 
+def ahead(p: Array, speed: float, slope: float) -> float:
+    """Current that the model asks for at a speed and its change."""
+    sign = 1.0 if speed > 0.0 else -1.0 if speed < 0.0 else 0.0
+    return float(p[at.FFV] * speed + p[at.FFF] * sign + p[at.FFA] * slope)
+
+
+def restrict(p: Array, s: Array, wanted: float) -> None:
+    """What the limit leaves of a current that is asked for."""
+    s[at.LIMIT] = permitted(p, s, p[at.H] * p[at.N_V])
+    s[at.I_ASK] = min(max(wanted, -s[at.LIMIT]), s[at.LIMIT])
+    s[at.I_CUT] = wanted - s[at.I_ASK]
+
+
 def ask(p: Array, s: Array, ring: Array, k: int, speed: float, slope: float, angle: float) -> None:
-    """The outer loops of the cascade at their samples: position, then velocity, then the limit of the current."""
+    """The outer loops of the cascade at their samples: position, then velocity; each a period of its own late."""
     n_v, n_p = int(p[at.N_V]), int(p[at.N_P])
     if k % n_v != 0:
         return
+    late = p[at.DELAY] != 0.0
+    if late:
+        restrict(p, s, s[at.I_NEXT])
     w = measured(p, s, ring)
     if n_p > 0 and k % (n_v * n_p) == 0:
-        s[at.W_ADD] = p[at.PKP] * lag_of(p, s, angle)
+        more = p[at.PKP] * lag_of(p, s, angle)
+        s[at.W_ADD] = s[at.W_NEXT] if late else more
+        s[at.W_NEXT] = more
     error = speed + s[at.W_ADD] - w
-    sign = 1.0 if speed > 0.0 else -1.0 if speed < 0.0 else 0.0
-    ahead = p[at.FFV] * speed + p[at.FFF] * sign + p[at.FFA] * slope
-    wanted = ahead + pid(p, s, at.OUTER, error, s[at.I_CUT] * error > 0.0 or s[at.U_CUT] * error > 0.0)
-    s[at.LIMIT] = permitted(p, s, p[at.H] * n_v)
-    s[at.I_ASK] = min(max(wanted, -s[at.LIMIT]), s[at.LIMIT])
-    s[at.I_CUT] = wanted - s[at.I_ASK]
+    s[at.I_NEXT] = ahead(p, speed, slope) + pid(
+        p, s, at.OUTER, error, s[at.I_CUT] * error > 0.0 or s[at.U_CUT] * error > 0.0
+    )
+    if not late:
+        restrict(p, s, s[at.I_NEXT])
 
 
 def clipped(p: Array, s: Array, g: Array, wanted: float, t: float, weight: float) -> float:

@@ -67,7 +67,7 @@ class Drive:
     current: CurrentLimit = CurrentLimit()
     encoder: Encoder = Encoder()
     heat: Heat | None = None  # None: the winding stays at 25 degC
-    delay: bool = True  # cascade: the voltage answers the current sample before
+    delay: bool = True  # cascade: each loop answers its sample before, a period of its own late
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -41,16 +41,16 @@ PARAMETERS = _PARAMETERS.split()
 ) = _places(PARAMETERS)  # fmt: skip
 
 # machine; heat (rises over ambient, copper heat, and what a kelvin at the start makes of them); controller: pending
-# voltage, integrals with derivative, last error and its presence, current asked for, what was cut; angle of the
-# reference when the cycle started
+# voltage, integrals with derivative, last error and its presence, current asked for now and next, what was cut; angle
+# of the reference when the cycle started
 _STATE = """
     I W F V X Y T_W T_H Q WW WH WQ HW HH HQ CODE I2T PEND OUTER - - - INNER - - -
-    I_ASK I_CUT U_CUT W_ADD LIMIT STEPS SQUARE RES SEEN TURN
+    I_ASK I_NEXT I_CUT U_CUT W_ADD W_NEXT LIMIT STEPS SQUARE RES SEEN TURN
 """
 STATE = _STATE.split()
 (
     I, W, F, V, X, Y, T_W, T_H, Q, WW, WH, WQ, HW, HH, HQ, CODE, I2T, PEND, OUTER, _, _, _, INNER, _, _, _,
-    I_ASK, I_CUT, U_CUT, W_ADD, LIMIT, STEPS, SQUARE, RES, SEEN, TURN,
+    I_ASK, I_NEXT, I_CUT, U_CUT, W_ADD, W_NEXT, LIMIT, STEPS, SQUARE, RES, SEEN, TURN,
 ) = _places(STATE)  # fmt: skip
 
 # largest magnitudes with their times, then what adds up [s, A^2 s, J, (rad/s)^2 s, rad^2 s], then highest and lowest
@@ -69,6 +69,6 @@ _ROW = "time reference motor_speed current voltage gear_torque load_speed positi
 ROW = _ROW.split()
 
 FRESH = 0.01  # K by which the winding may move before its resistance is taken anew: 0.004 % of it
-STEADY = 11  # figures that are compared to see whether anything changes
+STEADY = 14  # figures that are compared to see whether anything changes
 VAST = 1e100  # beyond any machine, and small enough that squares stay finite
 GOOD, NOT_FINITE, TOO_LONG = 0, 1, 2

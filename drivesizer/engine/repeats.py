@@ -21,7 +21,9 @@ _LEAST, _LEAST_EXACT = 4, 16  # laps that are compared by their sums: with count
 _FULL = 1e-2  # of the I2t budget, by which its integral may move over laps that are alike by their sums
 _DRIFT = 1.3, 3.0  # ratio of one change to that before, about 2, that a drift has
 _CLOSE = 2.0  # K by which a winding may move in laps that are not marched, where its resistance changes the current
-_COMPARED = [STATE.index(n) for n in ("I", "W", "F", "V", "PEND", "OUTER", "INNER", "I_ASK")]
+_COMPARED = [
+    STATE.index(n) for n in ("I", "W", "F", "V", "PEND", "OUTER", "INNER", "I_ASK", "I_NEXT", "W_ADD", "W_NEXT")
+]
 
 
 def alike(run: Run, before: Array, lap: Lap, earlier: Sequence[Lap], turned: float, left: int, by_state: bool) -> int:
@@ -60,7 +62,7 @@ def _repeats(run: Run, before: Array, turned: float) -> bool:
     share = _PERIODIC_WARM / STILL_WARM if p[at.HEAT] else _PERIODIC / STILL
     asked = p[at.TOL_I] if p[at.CASCADE] else p[at.TOL_U]
     limits = np.array([p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], asked,
-                       p[at.TOL_U], p[at.TOL_I]])  # fmt: skip
+                       p[at.TOL_U], p[at.TOL_I], p[at.TOL_I], p[at.TOL_W], p[at.TOL_W]])  # fmt: skip
     if np.any(np.abs(_compared(p, s) - _compared(p, before)) > share * limits):
         return False
     return not p[at.PKP] or bool(abs(s[at.X] - before[at.X] - turned) <= share * p[at.TOL_X])

@@ -10,6 +10,7 @@ import numpy as np
 
 import drivesizer.engine.places as at
 from drivesizer.cascade import Cascade
+from drivesizer.engine.controllers import ahead
 from drivesizer.engine.drive import Drive, Heat, Task
 from drivesizer.engine.modes import held, mode_of, resisting
 from drivesizer.engine.parameters import resistances, table
@@ -35,9 +36,9 @@ def _start(p: Array, pieces: Array, heat: Heat | None, ki: tuple[bool, bool]) ->
     s[at.CODE] = mode_of(p, i, w, s[at.F], s[at.V], l)
     volts = s[at.RES] * i + p[at.K_T] * w  # what the integral holds is what was asked for last
     if p[at.CASCADE]:
-        ahead = p[at.FFV] * w + p[at.FFF] * np.sign(w)
-        s[at.OUTER], s[at.I_ASK], s[at.INNER] = (i - ahead) * ki[0], i * ki[0], volts * ki[1]
-        s[at.PEND] = s[at.INNER]
+        known = ahead(p, w, 0.0)
+        s[at.OUTER], s[at.INNER] = (i - known) * ki[0], volts * ki[1]
+        s[at.I_NEXT], s[at.PEND] = known + s[at.OUTER], s[at.INNER]
     else:
         s[at.PEND] = s[at.OUTER] = volts * ki[0]
     return s

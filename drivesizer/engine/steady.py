@@ -47,12 +47,12 @@ def steady(p: Array, s: Array, mind: Array, lag: float) -> bool:
     """Whether nothing changed since it was last asked."""
     now = (
         s[at.I], s[at.W], s[at.F], s[at.V], s[at.PEND], s[at.OUTER], s[at.OUTER + 1], s[at.INNER], s[at.I_ASK],
-        lag if p[at.PKP] > 0.0 else 0.0, s[at.U_CUT],
+        s[at.I_NEXT], s[at.W_ADD], s[at.W_NEXT], lag if p[at.PKP] > 0.0 else 0.0, s[at.U_CUT],
     )  # fmt: skip
     asked = p[at.TOL_I] if p[at.CASCADE] != 0.0 else p[at.TOL_U]
     limits = (
         p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], asked, asked, p[at.TOL_U],
-        p[at.TOL_I], p[at.TOL_X], p[at.TOL_U],
+        p[at.TOL_I], p[at.TOL_I], p[at.TOL_W], p[at.TOL_W], p[at.TOL_X], p[at.TOL_U],
     )  # fmt: skip
     same = p[at.EDGES] == 0.0 or s[at.W] == 0.0  # counts go on
     for n in range(at.STEADY):
