@@ -1,13 +1,14 @@
 """The command line as a user meets it: output, exit status, one-line errors, nothing written when wrong."""
 
 import json
+import os
 import subprocess
 import sys
 from itertools import chain, repeat
 
 import pytest
 
-from drivesizer import cli
+from drivesizer import cli, cli_common
 
 
 @pytest.fixture
@@ -258,10 +259,30 @@ def test_a_long_search_shows_a_bar_and_a_short_one_nothing(monkeypatch, capsys):
     monkeypatch.setenv("FORCE_COLOR", "1")  # a terminal
     for seconds in (0.0, 2.0):
         clock = chain([0.0], repeat(seconds))  # rich looks at it as often as it likes
-        monkeypatch.setattr(cli.time, "monotonic", lambda clock=clock: next(clock))
-        with cli._progress() as told:
+        monkeypatch.setattr(cli_common.time, "monotonic", lambda clock=clock: next(clock))
+        with cli_common.progress() as told:
             told(1, 3)
             told(3, 3)
         out = capsys.readouterr()
         assert out.out == ""
         assert ("sets examined" in out.err) == (seconds > 1.0)
+
+
+def test_the_list_of_commands_fits_80_columns_and_each_has_an_example(run, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    _, listed, _ = run("--help")
+    assert "..." not in listed[listed.index("Commands:") :]
+    for command in cli.app.registered_commands:
+        name = command.name or command.callback.__name__
+        status, out, _ = run(name, "--help")
+        assert status == 0
+        assert f"Example: drivesizer {name}" in " ".join(out.split())
+
+
+def test_colour_is_for_a_terminal_that_wants_it(example):
+    """What goes into a file or a pipe has no colours, whatever; FORCE_COLOR gives them and NO_COLOR takes them."""
+    for given, coloured in (({}, False), ({"FORCE_COLOR": "1"}, True), ({"FORCE_COLOR": "1", "NO_COLOR": "1"}, False)):
+        env = {name: value for name, value in os.environ.items() if name not in ("NO_COLOR", "FORCE_COLOR")}
+        command = [sys.executable, "-m", "drivesizer", "size", str(example), "--quiet"]
+        out = subprocess.run(command, capture_output=True, text=True, check=True, env=env | given | {"TERM": "xterm"})
+        assert ("\x1b[32m" in out.stdout or "\x1b[1;32m" in out.stdout) == coloured

@@ -19,7 +19,7 @@ from drivesizer import contract, terminal
 from drivesizer.cascade import ControllerGain
 from drivesizer.errors import InputError
 from drivesizer.loop_table import cell, loop_figures, settled
-from drivesizer.report import figures, loop_curves, pdf, tables, write_figures
+from drivesizer.report import figures, loop_curves, pdf, tables, write_loop_figures
 from drivesizer.results import SizingResult, Validation
 from drivesizer.sizing import size
 from drivesizer.spec import RobotSpec
@@ -181,7 +181,7 @@ def test_the_closed_loop_shows_what_is_known_and_no_more(proof):
 
 def test_figures_go_into_a_folder_as_drawing_and_picture(proof, tmp_path):
     folder = tmp_path / "loop"
-    paths = write_figures(proof, folder)
+    paths = write_loop_figures(proof, folder)
     names = [f"{name}.{form}" for name in ("closed_loop", "bode", "step") for form in ("svg", "png")]
     assert [path.name for path in paths] == names == [p.name for p in sorted(folder.iterdir(), key=paths.index)]
     first = {path: path.read_bytes() for path in paths}
@@ -192,12 +192,12 @@ def test_figures_go_into_a_folder_as_drawing_and_picture(proof, tmp_path):
         else:
             assert ElementTree.fromstring(content).tag.endswith("svg")
     (folder / "notes.txt").write_text("mine")
-    assert {path: path.read_bytes() for path in write_figures(proof, folder)} == first
+    assert {path: path.read_bytes() for path in write_loop_figures(proof, folder)} == first
     assert (folder / "notes.txt").read_text() == "mine"
 
 
 def test_a_validation_without_records_of_its_loops_has_its_course_alone(result, tmp_path):
-    paths = write_figures(synthetic_validation(result), tmp_path)
+    paths = write_loop_figures(synthetic_validation(result), tmp_path)
     assert [path.name for path in paths] == ["closed_loop.svg", "closed_loop.png"]
 
 
@@ -206,9 +206,9 @@ def test_a_folder_that_cannot_be_is_refused_in_a_line(proof, tmp_path, monkeypat
     taken.write_text("older")
     monkeypatch.setattr(figures, "drawn", lambda *_: pytest.fail("drawn before the folder was looked at"))
     with pytest.raises(InputError, match=r"taken: is a file; expected a folder"):
-        write_figures(proof, taken)
+        write_loop_figures(proof, taken)
     with pytest.raises(InputError, match="there is no folder"):
-        write_figures(proof, tmp_path / "missing" / "loop")
+        write_loop_figures(proof, tmp_path / "missing" / "loop")
     assert taken.read_text() == "older" and [path.name for path in tmp_path.iterdir()] == ["taken"]
 
 
@@ -216,7 +216,7 @@ def test_no_figure_changes_when_one_cannot_be_written(proof, tmp_path):
     (tmp_path / "closed_loop.svg").write_text("older")
     (tmp_path / "step.png").mkdir()
     with pytest.raises(InputError, match=r"step\.png: cannot be written"):
-        write_figures(proof, tmp_path)
+        write_loop_figures(proof, tmp_path)
     assert (tmp_path / "closed_loop.svg").read_text() == "older"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["closed_loop.svg", "step.png"]
 

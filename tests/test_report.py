@@ -84,7 +84,7 @@ def test_csv_shows_the_units_of_the_trade(result):
 
 def test_time_series_beside_the_table(result, tmp_path):
     validation = synthetic_validation(result)
-    written = write(result, validation, tmp_path / "report.csv")
+    written = write(result, validation, [tmp_path / "report.csv"])
     assert [path.name for path in written] == ["report.csv", "report-timeseries.csv"]
     raw = written[1].read_bytes()
     assert b"\r" not in raw
@@ -142,7 +142,7 @@ def test_a_price_sums_what_is_known(result):
 
 def test_pdf_says_what_was_found_and_has_the_same_bytes_each_time(result, tmp_path):
     validation = synthetic_validation(result)
-    (path,) = write(result, validation, tmp_path / "report.pdf")
+    (path,) = write(result, validation, [tmp_path / "report.pdf"])
     content = path.read_bytes()
     assert content.startswith(b"%PDF")
     assert pdf.report_pdf(result, validation) == content
@@ -339,7 +339,7 @@ def test_what_has_no_end_is_told_from_what_is_unknown(cased):
 
 def test_an_unknown_kind_is_named_with_the_known_ones(result, tmp_path):
     with pytest.raises(InputError, match=r'"report\.docx".*\.csv or \.pdf'):
-        write(result, None, tmp_path / "report.docx")
+        write(result, None, [tmp_path / "report.docx"])
     assert not list(tmp_path.iterdir())
 
 
@@ -348,14 +348,14 @@ def test_a_failing_render_leaves_the_older_file_alone(result, tmp_path, monkeypa
     path.write_bytes(b"older")
     monkeypatch.setattr(pdf, "document", lambda *_: {"name": "no template can set this"})
     with pytest.raises(pdf.ReportError, match="could not be set"):
-        write(result, None, path)
+        write(result, None, [path])
     assert path.read_bytes() == b"older"
     assert [p.name for p in tmp_path.iterdir()] == ["report.pdf"]
 
 
 def test_a_target_that_cannot_be_written(result, tmp_path):
     with pytest.raises(InputError, match="there is no folder"):
-        write(result, None, tmp_path / "missing" / "report.csv")
+        write(result, None, [tmp_path / "missing" / "report.csv"])
     (tmp_path / "taken.csv").mkdir()
     with pytest.raises(InputError, match="it is a folder"):
         write_sets(result, tmp_path / "taken.csv")

@@ -19,7 +19,10 @@ Symbols: I current [A], U voltage [V], w motor speed [rad/s], T temperature [K].
 from __future__ import annotations
 
 from drivesizer.engine.batch import march, march_many
+from drivesizer.engine.compilation import kept
 from drivesizer.engine.drive import CurrentLimit, Drive, Encoder, Heat, Supply, Task
 from drivesizer.engine.figures import FIGURES, Marched
 
-__all__ = ["FIGURES", "CurrentLimit", "Drive", "Encoder", "Heat", "Marched", "Supply", "Task", "march", "march_many"]
+__all__ = [
+    "FIGURES", "CurrentLimit", "Drive", "Encoder", "Heat", "Marched", "Supply", "Task", "kept", "march", "march_many",
+]  # fmt: skip

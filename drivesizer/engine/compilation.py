@@ -6,6 +6,7 @@ import tempfile
 import warnings
 from collections.abc import Callable
 from functools import cache
+from importlib import metadata
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
@@ -21,7 +22,7 @@ import drivesizer.engine.tallies as tallies
 import drivesizer.engine.warming as warming
 from drivesizer.catalog.cache import digest_of, folder
 
-__all__ = ["SlowWarning", "compiled"]
+__all__ = ["SlowWarning", "compiled", "kept"]
 
 _COMPILED = (modes, tallies, steps, warming, limits, controllers, steady, loop)  # each calls only those before it
 
@@ -87,10 +88,24 @@ def _sources() -> list[Path]:
     return [Path(str(module.__file__)) for module in (places, *_COMPILED)]
 
 
+def kept() -> bool:
+    """Whether the march was compiled before by this numba; without numba it never is."""
+    try:
+        place = _place(metadata.version("numba"))
+    except metadata.PackageNotFoundError:
+        return False
+    return place.is_dir() and any(place.rglob("*.nbc"))
+
+
+def _place(version: str) -> Path:
+    """Folder of the compiled code, named by all that it is made from."""
+    made_from = (path.read_bytes() for path in _sources())
+    return folder() / "kernels" / digest_of(version.encode(), *made_from)
+
+
 def _folder(version: str) -> Path | None:
     """Where compiled code is kept; None where nothing can be written."""
-    made_from = (path.read_bytes() for path in _sources())
-    place = folder() / "kernels" / digest_of(version.encode(), *made_from)
+    place = _place(version)
     try:
         place.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=place):

@@ -6,6 +6,7 @@ Every kind of report is a function from records to the bytes of files, and is im
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,14 +16,25 @@ from drivesizer.errors import InputError, quoted
 if TYPE_CHECKING:
     from drivesizer.results import SizingResult, Validation
 
-__all__ = ["KNOWN", "write", "write_figures", "write_series", "write_sets"]
+__all__ = ["KNOWN", "write", "write_figures", "write_loop_figures", "write_series", "write_sets"]
 
-_RENDERERS = {".csv": "tables", ".pdf": "pdf"}  # suffix -> module with a function ``render``
+# suffix -> module with a function ``render``, and what it takes beside the records
+_RENDERERS: dict[str, tuple[str, tuple[str, ...]]] = {
+    ".pdf": ("pdf", ()),
+    ".csv": ("tables", ()),
+}
 KNOWN = tuple(_RENDERERS)
 
 
-def write(result: SizingResult, validation: Validation | None, path: Path) -> list[Path]:
-    """Write a report; the suffix of the path says which kind.
+def write(
+    result: SizingResult,
+    validation: Validation | None,
+    paths: Sequence[Path],
+    *,
+    paper: str = "a4",
+    date: str | None = None,
+) -> list[Path]:
+    """Write reports of one run; the suffix of a path says which kind.
 
     Parameters
     ----------
@@ -30,8 +42,12 @@ def write(result: SizingResult, validation: Validation | None, path: Path) -> li
         What the sizing found.
     validation
         The closed loop of the best set, where it was simulated.
-    path
-        Where to, such as ``report.pdf`` or ``report.csv``.
+    paths
+        Where to, such as ``report.pdf`` or ``report.xlsx``.
+    paper
+        Sheets of the PDF: ``a4`` or ``us-letter``.
+    date
+        Printed as it is given; without it a report has no date.
 
     Returns
     -------
@@ -41,17 +57,32 @@ def write(result: SizingResult, validation: Validation | None, path: Path) -> li
     Raises
     ------
     InputError
-        When the suffix is none of the known ones, or a file cannot be written. Nothing is written then, and what
-        stood there before stands unchanged.
+        When a suffix is none of the known ones, two paths are one, or a file cannot be written. Nothing is written
+        then, and what stood there before stands unchanged.
     """
     from drivesizer.report.files import put, ready
 
-    module = _RENDERERS.get(path.suffix.lower())
-    if module is None:
-        raise InputError(f"{quoted(path.name)} does not say which kind of report; expected {' or '.join(KNOWN)}")
-    ready(path)
-    files: dict[Path, bytes] = import_module(f"drivesizer.report.{module}").render(result, validation, path)
+    given = {"paper": paper, "date": date}
+    files: dict[Path, bytes] = {}
+    for path in paths:
+        _known(path)
+        ready(path)
+    for path in paths:
+        module, takes = _RENDERERS[path.suffix.lower()]
+        render = import_module(f"drivesizer.report.{module}").render
+        made: dict[Path, bytes] = render(result, validation, path, **{name: given[name] for name in takes})
+        twice = files.keys() & made.keys()
+        if twice:
+            raise InputError(f"{min(twice)}: would be written twice; expected another name")
+        files |= made
     return put(files)
+
+
+def _known(path: Path) -> None:
+    """Refuse a path that does not say which kind of report it is to be."""
+    if path.suffix.lower() not in _RENDERERS:
+        known = f"{', '.join(KNOWN[:-1])} or {KNOWN[-1]}"
+        raise InputError(f"{quoted(path.name)} does not say which kind of report; expected {known}")
 
 
 def write_sets(result: SizingResult, path: Path) -> list[Path]:
@@ -84,7 +115,7 @@ def write_series(validation: Validation, path: Path) -> list[Path]:
     return put({path: timeseries_csv(validation)})
 
 
-def write_figures(validation: Validation, folder: Path) -> list[Path]:
+def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:
     """Write the figures of the closed loop as SVG and as PNG of 200 dots per inch.
 
     Parameters
@@ -104,6 +135,15 @@ def write_figures(validation: Validation, folder: Path) -> list[Path]:
     InputError
         When the folder is a file or cannot be made, or a file cannot be written. No file is changed then.
     """
+    from drivesizer.report.drawings import loop_drawings
     from drivesizer.report.figure_files import figures_into
 
-    return figures_into(validation, folder)
+    return figures_into(loop_drawings(validation), folder)
+
+
+def write_figures(result: SizingResult, validation: Validation | None, folder: Path) -> list[Path]:
+    """Write every figure of a report as SVG and as PNG; see :func:`write_loop_figures`."""
+    from drivesizer.report.drawings import report_drawings
+    from drivesizer.report.figure_files import figures_into
+
+    return figures_into(report_drawings(result, validation), folder)

@@ -9,13 +9,14 @@ from __future__ import annotations
 import json
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from drivesizer.errors import DrivesizerError
 from drivesizer.report.document import document
 from drivesizer.report.drawings import report_drawings
 from drivesizer.results import SizingResult, Validation
 
-__all__ = ["ReportError", "render", "report_pdf"]
+__all__ = ["ReportError", "fonts", "render", "report_pdf"]
 
 _LAST_OWN_LETTER = 0x2FFF  # what the fonts at hand cover ends here; beyond begin the scripts of East Asia and emoji
 
@@ -44,25 +45,33 @@ def report_pdf(result: SizingResult, validation: Validation | None) -> bytes:
     ReportError
         When the typesetter refuses.
     """
-    import matplotlib
     import typst
 
     content = document(result, validation)
     drawn = {name: draw("svg") for name, draw in report_drawings(result, validation).items()}
     content["figures"] = {name: {"svg": svg.decode()} for name, svg in drawn.items()}
     data = json.dumps(content, ensure_ascii=False, allow_nan=False)
-    # Fonts of the machine only where ours lack letters: they would make the file depend on the machine.
-    fonts = typst.Fonts(
-        include_system_fonts=any(ord(letter) > _LAST_OWN_LETTER for letter in data),
-        font_paths=[str(Path(matplotlib.get_data_path()) / "fonts" / "ttf")],
-    )
     try:
         made: bytes = typst.compile(
             resources.files("drivesizer.report").joinpath("template.typ").read_bytes(),
             sys_inputs={"data": data},
-            font_paths=fonts,
+            font_paths=fonts(data),
             format="pdf",
         )
     except RuntimeError as error:
         raise ReportError(f"the report could not be set: {str(error).splitlines()[0]}") from error
     return made
+
+
+def fonts(text: str = "") -> Any:
+    """The fonts that come with the libraries; those of the machine too where a text has letters that ours lack.
+
+    They would make the file depend on the machine.
+    """
+    import matplotlib
+    import typst
+
+    return typst.Fonts(
+        include_system_fonts=any(ord(letter) > _LAST_OWN_LETTER for letter in text),
+        font_paths=[str(Path(matplotlib.get_data_path()) / "fonts" / "ttf")],
+    )

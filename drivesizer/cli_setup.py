@@ -1,0 +1,93 @@
+"""``drivesizer init``, ``schema``, ``equations`` and ``doctor``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drivesizer.cli_common import DEFAULT, Json
+from drivesizer.errors import InputError, quoted
+
+__all__ = ["doctor", "equations", "init", "schema"]
+
+
+_KINDS = (
+    "wheeled_vehicle, conveyor, hoist, lead_screw, ball_screw, rack_pinion, rotary_table, arm, fan, flywheel, "
+    "or recorded"
+)
+
+
+def equations(
+    number: Annotated[str | None, typer.Argument(help="The paper's number, or a requirement's name.")] = None,
+) -> None:
+    """List the paper's equations, or show one: as printed, as computed, why they differ, units, source."""
+    import drivesizer.equations
+    from drivesizer import formula, terminal_equations
+
+    if number is None:
+        terminal_equations.equations()
+        return
+    declared = formula.find(number)
+    if declared is None:
+        raise InputError(f"there is no equation {quoted(number)}; expected 1 to {max(drivesizer.declare.EQUATIONS)}")
+    terminal_equations.equation(declared)
+
+
+def init(
+    kind: Annotated[str, typer.Option(help=f"What is driven: {_KINDS}.")] = "wheeled_vehicle",
+    output: Annotated[Path, typer.Option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
+) -> None:
+    """Write a commented robot.yaml to start from."""
+    from importlib import resources
+
+    folder = resources.files("drivesizer") / "starters"
+    known = sorted(entry.name.removesuffix(".yaml") for entry in folder.iterdir() if entry.name.endswith(".yaml"))
+    if kind not in known:
+        raise InputError(f"--kind: {quoted(kind)} is not known; expected {', '.join(known)}")
+    text = (folder / f"{kind}.yaml").read_text(encoding="utf-8")
+    if str(output) == "-":
+        typer.echo(text, nl=False)
+        return
+    try:
+        with output.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InputError(f"{output}: the file exists and is left alone; name another with -o") from None
+    except OSError as error:
+        raise InputError(f"{output}: cannot be written ({(error.strerror or str(error)).lower()})") from None
+    typer.echo(f"{output} written; now: drivesizer size{'' if output == DEFAULT else f' {output}'}")
+
+
+def schema(
+    of: Annotated[str, typer.Argument(metavar="[spec|catalog]", help="Of what: spec or catalog.")] = "spec",
+) -> None:
+    """Print the JSON Schema of robot.yaml, or of a catalogue, for editors."""
+    import json
+
+    from drivesizer.catalog.schema import catalog_schema
+    from drivesizer.spec import RobotSpec
+
+    made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema}
+    if of not in made:
+        raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")
+    typer.echo(json.dumps(made[of](), indent=2, ensure_ascii=False))
+
+
+def doctor(json: Json = False) -> None:
+    """Examine this installation: libraries, cache, catalogues, fonts, terminal."""
+    from drivesizer.doctor import examined
+
+    found = examined()
+    if json:
+        from drivesizer import contract
+
+        typer.echo(
+            contract.as_text({"schema_version": contract.SCHEMA_VERSION, "findings": [f._asdict() for f in found]})
+        )
+    else:
+        from drivesizer import terminal_doctor
+
+        terminal_doctor.examined(found)
+    raise typer.Exit(0 if all(f.works for f in found) else 1)

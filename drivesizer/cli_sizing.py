@@ -1,0 +1,145 @@
+"""``drivesizer size``, ``report`` and ``explain``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from drivesizer import __version__
+from drivesizer.cli_common import DEFAULT, Json, More, Profile, Spec, Top, load, progress, tell, working
+from drivesizer.errors import InputError, quoted
+
+__all__ = ["explain", "report", "size"]
+
+Objective = Annotated[
+    str | None, typer.Option(help="mass, price, energy ... or several with weights, e.g. mass=2,price=1.")
+]
+Pareto = Annotated[str | None, typer.Option(metavar="NAMES", help="Also the front of several, e.g. mass,price,energy.")]
+
+
+def size(
+    spec: Spec = DEFAULT,
+    top: Top = 5,
+    objective: Objective = None,
+    pareto: Pareto = None,
+    json: Json = False,
+    csv: Annotated[Path | None, typer.Option(help="Also write the sets to this CSV file.")] = None,
+    pdf: Annotated[Path | None, typer.Option(help="Also write the report to this PDF file.")] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only the drive, no derivation, no notes.")] = False,
+    catalogs: More = None,
+) -> None:
+    """Find the drive: requirements, the best sets, and why the rest fell."""
+    from drivesizer.sizing import size as sized
+
+    with progress() as told:
+        result = sized(
+            load(spec, catalogs), top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=told
+        )
+    if csv:
+        from drivesizer.report import write_sets
+
+        write_sets(result, csv)
+    if pdf:
+        from drivesizer.report import write
+
+        with working("writing the report"):
+            write(result, _proof(result, None), [pdf])
+    if json:
+        from drivesizer import contract
+
+        typer.echo(contract.as_text(contract.sizing(result)))
+    else:
+        from drivesizer import terminal
+
+        terminal.sizing(result, quiet=quiet)
+        tell(() if quiet else result.warnings)
+    raise typer.Exit(0 if result.sets else 1)
+
+
+def _objective(text: str | None) -> Any:
+    """The objective that an option names, None without one."""
+    from drivesizer.ranking import objective_of
+
+    return None if text is None else objective_of(text)
+
+
+def _pareto(text: str | None) -> tuple[str, ...]:
+    """The objectives of a front."""
+    from drivesizer.choices import OBJECTIVES
+
+    names = tuple(name.strip() for name in text.split(",")) if text else ()
+    wrong = [name for name in names if name not in OBJECTIVES]
+    if wrong:
+        raise InputError(f"--pareto: {quoted(wrong[0])} is not known; expected {', '.join(OBJECTIVES)}")
+    if text is not None and len(set(names)) < 2:
+        raise InputError(f"--pareto: {quoted(text)} names one objective; expected several, e.g. mass,price,energy")
+    return tuple(dict.fromkeys(names))
+
+
+def report(
+    output: Annotated[
+        list[Path], typer.Option("--output", "-o", help="A file to write; may be repeated. Its suffix tells its kind.")
+    ],
+    spec: Spec = DEFAULT,
+    top: Top = 10,
+    profile: Profile = None,
+    objective: Objective = None,
+    pareto: Pareto = None,
+    drawings: Annotated[
+        Path | None, typer.Option("--figures", metavar="FOLDER", help="Also every figure, as SVG and as PNG.")
+    ] = None,
+    paper: Annotated[str, typer.Option(help="Sheets of the PDF: a4 or us-letter.")] = "a4",
+    date: Annotated[str | None, typer.Option(metavar="TEXT", help="Date that the PDF and the page carry.")] = None,
+    catalogs: More = None,
+) -> None:
+    """Write the report: .pdf, .html, .xlsx, .csv or .json, several at once."""
+    from drivesizer.report import write, write_figures
+    from drivesizer.sizing import size as sized
+
+    with progress() as told:
+        result = sized(load(spec, catalogs), top=top, objective=_objective(objective), pareto=_pareto(pareto),
+                       progress=told)  # fmt: skip
+    with working("driving the set in closed loop"):
+        proof = _proof(result, profile)
+    with working("writing the report"):
+        written = write(result, proof, output, paper=paper, date=date)
+        if drawings:
+            written += write_figures(result, proof, drawings)
+    for path in written:
+        typer.echo(path)
+    raise typer.Exit(0 if result.sets else 1)
+
+
+def explain(
+    motor: Annotated[str, typer.Option(help="Part number of the motor, or of an actuator.")],
+    gearhead: Annotated[str, typer.Option(help="Part number of the gearhead; `direct` is none.")] = "",
+    spec: Spec = DEFAULT,
+    json: Json = False,
+    catalogs: More = None,
+) -> None:
+    """Show why one pair of motor and gearhead passes or fails, check by check."""
+    from drivesizer.sizing import explain as explained
+    from drivesizer.sizing import load_parts
+
+    robot = load(spec, catalogs)
+    catalog = load_parts(robot)
+    sets = explained(robot, motor, gearhead, catalog=catalog)
+    if json:
+        from drivesizer import contract
+
+        document = {"schema_version": contract.SCHEMA_VERSION, "drivesizer": __version__}
+        typer.echo(contract.as_text(document | {"sets": [contract.drive_set(s) for s in sets]}))
+    else:
+        from drivesizer import terminal
+
+        terminal.explained(sets, catalog)
+    raise typer.Exit(0 if any(s.status != "fail" for s in sets) else 1)
+
+
+def _proof(result: Any, profile: str | None) -> Any:
+    """The closed-loop validation of the best set, None when there is no set."""
+    from drivesizer.simulate import validate as validated
+
+    return validated(result.spec, result.sets[0], profile=profile) if result.sets else None

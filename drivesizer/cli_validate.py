@@ -1,0 +1,126 @@
+"""``drivesizer validate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from drivesizer.cli_common import (
+    DEFAULT,
+    Chosen,
+    Json,
+    More,
+    NothingFitsError,
+    Profile,
+    Spec,
+    load,
+    progress,
+    tell,
+    working,
+)
+from drivesizer.errors import InputError, quoted
+
+__all__ = ["validate"]
+
+
+def validate(
+    spec: Spec = DEFAULT,
+    profile: Profile = None,
+    chosen: Chosen = None,
+    json: Json = False,
+    csv: Annotated[Path | None, typer.Option(help="Also write the time series to this CSV file.")] = None,
+    drawings: Annotated[
+        Path | None, typer.Option("--figures", metavar="FOLDER", help="Also draw the loop, Bode and step: SVG and PNG.")
+    ] = None,
+    case: Annotated[
+        str | None, typer.Option(metavar="NAME", help="The load case to drive; else the spec itself.")
+    ] = None,
+    everything: Annotated[bool, typer.Option("--all", help="The best sets of the search, ranked anew.")] = False,
+    top: Annotated[int, typer.Option(min=1, max=100, help="How many, with --all.")] = 5,
+    catalogs: More = None,
+) -> None:
+    """Drive a set through the profile in closed loop: every demand against its limit."""
+    from drivesizer.simulate import validate as validated
+
+    robot = load(spec, catalogs)
+    driven = _case(robot, case)
+    if everything:
+        if chosen or csv or drawings:
+            raise InputError("--all: it takes the sets of the search; --set, --csv and --figures are for one of them")
+        raise typer.Exit(_all_of(robot, driven, profile, top, json))
+    found = _pick(robot, chosen)
+    with working("driving the set in closed loop"):
+        proof = validated(driven, found, profile=profile)
+    if drawings:
+        from drivesizer.report import write_loop_figures
+
+        for path in write_loop_figures(proof, drawings):
+            typer.echo(f"{path} written", err=True)
+    if csv:
+        from drivesizer.report import write_series
+
+        write_series(proof, csv)
+    if json:
+        from drivesizer import contract
+
+        typer.echo(contract.as_text(contract.validation(proof)))
+    else:
+        from drivesizer import terminal
+
+        terminal.validation(proof)
+        tell(proof.warnings)
+    raise typer.Exit(0 if proof.status == "pass" else 1)
+
+
+def _case(robot: Any, name: str | None) -> Any:
+    """The load case of a spec that a name stands for; the spec itself without one."""
+    found = {case or "": spec for case, spec in robot.load_cases}
+    if name is not None and name not in found:
+        raise InputError(f"--case: {quoted(name)} is not known; expected {', '.join(filter(None, found)) or 'none'}")
+    return robot if name is None else found[name]
+
+
+def _all_of(robot: Any, driven: Any, profile: str | None, top: int, json: bool) -> int:
+    """The best sets of the search in closed loop, those that pass first; the exit status."""
+    from drivesizer.simulate import validate_all
+    from drivesizer.sizing import size as sized
+
+    with progress() as told:
+        result = sized(robot, top=top, progress=told)
+    if not result.sets:
+        raise NothingFitsError("no set stands; `drivesizer size` shows the nearest misses")
+    with working("driving the sets in closed loop"):
+        proofs, said = validate_all(result, spec=driven, profile=profile)
+    if json:
+        from drivesizer import contract
+
+        documents = [contract.validation(proof) for proof in proofs]
+        typer.echo(contract.as_text({"schema_version": contract.SCHEMA_VERSION, "validations": documents}))
+    else:
+        from drivesizer import terminal
+
+        terminal.validations(proofs, result.objective)
+    tell(tuple(said))
+    return 0 if any(proof.status == "pass" for proof in proofs) else 1
+
+
+def _pick(robot: Any, chosen: str | None) -> Any:
+    """The set to validate: named by its parts, or the best of the search."""
+    from drivesizer.sizing import explain as explained
+    from drivesizer.sizing import size as sized
+
+    if chosen is None:
+        with progress() as told:
+            result = sized(robot, top=1, progress=told)
+        if not result.sets:
+            raise NothingFitsError(
+                "no set stands; `drivesizer size` shows the nearest misses, --set names one to validate"
+            )
+        return result.sets[0]
+    parts = [part.strip() for part in chosen.split("/")]
+    if len(parts) > 2 or not all(parts):
+        raise InputError(f"--set: {quoted(chosen)} is not MOTOR/GEARHEAD or ACTUATOR; expected e.g. 118752/406764")
+    sets = explained(robot, *parts)
+    return min(sets, key=lambda s: ({"pass": 0, "unknown": 1, "fail": 2}[s.status], s.rank))
