@@ -21,6 +21,7 @@ __all__ = ["KNOWN", "write", "write_figures", "write_loop_figures", "write_serie
 # suffix -> module with a function ``render``, and what it takes beside the records
 _RENDERERS: dict[str, tuple[str, tuple[str, ...]]] = {
     ".pdf": ("pdf", ()),
+    ".html": ("html.page", ()),
     ".csv": ("tables", ()),
 }
 KNOWN = tuple(_RENDERERS)

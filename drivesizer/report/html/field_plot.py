@@ -1,0 +1,160 @@
+"""The motor's torque-speed field: what it may do for ever and for a while, hot and cold, and the cycle in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.operating_field import OperatingField
+from drivesizer.report.html.curves import Plot, dashes, figure, line, plain
+from drivesizer.report.html.load_plots import case_look
+from drivesizer.report.operating import Panel
+from drivesizer.report.style import torque_unit
+from drivesizer.units import from_si, label, show
+
+__all__ = ["field_plot"]
+
+Array = NDArray[np.float64]
+_ROOM = 1.12  # of an axis beyond what must be seen
+_FAR = 6.0  # times the continuous torque: further out the rest has no room at first sight
+_MOST = 1500  # segments of a cycle that are drawn
+_MARKED = 60  # segments whose ends are marked each
+_PAPER = (("triangle-up-open", "vermillion"), ("square-open", "grey"), ("triangle-down-open", "purple"),
+          ("diamond-open", "blue"))  # fmt: skip
+
+
+def field_plot(panel: Panel, times: Sequence[Array]) -> Plot:
+    """The field of a motor and the load cases of one usable voltage and ambient.
+
+    Parameters
+    ----------
+    panel
+        The cases that share the motor's lines.
+    times
+        Times at both ends of each segment of the cycle of each load case of the spec [s].
+    """
+    first, reach = panel.cases[0][-1], _reach(panel)
+    unit = torque_unit(reach)
+    data = [*_regions(first, unit), *_voltage_lines(first, unit, reach)]
+    for number, name, found in panel.cases:
+        data += _cycle(number, name, found, times[number], unit)
+    data += [_spot(f"paper: {point.name}", point.torque, point.speed, unit, *look)
+             for point, look in zip(panel.points, _PAPER, strict=False)]  # fmt: skip
+    return figure(data, _layout(panel, unit, reach))
+
+
+def _layout(panel: Panel, unit: str, reach: float) -> Plot:
+    first = panel.cases[0][-1]
+    left = min(0.0, *(np.nan_to_num(_signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
+    top = max(first.speed[-1], *(f.speed[-1] for *_, f in panel.cases), *(p.speed for p in panel.points))
+    right = float(from_si(_ROOM * reach, unit, "torque"))
+    low = _ROOM * float(from_si(left, unit, "torque")) - 0.03 * right
+    return {
+        "height": 460,
+        "hovermode": "closest",
+        "xaxis": {"title": {"text": f"torque at the motor's shaft ({label(unit)})"}, "range": [low, right]},
+        "yaxis": {"range": [0.0, 1.06 * _rpm(top)]},
+        "annotations": [{"text": "motor speed (rpm)", "x": 0, "y": 1, "xref": "paper", "yref": "paper",
+                         "xanchor": "left", "yanchor": "bottom", "showarrow": False}],
+    }  # fmt: skip
+
+
+def _rpm(speed: Any) -> float:
+    return float(from_si(speed, "rpm", "rotary_speed"))
+
+
+def _signed(found: OperatingField) -> tuple[Array, Array]:
+    """Speed and torque of the cycle, one way as the other: what brakes is below 0, what holds is not."""
+    way = np.sign(found.cycle_speed.mean(1))[:, None]
+    return np.abs(found.cycle_speed), np.where(way == 0.0, np.abs(found.cycle_torque), way * found.cycle_torque)
+
+
+def _reach(panel: Panel) -> float:
+    """The torque that is seen at first [N*m]: what the drive may do and the cycle asks for, seldom as far as stall."""
+    first = panel.cases[0][-1]
+    stall = float(np.nan_to_num(first.voltage_cold[0]))
+    lines = (first.continuous.max(), np.fmin(first.intermittent.max(), _FAR * first.continuous.max()))
+    known = [min(float(x), stall) for x in lines if x == x]
+    asked = [float(np.nan_to_num(_signed(f)[1]).max()) for *_, f in panel.cases]
+    return max(*known, *asked, *(p.torque for p in panel.points), 1e-6) if known else max(stall, *asked)
+
+
+def _regions(found: OperatingField, unit: str) -> list[Plot]:
+    """What is allowed for a while, and what for ever, both with a hot winding."""
+    hot = np.maximum(found.voltage_hot, 0.0)
+    if not np.isnan(found.permissible_speed):
+        hot = np.where(found.speed > found.permissible_speed, 0.0, hot)
+    continuous = np.fmin(np.nan_to_num(found.continuous), hot)
+    while_ = np.fmin(found.intermittent, hot)
+    made = []
+    if not np.isnan(while_).any():
+        made.append(_region(_INTERMITTENT, continuous, np.maximum(continuous, while_), found, unit, "vermillion", 0.11))
+    if not np.isnan(found.continuous).any():
+        by_heat = "continuous" if found.thermal else "continuous, nominal torque"
+        made.append(_region(by_heat, np.zeros_like(hot), continuous, found, unit, "blue", 0.2))
+    return made
+
+
+_INTERMITTENT = "intermittent"
+
+
+def _region(name: str, low: Array, high: Array, found: OperatingField, unit: str, colour: str, share: float) -> Plot:
+    """All between two torques at every speed."""
+    torque, speed = np.concatenate([low, high[::-1]]), np.concatenate([found.speed, found.speed[::-1]])
+    region = line(from_si(torque, unit, "torque"), from_si(speed, "rpm", "rotary_speed"), name, colour, fill="toself",
+                  fillcolor=colour, opacity=share, hoverinfo="skip")  # fmt: skip
+    return region | {"line": {"color": colour, "dash": "solid", "width": 0}}
+
+
+def _voltage_lines(found: OperatingField, unit: str, reach: float) -> list[Plot]:
+    """What the voltage gives, hot and cold; what is borne for a while, as far as the voltage goes; permissible speed."""
+    hot, cold = (np.where(values < 0.0, np.nan, values) for values in (found.voltage_hot, found.voltage_cold))
+    given = f"{found.voltage:.3g} V, winding "
+    within = np.where(found.intermittent <= found.voltage_cold, found.intermittent, np.nan)
+    wanted = [
+        (f"{given}{show(found.hot, 'degC', 'temperature', 3)}", hot, "blue", "solid"),
+        (f"{given}{show(found.ambient, 'degC', 'temperature', 3)}", cold, "blue", dashes((0, (5, 2)))),
+        (_INTERMITTENT, within, "vermillion", dashes((0, (6, 2, 1, 2)))),
+    ]
+    made = [line(from_si(values, unit, "torque"), from_si(found.speed, "rpm", "rotary_speed"), name, colour, dash,
+                 hovertemplate=_hover(unit)) for name, values, colour, dash in wanted if not np.isnan(values).all()]  # fmt: skip
+    if found.permissible_speed <= _ROOM * found.speed[-1]:
+        right = float(from_si(_ROOM * reach, unit, "torque"))
+        made.append(line((0.0, right), [_rpm(found.permissible_speed)] * 2, "permissible speed", "grey",
+                         dashes((0, (1, 1.5))), hovertemplate=_hover(unit)))  # fmt: skip
+    return made
+
+
+def _hover(unit: str, more: str = "") -> str:
+    return f"<b>%{{fullData.name}}</b><br>%{{y:,.0f}} rpm, %{{x:.4~r}} {label(unit)}{more}<extra></extra>"
+
+
+def _cycle(number: int, name: str, found: OperatingField, time: Array, unit: str) -> list[Plot]:
+    """The way of a load cycle through the field, and the point of its RMS current and speed."""
+    speed, torque = _signed(found)
+    if np.isnan(torque).any():
+        return []
+    extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
+    kept = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST)), *extremes]))
+    look, said = case_look(number), f"load cycle, {name}" if name else "load cycle"
+    hover = _hover(unit, "<br>at %{customdata[0]:.6~r} s of the cycle<br>%{customdata[1]}")
+    power = from_si((speed * torque)[kept].ravel(), "W", "power")
+    way = line(from_si(torque[kept].ravel(), unit, "torque"), from_si(speed[kept].ravel(), "rpm", "rotary_speed"), said,
+               mode="lines+markers" if len(kept) <= _MARKED else "lines", hovertemplate=hover,
+               customdata=[[float(f"{t:.8g}"), f"{p:.4g} W at the shaft".replace("-", "−")]
+                           for t, p in zip(time[kept].ravel(), power, strict=True)], **look)  # fmt: skip
+    way["marker"] = {"size": 6, "color": look["colour"]}
+    if np.isnan(found.rms_torque):
+        return [way]
+    rms = _spot("RMS current and speed" + (f", {name}" if name else ""), found.rms_torque, found.rms_speed, unit,
+                "circle", look["colour"])  # fmt: skip
+    return [way, rms | {key: look[key] for key in ("visible",) if key in look}]
+
+
+def _spot(name: str, torque: float, speed: float, unit: str, symbol: str, colour: str) -> Plot:
+    spot = line([float(from_si(torque, unit, "torque"))], [_rpm(speed)], name, colour, hovertemplate=_hover(unit))
+    return spot | {"mode": "markers", "marker": {"symbol": symbol, "size": 10, "color": colour, "line": {"width": 1.6}},
+                   "name": plain(name)}  # fmt: skip

@@ -1,0 +1,79 @@
+"""The motion that was asked for, and the load over its cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from drivesizer.loadcycle import LoadCycle
+from drivesizer.loads import load_cycle
+from drivesizer.profile import profile_of
+from drivesizer.report.figures import stretches
+from drivesizer.report.html.curves import Plot, dashes, figure, line, rows, sampled, whole
+from drivesizer.report.panels import windows
+from drivesizer.report.style import CASES, torque_unit
+from drivesizer.spec import RobotSpec
+from drivesizer.units import from_si, label
+
+__all__ = ["case_look", "cycle_plot", "motion_plot"]
+
+_SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
+
+
+def motion_plot(spec: RobotSpec) -> Plot:
+    """The speed that the spec asks for over one cycle, to scale."""
+    if spec.motion is None:
+        cycle = load_cycle(spec)
+        time, speed, axis = cycle.time.ravel(), cycle.speed.ravel(), "rotary"
+    else:
+        asked, axis = profile_of(spec), spec.load.axis
+        time, speed = np.array(asked.time) - asked.time[0], np.array(asked.speed)
+    kind, unit = _SPEED[axis]
+    views = windows({"time": time, "speed_reference": speed})
+    kept = sampled(time, [speed], views)
+    trace = line(time[kept], from_si(speed[kept], unit, kind), "speed", "blue",
+                 hovertemplate=f"%{{y:.4~r}} {label(unit)}<extra></extra>")  # fmt: skip
+    layout = rows([f"speed ({label(unit)})"])
+    layout["xaxis"] |= {"title": {"text": "time (s)"}, "range": [float(time[0]), float(time[-1])]}
+    return figure([trace], layout, _with_all(views, time))
+
+
+def cycle_plot(cycles: Sequence[tuple[str, LoadCycle]]) -> Plot:
+    """Torque and speed of the driven shaft, of one motor set, in every load case.
+
+    Parameters
+    ----------
+    cycles
+        The load cycle of each case by the case's name; no name where there is but one.
+    """
+    views = stretches(cycles)
+    unit = torque_unit(max(float(np.abs(cycle.torque).max()) for _, cycle in cycles))
+    data = [trace for n, (name, cycle) in enumerate(cycles) for trace in _over_time(n, name, cycle, unit, views)]
+    layout = rows([f"torque ({label(unit)})", "speed (rpm)"])
+    longest = max((cycle.time.ravel() for _, cycle in cycles), key=lambda time: float(time[-1]))
+    layout["xaxis"] |= {"title": {"text": "time (s)"}, "range": [0.0, float(longest[-1])]}
+    return figure(data, layout, _with_all(views, longest))
+
+
+def _over_time(number: int, name: str, cycle: LoadCycle, unit: str, views: Sequence[Any]) -> list[Plot]:
+    time, shown = cycle.time.ravel(), case_look(number)
+    said = name or "load cycle"
+    kept = sampled(time, [cycle.torque.ravel(), cycle.speed.ravel()], views)
+    columns = ((cycle.torque, unit, "torque", "y"), (cycle.speed, "rpm", "rotary_speed", "y2"))
+    return [
+        line(time[kept], from_si(values.ravel()[kept], trade, kind), said, yaxis=axis,
+             hovertemplate=f"%{{y:.4~r}} {label(trade)}<extra>%{{fullData.name}}</extra>", **shown)
+        for values, trade, kind, axis in columns
+    ]  # fmt: skip
+
+
+def case_look(number: int) -> dict[str, Any]:
+    """Colour and dashes of a load case; those beyond the first few are shown when they are asked for."""
+    colour, pattern = CASES[number % len(CASES)]
+    return {"colour": colour, "dash": dashes(pattern)} | ({} if number < len(CASES) else {"visible": "legendonly"})
+
+
+def _with_all(views: Sequence[Any], time: Any) -> list[Any]:
+    return [whole(time), *views] if len(views) > 1 else []
