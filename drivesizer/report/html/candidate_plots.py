@@ -18,7 +18,7 @@ _LOOKS = {  # of a set by its status: colour and mark
     "unknown": ("grey", "circle-open"),
     "fail": ("vermillion", "x-thin-open"),
 }
-_FEW = 25  # numbers beside more points than these would cover one another
+_FEW = 10  # numbers beside more points than these would cover one another
 
 
 def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str) -> Plot | None:
@@ -46,7 +46,9 @@ def _names(rows: Sequence[dict[str, Any]], up: str) -> dict[str, str]:
     places: dict[tuple[float, float], list[str]] = {}
     for row in rows:
         places.setdefault((row["exact"]["mass"], row["exact"][up]), []).append(row["rank"])
-    return {ranks[0]: ", ".join(ranks) for ranks in places.values()} if len(places) <= _FEW else {}
+    if len(places) > _FEW:
+        return {}
+    return {ranks[0]: ", ".join(ranks[:3]) + (" …" if len(ranks) > 3 else "") for ranks in places.values()}
 
 
 def _of_status(status: str, rows: Sequence[dict[str, Any]], up: str, names: dict[str, str]) -> Plot:
@@ -59,9 +61,10 @@ def _of_status(status: str, rows: Sequence[dict[str, Any]], up: str, names: dict
     points = line([row["exact"]["mass"] for row in rows], [row["exact"][up] for row in rows], status, colour)
     return points | {
         "mode": "markers+text" if names else "markers",
-        "marker": {"symbol": symbol, "size": 9, "color": colour, "line": {"width": 2}},
+        "marker": {"symbol": symbol, "size": 9, "color": colour, "line": {"width": 2 if "open" in symbol else 0}},
         "text": [names.get(row["rank"], "") for row in rows],
-        "textposition": "top right",
+        "textposition": "top center",
+        "cliponaxis": False,
         "customdata": [[plain(row[name]) for name in told] for row in rows],
         "hovertemplate": hover,
     }
@@ -90,7 +93,8 @@ def front_plot(result: SizingResult) -> Plot | None:
         "mode": "markers+text" if len(known) <= _FEW else "markers",
         "marker": {"symbol": "circle", "size": 8, "color": "blue"},
         "text": [str(result.front[n].rank) for n in known],
-        "textposition": "top right",
+        "textposition": "top center",
+        "cliponaxis": False,
         "customdata": [[str(result.front[n].rank), plain(result.front[n].label),
                         "<br>".join(f"{f.title} {plain(f.text)}" for f in found[n])] for n in known],
         "hovertemplate": "<b>%{customdata[0]}  %{customdata[1]}</b><br>%{customdata[2]}<extra></extra>",

@@ -1,8 +1,8 @@
 """Pieces of interactive figures as plain data: numbers, traces, legends, rows of axes.
 
-A figure is what plotly.js draws (``data`` and ``layout``) with a legend and stretches to look at, which the page shows as
-buttons. Colours are names: the page has their values, in light and in dark. Whatever plotly would read as markup is
-escaped here.
+A figure is what plotly.js draws (``data`` and ``layout``) with a legend and stretches to look at, which the page
+shows as buttons. Colours are names: the page has their values, in light and in dark. Whatever plotly would read as
+markup is escaped here.
 """
 
 from __future__ import annotations
@@ -100,7 +100,12 @@ def rows(titles: Sequence[str], height: float = 150.0) -> Plot:
     """
     count, room = len(titles), 26.0
     total = count * (height + room)
-    layout: Plot = {"height": round(total + _BELOW), "annotations": [], "hoversubplots": "axis", "hovermode": "x unified"}
+    layout: Plot = {
+        "height": round(total + _BELOW),
+        "annotations": [],
+        "hoversubplots": "axis",
+        "hovermode": "x unified",
+    }
     for number, title in enumerate(titles):
         top = 1.0 - (number * (height + room) + room) / total
         axis = "yaxis" if number == 0 else f"yaxis{number + 1}"

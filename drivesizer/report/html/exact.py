@@ -12,7 +12,6 @@ from drivesizer.units import from_si
 __all__ = ["with_numbers"]
 
 
-
 def with_numbers(content: dict[str, Any], result: SizingResult, validation: Validation | None) -> dict[str, Any]:
     """A report's content, each requirement, check and set of it with its numbers under ``exact``.
 

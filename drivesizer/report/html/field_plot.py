@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.operating_field import OperatingField
-from drivesizer.report.html.curves import Plot, dashes, figure, line, plain
+from drivesizer.report.html.curves import Plot, dashes, figure, line
 from drivesizer.report.html.load_plots import case_look
 from drivesizer.report.operating import Panel
 from drivesizer.report.style import torque_unit
@@ -88,10 +88,12 @@ def _regions(found: OperatingField, unit: str) -> list[Plot]:
     if not np.isnan(found.permissible_speed):
         hot = np.where(found.speed > found.permissible_speed, 0.0, hot)
     continuous = np.fmin(np.nan_to_num(found.continuous), hot)
-    while_ = np.fmin(found.intermittent, hot)
+    for_a_while = np.fmin(found.intermittent, hot)
     made = []
-    if not np.isnan(while_).any():
-        made.append(_region(_INTERMITTENT, continuous, np.maximum(continuous, while_), found, unit, "vermillion", 0.11))
+    if not np.isnan(for_a_while).any():
+        made.append(
+            _region(_INTERMITTENT, continuous, np.maximum(continuous, for_a_while), found, unit, "vermillion", 0.11)
+        )
     if not np.isnan(found.continuous).any():
         by_heat = "continuous" if found.thermal else "continuous, nominal torque"
         made.append(_region(by_heat, np.zeros_like(hot), continuous, found, unit, "blue", 0.2))
@@ -110,26 +112,30 @@ def _region(name: str, low: Array, high: Array, found: OperatingField, unit: str
 
 
 def _voltage_lines(found: OperatingField, unit: str, reach: float) -> list[Plot]:
-    """What the voltage gives, hot and cold; what is borne for a while, as far as the voltage goes; permissible speed."""
+    """What the voltage gives, hot and cold; what is borne for a while, as far as that goes; permissible speed."""
     hot, cold = (np.where(values < 0.0, np.nan, values) for values in (found.voltage_hot, found.voltage_cold))
     given = f"{found.voltage:.3g} V, winding "
     within = np.where(found.intermittent <= found.voltage_cold, found.intermittent, np.nan)
-    wanted = [
+    wanted = (
         (f"{given}{show(found.hot, 'degC', 'temperature', 3)}", hot, "blue", "solid"),
         (f"{given}{show(found.ambient, 'degC', 'temperature', 3)}", cold, "blue", dashes((0, (5, 2)))),
         (_INTERMITTENT, within, "vermillion", dashes((0, (6, 2, 1, 2)))),
+    )
+    rpm = from_si(found.speed, "rpm", "rotary_speed")
+    made = [
+        line(from_si(values, unit, "torque"), rpm, name, colour, dash, hovertemplate=_hover(unit))
+        for name, values, colour, dash in wanted
+        if not np.isnan(values).all()
     ]
-    made = [line(from_si(values, unit, "torque"), from_si(found.speed, "rpm", "rotary_speed"), name, colour, dash,
-                 hovertemplate=_hover(unit)) for name, values, colour, dash in wanted if not np.isnan(values).all()]  # fmt: skip
     if found.permissible_speed <= _ROOM * found.speed[-1]:
-        right = float(from_si(_ROOM * reach, unit, "torque"))
-        made.append(line((0.0, right), [_rpm(found.permissible_speed)] * 2, "permissible speed", "grey",
-                         dashes((0, (1, 1.5))), hovertemplate=_hover(unit)))  # fmt: skip
+        ends = (0.0, float(from_si(_ROOM * reach, unit, "torque"))), [_rpm(found.permissible_speed)] * 2
+        dotted = dashes((0, (1, 1.5)))
+        made.append(line(*ends, "permissible speed", "grey", dotted, hovertemplate=_hover(unit)))
     return made
 
 
 def _hover(unit: str, more: str = "") -> str:
-    return f"<b>%{{fullData.name}}</b><br>%{{y:,.0f}} rpm, %{{x:.4~r}} {label(unit)}{more}<extra></extra>"
+    return f"<b>%{{fullData.name}}</b><br>%{{y:.0f}} rpm, %{{x:.4~r}} {label(unit)}{more}<extra></extra>"
 
 
 def _cycle(number: int, name: str, found: OperatingField, time: Array, unit: str) -> list[Plot]:
@@ -140,21 +146,30 @@ def _cycle(number: int, name: str, found: OperatingField, time: Array, unit: str
     extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
     kept = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST)), *extremes]))
     look, said = case_look(number), f"load cycle, {name}" if name else "load cycle"
-    hover = _hover(unit, "<br>at %{customdata[0]:.6~r} s of the cycle<br>%{customdata[1]}")
-    power = from_si((speed * torque)[kept].ravel(), "W", "power")
-    way = line(from_si(torque[kept].ravel(), unit, "torque"), from_si(speed[kept].ravel(), "rpm", "rotary_speed"), said,
-               mode="lines+markers" if len(kept) <= _MARKED else "lines", hovertemplate=hover,
-               customdata=[[float(f"{t:.8g}"), f"{p:.4g} W at the shaft".replace("-", "−")]
-                           for t, p in zip(time[kept].ravel(), power, strict=True)], **look)  # fmt: skip
-    way["marker"] = {"size": 6, "color": look["colour"]}
+    way = line(
+        from_si(torque[kept].ravel(), unit, "torque"),
+        from_si(speed[kept].ravel(), "rpm", "rotary_speed"),
+        said,
+        mode="lines+markers" if len(kept) <= _MARKED else "lines",
+        marker={"size": 6, "color": look["colour"]},
+        customdata=_moments(time[kept].ravel(), (speed * torque)[kept].ravel()),
+        hovertemplate=_hover(unit, "<br>at %{customdata[0]:.6~r} s of the cycle, %{customdata[1]}"),
+        **look,
+    )
     if np.isnan(found.rms_torque):
         return [way]
-    rms = _spot("RMS current and speed" + (f", {name}" if name else ""), found.rms_torque, found.rms_speed, unit,
-                "circle", look["colour"])  # fmt: skip
+    told = "RMS current and speed" + (f", {name}" if name else "")
+    rms = _spot(told, found.rms_torque, found.rms_speed, unit, "circle", look["colour"])
     return [way, rms | {key: look[key] for key in ("visible",) if key in look}]
 
 
+def _moments(time: Array, power: Array) -> list[list[Any]]:
+    """When each point of a cycle is passed [s], and with which power of the shaft."""
+    shown = (f"{watts:.4g} W at the shaft".replace("-", "−") for watts in power)
+    return [[float(f"{at:.8g}"), said] for at, said in zip(time, shown, strict=True)]
+
+
 def _spot(name: str, torque: float, speed: float, unit: str, symbol: str, colour: str) -> Plot:
-    spot = line([float(from_si(torque, unit, "torque"))], [_rpm(speed)], name, colour, hovertemplate=_hover(unit))
-    return spot | {"mode": "markers", "marker": {"symbol": symbol, "size": 10, "color": colour, "line": {"width": 1.6}},
-                   "name": plain(name)}  # fmt: skip
+    at = [float(from_si(torque, unit, "torque"))], [_rpm(speed)]
+    mark = {"symbol": symbol, "size": 10, "color": colour, "line": {"width": 1.6 if "open" in symbol else 0}}
+    return line(*at, name, colour, hovertemplate=_hover(unit), mode="markers", marker=mark)

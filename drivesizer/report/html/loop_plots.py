@@ -49,9 +49,10 @@ def _over_time(validation: Validation, names: tuple[str, ...], place: int) -> li
         values = validation.series[name]
         kept = sampled(time, [values], views)
         said = name.replace("_", " ")
-        made.append(line(time[kept], from_si(values[kept], unit, kind), said, *look, yaxis=f"y{place}".removesuffix("1"),
-                         showlegend=len(names) > 1,
-                         hovertemplate=f"%{{y:.4~r}} {label(unit)}<extra>%{{fullData.name}}</extra>"))  # fmt: skip
+        shown = from_si(values[kept], unit, kind)
+        hover = f"%{{y:.4~r}} {label(unit)}<extra>%{{fullData.name}}</extra>"
+        where: Plot = {"yaxis": "y" if place == 1 else f"y{place}", "showlegend": len(names) > 1}
+        made.append(line(time[kept], shown, said, *look, hovertemplate=hover, **where))
     return made
 
 
@@ -66,8 +67,14 @@ def bode_plot(loops: Sequence[Loop]) -> Plot:
     left, right = span(loops)
     data = [trace for loop in loops for trace in (*_curves(loop, left), *_marks(loop))]
     layout = rows(["open loop, magnitude (dB)", "open loop, phase (°)", "closed loop, magnitude (dB)"])
-    layout["xaxis"] |= {"type": "log", "title": {"text": "frequency (Hz)"}, "range": [math.log10(left), math.log10(right)]}
-    seen = {axis: [y for t in data if t["yaxis"] == axis for y in t["y"] if y is not None] for axis in ("y", "y2", "y3")}
+    layout["xaxis"] |= {
+        "type": "log",
+        "title": {"text": "frequency (Hz)"},
+        "range": [math.log10(left), math.log10(right)],
+    }
+    seen = {
+        axis: [y for t in data if t["yaxis"] == axis for y in t["y"] if y is not None] for axis in ("y", "y2", "y3")
+    }
     layout["yaxis"]["range"] = _within(seen["y"], 20.0)
     layout["yaxis2"] |= {"dtick": 90}
     layout["yaxis3"]["range"] = _within(seen["y3"], 12.0)
@@ -110,7 +117,14 @@ def _marks(loop: Loop) -> list[Plot]:
         made.append((loop.bandwidth, float(curve.closed[0]) - 10.0 * math.log10(2.0), "y3",
                      f"bandwidth {said['bandwidth']}"))  # fmt: skip
     return [
-        line([x], [y], loop_name(loop), colour, yaxis=axis, hovertemplate=f"{plain(told)}<extra>%{{fullData.name}}</extra>")
+        line(
+            [x],
+            [y],
+            loop_name(loop),
+            colour,
+            yaxis=axis,
+            hovertemplate=f"{plain(told)}<extra>%{{fullData.name}}</extra>",
+        )
         | {"mode": "markers", "marker": {"symbol": symbol, "size": 8, "color": colour}}
         for x, y, axis, told in made
     ]

@@ -55,7 +55,7 @@ function dressed(plot, printing) {
   const colours = palette(printing);
   const axis = { gridcolor: colours.grid, zerolinecolor: colours.soft, linecolor: colours.soft, tickcolor: colours.soft,
     ticks: "outside", ticklen: 4, automargin: true, spikecolor: colours.soft, spikethickness: 1, spikedash: "dot",
-    spikemode: "across", title: { standoff: 8 } };
+    spikemode: "across", title: { standoff: 8 }, exponentformat: "none" };
   const layout = coloured(plot.layout, colours);
   return { data: coloured(plot.data, colours), layout: { ...layout,
     autosize: true, showlegend: false, uirevision: "kept", paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
@@ -156,8 +156,8 @@ function redress(printing) {
     const { data, layout } = dressed(plots[drawing.dataset.plot], printing);
     data.forEach((trace, n) => { trace.visible = drawing.data[n].visible; });
     for (const name of Object.keys(layout)) if (/^[xy]axis\d*$/.test(name)) layout[name].range = drawing.layout[name].range;
-    const half = drawing.closest(".pair") ? 640 : 655; // px of 176 mm
-    Plotly.react(drawing, data, printing ? { ...layout, autosize: false, width: half } : layout, CONFIG);
+    const width = drawing.closest(".pair")?.children.length > 1 ? 312 : 655; // px, of 176 mm or half of it
+    Plotly.react(drawing, data, printing ? { ...layout, autosize: false, width } : layout, CONFIG);
   }
 }
 
