@@ -366,7 +366,7 @@ def test_a_page_without_anything_to_look_at(result):
 
 
 def test_a_suffix_that_is_no_kind_of_report_is_one_line(result, tmp_path):
-    with pytest.raises(InputError, match=r"expected \.csv or \.html or \.pdf"):
+    with pytest.raises(InputError, match=r"expected \.csv or \.pdf or \.html"):
         write(result, None, Path(tmp_path / "report.htm"))
 
 

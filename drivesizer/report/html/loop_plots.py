@@ -76,7 +76,7 @@ def bode_plot(loops: Sequence[Loop]) -> Plot:
         axis: [y for t in data if t["yaxis"] == axis for y in t["y"] if y is not None] for axis in ("y", "y2", "y3")
     }
     layout["yaxis"]["range"] = _within(seen["y"], 20.0)
-    layout["yaxis2"] |= {"dtick": 90}
+    layout["yaxis2"] |= {"dtick": 90, "range": _turns(seen["y2"])}
     layout["yaxis3"]["range"] = _within(seen["y3"], 12.0)
     layout["shapes"] = [_level(axis, y) for axis, y in (("y", 0.0), ("y2", -180.0), ("y3", -10.0 * math.log10(2.0)))]
     return figure(data, layout)
@@ -84,6 +84,11 @@ def bode_plot(loops: Sequence[Loop]) -> Plot:
 
 def _within(values: Sequence[float], least: float) -> list[float]:
     return [1.05 * max(min(*values, -least), -_RANGE), 1.05 * min(max(*values, least / 2), _RANGE)]
+
+
+def _turns(values: Sequence[float]) -> list[float]:
+    """Limits of the phase: all of it within some turns, and what a margin is measured from."""
+    return [max(min(*values, -180.0), -540.0) - 15.0, min(max(*values, -90.0), 180.0) + 15.0]
 
 
 def _level(axis: str, y: float) -> Plot:

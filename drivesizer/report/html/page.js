@@ -59,8 +59,8 @@ function dressed(plot, printing) {
   const layout = coloured(plot.layout, colours);
   return { data: coloured(plot.data, colours), layout: { ...layout,
     autosize: true, showlegend: false, uirevision: "kept", paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
-    font: { family: getComputedStyle(document.body).fontFamily, size: 12, color: colours.ink },
-    margin: { l: 44, r: 12, t: 24, b: 40 }, dragmode: matchMedia("(pointer: coarse)").matches ? false : "zoom",
+    font: { family: getComputedStyle(document.body).fontFamily, size: printing ? 10 : 12, color: colours.ink },
+    separators: ".\u202f", margin: { l: 44, r: 12, t: 24, b: 40 }, dragmode: matchMedia("(pointer: coarse)").matches ? false : "zoom",
     hoverlabel: { bgcolor: colours.page, bordercolor: colours.hair, font: { color: colours.ink, size: 12 }, align: "left" },
     template: { layout: { xaxis: axis, yaxis: axis } } } };
 }
@@ -163,7 +163,8 @@ function redress(printing) {
 
 /** plotly.js, packed with zlib. */
 async function unpacked() {
-  const packed = Uint8Array.from(atob(document.getElementById("library").textContent), (c) => c.charCodeAt(0));
+  const letters = atob(document.getElementById("library").textContent), packed = new Uint8Array(letters.length);
+  for (let n = 0; n < letters.length; n += 1) packed[n] = letters.charCodeAt(n);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Response(stream).text();
 }
@@ -173,7 +174,10 @@ async function drawAll() {
     const script = document.createElement("script");
     script.textContent = await unpacked();
     document.head.append(script);
-    for (const drawing of drawings) await draw(drawing);
+    for (const drawing of drawings) {
+      await new Promise((next) => setTimeout(next)); // the page answers between one figure and the next
+      await draw(drawing);
+    }
   } catch (error) {
     for (const drawing of drawings.filter((d) => !d.data)) {
       drawing.textContent = "This browser cannot draw the figures; a current one can.";
