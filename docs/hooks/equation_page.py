@@ -1,0 +1,66 @@
+"""The equations as a page, out of their declarations."""
+
+from __future__ import annotations
+
+import drivesizer.equations
+from drivesizer import formula
+from drivesizer.declare import COMPANIONS, EQUATIONS, Equation
+from drivesizer.units import label
+from mathematics import displayed, expression, mathml, symbol
+
+__all__ = ["equations"]
+
+assert drivesizer.equations.__all__  # importing them declares them
+
+
+def equations() -> str:
+    """All equations in the order of the paper, those without a number where the paper uses them."""
+    return "\n\n".join(_equation(declared) for declared in _in_order())
+
+
+def _in_order() -> list[Equation]:
+    """As they stand in the source: a companion follows the equation that it belongs to."""
+    everything = [*EQUATIONS.values(), *COMPANIONS.values()]
+    return sorted(everything, key=lambda e: e.formula.__code__.co_firstlineno)
+
+
+def _equation(e: Equation) -> str:
+    number = f"({e.number})" if e.number else "–"
+    anchor = f"eq-{e.number}" if e.number else e.name.replace("_", "-")
+    parts = [f'### <span class="number">{number}</span> {e.title} {{#{anchor}}}', *_forms(e)]
+    if e.note:
+        parts.append(f'!!! note ""\n    {_escaped(e.note)}')
+    parts.append(_terms(e))
+    return "\n\n".join(parts)
+
+
+def _forms(e: Equation) -> list[str]:
+    """As printed, what the unit check says, and as computed."""
+    left, computed = symbol(e.symbol), formula.computed(e)
+    used = f"{left} = {expression(computed)}" if expression(computed) != left else left
+    if not e.printed:
+        return ["Not in the paper; as computed:", displayed(used)]
+    failure = formula.printed_failure(e)
+    told = f'<span class="fails">Fails the unit check:</span> {_escaped(failure)}.' if failure else "Units agree."
+    printed = displayed(f"{left} = {expression(e.printed, paper=True)}")
+    if expression(e.printed) == expression(computed):
+        return [f"As printed and as computed. {told}", printed]
+    return [f"As printed. {told}", printed, "As computed:", displayed(used)]
+
+
+def _terms(e: Equation) -> str:
+    """Result and terms with their meaning and unit; the unit is the one that the program uses."""
+    shown = label(e.shown)
+    si = label(e.result.unit)
+    unit = f"{si}, shown in {shown}" if shown and shown != si else si
+    rows = [(mathml(symbol(e.symbol)), e.result.meaning, unit)]
+    rows += [(mathml(symbol(formula.symbol_text(t.name))), t.meaning, label(t.unit)) for t in e.terms]
+    table = "\n".join(f"| {s} | {_escaped(meaning)} | {unit or '1'} |" for s, meaning, unit in rows)
+    return f"| | | unit |\n|---|---|---|\n{table}"
+
+
+def _escaped(text: str) -> str:
+    """A text of a declaration as Markdown that shows it as it is."""
+    for sign in ("\\", "|", "*", "_", "$", "<"):
+        text = text.replace(sign, f"\\{sign}" if sign != "<" else "&lt;")
+    return text

@@ -1,0 +1,60 @@
+"""The loads as a page: what each asks of its shaft, its fields, and a spec to start from."""
+
+from __future__ import annotations
+
+import inspect
+from importlib import import_module, resources
+from typing import Any
+
+import yaml
+
+from docstrings import as_markdown
+from drivesizer.loads import _HOME
+from drivesizer.spec import AXES
+from spec_tables import SCHEMA, fields_of, reference
+
+__all__ = ["loads"]
+
+_TITLES = {
+    "lead_screw": "Lead screw and ball screw", "fan": "Fan, pump and flywheel", "rack_pinion": "Rack and pinion",
+}  # fmt: skip
+
+
+def loads() -> str:
+    """Every kind of load; kinds that share a model share a section."""
+    mapping = SCHEMA["properties"]["load"]["discriminator"]["mapping"]
+    models = [reference(option) for option in SCHEMA["properties"]["load"]["oneOf"]]
+    kinds = {name: [k for k, at in mapping.items() if at.endswith(f"/{name}")] for name in models}
+    for several in kinds.values():
+        several.sort(key=list(_HOME).index if len(several) > 1 else str)
+    shared = [("A stage", "stage"), ("Torques that are no straight lines", "curved")]
+    parts = [_load(name, of) for name, of in kinds.items()]
+    parts += [f"## {title}\n\n{_told_by(import_module(f'drivesizer.loads.{name}'))}" for title, name in shared]
+    return "\n\n".join(parts)
+
+
+def _load(name: str, kinds: list[str]) -> str:
+    model: dict[str, Any] = SCHEMA["$defs"][name]
+    title = _TITLES.get(kinds[0], kinds[0].replace("_", " ").capitalize())
+    module = import_module(f"drivesizer.loads.{_HOME.get(kinds[0], kinds[0])}")
+    axis = {"linear": "along a line", "rotary": "about an axis"}[AXES[kinds[0]]]
+    named = " or ".join(f"`kind: {kind}`" for kind in kinds)
+    parts = [f"## {title}", f"{named} · its motion is given {axis}", _told_by(module)]
+    parts += ["### Fields of " + " and ".join(k.replace("_", " ") for k in kinds), fields_of(model)]
+    if "cylinders" in model["properties"]:
+        parts += ["A cylinder of `cylinders: {wheel: ..., shaft: ...}`:", fields_of(SCHEMA["$defs"]["Cylinder"])]
+    return "\n\n".join([*parts, *(_starter(kind) for kind in kinds)])
+
+
+def _told_by(module: Any) -> str:
+    """A module's own words, with its references as links on the page."""
+    text = as_markdown(inspect.getdoc(module) or "")
+    return text.replace("`stage`", "[stage](#a-stage)").replace("`curved`", "[pieces](#torques-that-are-no-straight-lines)")
+
+
+def _starter(kind: str) -> str:
+    """What ``drivesizer init --kind`` writes."""
+    text = (resources.files("drivesizer") / "starters" / f"{kind}.yaml").read_text(encoding="utf-8")
+    assert yaml.safe_load(text)["load"]["kind"] == kind
+    body = "\n".join(f"    {line}" if line else "" for line in text.rstrip().splitlines())
+    return f'??? example "`drivesizer init --kind {kind}` writes"\n    ```yaml\n{body}\n    ```'

@@ -1,0 +1,56 @@
+"""What mkdocs asks for beside the written pages: generated parts, the project's own files, mathematics, its font."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from mkdocs.structure.files import File
+
+import mathematics
+from command_page import commands
+from equation_page import equations
+from load_page import loads
+from spec_tables import sections
+
+ROOT = Path(__file__).resolve().parents[2]
+_PROJECT = {"ARCHITECTURE.md": "architecture.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
+_GENERATED: dict[str, Callable[[], str]] = {
+    "commands": commands, "equations": equations, "loads": loads, "spec": sections,
+}  # fmt: skip
+_PLACE = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
+_LINK = re.compile(r"\[([^\]]+)\]\(([^)#]+)(#[^)]*)?\)")
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Take the project's own files in as pages."""
+    for name, page in _PROJECT.items():
+        text = _LINK.sub(_relinked, (ROOT / name).read_text(encoding="utf-8"))
+        files.append(File.generated(config, page, content=text))
+    return files
+
+
+def _relinked(link: re.Match[str]) -> str:
+    """A link of the project's root as one of the site; what the site has not is named without a link."""
+    text, target, place = link[1], link[2], link[3] or ""
+    page = _PROJECT.get(target, target.removeprefix("docs/") if target.startswith("docs/") else "")
+    if target.startswith("http"):
+        return link[0]
+    return f"[{text}]({page}{place})" if page.endswith(".md") else text
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """Put the generated parts in."""
+    return _PLACE.sub(lambda m: _GENERATED[m[1]](), markdown)
+
+
+def on_page_content(html: str, **_: Any) -> str:
+    """Turn mathematics into MathML."""
+    return mathematics.rendered(html)
+
+
+def on_post_build(config: Any) -> None:
+    """Lay the font beside the style sheet."""
+    (Path(config["site_dir"]) / "assets" / "stix-two-math.woff").write_bytes(mathematics.font())

@@ -1,0 +1,124 @@
+"""Tables of a spec's fields, out of its JSON Schema and the models' own types."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Any
+
+from drivesizer.spec import RobotSpec
+
+__all__ = ["SCHEMA", "fields_of", "sections"]
+
+SCHEMA: dict[str, Any] = RobotSpec.model_json_schema()
+_DEFS: dict[str, Any] = SCHEMA["$defs"]
+_SECTIONS = {  # heading: models, each with the words that choose it
+    "motion": ("Trapezoid", "Triangle", "SCurve", "Harmonic", "Segments", "Segment", "Csv"),
+    "transmission": ("GearheadStage", "BeltStage", "Pulleys"),
+    "supply": ("Supply",),
+    "environment": ("Environment",),
+    "margins": ("Margins",),
+    "needs": ("Needs",),
+    "select": ("Select", "Choice", "EncoderChoice", "ControllerChoice", "Weighted"),
+    "cases": ("Case",),
+    "mission": ("Mission",),
+    "control": ("Control", "CurrentLoop", "VelocityLoop", "PositionLoop", "Feedforward"),
+    "plant": ("Plant",),
+    "paper_factors": ("PaperFactors",),
+}
+_LOADS = ("Cylinder", "Cylinders")  # further models of loads, which have a page of their own
+
+
+def sections() -> str:
+    """All sections of a spec but the loads, a heading each."""
+    told = {name for names in _SECTIONS.values() for name in names} | set(_LOADS)
+    loads = {reference(option) for option in SCHEMA["properties"]["load"]["oneOf"]}
+    lost = set(_DEFS) - told - loads
+    if lost:
+        raise ValueError(f"no section of the page tells of {', '.join(sorted(lost))}")
+    parts = [f"## The whole\n\n{fields_of(SCHEMA)}"]
+    for heading, names in _SECTIONS.items():
+        parts.append(f"## {heading}")
+        parts += [_model(name, several=len(names) > 1) for name in names]
+    return "\n\n".join(parts)
+
+
+def _model(name: str, *, several: bool) -> str:
+    model = _DEFS[name]
+    said = re.sub(r"\s+", " ", model.get("description", ""))
+    title = f"### {_chosen_by(model) or said.split(',')[0].split(':')[0].rstrip('.')}\n\n" if several else ""
+    return f"{title}{said}\n\n{fields_of(model)}"
+
+
+def _chosen_by(model: dict[str, Any]) -> str:
+    """What a user writes to get a model, such as ``profile: triangle``."""
+    for key in ("profile", "kind"):
+        if key in model["properties"] and "const" in model["properties"][key]:
+            return f"`{key}: {model['properties'][key]['const']}`"
+    return ""
+
+
+def fields_of(model: dict[str, Any]) -> str:
+    """The fields of a model as a table: name, what it takes, default, what it is."""
+    required = set(model.get("required", ()))
+    rows = []
+    for name, field in model["properties"].items():
+        if name == "kind":
+            continue
+        default = "**required**" if name in required else _default(field)
+        rows.append(f"| `{name}` | {_takes(field)} | {default} | {_said(field)} |")
+    return "\n".join(["| field | takes | default | what it is |", "|---|---|---|---|", *rows])
+
+
+def _default(field: dict[str, Any]) -> str:
+    value = field.get("default")
+    if value is None:
+        return "–" if "$ref" not in field and field.get("type") != "array" else "its own defaults"
+    return f"`{value}`" if isinstance(value, str) else f"`{json.dumps(value)}`"
+
+
+def _said(field: dict[str, Any]) -> str:
+    text = field.get("description", "")
+    if "$ref" in field and not text:
+        text = _DEFS[reference(field)].get("description", "")
+    return "" if _kind_alone(text) else re.sub(r"\s+", " ", text).replace("|", "\\|").replace("<", "&lt;")
+
+
+def _kind_alone(text: str) -> bool:
+    """Whether a description says the kind of quantity only, which stands in its own column."""
+    return text.endswith(" with unit") or text == "a plain number or percent"
+
+
+def _takes(field: dict[str, Any]) -> str:
+    """What a field takes, in words."""
+    if "$ref" in field:
+        return "a section"
+    if "const" in field:
+        return f"`{field['const']}`"
+    if "enum" in field:
+        return " or ".join(f"`{value}`" for value in field["enum"])
+    options = [o for o in (*field.get("anyOf", ()), *field.get("oneOf", ())) if o.get("type") != "null"]
+    if options:
+        words = dict.fromkeys(_takes(o) for o in options)
+        return " or ".join(words)
+    return _plain(field)
+
+
+def _plain(field: dict[str, Any]) -> str:
+    kind = field.get("type")
+    if kind == ["string", "integer"]:
+        return "a name"
+    if kind == ["number", "string"]:
+        return "a number or percent"
+    if kind == "array":
+        return f"a list, each {_takes(field['items'])}" if field.get("items") else "a list"
+    if field.get("examples"):
+        return "e.g. " + " or ".join(f"`{example}`" for example in field["examples"])
+    if kind == "integer" and "minimum" in field:
+        return f"a whole number from {field['minimum']}" + (f" to {field['maximum']}" if "maximum" in field else "")
+    return {"string": "a text", "boolean": "`true` or `false`", "number": "a number", "object": "a section"}[str(kind)]
+
+
+def reference(field: dict[str, Any]) -> str:
+    """Name of the model that a field refers to."""
+    return str(field["$ref"]).rsplit("/", 1)[1]
