@@ -12,6 +12,7 @@ from mkdocs.structure.files import File
 import mathematics
 from command_page import commands
 from equation_page import equations
+from figures_of import closed_loop
 from load_page import loads
 from spec_tables import sections
 
@@ -29,6 +30,7 @@ def on_files(files: Any, config: Any) -> Any:
     for name, page in _PROJECT.items():
         text = _LINK.sub(_relinked, (ROOT / name).read_text(encoding="utf-8"))
         files.append(File.generated(config, page, content=text))
+    files.append(File.generated(config, "figures/closed_loop.svg", content=closed_loop(ROOT)))
     return files
 
 
