@@ -131,7 +131,7 @@ def _drivesizer(words: list[str], folder: Path) -> Said:
     from drivesizer.cli import main
 
     out, told = io.StringIO(), warnings.showwarning
-    with _at(folder), warnings.catch_warnings(), redirect_stdout(out), redirect_stderr(out):
+    with _at(folder), warnings.catch_warnings(), redirect_stdout(out), redirect_stderr(_Messages(out)):
         before, sys.argv = sys.argv, ["drivesizer", *words]
         try:
             main()
@@ -140,6 +140,18 @@ def _drivesizer(words: list[str], folder: Path) -> Said:
         finally:
             sys.argv, warnings.showwarning = before, told
     return Said(out.getvalue(), status)
+
+
+class _Messages(io.TextIOBase):
+    """stderr into the same text; without the empty line that a progress bar leaves where it is not shown."""
+
+    def __init__(self, into: io.StringIO) -> None:
+        self.into = into
+
+    def write(self, text: str) -> int:
+        if text != "\n" or not self.into.getvalue().endswith("\n"):
+            self.into.write(text)
+        return len(text)
 
 
 @contextmanager
@@ -158,7 +170,7 @@ def _at(folder: Path) -> Iterator[None]:
 
 def shown(block: str, output: str) -> str:
     """Where a text block is not what was printed: its first line that does not follow, or nothing."""
-    lines, at, skipping = output.splitlines(), 0, False
+    lines, at, skipping = output.rstrip().splitlines(), 0, False
     for part in _chunks(block):
         starts = range(at, len(lines) - len(part) + 1) if skipping else [at]
         place = next((n for n in starts if lines[n : n + len(part)] == part), None)
@@ -183,7 +195,7 @@ def _chunks(block: str) -> list[list[str]]:
 
 def renewed(block: str, output: str) -> str:
     """A text block as it is now: each chunk from the line most like its first to that most like its last."""
-    lines, at, made = output.splitlines(), 0, []
+    lines, at, made = output.rstrip().splitlines(), 0, []
     cut = [line.strip() == _CUT for line in block.splitlines()]
     for n, part in enumerate(_chunks(block)):
         if not part:

@@ -54,7 +54,7 @@ def _row(parameter: Any, context: Any) -> str:
 
 def _default(parameter: Any) -> str:
     value = parameter.default
-    if value is None or value is False or callable(value):
+    if value in (None, False, "") or callable(value):
         return ""
     return f"`{value}`"
 

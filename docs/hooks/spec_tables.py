@@ -12,20 +12,27 @@ __all__ = ["SCHEMA", "fields_of", "sections"]
 
 SCHEMA: dict[str, Any] = RobotSpec.model_json_schema()
 _DEFS: dict[str, Any] = SCHEMA["$defs"]
-_SECTIONS = {  # heading: models, each with the words that choose it
-    "motion": ("Trapezoid", "Triangle", "SCurve", "Harmonic", "Segments", "Segment", "Csv"),
-    "transmission": ("GearheadStage", "BeltStage", "Pulleys"),
-    "supply": ("Supply",),
-    "environment": ("Environment",),
-    "margins": ("Margins",),
-    "needs": ("Needs",),
-    "select": ("Select", "Choice", "EncoderChoice", "ControllerChoice", "Weighted"),
-    "cases": ("Case",),
-    "mission": ("Mission",),
-    "control": ("Control", "CurrentLoop", "VelocityLoop", "PositionLoop", "Feedforward"),
-    "plant": ("Plant",),
-    "paper_factors": ("PaperFactors",),
-}
+_SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each with its heading
+    "motion": {name: "" for name in ("Trapezoid", "Triangle", "SCurve", "Harmonic", "Segments", "Csv")}
+    | {"Segment": "Each of `segments`"},
+    "transmission": {"GearheadStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
+    "supply": {"Supply": ""},
+    "environment": {"Environment": ""},
+    "margins": {"Margins": ""},
+    "needs": {"Needs": ""},
+    "select": {
+        "Select": "", "Choice": "`motor`, `gearhead`", "EncoderChoice": "`encoder`", "ControllerChoice": "`controller`",
+        "Weighted": "Each of several objectives",
+    },
+    "cases": {"Case": ""},
+    "mission": {"Mission": ""},
+    "control": {
+        "Control": "", "CurrentLoop": "`current`", "VelocityLoop": "`velocity`", "PositionLoop": "`position`",
+        "Feedforward": "`feedforward`",
+    },
+    "plant": {"Plant": ""},
+    "paper_factors": {"PaperFactors": ""},
+}  # fmt: skip
 _LOADS = ("Cylinder", "Cylinders")  # further models of loads, which have a page of their own
 
 
@@ -37,17 +44,17 @@ def sections() -> str:
     if lost:
         raise ValueError(f"no section of the page tells of {', '.join(sorted(lost))}")
     parts = [f"## The whole\n\n{fields_of(SCHEMA)}"]
-    for heading, names in _SECTIONS.items():
+    for heading, models in _SECTIONS.items():
         parts.append(f"## {heading}")
-        parts += [_model(name, several=len(names) > 1) for name in names]
+        parts += [_model(name, title) for name, title in models.items()]
     return "\n\n".join(parts)
 
 
-def _model(name: str, *, several: bool) -> str:
+def _model(name: str, title: str) -> str:
     model = _DEFS[name]
     said = re.sub(r"\s+", " ", model.get("description", ""))
-    title = f"### {_chosen_by(model) or said.split(',')[0].split(':')[0].rstrip('.')}\n\n" if several else ""
-    return f"{title}{said}\n\n{fields_of(model)}"
+    title = title or _chosen_by(model)
+    return "\n\n".join([*([f"### {title}"] if title else []), said, fields_of(model)])
 
 
 def _chosen_by(model: dict[str, Any]) -> str:
@@ -62,8 +69,8 @@ def fields_of(model: dict[str, Any]) -> str:
     """The fields of a model as a table: name, what it takes, default, what it is."""
     required = set(model.get("required", ()))
     rows = []
-    for name, field in model["properties"].items():
-        if name == "kind":
+    for name, field in sorted(model["properties"].items(), key=lambda item: item[0] not in required):
+        if name == "kind" or (name == "profile" and "const" in field):
             continue
         default = "**required**" if name in required else _default(field)
         rows.append(f"| `{name}` | {_takes(field)} | {default} | {_said(field)} |")
