@@ -42,7 +42,8 @@ def _load(name: str, kinds: list[str]) -> str:
     parts = [f"## {title}", f"{named} · its motion is given {axis}", _told_by(module)]
     parts += ["### Fields of " + " and ".join(k.replace("_", " ") for k in kinds), fields_of(model)]
     if "cylinders" in model["properties"]:
-        parts += ["A cylinder of `cylinders: {wheel: ..., shaft: ...}`:", fields_of(SCHEMA["$defs"]["Cylinder"])]
+        parts += ["`cylinders` has", fields_of(SCHEMA["$defs"]["Cylinders"])]
+        parts += ["and each of these", fields_of(SCHEMA["$defs"]["Cylinder"])]
     return "\n\n".join([*parts, *(_starter(kind) for kind in kinds)])
 
 

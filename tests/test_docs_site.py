@@ -1,0 +1,275 @@
+"""The site: built with warnings fatal, nothing from elsewhere, and what it says of the program is so.
+
+Tables that people wrote are held against the program's own records; what hooks make is held against another way to it.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import re
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from drivesizer import contract, formula, size, validate
+from drivesizer.checks import TITLES
+from drivesizer.declare import COMPANIONS, EQUATIONS
+from drivesizer.equations import nominal_speed
+from drivesizer.sizing import explain
+from drivesizer.spec import RobotSpec, read_spec
+from drivesizer.yaml_source import YamlSource
+
+ROOT = Path(__file__).resolve().parent.parent
+DOCS = ROOT / "docs"
+sys.path[:0] = [str(DOCS), str(DOCS / "hooks")]
+
+from blocks import blocks  # noqa: E402
+
+mathematics = pytest.importorskip("mathematics", reason="the documentation's own packages are not installed")
+EVERY = [*EQUATIONS.values(), *COMPANIONS.values()]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The site as `mkdocs build --strict` makes it: a warning ends it."""
+    os.environ["NO_MKDOCS_2_WARNING"] = "1"
+    from mkdocs.commands.build import build
+    from mkdocs.config import load_config
+
+    folder = tmp_path_factory.mktemp("site")
+    build(load_config(str(ROOT / "mkdocs.yml"), strict=True, site_dir=str(folder)))
+    return folder
+
+
+def page(name):
+    return (DOCS / f"{name}.md").read_text(encoding="utf-8")
+
+
+def rows(text, heading, first=r"\|"):
+    """Rows of the first table below a heading whose own head starts so."""
+    table = re.search(rf"^{first}.*\n(?:\|.*\n)+", text.split(f"\n{heading}\n", 1)[1], re.MULTILINE)[0]
+    found = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in table.splitlines()]
+    return found[2:]
+
+
+# --- the site as a whole
+
+
+class Loads(HTMLParser):
+    """Addresses that a page fetches by itself; links that a reader may follow are none."""
+
+    def __init__(self):
+        super().__init__()
+        self.found, self.ids = [], set()
+
+    def handle_starttag(self, tag, attributes):
+        named = dict(attributes)
+        self.ids.add(named.get("id"))
+        if tag in ("script", "img", "iframe", "source", "video", "audio", "embed", "use"):
+            self.found.append(named.get("src") or named.get("href") or "")
+        if tag == "link" and named.get("rel") not in ("canonical", "next", "prev"):
+            self.found.append(named.get("href", ""))
+
+
+def test_nothing_comes_from_elsewhere(site):
+    pages = sorted(site.glob("*.html"))
+    assert len(pages) >= 17
+    for path in pages:
+        seen = Loads()
+        seen.feed(path.read_text(encoding="utf-8"))
+        for address in filter(None, seen.found):
+            assert not re.match(r"(?:https?:)?//", address), f"{path.name}: {address}"
+            assert (site / address.lstrip("/").split("?")[0].split("#")[0]).exists(), f"{path.name}: {address}"
+    for path in (site / "assets").rglob("*.css"):
+        assert not re.search(r"url\(\s*['\"]?(?:https?:)?//", path.read_text(encoding="utf-8")), path.name
+    assert (site / "assets" / "stix-two-math.woff").read_bytes()[:4] == b"wOFF"
+
+
+def test_every_formula_is_mathematics(site):
+    for path in site.glob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        assert "arithmatex" not in text, path.name
+        outside = re.sub(r"(?s)<(pre|code|script|math|style)\b.*?</\1>", "", text)
+        assert not re.search(r"\$[^$\n]{1,80}\$|\\[a-z]{2,}\{|\\\(", outside), path.name
+    assert "<merror" not in "".join(p.read_text(encoding="utf-8") for p in site.glob("*.html"))
+
+
+def test_the_project_s_own_files_are_pages(site):
+    for name in ("architecture", "contributing", "changelog"):
+        assert (site / f"{name}.html").exists()
+
+
+# --- equations
+
+
+def signs(text):
+    """The letters and digits of a formula in their order, however it is set."""
+    plain = html.unescape(re.sub(r"<[^>]+>", "", text)).translate(str.maketrans("²³", "23", " /√()·^_\u2062"))
+    return re.sub(r"\s", "", plain.replace("−", "-").replace("\u200a", ""))
+
+
+@pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
+def test_an_equation_on_the_page_is_the_one_at_the_terminal(declared):
+    """Another notation of the same syntax tree: what is read from left to right and from top to bottom is the same."""
+    for form, paper in ((formula.computed(declared), False), (declared.printed, True)):
+        if form:
+            made = mathematics.mathml(mathematics.expression(form, paper=paper), "block")
+            assert signs(made) == signs(formula.text(form, paper=paper))
+            assert made.count("<mfrac>") >= (1 if "/" in form and "1 / 2" not in form else 0)
+            assert made.count("<msqrt>") == form.count("sqrt(") + form.count("(1 / 2)")
+
+
+def test_fractions_stand_as_they_are_written():
+    fraction = mathematics.expression
+    assert fraction("a / b / c") == r"\frac{a}{b\,c}"
+    assert fraction("a / (b / c)") == r"\frac{a}{b}\,c"
+    assert fraction("a * (b + c) / d") == r"\frac{a\,\left(b + c\right)}{d}"
+    assert fraction("a - (b - c)") == r"a - \left(b - c\right)"
+    assert fraction("(a + b) * (2 * c / d) * e") == r"\left(a + b\right)\,\frac{2\,c}{d}\,e"
+    assert fraction("(a + b)**2 / 2") == r"\frac{\left(a + b\right)^{2}}{2}"
+
+
+def test_every_equation_is_on_the_page_with_its_units(site):
+    text = (site / "equations.html").read_text(encoding="utf-8")
+    seen = Loads()
+    seen.feed(text)
+    for declared in EVERY:
+        anchor = f"eq-{declared.number}" if declared.number else declared.name.replace("_", "-")
+        assert anchor in seen.ids
+        assert all(html.escape(term.meaning, quote=False) in text for term in declared.terms)
+    assert text.count("Fails the unit check") == sum(bool(formula.printed_failure(e)) for e in EVERY) == 2
+
+
+def test_the_page_of_the_paper_names_what_fails():
+    told = [re.findall(r"\((\d+)\)", row[0]) for row in rows(page("paper"), "## Where the printed form cannot be followed")]
+    assert sorted(int(n) for numbers in told for n in numbers) == sorted(
+        e.number for e in EVERY if formula.printed_failure(e)
+    )
+    for reserve, fits in ((0.70, True), (0.904, False), (0.90, True), (0.91, True)):
+        at_35 = nominal_speed(1.5, 0.1524, reserve) * 34.977 * 1.1 * 60 / 6.283185307
+        at_27 = nominal_speed(1.5, 0.1524, reserve) * 26.851 * 1.1 * 60 / 6.283185307
+        assert (at_27 <= 8000.0) and (at_35 <= 8000.0) == (reserve > 0.9045), (reserve, fits)
+
+
+# --- what the program checks and figures out
+
+
+def test_every_limit_of_the_physics_is_on_its_page():
+    told = {row[0] for row in rows(page("physics"), "## Limits")}
+    beside = {TITLES["physics"][name] for name in ("compatibility", "controller_available")}
+    assert told == set(TITLES["physics"].values()) - beside
+    assert all(f"*{title}*" in page("physics") for title in beside)
+
+
+MACHINES = {
+    "voltage": "",
+    "cascade": "control: {structure: cascade, velocity: {bandwidth: 20 Hz}, position: {}}\nneeds: {bandwidth: 5 Hz}\n",
+    "soft": "plant: {model: two_mass, stiffness: 3000 N*m/rad}\nmission: {duration: 60 s}\n",
+}
+
+
+@pytest.fixture(scope="module")
+def proofs():
+    """Closed loops that have all kinds of checks and figures between them."""
+    (text,) = (b.text for b in blocks(page("validation")) if b.title == "robot.yaml")
+    bare = re.sub(r"(?ms)^(?:control|mission|cases):.*?(?=^\w|\Z)", "", text)
+    bare = bare.replace("rolling_resistance: 2 %", "rolling_resistance: 2 %\n  friction_coefficient: 0.6")
+    specs = [read_spec(YamlSource(bare + more, "x.yaml")) for more in MACHINES.values()]
+    chosen = size(specs[0], top=1).sets[0]
+    return [validate(spec, chosen) for spec in specs]
+
+
+def test_every_check_and_figure_of_the_closed_loop_is_on_its_page(proofs):
+    text = page("validation")
+    checks = " | ".join(row[0] for row in rows(text, "## Checks and figures"))
+    figures = " | ".join(row[0] for row in rows(text, "## Checks and figures", r"\| figure"))
+    for proof in proofs:
+        for check in proof.checks:
+            assert check.title in checks, check.title
+        for figure in proof.figures:
+            first, _, rest = figure.title.partition(", ")
+            assert first in figures and rest.split(", ")[-1] in figures, figure.title
+
+
+AMOUNTS = {  # what the page says, and the line of the test that says it
+    "8 mrad/s of 470 rad/s": ("mujoco", "< 8e-3  # rad/s of up to 470"),
+    "10 µA of 4.3 A": ("mujoco", "< 1e-5  # A of up to 4.3"),
+    "12 mrad/s and 1 mA RMS over a second": ("mujoco", "strayed[0] < 0.012 and strayed[1] < 1e-3"),
+    "0.08 rad/s at the reversal": ("mujoco", "abs=0.08)"),
+    "0.45 rad/s of 380": ("mujoco", "off(fine, s)[0] < 0.45"),
+    "0.4 mrad/s; no motion below": ("mujoco", "abs=4e-4)"),
+    "0.6 mrad/s of 290 rad/s": ("solvers", "[(0.0, {}, 6e-4),"),
+    "energy to 1e-5": ("solvers", "pytest.approx(electrical, rel=1e-5)"),
+    "0.06 rad/s": ("solvers", '{"gap": 0.01}, 0.06)]'),
+    "0.6 mrad/s; 5 µA": ("controllers", "[(0.0, {}, 6e-4, 5e-6)"),
+    "before the reversal 3e-6": ("controllers", "before.max() < 3e-6"),
+    "1e-8 rad/s of 8": ("linear", "abs=1e-8)  # rad/s of 8"),
+    "1e-10 rad": ("linear", "abs=1e-10)  # rad"),
+    "to 3 % of that": ("linear", "pytest.approx([2.0] * 3, abs=0.06)"),
+    "1e-6 of what is turned over": ("itself", "abs=1e-6 * turned_over"),
+}
+
+
+@pytest.mark.parametrize("said", AMOUNTS)
+def test_amounts_of_the_page_are_those_of_the_tests(said):
+    name, line = AMOUNTS[said]
+    assert said in page("validation")
+    assert line in (ROOT / "tests" / f"test_against_{name}.py").read_text(encoding="utf-8")
+
+
+# --- the spec, the loads, JSON
+
+
+def test_every_field_of_a_spec_is_on_a_page(site):
+    text = "".join((site / f"{name}.html").read_text(encoding="utf-8") for name in ("spec", "loads"))
+    shown = set(re.findall(r"<code>(\w+)</code>", text))
+    models = {"RobotSpec": RobotSpec.model_json_schema(), **RobotSpec.model_json_schema()["$defs"]}
+    for name, model in models.items():
+        lacking = set(model["properties"]) - shown - {"kind", "profile"}
+        assert not lacking, f"{name}: {lacking}"
+
+
+TYPES = {"string": str, "integer": int, "number": (int, float), "boolean": bool, "array": list, "object": dict}
+RECORDS = {  # heading: where such a record is in a document
+    "Sizing": lambda sizing, proof: [sizing],
+    "Set": lambda sizing, proof: [*sizing["sets"], *sizing["misses"], proof["set"]],
+    "Requirement": lambda sizing, proof: [*sizing["requirements"].values(), *sizing["sets"][0]["requirements"].values()],
+    "Check": lambda sizing, proof: [*sizing["sets"][0]["checks"], *proof["checks"]],
+    "Figure": lambda sizing, proof: [*proof["figures"].values(), *proof["set"]["figures"].values()],
+    "Change": lambda sizing, proof: sizing["explained"]["changes"],
+    "Validation": lambda sizing, proof: [proof],
+    "Loop": lambda sizing, proof: proof["loops"],
+}
+
+
+@pytest.fixture(scope="module")
+def documents(spec, catalog, proofs):
+    """Of a sizing with misses and changes, and of a closed loop."""
+    result = size(spec, catalog=catalog)
+    document = json.loads(contract.as_text(contract.sizing(result)))
+    fallen = spec.model_copy(update={"method": "physics"})
+    heavy = fallen.model_copy(update={"load": fallen.load.model_copy(update={"mass": 300.0})})
+    found = explain(heavy, "118752", "406764", catalog=catalog)[0]
+    document["explained"] = json.loads(contract.as_text(contract.drive_set(found)))
+    assert document["misses"] and document["explained"]["changes"]
+    return document, json.loads(contract.as_text(contract.validation(proofs[1])))
+
+
+@pytest.mark.parametrize("heading", RECORDS)
+def test_the_tables_of_the_json_page_are_the_documents(documents, heading):
+    told = {row[0].strip("`"): row[1] for row in rows(page("json"), f"## {heading}")}
+    found = RECORDS[heading](*documents)
+    assert found
+    for record in found:
+        assert set(record) - {"explained"} == set(told), heading
+        for key, said in told.items():
+            kinds = [kind for kind in said.split(" or ") if kind != "null"]
+            fits = record[key] is None and "null" in said or any(
+                isinstance(record[key], TYPES[kind]) and not (kind == "number" and isinstance(record[key], bool))
+                for kind in kinds
+            )
+            assert fits, f"{heading}.{key}: {record[key]!r}"
