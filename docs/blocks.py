@@ -216,7 +216,8 @@ def renewed(block: str, output: str) -> str:
 def _most_like(line: str, lines: list[str], start: int) -> int:
     def likeness(other: str) -> float:
         bare = [" ".join(re.sub(r"[\d.,]+", "0", text).split()) for text in (line, other)]
-        return difflib.SequenceMatcher(None, *bare, autojunk=False).ratio() + (0.5 if bare[1].startswith(bare[0]) else 0)
+        begins = 0.5 if bare[1].startswith(bare[0]) else 0.0
+        return difflib.SequenceMatcher(None, *bare, autojunk=False).ratio() + begins
 
     return max(range(start, len(lines)), key=lambda n: (likeness(lines[n]), -n))
 
@@ -260,8 +261,9 @@ def main(names: list[str]) -> None:
         text = path.read_text(encoding="utf-8")
         found: list[tuple[Block, str]] = []
         with tempfile.TemporaryDirectory() as folder:
-            written(text, Path(folder), lambda block, output, into=found: into.append((block, renewed(block.text, output))))
-        for block, now in reversed(found):
+            written(text, Path(folder), lambda block, output, into=found: into.append((block, output)))
+        for block, output in reversed(found):
+            now = renewed(block.text, output)
             if now != block.text:
                 print(f"{path}:{block.line}: renewed")
                 text = text[: block.start] + now + text[block.end :]

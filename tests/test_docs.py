@@ -83,6 +83,19 @@ def test_a_text_follows_the_commands_that_print_it():
         assert all(order[n - 1 : n] == ["bash"] for n, language in enumerate(order) if language == "text"), page.name
 
 
+def test_the_robot_of_the_tutorial_is_the_example():
+    """Without the comments that say what the paper states and what is assumed."""
+    (block,) = (b for b in blocks(text_of(ROOT / "docs" / "tutorial.md")) if b.title == "robot.yaml")
+    example = (ROOT / "examples" / "sps_robot.yaml").read_text(encoding="utf-8")
+    assert YamlSource(block.text, "robot.yaml").data == YamlSource(example, "sps_robot.yaml").data
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md"])
+def test_what_is_linked_is_there(name):
+    for target in re.findall(r"\]\(([^)#]+)", (ROOT / name).read_text(encoding="utf-8")):
+        assert target.startswith("http") or (ROOT / target).exists(), target
+
+
 def test_lines_of_code_fit_the_page():
     for page in PAGES:
         for block in blocks(text_of(page)):
@@ -103,8 +116,8 @@ def test_a_block_that_is_what_was_printed(block):
 
 @pytest.mark.parametrize(
     "block",
-    ["a 1\nb 2\nc 3\n", "b 2\nc 3\nd 4\n", "a 1\nb 9\nc 3\nd 4\n", "a 1\n...\nd 5\n", "a 1\n...\nb 2\n", "...\nc 3\nb 2\n...\n",
-     "a 1\n...\nc 3\n...\nb 2\n...\n", "e\n...\n", SAYS + "e 5\n"],
+    ["a 1\nb 2\nc 3\n", "b 2\nc 3\nd 4\n", "a 1\nb 9\nc 3\nd 4\n", "a 1\n...\nd 5\n", "a 1\n...\nb 2\n",
+     "...\nc 3\nb 2\n...\n", "a 1\n...\nc 3\n...\nb 2\n...\n", "e\n...\n", SAYS + "e 5\n"],
 )  # fmt: skip
 def test_a_block_that_is_not(block):
     assert shown(block, SAYS) != ""
@@ -195,7 +208,7 @@ def test_every_example_of_the_help_runs(desk):
 
 
 def test_blocks_of_the_readme_are_all_run():
-    """`yaml`, `python` and `text` in test_package, `sh` above; what is indented is looked up, or said by the program."""
+    """yaml, python and text in test_package, sh above; what is indented is looked up, or the program's own words."""
     assert {block.language for block in blocks(README)} == {"yaml", "python", "text", "sh"}
     assert len(blocks(README)) == 4
     for name in ("README.md", "CONTRIBUTING.md"):

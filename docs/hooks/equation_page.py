@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from mathematics import displayed, expression, mathml, symbol
+
 import drivesizer.equations
 from drivesizer import formula
 from drivesizer.declare import COMPANIONS, EQUATIONS, Equation
 from drivesizer.units import label
-from mathematics import displayed, expression, mathml, symbol
 
 __all__ = ["equations"]
 

@@ -7,11 +7,11 @@ from importlib import import_module, resources
 from typing import Any
 
 import yaml
-
 from docstrings import as_markdown
+from spec_tables import SCHEMA, fields_of, reference
+
 from drivesizer.loads import _HOME
 from drivesizer.spec import AXES
-from spec_tables import SCHEMA, fields_of, reference
 
 __all__ = ["loads"]
 
@@ -49,8 +49,8 @@ def _load(name: str, kinds: list[str]) -> str:
 
 def _told_by(module: Any) -> str:
     """A module's own words, with its references as links on the page."""
-    text = as_markdown(inspect.getdoc(module) or "")
-    return text.replace("`stage`", "[stage](#a-stage)").replace("`curved`", "[pieces](#torques-that-are-no-straight-lines)")
+    text = as_markdown(inspect.getdoc(module) or "").replace("`stage`", "[stage](#a-stage)")
+    return text.replace("`curved`", "[pieces](#torques-that-are-no-straight-lines)")
 
 
 def _starter(kind: str) -> str:

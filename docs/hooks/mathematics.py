@@ -39,8 +39,9 @@ def mathml(source: str, display: str = "inline") -> str:
 
 
 def displayed(source: str) -> str:
-    """LaTeX as a formula on lines of its own."""
-    return f'<div class="equation">{mathml(source, "block")}</div>'
+    """LaTeX as a formula on a line of its own; what stands apart in it may go to the next in a narrow window."""
+    parts = "".join(mathml(part, "block") for part in source.split(r"\qquad"))
+    return f'<div class="equation">{parts}</div>'
 
 
 def rendered(page: str) -> str:

@@ -7,13 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from mkdocs.structure.files import File
-
 import mathematics
 from command_page import commands
 from equation_page import equations
 from figures_of import closed_loop
 from load_page import loads
+from mkdocs.structure.files import File
 from spec_tables import sections
 
 ROOT = Path(__file__).resolve().parents[2]

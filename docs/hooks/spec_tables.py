@@ -13,7 +13,7 @@ __all__ = ["SCHEMA", "fields_of", "sections"]
 SCHEMA: dict[str, Any] = RobotSpec.model_json_schema()
 _DEFS: dict[str, Any] = SCHEMA["$defs"]
 _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each with its heading
-    "motion": {name: "" for name in ("Trapezoid", "Triangle", "SCurve", "Harmonic", "Segments", "Csv")}
+    "motion": dict.fromkeys(("Trapezoid", "Triangle", "SCurve", "Harmonic", "Segments", "Csv"), "")
     | {"Segment": "Each of `segments`"},
     "transmission": {"GearheadStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
     "supply": {"Supply": ""},
