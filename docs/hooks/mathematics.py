@@ -137,7 +137,9 @@ def font() -> bytes:
     package = find_spec("ziamath")
     assert package is not None and package.origin is not None
     source = Path(package.origin).parent / "fonts" / "STIXTwoMath-Regular.ttf"
-    options = subset.Options(flavor="woff", layout_features=["*"], recalc_timestamp=False, hinting=False)
+    options = subset.Options(
+        flavor="woff", layout_features=["*"], recalc_timestamp=False, hinting=False, name_IDs=["*"]
+    )
     letters = {chr(code) for code in range(0x20, 0x7F)} | set("√−") | _USED | _italics()
     with TTFont(source, recalcTimestamp=False) as whole:
         cut = subset.Subsetter(options)
