@@ -8,7 +8,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready-$(notdir $(PYTHON))
 WHEEL := build/wheel
 
-.PHONY: run test lint wheel bench clean
+.PHONY: run test lint docs wheel bench clean
 
 run: $(READY)
 	$(BIN)/drivesizer size examples/sps_robot.yaml
@@ -21,6 +21,10 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+# The documentation as a site; a warning is a failure.
+docs: $(READY)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
 # The wheel, built out of the source archive, at work in an empty environment and in another folder.
 wheel: $(READY)
 	rm -rf dist $(WHEEL)
@@ -30,7 +34,8 @@ wheel: $(READY)
 	bin="$$PWD/$(WHEEL)/bin" && spec="$$PWD/examples/sps_robot.yaml" && away=$$(mktemp -d) && \
 	trap 'rm -rf "$$away"' EXIT && cd "$$away" && export DRIVESIZER_CACHE="$$away/cache" && \
 	cp "$$spec" robot.yaml && "$$bin/drivesizer" size --quiet && "$$bin/drivesizer" validate && \
-	"$$bin/drivesizer" report -o report.pdf && test -s report.pdf
+	"$$bin/drivesizer" report -o report.pdf -o report.html && test -s report.pdf && test -s report.html && \
+	"$$bin/drivesizer" doctor
 
 bench: $(READY)
 	$(BIN)/python benchmarks/size_start.py
@@ -39,7 +44,7 @@ bench: $(READY)
 	$(BIN)/python benchmarks/closed_loop.py
 
 clean:
-	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist site .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(READY): pyproject.toml
