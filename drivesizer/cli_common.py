@@ -74,17 +74,19 @@ def tell(messages: tuple[str, ...]) -> None:
 def progress() -> Iterator[Callable[[int, int], None]]:
     """A bar on stderr for a search that lasts longer than a second; nothing for a shorter one."""
     bar: Any = None
-    started = time.monotonic()
+    started, looked = time.monotonic(), False
 
     def told(done: int, total: int) -> None:
-        nonlocal bar
-        if bar is None and time.monotonic() - started > _PATIENCE:
+        nonlocal bar, looked
+        if not looked and time.monotonic() - started > _PATIENCE:
             from rich.console import Console
             from rich.progress import Progress
 
-            bar = Progress(console=Console(stderr=True), transient=True)
-            bar.add_task("sets examined", total=total)
-            bar.start()
+            looked, console = True, Console(stderr=True)
+            if console.is_terminal:
+                bar = Progress(console=console, transient=True)
+                bar.add_task("sets examined", total=total)
+                bar.start()
         if bar is not None:
             bar.update(bar.task_ids[0], completed=done)
 

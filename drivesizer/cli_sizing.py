@@ -31,19 +31,17 @@ def size(
     catalogs: More = None,
 ) -> None:
     """Find the drive: requirements, the best sets, and why the rest fell."""
+    from drivesizer.report import accept, write, write_sets
     from drivesizer.sizing import size as sized
 
+    accept([pdf] if pdf else [], tables=[csv] if csv else [])
     with progress() as told:
         result = sized(
             load(spec, catalogs), top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=told
         )
     if csv:
-        from drivesizer.report import write_sets
-
         write_sets(result, csv)
     if pdf:
-        from drivesizer.report import write
-
         with working("writing the report"):
             write(result, _proof(result, None), [pdf])
     if json:
@@ -95,9 +93,10 @@ def report(
     catalogs: More = None,
 ) -> None:
     """Write the report: .pdf, .html, .xlsx, .csv or .json, several at once."""
-    from drivesizer.report import write, write_figures
+    from drivesizer.report import accept, write, write_figures
     from drivesizer.sizing import size as sized
 
+    accept(output)
     with progress() as told:
         result = sized(load(spec, catalogs), top=top, objective=_objective(objective), pareto=_pareto(pareto),
                        progress=told)  # fmt: skip

@@ -16,7 +16,7 @@ from drivesizer.errors import InputError, quoted
 if TYPE_CHECKING:
     from drivesizer.results import SizingResult, Validation
 
-__all__ = ["KNOWN", "write", "write_figures", "write_loop_figures", "write_series", "write_sets"]
+__all__ = ["KNOWN", "accept", "write", "write_figures", "write_loop_figures", "write_series", "write_sets"]
 
 # suffix -> module with a function ``render``, and what it takes beside the records
 _RENDERERS: dict[str, tuple[str, tuple[str, ...]]] = {
@@ -61,13 +61,11 @@ def write(
         When a suffix is none of the known ones, two paths are one, or a file cannot be written. Nothing is written
         then, and what stood there before stands unchanged.
     """
-    from drivesizer.report.files import put, ready
+    from drivesizer.report.files import put
 
+    accept(paths)
     given = {"paper": paper, "date": date}
     files: dict[Path, bytes] = {}
-    for path in paths:
-        _known(path)
-        ready(path)
     for path in paths:
         module, takes = _RENDERERS[path.suffix.lower()]
         render = import_module(f"drivesizer.report.{module}").render
@@ -79,11 +77,29 @@ def write(
     return put(files)
 
 
-def _known(path: Path) -> None:
-    """Refuse a path that does not say which kind of report it is to be."""
-    if path.suffix.lower() not in _RENDERERS:
-        known = f"{', '.join(KNOWN[:-1])} or {KNOWN[-1]}"
-        raise InputError(f"{quoted(path.name)} does not say which kind of report; expected {known}")
+def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
+    """Refuse what :func:`write` would refuse, before time is spent on what goes into it.
+
+    Parameters
+    ----------
+    paths
+        Of reports.
+    tables
+        Of single tables, whose suffix says nothing.
+
+    Raises
+    ------
+    InputError
+        When a suffix is none of the known ones, or a path is no place for a file.
+    """
+    from drivesizer.report.files import ready
+
+    for path in paths:
+        if path.suffix.lower() not in _RENDERERS:
+            known = f"{', '.join(KNOWN[:-1])} or {KNOWN[-1]}"
+            raise InputError(f"{quoted(path.name)} does not say which kind of report; expected {known}")
+    for path in (*paths, *tables):
+        ready(path)
 
 
 def write_sets(result: SizingResult, path: Path) -> list[Path]:
