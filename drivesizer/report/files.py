@@ -1,13 +1,15 @@
 """Files written whole or not at all.
 
 Content goes to a temporary file in the target's folder, which then takes the target's place in one step: a
-full disk, a missing permission or an interruption leaves what was there before.
+full disk, a missing permission or an interruption leaves what was there before. Of several files either none is
+changed or, when the interruption comes while they take their places, all are.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from itertools import count
 from pathlib import Path
 
 from drivesizer.errors import InputError
@@ -47,22 +49,48 @@ def put(files: Mapping[Path, bytes]) -> list[Path]:
     InputError
         When a file cannot be written.
     """
+    for path in files:
+        ready(path)
     waiting: list[tuple[Path, Path]] = []
-    path = Path()
+    complete, path = False, Path()
     try:
-        for number, (path, content) in enumerate(files.items()):
-            target = path.resolve()  # a link stays a link, the file behind it changes
-            # Named by the process, so that two runs do not meet; opened new, so that it has the usual permissions.
-            temporary = target.parent / f".drivesizer-{os.getpid()}-{number}.part"
-            with temporary.open("xb") as stream:
-                waiting.append((temporary, target))
-                stream.write(content)
-        for temporary, target in waiting:
-            path = target
-            temporary.replace(target)
+        for path, content in files.items():
+            _lay_by(path.resolve(), content, waiting)  # a link stays a link, the file behind it changes
+        complete = True
+        _take_places(waiting)
     except OSError as error:
+        path = waiting[0][1] if complete else path
         raise InputError(f"{path}: cannot be written ({(error.strerror or str(error)).lower()})") from None
+    except KeyboardInterrupt:
+        if complete:
+            _take_places(waiting)
+        raise
     finally:
         for temporary, _ in waiting:
             temporary.unlink(missing_ok=True)
     return list(files)
+
+
+def _lay_by(target: Path, content: bytes, waiting: list[tuple[Path, Path]]) -> None:
+    """Write content to a temporary file beside its target, and remember it from before it is there."""
+    for number in count(len(waiting)):
+        # Named by the process, so that two runs do not meet; a run that was killed may have left such a name.
+        temporary = target.parent / f".drivesizer-{os.getpid()}-{number}.part"
+        waiting.append((temporary, target))
+        try:
+            stream = temporary.open("xb")  # opened new, so that it has the usual permissions
+        except FileExistsError:
+            waiting.pop()
+            continue
+        with stream:
+            stream.write(content)
+        return
+
+
+def _take_places(waiting: list[tuple[Path, Path]]) -> None:
+    """Let complete files take their targets' places, and forget them: their names may be another run's by then."""
+    while waiting:
+        temporary, target = waiting[0]
+        if temporary.exists():  # else an interruption came right after it took its place
+            temporary.replace(target)
+        waiting.pop(0)
