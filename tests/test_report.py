@@ -85,8 +85,8 @@ def test_csv_shows_the_units_of_the_trade(result):
 def test_time_series_beside_the_table(result, tmp_path):
     validation = synthetic_validation(result)
     written = write(result, validation, [tmp_path / "report.csv"])
-    assert [path.name for path in written] == ["report.csv", "report-timeseries.csv"]
-    raw = written[1].read_bytes()
+    assert [path.name for path in written] == ["report.csv", "report-parts.csv", "report-timeseries.csv"]
+    raw = written[2].read_bytes()
     assert b"\r" not in raw
     rows = rows_of(raw)
     assert list(rows[0])[:2] == ["time (s)", "speed_reference (m/s)"]
@@ -338,7 +338,7 @@ def test_what_has_no_end_is_told_from_what_is_unknown(cased):
 
 
 def test_an_unknown_kind_is_named_with_the_known_ones(result, tmp_path):
-    with pytest.raises(InputError, match=r'"report\.docx".*\.csv or \.pdf'):
+    with pytest.raises(InputError, match=r'"report\.docx".*\.pdf, \.html, \.xlsx, \.csv or \.json'):
         write(result, None, [tmp_path / "report.docx"])
     assert not list(tmp_path.iterdir())
 

@@ -22,7 +22,9 @@ __all__ = ["KNOWN", "accept", "write", "write_figures", "write_loop_figures", "w
 _RENDERERS: dict[str, tuple[str, tuple[str, ...]]] = {
     ".pdf": ("pdf", ()),
     ".html": ("html.page", ()),
+    ".xlsx": ("workbook", ()),
     ".csv": ("tables", ()),
+    ".json": ("json_file", ()),
 }
 KNOWN = tuple(_RENDERERS)
 
