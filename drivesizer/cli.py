@@ -42,7 +42,7 @@ _COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
      "validate examples/sps_robot.yaml --profile trapezoid"),
     (report, "Write the report: PDF, HTML, XLSX, CSV or JSON.", "report examples/sps_robot.yaml -o report.pdf"),
     (equations, "The paper's equations, as printed and as computed.", "equations 10"),
-    (schema, "JSON Schema of robot.yaml or of a catalogue.", "schema > robot.schema.json"),
+    (schema, "JSON Schema of robot.yaml, a catalogue or the JSON report.", "schema > robot.schema.json"),
     (doctor, "Whether this installation works, and what to do if not.", "doctor"),
 )  # fmt: skip
 

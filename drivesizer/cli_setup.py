@@ -61,15 +61,18 @@ def init(
 
 
 def schema(
-    of: Annotated[str, typer.Argument(metavar="[spec|catalog]", help="Of what: spec or catalog.")] = "spec",
+    of: Annotated[
+        str, typer.Argument(metavar="[WHAT]", help="spec, catalog or report.")
+    ] = "spec",
 ) -> None:
-    """Print the JSON Schema of robot.yaml, or of a catalogue, for editors."""
+    """Print the JSON Schema of robot.yaml or of a catalogue, for editors, or of the JSON report, for programs."""
     import json
 
     from drivesizer.catalog.schema import catalog_schema
+    from drivesizer.report.json_schema import report_schema
     from drivesizer.spec import RobotSpec
 
-    made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema}
+    made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": report_schema}
     if of not in made:
         raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")
     typer.echo(json.dumps(made[of](), indent=2, ensure_ascii=False))

@@ -129,7 +129,7 @@ def test_an_actuator_is_one_line_and_belts_are_three(result, tmp_path):
 
 
 def test_the_list_as_a_file_of_its_own(result, tmp_path):
-    written = write(result, None, tmp_path / "report.csv")
+    written = write(result, None, [tmp_path / "report.csv"])
     assert [path.name for path in written] == ["report.csv", "report-parts.csv"]
     rows = list(csv.DictReader(io.StringIO(written[1].read_text(encoding="utf-8"))))
     lines = parts_list(result.sets[0], result.catalog, result.spec.load.motors)
@@ -156,7 +156,7 @@ def test_the_list_as_a_section_of_the_table(result):
 
 def test_a_set_that_falls_is_not_bought(result, tmp_path):
     fallen = replace(result, sets=(), misses=result.sets)
-    assert [path.name for path in write(fallen, None, tmp_path / "report.csv")] == ["report.csv"]
+    assert [path.name for path in write(fallen, None, [tmp_path / "report.csv"])] == ["report.csv"]
     assert not [
         r for r in csv.DictReader(io.StringIO(tables.report_csv(fallen, None).decode())) if r["section"] == "part"
     ]

@@ -35,7 +35,7 @@ class Slow:
 
 real = Path.open
 Path.open = lambda path, *a, **k: Slow(real(path, *a, **k)) if path.suffix == ".part" else real(path, *a, **k)
-write(size(load_spec(sys.argv[1]), top=1), None, Path(sys.argv[2]))
+write(size(load_spec(sys.argv[1]), top=1), None, [Path(sys.argv[2])])
 """
 
 
@@ -75,7 +75,7 @@ def test_a_killed_report_leaves_the_older_one_and_does_not_hinder_the_next(examp
     target.write_bytes(b"older")
     assert stopped(example, target, signal.SIGKILL) == -signal.SIGKILL
     assert target.read_bytes() == b"older"
-    write(result, None, target)
+    write(result, None, [target])
     assert target.read_bytes().startswith(b"PK")
 
 
@@ -84,15 +84,15 @@ def test_a_killed_report_leaves_the_older_one_and_does_not_hinder_the_next(examp
 def test_a_render_that_fails_touches_nothing(suffix, error, result, tmp_path, monkeypatch):
     from drivesizer import report
 
-    def fail(*_):
+    def fail(*_, **__):
         raise error
 
     target = tmp_path / f"report{suffix}"
     target.write_bytes(b"older")
-    module = import_module(f"drivesizer.report.{report._RENDERERS[suffix]}")
+    module = import_module(f"drivesizer.report.{report._RENDERERS[suffix][0]}")
     monkeypatch.setattr(module, "render", fail)
     with pytest.raises(error):
-        write(result, None, target)
+        write(result, None, [target])
     assert target.read_bytes() == b"older"
     assert names(tmp_path) == [target.name]
 

@@ -26,7 +26,7 @@ def result(spec: RobotSpec) -> SizingResult:
 
 @pytest.fixture(scope="module")
 def document(result, tmp_path_factory) -> dict:
-    (path,) = write(result, validate(result.spec, result.sets[0]), tmp_path_factory.mktemp("json") / "report.json")
+    (path,) = write(result, validate(result.spec, result.sets[0]), [tmp_path_factory.mktemp("json") / "report.json"])
     return json.loads(path.read_text(encoding="utf-8"), parse_constant=pytest.fail)
 
 
@@ -103,6 +103,6 @@ def test_the_series_is_thinned_with_its_peaks(result):
 def test_half_a_letter_and_quotes_are_written(result, tmp_path):
     entered = {"name": '\ud800 " \\ \x00 測試'}
     proof = replace(synthetic_validation(result, step=1.0), profile=entered["name"])
-    (path,) = write(result, proof, tmp_path / "report.json")
+    (path,) = write(result, proof, [tmp_path / "report.json"])
     assert json.loads(path.read_bytes())["validation"]["profile"] == entered["name"]
     assert json_file.render(result, proof, path)[path] == path.read_bytes()

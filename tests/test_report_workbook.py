@@ -74,7 +74,7 @@ def test_the_sheets_in_their_order_with_head_filter_and_widths(book):
 
 
 def test_the_same_input_gives_the_same_bytes_and_no_date(result, content, tmp_path):
-    (path,) = write(result, loop(result), tmp_path / "report.xlsx")
+    (path,) = write(result, loop(result), [tmp_path / "report.xlsx"])
     assert path.read_bytes() == content
     with zipfile.ZipFile(path) as archive:
         assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
@@ -86,7 +86,7 @@ def test_the_same_input_gives_the_same_bytes_and_no_date(result, content, tmp_pa
 def test_another_process_on_another_clock_writes_the_same_bytes(example, tmp_path):
     code = (
         "import sys; from pathlib import Path; from drivesizer import load_spec, size; "
-        "from drivesizer.report import write; write(size(load_spec(sys.argv[1]), top=2), None, Path(sys.argv[2]))"
+        "from drivesizer.report import write; write(size(load_spec(sys.argv[1]), top=2), None, [Path(sys.argv[2])])"
     )
     for name, zone, seed in (("a", "UTC", "1"), ("b", "Asia/Tokyo", "2")):
         environment = os.environ | {"TZ": zone, "PYTHONHASHSEED": seed}
@@ -228,7 +228,7 @@ def test_what_a_cell_cannot_hold_is_spelled_out_or_cut(result):
 def test_hostile_names_of_a_spec_come_through(result, tmp_path):
     named = replace(result, spec=result.spec.model_copy(update={"name": '測試 \x00 &P &"Arial" ' + "n" * 300}))
     named.spec._source = YamlSource(result.spec.text, "folder/=\udcff\x01.yaml")  # a name that is no text
-    (path,) = write(named, replace(loop(result), profile="\udcff.csv"), tmp_path / "report.xlsx")
+    (path,) = write(named, replace(loop(result), profile="\udcff.csv"), [tmp_path / "report.xlsx"])
     assert any("測試" in str(cell.value) for cell in cells(openpyxl.load_workbook(path)))
 
 
