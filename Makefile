@@ -14,7 +14,7 @@ run: $(READY)
 	$(BIN)/drivesizer size examples/sps_robot.yaml
 
 test: $(READY)
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses auto --dist loadfile
 
 lint: $(READY)
 	$(BIN)/ruff check .
