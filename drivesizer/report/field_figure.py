@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivesizer.operating_field import OperatingField
 from drivesizer.report.operating import Panel
-from drivesizer.report.style import CASES, COLOURS, Form, drawn, named, torque_unit
+from drivesizer.report.style import CASES, COLOURS, Form, drawn, named, outside, placed, torque_unit
 from drivesizer.units import from_si, label, show
 
 if TYPE_CHECKING:
@@ -31,17 +31,19 @@ def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
     shown = panels[:MOST_PANELS]
 
     def draw(figure: Figure) -> None:
-        for axes, panel in zip(figure.subplots(len(shown), squeeze=False)[:, 0], shown, strict=True):
+        grid = placed(figure, len(shown), right=_LEGEND, top=0.2, gaps=(0.6, 0.0), shared=False)
+        for (axes,), panel in zip(grid, shown, strict=True):
             _field(axes, panel)
             if len(shown) > 1:
                 lines = panel.cases[0][-1]
                 given = show(lines.voltage, "V", "voltage"), show(lines.ambient, "degC", "temperature")
-                axes.set_title(f"{given[0]} usable, ambient {given[1]}", fontsize=7.5, loc="left")
+                axes.set_title(f"{given[0]} usable, ambient {given[1]}")
 
-    return drawn(draw, 3.2 * len(shown), form)
+    return drawn(draw, 3.1 * len(shown), form)
 
 
 MOST_PANELS = 3
+_LEGEND = 2.05  # in, of room beside the field
 _ROOM = 1.12  # of an axis beyond what must be seen
 _HEADROOM = 1.06  # above the highest speed
 _FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room
@@ -62,7 +64,7 @@ def _field(axes: Axes, panel: Panel) -> None:
     axes.set_ylim(0, float(from_si(_HEADROOM * top, "rpm", "rotary_speed")))
     axes.axvline(0, color="black", linewidth=0.6)
     axes.set(xlabel=f"torque at the motor's shaft ({label(unit)})", ylabel="motor speed (rpm)")
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
+    outside(axes)
 
 
 def _reach(panel: Panel) -> float:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import get_args
 
 from drivesizer.errors import InputError
 from drivesizer.report.drawings import loop_drawings
 from drivesizer.report.files import put, ready
-from drivesizer.report.style import Form
+from drivesizer.report.style import FILES
 from drivesizer.results import Validation
 
 __all__ = ["figures_into"]
@@ -17,7 +16,7 @@ __all__ = ["figures_into"]
 def figures_into(validation: Validation, folder: Path) -> list[Path]:
     """Draw into a folder; see :func:`drivesizer.report.write_figures`."""
     made = loop_drawings(validation)
-    paths = {(name, form): folder / f"{name}.{form}" for name in made for form in get_args(Form)}
+    paths = {(name, form): folder / f"{name}.{form}" for name in made for form in FILES}
     _ready(folder, list(paths.values()))
     files = {path: made[name](form) for (name, form), path in paths.items()}
     try:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drivesizer.loop_table import cell, loop_figures, loop_name, settled
 from drivesizer.loops import Loop
-from drivesizer.report.style import COLOURS, Form, drawn
+from drivesizer.report.style import COLOURS, Form, drawn, heading, placed
 from drivesizer.thinning import on_curves
 from drivesizer.units import label
 
@@ -83,15 +83,17 @@ def bode(loops: Sequence[Loop], form: Form = "svg") -> bytes:
     """
 
     def draw(figure: Figure) -> None:
-        grid = figure.subplots(3, 1, sharex=True, height_ratios=(1.25, 1.0, 1.0))
+        grid = [axes for (axes,) in placed(figure, 3, left=0.8, top=_ABOVE + 0.16 * len(loops), heights=(1.25, 1.0, 1.0))]
         for loop in loops:
             _curves(grid, loop)
         _lines(grid)
         _scales(grid, loops)
-        figure.legend(*grid[0].get_legend_handles_labels(), loc="outside upper left")
-        figure.align_ylabels()
+        heading(figure, *grid[0].get_legend_handles_labels(), 1)
 
-    return drawn(draw, 5.0 + 0.15 * len(loops), form)
+    return drawn(draw, 3.5 + 0.16 * len(loops), form)
+
+
+_ABOVE = 0.12  # in, over the axes, beside the legend
 
 
 def _curves(grid: Sequence[Axes], loop: Loop) -> None:
@@ -179,16 +181,16 @@ def step(loops: Sequence[Loop], form: Form = "svg") -> bytes:
     """
 
     def draw(figure: Figure) -> None:
-        grid = figure.subplots(1, len(loops), squeeze=False)[0]
+        (grid,) = placed(figure, 1, len(loops), top=0.22, gaps=(0.0, 0.4), shared=False)
         for axes, loop in zip(grid, loops, strict=True):
-            axes.set_title(loop_name(loop), fontsize=7.5, loc="left")
+            axes.set_title(loop_name(loop))
             if len(loop.step):
                 _answer(axes, loop)
             else:
                 _none(axes, loop)
         grid[0].set_ylabel("answer to a step (%)")
 
-    return drawn(draw, 1.9, form)
+    return drawn(draw, 1.6, form)
 
 
 def _answer(axes: Axes, loop: Loop) -> None:

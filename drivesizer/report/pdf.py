@@ -12,7 +12,7 @@ from pathlib import Path
 
 from drivesizer.errors import DrivesizerError
 from drivesizer.report.document import document
-from drivesizer.report.drawings import report_drawings
+from drivesizer.report.drawings import IN_TABLES, report_drawings
 from drivesizer.results import SizingResult, Validation
 
 __all__ = ["ReportError", "render", "report_pdf"]
@@ -48,7 +48,8 @@ def report_pdf(result: SizingResult, validation: Validation | None) -> bytes:
     import typst
 
     content = document(result, validation)
-    drawn = {name: draw("svg") for name, draw in report_drawings(result, validation).items()}
+    drawings = report_drawings(result, validation)
+    drawn = {name: draw("typeset") for name, draw in drawings.items() if name not in IN_TABLES}
     content["figures"] = {name: {"svg": svg.decode()} for name, svg in drawn.items()}
     data = json.dumps(content, ensure_ascii=False, allow_nan=False)
     # Fonts of the machine only where ours lack letters: they would make the file depend on the machine.
