@@ -10,19 +10,21 @@ from math import isnan
 from typing import Any
 
 from drivesizer import __version__
-from drivesizer.catalog import Catalog
 from drivesizer.checks import TITLES
 from drivesizer.gain_table import gain_rows
 from drivesizer.loads import load_cycle
 from drivesizer.objectives import objective_figure
 from drivesizer.report import figures
+from drivesizer.report.behaviour import Behaviour
 from drivesizer.report.datasheet import datasheets
 from drivesizer.report.derivation import step
 from drivesizer.report.field_figure import MOST_PANELS
 from drivesizer.report.loop_rows import gain, linear
 from drivesizer.report.operating import panels
+from drivesizer.report.order_list import order_list
 from drivesizer.report.panels import windows
 from drivesizer.report.parts import parts
+from drivesizer.report.rests_on import marked_figures, unknown_figures
 from drivesizer.report.sums import price_of, unknown_of
 from drivesizer.report.wording import cleaned, margin, short, use
 from drivesizer.results import Check, Comparison, DriveSet, Figure, Relaxation, SizingResult, Validation, worst
@@ -32,7 +34,13 @@ from drivesizer.units import show
 __all__ = ["document"]
 
 
-def document(result: SizingResult, validation: Validation | None) -> dict[str, Any]:
+def document(
+    result: SizingResult,
+    validation: Validation | None,
+    does: Behaviour | None,
+    paper: str = "a4",
+    date: str | None = None,
+) -> dict[str, Any]:
     """Everything that a report prints.
 
     Parameters
@@ -41,16 +49,26 @@ def document(result: SizingResult, validation: Validation | None) -> dict[str, A
         What the sizing found.
     validation
         The closed loop, where it was simulated.
+    does
+        What the set that is shown does over the cycles; None without a set.
+    paper
+        Format of the sheets.
+    date
+        Printed where it is given.
     """
     best = next(iter((*result.sets, *result.misses)), None)
     return {
-        **cleaned(_content(result, validation, best)),
+        **cleaned(_content(result, validation, best, does)),
+        "sheet": paper,
+        "date": cleaned(short(date or "", 40)),
         "header": cleaned(short(result.spec.name)),
         "spec_lines": cleaned(result.spec.text.splitlines()),
     }
 
 
-def _content(result: SizingResult, validation: Validation | None, best: DriveSet | None) -> dict[str, Any]:
+def _content(
+    result: SizingResult, validation: Validation | None, best: DriveSet | None, does: Behaviour | None
+) -> dict[str, Any]:
     cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
     fields = panels(result.spec, best, result.requirements) if best else []
     return {
@@ -66,7 +84,8 @@ def _content(result: SizingResult, validation: Validation | None, best: DriveSet
         "found": bool(result.sets),
         "status": result.sets[0].status if result.sets else "fail",
         "motor_sets": result.spec.load.motors,
-        **_of_set(best, result.catalog),
+        **_of_set(best, does, result),
+        "regeneration": show(result.spec.supply.regeneration, "%", "dimensionless"),
         "spec": _spec(result.spec.entered),
         "load_steps": [step(r) | {"text": r.text} for r in result.requirements],
         "candidates": _candidates(result),
@@ -79,11 +98,18 @@ def _content(result: SizingResult, validation: Validation | None, best: DriveSet
     }
 
 
-def _of_set(best: DriveSet | None, catalog: Catalog) -> dict[str, Any]:
-    if best is None:
+def _of_set(best: DriveSet | None, does: Behaviour | None, result: SizingResult) -> dict[str, Any]:
+    if best is None or does is None:
         return {"best": None, "motor_steps": []}
+    catalog = result.catalog
     return {
-        "best": _best(best),
+        "best": _best(best) | {"energy": does.cost, "energy_of": _energy_of(result)},
+        "heat": does.heat,
+        "heat_lacks": does.heat_lacks,
+        "hottest": does.hottest[0] if does.hottest and len(does.cycles) > 1 else "",
+        **order_list(best, result.spec.load.motors, catalog),
+        "unknown": unknown_figures(best),
+        "marked": marked_figures(best, catalog),
         "motor_steps": [step(r) for r in best.requirements],
         "datasheets": datasheets(best, catalog),
         "checks": [_check(c) for c in best.checks],
@@ -107,10 +133,26 @@ def _best(best: DriveSet) -> dict[str, Any]:
         "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
         "price_of": " + ".join(price_over),
         "price_lacks": ", ".join(unknown_of(best, price_over)),
+        "tight": _tight(best, failed),
         "tightest": [_check(c) for c in [*failed, *_tightest(best)][:5]],
         "failed": [c.title for c in best.checks if c.status == "fail"],
         "unknown": [c.title for c in best.checks if c.status == "unknown"],
     }
+
+
+def _energy_of(result: SizingResult) -> str:
+    """Of what the energy of a cycle is the sum."""
+    sets = result.spec.load.motors
+    said = "of the one motor set" if sets == 1 else f"of all {sets} motor sets"
+    return f"out of the supply, {said}" + (", as specified" if len(result.spec.load_cases) > 1 else "")
+
+
+def _tight(s: DriveSet, failed: list[Check]) -> dict[str, str]:
+    """The one margin of the summary; of a condition that fails there is none."""
+    if failed:
+        return {"margin": "none", "title": f"{failed[0].title}: not met"}
+    check = next(iter(_tightest(s)), None)
+    return {"margin": margin(check.margin), "title": check.title} if check else {"margin": "unknown", "title": ""}
 
 
 def _tightest(s: DriveSet) -> list[Check]:

@@ -96,7 +96,7 @@ def efficiency_map(found: EfficiencyMap, form: Form = "svg") -> bytes:
                       fontsize=7)  # fmt: skip
         outside(axes)
 
-    return drawn(draw, 2.9, form)
+    return drawn(draw, 2.5, form)
 
 
 def _shown(torque: Array, unit: str) -> Array:

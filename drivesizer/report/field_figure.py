@@ -39,7 +39,7 @@ def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
                 given = show(lines.voltage, "V", "voltage"), show(lines.ambient, "degC", "temperature")
                 axes.set_title(f"{given[0]} usable, ambient {given[1]}")
 
-    return drawn(draw, 3.1 * len(shown), form)
+    return drawn(draw, 2.9 * len(shown), form)
 
 
 MOST_PANELS = 3

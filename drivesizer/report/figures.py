@@ -86,7 +86,7 @@ def over_time(traces: Sequence[Trace], rows: Sequence[Row], shown: Sequence[Wind
         if lines:
             heading(figure, *grid[0][0].get_legend_handles_labels(), min(len(traces), _ABREAST))
 
-    return drawn(draw, 1.05 * len(rows) + 0.5 + _LINE * lines, form)
+    return drawn(draw, 0.95 * len(rows) + 0.5 + _LINE * lines, form)
 
 
 _ABREAST = 2  # names of load cases beside each other
@@ -179,7 +179,7 @@ def closed_loop(validation: Validation, form: Form = "svg") -> bytes:
         if len(rows[0][0]) > 1:
             grid[0][0].legend(loc="lower right")
 
-    return drawn(draw, 0.84 * len(rows) + 0.55, form)
+    return drawn(draw, 0.72 * len(rows) + 0.6, form)
 
 
 _WIDEST = 14  # letters of a row's title on a line

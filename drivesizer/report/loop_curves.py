@@ -90,7 +90,7 @@ def bode(loops: Sequence[Loop], form: Form = "svg") -> bytes:
         _scales(grid, loops)
         heading(figure, *grid[0].get_legend_handles_labels(), 1)
 
-    return drawn(draw, 3.5 + 0.16 * len(loops), form)
+    return drawn(draw, 3.1 + 0.16 * len(loops), form)
 
 
 _ABOVE = 0.12  # in, over the axes, beside the legend
@@ -190,7 +190,7 @@ def step(loops: Sequence[Loop], form: Form = "svg") -> bytes:
                 _none(axes, loop)
         grid[0].set_ylabel("answer to a step (%)")
 
-    return drawn(draw, 1.6, form)
+    return drawn(draw, 1.4, form)
 
 
 def _answer(axes: Axes, loop: Loop) -> None:

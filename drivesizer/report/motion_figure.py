@@ -45,7 +45,7 @@ def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
 
 
 _SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
-_HEIGHT = 1.65  # in
+_HEIGHT = 1.45  # in
 _NARROWEST = 0.2  # of a phase that is drawn, as a share of the cycle
 
 
