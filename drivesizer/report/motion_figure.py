@@ -60,14 +60,14 @@ def _phases(axes: Axes, motion: Trapezoid, axis: str) -> None:
     span, low = (2.0 * top, -1.08 * top) if motion.there_and_back else (top, 0.0)
     for (name, duration, _), left, right in zip(legs, edges, edges[1:], strict=False):
         axes.text(
-            (left + right) / 2, top + 0.13 * span, f"{name}\n{duration:g} s", ha="center", va="center", fontsize=7
+            (left + right) / 2, top + 0.2 * span, f"{name}\n{duration:g} s", ha="center", va="center", fontsize=7
         )
     for edge in edges:
         axes.axvline(edge, color=COLOURS["grey"], linewidth=0.5, linestyle=(0, (4, 3)))
     axes.plot(edges, [0.0, *(end for *_, end in legs)], color=COLOURS["blue"], linewidth=1.6)
     axes.axhline(0.0, color="black", linewidth=0.6)
     axes.set_xticks(edges, [f"{time:g}" for time in times])
-    axes.set(xlim=(0, edges[-1]), ylim=(low, top + 0.28 * span))
+    axes.set(xlim=(0, edges[-1]), ylim=(low, top + 0.4 * span))
     axes.set(xlabel="time (s), phases not to scale", ylabel=f"speed ({label(unit)})")
 
 
