@@ -151,7 +151,8 @@ def _scales(grid: Sequence[Axes], loops: Sequence[Loop]) -> None:
     grid[2].set_ylim(_within(1.05 * closed, (-12.0, 6.0), (-_RANGE, _RANGE)))
     for axes, name in zip(grid, _NAMES, strict=True):
         axes.set_ylabel(name)
-    grid[1].yaxis.set_major_locator(MultipleLocator(90.0))
+    for axes, step in zip(grid, (20.0, 90.0, 20.0), strict=True):
+        axes.yaxis.set_major_locator(MultipleLocator(step))
     grid[2].set(xscale="log", xlim=(left, right), xlabel="frequency (Hz)")
     plain = FuncFormatter(lambda x, _: f"{x:g}")
     grid[2].xaxis.set_major_formatter(plain)

@@ -86,15 +86,15 @@ def drawn(draw: Any, height: float, form: Form = "svg") -> bytes:
     with matplotlib.rc_context():
         matplotlib.rcdefaults()  # not what the user's matplotlibrc says
         matplotlib.rcParams.update(STYLE | ({"svg.fonttype": "none"} if form == "typeset" else {}))
-        figure = Figure(figsize=(_WIDTH, height), layout="constrained")
-        (FigureCanvasAgg if form == "png" else FigureCanvasSVG)(figure)
+        figure = Figure(figsize=(_WIDTH, height), layout="constrained", dpi=_DOTS if form == "png" else 72)
+        canvas: Any = (FigureCanvasAgg if form == "png" else FigureCanvasSVG)(figure)
         draw(figure)
         stream = io.BytesIO()
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="Glyph .* missing")  # a box stands in for a letter of far scripts
             _lay_out(figure)
-            dots = _DOTS if form == "png" else "figure"
-            figure.savefig(stream, format=kind, metadata=_UNDATED[kind], dpi=dots)
+            # not savefig, which draws all of it twice: once to find the extent of what is drawn, which nobody asks for
+            getattr(canvas, f"print_{kind}")(stream, metadata=_UNDATED[kind])
     return stream.getvalue()
 
 
@@ -107,6 +107,7 @@ def _lay_out(figure: Any) -> None:
 
 _EDGE = 0.05  # in, from the figure's edge to the labels of its axes
 _BELOW = 0.22  # in, from an axis to its label
+_TICKS = 2.2  # per inch, at most
 
 
 def placed(
@@ -154,6 +155,8 @@ def placed(
         axes.yaxis.set_label_coords((_EDGE - left) / (box.width * width), 0.5)
         axes.yaxis.label.set_verticalalignment("top")
         axes.xaxis.set_label_coords(0.5, -_BELOW / (box.height * height))
+        for axis, room in ((axes.xaxis, box.width * width), (axes.yaxis, box.height * height)):
+            axis.get_major_locator().set_params(nbins=max(3, min(round(_TICKS * room), 9)))
     found: list[list[Axes]] = [list(row) for row in grid]
     return found
 
