@@ -246,14 +246,14 @@ def _row(s: DriveSet) -> dict[str, Any]:
         "gearhead": _gearhead(s, belt=False),
         "ratio": f"{s.total_ratio:.4g}",
         "mass": show(s.mass, "g", "mass"),
-        "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
+        "price": "unknown" if isnan(price) else f"{price:.2f}",
         "margin": margin(tight.margin) if tight else "",
         "check": _some(failed) if failed else tight.title if tight else "",
         "status": s.status,
     }
 
 
-def _some(titles: list[str], most: int = 2) -> str:
+def _some(titles: list[str], most: int = 1) -> str:
     """The first of several titles, and how many more there are."""
     more = len(titles) - most
     return ", ".join(titles[:most]) + (f" and {more} more" if more > 0 else "")

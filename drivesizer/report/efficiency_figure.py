@@ -85,7 +85,7 @@ def efficiency_map(found: EfficiencyMap, form: Form = "svg") -> bytes:
         _lines(axes, found, unit)
         for (name, torque, speed), (colour, dashes) in zip(found.traces, CASES, strict=False):
             axes.plot(_shown(torque, unit), _rpm(speed), color=COLOURS[colour], linestyle=dashes, marker="o",
-                      markersize=2.2, label=f"load cycle, {named(name)}" if name else "load cycle", zorder=5)  # fmt: skip
+                      markersize=2.2, label=f"load cycle,\n{named(name)}" if name else "load cycle", zorder=5)  # fmt: skip
         axes.axvline(0.0, color="black", linewidth=0.6)
         axes.set(xlim=_shown(found.torque[[0, -1]], unit), ylim=(0.0, _rpm(found.speed[-1])))
         axes.set(xlabel=f"torque at the gearhead's output ({label(unit)})", ylabel="speed there (rpm)")

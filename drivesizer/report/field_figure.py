@@ -55,7 +55,7 @@ def _field(axes: Axes, panel: Panel) -> None:
     _lines(axes, first, unit, _reach(panel))
     for number, name, found in panel.cases:
         if number < len(CASES):
-            _trace(axes, found, unit, *CASES[number], f"load cycle, {named(name)}" if name else "load cycle")
+            _trace(axes, found, unit, *CASES[number], f"load cycle,\n{named(name)}" if name else "load cycle")
     _mark(axes, panel, unit)
     right = float(from_si(_ROOM * _reach(panel), unit, "torque"))
     left = min(0.0, *(np.nan_to_num(_signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))

@@ -95,25 +95,28 @@ _LINE = 0.16  # in, of a legend
 
 _IN_SIGHT = 3.0  # times what is drawn: a limit beyond is told and not drawn
 _HEADROOM = 1.15  # for what is told above a limit
+_HEIGHT_OF_A_NAME = 0.16  # of the axis
 
 
 def _limits(line: Sequence[Axes], row: Row) -> None:
     """Limits in sight as lines, those beyond it in words."""
     reach = max(abs(end) for end in line[0].get_ylim())
-    beyond, inside = [], []
-    for name, value in row.limits:
-        shown = float(from_si(value, row.unit, row.kind))
-        said = f"{name} {shown:.4g} {label(row.unit)}"
-        if shown > _IN_SIGHT * reach:
-            beyond.append(said)
-            continue
+    limits = [(name, float(from_si(value, row.unit, row.kind))) for name, value in row.limits]
+    inside = {name: value for name, value in limits if value <= _IN_SIGHT * reach}
+    beyond = [_said(name, value, row.unit) for name, value in limits if name not in inside]
+    near = _HEIGHT_OF_A_NAME * max(reach, *inside.values(), 0.0)
+    for look, (name, value) in enumerate(inside.items()):
+        below = any(value < other < value + near for other in inside.values())
         for axes in line:
-            limit(axes, shown, said if axes is line[-1] else "", len(inside))
-        inside.append(shown)
-    line[0].set_ylim(top=_HEADROOM * max(line[0].get_ylim()[1], *inside, 0.0))
+            limit(axes, value, _said(name, value, row.unit) if axes is line[-1] else "", look, below=below)
+    line[0].set_ylim(top=_HEADROOM * max(line[0].get_ylim()[1], *inside.values(), 0.0))
     if beyond:
         line[0].annotate("beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction",
                          textcoords="offset points", ha="left", va="top", fontsize=6.5)  # fmt: skip
+
+
+def _said(name: str, value: float, unit: str) -> str:
+    return f"{name} {value:.4g} {label(unit)}"
 
 
 def _over_time(axes: Axes, trace: Trace, row: Row, window: Window, look: tuple[str, Any]) -> None:
@@ -177,7 +180,7 @@ def closed_loop(validation: Validation, form: Form = "svg") -> bytes:
         for axes in grid[-1]:
             axes.set_xlabel("time (s)")
         if len(rows[0][0]) > 1:
-            grid[0][0].legend(loc="lower right")
+            figure.legend(*grid[0][0].get_legend_handles_labels(), loc="upper right", ncols=2, borderaxespad=0.2)
 
     return drawn(draw, 0.72 * len(rows) + 0.6, form)
 

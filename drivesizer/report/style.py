@@ -9,6 +9,7 @@ is drawn.
 from __future__ import annotations
 
 import io
+import unicodedata
 import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
@@ -171,11 +172,11 @@ def heading(figure: Figure, handles: Any, names: Any, columns: int) -> None:
     figure.legend(handles, names, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
 
 
-def limit(axes: Axes, value: float, name: str, look: int = 0) -> None:
-    """A limit as a line across, told at its right end."""
+def limit(axes: Axes, value: float, name: str, look: int = 0, *, below: bool = False) -> None:
+    """A limit as a line across, told at its right end, above it or below."""
     axes.axhline(value, color="black", linewidth=0.7, linestyle=_LIMITS[look % len(_LIMITS)], zorder=2)
-    axes.annotate(name, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, 1.5), textcoords="offset points",
-                  ha="right", va="bottom", fontsize=6.5, annotation_clip=False)  # fmt: skip
+    axes.annotate(name, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, -1.5 if below else 1.5),
+                  textcoords="offset points", ha="right", va="top" if below else "bottom", fontsize=6.5, annotation_clip=False)  # fmt: skip
 
 
 _LIMITS: tuple[Any, ...] = ((0, (6, 2)), (0, (2, 1.5)), (0, (6, 1.5, 1, 1.5)))
@@ -186,9 +187,25 @@ CASES: tuple[tuple[str, Any], ...] = (  # colour and dashes of each load case
 )  # fmt: skip
 
 
-def named(name: str) -> str:
-    """A name as it stands in a legend; one that begins with an underscore matplotlib would leave out."""
-    return f" {short(clean(name), 28)}".removeprefix("" if name.startswith("_") else " ")
+def named(name: str, room: float = 118.0) -> str:
+    """A name as it stands in a legend, cut to the room for it [pt].
+
+    One that begins with an underscore matplotlib would leave out.
+    """
+    shown = short(clean(name).replace("\u200b", ""), 28)
+    while len(shown) > 1 and _width(shown) > room:
+        shown = shown.rstrip("…")[:-1] + "…"
+    return f" {shown}".removeprefix("" if name.startswith("_") else " ")
+
+
+def _width(text: str) -> float:
+    """About how wide a text is in a legend [pt]: letters of East Asia as wide as high, capitals wider than the rest."""
+    wide = sum(unicodedata.east_asian_width(letter) in "WF" for letter in text)
+    large = sum(letter.isupper() or letter in "mw@%—…" for letter in text)
+    return _LETTERS * (wide + 0.85 * large + 0.6 * (len(text) - wide - large))
+
+
+_LETTERS = 7.0  # pt, size of a legend's letters
 
 
 def torque_unit(largest: float) -> str:
