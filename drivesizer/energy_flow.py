@@ -58,28 +58,40 @@ def energy_flow(found: SetCycle) -> EnergyFlow:
     found
         The set over the cycle. Where its current is only a least one, everything that hangs on it is unknown.
     """
-    at, cycle, moments = found.at, found.at.cycle, found.at.moments
-    asked, (e, idle) = found.asked, gear_loss(found.gearhead)
-    c, i = asked.coefficients[0], float(asked.total_ratio[0])
-    coulomb, _ = friction(found.motor)
-    driving, braking = moments[DRIVING, SPEED], moments[BRAKING, SPEED]  # W, mean, at the gearhead's output
-    turned = moments[DIRECTION, SPEED] * i  # rad/s, mean of the motor's absolute speed
-    work = integral(cycle.duration, cycle.torque, cycle.speed) / cycle.total
-    sums = energy(waveform(found), storing=False)
-    drawn, returned = (float(x[0]) / cycle.total for x in (sums.drawn, sums.returned))
-    power = {  # W, means over the cycle
-        "drawn": drawn,
-        "copper": float(found.under.hot[0] * asked.rms_current[0] ** 2),
-        "friction": float(coulomb[0] * turned + c[SPEED] * i * moments[SPEED, SPEED]),
-        "gearhead": float(driving * (1.0 / e[0] - 1.0) - braking * (1.0 - e[0]) + idle[0] * turned),
-        "belt": float(driving + braking - work),
-        "load": work,
-        "rotor": float(c[ACCELERATION] * i * moments[ACCELERATION, SPEED]),
-        "returned": returned,
-        "stored": returned * found.spec.supply.regeneration,
-    }
-    sets, unsure = found.spec.load.motors * cycle.total, () if found.known else _OF_THE_CURRENT
+    power = _at_the_supply(found) | _at_the_shaft(found)
+    sets = found.spec.load.motors * found.at.cycle.total
+    unsure = set() if found.known else set(power) - _OF_THE_LOAD
     return EnergyFlow(**{name: np.nan if name in unsure else sets * value for name, value in power.items()})
 
 
-_OF_THE_CURRENT = {"drawn", "copper", "friction", "rotor", "returned", "stored"}
+_OF_THE_LOAD = {"gearhead", "belt", "load"}
+
+
+def _at_the_supply(found: SetCycle) -> dict[str, float]:
+    """Electrical power, means over the cycle [W]."""
+    sums, total = energy(waveform(found), storing=False), found.at.cycle.total
+    returned = float(sums.returned[0]) / total
+    return {
+        "drawn": float(sums.drawn[0]) / total,
+        "returned": returned,
+        "stored": returned * found.spec.supply.regeneration,
+        "copper": float(found.under.hot[0] * found.asked.rms_current[0] ** 2),
+    }
+
+
+def _at_the_shaft(found: SetCycle) -> dict[str, float]:
+    """Mechanical power, means over the cycle [W]."""
+    cycle, moments = found.at.cycle, found.at.moments
+    c, i = found.asked.coefficients[0], float(found.asked.total_ratio[0])
+    (e,), (idle,) = gear_loss(found.gearhead)
+    (coulomb,), _ = friction(found.motor)
+    driving, braking = moments[DRIVING, SPEED], moments[BRAKING, SPEED]  # at the gearhead's output
+    turned = moments[DIRECTION, SPEED] * i  # rad/s, of the motor, absolute
+    work = integral(cycle.duration, cycle.torque, cycle.speed) / cycle.total
+    return {
+        "friction": float(coulomb * turned + c[SPEED] * i * moments[SPEED, SPEED]),
+        "gearhead": float(driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * turned),
+        "belt": float(driving + braking - work),
+        "load": work,
+        "rotor": float(c[ACCELERATION] * i * moments[ACCELERATION, SPEED]),
+    }

@@ -49,12 +49,12 @@ def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> Effic
         That the controller can give [V].
     """
     traces = tuple((name, *_trace(found)) for name, found in cases)
-    asked = max(float(np.abs(torque).max()) for _, torque, _ in traces)
+    asked = max(float(np.abs(torque).max()) for _, torque, _ in traces) or 1.0
     bears = float(cases[0][1].gearhead["continuous_torque"][0])
     right = _ROOM * max(asked, min(bears, _FAR * asked) if np.isfinite(bears) else 0.0)
     brakes = min(float(torque.min()) for _, torque, _ in traces)
     left = min(0.0, _ROOM * brakes, -0.35 * right if brakes < 0.0 else 0.0)
-    top = _ROOM * max(float(speed.max()) for *_, speed in traces)
+    top = _ROOM * (max(float(speed.max()) for *_, speed in traces) or 1.0)
     torque, speed = np.linspace(left, right, _FINE[0]), np.linspace(top / _FINE[1], top, _FINE[1])
     return EfficiencyMap(torque, speed, operation(cases[0][1], torque, speed[:, None]), voltage, traces)
 
@@ -84,16 +84,16 @@ def efficiency_map(found: EfficiencyMap, form: Form = "svg") -> bytes:
         axes = placed(figure, right=2.05, top=0.22)[0][0]
         _lines(axes, found, unit)
         for (name, torque, speed), (colour, dashes) in zip(found.traces, CASES, strict=False):
+            said = f"load cycle,\n{named(name)}" if name else "load cycle"
             axes.plot(_shown(torque, unit), _rpm(speed), color=COLOURS[colour], linestyle=dashes, marker="o",
-                      markersize=2.2, label=f"load cycle,\n{named(name)}" if name else "load cycle", zorder=5)  # fmt: skip
+                      markersize=2.2, label=said, zorder=5)  # fmt: skip
         axes.axvline(0.0, color="black", linewidth=0.6)
         axes.set(xlim=_shown(found.torque[[0, -1]], unit), ylim=(0.0, _rpm(found.speed[-1])))
         axes.set(xlabel=f"torque at the gearhead's output ({label(unit)})", ylabel="speed there (rpm)")
-        if found.torque[0] < 0.0:
-            axes.annotate("brakes", (0.0, 1.0), (-3, 3), xycoords=("data", "axes fraction"), fontsize=7, ha="right",
-                          textcoords="offset points")  # fmt: skip
-        axes.annotate("drives", (0.0, 1.0), (3, 3), xycoords=("data", "axes fraction"), textcoords="offset points",
-                      fontsize=7)  # fmt: skip
+        for said, side, to in (("drives", 3, "left"), ("brakes", -3, "right")):
+            if said == "drives" or found.torque[0] < 0.0:
+                axes.annotate(said, (0.0, 1.0), (side, 3), xycoords=("data", "axes fraction"), ha=to, fontsize=7,
+                              textcoords="offset points")  # fmt: skip
         outside(axes)
 
     return drawn(draw, 2.5, form)
@@ -117,7 +117,8 @@ def _lines(axes: Axes, found: EfficiencyMap, unit: str) -> None:
     shades = LinearSegmentedColormap.from_list("shades", _SHADES)
     for side in (found.torque > 0.0, found.torque < 0.0):
         values = share[:, side]
-        levels = [level for level in LEVELS if np.nanmin(values, initial=100.0) < level < np.nanmax(values, initial=0.0)]
+        known = values[np.isfinite(values)]
+        levels = [level for level in LEVELS if len(known) and known.min() < level < known.max()]
         if side.sum() < 2 or not levels:
             continue
         axes.contourf(across[side], up, values, [0.0, *levels, 100.0], cmap=shades, zorder=0.5)

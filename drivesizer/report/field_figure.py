@@ -29,9 +29,10 @@ def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
         One for each usable voltage and ambient; the first few are drawn.
     """
     shown = panels[:MOST_PANELS]
+    heights = [_height(panel) for panel in shown]
 
     def draw(figure: Figure) -> None:
-        grid = placed(figure, len(shown), right=_LEGEND, top=0.2, gaps=(0.6, 0.0), shared=False)
+        grid = placed(figure, len(shown), right=_LEGEND, top=0.2, gaps=(0.6, 0.0), heights=heights, shared=False)
         for (axes,), panel in zip(grid, shown, strict=True):
             _field(axes, panel)
             if len(shown) > 1:
@@ -39,11 +40,23 @@ def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
                 given = show(lines.voltage, "V", "voltage"), show(lines.ambient, "degC", "temperature")
                 axes.set_title(f"{given[0]} usable, ambient {given[1]}")
 
-    return drawn(draw, 2.9 * len(shown), form)
+    return drawn(draw, sum(heights) + 0.6 * len(shown), form)
 
 
 MOST_PANELS = 3
 _LEGEND = 2.05  # in, of room beside the field
+_LOWEST = 2.3  # in, of a field
+
+
+def _height(panel: Panel) -> float:
+    """Of a field [in]: its legend has a name and a dot of two lines each for a load case, and for a point."""
+    cases = sum(number < len(CASES) for number, *_ in panel.cases)
+    named_ones = 0.2 * _LINES + (0.66 if cases > 1 else 0.53) * cases + 0.33 * len(panel.points)
+    return max(_LOWEST, named_ones - _BESIDE)
+
+
+_LINES = 5  # of a motor that have a name
+_BESIDE = 0.45  # in, of a legend that may stand beside the axis below a field
 _ROOM = 1.12  # of an axis beyond what must be seen
 _HEADROOM = 1.06  # above the highest speed
 _FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room

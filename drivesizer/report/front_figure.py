@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from math import isfinite
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from drivesizer.report.style import COLOURS, Form, drawn, placed
 from drivesizer.report.wording import clean, short
@@ -71,9 +73,10 @@ def trade_off(
 def _name(axes: Axes, points: Sequence[tuple[float, float]], texts: Sequence[tuple[str, str]]) -> None:
     """Names beside their marks, one after the other, where none covers another, a mark or the edge."""
     axes.autoscale_view()  # now, and not when it is drawn: places on paper follow from it
-    scale = 72.0 / axes.get_figure().dpi  # pt per pixel
-    frame = Box(*(axes.get_window_extent().extents * scale))
-    marks = [tuple(axes.transData.transform(point) * scale) for point in points]
+    figure: Any = axes.figure
+    corners = np.array([*axes.get_window_extent().get_points(), *axes.transData.transform(points)])
+    corners *= 72.0 / figure.dpi  # pt
+    frame, marks = Box(*corners[:2].ravel().tolist()), corners[2:].tolist()
     taken = [Box(x - _DOT, y - _DOT, x + _DOT, y + _DOT) for x, y in marks]
     for (number, name), (x, y), at in zip(texts, marks, points, strict=True):
         for text in (name, number):

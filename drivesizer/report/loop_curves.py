@@ -83,7 +83,8 @@ def bode(loops: Sequence[Loop], form: Form = "svg") -> bytes:
     """
 
     def draw(figure: Figure) -> None:
-        grid = [axes for (axes,) in placed(figure, 3, left=0.8, top=_ABOVE + 0.16 * len(loops), heights=(1.25, 1.0, 1.0))]
+        above = _ABOVE + 0.16 * len(loops)
+        grid = [axes for (axes,) in placed(figure, 3, left=0.8, top=above, heights=(1.25, 1.0, 1.0))]
         for loop in loops:
             _curves(grid, loop)
         _lines(grid)

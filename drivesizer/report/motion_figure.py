@@ -59,9 +59,7 @@ def _phases(axes: Axes, motion: Trapezoid, axis: str) -> None:
     times = [0.0, *np.cumsum([duration for _, duration, _ in legs])]
     span, low = (2.0 * top, -1.08 * top) if motion.there_and_back else (top, 0.0)
     for (name, duration, _), left, right in zip(legs, edges, edges[1:], strict=False):
-        axes.text(
-            (left + right) / 2, top + 0.2 * span, f"{name}\n{duration:g} s", ha="center", va="center", fontsize=7
-        )
+        axes.text((left + right) / 2, top + 0.2 * span, f"{name}\n{duration:g} s", ha="center", va="center", fontsize=7)
     for edge in edges:
         axes.axvline(edge, color=COLOURS["grey"], linewidth=0.5, linestyle=(0, (4, 3)))
     axes.plot(edges, [0.0, *(end for *_, end in legs)], color=COLOURS["blue"], linewidth=1.6)
