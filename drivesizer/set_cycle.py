@@ -59,7 +59,7 @@ class Warming(NamedTuple):
 def column(part: Any) -> dict[str, Any]:
     """A part as columns of one by field name.
 
-    >>> from drivesizer.catalog import NO_GEARHEAD
+    >>> from drivesizer.catalog.parts import NO_GEARHEAD
     >>> column(NO_GEARHEAD)["ratio"]
     array([1.])
     """

@@ -78,8 +78,9 @@ def warm_up(motor: TwoBodies, ambient: float, found: Warming) -> WarmUp | None:
     course, settled = _way(motor, ambient, some), np.array([cycle.winding[0], cycle.housing[0]]) - ambient
     one_more = np.stack([course.rises(*unit)[:, -1, 0] for unit in np.eye(2)], axis=1)
     numbers = _numbers(cycle.spectral_radius)
-    away = [course.rises(*-(np.linalg.matrix_power(one_more, n) @ settled))[:, :, 0] for n in numbers]
-    winding = [cycle.winding[1:] + x[0] for x in away]
+    starts = [-(np.linalg.matrix_power(one_more, n) @ settled) for n in numbers]  # K, from the cycle that repeats
+    away = [np.column_stack([start, course.rises(*start)[:, :, 0]]) for start in starts]
+    winding = [cycle.winding + x[0] for x in away]
     return WarmUp(
         time=np.append(0.0, (np.array(numbers) + 1) * float(found.duration.sum())),
         lowest=np.array([x.min() for x in winding]),

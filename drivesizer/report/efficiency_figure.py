@@ -21,7 +21,8 @@ __all__ = ["LEVELS", "EfficiencyMap", "efficiency_field", "efficiency_map"]
 
 Array = NDArray[np.float64]
 LEVELS = (30, 40, 50, 60, 65, 70, 75, 80, 83, 86, 88, 90, 92, 94, 96)  # %, of the lines that may be drawn
-_FINE = 72, 56  # points of the field in torque and speed
+_FINE = 48, 56  # points of the field in torque, each way, and in speed
+_CROWDED = 1.8  # power by which the torques crowd to 0, where the efficiency changes most
 _ROOM = 1.12
 _FAR = 4.0  # times the cycle's torque; a gearhead that bears more would leave the cycle no room
 _SHADES = ("#FFFFFF", "#CFE3F1")
@@ -55,7 +56,9 @@ def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> Effic
     brakes = min(float(torque.min()) for _, torque, _ in traces)
     left = min(0.0, _ROOM * brakes, -0.35 * right if brakes < 0.0 else 0.0)
     top = _ROOM * (max(float(speed.max()) for *_, speed in traces) or 1.0)
-    torque, speed = np.linspace(left, right, _FINE[0]), np.linspace(top / _FINE[1], top, _FINE[1])
+    near = np.linspace(0.0, 1.0, _FINE[0]) ** _CROWDED
+    torque = np.concatenate([left * near[:0:-1], right * near[1:]]) if left < 0.0 else right * near[1:]
+    speed = np.linspace(top / _FINE[1], top, _FINE[1])
     return EfficiencyMap(torque, speed, operation(cases[0][1], torque, speed[:, None]), voltage, traces)
 
 
