@@ -40,7 +40,9 @@ def result(spec: RobotSpec) -> SizingResult:
 
 @pytest.fixture(scope="module")
 def hoist(tmp_path_factory, catalog) -> SizingResult:
-    return size(starter("hoist", tmp_path_factory.mktemp("hoist")), catalog=catalog, top=2, pareto=("mass", "price", "energy"))
+    return size(
+        starter("hoist", tmp_path_factory.mktemp("hoist")), catalog=catalog, top=2, pareto=("mass", "price", "energy")
+    )
 
 
 @pytest.fixture
