@@ -61,9 +61,7 @@ def init(
 
 
 def schema(
-    of: Annotated[
-        str, typer.Argument(metavar="[WHAT]", help="spec, catalog or report.")
-    ] = "spec",
+    of: Annotated[str, typer.Argument(metavar="[WHAT]", help="spec, catalog or report.")] = "spec",
 ) -> None:
     """Print the JSON Schema of robot.yaml or of a catalogue, for editors, or of the JSON report, for programs."""
     import json

@@ -20,8 +20,8 @@ __all__ = ["KNOWN", "accept", "write", "write_figures", "write_loop_figures", "w
 
 # suffix -> module with a function ``render``, and what it takes beside the records
 _RENDERERS: dict[str, tuple[str, tuple[str, ...]]] = {
-    ".pdf": ("pdf", ()),
-    ".html": ("html.page", ()),
+    ".pdf": ("pdf", ("paper", "date")),
+    ".html": ("html.page", ("date",)),
     ".xlsx": ("workbook", ()),
     ".csv": ("tables", ()),
     ".json": ("json_file", ()),

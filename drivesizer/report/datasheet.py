@@ -42,7 +42,7 @@ def datasheet(section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
 
 def _row(part: Any, name: str, section: str, sure: dict[str, str]) -> dict[str, str]:
     column, value = columns_of(section)[name], getattr(part, name)
-    if column.kind.startswith("price"):
+    if column.kind.startswith("price") and value == value:
         text = f"{value:.2f} {column.unit}"  # to the cent, as money is
     else:
         text = value if column.kind == "text" else show(value, column.unit, column.kind, 6)

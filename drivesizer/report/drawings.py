@@ -3,37 +3,75 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import isfinite, nan
 
 import drivesizer.report.figures as figures
 from drivesizer.loads import load_cycle
 from drivesizer.objectives import objective_figure
+from drivesizer.report.behaviour import Behaviour
 from drivesizer.report.field_figure import torque_speed
+from drivesizer.report.front_figure import trade_off
 from drivesizer.report.loop_curves import bode, step
+from drivesizer.report.margin_figure import margins
+from drivesizer.report.motion_figure import speed_profile
 from drivesizer.report.operating import panels
 from drivesizer.report.style import Form
-from drivesizer.results import SizingResult, Validation
+from drivesizer.results import DriveSet, SizingResult, Validation
 from drivesizer.units import from_si, label
 
-__all__ = ["Drawing", "loop_drawings", "report_drawings"]
+__all__ = ["IN_TABLES", "Drawing", "loop_drawings", "report_drawings"]
 
 Drawing = Callable[[Form], bytes]
+IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
 
 
-def report_drawings(result: SizingResult, validation: Validation | None) -> dict[str, Drawing]:
-    """Every figure of a report, in the order in which it shows them."""
+def report_drawings(
+    result: SizingResult, validation: Validation | None, does: Behaviour | None = None
+) -> dict[str, Drawing]:
+    """Every figure of a report, in the order in which it shows them.
+
+    Parameters
+    ----------
+    result
+        What the sizing found.
+    validation
+        The closed loop, where it was simulated.
+    does
+        What the best set or the nearest miss does over the cycles, where that is at hand.
+
+    Returns
+    -------
+    dict
+        By name what draws it: ``profile``, ``cycle``; of a set ``margins``, ``field``, ``efficiency``, ``demand``,
+        ``heat`` and ``energy``, as far as its figures are known; ``front``; ``loop``, ``bode`` and ``step``.
+    """
     best = next(iter((*result.sets, *result.misses)), None)
     cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
-    fields = panels(result.spec, best, result.requirements) if best else []
     made: dict[str, Drawing] = {
-        "profile": lambda form: figures.speed_profile(result.spec, form),
+        "profile": lambda form: speed_profile(result.spec, form),
         "cycle": lambda form: figures.load_over_time(cycles, form),
     }
-    if fields:
-        made["field"] = lambda form: torque_speed(fields, form)
     if len(result.front) > 1:
         made["front"] = lambda form: _trade_off(result, form)
+    if best:
+        made |= _of_set(result, best, does or Behaviour(result.spec, best))
     if validation:
         made |= {"loop" if name == "closed_loop" else name: draw for name, draw in loop_drawings(validation).items()}
+    return made
+
+
+def _of_set(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, Drawing]:
+    """The figures of a set: what hangs on figures that the catalogue does not know is left out."""
+    fields = panels(result.spec, best, result.requirements)
+    made: dict[str, Drawing] = {"margins": lambda form: margins((*best.checks, *best.beside), form)}
+    if fields:
+        made["field"] = lambda form: torque_speed(fields, form)
+    if does.known:
+        made |= {"efficiency": does.efficiency, "demand": does.demand}
+    if does.hottest:
+        made["heat"] = does.temperatures
+    if does.energy.known:
+        made["energy"] = does.flow
     return made
 
 
@@ -48,6 +86,7 @@ def loop_drawings(validation: Validation) -> dict[str, Drawing]:
 
 def _trade_off(result: SizingResult, form: Form) -> bytes:
     across, up = ([objective_figure(s, name) for s in result.front] for name in result.pareto[:2])
-    x, y = ([float(from_si(f.value, f.unit, f.kind)) for f in column] for column in (across, up))
+    x, y = ([float(from_si(f.value, f.unit, f.kind)) if isfinite(f.value) else nan for f in column]
+            for column in (across, up))  # fmt: skip
     heads = [f"{column[0].title} ({label(column[0].unit)})" for column in (across, up)]
-    return figures.trade_off([str(s.rank) for s in result.front], x, y, heads, form)
+    return trade_off([str(s.rank) for s in result.front], [s.label for s in result.front], x, y, heads, form)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivesizer.operating_field import OperatingField
 from drivesizer.report.operating import Panel
-from drivesizer.report.style import CASES, COLOURS, Form, drawn, named, torque_unit
+from drivesizer.report.style import CASES, COLOURS, Form, drawn, named, outside, placed, torque_unit
 from drivesizer.units import from_si, label, show
 
 if TYPE_CHECKING:
@@ -29,19 +29,34 @@ def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
         One for each usable voltage and ambient; the first few are drawn.
     """
     shown = panels[:MOST_PANELS]
+    heights = [_height(panel) for panel in shown]
 
     def draw(figure: Figure) -> None:
-        for axes, panel in zip(figure.subplots(len(shown), squeeze=False)[:, 0], shown, strict=True):
+        grid = placed(figure, len(shown), right=_LEGEND, top=0.2, gaps=(0.6, 0.0), heights=heights, shared=False)
+        for (axes,), panel in zip(grid, shown, strict=True):
             _field(axes, panel)
             if len(shown) > 1:
                 lines = panel.cases[0][-1]
                 given = show(lines.voltage, "V", "voltage"), show(lines.ambient, "degC", "temperature")
-                axes.set_title(f"{given[0]} usable, ambient {given[1]}", fontsize=7.5, loc="left")
+                axes.set_title(f"{given[0]} usable, ambient {given[1]}")
 
-    return drawn(draw, 3.2 * len(shown), form)
+    return drawn(draw, sum(heights) + 0.6 * len(shown), form)
 
 
 MOST_PANELS = 3
+_LEGEND = 2.05  # in, of room beside the field
+_LOWEST = 2.3  # in, of a field
+
+
+def _height(panel: Panel) -> float:
+    """Of a field [in]: its legend has a name and a dot of two lines each for a load case, and for a point."""
+    cases = sum(number < len(CASES) for number, *_ in panel.cases)
+    named_ones = 0.2 * _LINES + (0.66 if cases > 1 else 0.53) * cases + 0.33 * len(panel.points)
+    return max(_LOWEST, named_ones - _BESIDE)
+
+
+_LINES = 5  # of a motor that have a name
+_BESIDE = 0.45  # in, of a legend that may stand beside the axis below a field
 _ROOM = 1.12  # of an axis beyond what must be seen
 _HEADROOM = 1.06  # above the highest speed
 _FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room
@@ -53,7 +68,7 @@ def _field(axes: Axes, panel: Panel) -> None:
     _lines(axes, first, unit, _reach(panel))
     for number, name, found in panel.cases:
         if number < len(CASES):
-            _trace(axes, found, unit, *CASES[number], f"load cycle, {named(name)}" if name else "load cycle")
+            _trace(axes, found, unit, *CASES[number], f"load cycle,\n{named(name)}" if name else "load cycle")
     _mark(axes, panel, unit)
     right = float(from_si(_ROOM * _reach(panel), unit, "torque"))
     left = min(0.0, *(np.nan_to_num(_signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
@@ -62,7 +77,7 @@ def _field(axes: Axes, panel: Panel) -> None:
     axes.set_ylim(0, float(from_si(_HEADROOM * top, "rpm", "rotary_speed")))
     axes.axvline(0, color="black", linewidth=0.6)
     axes.set(xlabel=f"torque at the motor's shaft ({label(unit)})", ylabel="motor speed (rpm)")
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
+    outside(axes)
 
 
 def _reach(panel: Panel) -> float:

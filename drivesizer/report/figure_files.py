@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import get_args
 
 from drivesizer.errors import InputError
 from drivesizer.report.drawings import Drawing
 from drivesizer.report.files import put, ready
-from drivesizer.report.style import Form
+from drivesizer.report.style import FILES
 
 __all__ = ["figures_into"]
 
 
 def figures_into(made: Mapping[str, Drawing], folder: Path) -> list[Path]:
     """Draw into a folder; see :func:`drivesizer.report.write_figures`."""
-    paths = {(name, form): folder / f"{name}.{form}" for name in made for form in get_args(Form)}
+    paths = {(name, form): folder / f"{name}.{form}" for name in made for form in FILES}
     _ready(folder, list(paths.values()))
     files = {path: made[name](form) for (name, form), path in paths.items()}
     try:

@@ -1,86 +1,43 @@
-"""Figures: the motion, the load over its cycle, a front, the closed loop."""
+"""Figures over time: the load over its cycle, and the closed loop."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+import math
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.loadcycle import LoadCycle
-from drivesizer.loads import load_cycle
-from drivesizer.motions import Trapezoid
-from drivesizer.profile import profile_of
 from drivesizer.report.panels import Window, thinned, windows
-from drivesizer.report.style import CASES, COLOURS, Form, drawn, named, torque_unit
+from drivesizer.report.style import CASES, COLOURS, Form, drawn, heading, limit, named, placed, torque_unit
 from drivesizer.results import Validation
-from drivesizer.spec import RobotSpec
 from drivesizer.units import from_si, label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["closed_loop", "closed_loop_rows", "load_over_time", "speed_profile", "stretches", "trade_off"]
+__all__ = ["Row", "Trace", "closed_loop", "closed_loop_rows", "load_over_time", "over_time", "stretches"]
 
 
-def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
-    """The speed that the spec asks for over one cycle: a trapezoid by its phases, any other motion to scale."""
-    motion = spec.motion
-    if isinstance(motion, Trapezoid):
-        return drawn(lambda figure: _phases(figure.add_subplot(), motion, spec.load.axis), 1.9, form)
-    if motion is None:
-        cycle = load_cycle(spec)
-        time, speed, axis = cycle.time.ravel(), cycle.speed.ravel(), "rotary"
-    else:
-        asked, axis = profile_of(spec), spec.load.axis
-        time, speed = np.array(asked.time) - asked.time[0], np.array(asked.speed)
+class Trace(NamedTuple):
+    """A load case over time."""
 
-    def draw(figure: Figure) -> None:
-        kind, unit = _SPEED[axis]
-        axes = figure.add_subplot()
-        rows = thinned(time, speed, Window("", float(time[0]), float(time[-1])))
-        axes.plot(time[rows], from_si(speed[rows], unit, kind), color=COLOURS["blue"], linewidth=1.6)
-        axes.axhline(0.0, color="black", linewidth=0.6)
-        axes.set(xlim=(time[0], time[-1]), xlabel="time (s)", ylabel=f"speed ({label(unit)})")
-
-    return drawn(draw, 1.9, form)
+    name: str
+    time: NDArray[np.float64]  # s
+    columns: Mapping[str, NDArray[np.float64]]  # SI
 
 
-_SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
-_NARROWEST = 0.2  # of a phase that is drawn, as a share of the cycle
+class Row(NamedTuple):
+    """What stands in a row of a figure over time."""
 
-
-def _phases(axes: Axes, motion: Trapezoid, axis: str) -> None:
-    """A trapezoid with its phases marked; short ones are drawn wider than to scale, so that each has its name."""
-    kind, unit = _SPEED[axis]
-    top = float(from_si(motion.speed, unit, kind))
-    legs = _legs(motion, top)
-    total = sum(duration for _, duration, _ in legs)
-    edges = [0.0, *np.cumsum([max(duration / total, _NARROWEST) for _, duration, _ in legs])]
-    times = [0.0, *np.cumsum([duration for _, duration, _ in legs])]
-    span, low = (2.0 * top, -1.08 * top) if motion.there_and_back else (top, 0.0)
-    for (name, duration, _), left, right in zip(legs, edges, edges[1:], strict=False):
-        axes.text(
-            (left + right) / 2, top + 0.13 * span, f"{name}\n{duration:g} s", ha="center", va="center", fontsize=7
-        )
-    for edge in edges:
-        axes.axvline(edge, color=COLOURS["grey"], linewidth=0.5, linestyle=(0, (4, 3)))
-    axes.plot(edges, [0.0, *(end for *_, end in legs)], color=COLOURS["blue"], linewidth=1.6)
-    axes.axhline(0.0, color="black", linewidth=0.6)
-    axes.set_xticks(edges, [f"{time:g}" for time in times])
-    axes.set(xlim=(0, edges[-1]), ylim=(low, top + 0.28 * span))
-    axes.set(xlabel="time (s), phases not to scale", ylabel=f"speed ({label(unit)})")
-
-
-def _legs(motion: Trapezoid, top: float) -> list[tuple[str, float, float]]:
-    """Name, length [s] and speed at the end of each phase."""
-    down = motion.acceleration_time if motion.deceleration_time is None else motion.deceleration_time
-    there = [("acceleration", motion.acceleration_time, top), ("cruise", motion.cruise_time, top),
-             ("deceleration", down, 0.0), ("rest", motion.rest_time, 0.0)]  # fmt: skip
-    there = [leg for leg in there if leg[1] > 0]
-    return there + [(name, duration, -end) for name, duration, end in there] if motion.there_and_back else there
+    column: str
+    kind: str
+    unit: str
+    limits: tuple[tuple[str, float], ...] = ()  # name and figure [SI]
 
 
 def load_over_time(cycles: Sequence[tuple[str, LoadCycle]], form: Form = "svg") -> bytes:
@@ -92,38 +49,80 @@ def load_over_time(cycles: Sequence[tuple[str, LoadCycle]], form: Form = "svg") 
         Load cycles with the names of their cases; the first few are drawn.
     """
     cycles = cycles[: len(CASES)]
-    shown = stretches(cycles)
     largest = max(float(np.abs(cycle.torque).max()) for _, cycle in cycles)
-    rows = (("torque", "torque", torque_unit(largest)), ("speed", "rotary_speed", "rpm"))
+    rows = (Row("torque", "torque", torque_unit(largest)), Row("speed", "rotary_speed", "rpm"))
+    traces = [
+        Trace(name, cycle.time.ravel(), {row.column: getattr(cycle, row.column).ravel() for row in rows})
+        for name, cycle in cycles
+    ]
+    return over_time(traces, rows, stretches(cycles), form)
+
+
+def over_time(traces: Sequence[Trace], rows: Sequence[Row], shown: Sequence[Window], form: Form = "svg") -> bytes:
+    """Quantities over time, a row each, in the stretches in which something changes.
+
+    Parameters
+    ----------
+    traces
+        Load cases, no more than have a look of their own.
+    rows
+        The quantities, and the limits that are drawn with them.
+    shown
+        The stretches.
+    """
+    lines = math.ceil(len(traces) / _ABREAST) if len(traces) > 1 else 0
 
     def draw(figure: Figure) -> None:
-        grid = figure.subplots(2, len(shown), sharex="col", sharey="row", squeeze=False)
-        for line, (column, kind, unit) in zip(grid, rows, strict=True):
-            line[0].set_ylabel(f"{column} ({label(unit)})")
+        grid = placed(figure, len(rows), len(shown), top=0.1 + _LINE * lines)
+        for line, row in zip(grid, rows, strict=True):
+            line[0].set_ylabel(f"{row.column} ({label(row.unit)})")
             for axes, window in zip(line, shown, strict=True):
-                for (name, cycle), look in zip(cycles, CASES, strict=False):
-                    _over_time(axes, cycle, getattr(cycle, column).ravel(), (unit, kind), window, look, name)
+                for trace, look in zip(traces, CASES, strict=False):
+                    _over_time(axes, trace, row, window, look)
+            if row.limits:
+                _limits(line, row)
         for axes in grid[-1]:
             axes.set_xlabel("time (s)")
-        if len(cycles) > 1:
-            figure.legend(*grid[0][0].get_legend_handles_labels(), loc="outside upper center", ncols=len(cycles))
-        figure.align_ylabels()
+        if lines:
+            heading(figure, *grid[0][0].get_legend_handles_labels(), min(len(traces), _ABREAST))
 
-    return drawn(draw, 2.9, form)
+    return drawn(draw, 0.95 * len(rows) + 0.5 + _LINE * lines, form)
 
 
-def _over_time(
-    axes: Axes,
-    cycle: LoadCycle,
-    values: NDArray[np.float64],
-    shown: tuple[str, str],
-    window: Window,
-    look: tuple[str, Any],
-    name: str,
-) -> None:
-    time = cycle.time.ravel()
-    kept = thinned(time, values, window)
-    axes.plot(time[kept], from_si(values[kept], *shown), color=COLOURS[look[0]], linestyle=look[1], label=named(name))
+_ABREAST = 2  # names of load cases beside each other
+_LINE = 0.16  # in, of a legend
+
+
+_IN_SIGHT = 3.0  # times what is drawn: a limit beyond is told and not drawn
+_HEADROOM = 1.15  # for what is told above a limit
+_HEIGHT_OF_A_NAME = 0.16  # of the axis
+
+
+def _limits(line: Sequence[Axes], row: Row) -> None:
+    """Limits in sight as lines, those beyond it in words."""
+    reach = max(abs(end) for end in line[0].get_ylim())
+    limits = [(name, float(from_si(value, row.unit, row.kind))) for name, value in row.limits]
+    inside = {name: value for name, value in limits if value <= _IN_SIGHT * reach}
+    beyond = [_said(name, value, row.unit) for name, value in limits if name not in inside]
+    near = _HEIGHT_OF_A_NAME * max(reach, *inside.values(), 0.0)
+    for look, (name, value) in enumerate(inside.items()):
+        below = any(value < other < value + near for other in inside.values())
+        for axes in line:
+            limit(axes, value, _said(name, value, row.unit) if axes is line[-1] else "", look, below=below)
+    line[0].set_ylim(top=_HEADROOM * max(line[0].get_ylim()[1], *inside.values(), 0.0))
+    if beyond:
+        line[0].annotate("beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction",
+                         textcoords="offset points", ha="left", va="top", fontsize=6.5)  # fmt: skip
+
+
+def _said(name: str, value: float, unit: str) -> str:
+    return f"{name} {value:.4g} {label(unit)}"
+
+
+def _over_time(axes: Axes, trace: Trace, row: Row, window: Window, look: tuple[str, Any]) -> None:
+    kept = thinned(trace.time, trace.columns[row.column], window)
+    values = from_si(trace.columns[row.column][kept], row.unit, row.kind)
+    axes.plot(trace.time[kept], values, color=COLOURS[look[0]], linestyle=look[1], label=named(trace.name))
     axes.axhline(0.0, color="black", linewidth=0.6)
     axes.set_xlim(window.start, window.end)
 
@@ -141,36 +140,6 @@ def _changes(cycle: LoadCycle) -> list[Window]:
     columns = (cycle.speed.ravel(), cycle.torque.ravel())
     steps = sum(np.abs(np.diff(x)) / (np.abs(x).max() or 1.0) for x in columns)
     return windows({"time": cycle.time.ravel(), "speed_reference": np.append(0.0, np.cumsum(steps))})
-
-
-def trade_off(
-    names: Sequence[str], across: Sequence[float], up: Sequence[float], heads: Sequence[str], form: Form = "svg"
-) -> bytes:
-    """Sets of a Pareto front by two of their objectives, numbered as in the table.
-
-    Parameters
-    ----------
-    names
-        What stands beside each set.
-    across, up
-        Two figures of each set as they are shown; NaN is not drawn.
-    heads
-        What the two axes are called, units included.
-    """
-
-    def draw(figure: Figure) -> None:
-        axes = figure.add_subplot()
-        axes.plot(across, up, "o", color=COLOURS["blue"], markersize=4)
-        for name, x, y in zip(names, across, up, strict=True) if len(names) <= _NAMED else ():
-            if np.isfinite(x + y):
-                axes.annotate(name, (x, y), xytext=(4, 3), textcoords="offset points", fontsize=7)
-        axes.margins(0.08)
-        axes.set(xlabel=heads[0], ylabel=heads[1])
-
-    return drawn(draw, 2.4, form)
-
-
-_NAMED = 25  # numbers beside more points than these would cover one another
 
 
 _ROWS = (  # columns of the series, and how the axis is called
@@ -200,24 +169,23 @@ def closed_loop(validation: Validation, form: Form = "svg") -> bytes:
     shown, rows = windows(validation.series), closed_loop_rows(validation)
 
     def draw(figure: Figure) -> None:
-        grid = figure.subplots(len(rows), len(shown), sharex="col", sharey="row", squeeze=False)
+        grid = placed(figure, len(rows), len(shown), left=0.8, top=0.22)
         for line, (names, title) in zip(grid, rows, strict=True):
             _, unit = validation.series_units[names[-1]]
-            line[0].set_ylabel("\n".join([*title.split(), f"({label(unit)})"]))
+            line[0].set_ylabel("\n".join([*textwrap.wrap(title, _WIDEST), f"({label(unit)})"]))
             for axes, window in zip(line, shown, strict=True):
                 _traces(axes, validation, names, window)
         for axes, window in zip(grid[0], shown, strict=True):
-            axes.set_title(window.title, fontsize=7.5, loc="left")
+            axes.set_title(window.title)
         for axes in grid[-1]:
             axes.set_xlabel("time (s)")
         if len(rows[0][0]) > 1:
-            grid[0][0].legend(loc="best")
-        figure.align_ylabels()
+            figure.legend(*grid[0][0].get_legend_handles_labels(), loc="upper right", ncols=2, borderaxespad=0.2)
 
-    return drawn(draw, (1.25 if len(rows) <= _FEW else 1.1) * len(rows) + 0.3, form)
+    return drawn(draw, 0.72 * len(rows) + 0.6, form)
 
 
-_FEW = 4  # rows: more are drawn lower, so that the figure and its caption fit a page
+_WIDEST = 14  # letters of a row's title on a line
 
 
 def _traces(axes: Axes, validation: Validation, names: tuple[str, ...], window: Window) -> None:

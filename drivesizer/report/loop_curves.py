@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drivesizer.loop_table import cell, loop_figures, loop_name, settled
 from drivesizer.loops import Loop
-from drivesizer.report.style import COLOURS, Form, drawn
+from drivesizer.report.style import COLOURS, Form, drawn, heading, placed
 from drivesizer.thinning import on_curves
 from drivesizer.units import label
 
@@ -83,15 +83,18 @@ def bode(loops: Sequence[Loop], form: Form = "svg") -> bytes:
     """
 
     def draw(figure: Figure) -> None:
-        grid = figure.subplots(3, 1, sharex=True, height_ratios=(1.25, 1.0, 1.0))
+        above = _ABOVE + 0.16 * len(loops)
+        grid = [axes for (axes,) in placed(figure, 3, left=0.8, top=above, heights=(1.25, 1.0, 1.0))]
         for loop in loops:
             _curves(grid, loop)
         _lines(grid)
         _scales(grid, loops)
-        figure.legend(*grid[0].get_legend_handles_labels(), loc="outside upper left")
-        figure.align_ylabels()
+        heading(figure, *grid[0].get_legend_handles_labels(), 1)
 
-    return drawn(draw, 5.0 + 0.15 * len(loops), form)
+    return drawn(draw, 3.1 + 0.16 * len(loops), form)
+
+
+_ABOVE = 0.12  # in, over the axes, beside the legend
 
 
 def _curves(grid: Sequence[Axes], loop: Loop) -> None:
@@ -149,7 +152,8 @@ def _scales(grid: Sequence[Axes], loops: Sequence[Loop]) -> None:
     grid[2].set_ylim(_within(1.05 * closed, (-12.0, 6.0), (-_RANGE, _RANGE)))
     for axes, name in zip(grid, _NAMES, strict=True):
         axes.set_ylabel(name)
-    grid[1].yaxis.set_major_locator(MultipleLocator(90.0))
+    for axes, step in zip(grid, (20.0, 90.0, 20.0), strict=True):
+        axes.yaxis.set_major_locator(MultipleLocator(step))
     grid[2].set(xscale="log", xlim=(left, right), xlabel="frequency (Hz)")
     plain = FuncFormatter(lambda x, _: f"{x:g}")
     grid[2].xaxis.set_major_formatter(plain)
@@ -179,16 +183,16 @@ def step(loops: Sequence[Loop], form: Form = "svg") -> bytes:
     """
 
     def draw(figure: Figure) -> None:
-        grid = figure.subplots(1, len(loops), squeeze=False)[0]
+        (grid,) = placed(figure, 1, len(loops), top=0.22, gaps=(0.0, 0.4), shared=False)
         for axes, loop in zip(grid, loops, strict=True):
-            axes.set_title(loop_name(loop), fontsize=7.5, loc="left")
+            axes.set_title(loop_name(loop))
             if len(loop.step):
                 _answer(axes, loop)
             else:
                 _none(axes, loop)
         grid[0].set_ylabel("answer to a step (%)")
 
-    return drawn(draw, 1.9, form)
+    return drawn(draw, 1.4, form)
 
 
 def _answer(axes: Axes, loop: Loop) -> None:

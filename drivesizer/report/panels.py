@@ -12,7 +12,7 @@ from drivesizer.thinning import extremes
 
 __all__ = ["Window", "thinned", "windows"]
 
-_MOST = 1500  # samples that a trace keeps: finer than print
+_MOST = 700  # samples that a trace keeps: finer than print
 
 
 class Window(NamedTuple):

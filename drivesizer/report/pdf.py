@@ -11,12 +11,13 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from drivesizer.errors import DrivesizerError
+from drivesizer.errors import DrivesizerError, InputError, quoted
+from drivesizer.report.behaviour import Behaviour
 from drivesizer.report.document import document
-from drivesizer.report.drawings import report_drawings
+from drivesizer.report.drawings import IN_TABLES, report_drawings
 from drivesizer.results import SizingResult, Validation
 
-__all__ = ["ReportError", "fonts", "render", "report_pdf"]
+__all__ = ["PAPERS", "ReportError", "fonts", "render", "report_pdf"]
 
 _LAST_OWN_LETTER = 0x2FFF  # what the fonts at hand cover ends here; beyond begin the scripts of East Asia and emoji
 
@@ -25,12 +26,20 @@ class ReportError(DrivesizerError):
     """The typesetter refused the report."""
 
 
-def render(result: SizingResult, validation: Validation | None, path: Path) -> dict[Path, bytes]:
-    """The file of a PDF report."""
-    return {path: report_pdf(result, validation)}
+PAPERS = ("a4", "us-letter")
+_SOURCE = ("page", "summary", "asked", "candidates", "chosen", "loop", "closing")  # files of one source, in order
 
 
-def report_pdf(result: SizingResult, validation: Validation | None) -> bytes:
+def render(
+    result: SizingResult, validation: Validation | None, path: Path, *, paper: str = "a4", date: str | None = None
+) -> dict[Path, bytes]:
+    """The file of a PDF report; see :func:`report_pdf`."""
+    return {path: report_pdf(result, validation, paper=paper, date=date)}
+
+
+def report_pdf(
+    result: SizingResult, validation: Validation | None, *, paper: str = "a4", date: str | None = None
+) -> bytes:
     """The report as a PDF file.
 
     Parameters
@@ -39,25 +48,37 @@ def report_pdf(result: SizingResult, validation: Validation | None) -> bytes:
         What the sizing found; without a set, the nearest misses are reported.
     validation
         The closed loop, where it was simulated.
+    paper
+        Format of the sheets: ``a4`` or ``us-letter``.
+    date
+        Printed on every page as it is given; without it there is none.
 
     Raises
     ------
+    InputError
+        When the format of the sheets is not known.
     ReportError
         When the typesetter refuses.
     """
+    if paper not in PAPERS:
+        raise InputError(f"paper {quoted(paper)} is not known; expected {' or '.join(PAPERS)}")
+    shown = next(iter((*result.sets, *result.misses)), None)
+    does = Behaviour(result.spec, shown) if shown else None
+    content = document(result, validation, does, paper, date)
+    drawings = report_drawings(result, validation, does)
+    drawn = {name: draw("typeset") for name, draw in drawings.items() if name not in IN_TABLES}
+    content["figures"] = {name: {"svg": svg.decode()} for name, svg in drawn.items()}
+    return _set(json.dumps(content, ensure_ascii=False, allow_nan=False))
+
+
+def _set(data: str) -> bytes:
+    """The template filled with the document's data, as PDF."""
     import typst
 
-    content = document(result, validation)
-    drawn = {name: draw("svg") for name, draw in report_drawings(result, validation).items()}
-    content["figures"] = {name: {"svg": svg.decode()} for name, svg in drawn.items()}
-    data = json.dumps(content, ensure_ascii=False, allow_nan=False)
+    folder = resources.files("drivesizer.report") / "typst"
+    source = b"\n".join((folder / f"{name}.typ").read_bytes() for name in _SOURCE)
     try:
-        made: bytes = typst.compile(
-            resources.files("drivesizer.report").joinpath("template.typ").read_bytes(),
-            sys_inputs={"data": data},
-            font_paths=fonts(data),
-            format="pdf",
-        )
+        made: bytes = typst.compile(source, sys_inputs={"data": data}, font_paths=fonts(data), format="pdf")
     except RuntimeError as error:
         raise ReportError(f"the report could not be set: {str(error).splitlines()[0]}") from error
     return made

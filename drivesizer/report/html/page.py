@@ -16,7 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.loads import load_cycle
+from drivesizer.report.behaviour import Behaviour
 from drivesizer.report.document import document
+from drivesizer.report.drawings import Drawing, report_drawings
 from drivesizer.report.field_figure import MOST_PANELS
 from drivesizer.report.html.candidate_plots import front_plot, sets_plot
 from drivesizer.report.html.curves import Plot
@@ -27,21 +29,24 @@ from drivesizer.report.html.loop_plots import bode_plot, closed_loop_plot, step_
 from drivesizer.report.html.mathematics import mathml
 from drivesizer.report.operating import Panel, panels
 from drivesizer.report.style import COLOURS
-from drivesizer.results import DriveSet, SizingResult, Validation
+from drivesizer.results import SizingResult, Validation
 from drivesizer.units import show
 
 __all__ = ["render", "report_html"]
 
 _FILES = resources.files("drivesizer.report.html")
+_STILL = ("efficiency", "demand", "heat", "energy")  # figures that the page shows as the PDF does
 _BREAK = "\u200b"  # where a PDF may end a line; a browser finds such places itself
 
 
-def render(result: SizingResult, validation: Validation | None, path: Path) -> dict[Path, bytes]:
-    """The file of an HTML report."""
-    return {path: report_html(result, validation)}
+def render(
+    result: SizingResult, validation: Validation | None, path: Path, *, date: str | None = None
+) -> dict[Path, bytes]:
+    """The file of an HTML report; see :func:`report_html`."""
+    return {path: report_html(result, validation, date=date)}
 
 
-def report_html(result: SizingResult, validation: Validation | None) -> bytes:
+def report_html(result: SizingResult, validation: Validation | None, *, date: str | None = None) -> bytes:
     """The report as one HTML file.
 
     Parameters
@@ -50,18 +55,25 @@ def report_html(result: SizingResult, validation: Validation | None) -> bytes:
         What the sizing found; without a set, the nearest misses are reported.
     validation
         The closed loop, where it was simulated.
+    date
+        Printed as it is given; without it there is none.
     """
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs
 
-    content = _unbroken(with_numbers(document(result, validation), result, validation))
+    shown = next(iter((*result.sets, *result.misses)), None)
+    does = Behaviour(result.spec, shown) if shown else None
+    told = document(result, validation, does, date=date)
+    content = _unbroken(with_numbers(told, result, validation))
+    drawings = report_drawings(result, validation, does)
     math = mathml(_mathematics(content))
     library, script = get_plotlyjs(), _text("page.js")
     filled = _template(math).render(
         doc=content,
         best=content["best"],
-        tiles=_tiles(result, validation, content),
+        tiles=_tiles(content),
         figures=_figures(result, validation, content),
+        pictures={name: _picture(drawings[name]) for name in _STILL if name in drawings},
         colours=COLOURS,
         style=Markup(_text("style.css")),  # noqa: S704 - our own file
         script=Markup(script),  # noqa: S704 - our own file
@@ -71,6 +83,11 @@ def report_html(result: SizingResult, validation: Validation | None) -> bytes:
     )
     made: bytes = filled.encode()
     return made
+
+
+def _picture(draw: Drawing) -> str:
+    """A drawing as the address of an image."""
+    return f"data:image/svg+xml;base64,{base64.b64encode(draw('svg')).decode()}"
 
 
 def _text(name: str) -> str:
@@ -120,32 +137,19 @@ def _noted(text: str) -> Any:
     return Markup(re.sub(symbol, r"<var>\1</var><sub>\2</sub>", str(escape(text))))  # noqa: S704 - escaped before
 
 
-def _tiles(result: SizingResult, validation: Validation | None, content: dict[str, Any]) -> list[dict[str, str]]:
-    """What a reader wants first: tightest margin, mass, price, energy, closed loop."""
-    best = next(iter((*result.sets, *result.misses)), None)
-    if best is None:
+def _tiles(content: dict[str, Any]) -> list[dict[str, str]]:
+    """What a reader wants first: tightest margin, mass, price, energy, reduction."""
+    told = content["best"]
+    if told is None:
         return []
-    told, tight = content["best"], content["best"]["tightest"]
-    energy, over = _energy(best, validation)
     tiles = [
-        ("smallest margin", tight[0]["margin"] or "none", tight[0]["title"]) if tight else None,
+        ("smallest margin", told["tight"]["margin"], told["tight"]["title"]),
         ("mass of one set", told["mass"], told["mass_of"]),
         ("price of one set", told["price"], told["price_of"]),
-        ("energy", energy, over),
+        ("energy of a cycle", told["energy"], told["energy_of"]),
         ("whole reduction", told["total_ratio"], "motor turns per turn of the " + content["place"]),
     ]
-    return [dict(zip(("name", "value", "more"), tile, strict=True)) for tile in tiles if tile]
-
-
-def _energy(best: DriveSet, validation: Validation | None) -> tuple[str, str]:
-    """What a cycle takes by the load cycle; else what the closed loop took; and which of them it is."""
-    for figure in best.figures:
-        if figure.name == "energy":
-            return figure.text, figure.title.lower()
-    for figure in validation.figures if validation else ():
-        if figure.name == "energy_in":
-            return show(figure.value, figure.unit, figure.kind), "taken in the closed loop, all sets"
-    return "unknown", ""
+    return [dict(zip(("name", "value", "more"), tile, strict=True)) for tile in tiles]
 
 
 def _figures(result: SizingResult, validation: Validation | None, content: dict[str, Any]) -> dict[str, Plot]:

@@ -1,0 +1,70 @@
+"""How long `drivesizer report` takes from the shell, beside `import control` on the same machine in the same minute.
+
+Whole processes, taken in turns so that a busy moment hits both; catalogue and closed loop are compiled (second start).
+Wall clock is what the reader waits for; processor time is what it costs, children included.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+SPEC = Path(__file__).resolve().parent.parent / "examples" / "sps_robot.yaml"
+
+
+class Taken(NamedTuple):
+    """What a process took."""
+
+    wall: float  # s
+    processor: float  # s
+
+
+def seconds(command: list[str]) -> Taken:
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    subprocess.run(command, check=True, capture_output=True)
+    wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return Taken(wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=10, help="of each command")
+    runs = parser.parse_args().runs
+    with tempfile.TemporaryDirectory() as place:
+        os.environ["DRIVESIZER_CACHE"] = place
+        commands = {
+            "drivesizer report": [sys.executable, "-m", "drivesizer", "report", str(SPEC), "-o", f"{place}/report.pdf"],
+            "import control": [sys.executable, "-c", "import control"],
+        }
+        for command in commands.values():
+            seconds(command)  # compiles the catalogue and the closed loop, and fills the disk cache
+        taken: dict[str, list[Taken]] = {name: [] for name in commands}
+        for _ in range(runs):
+            for name, command in commands.items():
+                taken[name].append(seconds(command))
+    tell(taken, runs)
+
+
+def tell(taken: dict[str, list[Taken]], runs: int) -> None:
+    heads = ("wall best", "median", "CPU best", "median")
+    print(f"{'report, ' + str(runs) + ' runs':24}" + "".join(f"{head:>12}" for head in heads))
+    found = {
+        name: [pick(column) for column in zip(*times, strict=True) for pick in (min, statistics.median)]
+        for name, times in taken.items()
+    }
+    for name, row in found.items():
+        print(f"{name:24}" + "".join(f"{value * 1e3:9.0f} ms" for value in row))
+    ratios = [ours / theirs for ours, theirs in zip(*found.values(), strict=True)]
+    print(f"{'report / control':24}" + "".join(f"{ratio:12.2f}" for ratio in ratios) + "   goal: at most 2.50")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,41 @@
+"""Current and voltage of the motor over the cycle, with the limits that they must not pass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+
+from drivesizer.report.figures import Row, Trace, over_time, stretches
+from drivesizer.report.style import CASES, Form
+from drivesizer.set_cycle import SetCycle, waveform
+
+__all__ = ["Limits", "current_and_voltage"]
+
+Limits = Sequence[tuple[str, float]]  # name and figure [SI]
+
+
+def current_and_voltage(
+    cases: Sequence[tuple[str, SetCycle]], currents: Limits, voltages: Limits, form: Form = "svg"
+) -> bytes:
+    """What the drive model says of each moment, winding as warm as the cycle makes it in the mean.
+
+    Parameters
+    ----------
+    cases
+        Load cases by name, the set over each; the first few are drawn.
+    currents, voltages
+        Limits by name; unknown ones are left out.
+    """
+    cases = cases[: len(CASES)]
+    traces, cycles = [], []
+    for name, found in cases:
+        ends, cycle = waveform(found), found.at.cycle
+        columns = {"current": ends.current[0].ravel(), "voltage": ends.voltage[0].ravel()}
+        traces.append(Trace(name, cycle.time.ravel(), columns))
+        cycles.append((name, cycle))
+    rows = (Row("current", "current", "A", _known(currents)), Row("voltage", "voltage", "V", _known(voltages)))
+    return over_time(traces, rows, stretches(cycles), form)
+
+
+def _known(limits: Limits) -> tuple[tuple[str, float], ...]:
+    return tuple((name, value) for name, value in limits if isfinite(value))

@@ -1,0 +1,78 @@
+"""The motion of a cycle as a figure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from drivesizer.loads import load_cycle
+from drivesizer.motions import Trapezoid
+from drivesizer.profile import profile_of
+from drivesizer.report.panels import Window, thinned
+from drivesizer.report.style import COLOURS, Form, drawn, placed
+from drivesizer.spec import RobotSpec
+from drivesizer.units import from_si, label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["speed_profile"]
+
+
+def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
+    """The speed that the spec asks for over one cycle: a trapezoid by its phases, any other motion to scale."""
+    motion = spec.motion
+    if isinstance(motion, Trapezoid):
+        return drawn(lambda figure: _phases(placed(figure)[0][0], motion, spec.load.axis), _HEIGHT, form)
+    if motion is None:
+        cycle = load_cycle(spec)
+        time, speed, axis = cycle.time.ravel(), cycle.speed.ravel(), "rotary"
+    else:
+        asked, axis = profile_of(spec), spec.load.axis
+        time, speed = np.array(asked.time) - asked.time[0], np.array(asked.speed)
+
+    def draw(figure: Figure) -> None:
+        kind, unit = _SPEED[axis]
+        axes = placed(figure)[0][0]
+        rows = thinned(time, speed, Window("", float(time[0]), float(time[-1])))
+        axes.plot(time[rows], from_si(speed[rows], unit, kind), color=COLOURS["blue"], linewidth=1.6)
+        axes.axhline(0.0, color="black", linewidth=0.6)
+        axes.set(xlim=(time[0], time[-1]), xlabel="time (s)", ylabel=f"speed ({label(unit)})")
+
+    return drawn(draw, _HEIGHT, form)
+
+
+_SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
+_HEIGHT = 1.45  # in
+_NARROWEST = 0.2  # of a phase that is drawn, as a share of the cycle
+
+
+def _phases(axes: Axes, motion: Trapezoid, axis: str) -> None:
+    """A trapezoid with its phases marked; short ones are drawn wider than to scale, so that each has its name."""
+    kind, unit = _SPEED[axis]
+    top = float(from_si(motion.speed, unit, kind))
+    legs = _legs(motion, top)
+    total = sum(duration for _, duration, _ in legs)
+    edges = [0.0, *np.cumsum([max(duration / total, _NARROWEST) for _, duration, _ in legs])]
+    times = [0.0, *np.cumsum([duration for _, duration, _ in legs])]
+    span, low = (2.0 * top, -1.08 * top) if motion.there_and_back else (top, 0.0)
+    for (name, duration, _), left, right in zip(legs, edges, edges[1:], strict=False):
+        axes.text((left + right) / 2, top + 0.2 * span, f"{name}\n{duration:g} s", ha="center", va="center", fontsize=7)
+    for edge in edges:
+        axes.axvline(edge, color=COLOURS["grey"], linewidth=0.5, linestyle=(0, (4, 3)))
+    axes.plot(edges, [0.0, *(end for *_, end in legs)], color=COLOURS["blue"], linewidth=1.6)
+    axes.axhline(0.0, color="black", linewidth=0.6)
+    axes.set_xticks(edges, [f"{time:g}" for time in times])
+    axes.set(xlim=(0, edges[-1]), ylim=(low, top + 0.4 * span))
+    axes.set(xlabel="time (s), phases not to scale", ylabel=f"speed ({label(unit)})")
+
+
+def _legs(motion: Trapezoid, top: float) -> list[tuple[str, float, float]]:
+    """Name, length [s] and speed at the end of each phase."""
+    down = motion.acceleration_time if motion.deceleration_time is None else motion.deceleration_time
+    there = [("acceleration", motion.acceleration_time, top), ("cruise", motion.cruise_time, top),
+             ("deceleration", down, 0.0), ("rest", motion.rest_time, 0.0)]  # fmt: skip
+    there = [leg for leg in there if leg[1] > 0]
+    return there + [(name, duration, -end) for name, duration, end in there] if motion.there_and_back else there

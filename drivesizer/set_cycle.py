@@ -1,0 +1,106 @@
+"""One set over one load cycle: what the drive model says of each moment, for figures and the energy's account.
+
+The same functions that judge candidates by columns, called with columns of one. The winding is at its steady mean
+temperature, as it is where checks and energy are computed.
+Symbols: I current [A], V voltage [V], w speed [rad/s], P_h loss at the housing [W].
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.loadcycle import mean_product
+from drivesizer.loads import load_cycle
+from drivesizer.physics import SPEED, AtGearhead, Demands, at_gearhead, demands
+from drivesizer.physics_limits import Heat, Stress, heat, stress, volts_of
+from drivesizer.results import DriveSet
+from drivesizer.spec import RobotSpec
+from drivesizer.waveform import Wave, mean_square, wave
+
+__all__ = ["SetCycle", "Warming", "column", "set_cycle", "warming", "waveform"]
+
+Array = NDArray[np.float64]
+
+
+class SetCycle(NamedTuple):
+    """A set's parts as columns of one, and what its load cycle asks of them."""
+
+    spec: RobotSpec
+    motor: dict[str, Any]
+    gearhead: dict[str, Any]
+    at: AtGearhead
+    asked: Demands
+    warm: Heat
+    under: Stress
+
+    @property
+    def known(self) -> bool:
+        """Whether the motor's current is known, and not only a least one."""
+        return bool(self.asked.sure.all() and np.isfinite(self.asked.rms_current).all())
+
+    @property
+    def volts(self) -> Array:
+        """Coefficients of the voltage from the six functions, winding hot."""
+        return volts_of(self.asked, self.motor["torque_constant"], self.under.hot)
+
+
+class Warming(NamedTuple):
+    """What warms a motor: pieces of the cycle in order."""
+
+    duration: Array  # s
+    square: Array  # A^2, mean square current
+    loss: Array  # W, at the housing
+
+
+def column(part: Any) -> dict[str, Any]:
+    """A part as columns of one by field name.
+
+    >>> from drivesizer.catalog.parts import NO_GEARHEAD
+    >>> column(NO_GEARHEAD)["ratio"]
+    array([1.])
+    """
+    return {name: np.array([value]) for name, value in asdict(part).items()}
+
+
+def set_cycle(spec: RobotSpec, drive_set: DriveSet) -> SetCycle:
+    """What the cycle of a spec asks of a set.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    drive_set
+        What drives it.
+
+    Raises
+    ------
+    InputError
+        When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
+    """
+    motor, gearhead = column(drive_set.motor), column(drive_set.gearhead)
+    encoder = column(drive_set.encoder) if drive_set.encoder else {"inertia": np.array([np.nan])}
+    quickest = drive_set.motor.winding_time_constant
+    base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, quickest if quickest > 0.0 else np.inf)
+    at = base.behind(drive_set.belt_ratio)
+    asked = demands(at, motor, gearhead, encoder)
+    warm = heat(spec, at, asked, motor)
+    return SetCycle(spec, motor, gearhead, at, asked, warm, stress(spec, at, asked, warm, motor))
+
+
+def waveform(found: SetCycle) -> Wave:
+    """Current and voltage over the segments of the cycle, of one candidate."""
+    at = found.at
+    return wave(at.cycle.duration, at.functions, found.asked.coefficients, found.volts, found.motor["torque_constant"])
+
+
+def warming(found: SetCycle) -> Warming:
+    """Mean square current and loss at the housing over the pieces of which a winding feels the mean."""
+    duration, functions = found.at.warming
+    c, speed = found.asked.coefficients, functions[:, :, SPEED]
+    square = mean_square(wave(duration, functions, c, c, found.motor["torque_constant"]))[0]
+    loss = found.warm.friction[0] * np.abs(speed).mean(1) + found.warm.iron[0] * mean_product(speed, speed)
+    return Warming(duration, square, loss)
