@@ -8,7 +8,6 @@ import zlib
 from dataclasses import replace
 from itertools import pairwise
 from math import nan
-from pathlib import Path
 
 import jinja2
 import numpy as np
@@ -143,7 +142,7 @@ def test_sets_are_those_of_the_json_document(hostile):
 
 
 def test_the_same_input_gives_the_same_bytes(content, result, proof, tmp_path):
-    (path,) = write(result, proof, tmp_path / "report.html")
+    (path,) = write(result, proof, [tmp_path / "report.html"])
     assert path.read_bytes() == content
     assert len(content) <= 5_000_000
 
@@ -367,7 +366,7 @@ def test_a_page_without_anything_to_look_at(result):
 
 def test_a_suffix_that_is_no_kind_of_report_is_one_line(result, tmp_path):
     with pytest.raises(InputError, match=r"expected \.csv or \.pdf or \.html"):
-        write(result, None, Path(tmp_path / "report.htm"))
+        write(result, None, [tmp_path / "report.htm"])
 
 
 def test_a_symbol_in_a_note_is_lowered_and_the_rest_escaped():

@@ -45,7 +45,7 @@ def result(spec: RobotSpec) -> SizingResult:
 @pytest.fixture(scope="module")
 def report(result: SizingResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The SPS robot with every figure that there is."""
-    (path,) = write(result, whole_validation(result), tmp_path_factory.mktemp("page") / "report.html")
+    (path,) = write(result, whole_validation(result), [tmp_path_factory.mktemp("page") / "report.html"])
     return path
 
 
@@ -62,7 +62,7 @@ def hoist(tmp_path_factory, catalog) -> SizingResult:
 
 @pytest.fixture(scope="module")
 def hostile(hoist: SizingResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    (path,) = write(hoist, None, tmp_path_factory.mktemp("page") / "report.html")
+    (path,) = write(hoist, None, [tmp_path_factory.mktemp("page") / "report.html"])
     return path
 
 

@@ -114,7 +114,7 @@ def test_energy_heat_parts_and_what_is_not_known_are_told(result, proof):
     for said in (
         "Energy per cycle 5088 J", "drawn less what comes back and is kept (70 %", "Copper loss, mean 0.3658 W",
         "Winding in the long run, mean 38.23 °C", "winding time constant, motor time constant of the motor not known",
-        "4 × gearhead maxon GP 26 A 406764 127.73 EUR 510.92 EUR", "without motor, encoder, controller",
+        "4 × gearhead maxon GP 26 A 406764 127.73 EUR 510.92 EUR", "without motor, belt, encoder, controller",
         "Cables, connectors", "Motor permissible speed motor max speed", "encoder max speed 24000 rpm recalled",
     ):  # fmt: skip
         assert said in text, said

@@ -25,6 +25,7 @@ from drivesizer.report import (
 from drivesizer.report.behaviour import Behaviour
 from drivesizer.report.drawings import report_drawings
 from drivesizer.report.order_list import order_list
+from drivesizer.report.parts import parts_list
 from drivesizer.report.style import STYLE
 from drivesizer.results import Check, SizingResult
 from drivesizer.set_cycle import Warming, set_cycle
@@ -309,14 +310,14 @@ def test_figures_that_hang_on_an_unknown_one_are_left_out(result):
 
 def test_the_parts_list_multiplies_and_sums_what_is_known(result):
     best = result.sets[0]
-    listed = order_list(best, 4, result.catalog)
+    listed = order_list(parts_list(best, result.catalog, 4))
     rows = {row["role"]: row for row in listed["order"]}
     assert rows["gearhead"]["each"] == "127.73 EUR" and rows["gearhead"]["all"] == "510.92 EUR"
     assert rows["gearhead"]["count"] == "4 ×" and rows["gearhead"]["dated"].startswith("2019-09")
     assert rows["motor"]["each"] == "unknown" and rows["motor"]["part"] == "118752"
-    assert listed["order_sum"] == "510.92 EUR" and listed["order_lacks"] == "without motor, encoder, controller"
+    assert listed["order_sum"] == "510.92 EUR" and listed["order_lacks"] == "without motor, belt, encoder, controller"
     nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None)
-    listed = order_list(nothing, 1, result.catalog)
+    listed = order_list(parts_list(nothing, result.catalog, 1))
     assert (
         listed["order_sum"] == "unknown"
         and {row["role"]: row["family"] for row in listed["order"]}["encoder"] == "unknown"

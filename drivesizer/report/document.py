@@ -21,6 +21,7 @@ from drivesizer.report.loop_rows import gain, linear
 from drivesizer.report.operating import panels
 from drivesizer.report.order_list import order_list
 from drivesizer.report.panels import windows
+from drivesizer.report.parts import parts_list
 from drivesizer.report.rests_on import marked_figures, unknown_figures
 from drivesizer.report.set_rows import check_row, compared, figure_row, moves, set_row
 from drivesizer.report.wording import cleaned, margin, short
@@ -103,7 +104,7 @@ def _of_set(best: DriveSet | None, does: Behaviour | None, result: SizingResult)
         "heat": does.heat,
         "heat_lacks": does.heat_lacks,
         "hottest": does.hottest[0] if does.hottest and len(does.cycles) > 1 else "",
-        **order_list(best, result.spec.load.motors, catalog),
+        **order_list(parts_list(best, catalog, result.spec.load.motors)),
         "unknown": unknown_figures(best),
         "marked": marked_figures(best, catalog),
         "motor_steps": [step(r) for r in best.requirements],

@@ -1,51 +1,43 @@
-"""The parts list of a report: how many of what, its order number, and what it costs as of when."""
+"""The parts list as the report prints it: how many of what, its order number, and what it costs as of when."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isnan
 from typing import Any
 
-from drivesizer.catalog import Catalog
-from drivesizer.results import DriveSet, made_by, section_of
+from drivesizer.report.parts import PartLine, totals
 
 __all__ = ["order_list"]
 
 
-def order_list(drive_set: DriveSet, sets: int, catalog: Catalog) -> dict[str, Any]:
+def order_list(lines: Sequence[PartLine]) -> dict[str, Any]:
     """Rows of the list, the sum of what is known, and what it lacks.
 
     Parameters
     ----------
-    drive_set
-        The set; a part that no catalogue names is a row without a number.
-    sets
-        How many motor sets there are.
-    catalog
-        Where the parts are from: a price is of the date of its source.
+    lines
+        Of :func:`drivesizer.report.parts.parts_list`.
     """
-    rows, total, lacks = [], 0.0, []
-    for role, part in drive_set.parts.items():
-        price = float("nan") if part is None else part.price
-        total += 0.0 if isnan(price) else sets * price
-        lacks += [role] if isnan(price) else []
-        rows.append({
-            "count": f"{sets} ×", "role": role, "family": "unknown" if part is None else made_by(part),
-            "part": "" if part is None else part.part, "each": _money(price), "all": _money(sets * price),
-            "dated": "" if isnan(price) else _dated(part, catalog),
-        })  # fmt: skip
-    whole = float("nan") if len(lacks) == len(rows) else total
-    return {"order": rows, "order_sum": _money(whole), "order_lacks": f"without {', '.join(lacks)}" if lacks else ""}
+    prices = [total for total in totals(lines) if total.name == "price"]
+    lacks = [line.role for line in lines if isnan(line.price)]
+    return {
+        "order": [_row(line) for line in lines],
+        "order_sum": " + ".join(f"{total.value:.2f} {total.unit}" for total in prices) or "unknown",
+        "order_lacks": f"without {', '.join(lacks)}" if lacks else "",
+    }
 
 
-def _money(price: float) -> str:
-    return "unknown" if isnan(price) else f"{price:.2f} EUR"
+def _row(line: PartLine) -> dict[str, str]:
+    maker = line.family if line.maker in line.family else f"{line.maker} {line.family}"
+    named = f"{line.part}, no order number known" if line.part and not line.order_number else line.part
+    return {
+        "count": f"{line.quantity} ×", "role": line.role, "family": maker or line.said or "unknown", "part": named,
+        "each": _money(line.price, line.currency), "all": _money(line.quantity * line.price, line.currency),
+        "dated": " ".join([*(["no date"] if not isnan(line.price) and not line.price_date else []), line.price_date,
+                           *([f"from {line.pieces} pieces"] if (line.pieces or 1) > 1 else [])]).strip(),
+    }  # fmt: skip
 
 
-def _dated(part: Any, catalog: Catalog) -> str:
-    """When a price was: the date of the note on it, else of the row's source."""
-    section = section_of(part)
-    table = catalog.table(section)
-    if part.part not in table.rows:
-        return ""
-    own = [note.source for note in catalog.notes_on(section, part.part) if "price" in note.fields and note.source]
-    return own[0] if own else catalog.sources[table.source[table.rows[part.part]]].date or "no date"
+def _money(price: float, currency: str) -> str:
+    return "unknown" if isnan(price) else f"{price:.2f} {currency}"
