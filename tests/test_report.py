@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import re
 import subprocess
 import sys
@@ -16,7 +17,7 @@ import drivesizer
 from drivesizer.errors import InputError
 from drivesizer.objectives import objective_figure
 from drivesizer.report import pdf, tables, write, write_series, write_sets
-from drivesizer.report.derivation import step
+from drivesizer.report.derivation import found_failures, step
 from drivesizer.report.files import put
 from drivesizer.report.sums import price_of
 from drivesizer.results import Relaxation, SizingResult
@@ -217,6 +218,13 @@ def test_every_requirement_has_its_numbers_put_in(result):
     made = {r.name: step(r) for r in result.requirements}
     assert made["rms_torque"]["numbers"].count("(-2.855 thin") == 1  # a negative figure under a square has brackets
     assert made["wheel_mass"]["numbers"].count('(0.0762 thin "m")^(2)') == 1
+
+
+def test_the_kept_failures_of_printed_forms_are_those_that_are_found():
+    kept = json.loads(
+        (Path(drivesizer.__file__).parent / "report" / "printed_failures.json").read_text(encoding="utf-8")
+    )
+    assert kept == found_failures() and set(kept) == {"acceleration_torque", "no_load_speed"}
 
 
 # -- every kind of load, load cases, margins, fronts

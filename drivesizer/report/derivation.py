@@ -1,23 +1,26 @@
 """Every requirement as mathematics: the printed form, the computed form, the numbers put in, the result.
 
 The mathematics is typst source made of our own declarations and of numbers; no text of a spec or a catalogue
-enters it.
+enters it. ``python -m drivesizer.report.derivation > printed_failures.json`` tells anew which printed forms fail the
+unit check.
 """
 
 from __future__ import annotations
 
 import ast
 import inspect
+import json
 import math
 from functools import cache
+from importlib import resources
 from typing import Any
 
-from drivesizer.declare import Equation
+from drivesizer.declare import COMPANIONS, EQUATIONS, Equation
 from drivesizer.formula import computed, printed_failure, symbol_typst, typst
 from drivesizer.results import Requirement
 from drivesizer.units import KINDS, from_si
 
-__all__ = ["MATHEMATICS", "quantity", "step", "symbol"]
+__all__ = ["MATHEMATICS", "found_failures", "quantity", "step", "symbol"]
 
 MATHEMATICS = ("symbol", "symbol_value", "printed", "used", "numbers", "result")  # of a step: typst source
 
@@ -45,7 +48,7 @@ def step(r: Requirement) -> dict[str, Any]:
     made["used"] = f"{left} = {used}" if used.replace("^(2)", "^2") not in ("", left) else ""
     made["numbers"] = f"{left} = {_put_in(r, expression)}"
     made["result"] = _result(r)
-    made["failure"] = _failure(r.declared) or ""
+    made["failure"] = _failures().get(r.declared.name, "")
     return made
 
 
@@ -89,8 +92,17 @@ def _unit(unit: str) -> str:
 
 
 @cache
-def _failure(declared: Equation) -> str | None:
-    return printed_failure(declared)
+def _failures() -> dict[str, str]:
+    """Why printed forms fail the unit check, by the equation's name: found once and kept, as no report needs pint."""
+    kept: dict[str, str] = json.loads(resources.files(__package__).joinpath("printed_failures.json").read_bytes())
+    return kept
+
+
+def found_failures() -> dict[str, str]:
+    """The same, found anew: every declared equation's printed form evaluated with units."""
+    every = [*EQUATIONS.values(), *COMPANIONS.values()]
+    found = {declared.name: printed_failure(declared) for declared in every}
+    return {name: failure for name, failure in found.items() if failure}
 
 
 def _expression(r: Requirement) -> str:
@@ -137,3 +149,9 @@ def _result(r: Requirement) -> str:
     value, si = float(r.value), KINDS[r.kind].si
     trade = quantity(value, r.unit, r.kind)
     return trade if si == r.unit else f"{quantity(value, si, r.kind)} = {trade}"
+
+
+if __name__ == "__main__":
+    import drivesizer.equations  # noqa: F401 - declares them
+
+    print(json.dumps(found_failures(), ensure_ascii=False, indent=1))

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.loadcycle import LoadCycle
-from drivesizer.report.panels import Window, thinned, windows
+from drivesizer.report.panels import Window, windows
+from drivesizer.report.strips import Strip, across, strip, within
 from drivesizer.report.style import CASES, COLOURS, Form, drawn, heading, limit, named, placed, torque_unit
 from drivesizer.results import Validation
 from drivesizer.units import from_si, label
@@ -72,19 +73,20 @@ def over_time(traces: Sequence[Trace], rows: Sequence[Row], shown: Sequence[Wind
     """
     lines = math.ceil(len(traces) / _ABREAST) if len(traces) > 1 else 0
 
+    beside = strip(shown)
+
     def draw(figure: Figure) -> None:
-        grid = placed(figure, len(rows), len(shown), top=0.1 + _LINE * lines)
-        for line, row in zip(grid, rows, strict=True):
-            line[0].set_ylabel(f"{row.column} ({label(row.unit)})")
-            for axes, window in zip(line, shown, strict=True):
-                for trace, look in zip(traces, CASES, strict=False):
-                    _over_time(axes, trace, row, window, look)
+        grid = [axes for (axes,) in placed(figure, len(rows), top=0.1 + _LINE * lines)]
+        for axes, row in zip(grid, rows, strict=True):
+            axes.set_ylabel(f"{row.column} ({label(row.unit)})")
+            for trace, look in zip(traces, CASES, strict=False):
+                _over_time(axes, trace, row, beside, look)
             if row.limits:
-                _limits(line, row)
-        for axes in grid[-1]:
-            axes.set_xlabel("time (s)")
+                _limits(axes, row)
+            across(axes, beside)
+        grid[-1].set_xlabel("time (s)")
         if lines:
-            heading(figure, *grid[0][0].get_legend_handles_labels(), min(len(traces), _ABREAST))
+            heading(figure, *grid[0].get_legend_handles_labels(), min(len(traces), _ABREAST))
 
     return drawn(draw, 0.95 * len(rows) + 0.5 + _LINE * lines, form)
 
@@ -98,33 +100,32 @@ _HEADROOM = 1.15  # for what is told above a limit
 _HEIGHT_OF_A_NAME = 0.16  # of the axis
 
 
-def _limits(line: Sequence[Axes], row: Row) -> None:
+def _limits(axes: Axes, row: Row) -> None:
     """Limits in sight as lines, those beyond it in words."""
-    reach = max(abs(end) for end in line[0].get_ylim())
+    reach = max(abs(end) for end in axes.get_ylim())
     limits = [(name, float(from_si(value, row.unit, row.kind))) for name, value in row.limits]
     inside = {name: value for name, value in limits if value <= _IN_SIGHT * reach}
     beyond = [_said(name, value, row.unit) for name, value in limits if name not in inside]
     near = _HEIGHT_OF_A_NAME * max(reach, *inside.values(), 0.0)
     for look, (name, value) in enumerate(inside.items()):
         below = any(value < other < value + near for other in inside.values())
-        for axes in line:
-            limit(axes, value, _said(name, value, row.unit) if axes is line[-1] else "", look, below=below)
-    line[0].set_ylim(top=_HEADROOM * max(line[0].get_ylim()[1], *inside.values(), 0.0))
+        limit(axes, value, _said(name, value, row.unit), look, below=below)
+    axes.set_ylim(top=_HEADROOM * max(axes.get_ylim()[1], *inside.values(), 0.0))
     if beyond:
-        line[0].annotate("beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction",
-                         textcoords="offset points", ha="left", va="top", fontsize=6.5)  # fmt: skip
+        axes.annotate("beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction",
+                      textcoords="offset points", ha="left", va="top", fontsize=6.5)  # fmt: skip
 
 
 def _said(name: str, value: float, unit: str) -> str:
     return f"{name} {value:.4g} {label(unit)}"
 
 
-def _over_time(axes: Axes, trace: Trace, row: Row, window: Window, look: tuple[str, Any]) -> None:
-    kept = thinned(trace.time, trace.columns[row.column], window)
-    values = from_si(trace.columns[row.column][kept], row.unit, row.kind)
-    axes.plot(trace.time[kept], values, color=COLOURS[look[0]], linestyle=look[1], label=named(trace.name))
+def _over_time(axes: Axes, trace: Trace, row: Row, shown: Strip, look: tuple[str, Any]) -> None:
+    for number, window in enumerate(shown.windows):
+        time, values = within(trace.time, trace.columns[row.column], window)
+        axes.plot(shown.place(number, time), from_si(values, row.unit, row.kind), color=COLOURS[look[0]],
+                  linestyle=look[1], label="" if number else named(trace.name))  # fmt: skip
     axes.axhline(0.0, color="black", linewidth=0.6)
-    axes.set_xlim(window.start, window.end)
 
 
 def stretches(cycles: Sequence[tuple[str, LoadCycle]]) -> list[Window]:
@@ -166,21 +167,18 @@ def closed_loop_rows(validation: Validation) -> list[tuple[tuple[str, ...], str]
 
 def closed_loop(validation: Validation, form: Form = "svg") -> bytes:
     """Reference and speed, errors, current, voltage and winding over the moments in which something changes."""
-    shown, rows = windows(validation.series), closed_loop_rows(validation)
+    shown, rows = strip(windows(validation.series)), closed_loop_rows(validation)
 
     def draw(figure: Figure) -> None:
-        grid = placed(figure, len(rows), len(shown), left=0.8, top=0.22)
-        for line, (names, title) in zip(grid, rows, strict=True):
+        grid = [axes for (axes,) in placed(figure, len(rows), left=0.8, top=0.22)]
+        for axes, (names, title) in zip(grid, rows, strict=True):
             _, unit = validation.series_units[names[-1]]
-            line[0].set_ylabel("\n".join([*textwrap.wrap(title, _WIDEST), f"({label(unit)})"]))
-            for axes, window in zip(line, shown, strict=True):
-                _traces(axes, validation, names, window)
-        for axes, window in zip(grid[0], shown, strict=True):
-            axes.set_title(window.title)
-        for axes in grid[-1]:
-            axes.set_xlabel("time (s)")
+            axes.set_ylabel("\n".join([*textwrap.wrap(title, _WIDEST), f"({label(unit)})"]))
+            _traces(axes, validation, names, shown)
+            across(axes, shown, titled=axes is grid[0])
+        grid[-1].set_xlabel("time (s)")
         if len(rows[0][0]) > 1:
-            figure.legend(*grid[0][0].get_legend_handles_labels(), loc="upper right", ncols=2, borderaxespad=0.2)
+            figure.legend(*grid[0].get_legend_handles_labels(), loc="upper right", ncols=2, borderaxespad=0.2)
 
     return drawn(draw, 0.72 * len(rows) + 0.6, form)
 
@@ -188,12 +186,12 @@ def closed_loop(validation: Validation, form: Form = "svg") -> bytes:
 _WIDEST = 14  # letters of a row's title on a line
 
 
-def _traces(axes: Axes, validation: Validation, names: tuple[str, ...], window: Window) -> None:
+def _traces(axes: Axes, validation: Validation, names: tuple[str, ...], shown: Strip) -> None:
     looks = ((COLOURS["vermillion"], (0, (4, 3)), 1.0), (COLOURS["blue"], "solid", 1.4))
     for layer, (name, (colour, dashes, width)) in enumerate(zip(names, looks[-len(names) :], strict=True)):
         kind, unit = validation.series_units[name]
-        rows = thinned(validation.series["time"], validation.series[name], window)
-        time, values = validation.series["time"][rows], from_si(validation.series[name][rows], unit, kind)
         said = "reference" if name.endswith("reference") else name
-        axes.plot(time, values, color=colour, linestyle=dashes, linewidth=width, label=said, zorder=4 - layer)
-    axes.set_xlim(window.start, window.end)
+        for number, window in enumerate(shown.windows):
+            time, values = within(validation.series["time"], validation.series[name], window)
+            axes.plot(shown.place(number, time), from_si(values, unit, kind), color=colour, linestyle=dashes,
+                      linewidth=width, label="" if number else said, zorder=3 - 0.5 * layer)  # fmt: skip
