@@ -27,6 +27,7 @@ _ROOM = 1.12
 _FAR = 4.0  # times the cycle's torque; a gearhead that bears more would leave the cycle no room
 _SHADES = ("#FFFFFF", "#CFE3F1")
 _MOST = 1500  # segments of a trace: finer than print
+_MARKED = 200  # ends of segments that are marked each
 
 
 class EfficiencyMap(NamedTuple):
@@ -88,8 +89,8 @@ def efficiency_map(found: EfficiencyMap, form: Form = "svg") -> bytes:
         _lines(axes, found, unit)
         for (name, torque, speed), (colour, dashes) in zip(found.traces, CASES, strict=False):
             said = f"load cycle,\n{named(name)}" if name else "load cycle"
-            axes.plot(_shown(torque, unit), _rpm(speed), color=COLOURS[colour], linestyle=dashes, marker="o",
-                      markersize=2.2, label=said, zorder=5)  # fmt: skip
+            axes.plot(_shown(torque, unit), _rpm(speed), color=COLOURS[colour], linestyle=dashes, label=said, zorder=5,
+                      marker="o" if len(torque) <= _MARKED else "", markersize=2.2)  # fmt: skip
         axes.axvline(0.0, color="black", linewidth=0.6)
         axes.set(xlim=_shown(found.torque[[0, -1]], unit), ylim=(0.0, _rpm(found.speed[-1])))
         axes.set(xlabel=f"torque at the gearhead's output ({label(unit)})", ylabel="speed there (rpm)")
