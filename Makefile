@@ -42,6 +42,7 @@ bench: $(READY)
 	$(BIN)/python benchmarks/catalog_load.py
 	$(BIN)/python benchmarks/search_sets.py
 	$(BIN)/python benchmarks/closed_loop.py
+	$(BIN)/python benchmarks/report.py
 
 clean:
 	rm -rf $(VENV) build dist site .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -6,6 +6,7 @@ what). Results go to stdout, warnings and errors to stderr.
 
 from __future__ import annotations
 
+import gc
 import sys
 import warnings
 from collections.abc import Callable
@@ -72,6 +73,7 @@ _Usage: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__name
 
 def main() -> None:
     """Run the command line; every expected failure ends in one line and a status."""
+    gc.set_threshold(200_000, 20, 20)  # in a process of seconds, looking for cycles costs more than it frees
     warnings.showwarning = lambda message, *_, **__: print(f"note: {message}", file=sys.stderr)
     try:
         status = app(standalone_mode=False)

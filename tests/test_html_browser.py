@@ -252,14 +252,22 @@ def test_stretches_zoom_and_keys(page):
     assert seen_range(page, "loop") == pytest.approx(first)
 
 
+def changed(page, element, before, patience=100):
+    """The text of an element once it is another one."""
+    for _ in range(patience):
+        if element.text_content() not in ("", before):
+            break
+        page.wait_for_timeout(50)
+    return element.text_content()
+
+
 def test_arrow_keys_go_from_point_to_point(page, result):
     drawing = page.locator("[data-plot='field-1']")
     drawing.focus()
     labels = []
     for key in ("ArrowRight", "ArrowRight", "ArrowDown"):
         page.keyboard.press(key)
-        drawing.locator(".hoverlayer .hovertext").first.wait_for(timeout=5_000)
-        labels.append(drawing.locator(".hoverlayer").text_content())
+        labels.append(changed(page, drawing.locator(".hoverlayer"), labels[-1] if labels else ""))
     assert len(set(labels)) == 3 and all("rpm" in label and "mN·m" in label for label in labels)
     page.keyboard.press("Escape")
     assert drawing.locator(".hoverlayer .hovertext").count() == 0
