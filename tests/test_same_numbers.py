@@ -262,7 +262,7 @@ def nearest(expected: Fact, read: list[Fact]) -> Fact | None:
 def candidate(text: str, s: Any, expected: Facts) -> Facts:
     pattern = (
         rf"\b{s.rank} {words(s.motor_name)} .{{0,80}}? (?P<ratio>{NUMBER}) (?P<mass>{NUMBER} g|unknown) "
-        rf"(?P<price>{NUMBER} EUR|unknown) .{{0,120}}?{STATUS}"
+        rf"(?P<price>{NUMBER}(?: EUR)?|unknown) .{{0,120}}?{STATUS}"
     )
     match = re.search(pattern, text[text.index("pairs of motor and gearhead") :])
     if match is None:

@@ -43,7 +43,7 @@ def _row(s: DriveSet) -> dict[str, Any]:
         "gearhead": _gearhead(s, belt=False),
         "ratio": f"{s.total_ratio:.4g}",
         "mass": show(s.mass, "g", "mass"),
-        "price": "unknown" if isnan(price) else f"{price:.2f}",
+        "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
         "margin": margin(tight.margin) if tight else "",
         "check": _some(failed) if failed else tight.title if tight else "",
         "status": s.status,
