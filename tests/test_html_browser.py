@@ -185,9 +185,13 @@ def pointed(page: Any, name: str, curve: str, point: int) -> str:
     }""",
         [curve, point],
     )
-    page.mouse.move(x - 3, y - 2)
-    page.mouse.move(x, y, steps=4)
     label = drawing.locator(".hoverlayer .hovertext")
+    for patience in range(1, 20):  # a figure that is being drawn does not hear the pointer
+        page.mouse.move(x - 3, y - 2)
+        page.mouse.move(x, y, steps=4)
+        page.wait_for_timeout(50 * patience)
+        if label.count():
+            break
     label.first.wait_for(timeout=5_000)
     return " | ".join(label.first.locator("tspan.line, text").all_text_contents())
 
@@ -274,10 +278,14 @@ def test_arrow_keys_go_from_point_to_point(page, result):
 
 
 def test_a_set_that_is_clicked_in_a_figure_is_marked_in_the_table(page):
-    pointed(page, "sets-margin", "fail", 0)
-    page.mouse.down()
-    page.mouse.up()
-    page.wait_for_selector("#sets tr.lit")
+    lit = page.locator("#sets tr.lit")
+    for _ in range(10):  # a figure that is being drawn anew takes no click
+        pointed(page, "sets-margin", "fail", 0)
+        page.mouse.down()
+        page.mouse.up()
+        page.wait_for_timeout(500)
+        if lit.count():
+            break
     assert page.locator("#sets tr.lit").get_attribute("data-rank") == "2"
 
 
