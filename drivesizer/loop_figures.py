@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from drivesizer.closed_loop import Case
 from drivesizer.loop_warnings import speed_quantum
+from drivesizer.profile import SPEED
 from drivesizer.results import Figure
-from drivesizer.verdict import SPEED
 
 __all__ = ["figures", "quantum", "series", "series_units"]
 

@@ -25,7 +25,20 @@ from drivesizer.motions import Csv, Harmonic, SCurve, Segments, Trapezoid, Trian
 from drivesizer.recording import beside, columns
 from drivesizer.spec import RobotSpec
 
-__all__ = ["Profile", "from_csv", "harmonic", "profile", "profile_of", "s_curve", "segments", "trapezoid", "triangle"]
+__all__ = [
+    "SPEED",
+    "Profile",
+    "from_csv",
+    "harmonic",
+    "profile",
+    "profile_of",
+    "s_curve",
+    "segments",
+    "trapezoid",
+    "triangle",
+]
+
+SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
 
 _PIECES = 32  # of a jerk phase
 _QUARTER = 64  # pieces of a quarter of a harmonic period: the speed is off by 7.5e-5 of its peak, 1 - cos(pi/256)

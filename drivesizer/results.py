@@ -265,6 +265,11 @@ class SizingResult:
     front: tuple[DriveSet, ...] = ()  # the Pareto front, where one was asked for
     pareto: tuple[str, ...] = ()  # its objectives
 
+    @property
+    def shown(self) -> DriveSet | None:
+        """The set that is told in full: the best, else the nearest miss; None without either."""
+        return next(iter((*self.sets, *self.misses)), None)
+
 
 def section_of(part: Any) -> str:
     """The catalogue's section that a part is listed in, such as ``motors``."""

@@ -18,13 +18,13 @@ from drivesizer.errors import InputError
 from drivesizer.loop_figures import figures, series, series_units
 from drivesizer.loop_warnings import loop_warnings, resolution_warning, resonance_warning
 from drivesizer.machines import Recorded, WheeledVehicle
-from drivesizer.profile import Profile
+from drivesizer.profile import SPEED, Profile
 from drivesizer.profile import profile as named
 from drivesizer.results import Check, DriveSet, Gains, SizingResult, Status, Validation
 from drivesizer.shaft_load import asked_of
 from drivesizer.spec import RobotSpec
 from drivesizer.units import show
-from drivesizer.verdict import SPEED, checks
+from drivesizer.verdict import checks
 
 __all__ = ["validate", "validate_all"]
 

@@ -13,13 +13,13 @@ from drivesizer.catalog import Controller, Encoder
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
 from drivesizer.closed_loop import FOLLOWS, Case
 from drivesizer.machines import WheeledVehicle
+from drivesizer.profile import SPEED
 from drivesizer.results import Check
 from drivesizer.thermal import current_derating, steady_winding_temperature
 
-__all__ = ["METHOD", "SPEED", "checks"]
+__all__ = ["METHOD", "checks"]
 
 METHOD = "closed loop"
-SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
 _ROTARY = ("rotary_speed", "rpm")
 
 

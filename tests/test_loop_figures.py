@@ -87,7 +87,7 @@ def marks(axes) -> dict[str, tuple[float, float]]:
 def test_crossover_margin_and_bandwidth_are_marked_where_the_closed_forms_have_them(canvas):
     opened, phase, closed = canvas(loop_curves.bode, CASCADE)
     for loop in CASCADE:
-        colour = loop_curves.COLOURS[loop_curves._look(loop)[0]]
+        colour = loop_curves.COLOURS[loop_curves.look_of(loop)[0]]
         assert marks(opened)[colour] == (loop.crossover, 0.0)
         assert marks(phase)[colour] == pytest.approx((loop.crossover, -180.0 + degrees(loop.phase_margin)), abs=0.01)
         assert marks(closed)[colour] == pytest.approx((loop.bandwidth, -3.0103), abs=1e-3)
@@ -119,7 +119,7 @@ def test_two_integrators_start_at_minus_180_degrees_on_either_side_of_the_cut():
 
 
 def test_loops_differ_in_dashes_and_marks_and_not_in_colour_alone():
-    looks = [loop_curves._look(loop) for loop in (*CASCADE, replace(VELOCITY, name="other"))]
+    looks = [loop_curves.look_of(loop) for loop in (*CASCADE, replace(VELOCITY, name="other"))]
     for part in zip(*looks, strict=True):
         assert len(set(part)) == len(looks)
 

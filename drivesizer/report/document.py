@@ -53,7 +53,7 @@ def document(
     date
         Printed where it is given.
     """
-    best = next(iter((*result.sets, *result.misses)), None)
+    best = result.shown
     return {
         **cleaned(_content(result, validation, best, does)),
         "sheet": paper,

@@ -45,7 +45,7 @@ def report_drawings(
         By name what draws it: ``profile``, ``cycle``; of a set ``margins``, ``field``, ``efficiency``, ``demand``,
         ``heat`` and ``energy``, as far as its figures are known; ``front``; ``loop``, ``bode`` and ``step``.
     """
-    best = next(iter((*result.sets, *result.misses)), None)
+    best = result.shown
     cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
     made: dict[str, Drawing] = {
         "profile": lambda form: speed_profile(result.spec, form),

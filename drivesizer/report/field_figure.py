@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.operating_field import OperatingField
-from drivesizer.report.operating import Panel
+from drivesizer.report.operating import Panel, reach_of, signed
 from drivesizer.report.style import CASES, COLOURS, Form, drawn, named, outside, placed, torque_unit
 from drivesizer.units import from_si, label, show
 
@@ -59,35 +59,25 @@ _LINES = 5  # of a motor that have a name
 _BESIDE = 0.45  # in, of a legend that may stand beside the axis below a field
 _ROOM = 1.12  # of an axis beyond what must be seen
 _HEADROOM = 1.06  # above the highest speed
-_FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room
 
 
 def _field(axes: Axes, panel: Panel) -> None:
     first = panel.cases[0][-1]
-    unit = torque_unit(_reach(panel))
-    _lines(axes, first, unit, _reach(panel))
+    reach = reach_of(panel)
+    unit = torque_unit(reach)
+    _lines(axes, first, unit, reach)
     for number, name, found in panel.cases:
         if number < len(CASES):
             _trace(axes, found, unit, *CASES[number], f"load cycle,\n{named(name)}" if name else "load cycle")
     _mark(axes, panel, unit)
-    right = float(from_si(_ROOM * _reach(panel), unit, "torque"))
-    left = min(0.0, *(np.nan_to_num(_signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
+    right = float(from_si(_ROOM * reach, unit, "torque"))
+    left = min(0.0, *(np.nan_to_num(signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
     top = max(first.speed[-1], *(f.speed[-1] for *_, f in panel.cases), *(p.speed for p in panel.points))
     axes.set_xlim(_ROOM * float(from_si(left, unit, "torque")) - 0.03 * right, right)
     axes.set_ylim(0, float(from_si(_HEADROOM * top, "rpm", "rotary_speed")))
     axes.axvline(0, color="black", linewidth=0.6)
     axes.set(xlabel=f"torque at the motor's shaft ({label(unit)})", ylabel="motor speed (rpm)")
     outside(axes)
-
-
-def _reach(panel: Panel) -> float:
-    """The torque to which the axis goes [N*m]: what the drive may do and the cycle asks for, seldom as far as stall."""
-    first = panel.cases[0][-1]
-    stall = float(np.nan_to_num(first.voltage_cold[0]))
-    lines = (first.continuous.max(), np.fmin(first.intermittent.max(), _FAR * first.continuous.max()))
-    known = [min(float(x), stall) for x in lines if x == x]
-    asked = [float(np.nan_to_num(_signed(f)[1]).max()) for *_, f in panel.cases]
-    return max(*known, *asked, *(p.torque for p in panel.points), 1e-6) if known else max(stall, *asked)
 
 
 def _lines(axes: Axes, found: OperatingField, unit: str, reach: float) -> None:
@@ -126,14 +116,8 @@ def _continuous(axes: Axes, found: OperatingField, unit: str) -> None:
 _MOST_SEGMENTS = 1500  # of a trace: finer than print
 
 
-def _signed(found: OperatingField) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Speed and torque of the cycle, one way as the other: what brakes is below 0, what holds is not."""
-    way = np.sign(found.cycle_speed.mean(1))[:, None]
-    return np.abs(found.cycle_speed), np.where(way == 0.0, np.abs(found.cycle_torque), way * found.cycle_torque)
-
-
 def _trace(axes: Axes, found: OperatingField, unit: str, colour: str, dashes: Any, name: str) -> None:
-    speed, torque = _signed(found)
+    speed, torque = signed(found)
     if np.isnan(torque).any():
         return
     extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]

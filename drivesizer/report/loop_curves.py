@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["bode", "curve_of", "span", "step"]
+__all__ = ["bode", "curve_of", "look_of", "span", "step"]
 
 _LOOKS: dict[str, tuple[str, Any, str]] = {  # colour, dashes and mark of a loop
     "current": ("vermillion", (0, (1, 1.2)), "s"),
@@ -99,7 +99,7 @@ _ABOVE = 0.12  # in, over the axes, beside the legend
 
 def _curves(grid: Sequence[Axes], loop: Loop) -> None:
     """A loop in all three diagrams: a mark at crossover and at bandwidth, a line for the phase margin."""
-    curve, (colour, dashes, mark) = curve_of(loop), _look(loop)
+    curve, (colour, dashes, mark) = curve_of(loop), look_of(loop)
     look: dict[str, Any] = {"color": COLOURS[colour], "linestyle": dashes}
     spot: dict[str, Any] = look | {"marker": mark, "markersize": 4, "linestyle": "none", "zorder": 5}
     for axes, values in zip(grid, curve[1:], strict=True):
@@ -115,7 +115,8 @@ def _curves(grid: Sequence[Axes], loop: Loop) -> None:
         grid[2].plot([loop.bandwidth], [curve.closed[0] - _DOWN], **spot)
 
 
-def _look(loop: Loop) -> tuple[str, Any, str]:
+def look_of(loop: Loop) -> tuple[str, Any, str]:
+    """Colour, dashes and mark of a loop."""
     return _LOOKS.get(loop.name, _OTHER)
 
 
@@ -201,7 +202,7 @@ def _answer(axes: Axes, loop: Loop) -> None:
     rows = on_curves((values,), _MOST)
     unit, per = ("s", 1.0) if len(values) * loop.period >= 1.0 else ("ms", 1e3)
     few: dict[str, Any] = {"marker": "o", "markersize": 2.5} if len(rows) <= _FEW else {}
-    axes.plot(per * loop.period * rows, 100.0 * values[rows], color=COLOURS[_look(loop)[0]], **few)
+    axes.plot(per * loop.period * rows, 100.0 * values[rows], color=COLOURS[look_of(loop)[0]], **few)
     rest = 100.0 * float(loop.bode.closed_magnitude[0])
     axes.axhspan(0.98 * rest, 1.02 * rest, color=COLOURS["grey"], alpha=0.18, linewidth=0)
     if not math.isnan(loop.settling_time):

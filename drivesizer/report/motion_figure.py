@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.loads import load_cycle
 from drivesizer.motions import Trapezoid
-from drivesizer.profile import profile_of
+from drivesizer.profile import SPEED, profile_of
 from drivesizer.report.panels import Window, thinned
 from drivesizer.report.style import COLOURS, Form, drawn, placed
 from drivesizer.spec import RobotSpec
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["speed_profile"]
+__all__ = ["speed_asked", "speed_profile"]
 
 
 def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
@@ -26,15 +27,9 @@ def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
     motion = spec.motion
     if isinstance(motion, Trapezoid):
         return drawn(lambda figure: _phases(placed(figure)[0][0], motion, spec.load.axis), _HEIGHT, form)
-    if motion is None:
-        cycle = load_cycle(spec)
-        time, speed, axis = cycle.time.ravel(), cycle.speed.ravel(), "rotary"
-    else:
-        asked, axis = profile_of(spec), spec.load.axis
-        time, speed = np.array(asked.time) - asked.time[0], np.array(asked.speed)
+    time, speed, (kind, unit) = speed_asked(spec)
 
     def draw(figure: Figure) -> None:
-        kind, unit = _SPEED[axis]
         axes = placed(figure)[0][0]
         rows = thinned(time, speed, Window("", float(time[0]), float(time[-1])))
         axes.plot(time[rows], from_si(speed[rows], unit, kind), color=COLOURS["blue"], linewidth=1.6)
@@ -44,14 +39,22 @@ def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
     return drawn(draw, _HEIGHT, form)
 
 
-_SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
+def speed_asked(spec: RobotSpec) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[str, str]]:
+    """Speed over one cycle [s, SI], and its kind and unit of the trade; of a recorded load that of the driven shaft."""
+    if spec.motion is None:
+        cycle = load_cycle(spec)
+        return cycle.time.ravel(), cycle.speed.ravel(), SPEED["rotary"]
+    asked = profile_of(spec)
+    return np.array(asked.time) - asked.time[0], np.array(asked.speed), SPEED[spec.load.axis]
+
+
 _HEIGHT = 1.45  # in
 _NARROWEST = 0.2  # of a phase that is drawn, as a share of the cycle
 
 
 def _phases(axes: Axes, motion: Trapezoid, axis: str) -> None:
     """A trapezoid with its phases marked; short ones are drawn wider than to scale, so that each has its name."""
-    kind, unit = _SPEED[axis]
+    kind, unit = SPEED[axis]
     top = float(from_si(motion.speed, unit, kind))
     legs = _legs(motion, top)
     total = sum(duration for _, duration, _ in legs)

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drivesizer import equations as eq
 from drivesizer.operating_field import OperatingField, field
 from drivesizer.results import DriveSet, Requirement
 from drivesizer.spec import RobotSpec
 
-__all__ = ["OperatingPoint", "Panel", "panels", "paper_points"]
+__all__ = ["OperatingPoint", "Panel", "panels", "paper_points", "reach_of", "signed"]
+
+_FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,3 +82,19 @@ def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> 
         )
         for name, (torque, speed) in torques.items()
     )
+
+
+def signed(found: OperatingField) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Speed and torque of the cycle, one way as the other: what brakes is below 0, what holds is not."""
+    way = np.sign(found.cycle_speed.mean(1))[:, None]
+    return np.abs(found.cycle_speed), np.where(way == 0.0, np.abs(found.cycle_torque), way * found.cycle_torque)
+
+
+def reach_of(panel: Panel) -> float:
+    """The torque to which the axis goes [N*m]: what the drive may do and the cycle asks for, seldom as far as stall."""
+    first = panel.cases[0][-1]
+    stall = float(np.nan_to_num(first.voltage_cold[0]))
+    lines = (first.continuous.max(), np.fmin(first.intermittent.max(), _FAR * first.continuous.max()))
+    known = [min(float(x), stall) for x in lines if x == x]
+    asked = [float(np.nan_to_num(signed(f)[1]).max()) for *_, f in panel.cases]
+    return max(*known, *asked, *(p.torque for p in panel.points), 1e-6) if known else max(stall, *asked)

@@ -62,7 +62,7 @@ def report_pdf(
     """
     if paper not in PAPERS:
         raise InputError(f"paper {quoted(paper)} is not known; expected {' or '.join(PAPERS)}")
-    shown = next(iter((*result.sets, *result.misses)), None)
+    shown = result.shown
     does = Behaviour(result.spec, shown) if shown else None
     content = document(result, validation, does, paper, date)
     drawings = report_drawings(result, validation, does)

@@ -26,7 +26,7 @@ _TOLD = (
 
 def summary(result: SizingResult, validation: Validation | None, bought: Sequence[PartLine]) -> Sheet:
     """The machine, the drive that was found for it, what it comes to, where it is tight, and what to mind."""
-    best = next(iter((*result.sets, *result.misses)), None)
+    best = result.shown
     rows = [*_verdict(result, best)]
     if best:
         rows += [_part("The best set" if result.sets else "The nearest miss: it does not stand"), *_set(best, result)]
@@ -119,7 +119,7 @@ _FIGURES = (
 
 def chosen_set(result: SizingResult) -> Sheet:
     """Every known figure of the best set's parts with its source and how sure it is, and what the set does."""
-    best = next(iter((*result.sets, *result.misses)), None)
+    best = result.shown
     if best is None:
         return Sheet(name="Chosen set", columns=_FIGURES, rows=[], note="no set was looked at")
     does = [figure_row("figure", f) | {"role": "whole set", "confidence": "computed"} for f in best.figures]

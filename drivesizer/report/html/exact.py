@@ -22,7 +22,7 @@ def with_numbers(content: dict[str, Any], result: SizingResult, validation: Vali
     result, validation
         What it gave that of.
     """
-    best = next(iter((*result.sets, *result.misses)), None)
+    best = result.shown
     found = content | {
         "load_steps": _requirements(content["load_steps"], contract.sizing(result)["requirements"]),
         "candidates": content["candidates"] | {"sets": _sets(content["candidates"]["sets"], result)},

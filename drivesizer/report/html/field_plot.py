@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivesizer.operating_field import OperatingField
 from drivesizer.report.html.curves import Plot, dashes, figure, line
 from drivesizer.report.html.load_plots import case_look
-from drivesizer.report.operating import Panel
+from drivesizer.report.operating import Panel, reach_of, signed
 from drivesizer.report.style import torque_unit
 from drivesizer.units import from_si, label, show
 
@@ -19,7 +19,6 @@ __all__ = ["field_plot"]
 
 Array = NDArray[np.float64]
 _ROOM = 1.12  # of an axis beyond what must be seen
-_FAR = 6.0  # times the continuous torque: further out the rest has no room at first sight
 _MOST = 1500  # segments of a cycle that are drawn
 _MARKED = 60  # segments whose ends are marked each
 _PAPER = (("triangle-up-open", "vermillion"), ("square-open", "grey"), ("triangle-down-open", "purple"),
@@ -36,7 +35,7 @@ def field_plot(panel: Panel, times: Sequence[Array]) -> Plot:
     times
         Times at both ends of each segment of the cycle of each load case of the spec [s].
     """
-    first, reach = panel.cases[0][-1], _reach(panel)
+    first, reach = panel.cases[0][-1], reach_of(panel)
     unit = torque_unit(reach)
     data = [*_regions(first, unit), *_voltage_lines(first, unit, reach)]
     for number, name, found in panel.cases:
@@ -48,7 +47,7 @@ def field_plot(panel: Panel, times: Sequence[Array]) -> Plot:
 
 def _layout(panel: Panel, unit: str, reach: float) -> Plot:
     first = panel.cases[0][-1]
-    left = min(0.0, *(np.nan_to_num(_signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
+    left = min(0.0, *(np.nan_to_num(signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
     top = max(first.speed[-1], *(f.speed[-1] for *_, f in panel.cases), *(p.speed for p in panel.points))
     right = float(from_si(_ROOM * reach, unit, "torque"))
     low = _ROOM * float(from_si(left, unit, "torque")) - 0.03 * right
@@ -64,22 +63,6 @@ def _layout(panel: Panel, unit: str, reach: float) -> Plot:
 
 def _rpm(speed: Any) -> float:
     return float(from_si(speed, "rpm", "rotary_speed"))
-
-
-def _signed(found: OperatingField) -> tuple[Array, Array]:
-    """Speed and torque of the cycle, one way as the other: what brakes is below 0, what holds is not."""
-    way = np.sign(found.cycle_speed.mean(1))[:, None]
-    return np.abs(found.cycle_speed), np.where(way == 0.0, np.abs(found.cycle_torque), way * found.cycle_torque)
-
-
-def _reach(panel: Panel) -> float:
-    """The torque that is seen at first [N*m]: what the drive may do and the cycle asks for, seldom as far as stall."""
-    first = panel.cases[0][-1]
-    stall = float(np.nan_to_num(first.voltage_cold[0]))
-    lines = (first.continuous.max(), np.fmin(first.intermittent.max(), _FAR * first.continuous.max()))
-    known = [min(float(x), stall) for x in lines if x == x]
-    asked = [float(np.nan_to_num(_signed(f)[1]).max()) for *_, f in panel.cases]
-    return max(*known, *asked, *(p.torque for p in panel.points), 1e-6) if known else max(stall, *asked)
 
 
 def _regions(found: OperatingField, unit: str) -> list[Plot]:
@@ -140,7 +123,7 @@ def _hover(unit: str, more: str = "") -> str:
 
 def _cycle(number: int, name: str, found: OperatingField, time: Array, unit: str) -> list[Plot]:
     """The way of a load cycle through the field, and the point of its RMS current and speed."""
-    speed, torque = _signed(found)
+    speed, torque = signed(found)
     if np.isnan(torque).any():
         return []
     extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from drivesizer.loadcycle import LoadCycle
-from drivesizer.loads import load_cycle
-from drivesizer.profile import profile_of
 from drivesizer.report.figures import stretches
 from drivesizer.report.html.curves import Plot, dashes, figure, line, rows, sampled, whole
+from drivesizer.report.motion_figure import speed_asked
 from drivesizer.report.panels import windows
 from drivesizer.report.style import CASES, torque_unit
 from drivesizer.spec import RobotSpec
@@ -19,18 +18,10 @@ from drivesizer.units import from_si, label
 
 __all__ = ["case_look", "cycle_plot", "motion_plot"]
 
-_SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
-
 
 def motion_plot(spec: RobotSpec) -> Plot:
     """The speed that the spec asks for over one cycle, to scale."""
-    if spec.motion is None:
-        cycle = load_cycle(spec)
-        time, speed, axis = cycle.time.ravel(), cycle.speed.ravel(), "rotary"
-    else:
-        asked, axis = profile_of(spec), spec.load.axis
-        time, speed = np.array(asked.time) - asked.time[0], np.array(asked.speed)
-    kind, unit = _SPEED[axis]
+    time, speed, (kind, unit) = speed_asked(spec)
     views = windows({"time": time, "speed_reference": speed})
     kept = sampled(time, [speed], views)
     trace = line(time[kept], from_si(speed[kept], unit, kind), "speed", "blue",

@@ -11,7 +11,7 @@ from drivesizer.loop_table import cell, loop_figures, loop_name, settled
 from drivesizer.loops import Loop
 from drivesizer.report.figures import closed_loop_rows
 from drivesizer.report.html.curves import Plot, dashes, figure, line, numbers, plain, rows, sampled, whole
-from drivesizer.report.loop_curves import curve_of, span
+from drivesizer.report.loop_curves import curve_of, look_of, span
 from drivesizer.report.panels import windows
 from drivesizer.results import Validation
 from drivesizer.thinning import on_curves
@@ -19,12 +19,7 @@ from drivesizer.units import from_si, label
 
 __all__ = ["bode_plot", "closed_loop_plot", "step_plots"]
 
-_LOOKS = {  # colour, dashes and mark of a loop
-    "current": ("vermillion", dashes((0, (1, 1.2))), "square"),
-    "velocity": ("blue", "solid", "circle"),
-    "position": ("green", dashes((0, (5, 2))), "triangle-up"),
-}
-_OTHER = ("purple", dashes((0, (6, 2, 1, 2))), "diamond")
+_SYMBOLS = {"s": "square", "o": "circle", "^": "triangle-up", "D": "diamond"}  # of plotly, by matplotlib's marks
 _RANGE = 60.0  # dB: what is seen at first, up and down
 _MOST = 400  # points of a frequency response, samples of an answer
 
@@ -97,12 +92,12 @@ def _level(axis: str, y: float) -> Plot:
 
 
 def _curves(loop: Loop, left: float) -> list[Plot]:
-    curve, (colour, dash, _) = curve_of(loop), _LOOKS.get(loop.name, _OTHER)
+    curve, (colour, pattern, _) = curve_of(loop), look_of(loop)
     kept = on_curves((loop.bode.open_magnitude, loop.bode.closed_magnitude), _MOST)
     kept = kept[curve.frequency[kept] >= 0.5 * left]
     units = (("y", curve.opened, "dB"), ("y2", curve.phase, "°"), ("y3", curve.closed, "dB"))
     return [
-        line(curve.frequency[kept], values[kept], loop_name(loop), colour, dash, yaxis=axis,
+        line(curve.frequency[kept], values[kept], loop_name(loop), colour, dashes(pattern), yaxis=axis,
              hovertemplate=f"%{{y:.4~r}} {unit}<extra>%{{fullData.name}}</extra>")
         for axis, values, unit in units
     ]  # fmt: skip
@@ -111,7 +106,7 @@ def _curves(loop: Loop, left: float) -> list[Plot]:
 def _marks(loop: Loop) -> list[Plot]:
     """The crossover on the open loop, and on the closed loop the bandwidth."""
     curve = curve_of(loop)
-    colour, _, symbol = _LOOKS.get(loop.name, _OTHER)
+    colour, _, mark = look_of(loop)
     said = {f.name: cell(f) for f in loop_figures(loop)}
     made = []
     if loop.crossover > 0.0:
@@ -130,7 +125,7 @@ def _marks(loop: Loop) -> list[Plot]:
             yaxis=axis,
             hovertemplate=f"{plain(told)}<extra>%{{fullData.name}}</extra>",
         )
-        | {"mode": "markers", "marker": {"symbol": symbol, "size": 8, "color": colour}}
+        | {"mode": "markers", "marker": {"symbol": _SYMBOLS[mark], "size": 8, "color": colour}}
         for x, y, axis, told in made
     ]
 
@@ -145,7 +140,7 @@ def _step(loop: Loop) -> Plot:
     values = loop.step[: settled(loop)]
     kept = on_curves((values,), _MOST)
     unit, per = ("s", 1.0) if len(values) * loop.period >= 1.0 else ("ms", 1e3)
-    colour = _LOOKS.get(loop.name, _OTHER)[0]
+    colour = look_of(loop)[0]
     end, rest = per * loop.period * (len(values) - 1), 100.0 * float(loop.bode.closed_magnitude[0])
     trace = line(per * loop.period * kept, 100.0 * values[kept], loop_name(loop), colour,
                  mode="lines+markers" if len(kept) <= 50 else "lines",

@@ -61,7 +61,7 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs
 
-    shown = next(iter((*result.sets, *result.misses)), None)
+    shown = result.shown
     does = Behaviour(result.spec, shown) if shown else None
     told = document(result, validation, does, date=date)
     content = _unbroken(with_numbers(told, result, validation))
@@ -154,7 +154,7 @@ def _tiles(content: dict[str, Any]) -> list[dict[str, str]]:
 
 def _figures(result: SizingResult, validation: Validation | None, content: dict[str, Any]) -> dict[str, Plot]:
     """Every figure by its name, in the order of the report."""
-    best = next(iter((*result.sets, *result.misses)), None)
+    best = result.shown
     cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
     sets = content["candidates"]["sets"]
     made: dict[str, Plot | None] = {
