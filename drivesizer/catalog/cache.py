@@ -149,11 +149,12 @@ def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
         columns |= {name: np.array(values, str) for name, values in texts[section].items()}
         tables[section] = Table(section, columns, arrays[f"{section}.source"], arrays[f"{section}.excluded"])
     pairs: dict[str, Any] = {relation: Pairs(*arrays.get(relation, _NONE)) for relation in RELATIONS}
-    printed = zip(Discharges._fields, NO_DISCHARGES, strict=True)
+    printed = NO_DISCHARGES._asdict().items()
+    discharges: Any = (arrays.get(f"discharges.{name}", none) for name, none in printed)
     return Catalog(
         **tables,
         **pairs,
-        discharges=Discharges(*(arrays.get(f"discharges.{name}", none) for name, none in printed)),
+        discharges=Discharges(*discharges),
         sources=tuple(Source(*s) for s in texts["sources"]),
         notes=tuple(Note(n[0], tuple(n[1]), tuple(n[2]), *n[3:]) for n in texts["notes"]),
         digests=texts["digests"],

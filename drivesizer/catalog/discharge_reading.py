@@ -71,7 +71,8 @@ def _table(
 def _columns(rows: Sequence[tuple[float, ...]]) -> Discharges:
     columns = np.array(rows, float).reshape(-1, len(Discharges._fields)).T
     named = zip(Discharges._fields, columns, strict=True)
-    return Discharges(*(column.astype(np.int32) if name in INTEGERS else column for name, column in named))
+    typed: Any = (column.astype(np.int32) if name in INTEGERS else column for name, column in named)
+    return Discharges(*typed)
 
 
 def _held(reader: Reader, text: Any, path: Path_) -> tuple[str, float]:
