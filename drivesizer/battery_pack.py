@@ -69,6 +69,17 @@ class Pack:
         """Rated charge times nominal voltage [J]."""
         return self.capacity * self.nominal_voltage
 
+    @property
+    def mean_voltage(self) -> float:
+        """Voltage by which a power becomes the current of a run time [V].
+
+        The nominal one; of lead-acid the mean of that and the end voltage: 2 V is a cell at rest, not in use. Held
+        against the makers' tables of power and current in ``tests/test_battery_pack.py``.
+        """
+        if self.chemistry != "lead-acid" or isnan(self.cutoff_voltage):
+            return self.nominal_voltage
+        return 0.5 * (self.nominal_voltage + self.cutoff_voltage)
+
     def emf(self, charge: float) -> float:
         """Voltage at rest with a share of the charge left [V]."""
         return self.emf_empty + (self.emf_full - self.emf_empty) * charge
@@ -161,7 +172,7 @@ def _table(given: Battery, catalog: Catalog, row: int | None, cutoff: float) -> 
 def run_time(pack: Pack, power: Any) -> Any:
     """How long the whole of a full battery lasts at a constant power [s], all of its charge drawn.
 
-    By its discharge table, inside of it; else by Peukert's law at the current P / V of its nominal voltage; a lithium
+    By its discharge table, inside of it; else by Peukert's law at the current P / V of its mean voltage; a lithium
     battery without an exponent gives its rated charge. Unknown otherwise; without end where nothing is drawn.
 
     Parameters
@@ -171,7 +182,7 @@ def run_time(pack: Pack, power: Any) -> Any:
     power
         At its terminals [W].
     """
-    current = np.asarray(power, float) / pack.nominal_voltage
+    current = np.asarray(power, float) / pack.mean_voltage
     if pack.table:
         draw = power if pack.table.held == "power" else current
         found = table_time(np.maximum(draw, 0.0), pack.table.draw, pack.table.time)
@@ -204,7 +215,7 @@ def capacity_needed(pack: Pack, power: float, time: float) -> float:
     whole = time / pack.usable
     if power <= 0.0:
         return 0.0
-    current = power / pack.nominal_voltage
+    current = power / pack.mean_voltage
     if pack.table:
         draw = power if pack.table.held == "power" else current
         return float(pack.capacity * draw / table_draw(whole, pack.table.draw, pack.table.time))

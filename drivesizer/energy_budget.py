@@ -26,6 +26,7 @@ from drivesizer.energy_checks import Load, battery_checks, required_autonomy
 from drivesizer.errors import InputError
 from drivesizer.results import Check, DriveSet, Figure, Status, verdict
 from drivesizer.spec import RobotSpec
+from drivesizer.units import show
 
 __all__ = ["Consumption", "EnergyBudget", "charge_over_mission", "energy_budget"]
 
@@ -203,13 +204,13 @@ def _worn(duration: Array, time: Array) -> float:
 def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: float) -> tuple[Figure, ...]:
     mission = spec.mission.duration if spec.mission else nan
     needed = capacity_needed(pack, load.mean, load.required * (1.0 + battery.reserve))
-    drawn = nan if load.full == inf else load.mean / pack.nominal_voltage * load.full
+    drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
     rows = (
         ("mean_power", "Mean power from the battery", load.mean, "power", "W"),
         ("peak_power", "Largest power, all at once", load.peak, "power", "W"),
         ("mission_energy", "Energy of the mission", load.mean * mission, "energy", "W*h"),
         ("rated_energy", "Rated energy of the battery", pack.energy, "energy", "W*h"),
-        ("mean_current", "Mean current, at nominal voltage", load.mean / pack.nominal_voltage, "current", "A"),
+        ("mean_current", "Mean current", load.mean / pack.mean_voltage, "current", "A"),
         ("charge_drawn", "Charge that this load draws in all", drawn, "charge", "A*h"),
         ("autonomy", "Autonomy, of the usable share", load.full * pack.usable, "time", "h"),
         ("autonomy_worn", "Autonomy, every moment worn as a steady load", worn, "time", "h"),
@@ -260,7 +261,7 @@ def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINT
 def _assumptions(spec: RobotSpec, drive_set: DriveSet, pack: Pack, equipment: Sequence[Consumer]) -> tuple[str, ...]:
     found = [f"run time by {pack.rule}, at the mean power" if pack.rule else
              "run time unknown: neither a discharge table nor a Peukert exponent with its rated time is known",
-             "current of the run time at the nominal voltage", "the cycle repeats without pause"]  # fmt: skip
+             f"current of the run time at {show(pack.mean_voltage, 'V', 'voltage')}", "the cycle repeats without pause"]  # fmt: skip
     guessed = [one.name for one in equipment if one.assumed]
     if guessed:
         found.append(f"power of {', '.join(guessed)} assumed")

@@ -101,7 +101,7 @@ def _currents(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:
     peak = current_of_power(load.peak, emf, pack.resistance)
     back = -current_of_power(-load.back, emf, pack.resistance) if load.back else 0.0
     rows = (
-        ("battery_continuous_current", load.rms / pack.nominal_voltage, pack.continuous_current),
+        ("battery_continuous_current", load.rms / pack.mean_voltage, pack.continuous_current),
         ("battery_peak_current", peak, pack.peak_current),
         ("battery_charge_current", back, pack.max_charge_current),
     )
