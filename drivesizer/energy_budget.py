@@ -259,9 +259,12 @@ def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINT
 
 
 def _assumptions(spec: RobotSpec, drive_set: DriveSet, pack: Pack, equipment: Sequence[Consumer]) -> tuple[str, ...]:
-    found = [f"run time by {pack.rule}, at the mean power" if pack.rule else
-             "run time unknown: neither a discharge table nor a Peukert exponent with its rated time is known",
-             f"current of the run time at {show(pack.mean_voltage, 'V', 'voltage')}", "the cycle repeats without pause"]  # fmt: skip
+    unknown = "run time unknown: neither a discharge table nor a Peukert exponent with its rated time is known"
+    found = [
+        f"run time by {pack.rule}, at the mean power" if pack.rule else unknown,
+        f"current of the run time at {show(pack.mean_voltage, 'V', 'voltage')}",
+        "the cycle repeats without pause",
+    ]
     guessed = [one.name for one in equipment if one.assumed]
     if guessed:
         found.append(f"power of {', '.join(guessed)} assumed")

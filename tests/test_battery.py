@@ -1,4 +1,4 @@
-"""Battery formulas: printed examples and tables, laws over random inputs, circuits solved another way, unknown figures."""
+"""Battery formulas: printed examples and tables, laws over random inputs, circuits solved another way, the unknown."""
 
 from __future__ import annotations
 

@@ -138,7 +138,7 @@ def test_a_part_that_is_replaced_without_a_table_has_none(tmp_path: Path) -> Non
         ("held: current (mA)", "held: current (W)", "discharges[1].held: "),
         ("held: current (mA)", "held: current", 'discharges[1].held: "current" is not known'),
         ("cells: 6", "cells: 0", 'discharges[2].cells: "0" is not a number of cells in series'),
-        ("[cutoff_voltage (V), 30 min, 1 h, 20 h]", "[cutoff_voltage (V), 30, 1 h, 20 h]", "discharges[1].columns[2]: "),
+        ("cutoff_voltage (V), 30 min, 1 h, 20 h]", "cutoff_voltage (V), 30, 1 h, 20 h]", "discharges[1].columns[2]: "),
         ("[cutoff_voltage (V), 30 min, 1 h, 20 h]", "[cutoff_voltage (V), 0 s, 1 h, 20 h]",
          'discharges[1].columns[2]: "0 s" is not above 0 s'),
         ("[cutoff_voltage (V), 30 min, 1 h, 20 h]", "[30 min, 1 h, 20 h, 30 h]",
@@ -185,7 +185,7 @@ def test_what_ships_contradicts_itself_in_one_place_that_is_told() -> None:
 @pytest.mark.parametrize(
     ("maker", "part", "held", "volts", "hours", "draw", "identity"),
     [
-        ("sunnyway", "SW12140E", "current", 10.5, 3, 33.8, "current falls with time"),  # the sheet's own slip, at 10.8 V
+        ("sunnyway", "SW12140E", "current", 10.5, 3, 33.8, "current falls with time"),  # as at 10.8 V
         ("sigmastek", "SP12-7.5T1", "power", 1.75 * CELLS, 20, 0.66 * CELLS, "energy and rate"),
         ("sigmastek", "SP12-7.5T1", "power", 1.75 * CELLS, 1 / 6, 26.0 * CELLS, "mean voltage"),
         ("sigmastek", "SP12-7.5T1", "current", 1.75 * CELLS, 2, 2.62, "current and end voltage"),
