@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import inf, isnan, nan
+from typing import Any
 
 import numpy as np
 import pytest
@@ -144,7 +145,7 @@ def test_an_rc_pair_integrated() -> None:
     duration, current = np.array([2.0, 5.0, 3.0, 11.0]), np.array([8.0, -3.0, 5.5, 0.7])
     edge = np.cumsum(duration)
 
-    def slope(t: float, u: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+    def slope(t: float, u: Any) -> Any:
         return (0.05 * current[np.searchsorted(edge, t % edge[-1], side="right") % 4] - u) / 9.0
 
     u = np.zeros(1)

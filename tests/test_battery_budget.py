@@ -43,7 +43,7 @@ def drive(robot: RobotSpec) -> DriveSet:
 
 
 # The paper names the devices, not what they draw: every power here is assumed.
-EQUIPMENT = [
+EQUIPMENT: list[dict[str, Any]] = [
     {"name": "computer", "power": "15 W"},
     {"name": "LIDARs", "number": 2, "power": "4 W"},
     {"name": "cameras", "number": 3, "power": "3 W", "efficiency": 0.9},
