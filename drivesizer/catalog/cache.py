@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.tables import Across, Catalog, Note, Pairs, Source, Table, empty
 
@@ -129,6 +130,8 @@ def _packed(catalog: Catalog) -> dict[str, NDArray[Any]]:
     for relation in RELATIONS:
         if len(getattr(catalog, relation).left):
             arrays[relation] = np.array(getattr(catalog, relation))
+    if len(catalog.discharges.time):
+        arrays |= {f"discharges.{name}": column for name, column in catalog.discharges._asdict().items()}
     arrays["texts"] = np.frombuffer(json.dumps(texts).encode(), np.uint8)
     return arrays
 
@@ -146,9 +149,12 @@ def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
         columns |= {name: np.array(values, str) for name, values in texts[section].items()}
         tables[section] = Table(section, columns, arrays[f"{section}.source"], arrays[f"{section}.excluded"])
     pairs: dict[str, Any] = {relation: Pairs(*arrays.get(relation, _NONE)) for relation in RELATIONS}
+    printed = NO_DISCHARGES._asdict().items()
+    discharges: Any = (arrays.get(f"discharges.{name}", none) for name, none in printed)
     return Catalog(
         **tables,
         **pairs,
+        discharges=Discharges(*discharges),
         sources=tuple(Source(*s) for s in texts["sources"]),
         notes=tuple(Note(n[0], tuple(n[1]), tuple(n[2]), *n[3:]) for n in texts["notes"]),
         digests=texts["digests"],

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.columns import Column
+from drivesizer.catalog.discharge_laws import odd_discharges
 from drivesizer.catalog.identities import LAWS
-from drivesizer.catalog.laws import Law, Numbers
+from drivesizer.catalog.laws import SLACK, Law, Numbers, decimal_places
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.tables import Catalog, Note, Table
 from drivesizer.units import from_si, show
@@ -25,12 +26,10 @@ from drivesizer.units import from_si, show
 __all__ = ["Finding", "check", "check_file"]
 
 INFORMATION = "information"
-_SLACK = 1e-9  # relative: of the arithmetic, not of a printed figure
 _DIGITS = 3  # to which datasheets round
 _NOMINAL = {  # whole because they are meant so, not by rounding
     "nominal_voltage", "counts_per_turn", "steps_per_turn", "full_steps", "stages", "teeth", "pitch", "rated_time",
 }  # fmt: skip
-_PLACES = range(1, 9)  # decimal places that a printed figure may have
 _WRONG: dict[str, Callable[[Any, Any, Any], Any]] = {
     "=": lambda found, expected, span: np.abs(found - expected) > span,
     "<=": lambda found, expected, span: found - expected > span,
@@ -101,6 +100,8 @@ def check(catalog: Catalog) -> list[Finding]:
         table, notes = catalog.table(section), _notes_by_part(catalog, section)
         here = [f for law in LAWS if law.section == section for f in _broken(catalog, table, law)]
         here += _twins(catalog, table)
+        if section == "batteries":
+            here += _discharges(catalog)
         found += sorted((_judged(f, notes.get(f.part, [])) for f in here), key=lambda f: table.rows[f.part])
     return [*found, *_dangling(catalog), *_alone(catalog)]
 
@@ -114,7 +115,7 @@ def _broken(catalog: Catalog, table: Table[Any], law: Law) -> Iterator[Finding]:
     with np.errstate(all="ignore"):
         found, expected = table[law.figure], np.asarray(law.expected(table), float)
         tolerance = _tolerance(table, law)
-        wrong = _WRONG[law.relation](found, expected, (tolerance + _SLACK) * np.abs(expected))
+        wrong = _WRONG[law.relation](found, expected, (tolerance + SLACK) * np.abs(expected))
         deviation = (found - expected) / np.where(expected == 0.0, 1.0, np.abs(expected))
     for row in np.flatnonzero(wrong & ~np.isnan(found) & ~np.isnan(expected)).tolist():
         yield Finding(
@@ -153,20 +154,12 @@ def _rounding(table: Table[Any], column: Column) -> Numbers:
     """
     printed = np.abs(from_si(table[column.name], column.unit, column.kind))
     place = np.zeros(len(table))
-    places = _decimal_places(printed)
+    places = decimal_places(printed)
     for family in np.unique(table["family"]) if column.name not in _NOMINAL else ():
         here = table["family"] == family
         place[here] = 10.0 ** -places[here].max()
     last = np.maximum(10.0 ** (np.floor(np.log10(printed)) - (_DIGITS - 1)), place)
     return np.asarray(0.5 * last / printed)
-
-
-def _decimal_places(printed: Numbers) -> NDArray[np.int_]:
-    """Behind the point, as many as it takes to write each figure; none for an unknown one."""
-    found = np.where(np.isnan(printed), 0, _PLACES[-1])
-    for places in reversed((0, *_PLACES)):
-        found[np.abs(np.round(printed, places) - printed) <= _SLACK * printed] = places
-    return found
 
 
 # --- what the catalogue says of it -----------------------------------------------------------------------------------
@@ -187,6 +180,12 @@ def _judged(finding: Finding, notes: list[Note]) -> Finding:
         if note.exclude or not note.fields or set(note.fields) & set(finding.fields):
             return replace(finding, accepted=note.text)
     return finding
+
+
+def _discharges(catalog: Catalog) -> Iterator[Finding]:
+    """What a battery's discharge tables contradict, of each other and of its row."""
+    for odd in odd_discharges(catalog.discharges, catalog.batteries):
+        yield Finding(**_place(catalog, catalog.batteries, odd.row), **odd.said)
 
 
 # --- parts among each other ------------------------------------------------------------------------------------------

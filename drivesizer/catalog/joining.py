@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.discharges import join_discharges
 from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, one_of
 from drivesizer.catalog.tables import Across, Catalog, Pairs, Table, unique_pairs
 from drivesizer.errors import CatalogError, nearest, quoted
@@ -33,10 +34,13 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
     for relation, right in RELATIONS.items():
         listed = _joined_pairs(catalogs, relation, first_source)
         pairs[relation] = _moved(listed, places["motors"], places[right])
+    starts = _starts(catalogs, "batteries")
+    printed = [(c.discharges, *first) for c, *first in zip(catalogs, starts, first_source.tolist(), strict=False)]
     left: dict[str, Any] = {name: _kept(table, places[name]) for name, table in tables.items()}
     return Catalog(
         **left,
         **pairs,
+        discharges=join_discharges(printed, places["batteries"]),
         sources=tuple(source for c in catalogs for source in c.sources),
         notes=tuple(note for c in catalogs for note in c.notes),
         digests={name: digest for c in catalogs for name, digest in c.digests.items()},

@@ -18,9 +18,9 @@ from drivesizer.catalog.parts import PARTS, columns_of
 from drivesizer.catalog.tables import Table
 
 __all__ = [
-    "BODY", "DEFINITION", "ENERGY", "HANDBOOK", "ROUNDED", "USAGE", "Band", "Beside", "Formula", "Law", "Numbers",
-    "Side", "above_zero", "bands", "beside", "cylinder", "formulas", "groups", "of_toothed_stages", "offered", "only",
-    "orders", "reductions", "shares", "usual", "whole_numbers", "words",
+    "BODY", "DEFINITION", "ENERGY", "HANDBOOK", "ROUNDED", "SLACK", "USAGE", "Band", "Beside", "Formula", "Law",
+    "Numbers", "Side", "above_zero", "bands", "beside", "cylinder", "decimal_places", "formulas", "groups",
+    "of_toothed_stages", "offered", "only", "orders", "reductions", "shares", "usual", "whole_numbers", "words",
 ]  # fmt: skip
 
 Numbers = NDArray[np.float64]
@@ -34,6 +34,8 @@ Beside = tuple[str, str, Callable[[str], Side], float, str]
 
 HANDBOOK = "maxon academy, Formulae Handbook, 2nd ed., 2012"
 DEFINITION = "what the words mean"
+SLACK = 1e-9  # relative: of the arithmetic, not of a printed figure
+_PLACES = range(1, 9)  # decimal places that a printed figure may have
 ENERGY = "no machine gives more than it takes"
 BODY = "a body's mass and volume"
 USAGE = "usual in the trade"
@@ -56,6 +58,14 @@ class Law:
     reason: str = ROUNDED  # of the tolerance
     source: str = DEFINITION
     grade: str = "finding"  # or information
+
+
+def decimal_places(printed: Numbers) -> NDArray[np.int_]:
+    """Behind the point, as many as it takes to write each figure; none for an unknown one."""
+    found = np.where(np.isnan(printed), 0, _PLACES[-1])
+    for places in reversed((0, *_PLACES)):
+        found[np.abs(np.round(printed, places) - printed) <= SLACK * printed] = places
+    return found
 
 
 # --- sides -----------------------------------------------------------------------------------------------------------

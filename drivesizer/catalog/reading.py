@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.columns import Column
+from drivesizer.catalog.discharge_reading import read_discharges
+from drivesizer.catalog.discharges import DISCHARGES
 from drivesizer.catalog.parts import DIRECT, NO_GEARHEAD, PARTS, columns_of
 from drivesizer.catalog.reader import Reader, did_you_mean
 from drivesizer.catalog.relations import relations
@@ -26,7 +28,7 @@ from drivesizer.yaml_source import Path_, YamlSource
 __all__ = ["SCHEMA", "parse"]
 
 SCHEMA = 1
-_TOP = {"catalog", "manufacturer", "overrides", "sources", *PARTS, "compatibility"}
+_TOP = {"catalog", "manufacturer", "overrides", "sources", *PARTS, DISCHARGES, "compatibility"}
 _TABLE = {"family", "source", "common", "columns", "rows", "notes"}
 _NOTE = {"parts", "fields", "text", "confidence", "source", "exclude", "accepted"}
 _SOURCE = {"document", "date", "confidence", "url"}
@@ -65,6 +67,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     return Catalog(
         **tables,
         **pairs,
+        discharges=read_discharges(reader, data.get(DISCHARGES), tables["batteries"].rows),
         sources=tuple(reader.sources.values()),
         notes=tuple(reader.notes),
         digests={name: digest},
@@ -255,7 +258,7 @@ def _read_notes(
             if part not in here:
                 raise reader.fail((*at, "parts"), f"{quoted(part)} is not a part of this table")
         for name in names:
-            if name not in columns:
+            if name not in columns and (section, name) != ("batteries", DISCHARGES):
                 raise reader.fail((*at, "fields"), f"{quoted(name)} is not a figure of this table")
         if "confidence" in note:
             _known_confidence(reader, note["confidence"], at)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from drivesizer.catalog.columns import Column
+from drivesizer.catalog.discharges import DISCHARGES, HELD, TABLE
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.units import KINDS, noun
@@ -52,6 +53,7 @@ def catalog_schema() -> dict[str, Any]:
             "overrides": {"type": "boolean", "description": "its parts count before those of catalogues named before"},
             "sources": {"type": "object", "additionalProperties": _SOURCE, "minProperties": 1},
             **{section: _tables(section) for section in PARTS},
+            DISCHARGES: _discharges(),
             "compatibility": _compatibility(),
         },
         "required": ["catalog", "manufacturer", "sources"],
@@ -102,6 +104,27 @@ def _header(column: Column) -> str:
 
 def _pattern(names: list[str]) -> str:
     return rf"^({'|'.join(names)})( *\(.+\))?$"
+
+
+def _discharges() -> dict[str, Any]:
+    """Discharge tables of batteries: end voltages down, times across."""
+    cell = {"type": ["number", "null"], "exclusiveMinimum": 0}
+    columns = {"type": "array", "items": {"type": "string"}, "minItems": 2}
+    named = " or ".join(f"{name} ({unit})" for name, unit in HELD.items())
+    table = {
+        "type": "object",
+        "properties": {
+            "battery": _TEXT | {"description": "a part number of this file"},
+            "source": {"type": "string", "description": "one of `sources`"},
+            "held": {"type": "string", "description": f"what is held: {named}", "pattern": _pattern(list(HELD))},
+            "cells": {"type": "integer", "minimum": 1, "description": "voltage and power are those of one in so many"},
+            "columns": columns | {"description": "cutoff_voltage (V), then times such as 30 min"},
+            "rows": {"type": "array", "items": {"type": "array", "items": cell}},
+        },
+        "required": [name for name in TABLE if name != "cells"],
+        "additionalProperties": False,
+    }
+    return {"type": "array", "items": table}
 
 
 def _compatibility() -> dict[str, Any]:

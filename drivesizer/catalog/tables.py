@@ -10,6 +10,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 from drivesizer.catalog.wholes import Actuator, Battery, Belt, Brake, Pulley, Stepper
 
@@ -122,6 +123,7 @@ class Catalog:
     digests: Mapping[str, str]  # catalogue name -> digest of its file, so that a result can be traced
     overrides: bool = False  # its parts count before those of the catalogues named before it
     across: tuple[Across, ...] = ()  # pairs with parts of other catalogues, until those are loaded with it
+    discharges: Discharges = NO_DISCHARGES  # of the batteries
     replaced: tuple[str, ...] = ()  # parts that an overriding catalogue gives in place of another, in words
 
     def table(self, section: str) -> Table[Any]:

@@ -1,0 +1,106 @@
+"""What the motor sets of a machine draw from their supply over one cycle, and give back: columns over time.
+
+Current and voltage of the drive model are straight lines within a segment; each segment is cut into pieces, and of
+every piece the energy is exact (``waveform``). Summed up they are the energies of the set's own record.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.loads import load_cycle
+from drivesizer.physics import at_gearhead, demands
+from drivesizer.physics_limits import heat, stress, volts_of
+from drivesizer.results import DriveSet
+from drivesizer.spec import RobotSpec
+from drivesizer.waveform import Wave, energy, largest_power, wave
+
+__all__ = ["DrivePower", "drive_power"]
+
+Array = NDArray[np.float64]
+_MOST = 4096  # pieces of a cycle
+_FINEST = 16  # pieces of a segment
+
+
+class DrivePower(NamedTuple):
+    """Electrical power of all motor sets together, piece by piece; unknown where the drive's demand is."""
+
+    duration: Array  # s
+    drawn: Array  # W, mean of what is drawn
+    returned: Array  # W, mean of what comes back
+    peak: Array  # W, largest at one moment
+    returned_peak: Array  # W
+    way: float  # m or rad that the load goes in the cycle, there and back
+
+    @property
+    def total(self) -> float:
+        """Length of the cycle [s]."""
+        return float(self.duration.sum())
+
+    def mean(self, column: Array) -> float:
+        """Mean of one of the columns over the cycle."""
+        return float(self.duration @ column) / self.total
+
+
+class _One:
+    """A part as columns of one row; without a part every figure is unknown."""
+
+    def __init__(self, part: Any) -> None:
+        self.part = part
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return np.array([np.nan if self.part is None else getattr(self.part, name)])
+
+
+def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
+    """Power over one cycle, the winding as warm as it gets in the long run.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    drive_set
+        What drives it.
+
+    Raises
+    ------
+    InputError
+        When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
+    """
+    motor, gearhead, encoder = (_One(part) for part in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
+    cycle = load_cycle(spec)
+    at = at_gearhead(cycle, drive_set.belt_efficiency).behind(drive_set.belt_ratio)
+    asked = demands(at, motor, gearhead, encoder)
+    under = stress(spec, at, asked, heat(spec, at, asked, motor), motor)
+    k_t = motor["torque_constant"]
+    found = wave(at.cycle.duration, at.functions, asked.coefficients, volts_of(asked, k_t, under.hot), k_t)
+    duration, current, voltage = _pieces(found)
+    one = Wave(np.ones(1), current[:, None], voltage[:, None])  # every piece as a candidate of its own
+    sums = energy(one, storing=False)
+    back = largest_power(one._replace(voltage=-one.voltage))[0]
+    peak = largest_power(one)[0]
+    sets = spec.load.motors if asked.sure.all() else np.nan  # least demands are not told as if they were all
+    way = cycle.radius * float(np.abs(cycle.speed).mean(axis=1) @ cycle.duration)
+    return DrivePower(
+        duration=duration,
+        drawn=sums.drawn * sets,
+        returned=sums.returned * sets,
+        peak=np.maximum(peak, 0.0) * sets,
+        returned_peak=np.maximum(back, 0.0) * sets,
+        way=way,
+    )
+
+
+def _pieces(found: Wave) -> tuple[Array, Array, Array]:
+    """Length of the pieces, and current and voltage at both ends of each."""
+    count = max(1, min(_FINEST, _MOST // len(found.duration)))
+    cuts = np.linspace(0.0, 1.0, count + 1)
+
+    def cut(ends: Array) -> Array:
+        points = ends[0, :, :1] + cuts * (ends[0, :, 1:] - ends[0, :, :1])
+        return np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2)
+
+    return np.repeat(found.duration / count, count), cut(found.current), cut(found.voltage)

@@ -1,0 +1,108 @@
+"""A battery's demands against its limits: autonomy, range, voltage, currents. Margins are made in ``checks``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import isnan, nan
+from typing import NamedTuple
+
+from drivesizer.battery import current_of_power, largest_power
+from drivesizer.battery_pack import Pack
+from drivesizer.battery_schema import Battery
+from drivesizer.checks import CheckColumn, at_least, at_most
+from drivesizer.results import Check
+from drivesizer.spec import RobotSpec
+
+__all__ = ["TITLES", "Load", "battery_checks", "required_autonomy"]
+
+TITLES = {
+    "battery_autonomy": "Battery autonomy",
+    "battery_range": "Range on one charge",
+    "battery_power": "Battery power, largest",
+    "battery_voltage": "Battery voltage at the peak, lowest supply",
+    "battery_cutoff": "Battery voltage at the peak, end of discharge",
+    "battery_charge_voltage": "Battery voltage while charging",
+    "battery_continuous_current": "Battery continuous current (RMS)",
+    "battery_peak_current": "Battery peak current",
+    "battery_charge_current": "Battery charge current, energy returned",
+}
+
+
+_AT_REST = ("battery_power", "battery_voltage", "battery_cutoff")
+
+
+class Load(NamedTuple):
+    """What a battery is asked for; NaN is unknown."""
+
+    mean: float  # W
+    peak: float  # W
+    rms: float  # W
+    back: float  # W into the battery, at most
+    way: float  # m/s, mean
+    full: float = nan  # s, until all of its charge is drawn
+    required: float = nan  # s that it must last; also where nothing is required
+    charge: float = nan  # share left at the end
+    lowest: float = nan  # V at the terminals
+
+
+def required_autonomy(spec: RobotSpec, given: Battery) -> float:
+    """How long a battery must last [s]: as its section says, else the mission; NaN where neither is given."""
+    return float(given.autonomy or (spec.mission.duration if spec.mission else nan))
+
+
+def battery_checks(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> tuple[Check, ...]:
+    """Every limit of a battery, in the order in which people read them.
+
+    Parameters
+    ----------
+    spec
+        The machine: its supply's voltages and its margins.
+    given
+        The spec's section: what is required, and the reserve.
+    pack, load
+        What there is, and what it is asked for.
+    """
+    columns = (*_lasting(spec, given, pack, load), *_voltages(spec, pack, load), *_currents(spec, pack, load))
+    return tuple(column.at((), "physics", title=TITLES[column.name]) for column in columns)
+
+
+def _lasting(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> list[CheckColumn]:
+    """Autonomy and range, where some is required."""
+    lasts = load.full * pack.usable
+    required, found = required_autonomy(spec, given), []
+    if not isnan(required):
+        found.append(at_least("battery_autonomy", required, lasts, "time", "h", needed=given.reserve))
+    if given.range is not None:
+        found.append(at_least("battery_range", given.range, load.way * lasts, "length", "km", needed=given.reserve))
+    return found
+
+
+def _voltages(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:
+    """What the drive was sized for: the supply's lowest and highest voltage."""
+    emf = pack.emf(load.charge)
+    found = [
+        at_most("battery_power", load.peak, largest_power(emf, pack.resistance), "power", "W"),
+        at_least("battery_voltage", spec.supply.lowest, load.lowest, "voltage", "V"),
+        at_least("battery_cutoff", pack.cutoff_voltage, load.lowest, "voltage", "V"),
+        at_most("battery_charge_voltage", pack.charge_voltage, spec.supply.highest, "voltage", "V"),
+    ]
+    return found if pack.rests else [_doubted(check) if check.name in _AT_REST else check for check in found]
+
+
+def _doubted(check: CheckColumn) -> CheckColumn:
+    """The check with the nominal voltage for that at rest, which is less in the end: it may fail but not pass."""
+    note = "voltage at rest unknown: give open_circuit"
+    return replace(check, passed=check.passed & False, note="" if check.failed else note)
+
+
+def _currents(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:
+    grip = spec.margins.torque
+    emf = pack.emf(load.charge)
+    peak = current_of_power(load.peak, emf, pack.resistance)
+    back = -current_of_power(-load.back, emf, pack.resistance) if load.back else 0.0
+    rows = (
+        ("battery_continuous_current", load.rms / pack.mean_voltage, pack.continuous_current),
+        ("battery_peak_current", peak, pack.peak_current),
+        ("battery_charge_current", back, pack.max_charge_current),
+    )
+    return [at_most(name, demand, limit, "current", "A", needed=grip) for name, demand, limit in rows]
