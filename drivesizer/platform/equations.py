@@ -227,7 +227,7 @@ def configuration_velocity(R: Array, eta: Array, E: Array) -> Array:
 
     Returns
     -------
-    q_dot: posture in the world, then wheels [m/s, m/s, rad/s, rad/s, rad/s, rad/s, rad/s]
+    rates: posture in the world, then wheels [m/s, m/s, rad/s, rad/s, rad/s, rad/s, rad/s]
     """
     return np.concatenate([R.T @ eta, E @ eta])
 
@@ -248,7 +248,11 @@ def world_velocity(theta: Array, x_R_dot: Array, y_R_dot: Array, theta_dot: Arra
     xi_dot: velocity in the world [m/s, m/s, rad/s]
     """
     return np.array(
-        [np.cos(theta) * x_R_dot - np.sin(theta) * y_R_dot, np.sin(theta) * x_R_dot + np.cos(theta) * y_R_dot, theta_dot]
+        [
+            np.cos(theta) * x_R_dot - np.sin(theta) * y_R_dot,
+            np.sin(theta) * x_R_dot + np.cos(theta) * y_R_dot,
+            theta_dot,
+        ]
     )
 
 

@@ -6,6 +6,8 @@ robot's axes; in (52)-(59) they are torques of the wheels.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from drivesizer.platform.notation import Array, matrix_equation
@@ -54,7 +56,9 @@ def generalised_force(R: Array, T_xi: Array, E: Array, T_phi: Array) -> Array:
     return R @ T_xi + E.T @ T_phi
 
 
-@matrix_equation(35, "[T]_ψ", printed="p_dot - T_psi", note="T is the kinetic energy, ψ the posture or a wheel's angle.")
+@matrix_equation(
+    35, "[T]_ψ", printed="p_dot - T_psi", note="T is the kinetic energy, ψ the posture or a wheel's angle."
+)
 def lagrange_operator(p_dot: Array, T_psi: Array) -> Array:
     """Lagrange's operator.
 
@@ -167,7 +171,7 @@ def wheel_velocities(varphi_1_dot: Array, varphi_2_dot: Array, varphi_3_dot: Arr
 )  # fmt: skip
 def kinetic_energy(
     m_R: float, x_dot: Array, y_dot: Array, I_Rz: float, theta_dot: Array, I_phiy: Array, varphi_dot: Array
-) -> Array:
+) -> Any:
     """Kinetic energy.
 
     Parameters
@@ -417,8 +421,8 @@ def wheel_space_torque(M_q: Array, q_ddot: Array, C_q: Array, q_dot: Array) -> A
 
 _NO_INVERSE = (
     "The Moore-Penrose inverse takes its place, which gives the torques with the least sum of squares; any "
-    "c (1, 1, −1, −1) may be added to those of the paper's robot, and moves nothing. The matrix has rank 3: it is never "
-    "inverted."
+    "c (1, 1, −1, −1) may be added to those of the paper's robot, and moves nothing. The matrix has rank 3 and is "
+    "never inverted."
 )
 
 

@@ -1,8 +1,8 @@
 r"""How the wheels of a platform turn when it moves, and how it moves when they turn.
 
 Every wheel rolls along its roller's axis, (26): :math:`J_1 η + J_2 \dot ϕ = 0`, so :math:`\dot ϕ = E η`,
-:math:`E = -J_2^{-1} J_1` (32). A wheel without rollers does not move sideways and one that is blocked does not turn; those
-rows, A η = 0, leave the motions η = S ν that the set of wheels allows: three for an omnidirectional platform, two for a
+:math:`E = -J_2^{-1} J_1` (32). A wheel without rollers does not move sideways and one that is blocked does not turn;
+those rows, A η = 0, leave the motions η = S ν that the set of wheels allows: three for an omnidirectional platform, two for a
 differential drive, one for a car. The driven wheels must tell each of these motions apart, or the platform
 could move while they stand: such a set is refused. Back from the wheels, (54), by least squares over the
 allowed motions, :math:`η = S (E S)^+ \dot ϕ`.
@@ -60,7 +60,7 @@ class Kinematics:
     @property
     def mobility(self) -> int:
         """How many motions the set of wheels allows: 3 is omnidirectional."""
-        return self.motions.shape[1]
+        return int(self.motions.shape[1])
 
 
 def kinematics(wheels: Sequence[Wheel]) -> Kinematics:
@@ -88,23 +88,29 @@ def kinematics(wheels: Sequence[Wheel]) -> Kinematics:
     J1, J2 = eq.rolling_rows(phi, delta, L), eq.wheel_matrix(r, gamma)
     E = eq.wheel_map(J1, J2)
     _, across = np.moveaxis(eq.roller_frame_rows(phi, delta, L), -1, 1)
-    held = [across[i] for i, w in enumerate(wheels) if w.held] + [
-        r[i] * E[i] for i, w in enumerate(wheels) if w.drive == "blocked"
-    ]
+    sideways, turning = _holders(wheels)
+    held = np.concatenate([across[sideways], r[turning, None] * E[turning]])
     scale = np.array([1.0, 1.0, 1.0 / (L.max() or r.max())])
-    motions = scale[:, None] * _null_space(np.reshape(held, (-1, 3)) * scale)
+    motions = scale[:, None] * _null_space(held * scale)
+    motions /= motions[(motions != 0.0).argmax(axis=0), range(motions.shape[1])]  # the first entry of each is 1
     driven = tuple(i for i, w in enumerate(wheels) if w.drive == "motor")
     if motions.shape[1] == 0:
         raise InputError("platform: its wheels hold one another, no motion is left; check headings and places")
     _seen(E[list(driven)] * r[list(driven), None], motions, scale)
     K_plus = motions @ np.linalg.pinv(E[list(driven)] @ motions)
     rollers = across + (r * np.sin(gamma))[:, None] * E
-    return Kinematics(tuple(wheels), driven, J1, J2, E, rollers, np.reshape(held, (-1, 3)), motions, K_plus)
+    return Kinematics(tuple(wheels), driven, J1, J2, E, rollers, held, motions, K_plus)
+
+
+def _holders(wheels: Sequence[Wheel]) -> tuple[list[int], list[int]]:
+    """Places of the wheels that hold sideways, and of those that do not turn."""
+    sideways = [i for i, w in enumerate(wheels) if w.held]
+    return sideways, [i for i, w in enumerate(wheels) if w.drive == "blocked"]
 
 
 def _null_space(rows: Array) -> Array:
     """Columns whose sums are all that the rows turn to 0, with as many zeros and ones as can be."""
-    _, values, vectors = np.linalg.svd(rows.reshape(-1, 3)) if len(rows) else (None, np.zeros(0), np.eye(3))
+    _, values, vectors = np.linalg.svd(rows) if len(rows) else (None, np.zeros(0), np.eye(3))
     rank = int((values > _NOTHING).sum())
     found, place = vectors[rank:].copy(), 0
     for column in range(3):  # Gauss and Jordan
@@ -169,12 +175,14 @@ def to_robot(theta: Any, xi_dot: Any) -> Array:
     xi_dot
         Velocity in the world [m/s, m/s, rad/s], shape (3, ...).
     """
-    return eq.robot_velocity(np.asarray(theta, dtype=float), *columns(xi_dot, 3, "velocity in the world"))
+    found: Array = eq.robot_velocity(np.asarray(theta, dtype=float), *columns(xi_dot, 3, "velocity in the world"))
+    return found
 
 
 def to_world(theta: Any, eta: Any) -> Array:
     """Velocity in the world, (31); the other way round of ``to_robot``."""
-    return eq.world_velocity(np.asarray(theta, dtype=float), *columns(eta, 3, "velocity of the platform"))
+    found: Array = eq.world_velocity(np.asarray(theta, dtype=float), *columns(eta, 3, "velocity of the platform"))
+    return found
 
 
 def wheel_speeds(k: Kinematics, eta: Any) -> Array:
@@ -197,7 +205,7 @@ def wheel_speeds(k: Kinematics, eta: Any) -> Array:
     return map_columns(k.E, found)
 
 
-def check_allowed(k: Kinematics, eta: Array, what: str) -> None:
+def check_allowed(k: Kinematics, eta: Array, what: str, unit: str = "m/s") -> None:
     """Refuse a velocity, or an acceleration, that would slide a held wheel or turn a blocked one.
 
     Raises
@@ -209,14 +217,13 @@ def check_allowed(k: Kinematics, eta: Array, what: str) -> None:
         return
     off = np.abs(map_columns(k.held, eta)).reshape(len(k.held), -1)
     size = (np.abs(k.held) @ np.abs(eta).reshape(3, -1)).max(axis=1, keepdims=True)
-    wrong = off > _ALLOWED * size
+    wrong = np.where(off > _ALLOWED * size, off, 0.0)
     if wrong.any():
-        row, sample = (int(i) for i in np.unravel_index(np.argmax(np.where(wrong, off, 0.0)), off.shape))
-        turned = [i for i, w in enumerate(k.wheels) if w.held] + [
-            i for i, w in enumerate(k.wheels) if w.drive == "blocked"
-        ]
-        does = "slides" if k.wheels[turned[row]].held else "turns the blocked"
-        raise InputError(f"{what}: {does} wheel {turned[row] + 1} by {off[row, sample]:.3g} SI units, sample {sample}")
+        row, sample = (int(i) for i in np.unravel_index(wrong.argmax(), off.shape))
+        sideways, turning = _holders(k.wheels)
+        does, wheel = ("slides", sideways[row]) if row < len(sideways) else (
+            "turns the blocked", turning[row - len(sideways)])  # fmt: skip
+        raise InputError(f"{what}: it {does} wheel {wheel + 1} by {off[row, sample]:.3g} {unit}, at sample {sample}")
 
 
 def velocity(k: Kinematics, speeds: Any) -> Array:

@@ -1,13 +1,14 @@
 """What is right and wrong with the printed form of a platform equation: found by evaluating it, not claimed.
 
-Units, by measuring anew: every figure of a sample robot is told in other base units (a length of 0.3 m, a mass of 1.7 kg,
-a time of 0.6 s). A form whose units agree gives the same result in them; one that adds lengths to angles does not. This
+Units, by measuring anew: every figure of a sample robot is told in other base units (a length of 0.3 m, a mass of
+1.7 kg, a time of 0.6 s). A form whose units agree gives the same result in them; one that adds lengths to angles does not. This
 works for whatever can be computed, matrices with entries of several units among it.
 Values, by comparing: what the printed form gives of the sample robot, beside what the computed form gives.
 """
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -96,7 +97,7 @@ def _unit_of() -> dict[str, str]:
 def _factor(unit: str) -> float:
     """What a figure in this SI unit is multiplied with when the base units are ours."""
     dimension = registry().Quantity(1.0, "" if unit == "1" else unit).dimensionality
-    return float(np.prod([_BASE[base] ** -float(power) for base, power in dimension.items()]))
+    return math.prod(_BASE[base] ** -int(power) for base, power in dimension.items())
 
 
 def _factors(unit: str) -> Array:
@@ -104,8 +105,9 @@ def _factors(unit: str) -> Array:
     over, _, under = unit.partition(" per ")
     up = np.array([_factor(u.strip()) for u in over.split(",")])
     if not under:
-        return up if len(up) > 1 else up[0]
-    return up[:, None] / np.array([_factor(u.strip()) for u in under.split(",")])
+        return up if len(up) > 1 else up.reshape(())
+    factors: Array = up[:, None] / np.array([_factor(u.strip()) for u in under.split(",")])
+    return factors
 
 
 def _value(expression: str, *, anew: bool = False) -> Any:

@@ -66,9 +66,8 @@ class Wheel:
         names = ("inertia", "rotor_inertia", "rolling_resistance", "roller_resistance", "friction")
         _at_least(self, "wheel", *names)
         if not math.cos(self.roller_angle) > _LEAST_COSINE:
-            raise InputError(
-                f"wheel: roller_angle must lie between -90 deg and 90 deg, got {math.degrees(self.roller_angle):.6g} deg"
-            )
+            found = math.degrees(self.roller_angle)
+            raise InputError(f"wheel: roller_angle must lie between -90 deg and 90 deg, got {found:.6g} deg")
         if self.held and self.roller_angle != 0.0:
             raise InputError("wheel: one that is held sideways has no rollers, so roller_angle must be 0")
         if self.drive not in ("motor", "free", "blocked"):
@@ -163,7 +162,12 @@ class Platform:
         _at_least(self, "platform", "height")
         if not any(w.drive == "motor" for w in self.wheels):
             raise InputError("platform: no wheel is driven; expected one with a motor at least")
-        _apart([(w.x, w.y) for w in (*self.wheels, *self.casters)])
+        _apart(self.contacts)
+
+    @property
+    def contacts(self) -> list[tuple[float, float]]:
+        """Contact points of wheels, then of casters [m]."""
+        return [(w.x, w.y) for w in self.wheels] + [(c.x, c.y) for c in self.casters]
 
 
 def _apart(places: Sequence[tuple[float, float]]) -> None:
@@ -172,7 +176,9 @@ def _apart(places: Sequence[tuple[float, float]]) -> None:
     for i, here in enumerate(places):
         for j, there in enumerate(places[:i]):
             if math.dist(here, there) < 1e-6 * scale:
-                raise InputError(f"platform: wheels {j + 1} and {i + 1} stand in one place, ({here[0]:g}, {here[1]:g}) m")
+                raise InputError(
+                    f"platform: wheels {j + 1} and {i + 1} stand in one place, ({here[0]:g}, {here[1]:g}) m"
+                )
 
 
 def loaded(platform: Platform, *payloads: Payload) -> Platform:
