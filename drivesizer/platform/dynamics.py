@@ -9,8 +9,8 @@ In the robot's frame, (49): :math:`\bar M \dot η + \bar C η = E^T τ + F`, wit
 
 Where the set of wheels does not allow every motion, η = S ν and the equation is taken along S: what the wheels hold
 does no work. n driven wheels and m motions leave n − m torques open; of all that make the motion, those with the least
-sum of squares are given (or of squares over weights), :math:`τ = D (\bar M \dot η + \bar C η - F)`, by the Moore-Penrose
-inverse :math:`D = (S^T E^T)^+ S^T`. In the wheels' own space this is (57)-(59).
+sum of squares are given (or of squares over weights), :math:`τ = D (\bar M \dot η + \bar C η - F)`, by the
+Moore-Penrose inverse :math:`D = (S^T E^T)^+ S^T`. In the wheels' own space this is (57)-(59).
 
 Rolling resistance is against each wheel's turning and nothing at rest, C_rr N r; N is what the wheel carries at rest.
 Its direction at a start is that of ``towards``. No efficiency is in here: that is the drive's.

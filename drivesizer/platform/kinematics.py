@@ -2,8 +2,8 @@ r"""How the wheels of a platform turn when it moves, and how it moves when they 
 
 Every wheel rolls along its roller's axis, (26): :math:`J_1 η + J_2 \dot ϕ = 0`, so :math:`\dot ϕ = E η`,
 :math:`E = -J_2^{-1} J_1` (32). A wheel without rollers does not move sideways and one that is blocked does not turn;
-those rows, A η = 0, leave the motions η = S ν that the set of wheels allows: three for an omnidirectional platform, two for a
-differential drive, one for a car. The driven wheels must tell each of these motions apart, or the platform
+those rows, A η = 0, leave the motions η = S ν that the set of wheels allows: three for an omnidirectional platform,
+two for a differential drive, one for a car. The driven wheels must tell each of these motions apart, or the platform
 could move while they stand: such a set is refused. Back from the wheels, (54), by least squares over the
 allowed motions, :math:`η = S (E S)^+ \dot ϕ`.
 
@@ -13,6 +13,7 @@ Velocities are columns: the first axis has the three entries, or a row for each 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -216,8 +217,9 @@ def check_allowed(k: Kinematics, eta: Array, what: str, unit: str = "m/s") -> No
     if not len(k.held):
         return
     off = np.abs(map_columns(k.held, eta)).reshape(len(k.held), -1)
-    size = (np.abs(k.held) @ np.abs(eta).reshape(3, -1)).max(axis=1, keepdims=True)
-    wrong = np.where(off > _ALLOWED * size, off, 0.0)
+    largest = np.abs(eta).reshape(3, -1).max(axis=1)
+    size = over_all_headings(k.held, math.hypot(largest[0], largest[1]), largest[2])
+    wrong = np.where(off > _ALLOWED * size[:, None], off, 0.0)
     if wrong.any():
         row, sample = (int(i) for i in np.unravel_index(wrong.argmax(), off.shape))
         sideways, turning = _holders(k.wheels)

@@ -1,8 +1,8 @@
 """What is right and wrong with the printed form of a platform equation: found by evaluating it, not claimed.
 
 Units, by measuring anew: every figure of a sample robot is told in other base units (a length of 0.3 m, a mass of
-1.7 kg, a time of 0.6 s). A form whose units agree gives the same result in them; one that adds lengths to angles does not. This
-works for whatever can be computed, matrices with entries of several units among it.
+1.7 kg, a time of 0.6 s). A form whose units agree gives the same result in them; one that adds lengths
+to areas does not. This works for whatever can be computed, matrices with entries of several units among it.
 Values, by comparing: what the printed form gives of the sample robot, beside what the computed form gives.
 """
 
@@ -96,8 +96,8 @@ def _unit_of() -> dict[str, str]:
 @cache
 def _factor(unit: str) -> float:
     """What a figure in this SI unit is multiplied with when the base units are ours."""
-    dimension = registry().Quantity(1.0, "" if unit == "1" else unit).dimensionality
-    return math.prod(_BASE[base] ** -int(power) for base, power in dimension.items())
+    dimension: Any = registry().Quantity(1.0, "" if unit == "1" else unit).dimensionality
+    return float(math.prod(_BASE[base] ** -power for base, power in dimension.items()))
 
 
 def _factors(unit: str) -> Array:
