@@ -40,6 +40,7 @@ def wheel_sets(draw, least=3, most=6):
         )
         for _ in range(count)
     ]  # fmt: skip
+    assume(all(math.dist((a.x, a.y), (b.x, b.y)) > 0.01 for a, b in itertools.combinations(wheels, 2)))
     rows = np.array([contact_row(w) for w in wheels])
     assume(np.linalg.cond(rows) < 50.0)
     return wheels

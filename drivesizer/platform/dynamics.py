@@ -105,7 +105,7 @@ def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = L
     towards
         Velocity whose direction counts [m/s, m/s, rad/s], shape (3, ...).
     theta, ground
-        Heading in the world [rad], and the floor.
+        Heading in the world [rad], and the floor. A wheel that would lift off carries nothing and resists nothing.
     """
     wheels, casters, k = d.platform.wheels, d.platform.casters, d.kinematics
     C_rr, C_roller, r, friction = np.array(

@@ -218,14 +218,13 @@ def check_allowed(k: Kinematics, eta: Array, what: str, unit: str = "m/s") -> No
         return
     off = np.abs(map_columns(k.held, eta)).reshape(len(k.held), -1)
     largest = np.abs(eta).reshape(3, -1).max(axis=1)
-    size = over_all_headings(k.held, math.hypot(largest[0], largest[1]), largest[2])
-    wrong = np.where(off > _ALLOWED * size[:, None], off, 0.0)
+    size = math.hypot(largest[0], largest[1]) + max(w.L for w in k.wheels) * largest[2]
+    wrong = np.where(off > _ALLOWED * size, off, 0.0)
     if wrong.any():
         row, sample = (int(i) for i in np.unravel_index(wrong.argmax(), off.shape))
         sideways, turning = _holders(k.wheels)
-        does, wheel = ("slides", sideways[row]) if row < len(sideways) else (
-            "turns the blocked", turning[row - len(sideways)])  # fmt: skip
-        raise InputError(f"{what}: it {does} wheel {wheel + 1} by {off[row, sample]:.3g} {unit}, at sample {sample}")
+        does, wheel = "slides" if row < len(sideways) else "turns the blocked", [*sideways, *turning][row] + 1
+        raise InputError(f"{what}: it {does} wheel {wheel} by {off[row, sample]:.3g} {unit}, at sample {sample}")
 
 
 def velocity(k: Kinematics, speeds: Any) -> Array:
