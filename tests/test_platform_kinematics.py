@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from platforms import ALPHA, LENGTH, RADIUS, car, differential, mecanum, omni_three
+from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, car, differential, mecanum, omni_three
 
 from drivesizer.errors import InputError
 from drivesizer.platform import equations, equations_dynamics, notation, printed
@@ -217,10 +217,13 @@ def test_three_of_four_mecanum_wheels_still_make_every_motion(wheel):
 
 
 def test_a_blocked_wheel_leaves_two_motions():
-    left = after_failure(mecanum(), 1, blocked=True)
+    left = after_failure(mecanum(inertia=0.0), 1, blocked=True)
     assert left.motions.shape == (3, 2)
     assert kinematics(mecanum().wheels).E[0] @ left.motions == pytest.approx(0.0, abs=1e-12)
-    assert np.isnan(left.torque_ratio).all()  # neither straight on, nor sideways, nor on the spot
+    l = LENGTH * (math.cos(ALPHA) + math.sin(ALPHA))
+    assert pytest.approx(np.array([[1.0, 0.0, -1 / l], [0.0, 1.0, -1 / l]])) == left.motions.T
+    m, i = MASS, INERTIA / l**2  # by hand, from A τ = f with three wheels and two motions
+    assert left.torque_ratio[0] == pytest.approx(2 / 3 * (2 * m + i) / (m + i))
     with pytest.raises(
         InputError, match=r"^velocity of the platform: it turns the blocked wheel 1 by 1 m/s, at sample 0"
     ):
@@ -352,6 +355,7 @@ def test_expressions_as_text():
     assert notation.text("a - (b - c)") == "a − (b − c)"
     assert notation.text("a / (b * c)") == "a / (b c)"
     assert notation.text("(a + b) * c**2") == "(a + b) c²"
+    assert printed.find("(50)") is PLATFORM[50] is printed.find("inertia_matrix") and printed.find("20") is None
     assert dict(printed.rows(PLATFORM[50]))["as computed"] == "M̄ = M_R + Eᵀ M_ϕ E"
     with pytest.raises(ValueError, match="no notation"):
         notation.text("a if b else c")

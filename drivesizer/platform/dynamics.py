@@ -91,8 +91,9 @@ def _distribution(k: Kinematics, weights: Sequence[float] | None) -> Array:
 def _sign(rows: Array, eta: Array) -> Array:
     """Signs of rows times velocities; 0 where the sum is 0 but for rounding."""
     flat = eta.reshape(3, -1)
-    value, size = rows @ flat, np.abs(rows) @ np.abs(flat)
-    return np.where(np.abs(value) > _ROUNDING * size, np.sign(value), 0.0).reshape(-1, *eta.shape[1:])
+    value, least = rows @ flat, _ROUNDING * np.abs(rows) @ np.abs(flat)
+    value[np.abs(value) <= least] = 0.0
+    return np.sign(value, out=value).reshape(-1, *eta.shape[1:])
 
 
 def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = LEVEL) -> Array:

@@ -24,7 +24,7 @@ class Remaining:
 
     platform: Platform  # with the wheel that failed
     motions: Array  # (3, m): the velocities that can still be driven are their sums
-    torque_ratio: Array  # (3,): largest torque of a wheel over that with all motors; NaN where it cannot be driven
+    torque_ratio: Array  # (m,): to gain speed along each, largest torque of a wheel over that with all motors
 
 
 def after_failure(platform: Platform, wheel: int, *, blocked: bool = False) -> Remaining:
@@ -39,20 +39,12 @@ def after_failure(platform: Platform, wheel: int, *, blocked: bool = False) -> R
     blocked
         Whether the wheel is held by its brake or gear; it turns freely otherwise, and the others turn its rotor.
 
-    Returns
-    -------
-    Remaining
-        The ratios are those of a force forwards, of one to the left and of a moment.
-
     Raises
     ------
     InputError
         When there is no such wheel, or the motors that are left do not hold the platform.
     """
     whole, left = dynamics(platform), dynamics(without_motor(platform, wheel, blocked=blocked))
-    S = left.kinematics.motions
-    allowed = np.isclose(S @ np.linalg.pinv(S), np.eye(3), atol=1e-9).all(axis=0)
-    before, after = (np.abs(d.distribution).max(axis=0) for d in (whole, left))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(allowed & (before > 1e-9), after / before, np.nan)
-    return Remaining(left.platform, S, ratio)
+    motions = left.kinematics.motions
+    before, after = (np.abs(d.distribution @ d.M @ motions).max(axis=0) for d in (whole, left))
+    return Remaining(left.platform, motions, after / before)

@@ -19,7 +19,7 @@ from drivesizer.platform import equations, equations_dynamics, notation
 from drivesizer.platform.notation import PLATFORM, Array, MatrixEquation
 from drivesizer.units import registry
 
-__all__ = ["Finding", "finding", "rows", "sample"]
+__all__ = ["SOURCE", "Finding", "find", "finding", "rows", "sample"]
 
 assert equations.__all__ and equations_dynamics.__all__  # importing them declares them
 
@@ -146,6 +146,14 @@ def finding(declared: MatrixEquation) -> Finding:
         f"in other base units {units}" if units else None,
         _where(plain, _value(notation.computed(declared))),
     )
+
+
+def find(key: str) -> MatrixEquation | None:
+    """The equation of the platform with a number (as text) or a function name, or None."""
+    bare = key.strip().strip("()")
+    if bare.isascii() and bare.isdigit():
+        return PLATFORM.get(int(bare))
+    return {e.name: e for e in PLATFORM.values()}.get(bare)
 
 
 def rows(declared: MatrixEquation) -> list[tuple[str, str]]:
