@@ -326,6 +326,8 @@ def test_a_form_with_wrong_units_is_found():
     assert "entry 1" in str(printed.finding(wrong).units)
     wrong = replace(PLATFORM[32], printed="-J_1 * r")
     assert printed.finding(wrong).units
+    wrong = replace(PLATFORM[59], printed="inv(E.T) @ M_R @ K_plus")
+    assert printed.finding(wrong).units and "3 × 4" in str(printed.finding(wrong).values)
     wrong = replace(PLATFORM[50], printed="M_R + E.T @ E")
     assert printed.finding(wrong).units
 

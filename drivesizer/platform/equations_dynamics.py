@@ -401,7 +401,9 @@ def joint_form(M_q: Array, q_ddot: Array, C_q: Array, q_dot: Array, g_q: Array) 
     return M_q @ q_ddot + C_q @ q_dot + g_q
 
 
-@matrix_equation(57, "τ_ϕ", printed="M_q @ q_ddot + C_q @ q_dot", note="M̄, C̄ of (58), (59): not those of (50), (51).")
+@matrix_equation(
+    57, "τ_ϕ", printed="M_q @ q_ddot + C_q @ q_dot", note="M_q, C_q of (58), (59); the paper calls them M̄, C̄ too."
+)
 def wheel_space_torque(M_q: Array, q_ddot: Array, C_q: Array, q_dot: Array) -> Array:
     """Dynamics in the space of the wheels.
 
@@ -426,7 +428,9 @@ _NO_INVERSE = (
 )
 
 
-@matrix_equation(58, "M̄", printed="inv(E.T) @ (R @ M_R @ R.T @ K_plus) + M_phi @ E @ K_plus", note=_NO_INVERSE)
+@matrix_equation(
+    58, "M_q", printed_symbol="M̄", printed="inv(E.T) @ (R @ M_R @ R.T @ K_plus) + M_phi @ E @ K_plus", note=_NO_INVERSE
+)
 def wheel_space_inertia(E: Array, M_bar: Array, K_plus: Array) -> Array:
     """Inertia in the space of the wheels.
 
@@ -443,7 +447,7 @@ def wheel_space_inertia(E: Array, M_bar: Array, K_plus: Array) -> Array:
     return np.linalg.pinv(E.T) @ M_bar @ K_plus
 
 
-@matrix_equation(59, "C̄", printed="inv(E.T) @ (R @ M_R @ R_T_dot @ K_plus)", note=_NO_INVERSE)
+@matrix_equation(59, "C_q", printed_symbol="C̄", printed="inv(E.T) @ (R @ M_R @ R_T_dot @ K_plus)", note=_NO_INVERSE)
 def wheel_space_coriolis(E: Array, C_bar: Array, K_plus: Array) -> Array:
     """Coriolis matrix in the space of the wheels.
 

@@ -47,6 +47,7 @@ class MatrixEquation:
     result: Term
     printed: str
     note: str = ""
+    printed_symbol: str = ""  # where the paper has another left side
 
     @property
     def name(self) -> str:
@@ -62,7 +63,7 @@ PLATFORM: dict[int, MatrixEquation] = {}  # by the paper's number
 
 
 def matrix_equation(
-    number: int, symbol: str, *, printed: str, note: str = ""
+    number: int, symbol: str, *, printed: str, note: str = "", printed_symbol: str = ""
 ) -> Callable[[Callable[..., Any]], MatrixEquation]:
     """Declare the function below as an equation of the platform.
 
@@ -76,13 +77,23 @@ def matrix_equation(
         The paper's own right side, as an expression in our names.
     note
         Where the printed form fails, or what a reader must know.
+    printed_symbol
+        The paper's own left side, where it is another.
     """
 
     def declared(formula: Callable[..., Any]) -> MatrixEquation:
         sections = declare._terms(formula)
         title = (inspect.getdoc(formula) or "").splitlines()[0].rstrip(".")
         made = MatrixEquation(
-            number, symbol, formula, title, sections["Parameters"], sections["Returns"][0], printed, note
+            number,
+            symbol,
+            formula,
+            title,
+            sections["Parameters"],
+            sections["Returns"][0],
+            printed,
+            note,
+            printed_symbol,
         )
         PLATFORM[number] = made
         return made

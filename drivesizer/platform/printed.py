@@ -9,6 +9,7 @@ Values, by comparing: what the printed form gives of the sample robot, beside wh
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -140,7 +141,8 @@ def finding(declared: MatrixEquation) -> Finding:
         plain, again = _value(declared.printed), _value(declared.printed, anew=True)
     except np.linalg.LinAlgError:
         rows, columns = np.shape(sample()["E"].T)
-        return Finding(None, f"Eᵀ is {rows} × {columns}, and only a square matrix has an inverse")
+        no_inverse = replace(declared, printed=declared.printed.replace("inv(", "pinv("))  # has the same units
+        return Finding(finding(no_inverse).units, f"Eᵀ is {rows} × {columns}, and only a square matrix has an inverse")
     units = _where(again / _factors(declared.result.unit), plain)
     return Finding(
         f"in other base units {units}" if units else None,
@@ -160,7 +162,7 @@ def rows(declared: MatrixEquation) -> list[tuple[str, str]]:
     """An equation as rows of a name and words: as printed, what was found, as computed, note, result, terms, source."""
     found, left = finding(declared), declared.symbol
     told = [
-        ("as printed", f"{left} = {notation.text(declared.printed)}"),
+        ("as printed", f"{declared.printed_symbol or left} = {notation.text(declared.printed)}"),
         ("unit check", f"fails: {found.units}" if found.units else "passes"),
         ("value check", f"fails: {found.values}" if found.values else "passes"),
         ("as computed", f"{left} = {notation.text(notation.computed(declared))}"),
