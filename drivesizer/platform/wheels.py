@@ -1,0 +1,228 @@
+"""Wheels, casters and the platform that stands on them, as records; all lengths in the robot's frame.
+
+The frame's x points forward, y to the left; its origin, the reference point, is where the posture is told. A wheel that
+turns forwards (positive speed) rolls along its heading. What it does to the floor is told by its rollers:
+
+- mecanum: rollers at an angle γ, usually 45°. It pulls along the roller's axis only.
+- omni: rollers that let it slide sideways, γ = 0. It pulls along its heading only.
+- fixed, or steered to a given angle: no rollers. It pulls along its heading and holds sideways (``held``).
+
+Symbols of Table 1 of Appl. Sci. 2021, 11, 6631: L, α place the contact point, β turns the wheel against the line to it
+(its heading is α + β − π/2), γ is the roller's angle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
+
+from drivesizer.errors import InputError
+
+__all__ = ["Caster", "Drive", "Payload", "Platform", "Wheel", "loaded", "table_wheel", "without_motor"]
+
+Drive = Literal["motor", "free", "blocked"]  # blocked: by a brake, or a gear that locks itself
+
+_LARGEST = 1e9  # of any figure, in SI
+_LEAST_COSINE = 1e-3  # of the roller's angle: closer to 90° the wheel's torque reaches the floor no more
+
+
+def _finite(record: Any, what: str) -> None:
+    """No figure of a record is NaN or beyond what can be computed with."""
+    for f in fields(record):
+        value = getattr(record, f.name)
+        if isinstance(value, (int, float)) and not abs(value) < _LARGEST:  # written so that NaN fails too
+            raise InputError(f"{what}: {f.name} must be a number below {_LARGEST:g}, got {value!r}")
+
+
+def _at_least(record: Any, what: str, *names: str, above: bool = False) -> None:
+    for name in names:
+        value = getattr(record, name)
+        if value < 0.0 or (above and value == 0.0):
+            raise InputError(f"{what}: {name} must be {'above 0' if above else '0 or more'}, got {value!r}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wheel:
+    """One wheel: where it stands, how it rolls, what turns it."""
+
+    x: float  # m, of the contact point
+    y: float  # m
+    radius: float  # m
+    heading: float = 0.0  # rad, where it rolls when it turns forwards
+    roller_angle: float = 0.0  # rad, γ: from the heading to the axis of the roller on the floor
+    held: bool = False  # no rollers: does not move sideways
+    drive: Drive = "motor"
+    inertia: float = 0.0  # kg*m^2 about the axle: wheel and shaft
+    rotor_inertia: float = 0.0  # kg*m^2 at the wheel: K² (J_m + J_g) of its motor set
+    rolling_resistance: float = 0.0  # C_rr, of the wheel on its axle [1]
+    roller_resistance: float = 0.0  # the same of the roller on its pin [1]
+    friction: float = 0.0  # N*m, against the wheel's turning whatever it carries
+
+    def __post_init__(self) -> None:
+        _finite(self, "wheel")
+        _at_least(self, "wheel", "radius", above=True)
+        names = ("inertia", "rotor_inertia", "rolling_resistance", "roller_resistance", "friction")
+        _at_least(self, "wheel", *names)
+        if not math.cos(self.roller_angle) > _LEAST_COSINE:
+            found = math.degrees(self.roller_angle)
+            raise InputError(f"wheel: roller_angle must lie between -90 deg and 90 deg, got {found:.6g} deg")
+        if self.held and self.roller_angle != 0.0:
+            raise InputError("wheel: one that is held sideways has no rollers, so roller_angle must be 0")
+        if self.drive not in ("motor", "free", "blocked"):
+            raise InputError(f"wheel: drive must be motor, free or blocked, got {self.drive!r}")
+
+    @property
+    def L(self) -> float:  # noqa: N802 - the paper's symbol
+        """Distance of the contact point from the reference point [m]."""
+        return math.hypot(self.x, self.y)
+
+    @property
+    def alpha(self) -> float:
+        """Direction of the contact point [rad]."""
+        return math.atan2(self.y, self.x)
+
+    @property
+    def beta(self) -> float:
+        """What turns the wheel against the line to its contact point [rad]."""
+        return self.heading + math.pi / 2.0 - self.alpha
+
+
+def table_wheel(L: float, alpha: float, beta: float, gamma: float, radius: float, **more: Any) -> Wheel:
+    """A wheel by the columns of the paper's Table 1.
+
+    Parameters
+    ----------
+    L, alpha
+        Distance [m] and direction [rad] of the contact point.
+    beta
+        Of the wheel against the line to it [rad]; π/2 − α rolls forward.
+    gamma
+        Angle of the rollers [rad].
+    radius
+        Of the wheel [m].
+    more
+        Further fields of a wheel.
+
+    Examples
+    --------
+    >>> table_wheel(0.3, 0.5, math.pi / 2 - 0.5, 0.7, 0.08).heading
+    0.0
+    """
+    heading = alpha + beta - math.pi / 2.0
+    return Wheel(
+        x=L * math.cos(alpha), y=L * math.sin(alpha), radius=radius, heading=heading, roller_angle=gamma, **more
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Caster:
+    """A wheel that carries and follows: it neither drives nor holds."""
+
+    x: float  # m
+    y: float  # m
+    rolling_resistance: float = 0.0  # C_rr [1]
+
+    def __post_init__(self) -> None:
+        _finite(self, "caster")
+        _at_least(self, "caster", "rolling_resistance")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Payload:
+    """What is put on the platform."""
+
+    mass: float  # kg
+    x: float = 0.0  # m, of its centre of mass
+    y: float = 0.0  # m
+    height: float = 0.0  # m above the floor
+    inertia: float = 0.0  # kg*m^2 about the vertical through its centre of mass
+
+    def __post_init__(self) -> None:
+        _finite(self, "payload")
+        _at_least(self, "payload", "mass", "height", "inertia")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Platform:
+    """Wheels and the mass that stands on them, the wheels' own included."""
+
+    wheels: tuple[Wheel, ...]
+    mass: float  # kg
+    inertia: float  # kg*m^2 about the vertical through the centre of mass
+    x: float = 0.0  # m, of the centre of mass
+    y: float = 0.0  # m
+    height: float = 0.0  # m above the floor
+    casters: tuple[Caster, ...] = ()
+
+    def __post_init__(self) -> None:
+        _finite(self, "platform")
+        _at_least(self, "platform", "mass", "inertia", above=True)
+        _at_least(self, "platform", "height")
+        if not any(w.drive == "motor" for w in self.wheels):
+            raise InputError("platform: no wheel is driven; expected one with a motor at least")
+        _apart(self.contacts)
+
+    @property
+    def contacts(self) -> list[tuple[float, float]]:
+        """Contact points of wheels, then of casters [m]."""
+        return [(w.x, w.y) for w in self.wheels] + [(c.x, c.y) for c in self.casters]
+
+
+def _apart(places: Sequence[tuple[float, float]]) -> None:
+    """No two contact points are one."""
+    scale = max(math.hypot(*p) for p in places) or 1.0
+    for i, here in enumerate(places):
+        for j, there in enumerate(places[:i]):
+            if math.dist(here, there) < 1e-6 * scale:
+                raise InputError(
+                    f"platform: wheels {j + 1} and {i + 1} stand in one place, ({here[0]:g}, {here[1]:g}) m"
+                )
+
+
+def loaded(platform: Platform, *payloads: Payload) -> Platform:
+    """The platform with payloads on it: mass, centre of mass and inertia of all together.
+
+    >>> flat = Platform(wheels=(Wheel(x=0.0, y=0.3, radius=0.1),), mass=30.0, inertia=2.0)
+    >>> both = loaded(flat, Payload(mass=10.0, x=0.2, inertia=0.1))
+    >>> both.mass, both.x, both.inertia  # 2.1 and 30 * 10 / 40 * 0.2²
+    (40.0, 0.05, 2.4)
+    """
+    for p in payloads:
+        total = platform.mass + p.mass
+        share = p.mass / total
+        apart = math.hypot(p.x - platform.x, p.y - platform.y)
+        platform = replace(
+            platform,
+            mass=total,
+            x=platform.x + share * (p.x - platform.x),
+            y=platform.y + share * (p.y - platform.y),
+            height=platform.height + share * (p.height - platform.height),
+            inertia=platform.inertia + p.inertia + platform.mass * share * apart**2,
+        )
+    return platform
+
+
+def without_motor(platform: Platform, wheel: int, *, blocked: bool = False) -> Platform:
+    """The platform after a motor set has failed: its wheel turns freely with the rotor, or not at all.
+
+    Parameters
+    ----------
+    platform
+        With all motors.
+    wheel
+        Which one, counted from 1 as in Table 1.
+    blocked
+        Whether brake or gear hold the wheel.
+
+    Raises
+    ------
+    InputError
+        When there is no such wheel, or no driven one is left.
+    """
+    if not 1 <= wheel <= len(platform.wheels):
+        raise InputError(f"platform: there is no wheel {wheel}; expected 1 to {len(platform.wheels)}")
+    wheels = list(platform.wheels)
+    wheels[wheel - 1] = replace(wheels[wheel - 1], drive="blocked" if blocked else "free")
+    return replace(platform, wheels=tuple(wheels))
