@@ -118,7 +118,7 @@ def pack_of(given: Battery, catalog: Catalog) -> Pack:
     s, p = given.series, given.parallel
     rest, more = given.open_circuit, given.polarisation
     return Pack(
-        name=f"{s} x {p} " * (s * p > 1) + (given.part or "battery"),
+        name=f"{s} x {p} " * (s * p > 1) + (given.part or f"{given.chemistry or chr(32)} battery".strip()),
         chemistry=given.chemistry or record.chemistry, series=s, parallel=p,
         nominal_voltage=s * one["nominal_voltage"], charge_voltage=s * one["charge_voltage"],
         cutoff_voltage=s * one["cutoff_voltage"],

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.results import Check, Status
+from drivesizer.checked import Check, Status
 
 __all__ = ["TITLES", "CheckColumn", "at_least", "at_most", "fits", "worst_case"]
 
@@ -79,6 +79,17 @@ TITLES = {
         "length": "Length of motor and gearhead",
         "mass": "Mass of motor and gearhead",
         "price": "Price of motor and gearhead",
+    },
+    "budget": {  # of the machine with a set in it
+        "battery_autonomy": "Battery autonomy",
+        "battery_range": "Range on one charge",
+        "battery_power": "Battery power, largest",
+        "battery_voltage": "Battery voltage at the peak, lowest supply",
+        "battery_cutoff": "Battery voltage at the peak, end of discharge",
+        "battery_charge_voltage": "Battery voltage while charging",
+        "battery_continuous_current": "Battery continuous current (RMS)",
+        "battery_peak_current": "Battery peak current",
+        "battery_charge_current": "Battery charge current, energy returned",
     },
 }
 

@@ -23,16 +23,20 @@ def equations(
     number: Annotated[str | None, typer.Argument(help="The paper's number, or a requirement's name.")] = None,
 ) -> None:
     """List the paper's equations, or show one: as printed, as computed, why they differ, units, source."""
-    import drivesizer.equations
     from drivesizer import formula, terminal_equations
+    from drivesizer.platform import printed
+    from drivesizer.platform.notation import PLATFORM
 
     if number is None:
         terminal_equations.equations()
         return
-    declared = formula.find(number)
-    if declared is None:
-        raise InputError(f"there is no equation {quoted(number)}; expected 1 to {max(drivesizer.declare.EQUATIONS)}")
-    terminal_equations.equation(declared)
+    sizing, platform = formula.find(number), printed.find(number)
+    if sizing is not None:
+        terminal_equations.equation(sizing)
+    elif platform is not None:
+        terminal_equations.matrix_equation(platform)
+    else:
+        raise InputError(f"there is no equation {quoted(number)}; expected 1 to {max(PLATFORM)}")
 
 
 def init(

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from drivesizer.errors import InputError
 from drivesizer.units import registry
 
-__all__ = ["COMPANIONS", "EQUATIONS", "Equation", "Term", "Value", "equation"]
+__all__ = ["COMPANIONS", "EQUATIONS", "Equation", "Term", "Value", "equation", "terms"]
 
 Value = float | NDArray[np.float64]
 
@@ -91,8 +91,8 @@ _SECTION = re.compile(r"(Parameters|Returns)\n\s*-+\n(.*?)(?=\n\s*\n|\Z)", re.DO
 _TERM = re.compile(r"\s*(\w+): (.*) \[([^\]]+)\]\s*")
 
 
-def _terms(formula: Callable[..., Any]) -> dict[str, tuple[Term, ...]]:
-    """The terms that a docstring lists, by section."""
+def terms(formula: Callable[..., Any]) -> dict[str, tuple[Term, ...]]:
+    """The terms that a formula's docstring lists, by its sections Parameters and Returns."""
     text = inspect.getdoc(formula) or ""
     sections: dict[str, tuple[Term, ...]] = {}
     for heading, block in _SECTION.findall(text):
@@ -129,7 +129,7 @@ def equation(
     """
 
     def declare(formula: Callable[..., Any]) -> Equation:
-        sections = _terms(formula)
+        sections = terms(formula)
         declared = Equation(
             number=number,
             symbol=symbol,

@@ -10,9 +10,7 @@ Symbols: P power [W], E voltage at rest [V], I current [A], T time [s].
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf, isnan, nan
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,46 +21,16 @@ from drivesizer.battery_schema import Battery, Consumer
 from drivesizer.catalog import Catalog
 from drivesizer.drive_power import DrivePower, drive_power
 from drivesizer.energy_checks import Load, battery_checks, required_autonomy
+from drivesizer.energy_records import Consumption, EnergyBudget
 from drivesizer.errors import InputError
-from drivesizer.results import Check, DriveSet, Figure, Status, verdict
+from drivesizer.results import DriveSet, Figure, verdict
 from drivesizer.spec import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["Consumption", "EnergyBudget", "charge_over_mission", "energy_budget"]
+__all__ = ["charge_over_mission", "energy_budget"]
 
 Array = NDArray[np.float64]
 _POINTS = 2000  # of the state of charge over a mission
-
-
-class Consumption(NamedTuple):
-    """One line of the table of consumers."""
-
-    name: str
-    number: int
-    mean: float  # W at the battery, over the whole time; negative for what comes back
-    peak: float  # W
-    duty: float  # share of the time; NaN where it does not apply
-    assumed: bool  # its figures are a guess of the spec
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EnergyBudget:
-    """Consumers, battery, and what comes of them; NaN is unknown."""
-
-    pack: Pack
-    consumers: tuple[Consumption, ...]
-    duration: Array  # s, pieces of one cycle
-    power: Array  # W from the battery, mean of each piece
-    mean_power: float  # W
-    peak_power: float  # W
-    full_time: float  # s, until all charge is drawn
-    autonomy: float  # s, until the usable share is
-    range: float  # m in that time; NaN for what does not travel
-    required: float  # s that it must last; NaN where nothing is required
-    status: Status
-    checks: tuple[Check, ...]
-    figures: tuple[Figure, ...]
-    assumptions: tuple[str, ...]
 
 
 def energy_budget(
@@ -205,6 +173,8 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
     mission = spec.mission.duration if spec.mission else nan
     needed = capacity_needed(pack, load.mean, load.required * (1.0 + battery.reserve))
     drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
+    lacking = {"mission_energy": isnan(mission), "range": spec.load.kind != "wheeled_vehicle"}
+    lacking |= dict.fromkeys(("charge_left", "capacity_needed", "strings_needed"), isnan(load.required))
     rows = (
         ("mean_power", "Mean power from the battery", load.mean, "power", "W"),
         ("peak_power", "Largest power, all at once", load.peak, "power", "W"),
@@ -220,7 +190,9 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
         ("strings_needed", "Strings side by side for it", strings_needed(pack, needed), "dimensionless", "1"),
         ("battery_mass", "Mass of the battery", pack.mass, "mass", "kg"),
     )
-    return tuple(Figure(name=n, title=t, value=float(v), kind=k, unit=u) for n, t, v, k, u in rows)
+    return tuple(
+        Figure(name=n, title=t, value=float(v), kind=k, unit=u) for n, t, v, k, u in rows if not lacking.get(n)
+    )
 
 
 # --- over the mission ------------------------------------------------------------------------------------------------

@@ -9,24 +9,11 @@ from typing import NamedTuple
 from drivesizer.battery import current_of_power, largest_power
 from drivesizer.battery_pack import Pack
 from drivesizer.battery_schema import Battery
+from drivesizer.checked import Check
 from drivesizer.checks import CheckColumn, at_least, at_most
-from drivesizer.results import Check
 from drivesizer.spec import RobotSpec
 
-__all__ = ["TITLES", "Load", "battery_checks", "required_autonomy"]
-
-TITLES = {
-    "battery_autonomy": "Battery autonomy",
-    "battery_range": "Range on one charge",
-    "battery_power": "Battery power, largest",
-    "battery_voltage": "Battery voltage at the peak, lowest supply",
-    "battery_cutoff": "Battery voltage at the peak, end of discharge",
-    "battery_charge_voltage": "Battery voltage while charging",
-    "battery_continuous_current": "Battery continuous current (RMS)",
-    "battery_peak_current": "Battery peak current",
-    "battery_charge_current": "Battery charge current, energy returned",
-}
-
+__all__ = ["Load", "battery_checks", "required_autonomy"]
 
 _AT_REST = ("battery_power", "battery_voltage", "battery_cutoff")
 
@@ -63,7 +50,7 @@ def battery_checks(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> t
         What there is, and what it is asked for.
     """
     columns = (*_lasting(spec, given, pack, load), *_voltages(spec, pack, load), *_currents(spec, pack, load))
-    return tuple(column.at((), "physics", title=TITLES[column.name]) for column in columns)
+    return tuple(column.at((), "budget") for column in columns)
 
 
 def _lasting(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> list[CheckColumn]:

@@ -18,10 +18,13 @@ from typing import Any
 
 import numpy as np
 
+from drivesizer import equations
 from drivesizer.declare import COMPANIONS, EQUATIONS, Equation
 from drivesizer.units import label, registry
 
 __all__ = ["computed", "find", "printed_failure", "symbol_text", "symbol_typst", "text", "typst"]
+
+assert equations.__all__  # importing them declares them
 
 _GREEK = {
     "eta": "η", "delta": "δ", "theta": "θ", "kappa": "κ", "rho": "ρ", "tau": "τ", "pi": "π", "alpha": "α", "omega": "ω",

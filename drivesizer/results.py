@@ -7,8 +7,7 @@ floats; each carries its kind and the unit of the trade it is shown in. NaN is *
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from math import isnan
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,9 @@ from numpy.typing import NDArray
 from drivesizer.belts import BeltDrive
 from drivesizer.cascade import Cascade, ControllerGain
 from drivesizer.catalog import DIRECT, Actuator, Catalog, Controller, Encoder, Gearhead, Motor
+from drivesizer.checked import Check, Figure, Status, verdict, worst
 from drivesizer.declare import Equation
+from drivesizer.energy_records import EnergyBudget
 from drivesizer.loops import Loop
 from drivesizer.spec import RobotSpec
 from drivesizer.units import from_si, show
@@ -38,8 +39,6 @@ __all__ = [
     "verdict",
     "worst",
 ]
-
-Status = Literal["pass", "fail", "unknown"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,53 +88,12 @@ class Requirement:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Check:
-    """One demand against one limit."""
-
-    name: str
-    title: str
-    method: str
-    case: str = ""
-    demand: float  # SI; for a required minimum, what is required
-    limit: float  # SI; for a required minimum, what there is
-    kind: str
-    unit: str
-    margin: float  # NaN where there is none
-    needed: float = 0.0  # the margin that the spec asks for
-    status: Status
-    at_time: float | None = None  # s, of the worst moment
-    by_choice: bool = False  # the smallest sufficient part was taken: its margin says nothing of the load
-    note: str = ""
-
-    def shown(self, figure: float) -> str:
-        """Demand or limit as it is printed."""
-        return show(figure, self.unit, self.kind)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Comparison:
     """One limit as both methods see it, and why they differ."""
 
     paper: Check
     physics: Check
     why: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Figure:
-    """A figure that has no limit of its own."""
-
-    name: str
-    title: str
-    value: float  # SI
-    kind: str
-    unit: str
-    at_time: float | None = None  # s
-
-    @property
-    def text(self) -> str:
-        """The value as it is printed."""
-        return show(self.value, self.unit, self.kind)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -174,10 +132,22 @@ class DriveSet:
     checks: tuple[Check, ...]  # of the method that ranked
     figures: tuple[Figure, ...] = ()  # what it does that has no limit of its own
     beside: tuple[Check, ...] = ()  # of the other method, for the same set
+    budget: tuple[Check, ...] = ()  # of the machine with the set in it: its battery
+    energy: EnergyBudget | None = None  # what draws from the battery, and how long it lasts; of the worst load case
     comparison: tuple[Comparison, ...] = ()  # where both methods look at the same limit
     changes: tuple[Relaxation, ...] = ()  # where it fails: what would let it pass, each alone
     actuator: Actuator | None = None  # that motor and gearhead are inside of
     belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
+
+    @property
+    def deciding(self) -> tuple[Check, ...]:
+        """The checks that a set stands or falls by."""
+        return (*self.checks, *self.budget)
+
+    @property
+    def every_check(self) -> tuple[Check, ...]:
+        """Those and what the other method says."""
+        return (*self.checks, *self.beside, *self.budget)
 
     @property
     def label(self) -> str:
@@ -279,21 +249,6 @@ def section_of(part: Any) -> str:
 def made_by(part: Any) -> str:
     """Maker and family of a part; the family alone where it names its maker."""
     return str(part.family if part.manufacturer in part.family else f"{part.manufacturer} {part.family}")
-
-
-def verdict(checks: tuple[Check, ...]) -> Status:
-    """What checks amount to: one that fails fails all, one that is unknown leaves all unknown."""
-    found = {check.status for check in checks}
-    return "fail" if "fail" in found else "unknown" if "unknown" in found else "pass"
-
-
-def worst(checks: tuple[Check, ...]) -> Check | None:
-    """The check with the smallest margin, None when no check has one.
-
-    Those where the smallest sufficient part was taken on purpose count only when they fail.
-    """
-    known = [c for c in checks if not isnan(c.margin) and not (c.by_choice and c.status == "pass")]
-    return min(known, key=lambda check: check.margin, default=None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

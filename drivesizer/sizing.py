@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from drivesizer import belt_choice, paper
+from drivesizer.budgets import check_battery, with_budget
 from drivesizer.candidates import Candidates, candidates
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
 from drivesizer.catalog.inside import taken_apart
@@ -21,7 +23,7 @@ from drivesizer.ranking import Objective, names_of, title_of
 from drivesizer.records import drive_set
 from drivesizer.relax import changes_for, relaxations
 from drivesizer.requirements import requirements
-from drivesizer.results import DriveSet, Requirement, SizingResult
+from drivesizer.results import DriveSet, Requirement, SizingResult, verdict
 from drivesizer.search import Found, Progress, search
 from drivesizer.spec import RobotSpec
 from drivesizer.units import show
@@ -80,28 +82,64 @@ def size(
     spec = belt_choice.with_pulleys(spec, catalog)
     objective = objective or spec.select.objective
     _known_choices(spec, catalog)
+    check_battery(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})
-    found = search(spec, catalog, top=top, objective=objective, pareto=pareto, progress=progress)
+    most = top * _FURTHER if spec.battery else top
+    found = search(spec, catalog, top=most, objective=objective, pareto=pareto, progress=progress)
+    best, short = _divided(found, spec, objective, top)
     count = len(found.evaluation.candidates.motor)
     fallen = [i for i in range(found.standing, count) if found.evaluation.failed[i]]
-    shown = [drive_set(found.evaluation, i, n, objective) for n, i in enumerate([*range(found.standing), *fallen], 1)]
-    sets = with_both_methods(spec, catalog, shown[: found.standing])
+    fell = [*short.values(), *(drive_set(found.evaluation, i, 0, objective) for i in fallen)]
+    sets = with_both_methods(spec, catalog, _ranked(best.values()))
     return SizingResult(
         spec=spec,
         catalog=catalog,
         method=spec.method,
         objective=title_of(objective),
-        requirements=_requirements(found, spec),
+        requirements=_requirements(found, spec, next(iter((*best, *short)), 0)),
         sets=sets,
-        misses=tuple(shown[found.standing :]),
-        relaxations=() if sets else relaxations(spec, catalog),
+        misses=_ranked(fell, len(sets)),
+        relaxations=() if found.standing else relaxations(spec, catalog),
         counts=found.counts,
         assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec)),
-        warnings=(*_warnings(spec, sets), *catalog.replaced),
+        warnings=(*_warnings(spec, sets), *_shortfall(best, short), *catalog.replaced),
         unrestricted=_unrestricted(spec, catalog, objective),
         front=tuple(drive_set(found.evaluation, i, n, objective) for n, i in enumerate(found.front, 1)),
         pareto=pareto,
     )
+
+
+_FURTHER = 4  # times as many sets are looked at where some may fall by the machine's budgets
+
+
+def _divided(
+    found: Found, spec: RobotSpec, objective: Objective, top: int
+) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
+    """By their rows the best sets that stand with the machine's budgets, and the better ones that fall by those."""
+    catalog = found.evaluation.catalog
+    best: dict[int, DriveSet] = {}
+    short: dict[int, DriveSet] = {}
+    for row in range(found.standing):
+        one = with_budget(spec, catalog, drive_set(found.evaluation, row, 0, objective))
+        falls = one.status == "fail" or (verdict(one.budget) == "unknown" and spec.select.unknown != "allow")
+        (short if falls else best)[row] = one
+        if len(best) == top:
+            break
+    return best, dict(list(short.items())[:top])
+
+
+def _ranked(sets: Iterable[DriveSet], before: int = 0) -> tuple[DriveSet, ...]:
+    return tuple(replace(one, rank=rank) for rank, one in enumerate(sets, before + 1))
+
+
+def _shortfall(best: dict[int, DriveSet], short: dict[int, DriveSet]) -> list[str]:
+    """That better sets fell by a budget."""
+    names = sorted({check.title.lower() for one in short.values() for check in one.budget if check.status == "fail"})
+    better = [row for row in short if not best or row < min(best)]
+    if not better or not names:
+        return []
+    sets = "1 set that stands" if len(better) == 1 else f"{len(better)} sets that stand"
+    return [f"{sets} by method and objective before these: not enough for the machine ({', '.join(names)})"]
 
 
 def _known_to(spec: RobotSpec, names: set[str]) -> None:
@@ -111,13 +149,13 @@ def _known_to(spec: RobotSpec, names: set[str]) -> None:
         raise InputError(f"objective {foreign[0]}: the paper's method does not compute it; expected method: physics")
 
 
-def _requirements(found: Found, spec: RobotSpec) -> tuple[Requirement, ...]:
-    """(1)-(16) with the rotor inertia of the best candidate; without candidates, with none."""
+def _requirements(found: Found, spec: RobotSpec, row: int) -> tuple[Requirement, ...]:
+    """(1)-(16) with the rotor inertia of the candidate that is shown; without candidates, with none."""
     if not spec.paper_applies:
         assert found.evaluation.asked  # such a spec is sized by physics
         return tuple(requirements([base.cycle for base in found.evaluation.asked.bases]))
     if len(found.evaluation.candidates.motor):
-        return tuple(r.at(0) for r in found.evaluation.wheel.values())
+        return tuple(r.at(row) for r in found.evaluation.wheel.values())
     return tuple(paper.vehicle(spec, 0.0).steps.values())
 
 
@@ -182,7 +220,7 @@ def _warnings(spec: RobotSpec, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     if not sets:
         return tuple(said)
     best = sets[0]
-    missing = [check.title for check in best.checks if check.status == "unknown"]
+    missing = [check.title for check in best.deciding if check.status == "unknown"]
     if missing:
         said.append(f"unknown for the best set: {', '.join(missing)}")
     figures = {figure.name: figure for figure in best.figures}
@@ -229,6 +267,7 @@ def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog
     """
     catalog = _prepared(catalog) if catalog else load_parts(spec)
     spec = belt_choice.with_pulleys(spec, catalog)
+    check_battery(spec, catalog)
     rows = _pair(catalog, motor, gearhead)
     family = str(catalog.gearheads["family"][rows[1]])
     select = spec.select.model_copy(update={"motor": Choice(part=[motor]), "gearhead": Choice(family=[family])})
@@ -236,7 +275,10 @@ def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog
     given: Candidates = candidates(narrowed, catalog, also=rows)
     evaluation = evaluate(narrowed, catalog, given)
     found = np.flatnonzero((given.motor == rows[0]) & (given.gearhead == rows[1]))
-    sets = [drive_set(evaluation, int(i), n, spec.select.objective) for n, i in enumerate(found, 1)]
+    sets = [
+        with_budget(spec, catalog, drive_set(evaluation, int(i), n, spec.select.objective))
+        for n, i in enumerate(found, 1)
+    ]
     both = with_both_methods(spec, catalog, sets)
     return [replace(s, changes=changes_for(spec, catalog, s)) if s.status == "fail" else s for s in both]
 

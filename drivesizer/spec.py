@@ -13,126 +13,19 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
 
+from drivesizer.battery_schema import Battery, Consumer
 from drivesizer.choices import Select
 from drivesizer.errors import InputError
-from drivesizer.fields import (
-    Allowance,
-    Angle,
-    Capacitance,
-    Current,
-    Duration,
-    Factor,
-    Force,
-    Frequency,
-    Gravity,
-    Length,
-    Mass,
-    Part,
-    Power,
-    Price,
-    Ratio,
-    Resistance,
-    Section,
-    Share,
-    Temperature,
-    Voltage,
-    default,
-)
+from drivesizer.fields import Section, default
 from drivesizer.loop_schema import Control, Plant
 from drivesizer.machines import AXES, Load, WheeledVehicle
 from drivesizer.motions import Motion, Trapezoid
+from drivesizer.sections import Case, Environment, Margins, Mission, Needs, PaperFactors, Supply
 from drivesizer.spec_errors import explained
 from drivesizer.transmission import BeltStage, Offer, Stage
 from drivesizer.yaml_source import Path_, YamlSource, read
 
 __all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
-
-
-class PaperFactors(Section):
-    """The paper's factors; it gives no values for them."""
-
-    speed_reserve: Share = Field(default=1, description="η of (1)")
-    bearing: Share = Field(default=1, description="δ of (2)")
-    robot_efficiency: Share = Field(default=1, description="η of (10)")
-    confidence: Share = Field(default=1, description="κ of (7)")
-    oversize: Factor = Field(default=1, description="PF of (7) and (10)")
-
-
-class Supply(Section):
-    """The electrical supply of the motor controllers."""
-
-    nominal: Voltage
-    min: Voltage | None = Field(default=None, description="lowest voltage; nominal where not given")
-    max: Voltage | None = Field(default=None, description="highest voltage; nominal where not given")
-    resistance: Resistance | None = Field(default=None, description="of source and cables, in the closed loop")
-    current: Current | None = Field(default=None, description="what the supply can give to all motor sets")
-    power: Power | None = Field(default=None, description="what the supply can give to all motor sets")
-    regeneration: Part = Field(default=0, description="share of returned energy that the supply takes back; 0 none")
-    capacitance: Capacitance | None = Field(default=None, description="of the bus, where returned energy has to stay")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Supply:
-        if not (self.min or self.nominal) <= self.nominal <= (self.max or self.nominal):
-            raise ValueError("expected min <= nominal <= max")
-        return self
-
-    @property
-    def lowest(self) -> float:
-        """Lowest supply voltage [V]."""
-        return float(self.min or self.nominal)
-
-    @property
-    def highest(self) -> float:
-        """Highest supply voltage [V]."""
-        return float(self.max or self.nominal)
-
-
-class Environment(Section):
-    """Where the machine works."""
-
-    ambient: Temperature = default("25 degC")
-    gravity: Gravity = default("9.80665 m/s^2")
-
-
-class Margins(Section):
-    """How much every limit must exceed what is asked, by physics; the paper has its own factors."""
-
-    torque: Allowance = Field(default=0, description="of gearhead torques, motor and controller currents, traction")
-    speed: Allowance = Field(default=0, description="of motor, gearhead and encoder speeds, and of voltage")
-    temperature: Allowance = Field(default=0, description="of the winding's permitted rise over the ambient")
-
-
-class Mission(Section):
-    """What is done with the motion, for the closed loop."""
-
-    duration: Duration = Field(description="for which the cycle is repeated, rounded up to whole cycles")
-
-
-class Needs(Section):
-    """What the drive must offer beyond moving the load."""
-
-    encoder_counts: Annotated[int, Field(ge=1)] | None = Field(default=None, description="counts per motor turn")
-    backlash_at_load: Angle | None = Field(default=None, description="lost motion of the gearhead, seen at the load")
-    bandwidth: Frequency | None = Field(default=None, description="of the closed velocity loop")
-    resolution_at_load: Angle | None = Field(default=None, description="angle of the load per edge of the encoder")
-    inertia_ratio: Ratio | None = Field(default=None, description="load's inertia over the motor's, at most")
-    resonance: Frequency | None = Field(default=None, description="of motor and load on the belt, at least")
-    hold_unpowered: bool = Field(default=False, description="the load must stay where it is without power")
-    radial_load: Force | None = Field(default=None, description="on the gearhead's shaft, such as a belt's pull")
-    diameter: Length | None = Field(default=None, description="of motor and gearhead, at most")
-    length: Length | None = Field(default=None, description="of motor and gearhead together, at most")
-    mass: Mass | None = Field(default=None, description="of motor and gearhead together, at most")
-    price: Price | None = Field(default=None, description="of motor and gearhead together, at most")
-
-
-class Case(Section):
-    """What differs in another load case; everything else is as the spec says."""
-
-    name: str = Field(min_length=1, max_length=60)
-    load: dict[str, Any] = Field(default_factory=dict)
-    motion: dict[str, Any] = Field(default_factory=dict)
-    supply: dict[str, Any] = Field(default_factory=dict)
-    environment: dict[str, Any] = Field(default_factory=dict)
 
 
 AS_SPECIFIED = "as specified"  # the name of the first load case where there are others
@@ -157,6 +50,10 @@ class RobotSpec(Section):
     environment: Environment = Field(default_factory=Environment)
     needs: Needs = Field(default_factory=Needs)
     mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
+    battery: Battery | None = Field(default=None, description="what feeds the machine; without it only the supply")
+    equipment: Annotated[list[Consumer], Field(max_length=100)] = Field(
+        default_factory=list, description="what else draws from the battery"
+    )
     control: Control = Field(default_factory=Control)
     plant: Plant = Field(default_factory=Plant)
     select: Select = Field(default_factory=Select)
@@ -194,6 +91,17 @@ class RobotSpec(Section):
                 "method: the paper treats a wheeled_vehicle without wind on a trapezoid that decelerates as it "
                 "accelerates, in one case; expected method: physics"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _equipped(self) -> RobotSpec:
+        if self.equipment and self.battery is None:
+            raise ValueError("equipment: it draws from a battery; expected a section battery")
+        for one in self.equipment:
+            try:
+                one.share(self.mission.duration if self.mission else None)
+            except ValueError as error:
+                raise ValueError(f"equipment: {error}") from None
         return self
 
     @property

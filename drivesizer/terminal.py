@@ -13,6 +13,7 @@ from drivesizer.catalog import Catalog, Controller, Encoder
 from drivesizer.checks import TITLES
 from drivesizer.objectives import OBJECTIVE, SUMS, objective_figure
 from drivesizer.results import DriveSet, SizingResult, Validation, verdict, worst
+from drivesizer.terminal_energy import machine
 from drivesizer.terminal_loops import loops
 from drivesizer.terminal_tables import MARK, STYLE, percent
 from drivesizer.units import show
@@ -43,7 +44,7 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
 
 
 def _chosen(console: Console, result: SizingResult, best: DriveSet, *, quiet: bool) -> None:
-    tight = worst(best.checks)
+    tight = worst(best.deciding)
     line = Text("The drive: ", style="bold") + Text(MARK[best.status], style=STYLE[best.status])
     console.print(line + _by_the_other(best))
     console.print(tables.parts(best, result.catalog))
@@ -69,6 +70,7 @@ def _both_methods(console: Console, found: DriveSet) -> None:
     if found.beside:
         console.print(tables.checks(found.beside, f"The same set {_METHODS[found.beside[0].method]}"))
         console.print(_both(found))
+    machine(console, found)
 
 
 def _by_the_other(found: DriveSet) -> Text:
@@ -112,6 +114,7 @@ def _none(console: Console, result: SizingResult) -> None:
     if result.misses:
         console.print()
         console.print(tables.checks(result.misses[0].checks, f"Nearest miss: {result.misses[0].label}"))
+        machine(console, result.misses[0])
 
 
 def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
@@ -120,7 +123,7 @@ def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
         (result.objective.replace("_", " "), "right"), ("tightest", "right"), title="Best first",
     )  # fmt: skip
     for found in sets:
-        tight = worst(found.checks)
+        tight = worst(found.deciding)
         table.add_row(
             str(found.rank),
             f"{found.motor.family}\n{found.motor.part}",
@@ -153,7 +156,7 @@ def _nearest(misses: tuple[DriveSet, ...]) -> Table:
         title="Nearest of those that fell",
     )  # fmt: skip
     for found in misses:
-        failed = [check for check in found.checks if check.status != "pass"]
+        failed = [check for check in found.deciding if check.status != "pass"]
         check = worst(tuple(failed)) or failed[0]
         others = f" (+{len(failed) - 1})" if len(failed) > 1 else ""
         table.add_row(

@@ -1,15 +1,21 @@
-"""The paper's equations at the terminal: all of them in lines, or one with its terms, notes and source."""
+"""The paper's equations at the terminal: all of them in lines, or one with its terms, notes and source.
+
+Those of the sizing, (1)-(20), are scalars and those of the platform, (21)-(59), matrices; both are told alike.
+"""
 
 from __future__ import annotations
 
+from rich.console import Console
 from rich.text import Text
 
 from drivesizer import formula
 from drivesizer import terminal_tables as tables
 from drivesizer.declare import COMPANIONS, EQUATIONS, Equation
+from drivesizer.platform import notation, printed
+from drivesizer.platform.notation import PLATFORM, MatrixEquation
 from drivesizer.units import label
 
-__all__ = ["equation", "equations"]
+__all__ = ["equation", "equations", "matrix_equation"]
 
 
 def equations() -> None:
@@ -21,8 +27,17 @@ def equations() -> None:
         mark = " *" if formula.printed_failure(declared) else ""
         computed = f"{declared.symbol} = {formula.text(formula.computed(declared))}{mark}"
         table.add_row(number, Text(declared.title), Text(computed), label(declared.shown))
+    for _, matrix in sorted(PLATFORM.items()):
+        mark = " *" if any(printed.finding(matrix)) else ""
+        computed = f"{matrix.symbol} = {notation.text(notation.computed(matrix))}{mark}"
+        table.add_row(f"({matrix.number})", Text(matrix.title), Text(computed), _unit(matrix.result.unit))
     console.print(table)
-    console.print("* the printed form fails the unit check; `drivesizer equations 10` says why.")
+    console.print("* the printed form fails the unit check or gives another value; `drivesizer equations 10` says why.")
+
+
+def _unit(unit: str) -> str:
+    """The unit of a vector where it is short."""
+    return "" if "," in unit or "per" in unit else label(unit)
 
 
 def equation(declared: Equation) -> None:
@@ -38,13 +53,25 @@ def equation(declared: Equation) -> None:
     if declared.note:
         rows.append(("note", declared.note))
     rows.append(("result", f"{declared.result.meaning} [{label(declared.shown) or '1'}]"))
+    rows += [(formula.symbol_text(term.name), f"{term.meaning} [{label(term.unit) or '1'}]") for term in declared.terms]
+    _told(console, [*rows, ("source", printed.SOURCE)])
+
+
+def matrix_equation(declared: MatrixEquation) -> None:
+    """Print one equation of the platform: as printed, as computed, where they differ, units, source."""
+    console = tables.console()
+    tables.heading(console, declared.title, f"equation ({declared.number})")
+    _told(console, printed.rows(declared))
+
+
+_NAMES = ("as printed", "unit check", "value check", "as computed", "note", "result", "source")
+
+
+def _told(console: Console, rows: list[tuple[str, str]]) -> None:
+    """Rows of a name, or a symbol, and words."""
     table = tables.bare(("", "left"), ("", "left"))
     table.show_header = False
     for name, words in rows:
-        table.add_row(Text(name, style="dim"), Text(words, style="red" if words.startswith("fails") else ""))
-    for term in declared.terms:
-        table.add_row(formula.symbol_text(term.name), Text(f"{term.meaning} [{label(term.unit) or '1'}]"))
-    table.add_row(
-        Text("source", style="dim"), "Prados Sesmero et al., Appl. Sci. 2021, 11, 6631, doi:10.3390/app11146631"
-    )
+        style = "red" if words.startswith("fails") else ""
+        table.add_row(Text(name, style="dim" if name in _NAMES else ""), Text(words, style=style))
     console.print(table)

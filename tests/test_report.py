@@ -66,7 +66,7 @@ def test_csv_read_back_has_every_number_of_the_result(result):
         assert float(row["value"]) == r.shown
         assert row["equation"] == str(r.equation or "")
     checks = {(r["method"], r["name"]): r for r in rows if r["section"] == "check" and r["set_rank"] == "1"}
-    for c in (*result.sets[0].checks, *result.sets[0].beside):
+    for c in result.sets[0].every_check:
         row = checks[c.method, c.name]
         for cell, figure in (("si_value", c.demand), ("si_limit", c.limit), ("margin", c.margin)):
             assert row[cell] == "" if isnan(figure) else float(row[cell]) == figure

@@ -171,7 +171,7 @@ def test_margins_are_percent_numbers(book, result):
     known = [cell for cell in margins if cell.value is not None]
     assert known and all("%" in cell.number_format for cell in known)
     sets = (*result.sets, *result.misses)
-    expected = [c.margin for s in sets for c in (*s.checks, *s.beside)]
+    expected = [c.margin for s in sets for c in s.every_check]
     assert [cell.value for cell in margins] == [pytest.approx(m, rel=1e-15) if m == m else None for m in expected]
     assert any(cell.value < 0 for cell in known)
 

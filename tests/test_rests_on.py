@@ -35,7 +35,7 @@ def pinned(spec: RobotSpec, one: DriveSet) -> RobotSpec:
 
 
 def told(one: DriveSet) -> dict[tuple[str, str], tuple[object, ...]]:
-    return {(c.method, c.name): _of(c) for c in (*one.checks, *one.beside)}
+    return {(c.method, c.name): _of(c) for c in one.every_check}
 
 
 def _of(c: Check) -> tuple[object, ...]:
@@ -47,7 +47,7 @@ def taken_away(spec: RobotSpec, catalog: Catalog):
     best = size(spec, catalog=catalog, top=1).sets[0]
     spec = pinned(spec, best)
     (whole,) = explain(spec, best.motor.part, best.gearhead.part, catalog=catalog)
-    says = {(c.method, c.name): rests_on(c, whole) for c in (*whole.checks, *whole.beside)}
+    says = {(c.method, c.name): rests_on(c, whole) for c in whole.every_check}
     for role in ROLES:
         part = getattr(whole, role)
         for field in fields(part) if part else ():

@@ -59,7 +59,7 @@ class Run(NamedTuple):
 
     def checks(self) -> list[tuple[str, Check]]:
         """Each check of the chosen set and of its closed loop, with where it stands."""
-        own = [("check", c) for c in (*self.best.checks, *self.best.beside)]
+        own = [("check", c) for c in self.best.every_check]
         return own + [("validation", c) for c in (self.proof.checks if self.proof else ())]
 
 

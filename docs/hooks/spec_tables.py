@@ -17,6 +17,11 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     | {"Segment": "Each of `segments`"},
     "transmission": {"GearheadStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
     "supply": {"Supply": ""},
+    "battery": {
+        "Battery": "", "Run": "Each line of `discharge`", "OpenCircuit": "`open_circuit`",
+        "Polarisation": "`polarisation`",
+    },
+    "equipment": {"Consumer": "Each of the list"},
     "environment": {"Environment": ""},
     "margins": {"Margins": ""},
     "needs": {"Needs": ""},

@@ -82,7 +82,7 @@ def matrix_equation(
     """
 
     def declared(formula: Callable[..., Any]) -> MatrixEquation:
-        sections = declare._terms(formula)
+        sections = declare.terms(formula)
         title = (inspect.getdoc(formula) or "").splitlines()[0].rstrip(".")
         made = MatrixEquation(
             number,

@@ -34,8 +34,8 @@ def candidates(result: SizingResult) -> dict[str, Any]:
 
 
 def _row(s: DriveSet) -> dict[str, Any]:
-    tight = worst(s.checks)
-    failed = [c.title for c in s.checks if c.status == "fail"]
+    tight = worst(s.deciding)
+    failed = [c.title for c in s.deciding if c.status == "fail"]
     price, _ = price_of(s)
     return {
         "rank": str(s.rank),

@@ -12,6 +12,7 @@ from drivesizer import __version__
 from drivesizer.gain_table import gain_rows
 from drivesizer.loads import load_cycle
 from drivesizer.report import figures
+from drivesizer.report.battery_rows import battery_rows
 from drivesizer.report.behaviour import Behaviour
 from drivesizer.report.candidate_rows import candidates, front
 from drivesizer.report.datasheet import datasheets
@@ -112,6 +113,8 @@ def _of_set(best: DriveSet | None, does: Behaviour | None, result: SizingResult)
         "checks": [check_row(c) for c in best.checks],
         "beside": [check_row(c) for c in best.beside],
         "comparison": [compared(pair) for pair in best.comparison],
+        "budget": [check_row(c) for c in best.budget],
+        "battery": battery_rows(best),
         "does": [figure_row(f) for f in best.figures],
         "changes": moves(best.changes),
     }
@@ -136,9 +139,17 @@ def _flat(value: Any, path: tuple[str, ...] = ()) -> list[list[str]]:
     if isinstance(value, dict):
         return [row for key, entry in value.items() for row in _flat(entry, (*path, str(key)))]
     if isinstance(value, list) and any(isinstance(entry, dict) for entry in value):
-        return [row for n, entry in enumerate(value, 1) for row in _flat(entry, (*path, str(n)))]
+        return [row for n, entry in enumerate(value, 1) for row in _listed(entry, path, n)]
     shown = ", ".join(_scalar(entry) for entry in value) if isinstance(value, list) else _scalar(value)
     return [[" › ".join(path), shown]]
+
+
+def _listed(entry: Any, path: tuple[str, ...], number: int) -> list[list[str]]:
+    """An entry of a list: in one row under its name where it has one and holds no more than figures."""
+    if not isinstance(entry, dict) or "name" not in entry or any(isinstance(v, dict | list) for v in entry.values()):
+        return _flat(entry, (*path, str(number)))
+    said = [f"{key.replace('_', ' ')} {_scalar(value)}" for key, value in entry.items() if key != "name"]
+    return [[" › ".join((*path, _scalar(entry["name"]))), ", ".join(said)]]
 
 
 def _scalar(value: Any) -> str:

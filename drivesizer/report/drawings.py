@@ -8,6 +8,7 @@ from math import isfinite, nan
 import drivesizer.report.figures as figures
 from drivesizer.loads import load_cycle
 from drivesizer.objectives import objective_figure
+from drivesizer.report.battery_figure import battery, is_known
 from drivesizer.report.behaviour import Behaviour
 from drivesizer.report.field_figure import torque_speed
 from drivesizer.report.front_figure import trade_off
@@ -43,7 +44,8 @@ def report_drawings(
     -------
     dict
         By name what draws it: ``profile``, ``cycle``; of a set ``margins``, ``field``, ``efficiency``, ``demand``,
-        ``heat`` and ``energy``, as far as its figures are known; ``front``; ``loop``, ``bode`` and ``step``.
+        ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``; ``loop``, ``bode`` and
+        ``step``.
     """
     best = result.shown
     cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
@@ -63,7 +65,7 @@ def report_drawings(
 def _of_set(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, Drawing]:
     """The figures of a set: what hangs on figures that the catalogue does not know is left out."""
     fields = panels(result.spec, best, result.requirements)
-    made: dict[str, Drawing] = {"margins": lambda form: margins((*best.checks, *best.beside), form)}
+    made: dict[str, Drawing] = {"margins": lambda form: margins(best.every_check, form)}
     if fields:
         made["field"] = lambda form: torque_speed(fields, form)
     if does.known:
@@ -72,6 +74,9 @@ def _of_set(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, 
         made["heat"] = does.temperatures
     if does.energy.known:
         made["energy"] = does.flow
+    budget = best.energy
+    if budget and is_known(budget):
+        made["battery"] = lambda form: battery(budget, form)
     return made
 
 

@@ -180,7 +180,7 @@ def closed_loop(validation: Validation, form: Form = "svg") -> bytes:
         if len(rows[0][0]) > 1:
             figure.legend(*grid[0].get_legend_handles_labels(), loc="upper right", ncols=2, borderaxespad=0.2)
 
-    return drawn(draw, 0.72 * len(rows) + 0.6, form)
+    return drawn(draw, 0.62 * len(rows) + 0.6, form)
 
 
 _WIDEST = 14  # letters of a row's title on a line

@@ -131,8 +131,14 @@ def _set() -> _Schema:
         controller=_or_null(_to("controllers")), total_ratio=_FLOAT, mass_kg=_NUMBER, mass_of=_WORDS,
         objective=_NUMBER, objective_of=_WORDS, requirements=_named(_to("requirement")),
         figures=_named(_to("figure")), results=_named(_RESULT), checks=_list(_to("check")),
-        changes=_list(_to("relaxation")),
+        energy=_or_null(_energy()), changes=_list(_to("relaxation")),
     )  # fmt: skip
+
+
+def _energy() -> _Schema:
+    consumer = _all_of(name=_STRING, number=_COUNT, mean_W=_NUMBER, peak_W=_NUMBER, share_of_time=_NUMBER,
+                       assumed={"type": "boolean"})  # fmt: skip
+    return _all_of(battery=_STRING, consumers=_list(consumer), figures=_named(_to("figure")), assumptions=_WORDS)
 
 
 def _curve(**columns: _Schema) -> _Schema:

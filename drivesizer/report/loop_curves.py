@@ -91,7 +91,7 @@ def bode(loops: Sequence[Loop], form: Form = "svg") -> bytes:
         _scales(grid, loops)
         heading(figure, *grid[0].get_legend_handles_labels(), 1)
 
-    return drawn(draw, 3.1 + 0.16 * len(loops), form)
+    return drawn(draw, 2.7 + 0.16 * len(loops), form)
 
 
 _ABOVE = 0.12  # in, over the axes, beside the legend

@@ -27,7 +27,16 @@ class ReportError(DrivesizerError):
 
 
 PAPERS = ("a4", "us-letter")
-_SOURCE = ("page", "summary", "asked", "candidates", "chosen", "loop", "closing")  # files of one source, in order
+_SOURCE = (
+    "page",
+    "summary",
+    "asked",
+    "candidates",
+    "chosen",
+    "machine",
+    "loop",
+    "closing",
+)  # files of one source, in order
 
 
 def render(

@@ -55,6 +55,11 @@ _RESTS: dict[str, dict[str, tuple[str, ...]]] = {  # words in capitals stand for
         "encoder_resolution": (*_SPEED, "COUNTS"),
         **_WHOLE,
     },
+    "budget": dict.fromkeys(  # all that hangs on the power which the drive draws
+        ("battery_autonomy", "battery_range", "battery_power", "battery_voltage", "battery_cutoff",
+         "battery_continuous_current", "battery_peak_current", "battery_charge_current"),
+        (*_HOT, "controller.max_efficiency"),
+    ),
     "paper": {
         "gearhead_continuous_torque": ("motor.rotor_inertia", "gearhead.continuous_torque"),
         "gearhead_intermittent_torque": ("motor.rotor_inertia", "gearhead.intermittent_torque"),
@@ -117,7 +122,7 @@ def unknown_figures(drive_set: DriveSet) -> list[list[str]]:
     """For each unknown check its title, and which figures are not known."""
     return [
         [check.title, _listed(_lacking(check, drive_set))]
-        for check in (*drive_set.checks, *drive_set.beside)
+        for check in drive_set.every_check
         if check.status == "unknown"
     ]
 
@@ -155,7 +160,7 @@ def _listed(names: list[str]) -> str:
 def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
     """Figures that are only derived or recalled and that a check rests on: which, how much, how sure, which checks."""
     resting: dict[str, list[str]] = {}
-    for check in (*drive_set.checks, *drive_set.beside):
+    for check in drive_set.every_check:
         for name in rests_on(check, drive_set):
             resting.setdefault(name, []).append(check.title)
     found = []

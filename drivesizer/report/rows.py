@@ -19,8 +19,8 @@ from drivesizer.results import Check, DriveSet, Figure, Relaxation, Requirement,
 from drivesizer.units import KINDS, from_si
 
 __all__ = [
-    "COLUMNS", "Row", "change_row", "check_row", "closed_loop_rows", "count_rows", "figure_row", "front_rows",
-    "part_rows", "requirement_row", "set_rows", "total_rows",
+    "COLUMNS", "Row", "battery_rows", "change_row", "check_row", "closed_loop_rows", "count_rows", "figure_row",
+    "front_rows", "part_rows", "requirement_row", "set_rows", "total_rows",
 ]  # fmt: skip
 
 Row = dict[str, Any]
@@ -68,6 +68,17 @@ def check_row(section: str, c: Check) -> Row:
         "at_time_s": "" if c.at_time is None else c.at_time,
         "note": c.note,
     }
+
+
+def battery_rows(s: DriveSet) -> Iterator[Row]:
+    """What draws from the battery, in the mean as value and at most as limit, and what comes of it."""
+    if s.energy is None:
+        return
+    for one in s.energy.consumers:
+        row = _figure("consumer", one.name, one.name, one.mean, "power", "W")
+        said = f"{one.number} of them" + (", assumed" if one.assumed else "")
+        yield row | {"limit": one.peak, "si_limit": one.peak, "note": said, "how_many": one.number}
+    yield from (figure_row("battery", figure) for figure in s.energy.figures)
 
 
 def change_row(r: Relaxation) -> Row:

@@ -18,7 +18,7 @@ __all__ = ["check_row", "compared", "figure_row", "moves", "set_row"]
 def set_row(best: DriveSet) -> dict[str, Any]:
     """What the summary says of a set."""
     price, price_over = price_of(best)
-    failed = [c for c in best.checks if c.status == "fail" and isnan(c.margin)]
+    failed = [c for c in best.deciding if c.status == "fail" and isnan(c.margin)]
     return {
         "label": best.label,
         "parts": parts(best),
@@ -31,8 +31,8 @@ def set_row(best: DriveSet) -> dict[str, Any]:
         "price_lacks": ", ".join(unknown_of(best, price_over)),
         "tight": _tight(best, failed),
         "tightest": [check_row(c) for c in [*failed, *_tightest(best)][:5]],
-        "failed": [c.title for c in best.checks if c.status == "fail"],
-        "unknown": [c.title for c in best.checks if c.status == "unknown"],
+        "failed": [c.title for c in best.deciding if c.status == "fail"],
+        "unknown": [c.title for c in best.deciding if c.status == "unknown"],
     }
 
 
@@ -46,7 +46,7 @@ def _tight(s: DriveSet, failed: list[Check]) -> dict[str, str]:
 
 def _tightest(s: DriveSet) -> list[Check]:
     """Checks with a margin, the smallest first; what was kept small by choice says nothing and is left out."""
-    known = (c for c in s.checks if not isnan(c.margin) and not (c.by_choice and c.status == "pass"))
+    known = (c for c in s.deciding if not isnan(c.margin) and not (c.by_choice and c.status == "pass"))
     return sorted(known, key=lambda c: c.margin)
 
 

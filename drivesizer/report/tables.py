@@ -17,6 +17,7 @@ from drivesizer.report.parts import PartLine, parts_list, totals
 from drivesizer.report.rows import (
     COLUMNS,
     Row,
+    battery_rows,
     change_row,
     check_row,
     closed_loop_rows,
@@ -67,7 +68,8 @@ def _sections(result: SizingResult, validation: Validation | None) -> Iterator[I
         yield ({**row, **rank} for row in set_rows(drive_set, result.objective))
         yield ({**requirement_row(r), **rank} for r in drive_set.requirements)
         yield ({**figure_row("figure", f), **rank} for f in drive_set.figures)
-        yield ({**check_row("check", c), **rank} for c in (*drive_set.checks, *drive_set.beside))
+        yield ({**check_row("check", c), **rank} for c in drive_set.every_check)
+        yield ({**row, **rank} for row in battery_rows(drive_set))
         yield ({**change_row(r), **rank} for r in drive_set.changes)
     yield (change_row(r) for r in result.relaxations)
     for drive_set in result.front:
@@ -107,7 +109,7 @@ def sets_csv(result: SizingResult) -> bytes:
     """One row per set, per nearest miss where fewer stand than were asked for, and per set of the Pareto front."""
     lists = (("set", result.sets), ("miss", result.misses), ("front", result.front))
     sets = [(name, one) for name, some in lists for one in some]
-    checks = list(dict.fromkeys(c.name for _, s in sets for c in s.checks))
+    checks = list(dict.fromkeys(c.name for _, s in sets for c in s.deciding))
     figures = {f.name: f.kind for _, s in sets for f in s.figures}
     objective = f"objective_{_slug(result.objective)}_si"
     heads = [*_SET_HEADS, "price_of", objective, "smallest_margin", "smallest_margin_check"]
@@ -133,8 +135,8 @@ _SET_HEADS = (
 
 
 def _set_row(s: DriveSet, checks: list[str], figures: list[str]) -> list[Any]:
-    tightest, (price, price_over) = worst(s.checks), price_of(s)
-    margins, does = {c.name: c.margin for c in s.checks}, {f.name: f.value for f in s.figures}
+    tightest, (price, price_over) = worst(s.deciding), price_of(s)
+    margins, does = {c.name: c.margin for c in s.deciding}, {f.name: f.value for f in s.figures}
     chosen = [text for part in (s.encoder, s.controller) for text in ((part.family, part.part) if part else ("", ""))]
     return [
         s.rank, s.status, s.motor.family, s.motor.part, s.gearhead.family, s.gearhead.part, s.gearhead.ratio,

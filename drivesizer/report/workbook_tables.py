@@ -8,14 +8,14 @@ from typing import Any
 
 from drivesizer.objectives import objective_figure
 from drivesizer.report.parts import PartLine
-from drivesizer.report.rows import Row, check_row, closed_loop_rows, requirement_row
+from drivesizer.report.rows import Row, battery_rows, check_row, closed_loop_rows, requirement_row
 from drivesizer.report.sums import price_of
 from drivesizer.report.workbook_sheet import Column, Sheet, headed
 from drivesizer.results import DriveSet, SizingResult, Validation, worst
 from drivesizer.thinning import on_curves
 from drivesizer.units import from_si
 
-__all__ = ["candidates", "checks", "closed_loop", "parts", "requirements", "time_series"]
+__all__ = ["battery", "candidates", "checks", "closed_loop", "parts", "requirements", "time_series"]
 
 
 _VALUES = (
@@ -54,8 +54,19 @@ def requirements(result: SizingResult) -> Sheet:
 def checks(result: SizingResult) -> Sheet:
     """Every check of every set, by both methods."""
     columns = (_RANK, Column("check", "title"), Column("method", "method"), Column("load case", "case"), *_LIMITS)
-    rows = _ranked((*result.sets, *result.misses), lambda s: (check_row("check", c) for c in (*s.checks, *s.beside)))
+    rows = _ranked((*result.sets, *result.misses), lambda s: (check_row("check", c) for c in s.every_check))
     return Sheet(name="Checks", columns=columns, rows=list(rows), still=2)
+
+
+def battery(result: SizingResult) -> Sheet:
+    """What draws from the battery and how long it lasts, of every set."""
+    columns = (
+        _RANK, Column("of", "section"), Column("what", "title"), Column("how many", "how_many", "count"),
+        *_VALUES, Column("at most", "limit"), Column("note", "note", "", 40),
+    )  # fmt: skip
+    rows = list(_ranked((*result.sets, *result.misses), battery_rows))
+    note = "consumers in the mean and at most, and the battery's figures" if rows else "the spec has no battery"
+    return Sheet(name="Battery", columns=columns, rows=rows, note=note, still=3)
 
 
 def closed_loop(validation: Validation | None) -> Sheet:
@@ -113,7 +124,7 @@ def candidates(result: SizingResult) -> Sheet:
     """Sets, nearest misses and the Pareto front, one in a row, with their margins."""
     lists = (("set", result.sets), ("miss", result.misses), ("front", result.front))
     sets = [(name, one) for name, some in lists for one in some]
-    checks = {c.name: c.title for _, s in sets for c in s.checks}
+    checks = {c.name: c.title for _, s in sets for c in s.deciding}
     figures = {f.name: f for _, s in sets for f in s.figures}
     aims = tuple(Column(headed(f.title, f.unit), f"aim_{f.name}") for f in _aims(result, sets))
     does = tuple(Column(headed(f.title, f.unit), f"figure_{name}") for name, f in figures.items())
@@ -129,7 +140,7 @@ def _aims(result: SizingResult, sets: list[tuple[str, DriveSet]]) -> list[Any]:
 
 
 def _candidate(s: DriveSet, result: SizingResult) -> Row:
-    tight, (price, priced) = worst(s.checks), price_of(s)
+    tight, (price, priced) = worst(s.deciding), price_of(s)
     outside = {
         role: f"{p.family} {p.part}" if p else "" for role, p in s.parts.items() if role in ("encoder", "controller")
     }
@@ -142,11 +153,11 @@ def _candidate(s: DriveSet, result: SizingResult) -> Row:
         "belt_ratio": s.belt_ratio, "total_ratio": s.total_ratio, "mass": from_si(s.mass, "g", "mass"),
         "mass_of": " + ".join(s.mass_of), "price": price, "price_of": " + ".join(priced),
         "margin": tight.margin if tight else nan, "tightest": tight.title if tight else "",
-        "failed": "; ".join(c.title for c in s.checks if c.status == "fail"),
-        "unknown": "; ".join(c.title for c in s.checks if c.status == "unknown"),
+        "failed": "; ".join(c.title for c in s.deciding if c.status == "fail"),
+        "unknown": "; ".join(c.title for c in s.deciding if c.status == "unknown"),
         **{f"aim_{f.name}": from_si(f.value, f.unit, f.kind) for f in aims},
         **{f"figure_{f.name}": from_si(f.value, f.unit, f.kind) for f in s.figures},
-        **{f"margin_{c.name}": c.margin for c in s.checks if not isnan(c.margin)},
+        **{f"margin_{c.name}": c.margin for c in s.deciding if not isnan(c.margin)},
     }  # fmt: skip
 
 

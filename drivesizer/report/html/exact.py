@@ -12,6 +12,9 @@ from drivesizer.units import from_si
 __all__ = ["with_numbers"]
 
 
+_CHECKS = ("checks", "beside", "budget")  # in the order of the contract
+
+
 def with_numbers(content: dict[str, Any], result: SizingResult, validation: Validation | None) -> dict[str, Any]:
     """A report's content, each requirement, check and set of it with its numbers under ``exact``.
 
@@ -29,8 +32,8 @@ def with_numbers(content: dict[str, Any], result: SizingResult, validation: Vali
     }
     if best is not None:
         told = contract.drive_set(best)
-        checks = _joined([*content["checks"], *content["beside"]], told["checks"])
-        found["checks"], found["beside"] = checks[: len(best.checks)], checks[len(best.checks) :]
+        checks = iter(_joined([row for part in _CHECKS for row in content[part]], told["checks"]))
+        found |= {part: [next(checks) for _ in content[part]] for part in _CHECKS}
         found["motor_steps"] = _requirements(content["motor_steps"], told["requirements"])
     if validation is not None:
         told = contract.validation(validation)

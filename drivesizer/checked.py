@@ -1,0 +1,69 @@
+"""A check and a figure as records, and what several checks amount to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isnan
+from typing import Literal
+
+from drivesizer.units import show
+
+__all__ = ["Check", "Figure", "Status", "verdict", "worst"]
+
+Status = Literal["pass", "fail", "unknown"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
+    """One demand against one limit."""
+
+    name: str
+    title: str
+    method: str
+    case: str = ""
+    demand: float  # SI; for a required minimum, what is required
+    limit: float  # SI; for a required minimum, what there is
+    kind: str
+    unit: str
+    margin: float  # NaN where there is none
+    needed: float = 0.0  # the margin that the spec asks for
+    status: Status
+    at_time: float | None = None  # s, of the worst moment
+    by_choice: bool = False  # the smallest sufficient part was taken: its margin says nothing of the load
+    note: str = ""
+
+    def shown(self, figure: float) -> str:
+        """Demand or limit as it is printed."""
+        return show(figure, self.unit, self.kind)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figure:
+    """A figure that has no limit of its own."""
+
+    name: str
+    title: str
+    value: float  # SI
+    kind: str
+    unit: str
+    at_time: float | None = None  # s
+
+    @property
+    def text(self) -> str:
+        """The value as it is printed."""
+        return show(self.value, self.unit, self.kind)
+
+
+def verdict(checks: tuple[Check, ...]) -> Status:
+    """What checks amount to: one that fails fails all, one that is unknown leaves all unknown."""
+    found = {check.status for check in checks}
+    return "fail" if "fail" in found else "unknown" if "unknown" in found else "pass"
+
+
+def worst(checks: tuple[Check, ...]) -> Check | None:
+    """The check with the smallest margin, None when no check has one.
+
+    Those where the smallest sufficient part was taken on purpose count only when they fail.
+    """
+    known = [c for c in checks if not isnan(c.margin) and not (c.by_choice and c.status == "pass")]
+    return min(known, key=lambda check: check.margin, default=None)

@@ -1,0 +1,24 @@
+"""The machine with a set in it at the terminal: budgets, what draws from the battery, how long it lasts."""
+
+from __future__ import annotations
+
+from rich.console import Console
+
+from drivesizer import terminal_tables as tables
+from drivesizer.energy_table import consumer_rows
+from drivesizer.results import DriveSet
+
+__all__ = ["machine"]
+
+
+def machine(console: Console, found: DriveSet) -> None:
+    """Print the budgets of the machine with a set in it; nothing where the spec gives none."""
+    if found.budget:
+        console.print(tables.checks(found.budget, "The machine with this set"))
+    if found.energy:
+        heads = ("", "right"), ("mean", "right"), ("peak", "right"), ("on", "right"), ("", "left")
+        table = tables.bare(("consumer", "left"), *heads, title=f"From the battery: {found.energy.pack.name}")
+        for row in consumer_rows(found.energy):
+            table.add_row(*row)
+        console.print(table)
+        console.print(tables.loose(found.energy.figures, "The battery"))
