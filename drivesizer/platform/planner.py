@@ -29,10 +29,10 @@ import numpy as np
 from drivesizer.errors import InputError
 from drivesizer.motions import SCurve
 from drivesizer.platform.notation import Array
-from drivesizer.platform.trajectory import Trajectory
+from drivesizer.platform.trajectory import Trajectory, joined, rest
 from drivesizer.profile import _fastest
 
-__all__ = ["Limits", "Waypoint", "plan", "rest"]
+__all__ = ["Limits", "Waypoint", "plan"]
 
 _PIECES = 32  # of a phase with jerk or turning, and of a radian
 _SAME = 1e-9  # m, rad: postures closer than this are one; also of the directions of legs, of length 1
@@ -121,23 +121,16 @@ def plan(waypoints: Sequence[Waypoint], limits: Limits) -> Trajectory:
     stops = _joined(_stops(waypoints))
     if len(stops) < 2:
         raise InputError(f"waypoints: {len(waypoints)} given and nothing moves; expected two postures that differ")
-    parts = [rest(stops[0].posture, stops[0].pause)]
+    parts = _standing(stops[0])
     for before, stop in pairwise(stops):
-        parts += [_leg(before, stop, limits), rest(stop.posture, stop.pause)]
-    made = [p for p in parts if p is not None]
-    if sum(len(p.duration) for p in made) > _MOST_PIECES:
+        parts += [_leg(before, stop, limits), *_standing(stop)]
+    if sum(len(p.duration) for p in parts) > _MOST_PIECES:
         raise InputError(f"waypoints: the way turns for too long, over {_MOST_PIECES} pieces; expected fewer turns")
-    names = ("posture", "velocity", "acceleration")
-    columns = (np.concatenate([getattr(p, name) for p in made], axis=1) for name in names)
-    return Trajectory(np.concatenate([p.duration for p in made]), *columns)
+    return joined(parts)
 
 
-def rest(posture: Array, time: float) -> Trajectory | None:
-    """Standing for a time [s] at a posture, shape (3,), as one piece; None for no time."""
-    if time <= 0.0:
-        return None
-    still = np.zeros((3, 1, 2))
-    return Trajectory(np.array([time]), still + np.reshape(posture, (3, 1, 1)), still, still.copy())
+def _standing(stop: _Stop) -> list[Trajectory]:
+    return [rest(stop.posture, stop.pause)] if stop.pause > 0.0 else []
 
 
 # --- where it stops ---------------------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 from drivesizer.platform.kinematics import to_robot
 from drivesizer.platform.notation import Array
 
-__all__ = ["Trajectory"]
+__all__ = ["Trajectory", "joined", "rest"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,3 +63,23 @@ class Trajectory:
         seen[0] += turning * eta[1]
         seen[1] -= turning * eta[0]
         return eta, seen
+
+
+def rest(posture: Array, time: float) -> Trajectory:
+    """Standing at a posture as one piece.
+
+    Parameters
+    ----------
+    posture
+        Where [m, m, rad], shape (3,).
+    time
+        How long [s].
+    """
+    still = np.zeros((3, 1, 2))
+    return Trajectory(np.array([time]), still + np.reshape(posture, (3, 1, 1)), still, still.copy())
+
+
+def joined(parts: Sequence[Trajectory]) -> Trajectory:
+    """Trajectories one after the other, each of which starts where the one before ends."""
+    columns = (np.concatenate([getattr(p, n) for p in parts], axis=1) for n in ("posture", "velocity", "acceleration"))
+    return Trajectory(np.concatenate([p.duration for p in parts]), *columns)
