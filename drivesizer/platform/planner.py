@@ -207,7 +207,8 @@ def _leg(before: _Stop, stop: _Stop, limits: Limits) -> Trajectory:
     duration, s, v, a = _coordinate(phases)
     posture = before.posture[:, None, None] + change[:, None, None] * s
     posture[:, 0, 0], posture[:, -1, 1] = before.posture, stop.posture
-    return Trajectory(duration, posture, change[:, None, None] * v, change[:, None, None] * a)
+    velocity, acceleration = (change[:, None, None] * c + 0.0 for c in (v, a))  # no zero with a minus
+    return Trajectory(duration, posture, velocity, acceleration)
 
 
 def _phases(way: float, turn: float, limits: Limits, number: int) -> list[_Phase]:
