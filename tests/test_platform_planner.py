@@ -215,7 +215,7 @@ def test_pieces_are_fine_enough_for_straight_lines(monkeypatch):
         (lambda: plan([ORIGIN, turned(90)], Limits(**DRIVING)), "waypoint 2: the way to it turns by 90 deg; expected"),
         (
             lambda: plan([ORIGIN, Waypoint(x=1.0, y=1.0)], Limits(**DRIVING)),
-            "waypoint 2: the way to it turns by 45 deg",
+            "waypoint 2: the way to it turns by 45",
         ),
         (lambda: plan([ORIGIN, turned(1e8)], BOTH), "waypoint 2: the way to it takes"),
         (lambda: plan([ORIGIN, Waypoint(x=1.0, y=0.0)], Limits(speed=1e-12, acceleration=1.0)), "waypoint 2: the way"),

@@ -157,8 +157,8 @@ def _no_jumps(path: Path, time: Array, posture: Array, limits: Limits | None) ->
         for values, bound, unit in zip(size, most, _UNITS[column], strict=True):
             if not (values <= bound).all():
                 at = int(np.argmin(values <= bound))
-                word = f"a jump, {values[at]:.3g} {unit} from row to row"
-                raise InputError(f"{path}:{at + 1 + _ABOVE}: {column}: {word}; expected {bound:.3g} {unit} at most")
+                word = f"a jump, {values[at]:.4g} {unit} from row to row"
+                raise InputError(f"{path}:{at + 1 + _ABOVE}: {column}: {word}; expected {bound:.4g} {unit} at most")
 
 
 def _most(limits: Limits | None) -> dict[str, tuple[slice, tuple[float, float]]]:
