@@ -167,8 +167,8 @@ def with_turn(columns):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (rows(change=with_jump), ":23: x, y: a jump, 200 m/s from row to row; expected 50 m/s at most"),
-        (rows(change=lambda c: with_jump(c / [[10], [1], [1], [1]])), ":23: x, y: a jump, 2000 m/s from row to row"),
+        (rows(change=with_jump), ":23: x, y: a jump, 200.4 m/s from row to row; expected 50 m/s at most"),
+        (rows(change=lambda c: with_jump(c / [[10], [1], [1], [1]])), ":23: x, y: a jump, 2004 m/s from row to row"),
         (rows(change=with_turn, step=0.01), ":23: heading: a jump, 300 rad/s from row to row; expected 100 rad/s"),
         (rows(change=lambda c: c[:, 20:]), ":3: x, y: the track starts at 0.37"),
         (rows(change=lambda c: c[:, :20]), ":22: x, y: the track ends at 0.37"),
