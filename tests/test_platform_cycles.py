@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, WHEEL, differential, mecanum, omni_three
+from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, WHEEL, car, differential, mecanum, omni_three
 from test_platform_dynamics import LOPSIDED, VEHICLE
 from test_platform_planner import BOTH, DRIVING, TURNING
 
@@ -271,12 +271,7 @@ def t_acceleration(t, m):
 
 def test_a_differential_drive_in_a_curve_grips_sideways_too():
     """10 m/s² towards the middle at 2 m/s on 0.4 m: 30 kg · 10 m/s², half of it at each wheel; torques are 0."""
-    angle = np.linspace(0.0, 1.0, 41)
-    posture = np.array([0.4 * np.sin(angle), 0.4 * (1 - np.cos(angle)), angle])
-    velocity = np.array([2.0 * np.cos(angle), 2.0 * np.sin(angle), np.full(41, 5.0)])
-    gain = np.array([-10.0 * np.sin(angle), 10.0 * np.cos(angle), np.zeros(41)])
-    t = Trajectory(np.full(40, 0.005), *(np.stack([c[:, :-1], c[:, 1:]], axis=2) for c in (posture, velocity, gain)))
-    for c in wheel_cycles(dynamics(differential()), t, friction=0.7):
+    for c in wheel_cycles(dynamics(differential()), on_a_circle(0.4, 2.0), friction=0.7):
         grip, _ = c.own
         assert grip.demand == pytest.approx(150.0)
         assert grip.limit == pytest.approx(0.7 * 15.0 * G)
@@ -324,6 +319,44 @@ def test_loads_follow_the_centre_of_mass_round_a_curve():
     assert load @ places[:, 1] == pytest.approx(0.0, abs=1e-9)
 
 
+def on_a_circle(radius, speed, angle=1.0, pieces=40):
+    """At an even speed along a circle, looking along it; acceleration is towards the middle only."""
+    phi, turning = np.linspace(0.0, angle, pieces + 1), speed / radius
+    posture = np.array([radius * np.sin(phi), radius * (1 - np.cos(phi)), phi])
+    velocity = np.array([speed * np.cos(phi), speed * np.sin(phi), np.full_like(phi, turning)])
+    gain = speed * turning * np.array([-np.sin(phi), np.cos(phi), np.zeros_like(phi)])
+    ends = (np.stack([c[:, :-1], c[:, 1:]], axis=2) for c in (posture, velocity, gain))
+    return Trajectory(np.full(pieces, angle / turning / pieces), *ends)
+
+
+def test_a_curve_throws_the_weight_outwards():
+    """A left turn of 10 m/s², the centre of mass 0.1 m high: the wheels on the right take it up."""
+    d = dynamics(replace(mecanum(), height=0.1))
+    load = wheel_loads(d, motion(d, on_a_circle(0.4, 2.0)))
+    shift = MASS * 10.0 * 0.1 / (2 * LENGTH * math.sin(ALPHA)) / 2
+    for sign, at_wheel in zip((1, -1, -1, 1), load, strict=True):
+        assert at_wheel == pytest.approx(np.full((40, 2), MASS * G / 4 + sign * shift))
+
+
+def test_the_floor_does_not_see_what_turns_the_rotors():
+    """Of a car that speeds up in a curve: what is held sideways at its wheels, whatever the rotors."""
+    time, bend = np.linspace(0.0, 2.0, 41), math.tan(0.35) / 1.1
+    phi, (c, s) = bend * time**2 / 2, (np.cos(bend * time**2 / 2), np.sin(bend * time**2 / 2))
+    posture = np.array([s / bend, (1 - c) / bend, phi])
+    velocity = time * np.array([c, s, np.full_like(c, bend)])
+    gain = np.array([c, s, np.full_like(c, bend)]) + bend * time**2 * np.array([-s, c, 0 * c])
+    t = Trajectory(np.diff(time), *(np.stack([a[:, :-1], a[:, 1:]], axis=2) for a in (posture, velocity, gain)))
+    for p in (car(1.1, 0.6, 0.35), replace(car(1.1, 0.6, 0.35), x=0.3, y=0.1)):
+        heavy = replace(p, wheels=tuple(replace(w, rotor_inertia=0.2) if w.drive == "motor" else w for w in p.wheels))
+        forces = []
+        for d in (dynamics(p), dynamics(heavy)):
+            m = motion(d, t)
+            torque = wheel_torques(d, m.eta, m.eta_dot, towards=m.towards, rotors=False)
+            forces.append(contact_forces(d, m, torque))
+        assert forces[1] == pytest.approx(forces[0], rel=1e-9)
+        assert forces[0].max() > 1.0
+
+
 # --- inertia ----------------------------------------------------------------------------------------------------------
 
 
@@ -350,6 +383,18 @@ def test_no_wheel_turns_round_within_a_piece_nor_its_torque():
     for c in wheel_cycles(d, t):
         assert (c.speed.prod(axis=1) >= 0.0).all() and (c.torque.prod(axis=1) >= 0.0).all()
         assert c.total == pytest.approx(t.total, rel=1e-12)
+
+
+@pytest.mark.parametrize("heading", np.linspace(-3.0, 3.0, 13).round(2).tolist())
+def test_rounding_is_no_turning_round(heading):
+    """Along a diagonal of the robot two wheels stand; what is left of their speed cuts no piece."""
+    d = dynamics(mecanum(rolling_resistance=0.02))
+    way = heading + math.pi / 4
+    there = Waypoint(x=3 * math.cos(way), y=3 * math.sin(way), heading=heading)
+    t = plan([Waypoint(x=0.0, y=0.0, heading=heading), there], replace(RAMP, jerk=2.0))
+    assert len(motion(d, t).duration) == len(t.duration)
+    for i in (1, 3):
+        assert not wheel_cycles(d, t)[i].speed.any()
 
 
 def test_a_slope_in_columns_is_that_of_each_piece():

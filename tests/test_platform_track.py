@@ -94,6 +94,24 @@ def test_where_it_stands_it_stands():
     assert np.abs(t.velocity[0]).max() == pytest.approx(1.0, abs=0.02)
 
 
+def test_from_rest_it_accelerates_at_once():
+    """A parabola from rest is a cubic that is clamped; a natural spline would start without acceleration."""
+    time = np.arange(0.0, 2.001, 0.05)
+    way = np.where(time < 1, time**2 / 2, 1 - (2 - time) ** 2 / 2)
+    t = spline(time, np.array([way, 0.0 * time, 0.5 * way]))
+    assert t.acceleration[0, :4] == pytest.approx(np.ones((4, 2)), abs=1e-3)
+    assert t.acceleration[2, -4:] == pytest.approx(np.full((4, 2), -0.5), abs=1e-3)
+
+
+def test_where_it_turns_round_between_two_samples_it_does_not_stand():
+    time = np.arange(0.0, 3.01, 0.2)  # samples at 1.4 s and 1.6 s are the same
+    half = np.sin(math.pi * time[:8] / 3) ** 2
+    way = np.concatenate([half, half[::-1]])  # the same to the last bit
+    t = spline(time, np.array([way, 0.0 * time, 0.0 * time]))
+    at = (t.time[:, 0] > 1.4 - 1e-9) & (t.time[:, 1] < 1.6 + 1e-9)
+    assert t.acceleration[0, at] == pytest.approx(np.full((at.sum(), 2), -2 * (math.pi / 3) ** 2), rel=0.03)
+
+
 # --- files ------------------------------------------------------------------------------------------------------------
 
 
