@@ -1,0 +1,291 @@
+r"""How far a platform is from tipping over, and from lifting a wheel.
+
+It tips about an edge of the hull of its contact points, casters among them, when the line of weight and inertia from
+the centre of mass meets the floor beyond it. That point is :math:`x_c - h f / N` (zero moment point), f the force
+along the floor that the motion needs and N the weight across it. A wheel of a stiff frame on a stiff floor may lift
+before: ``contact_loads`` falls straight with the acceleration. Standing on a slope s is as accelerating uphill with
+:math:`g \tan s` on a level floor. What turns with the wheels is not counted; its moment is small beside m a h.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drivesizer.errors import InputError
+from drivesizer.platform.between import finer
+from drivesizer.platform.kinematics import to_robot
+from drivesizer.platform.notation import Array
+from drivesizer.platform.standing import LEVEL, Ground, contact_loads, weight_along
+from drivesizer.platform.trajectory import Trajectory
+from drivesizer.platform.wheels import Platform
+
+__all__ = [
+    "Moment",
+    "TippingEdge",
+    "edge_distances",
+    "least_load",
+    "least_margin",
+    "lift_off_acceleration",
+    "lift_off_slope",
+    "of_centre",
+    "support_polygon",
+    "tipping_acceleration",
+    "tipping_edges",
+    "tipping_slope",
+    "zero_moment_point",
+]
+
+_FLAT = 1e-6  # of the platform's size: contact points that lie nearer to one line hold nothing up
+
+
+class TippingEdge(NamedTuple):
+    """A line about which the platform can tip."""
+
+    contacts: tuple[int, int]  # wheels, then casters, counted from 1
+    distance: float  # m, of the centre of mass from the vertical plane over it; below 0 it has tipped
+    angle: float  # rad, of a slope at which it tips about it
+    outward: float  # rad, direction in the robot's frame
+
+
+class Moment(NamedTuple):
+    """The worst moment of a trajectory."""
+
+    value: float
+    time: float  # s
+    contact: int  # wheel or caster, counted from 1; of an edge its first
+
+
+# --- support polygon --------------------------------------------------------------------------------------------------
+
+
+def support_polygon(platform: Platform) -> tuple[int, ...]:
+    """The contacts that are the hull of all, counterclockwise; places from 0.
+
+    Raises
+    ------
+    InputError
+        When they lie on one line.
+    """
+    places = platform.contacts
+    scale = max(math.dist(a, b) for a in places for b in places)
+    order = sorted(range(len(places)), key=lambda i: places[i])
+    lower, upper = _chain(places, order, scale), _chain(places, order[::-1], scale)
+    hull = tuple(lower[:-1] + upper[:-1])
+    if len(hull) < 3:
+        raise InputError("platform: its contact points lie on one line, so nothing keeps it upright; give its casters")
+    return hull
+
+
+def _chain(places: list[tuple[float, float]], order: list[int], scale: float) -> list[int]:
+    """One half of the hull (Andrew's monotone chain); a point within rounding of a line is left out."""
+    found: list[int] = []
+    for i in order:
+        while len(found) > 1 and _turn(*(places[j] for j in (found[-2], found[-1], i))) <= _FLAT * scale**2:
+            found.pop()
+        found.append(i)
+    return found
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _outward(platform: Platform) -> tuple[tuple[int, ...], Array, Array]:
+    """Hull, a unit vector outward of each edge (k, 2), and how far out the edge is along it (k,)."""
+    hull = support_polygon(platform)
+    here = np.array(platform.contacts)[list(hull)]
+    along = np.roll(here, -1, axis=0) - here
+    normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(along[:, 0], along[:, 1])[:, None]
+    return hull, normal, (normal * here).sum(axis=1)
+
+
+def edge_distances(platform: Platform, point: Any) -> Array:
+    """How far a point is inside each edge of the support polygon [m]; shape (edges, ...), below 0 outside.
+
+    Parameters
+    ----------
+    platform
+        Its contact points.
+    point
+        In the robot's frame [m], shape (2, ...).
+
+    Raises
+    ------
+    InputError
+        When the contact points lie on one line.
+    """
+    _, normal, out = _outward(platform)
+    found = np.asarray(point, dtype=float)
+    return np.asarray(out.reshape(-1, *[1] * (found.ndim - 1)) - np.tensordot(normal, found, axes=1))
+
+
+def tipping_edges(platform: Platform) -> tuple[TippingEdge, ...]:
+    """The edges about which a platform can tip on a level floor, the nearest first.
+
+    Raises
+    ------
+    InputError
+        When the contact points lie on one line.
+    """
+    hull, normal, _ = _outward(platform)
+    distance = edge_distances(platform, (platform.x, platform.y))
+    edges = zip(hull, (*hull[1:], hull[0]), distance, normal, strict=True)
+    found = [
+        TippingEdge(
+            (i + 1, j + 1), float(d), math.atan2(float(d), platform.height), math.atan2(float(n[1]), float(n[0]))
+        )
+        for i, j, d, n in edges
+    ]
+    return tuple(sorted(found, key=lambda e: e.distance))
+
+
+# --- the largest that it stands ---------------------------------------------------------------------------------------
+
+
+def tipping_acceleration(platform: Platform, direction: float | None = None, gravity: float = LEVEL.gravity) -> float:
+    """Largest acceleration on a level floor before the platform tips over [m/s^2]; infinite where none does.
+
+    Parameters
+    ----------
+    platform
+        Contact points, mass and centre of mass.
+    direction
+        Of the acceleration in the robot's frame [rad]; π is braking. The worst of all where it is not given.
+    gravity
+        [m/s^2].
+
+    Raises
+    ------
+    InputError
+        When the contact points lie on one line.
+
+    Examples
+    --------
+    A box of half length b and height h of the centre of mass, b / h:
+
+    >>> from drivesizer.platform.wheels import Wheel
+    >>> wheels = tuple(Wheel(x=x, y=y, radius=0.1) for x in (-0.3, 0.3) for y in (-0.2, 0.2))
+    >>> round(tipping_acceleration(Platform(wheels=wheels, mass=50.0, inertia=3.0, height=0.6), 0.0, 10.0), 9)
+    5.0
+    """
+    _, normal, _ = _outward(platform)
+    inside = edge_distances(platform, (platform.x, platform.y))
+    return _largest(inside * gravity, -platform.height * normal, direction)
+
+
+def lift_off_acceleration(platform: Platform, direction: float | None = None, gravity: float = LEVEL.gravity) -> float:
+    """Largest acceleration on a level floor before a wheel or caster carries nothing [m/s^2].
+
+    Parameters are those of ``tipping_acceleration``. On three contacts both are the same.
+    """
+    at_rest, forward, left = (
+        contact_loads(platform, ground=Ground(gravity=gravity), accelerated=a)
+        for a in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
+    )
+    return _largest(at_rest, np.stack([forward - at_rest, left - at_rest], axis=1), direction)
+
+
+def _largest(at_rest: Array, change: Array, direction: float | None) -> float:
+    """From where one of the figures ``at_rest + a change · (cos, sin)`` is below 0, a along or in any direction."""
+    least = _FLAT * np.abs(at_rest).max()
+    if direction is None:
+        falls = np.hypot(change[:, 0], change[:, 1])
+    else:
+        falls = -change @ np.array([math.cos(direction), math.sin(direction)])
+    falling = falls > 1e-12 * np.abs(change).max()
+    if (at_rest < -least).any():
+        return 0.0
+    return float(np.maximum(at_rest[falling] / falls[falling], 0.0).min(initial=math.inf))
+
+
+def tipping_slope(platform: Platform, uphill: float | None = None) -> float:
+    """Steepest slope on which a platform that stands does not tip over [rad].
+
+    Parameters
+    ----------
+    platform
+        Contact points and centre of mass.
+    uphill
+        In the robot's frame [rad]; the worst of all directions where it is not given.
+    """
+    return math.atan(tipping_acceleration(platform, uphill, 1.0))
+
+
+def lift_off_slope(platform: Platform, uphill: float | None = None) -> float:
+    """Steepest slope on which every wheel and caster still carries something [rad]; parameters of ``tipping_slope``."""
+    return math.atan(lift_off_acceleration(platform, uphill, 1.0))
+
+
+# --- along a trajectory -----------------------------------------------------------------------------------------------
+
+
+def of_centre(platform: Platform, trajectory: Trajectory) -> Array:
+    """Acceleration of the centre of mass in the robot's axes [m/s^2]; shape (2, n, 2)."""
+    spin, turning = trajectory.acceleration[2], trajectory.velocity[2]
+    seen = to_robot(trajectory.posture[2], trajectory.acceleration)
+    x, y = platform.x, platform.y
+    return np.stack([seen[0] - spin * y - turning**2 * x, seen[1] + spin * x - turning**2 * y])
+
+
+def zero_moment_point(platform: Platform, theta: Any = 0.0, ground: Ground = LEVEL, accelerated: Any = None) -> Array:
+    """Where the floor must push so that the platform does not tip, in the robot's frame [m]; shape (2, ...).
+
+    Parameters
+    ----------
+    platform
+        Mass and centre of mass.
+    theta, ground
+        Heading in the world [rad], and the floor.
+    accelerated
+        Acceleration of the centre of mass in the robot's axes [m/s^2]; none where not given.
+    """
+    pull = weight_along(platform, theta, ground)[:2]
+    needed = np.asarray(0.0 if accelerated is None else platform.mass * np.asarray(accelerated)) - (
+        pull if accelerated is None else pull.reshape(2, *pull.shape[1:], *[1] * (np.ndim(accelerated) - pull.ndim))
+    )
+    weight = platform.mass * ground.gravity * np.cos(ground.slope)
+    centre = np.array([platform.x, platform.y]).reshape(2, *[1] * (needed.ndim - 1))
+    return np.asarray(centre - platform.height * needed / weight)
+
+
+def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
+    """The least that a wheel or caster carries over a trajectory [N], which, and when.
+
+    Parameters
+    ----------
+    platform
+        Contact points, mass and centre of mass.
+    trajectory
+        In the world.
+    ground
+        The floor, the same everywhere.
+    """
+    fine = finer(trajectory)
+    loads = contact_loads(platform, fine.posture[2], ground, of_centre(platform, fine))
+    return _worst(loads, fine, np.arange(len(loads)))
+
+
+def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
+    """The least distance of the zero moment point from the edge of the support polygon [m], where, and when.
+
+    Parameters are those of ``least_load``.
+
+    Raises
+    ------
+    InputError
+        When the contact points lie on one line.
+    """
+    fine = finer(trajectory)
+    point = zero_moment_point(platform, fine.posture[2], ground, of_centre(platform, fine))
+    return _worst(edge_distances(platform, point), fine, np.array(support_polygon(platform)))
+
+
+def _worst(found: Array, trajectory: Trajectory, contacts: Array) -> Moment:
+    """The least of figures over (row, piece, end)."""
+    end = np.cumsum(trajectory.duration)
+    time = np.stack([end - trajectory.duration, end], axis=1)
+    row, piece, side = (int(i) for i in np.unravel_index(found.argmin(), found.shape))
+    return Moment(float(found[row, piece, side]), float(time[piece, side]), int(contacts[row]) + 1)
