@@ -52,9 +52,7 @@ def finer(trajectory: Trajectory, turning: float = 0.05) -> Trajectory:
     step = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
     share = (step[:, None] + np.array([0.0, 1.0])) / parts[piece, None]  # (pieces, 2)
     points = control_points(trajectory)[:, piece, None, :]
-    weights = np.stack(
-        [(1 - share) ** 3, 3 * share * (1 - share) ** 2, 3 * share**2 * (1 - share), share**3], axis=-1
-    )
+    weights = np.stack([(1 - share) ** 3, 3 * share * (1 - share) ** 2, 3 * share**2 * (1 - share), share**3], axis=-1)
 
     def straight(values: Array) -> Array:
         left, right = values[:, piece, :1], values[:, piece, 1:]

@@ -56,7 +56,7 @@ class Size:
         """The four corners in the robot's frame, counterclockwise from the front right [m]; shape (2, 4)."""
         along, across = self.length / 2.0, self.width / 2.0
         shape = np.array([[along, along, -along, -along], [-across, across, across, -across]])
-        return shape + np.array([[self.x], [self.y]])
+        return np.asarray(shape + np.array([[self.x], [self.y]]))
 
     @property
     def reach(self) -> float:

@@ -181,6 +181,7 @@ def lift_off_acceleration(platform: Platform, direction: float | None = None, gr
 
     Parameters are those of ``tipping_acceleration``. On three contacts both are the same.
     """
+    support_polygon(platform)  # on one line nothing keeps it upright
     at_rest, forward, left = (
         contact_loads(platform, ground=Ground(gravity=gravity), accelerated=a)
         for a in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
@@ -230,7 +231,9 @@ def of_centre(platform: Platform, trajectory: Trajectory) -> Array:
     return np.stack([seen[0] - spin * y - turning**2 * x, seen[1] + spin * x - turning**2 * y])
 
 
-def zero_moment_point(platform: Platform, theta: Any = 0.0, ground: Ground = LEVEL, accelerated: Any = None) -> Array:
+def zero_moment_point(
+    platform: Platform, theta: Any = 0.0, ground: Ground = LEVEL, accelerated: Any = (0.0, 0.0)
+) -> Array:
     """Where the floor must push so that the platform does not tip, in the robot's frame [m]; shape (2, ...).
 
     Parameters
@@ -240,15 +243,14 @@ def zero_moment_point(platform: Platform, theta: Any = 0.0, ground: Ground = LEV
     theta, ground
         Heading in the world [rad], and the floor.
     accelerated
-        Acceleration of the centre of mass in the robot's axes [m/s^2]; none where not given.
+        Acceleration of the centre of mass in the robot's axes [m/s^2], shape (2, ...).
     """
     pull = weight_along(platform, theta, ground)[:2]
-    needed = np.asarray(0.0 if accelerated is None else platform.mass * np.asarray(accelerated)) - (
-        pull if accelerated is None else pull.reshape(2, *pull.shape[1:], *[1] * (np.ndim(accelerated) - pull.ndim))
+    lever = platform.height / (platform.mass * ground.gravity * np.cos(ground.slope))
+    needed = [platform.mass * np.asarray(a) - p for a, p in zip(accelerated, pull, strict=True)]
+    return np.array(
+        np.broadcast_arrays(*(c - lever * f for c, f in zip((platform.x, platform.y), needed, strict=True)))
     )
-    weight = platform.mass * ground.gravity * np.cos(ground.slope)
-    centre = np.array([platform.x, platform.y]).reshape(2, *[1] * (needed.ndim - 1))
-    return np.asarray(centre - platform.height * needed / weight)
 
 
 def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
@@ -262,10 +264,16 @@ def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVE
         In the world.
     ground
         The floor, the same everywhere.
+
+    Raises
+    ------
+    InputError
+        When the contact points lie on one line.
     """
+    support_polygon(platform)
     fine = finer(trajectory)
     loads = contact_loads(platform, fine.posture[2], ground, of_centre(platform, fine))
-    return _worst(loads, fine, np.arange(len(loads)))
+    return _worst(loads, fine, tuple(range(len(loads))))
 
 
 def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
@@ -280,12 +288,12 @@ def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LE
     """
     fine = finer(trajectory)
     point = zero_moment_point(platform, fine.posture[2], ground, of_centre(platform, fine))
-    return _worst(edge_distances(platform, point), fine, np.array(support_polygon(platform)))
+    return _worst(edge_distances(platform, point), fine, support_polygon(platform))
 
 
-def _worst(found: Array, trajectory: Trajectory, contacts: Array) -> Moment:
+def _worst(found: Array, trajectory: Trajectory, contacts: tuple[int, ...]) -> Moment:
     """The least of figures over (row, piece, end)."""
     end = np.cumsum(trajectory.duration)
     time = np.stack([end - trajectory.duration, end], axis=1)
     row, piece, side = (int(i) for i in np.unravel_index(found.argmin(), found.shape))
-    return Moment(float(found[row, piece, side]), float(time[piece, side]), int(contacts[row]) + 1)
+    return Moment(float(found[row, piece, side]), float(time[piece, side]), contacts[row] + 1)
