@@ -33,6 +33,7 @@ __all__ = [
     "grip_acceleration",
     "grip_slope",
     "needed_friction",
+    "translations",
     "worst_friction",
 ]
 
@@ -57,8 +58,9 @@ def floor_forces(
     torque = wheel_torques(d, eta, eta_dot, theta=theta, ground=ground, towards=towards)
     rest = required_force(d, eta, eta_dot, theta=theta, ground=ground, towards=towards)
     rest = rest - map_columns(k.E[driven].T, torque)  # what is held, and does no work
-    own = np.array([w.inertia + w.rotor_inertia for w in wheels])
-    net = -map_columns(np.asarray(own[:, None] * k.E), np.asarray(np.broadcast_to(columns(eta_dot, 3, "acceleration"), rest.shape)))
+    own = np.array([[w.inertia + w.rotor_inertia] for w in wheels])
+    rate = np.broadcast_to(columns(eta_dot, 3, "acceleration of the platform"), rest.shape)
+    net = -map_columns(np.asarray(own * k.E), np.asarray(rate))
     net[driven] += torque
     cos = np.array([math.cos(w.roller_angle) for w in wheels])
     lever = np.array([w.radius for w in wheels]) * cos
@@ -120,8 +122,29 @@ def worst_friction(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) 
 # --- the largest that the floor transmits -----------------------------------------------------------------------------
 
 
-def grip_acceleration(d: Dynamics, friction: float, direction: float | None = None, gravity: float = 9.80665) -> float:
-    """Largest acceleration from rest on a level floor before a wheel slips, or something lifts off [m/s^2].
+def translations(d: Dynamics) -> Array:
+    """Angles in which a platform can move without turning [rad]: all around in steps of 1°, or to and fro.
+
+    Raises
+    ------
+    InputError
+        When it can in none.
+    """
+    held = d.kinematics.held[:, :2]
+    values, vectors = np.linalg.svd(held, full_matrices=True)[1:] if len(held) else (np.zeros(0), np.eye(2))
+    left = vectors[int((values > 1e-6).sum()) :]
+    if len(left) == 2:
+        return np.asarray(np.arange(_DIRECTIONS) * (2.0 * math.pi / _DIRECTIONS))
+    if len(left) == 0:
+        raise InputError("platform: its wheels let it move in no direction without turning")
+    angle = math.atan2(left[0, 1], left[0, 0])
+    return np.array([angle, angle + math.pi])
+
+
+def grip_acceleration(
+    d: Dynamics, friction: float, direction: float | None = None, *, slope: float = 0.0, gravity: float = 9.80665
+) -> float:
+    """Largest acceleration from rest, up a slope, before a wheel slips or something lifts off [m/s^2].
 
     Parameters
     ----------
@@ -131,6 +154,8 @@ def grip_acceleration(d: Dynamics, friction: float, direction: float | None = No
         Coefficient between wheels and floor, μ.
     direction
         Of the acceleration in the robot's frame [rad]; the worst of all that the wheels allow where it is not given.
+    slope
+        Of the floor, rising in that direction [rad].
     gravity
         [m/s^2].
 
@@ -139,16 +164,17 @@ def grip_acceleration(d: Dynamics, friction: float, direction: float | None = No
     InputError
         When the wheels do not allow the direction, or none.
     """
-    angles = _directions(d) if direction is None else np.array([direction])
+    angles = translations(d) if direction is None else np.array([direction])
     unit = np.array([np.cos(angles), np.sin(angles), 0.0 * angles])
-    floor = Ground(gravity=gravity)
+    floor = Ground(slope=slope, gravity=gravity)  # uphill is where the platform goes: turned to it by its heading
 
     def at(share: float) -> tuple[Array, Array]:
-        force = floor_forces(d, 0.0 * unit, share * unit, ground=floor, towards=unit)
-        return force, contact_loads(d.platform, 0.0, floor, share * unit[:2])[: force.shape[1]]
+        force = floor_forces(d, 0.0 * unit, share * unit, theta=-angles, ground=floor, towards=unit)
+        return force, contact_loads(d.platform, -angles, floor, share * unit[:2])[: force.shape[1]]
 
-    any_way = len(angles) == _DIRECTIONS
-    lifts = min(lift_off_acceleration(d.platform, None if any_way else float(a), gravity) for a in angles[:2])
+    anywhere = len(angles) == _DIRECTIONS
+    level = min(lift_off_acceleration(d.platform, None if anywhere else float(a), gravity) for a in angles[:2])
+    lifts = max(level * math.cos(slope) - gravity * math.sin(slope), 0.0)
     return min(_first_slip(at(0.0), at(1.0), friction), lifts)
 
 
@@ -185,19 +211,6 @@ def grip_slope(d: Dynamics, friction: float, uphill: float | None = None) -> flo
 def _allowed(d: Dynamics, unit: Array) -> Array:
     """Whether the wheels let the platform move in directions (3, m)."""
     return np.asarray((np.abs(d.kinematics.held @ unit) < 1e-6).all(axis=0))
-
-
-def _directions(d: Dynamics) -> Array:
-    """Angles in which the platform can move without turning: all around, or to and fro."""
-    held = d.kinematics.held[:, :2]
-    values, vectors = np.linalg.svd(held, full_matrices=True)[1:] if len(held) else (np.zeros(0), np.eye(2))
-    left = vectors[int((values > 1e-6).sum()) :]
-    if len(left) == 2:
-        return np.asarray(np.arange(_DIRECTIONS) * (2.0 * math.pi / _DIRECTIONS))
-    if len(left) == 0:
-        raise InputError("platform: its wheels let it move in no direction without turning")
-    angle = math.atan2(left[0, 1], left[0, 0])
-    return np.array([angle, angle + math.pi])
 
 
 def _first_slip(before: tuple[Array, Array], after: tuple[Array, Array], friction: float) -> float:

@@ -28,6 +28,7 @@ __all__ = [
     "edge_distances",
     "least_load",
     "least_margin",
+    "least_share",
     "lift_off_acceleration",
     "lift_off_slope",
     "of_centre",
@@ -274,6 +275,25 @@ def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVE
     fine = finer(trajectory)
     loads = contact_loads(platform, fine.posture[2], ground, of_centre(platform, fine))
     return _worst(loads, fine, tuple(range(len(loads))))
+
+
+def least_share(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
+    """The least that a wheel or caster carries over a trajectory as a share of what it does on a level floor at rest.
+
+    Below 0 it has lifted off; minus infinity where it carries nothing at rest. Parameters are those of ``least_load``.
+
+    Raises
+    ------
+    InputError
+        When the contact points lie on one line.
+    """
+    support_polygon(platform)
+    fine = finer(trajectory)
+    loads = contact_loads(platform, fine.posture[2], ground, of_centre(platform, fine))
+    at_rest = contact_loads(platform, ground=Ground(gravity=ground.gravity))
+    carrying = (at_rest > _FLAT * at_rest.max())[:, None, None]
+    share = np.where(carrying, loads / np.where(carrying, at_rest[:, None, None], 1.0), -math.inf)
+    return _worst(share, fine, tuple(range(len(loads))))
 
 
 def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
