@@ -24,7 +24,8 @@ from drivesizer.platform.between import finer
 from drivesizer.platform.dynamics import Dynamics, required_force, wheel_torques
 from drivesizer.platform.kinematics import columns, map_columns
 from drivesizer.platform.notation import Array
-from drivesizer.platform.stability import Moment, lift_off_acceleration, of_centre
+from drivesizer.platform.stability import lift_off_acceleration
+from drivesizer.platform.stability_moments import Moment, of_centre
 from drivesizer.platform.standing import LEVEL, Ground, contact_loads
 from drivesizer.platform.trajectory import Trajectory
 
@@ -58,9 +59,9 @@ def floor_forces(
     torque = wheel_torques(d, eta, eta_dot, theta=theta, ground=ground, towards=towards)
     rest = required_force(d, eta, eta_dot, theta=theta, ground=ground, towards=towards)
     rest = rest - map_columns(k.E[driven].T, torque)  # what is held, and does no work
-    own = np.array([[w.inertia + w.rotor_inertia] for w in wheels])
+    own: Array = np.array([[w.inertia + w.rotor_inertia] for w in wheels])
     rate = np.broadcast_to(columns(eta_dot, 3, "acceleration of the platform"), rest.shape)
-    net = -map_columns(np.asarray(own * k.E), np.asarray(rate))
+    net = -map_columns(np.asarray(own * k.E, dtype=float), np.asarray(rate))
     net[driven] += torque
     cos = np.array([math.cos(w.roller_angle) for w in wheels])
     lever = np.array([w.radius for w in wheels]) * cos

@@ -10,32 +10,26 @@ before: ``contact_loads`` falls straight with the acceleration. Standing on a sl
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.platform.between import finer
-from drivesizer.platform.kinematics import to_robot
 from drivesizer.platform.notation import Array
 from drivesizer.platform.standing import LEVEL, Ground, contact_loads, weight_along
-from drivesizer.platform.trajectory import Trajectory
 from drivesizer.platform.wheels import Platform
 
 __all__ = [
-    "Moment",
     "TippingEdge",
     "edge_distances",
-    "least_load",
-    "least_margin",
-    "least_share",
     "lift_off_acceleration",
     "lift_off_slope",
-    "of_centre",
     "support_polygon",
     "tipping_acceleration",
     "tipping_edges",
     "tipping_slope",
+    "used_footing",
     "zero_moment_point",
 ]
 
@@ -49,14 +43,6 @@ class TippingEdge(NamedTuple):
     distance: float  # m, of the centre of mass from the vertical plane over it; below 0 it has tipped
     angle: float  # rad, of a slope at which it tips about it
     outward: float  # rad, direction in the robot's frame
-
-
-class Moment(NamedTuple):
-    """The worst moment of a trajectory."""
-
-    value: float
-    time: float  # s
-    contact: int  # wheel or caster, counted from 1; of an edge its first
 
 
 # --- support polygon --------------------------------------------------------------------------------------------------
@@ -172,9 +158,7 @@ def tipping_acceleration(platform: Platform, direction: float | None = None, gra
     >>> round(tipping_acceleration(Platform(wheels=wheels, mass=50.0, inertia=3.0, height=0.6), 0.0, 10.0), 9)
     5.0
     """
-    _, normal, _ = _outward(platform)
-    inside = edge_distances(platform, (platform.x, platform.y))
-    return _largest(inside * gravity, -platform.height * normal, direction)
+    return _largest(*_tipping(platform, gravity), direction)
 
 
 def lift_off_acceleration(platform: Platform, direction: float | None = None, gravity: float = LEVEL.gravity) -> float:
@@ -182,21 +166,70 @@ def lift_off_acceleration(platform: Platform, direction: float | None = None, gr
 
     Parameters are those of ``tipping_acceleration``. On three contacts both are the same.
     """
+    return _largest(*_lifting(platform, gravity), direction)
+
+
+def _tipping(platform: Platform, gravity: float) -> tuple[Array, Array]:
+    """How far inside each edge the platform is, times gravity, and what an acceleration takes off it."""
+    _, normal, _ = _outward(platform)
+    inside = edge_distances(platform, (platform.x, platform.y))
+    return inside * gravity, -platform.height * normal
+
+
+def _lifting(platform: Platform, gravity: float) -> tuple[Array, Array]:
+    """What each contact carries at rest, and what an acceleration takes off it."""
     support_polygon(platform)  # on one line nothing keeps it upright
     at_rest, forward, left = (
         contact_loads(platform, ground=Ground(gravity=gravity), accelerated=a)
         for a in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
     )
-    return _largest(at_rest, np.stack([forward - at_rest, left - at_rest], axis=1), direction)
+    return at_rest, np.stack([forward - at_rest, left - at_rest], axis=1)
+
+
+def _falls(change: Array, direction: float | None) -> Array:
+    """What 1 m/s² in a direction takes off each figure; in the worst direction where none is given."""
+    if direction is None:
+        return np.asarray(np.hypot(change[:, 0], change[:, 1]))
+    return np.asarray(-change @ np.array([math.cos(direction), math.sin(direction)]))
+
+
+def used_footing(
+    platform: Platform,
+    together: Sequence[tuple[float, float | None]],
+    *,
+    tips: bool = False,
+    gravity: float = LEVEL.gravity,
+) -> float:
+    """Share of what keeps a platform on its wheels that several accelerations take together; above 1 it does not.
+
+    Parameters
+    ----------
+    platform
+        Contact points, mass and centre of mass.
+    together
+        Size [m/s^2] and direction in the robot's frame [rad] of each; None is any, the worst for each contact. A slope
+        counts as g tan s uphill.
+    tips
+        Whether it must tip over, rather than a wheel lift off.
+    gravity
+        [m/s^2].
+
+    Raises
+    ------
+    InputError
+        When the contact points lie on one line.
+    """
+    at_rest, change = (_tipping if tips else _lifting)(platform, gravity)
+    taken = sum((size * _falls(change, direction) for size, direction in together), 0.0 * at_rest)
+    if (at_rest <= _FLAT * np.abs(at_rest).max()).any():
+        return math.inf
+    return max(float((taken / at_rest).max()), 0.0)
 
 
 def _largest(at_rest: Array, change: Array, direction: float | None) -> float:
     """From where one of the figures ``at_rest + a change · (cos, sin)`` is below 0, a along or in any direction."""
     least = _FLAT * np.abs(at_rest).max()
-    if direction is None:
-        falls = np.hypot(change[:, 0], change[:, 1])
-    else:
-        falls = -change @ np.array([math.cos(direction), math.sin(direction)])
+    falls = _falls(change, direction)
     falling = falls > 1e-12 * np.abs(change).max()
     if (at_rest < -least).any():
         return 0.0
@@ -221,17 +254,6 @@ def lift_off_slope(platform: Platform, uphill: float | None = None) -> float:
     return math.atan(lift_off_acceleration(platform, uphill, 1.0))
 
 
-# --- along a trajectory -----------------------------------------------------------------------------------------------
-
-
-def of_centre(platform: Platform, trajectory: Trajectory) -> Array:
-    """Acceleration of the centre of mass in the robot's axes [m/s^2]; shape (2, n, 2)."""
-    spin, turning = trajectory.acceleration[2], trajectory.velocity[2]
-    seen = to_robot(trajectory.posture[2], trajectory.acceleration)
-    x, y = platform.x, platform.y
-    return np.stack([seen[0] - spin * y - turning**2 * x, seen[1] + spin * x - turning**2 * y])
-
-
 def zero_moment_point(
     platform: Platform, theta: Any = 0.0, ground: Ground = LEVEL, accelerated: Any = (0.0, 0.0)
 ) -> Array:
@@ -252,68 +274,3 @@ def zero_moment_point(
     return np.array(
         np.broadcast_arrays(*(c - lever * f for c, f in zip((platform.x, platform.y), needed, strict=True)))
     )
-
-
-def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
-    """The least that a wheel or caster carries over a trajectory [N], which, and when.
-
-    Parameters
-    ----------
-    platform
-        Contact points, mass and centre of mass.
-    trajectory
-        In the world.
-    ground
-        The floor, the same everywhere.
-
-    Raises
-    ------
-    InputError
-        When the contact points lie on one line.
-    """
-    support_polygon(platform)
-    fine = finer(trajectory)
-    loads = contact_loads(platform, fine.posture[2], ground, of_centre(platform, fine))
-    return _worst(loads, fine, tuple(range(len(loads))))
-
-
-def least_share(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
-    """The least that a wheel or caster carries over a trajectory as a share of what it does on a level floor at rest.
-
-    Below 0 it has lifted off; minus infinity where it carries nothing at rest. Parameters are those of ``least_load``.
-
-    Raises
-    ------
-    InputError
-        When the contact points lie on one line.
-    """
-    support_polygon(platform)
-    fine = finer(trajectory)
-    loads = contact_loads(platform, fine.posture[2], ground, of_centre(platform, fine))
-    at_rest = contact_loads(platform, ground=Ground(gravity=ground.gravity))
-    carrying = (at_rest > _FLAT * at_rest.max())[:, None, None]
-    share = np.where(carrying, loads / np.where(carrying, at_rest[:, None, None], 1.0), -math.inf)
-    return _worst(share, fine, tuple(range(len(loads))))
-
-
-def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
-    """The least distance of the zero moment point from the edge of the support polygon [m], where, and when.
-
-    Parameters are those of ``least_load``.
-
-    Raises
-    ------
-    InputError
-        When the contact points lie on one line.
-    """
-    fine = finer(trajectory)
-    point = zero_moment_point(platform, fine.posture[2], ground, of_centre(platform, fine))
-    return _worst(edge_distances(platform, point), fine, support_polygon(platform))
-
-
-def _worst(found: Array, trajectory: Trajectory, contacts: tuple[int, ...]) -> Moment:
-    """The least of figures over (row, piece, end)."""
-    end = np.cumsum(trajectory.duration)
-    time = np.stack([end - trajectory.duration, end], axis=1)
-    row, piece, side = (int(i) for i in np.unravel_index(found.argmin(), found.shape))
-    return Moment(float(found[row, piece, side]), float(time[piece, side]), contacts[row] + 1)
