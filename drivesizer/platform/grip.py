@@ -69,7 +69,7 @@ def floor_forces(
     sideways = [i for i, w in enumerate(wheels) if w.held]
     blocked = [i for i, w in enumerate(wheels) if w.drive == "blocked"]
     if len(k.held):
-        holding = map_columns(np.linalg.pinv(k.held.T), rest)
+        holding = map_columns(np.asarray(np.linalg.pinv(k.held.T), dtype=float), rest)
         found[1, sideways] = holding[: len(sideways)]
         found[0, blocked] = holding[len(sideways) :] / cos[blocked].reshape(-1, *[1] * (net.ndim - 1))
     return found

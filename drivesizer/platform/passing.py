@@ -2,13 +2,14 @@
 
 At each moment the part of its rectangle that is between the faces of the wall, |s| <= d/2 along the way through, takes
 up the passage from one side to the other. What is left beside it is the clearance; below 0 the jamb is hit. Pieces of
-the trajectory are halved until nothing in them moves by more than a step, so that is how exact a clearance is.
+the trajectory are halved until nothing in them moves by more than a thousandth of the passage's width, and at the
+narrowest place by a hundred-thousandth.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from drivesizer.platform.trajectory import Trajectory
 
 __all__ = ["Clearance", "clearances", "side_room"]
 
-_STEPS = 1000  # in a passage's width
+_STEPS = (1e-3, 1e-5)  # of a passage's width: all of the way, then beside the narrowest place
 
 
 class Clearance(NamedTuple):
@@ -48,36 +49,59 @@ def clearances(trajectory: Trajectory, size: Size, passages: tuple[Passage, ...]
 
 
 def _clearance(trajectory: Trajectory, size: Size, passage: Passage) -> Clearance:
-    time, posture = _moments(trajectory, size, passage)
-    left, right = side_room(posture, size, passage.width, passage.depth)
-    if not np.isfinite(left).any():
-        return Clearance(passage.name, math.nan, math.nan, "")
-    least = np.fmin(left, right)
-    at = int(np.nanargmin(least))
-    return Clearance(passage.name, float(least[at]), float(time[at]), "left" if left[at] <= right[at] else "right")
-
-
-def _moments(trajectory: Trajectory, size: Size, passage: Passage) -> tuple[Array, Array]:
-    """Times and postures in the passage's axes, (n,) and (3, n), so close that nothing moves by more than a step."""
-    points = _in_passage(control_points(trajectory), passage)
     start = np.cumsum(trajectory.duration) - trajectory.duration
-    length, done = trajectory.duration, []
-    while points.shape[1]:
-        near = _near(points, size, passage)
-        points, start, length = points[:, near], start[near], length[near]
-        extent = np.ptp(points, axis=-1)
-        small = np.hypot(extent[0], extent[1]) + size.reach * extent[2] <= passage.width / _STEPS
-        done += [(start[small], points[:, small, 0]), ((start + length)[small], points[:, small, 3])]
-        left, right = halves(points[:, ~small])
-        points = np.concatenate([left, right], axis=1)
-        length = np.tile(length[~small] / 2.0, 2)
-        start = np.tile(start[~small], 2)
-        start[len(start) // 2 :] += length[len(start) // 2 :]
-    if not done:
-        return np.zeros(0), np.zeros((3, 0))
-    time, posture = np.concatenate([t for t, _ in done]), np.concatenate([p for _, p in done], axis=1)
-    order = np.argsort(time, kind="stable")
-    return time[order], posture[:, order]
+    pieces = _Pieces(_in_passage(control_points(trajectory), passage), start, trajectory.duration)
+    least, found = math.nan, Clearance(passage.name, math.nan, math.nan, "")
+    for step in _STEPS:
+        pieces = _halved(pieces, size, passage, passage.width * step)
+        left, right = side_room(pieces.ends, size, passage.width, passage.depth)
+        room = np.fmin(left, right)
+        if np.isnan(room).all():
+            return found
+        side, at = (int(i) for i in np.unravel_index(np.nanargmin(room), room.shape))
+        if not room[side, at] >= least:  # written so that NaN is no least
+            least, nearer = float(room[side, at]), "left" if left[side, at] <= right[side, at] else "right"
+            found = Clearance(passage.name, least, float((pieces.start + side * pieces.length)[at]), nearer)
+        pieces = pieces.on(slice(max(at - 2, 0), at + 3))
+    return found
+
+
+class _Pieces(NamedTuple):
+    """Pieces of a motion in the passage's axes, in Bézier's form."""
+
+    points: Array  # (3, n, 4)
+    start: Array  # (n,) s
+    length: Array  # (n,) s
+
+    def on(self, taken: Any) -> _Pieces:
+        """Some of them."""
+        return _Pieces(self.points[:, taken], self.start[taken], self.length[taken])
+
+    @property
+    def ends(self) -> Array:
+        """Postures at both ends, (3, 2, n)."""
+        return np.stack([self.points[..., 0], self.points[..., 3]], axis=1)
+
+
+def _halved(pieces: _Pieces, size: Size, passage: Passage, step: float) -> _Pieces:
+    """Pieces near the passage, halved until nothing in one moves by more than a step; in the order of time."""
+    done = [pieces.on(slice(0))]
+    while pieces.start.size:
+        pieces = pieces.on(_near(pieces.points, size, passage))
+        extent = np.ptp(pieces.points, axis=-1)
+        small = np.hypot(extent[0], extent[1]) + size.reach * extent[2] <= step
+        done.append(pieces.on(small))
+        long = pieces.on(~small)
+        half = long.length / 2.0
+        both = zip(halves(long.points), (long.start, long.start + half), strict=True)
+        pieces = _joined([_Pieces(points, start, half) for points, start in both])
+    found = _joined(done)
+    return found.on(np.argsort(found.start, kind="stable"))
+
+
+def _joined(parts: list[_Pieces]) -> _Pieces:
+    points, start, length = zip(*parts, strict=True)
+    return _Pieces(np.concatenate(points, axis=1), np.concatenate(start), np.concatenate(length))
 
 
 def _in_passage(points: Array, passage: Passage) -> Array:
@@ -100,15 +124,15 @@ def side_room(posture: Array, size: Size, width: float, depth: float) -> tuple[A
     Parameters
     ----------
     posture
-        Along the way through and across it to the left, from the passage's middle [m], and heading [rad]; (3, n).
+        Along the way through and across it to the left, from the passage's middle [m], and heading [rad]; (3, ...).
     size
         Of the platform.
     width, depth
         Of the passage [m].
     """
     cos, sin = np.cos(posture[2]), np.sin(posture[2])
-    x, y = (c[:, None] for c in size.corners)
-    s, t = posture[0] + cos * x - sin * y, posture[1] + sin * x + cos * y  # (4, n)
+    x, y = (c.reshape(-1, *[1] * cos.ndim) for c in size.corners)
+    s, t = posture[0] + cos * x - sin * y, posture[1] + sin * x + cos * y  # (4, ...)
     found = [np.where(np.abs(s) <= depth / 2.0, t, np.nan)]
     to_s, to_t = np.roll(s, -1, axis=0), np.roll(t, -1, axis=0)
     for face in {-depth / 2.0, depth / 2.0}:  # where the edges enter the wall and leave it
