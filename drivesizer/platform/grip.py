@@ -1,0 +1,231 @@
+r"""What the floor must transmit at each wheel, and how much it can.
+
+A driven wheel's torque reaches the floor as a force along its roller's axis, :math:`F = (τ - J \ddot ϕ) / (r \cos γ)`:
+what is left after the wheel and its rotor have gained speed. A wheel without rollers also holds sideways, and both
+forces together are a wheel's. It slips when they exceed μ times what it carries at that moment. A wheel without motor,
+and a caster, carry weight and transmit nothing of the drive; so two driven wheels of four have half of the grip.
+
+The torques are those of ``wheel_torques``: shared as the motors are taken to share, not as would suit the floor best.
+What several wheels hold sideways together is shared by least squares.
+
+With the motion fixed, force and load are straight in an acceleration, and over :math:`\cos s` in :math:`\tan s` of a
+slope; so the limit is a root of a quadratic.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from drivesizer.errors import InputError
+from drivesizer.platform.between import finer
+from drivesizer.platform.dynamics import Dynamics, required_force, wheel_torques
+from drivesizer.platform.kinematics import columns, map_columns
+from drivesizer.platform.notation import Array
+from drivesizer.platform.stability import lift_off_acceleration
+from drivesizer.platform.stability_moments import Moment, of_centre
+from drivesizer.platform.standing import LEVEL, Ground, contact_loads
+from drivesizer.platform.trajectory import Trajectory
+
+__all__ = [
+    "floor_forces",
+    "grip_acceleration",
+    "grip_slope",
+    "needed_friction",
+    "translations",
+    "worst_friction",
+]
+
+_DIRECTIONS = 360  # of the worst: forces are off by 1 - cos 0.5°, 4e-5, at most
+_NOTHING = 1e-9  # of the largest force: rounding
+
+
+def floor_forces(
+    d: Dynamics, eta: Any, eta_dot: Any, *, theta: Any = 0.0, ground: Ground = LEVEL, towards: Any = None
+) -> Array:
+    """Force of the floor on each wheel along its roller's axis, and sideways where it is held [N]; shape (2, N, ...).
+
+    Parameters are those of ``wheel_torques``. A positive torque pulls in the positive direction of the axis.
+
+    Raises
+    ------
+    InputError
+        When the wheels do not allow the motion, or a figure is not finite.
+    """
+    k, wheels = d.kinematics, d.kinematics.wheels
+    driven = list(k.driven)
+    torque = wheel_torques(d, eta, eta_dot, theta=theta, ground=ground, towards=towards)
+    rest = required_force(d, eta, eta_dot, theta=theta, ground=ground, towards=towards)
+    rest = rest - map_columns(k.E[driven].T, torque)  # what is held, and does no work
+    own: Array = np.array([[w.inertia + w.rotor_inertia] for w in wheels])
+    rate = np.broadcast_to(columns(eta_dot, 3, "acceleration of the platform"), rest.shape)
+    net = -map_columns(np.asarray(own * k.E, dtype=float), np.asarray(rate))
+    net[driven] += torque
+    cos = np.array([math.cos(w.roller_angle) for w in wheels])
+    lever = np.array([w.radius for w in wheels]) * cos
+    found = np.stack([net / lever.reshape(-1, *[1] * (net.ndim - 1)), np.zeros_like(net)])
+    sideways = [i for i, w in enumerate(wheels) if w.held]
+    blocked = [i for i, w in enumerate(wheels) if w.drive == "blocked"]
+    if len(k.held):
+        holding = map_columns(np.asarray(np.linalg.pinv(k.held.T), dtype=float), rest)
+        found[1, sideways] = holding[: len(sideways)]
+        found[0, blocked] = holding[len(sideways) :] / cos[blocked].reshape(-1, *[1] * (net.ndim - 1))
+    return found
+
+
+def needed_friction(
+    d: Dynamics, eta: Any, eta_dot: Any, accelerated: Any, *, theta: Any = 0.0, ground: Ground = LEVEL
+) -> Array:
+    """Coefficient of friction that each wheel needs so as not to slip [1]; infinite where it carries nothing; (N, ...).
+
+    Parameters
+    ----------
+    d, eta, eta_dot, theta, ground
+        As in ``wheel_torques``.
+    accelerated
+        Acceleration of the centre of mass in the robot's axes [m/s^2], shape (2, ...).
+    """
+    force = np.hypot(*floor_forces(d, eta, eta_dot, theta=theta, ground=ground))
+    load = contact_loads(d.platform, theta, ground, accelerated, samples=force.shape[1:])[: len(force)]
+    pulls = force > _NOTHING * d.platform.mass * ground.gravity
+    return np.where(pulls, np.where(load > 0.0, force / np.where(load > 0.0, load, 1.0), math.inf), 0.0)
+
+
+def worst_friction(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
+    """The largest coefficient of friction that a trajectory needs, at which wheel, and when.
+
+    Parameters
+    ----------
+    d
+        The platform.
+    trajectory
+        In the world.
+    ground
+        The floor, the same everywhere.
+
+    Raises
+    ------
+    InputError
+        When the wheels do not allow the motion.
+    """
+    fine = finer(trajectory)
+    eta, eta_dot = fine.in_robot()
+    theta = fine.posture[2]
+    found = needed_friction(d, eta, eta_dot, of_centre(d.platform, fine), theta=theta, ground=ground)
+    end = np.cumsum(fine.duration)
+    wheel, piece, side = (int(i) for i in np.unravel_index(found.argmax(), found.shape))
+    time = end[piece] - (0.0 if side else fine.duration[piece])
+    return Moment(float(found[wheel, piece, side]), float(time), wheel + 1)
+
+
+# --- the largest that the floor transmits -----------------------------------------------------------------------------
+
+
+def translations(d: Dynamics) -> Array:
+    """Angles in which a platform can move without turning [rad]: all around in steps of 1°, or to and fro.
+
+    Raises
+    ------
+    InputError
+        When it can in none.
+    """
+    held = d.kinematics.held[:, :2]
+    values, vectors = np.linalg.svd(held, full_matrices=True)[1:] if len(held) else (np.zeros(0), np.eye(2))
+    left = vectors[int((values > 1e-6).sum()) :]
+    if len(left) == 2:
+        return np.asarray(np.arange(_DIRECTIONS) * (2.0 * math.pi / _DIRECTIONS))
+    if len(left) == 0:
+        raise InputError("platform: its wheels let it move in no direction without turning")
+    angle = math.atan2(left[0, 1], left[0, 0])
+    return np.array([angle, angle + math.pi])
+
+
+def grip_acceleration(
+    d: Dynamics, friction: float, direction: float | None = None, *, slope: float = 0.0, gravity: float = 9.80665
+) -> float:
+    """Largest acceleration from rest, up a slope, before a wheel slips or something lifts off [m/s^2].
+
+    Parameters
+    ----------
+    d
+        The platform.
+    friction
+        Coefficient between wheels and floor, μ.
+    direction
+        Of the acceleration in the robot's frame [rad]; the worst of all that the wheels allow where it is not given.
+    slope
+        Of the floor, rising in that direction [rad].
+    gravity
+        [m/s^2].
+
+    Raises
+    ------
+    InputError
+        When the wheels do not allow the direction, or none.
+    """
+    angles = translations(d) if direction is None else np.array([direction])
+    unit = np.array([np.cos(angles), np.sin(angles), 0.0 * angles])
+    floor = Ground(slope=slope, gravity=gravity)  # uphill is where the platform goes: turned to it by its heading
+
+    def at(share: float) -> tuple[Array, Array]:
+        force = floor_forces(d, 0.0 * unit, share * unit, theta=-angles, ground=floor, towards=unit)
+        return force, contact_loads(d.platform, -angles, floor, share * unit[:2])[: force.shape[1]]
+
+    anywhere = len(angles) == _DIRECTIONS
+    level = min(lift_off_acceleration(d.platform, None if anywhere else float(a), gravity) for a in angles[:2])
+    lifts = max(level * math.cos(slope) - gravity * math.sin(slope), 0.0)
+    return min(_first_slip(at(0.0), at(1.0), friction), lifts)
+
+
+def grip_slope(d: Dynamics, friction: float, uphill: float | None = None) -> float:
+    """Steepest slope that a platform climbs at a steady speed before a wheel slips, or something lifts off [rad].
+
+    Parameters
+    ----------
+    d
+        The platform.
+    friction
+        Coefficient between wheels and floor, μ.
+    uphill
+        In the robot's frame [rad]; the worst of all directions where it is not given. Where its wheels do not allow
+        that way it stands.
+    """
+    angles = np.arange(_DIRECTIONS) * (2.0 * math.pi / _DIRECTIONS) if uphill is None else np.array([uphill])
+    unit = np.array([np.cos(angles), np.sin(angles), 0.0 * angles])
+    climbs = np.where(_allowed(d, unit), unit, 0.0)
+    lifts = lift_off_acceleration(d.platform, uphill, 1.0)
+    reference = min(0.1, lifts / 2.0)  # any slope on which all stand will do
+
+    def at(tangent: float) -> tuple[Array, Array]:
+        floor = Ground(slope=math.atan(tangent))
+        force = floor_forces(d, 0.0 * unit, 0.0 * unit, theta=-angles, ground=floor, towards=climbs)
+        loads = contact_loads(d.platform, -angles, floor)[: force.shape[1]]
+        return force / math.cos(floor.slope), loads / math.cos(floor.slope)
+
+    if reference == 0.0:
+        return 0.0
+    return math.atan(min(reference * _first_slip(at(0.0), at(reference), friction), lifts))
+
+
+def _allowed(d: Dynamics, unit: Array) -> Array:
+    """Whether the wheels let the platform move in directions (3, m)."""
+    return np.asarray((np.abs(d.kinematics.held @ unit) < 1e-6).all(axis=0))
+
+
+def _first_slip(before: tuple[Array, Array], after: tuple[Array, Array], friction: float) -> float:
+    """Where force first exceeds μ times load: both straight from ``before`` at 0 to ``after`` at 1; 0 where at once.
+
+    |A + B t| <= C + D t is a quadratic; its first root beyond 0 in the form that stays finite when it is none.
+    """
+    A, C = before[0], friction * before[1]
+    B, D = after[0] - A, friction * after[1] - C
+    q0, q1, q2 = (A * A).sum(axis=0) - C * C, (A * B).sum(axis=0) - C * D, (B * B).sum(axis=0) - D * D
+    scale = np.abs(C).max()
+    pulls = np.hypot(*A) + np.hypot(*B) > _NOTHING * scale
+    if (pulls & ((q0 > _NOTHING * scale**2) | (C < 0.0))).any():
+        return 0.0
+    root = q1 + np.sqrt(np.maximum(q1 * q1 - q2 * q0, 0.0))
+    ends = pulls & (root > 0.0) & (q1 * q1 - q2 * q0 >= 0.0)
+    return float((np.maximum(-q0[ends], 0.0) / root[ends]).min(initial=math.inf))
