@@ -29,7 +29,6 @@ from drivesizer.platform_schema import Budget, PassageSection, Platform
 from drivesizer.results import Check, DriveSet
 
 __all__ = [
-    "TITLES",
     "Standing",
     "envelope_checks",
     "grip_checks",
@@ -37,24 +36,6 @@ __all__ = [
     "mass_checks",
     "stability_checks",
 ]
-
-TITLES = {
-    "mass": "Mass of the machine",
-    "mass_sized_for": "Mass that the drive is sized for",
-    "passage_width": "Width of a passage",
-    "passage_height": "Height of a passage",
-    "passage_turning": "Turning on the spot in a passage",
-    "passage_corner": "Corner of two corridors",
-    "passage_clearance": "Width of a passage, along the trajectory",
-    "centre_of_mass": "Every wheel carries at rest",
-    "lift_off": "Acceleration and slope before a wheel lifts off",
-    "tipping": "Acceleration and slope before it tips over",
-    "wheel_unloading": "Load taken off a wheel, along the trajectory",
-    "tipping_motion": "Way to the tipping edge, along the trajectory",
-    "grip_slope": "Slope that the floor's grip holds",
-    "grip_acceleration": "Acceleration that the floor transmits",
-    "grip_motion": "Friction needed, along the trajectory",
-}
 
 
 class Standing(NamedTuple):
@@ -93,7 +74,7 @@ class Standing(NamedTuple):
 
 
 def _told(columns: Sequence[CheckColumn], case: str = "") -> tuple[Check, ...]:
-    return tuple(c.at((), "physics", title=TITLES[c.name], cases=(case,)) for c in columns)
+    return tuple(c.at((), "budget", cases=(case,)) for c in columns)
 
 
 def _unknown(column: CheckColumn, note: str) -> CheckColumn:

@@ -76,7 +76,9 @@ def validate(
 
 def _case(robot: Any, name: str | None) -> Any:
     """The load case of a spec that a name stands for; the spec itself without one."""
-    found = {case or "": spec for case, spec in robot.load_cases}
+    from drivesizer.platform_cases import on_wheels
+
+    found = {case or "": spec for case, spec in on_wheels(robot).load_cases}
     if name is not None and name not in found:
         raise InputError(f"--case: {quoted(name)} is not known; expected {', '.join(filter(None, found)) or 'none'}")
     return robot if name is None else found[name]

@@ -6,23 +6,29 @@ every piece the energy is exact (``waveform``). Summed up they are the energies 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.loadcycle import LoadCycle
 from drivesizer.loads import load_cycle
+from drivesizer.machines import WheeledVehicle
 from drivesizer.physics import at_gearhead, demands
 from drivesizer.physics_limits import heat, stress, volts_of
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
 from drivesizer.waveform import Wave, energy, largest_power, wave
+from drivesizer.wheel_load import WheelLoad
 
-__all__ = ["DrivePower", "drive_power"]
+__all__ = ["DrivePower", "drive_power", "together"]
 
 Array = NDArray[np.float64]
 _MOST = 4096  # pieces of a cycle
 _FINEST = 16  # pieces of a segment
+_NO_TIME = 1e-12  # of the cycle: two ends so near are one
 
 
 class DrivePower(NamedTuple):
@@ -33,7 +39,7 @@ class DrivePower(NamedTuple):
     returned: Array  # W, mean of what comes back
     peak: Array  # W, largest at one moment
     returned_peak: Array  # W
-    way: float  # m or rad that the load goes in the cycle, there and back
+    way: float  # m that a vehicle goes in the cycle, there and back; unknown of what does not travel
 
     @property
     def total(self) -> float:
@@ -82,16 +88,44 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
     sums = energy(one, storing=False)
     back = largest_power(one._replace(voltage=-one.voltage))[0]
     peak = largest_power(one)[0]
-    sets = spec.load.motors if asked.sure.all() else np.nan  # least demands are not told as if they were all
-    way = cycle.radius * float(np.abs(cycle.speed).mean(axis=1) @ cycle.duration)
+    alike = spec.load.alike if isinstance(spec.load, WheelLoad) else spec.load.motors
+    sets = alike if asked.sure.all() else np.nan  # least demands are not told as if they were all
     return DrivePower(
         duration=duration,
         drawn=sums.drawn * sets,
         returned=sums.returned * sets,
         peak=np.maximum(peak, 0.0) * sets,
         returned_peak=np.maximum(back, 0.0) * sets,
-        way=way,
+        way=_way(spec, cycle),
     )
+
+
+def _way(spec: RobotSpec, cycle: LoadCycle) -> float:
+    """How far a vehicle goes in a cycle [m]."""
+    if isinstance(spec.load, WheelLoad):
+        return spec.load.way
+    if not isinstance(spec.load, WheeledVehicle):
+        return nan
+    return cycle.radius * float(np.abs(cycle.speed).mean(axis=1) @ cycle.duration)
+
+
+def together(powers: Sequence[DrivePower]) -> DrivePower:
+    """What the wheels of one platform draw at the same time: their sum, cut where any of them is.
+
+    Largest powers are summed piece by piece, whether they fall together or not.
+    """
+    if len(powers) == 1:
+        return powers[0]
+    ends = [np.concatenate([[0.0], np.cumsum(p.duration)]) for p in powers]
+    edges = np.unique(np.concatenate(ends))
+    edges = edges[np.concatenate([[True], np.diff(edges) > _NO_TIME * edges[-1]])]
+    middle, duration = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
+    place = [np.clip(np.searchsorted(e, middle) - 1, 0, len(e) - 2) for e in ends]
+    summed = {
+        name: np.sum([getattr(p, name)[at] for p, at in zip(powers, place, strict=True)], axis=0)
+        for name in ("drawn", "returned", "peak", "returned_peak")
+    }
+    return DrivePower(duration=duration, way=powers[0].way, **summed)
 
 
 def _pieces(found: Wave) -> tuple[Array, Array, Array]:

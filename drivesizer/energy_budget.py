@@ -19,7 +19,7 @@ from drivesizer.battery import current_of_power, polarised_voltage, state_of_cha
 from drivesizer.battery_pack import Pack, capacity_needed, pack_of, run_time, strings_needed
 from drivesizer.battery_schema import Battery, Consumer
 from drivesizer.catalog import Catalog
-from drivesizer.drive_power import DrivePower, drive_power
+from drivesizer.drive_power import DrivePower, drive_power, together
 from drivesizer.energy_checks import Load, battery_checks, required_autonomy
 from drivesizer.energy_records import Consumption, EnergyBudget
 from drivesizer.errors import InputError
@@ -34,7 +34,12 @@ _POINTS = 2000  # of the state of charge over a mission
 
 
 def energy_budget(
-    spec: RobotSpec, drive_set: DriveSet, battery: Battery, equipment: Sequence[Consumer], catalog: Catalog
+    spec: RobotSpec,
+    drive_set: DriveSet,
+    battery: Battery,
+    equipment: Sequence[Consumer],
+    catalog: Catalog,
+    parts: Sequence[RobotSpec] = (),
 ) -> EnergyBudget:
     """Consumers, autonomy and checks of a set in a machine, or in one of its load cases.
 
@@ -48,13 +53,16 @@ def energy_budget(
         What feeds it, and what else draws.
     catalog
         Where the battery's part is listed.
+    parts
+        The load cases of a platform's wheels, where each has its own; the spec is one of them.
 
     Raises
     ------
     InputError
         When the battery's part is not listed, or a consumer's time has no mission.
     """
-    drive, pack = drive_power(spec, drive_set), pack_of(battery, catalog)
+    drive = together([drive_power(one, drive_set) for one in parts or (spec,)])
+    pack = pack_of(battery, catalog)
     consumers = (*_of_the_drive(spec, drive_set, drive), *_of_the_equipment(spec, equipment))
     power = _at_the_battery(spec, drive_set, drive, sum(c.mean for c in consumers[_DRIVE:]))
     load = _load(spec, drive_set, drive, consumers, power)
@@ -138,7 +146,7 @@ def _load(
         peak=float(drive.peak.max()) / loss + sum(c.peak for c in others),
         rms=float(np.sqrt(drive.mean(power**2))),
         back=back,  # with everything else switched off
-        way=drive.way / drive.total if spec.load.kind == "wheeled_vehicle" else nan,
+        way=drive.way / drive.total,
     )
 
 
@@ -173,7 +181,7 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
     mission = spec.mission.duration if spec.mission else nan
     needed = capacity_needed(pack, load.mean, load.required * (1.0 + battery.reserve))
     drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
-    lacking = {"mission_energy": isnan(mission), "range": spec.load.kind != "wheeled_vehicle"}
+    lacking = {"mission_energy": isnan(mission), "range": isnan(load.way)}
     lacking |= dict.fromkeys(("charge_left", "capacity_needed", "strings_needed"), isnan(load.required))
     rows = (
         ("mean_power", "Mean power from the battery", load.mean, "power", "W"),

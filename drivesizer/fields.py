@@ -43,6 +43,7 @@ __all__ = [
     "Names",
     "Part",
     "Pause",
+    "Place",
     "Power",
     "Price",
     "Pull",
@@ -109,6 +110,7 @@ class Quantity:
         }
 
 
+Place = Annotated[float, Quantity("length")]  # with its sign
 Length = Annotated[float, Quantity("length", above=0.0)]
 Thickness = Annotated[float, Quantity("length", least=0.0)]
 Mass = Annotated[float, Quantity("mass", above=0.0)]

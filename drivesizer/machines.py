@@ -256,6 +256,11 @@ class Recorded(_Shared):
     smoothing: Pause = default("0 s", description="width of the window in which position or speed is smoothed")
     inertia: Inertia = default("0 kg*m^2", description="that turns with the shaft and is not in the torque")
 
+    @property
+    def shaft_inertia(self) -> float:
+        """Of what one motor set moves, as far as it is known, at the shaft [kg*m^2]."""
+        return self.inertia / self.motors
+
 
 Load = Annotated[
     WheeledVehicle | Conveyor | Hoist | Screw | RackPinion | RotaryTable | Arm | Fan | Recorded,

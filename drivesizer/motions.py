@@ -8,17 +8,31 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from drivesizer.fields import (
     Acceleration,
+    Bearing,
     Distance,
     Duration,
     Jerk,
     Pause,
+    Place,
     Section,
     SignedVelocity,
     Velocity,
     default,
 )
 
-__all__ = ["Csv", "Harmonic", "Motion", "SCurve", "Segment", "Segments", "Trapezoid", "Triangle"]
+__all__ = [
+    "Csv",
+    "Harmonic",
+    "Motion",
+    "SCurve",
+    "Segment",
+    "Segments",
+    "Track",
+    "Trapezoid",
+    "Triangle",
+    "Waypoint",
+    "Waypoints",
+]
 
 
 class _Repeated(Section):
@@ -92,12 +106,42 @@ class Csv(Section):
     file: str = Field(min_length=1, description="CSV: columns time and speed, then a row of units")
 
 
+class Track(Section):
+    """A way of the whole platform out of a file: each driven wheel's cycle follows from it."""
+
+    profile: Literal["trajectory"]
+    trajectory: str = Field(
+        min_length=1, description="CSV: columns t, x, y, heading; or waypoints without t; then a row of units"
+    )
+
+
+class Waypoint(Section):
+    """Where the platform stands for a moment, or for a pause."""
+
+    x: Place
+    y: Place
+    heading: Bearing | None = Field(default=None, description="along the way where not given")
+    pause: Pause = default("0 s")
+
+
+class Waypoints(Section):
+    """A way of the whole platform from point to point, as fast as the platform's limits allow."""
+
+    profile: Literal["waypoints"]
+    waypoints: Annotated[list[Waypoint], Field(min_length=2, max_length=10_000)]
+
+
 def _named(motion: Any) -> Any:
-    """A motion that names no profile is a trapezoid."""
-    return {"profile": "trapezoid", **motion} if isinstance(motion, dict) else motion
+    """A motion that names no profile is what it names first, else a trapezoid."""
+    if not isinstance(motion, dict):
+        return motion
+    own = next((key for key in ("trajectory", "waypoints") if key in motion), "trapezoid")
+    return {"profile": own, **motion}
 
 
 Motion = Annotated[
-    Annotated[Trapezoid | Triangle | SCurve | Harmonic | Segments | Csv, Field(discriminator="profile")],
+    Annotated[
+        Trapezoid | Triangle | SCurve | Harmonic | Segments | Csv | Track | Waypoints, Field(discriminator="profile")
+    ],
     BeforeValidator(_named),
 ]

@@ -18,6 +18,7 @@ from drivesizer.fields import (
     Counterweight,
     Length,
     Mass,
+    Place,
     Quantity,
     Section,
     Speed,
@@ -40,7 +41,6 @@ __all__ = [
     "SizeSection",
 ]
 
-Place = Annotated[float, Quantity("length")]  # with its sign
 InertiaAbove = Annotated[float, Quantity("inertia", above=0.0)]
 AccelerationLimit = Annotated[float, Quantity("acceleration", above=0.0)]
 JerkLimit = Annotated[float, Quantity("jerk", above=0.0)]

@@ -172,7 +172,7 @@ def _changed(spec: RobotSpec, path: tuple[str, ...], factor: float) -> RobotSpec
     names = ("nominal", "min", "max") if path == ("supply", "nominal") else path[1:]
     update = {name: getattr(section, name) * factor for name in names if getattr(section, name, None) is not None}
     changed = spec.model_copy(update={path[0]: section.model_copy(update=update)})
-    changed._cases = tuple(_changed(case, path, factor) for case in spec._cases)
+    changed._cases = tuple((name, _changed(case, path, factor)) for name, case in spec._cases)
     return changed
 
 

@@ -55,7 +55,7 @@ def at_shaft(spec: RobotSpec) -> AtShaft:
     """
     load, added = spec.load, spec.belt.inertia if spec.belt else 0.0
     if isinstance(load, Recorded):
-        return AtShaft(load.inertia / load.motors + added, 1.0, 0.0, 0.0, 0.0)
+        return AtShaft(load.shaft_inertia + added, 1.0, 0.0, 0.0, 0.0)
     forward, rest = _creeping(spec, _CREEP), _creeping(spec, 0.0)
     found = (_first(forward), _backward(spec), _first(rest))
     return AtShaft(forward.inertia + added, forward.radius, *found)

@@ -18,6 +18,7 @@ from drivesizer.errors import InputError
 from drivesizer.loop_figures import figures, series, series_units
 from drivesizer.loop_warnings import loop_warnings, resolution_warning, resonance_warning
 from drivesizer.machines import Recorded, WheeledVehicle
+from drivesizer.platform_cases import on_wheels
 from drivesizer.profile import SPEED, Profile
 from drivesizer.profile import profile as named
 from drivesizer.results import Check, DriveSet, Gains, SizingResult, Status, Validation
@@ -25,6 +26,7 @@ from drivesizer.shaft_load import asked_of
 from drivesizer.spec import RobotSpec
 from drivesizer.units import show
 from drivesizer.verdict import checks
+from drivesizer.wheel_load import WheelLoad
 
 __all__ = ["validate", "validate_all"]
 
@@ -54,8 +56,10 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
         When the profile is wrong or too long, the catalogue lacks what the motor's motion needs, or
         ``control`` asks for what no controller can do.
     """
+    spec = on_wheels(spec)
     if profile is not None and isinstance(spec.load, Recorded):
-        raise InputError("--profile: a recorded load brings its own motion, for which its torque was recorded")
+        what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else "a recorded load"
+        raise InputError(f"--profile: {what} brings its own motion, from which its torque is; leave the option out")
     asked = asked_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
     case = run(spec, drive_set, asked)
     found = checks(case)

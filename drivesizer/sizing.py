@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from drivesizer import belt_choice, paper
-from drivesizer.budgets import check_battery, with_budget
+from drivesizer.budgets import check_battery, drive_mass, machine_checks, mass_without_drive, with_budget
 from drivesizer.candidates import Candidates, candidates
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
 from drivesizer.catalog.inside import taken_apart
@@ -19,6 +19,9 @@ from drivesizer.choose import offered_buses, offers
 from drivesizer.compare import with_both_methods
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.evaluation import evaluate
+from drivesizer.machines import WheeledVehicle
+from drivesizer.mass_budget import settle
+from drivesizer.platform_cases import on_wheels
 from drivesizer.ranking import Objective, names_of, title_of
 from drivesizer.records import drive_set
 from drivesizer.relax import changes_for, relaxations
@@ -79,12 +82,13 @@ def size(
         another method.
     """
     catalog = _prepared(catalog) if catalog else load_parts(spec)
-    spec = belt_choice.with_pulleys(spec, catalog)
     objective = objective or spec.select.objective
+    spec, weighed = _at_its_own_mass(spec, catalog, objective)
+    spec = belt_choice.with_pulleys(on_wheels(spec), catalog)
     _known_choices(spec, catalog)
     check_battery(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})
-    most = top * _FURTHER if spec.battery else top
+    most = top * _FURTHER if spec.battery or spec.budget else top
     found = search(spec, catalog, top=most, objective=objective, pareto=pareto, progress=progress)
     best, short = _divided(found, spec, objective, top)
     count = len(found.evaluation.candidates.motor)
@@ -98,15 +102,37 @@ def size(
         objective=title_of(objective),
         requirements=_requirements(found, spec, next(iter((*best, *short)), 0)),
         sets=sets,
-        misses=_ranked(fell, len(sets)),
+        misses=_ranked(fell[: None if sets else top], len(sets)),
         relaxations=() if found.standing else relaxations(spec, catalog),
         counts=found.counts,
-        assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec)),
+        assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec), *weighed),
         warnings=(*_warnings(spec, sets), *_shortfall(best, short), *catalog.replaced),
         unrestricted=_unrestricted(spec, catalog, objective),
         front=tuple(drive_set(found.evaluation, i, n, objective) for n, i in enumerate(found.front, 1)),
         pareto=pareto,
     )
+
+
+def _at_its_own_mass(spec: RobotSpec, catalog: Catalog, objective: Objective) -> tuple[RobotSpec, tuple[str, ...]]:
+    """The spec with the mass at which its drive carries itself, and how that was found; where the spec asks for it."""
+    load = spec.load
+    if spec.budget is None or not spec.budget.drive_counts or not isinstance(load, WheeledVehicle):
+        return spec, ()
+
+    def weighing(mass: float) -> RobotSpec:
+        return spec.model_copy(update={"load": load.model_copy(update={"mass": mass})})
+
+    def sized(mass: float) -> tuple[float, str] | None:
+        robot = belt_choice.with_pulleys(on_wheels(weighing(mass)), catalog)
+        found = search(robot, catalog, top=1, objective=objective, misses=0)
+        if not found.standing:
+            return None
+        best = drive_set(found.evaluation, 0, 1, objective)
+        return drive_mass(best, load.motors), best.label
+
+    settled = settle(sized, mass_without_drive(spec, catalog))
+    mass = settled.total if settled.carries_itself else settled.steps[-1].total
+    return weighing(mass), (f"the drive's own mass counts, as far as it is known: {settled.words}",)
 
 
 _FURTHER = 4  # times as many sets are looked at where some may fall by the machine's budgets
@@ -116,11 +142,11 @@ def _divided(
     found: Found, spec: RobotSpec, objective: Objective, top: int
 ) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
     """By their rows the best sets that stand with the machine's budgets, and the better ones that fall by those."""
-    catalog = found.evaluation.catalog
+    catalog, machine = found.evaluation.catalog, machine_checks(spec.whole)
     best: dict[int, DriveSet] = {}
     short: dict[int, DriveSet] = {}
     for row in range(found.standing):
-        one = with_budget(spec, catalog, drive_set(found.evaluation, row, 0, objective))
+        one = with_budget(spec, catalog, drive_set(found.evaluation, row, 0, objective), machine)
         falls = one.status == "fail" or (verdict(one.budget) == "unknown" and spec.select.unknown != "allow")
         (short if falls else best)[row] = one
         if len(best) == top:
@@ -266,7 +292,7 @@ def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog
         When a part number is in no catalogue, the gearhead is missing or inside something else, or no pulleys fit.
     """
     catalog = _prepared(catalog) if catalog else load_parts(spec)
-    spec = belt_choice.with_pulleys(spec, catalog)
+    spec = belt_choice.with_pulleys(on_wheels(spec), catalog)
     check_battery(spec, catalog)
     rows = _pair(catalog, motor, gearhead)
     family = str(catalog.gearheads["family"][rows[1]])

@@ -7,6 +7,7 @@ that ``drivesizer schema`` prints.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -19,7 +20,8 @@ from drivesizer.errors import InputError
 from drivesizer.fields import Section, default
 from drivesizer.loop_schema import Control, Plant
 from drivesizer.machines import AXES, Load, WheeledVehicle
-from drivesizer.motions import Motion, Trapezoid
+from drivesizer.motions import Motion, Track, Trapezoid, Waypoints
+from drivesizer.platform_schema import Budget, Platform
 from drivesizer.sections import Case, Environment, Margins, Mission, Needs, PaperFactors, Supply
 from drivesizer.spec_errors import explained
 from drivesizer.transmission import BeltStage, Offer, Stage
@@ -54,6 +56,8 @@ class RobotSpec(Section):
     equipment: Annotated[list[Consumer], Field(max_length=100)] = Field(
         default_factory=list, description="what else draws from the battery"
     )
+    platform: Platform | None = Field(default=None, description="of a wheeled vehicle: wheels, mass, room, limits")
+    budget: Budget | None = Field(default=None, description="what the machine may weigh")
     control: Control = Field(default_factory=Control)
     plant: Plant = Field(default_factory=Plant)
     select: Select = Field(default_factory=Select)
@@ -62,7 +66,9 @@ class RobotSpec(Section):
     )
 
     _source: YamlSource | None = PrivateAttr(default=None)
-    _cases: tuple[RobotSpec, ...] = PrivateAttr(default=())
+    _first: str = PrivateAttr(default=AS_SPECIFIED)  # name of the spec itself among load cases
+    _whole: RobotSpec | None = PrivateAttr(default=None)
+    _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
 
     @model_validator(mode="after")
     def _chain(self) -> RobotSpec:
@@ -94,6 +100,23 @@ class RobotSpec(Section):
         return self
 
     @model_validator(mode="after")
+    def _on_wheels(self) -> RobotSpec:
+        if self.platform is None:
+            if isinstance(self.motion, Track | Waypoints):
+                raise ValueError("motion: a trajectory moves a platform; expected a section platform with its wheels")
+            return self
+        if not isinstance(self.load, WheeledVehicle):
+            raise ValueError("platform: it stands on the wheels of a load of kind wheeled_vehicle; leave it out")
+        driven, wanted = sum(place.driven for place in self.platform.places), self.load.driven_wheels
+        if driven != wanted:
+            raise ValueError(
+                f"platform: {driven} of its wheels are driven; expected as many as load.driven_wheels, {wanted}"
+            )
+        if not sum(payload.mass for payload in self.platform.payloads) < self.load.mass:
+            raise ValueError("platform: expected payloads that leave some of load.mass, which includes them")
+        return self
+
+    @model_validator(mode="after")
     def _equipped(self) -> RobotSpec:
         if self.equipment and self.battery is None:
             raise ValueError("equipment: it draws from a battery; expected a section battery")
@@ -120,8 +143,19 @@ class RobotSpec(Section):
     @property
     def load_cases(self) -> tuple[tuple[str, RobotSpec], ...]:
         """The spec itself and its further cases, by name."""
-        first = AS_SPECIFIED if self._cases else ""
-        return ((first, self), *((case.name, spec) for case, spec in zip(self.cases, self._cases, strict=True)))
+        first = self._first if self._cases or self._whole else ""
+        return ((first, self), *self._cases)
+
+    @property
+    def whole(self) -> RobotSpec:
+        """The machine as it was specified, where this is a part of it."""
+        return self._whole or self
+
+    def with_cases(self, first: str, others: Sequence[tuple[str, RobotSpec]], of: RobotSpec) -> RobotSpec:
+        """The spec as the first of several load cases of parts of a machine."""
+        made = self.model_copy()
+        made._first, made._cases, made._whole = first, tuple(others), of
+        return made
 
     @property
     def belt(self) -> BeltStage | None:
@@ -142,7 +176,7 @@ class RobotSpec(Section):
         """The spec and its cases with what the catalogues offer for the belt."""
         stages = [s.with_offer(offer) if isinstance(s, BeltStage) else s for s in self.transmission]
         changed = self.model_copy(update={"transmission": stages})
-        changed._cases = tuple(case.with_offer(offer) for case in self._cases)
+        changed._cases = tuple((name, case.with_offer(offer)) for name, case in self._cases)
         return changed
 
     @property
@@ -176,7 +210,7 @@ def read_spec(source: YamlSource) -> RobotSpec:
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
     spec = _validated(source, source.data)
-    spec._cases = tuple(_case(source, number) for number in range(len(spec.cases)))
+    spec._cases = tuple((case.name, _case(source, number)) for number, case in enumerate(spec.cases))
     return spec
 
 

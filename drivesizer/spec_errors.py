@@ -19,7 +19,19 @@ from drivesizer.yaml_source import Path_, YamlSource
 __all__ = ["explained"]
 
 # messages of validators that say themselves what was found
-_ALONE = ('"', "give", "expected", "transmission", "inner", "sinkage", "ki", "motion", "a recorded", "the paper")
+_ALONE = (
+    '"',
+    "give",
+    "expected",
+    "transmission",
+    "platform",
+    "inner",
+    "sinkage",
+    "ki",
+    "motion",
+    "a recorded",
+    "the paper",
+)
 
 
 def explained(

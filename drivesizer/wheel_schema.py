@@ -11,12 +11,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from drivesizer.fields import Bearing, Coefficient, Length, Quantity, Section, default
+from drivesizer.fields import Bearing, Coefficient, Length, Place, Quantity, Section, default
 from drivesizer.platform.wheels import Wheel, table_wheel
 
 __all__ = ["CasterPlace", "Differential", "Layout", "Mecanum", "Omni", "WheelPlace"]
 
-Place = Annotated[float, Quantity("length")]  # with its sign
 RollerAngle = Annotated[float, Quantity("angle", least=-math.radians(85.0), most=math.radians(85.0))]
 Kind = Literal["mecanum", "omni", "fixed"]
 

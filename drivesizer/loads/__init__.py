@@ -10,6 +10,7 @@ from drivesizer.course import Course, course
 from drivesizer.loadcycle import LoadCycle
 from drivesizer.profile import Profile, profile_of
 from drivesizer.spec import RobotSpec
+from drivesizer.wheel_load import WheelLoad
 
 __all__ = ["load_cycle", "of_course"]
 
@@ -52,6 +53,8 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
 
 def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:
     """The cycle without the belt's own inertia."""
+    if isinstance(spec.load, WheelLoad):
+        return spec.load.cycle
     if spec.load.kind == "recorded":
         from drivesizer.loads.recorded import recorded
 

@@ -52,6 +52,11 @@ class Trajectory:
         inner = T * (v_0 * (1.0 - u) - v_1 * u) + (p_1 - p_0) * (2.0 * u - 1.0)
         return np.asarray(p_0 + (p_1 - p_0) * u + u * (1.0 - u) * inner)
 
+    @property
+    def length(self) -> float:
+        """Length of the way, by the mean speed of both ends of each piece [m]."""
+        return float(np.hypot(*self.velocity[:2]).mean(axis=1) @ self.duration)
+
     def in_robot(self) -> tuple[Array, Array]:
         """Velocity and its rate of change in the robot's frame, η and dη/dt: shape (3, n, 2) both.
 

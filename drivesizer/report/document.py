@@ -74,7 +74,7 @@ def _content(
         "version": __version__,
         "method": result.method,
         "objective": result.objective.replace("_", " "),
-        "place": "wheel" if result.spec.load.kind == "wheeled_vehicle" else "load's shaft",
+        "place": "wheel" if result.spec.whole.load.kind == "wheeled_vehicle" else "load's shaft",
         "paper": result.spec.paper_applies,
         "cases": [name for name, _ in result.spec.load_cases if name],
         "catalogs": [[name, digest] for name, digest in result.catalog.digests.items()],

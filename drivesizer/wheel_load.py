@@ -1,0 +1,63 @@
+"""One driven wheel of a platform on its trajectory, as the load of a motor set: computed where others are recorded."""
+
+from __future__ import annotations
+
+from pydantic import PrivateAttr
+
+from drivesizer.loadcycle import LoadCycle
+from drivesizer.machines import Recorded
+
+__all__ = ["WheelLoad", "wheel_load"]
+
+
+class WheelLoad(Recorded):
+    """What is asked of a wheel, or of several alike."""
+
+    _cycle: LoadCycle = PrivateAttr()
+    _alike: int = PrivateAttr(default=1)
+    _way: float = PrivateAttr(default=0.0)
+    _of: str = PrivateAttr(default="")
+
+    @property
+    def cycle(self) -> LoadCycle:
+        """What its shaft is asked for."""
+        return self._cycle
+
+    @property
+    def alike(self) -> int:
+        """How many of the platform's wheels are asked for this."""
+        return self._alike
+
+    @property
+    def way(self) -> float:
+        """How far the platform goes in the cycle [m]."""
+        return self._way
+
+    @property
+    def of(self) -> str:
+        """The load case of the platform that it belongs to."""
+        return self._of
+
+    @property
+    def shaft_inertia(self) -> float:
+        """Of all that one motor set moves, at the wheel's shaft [kg*m^2]."""
+        return self._cycle.inertia
+
+
+def wheel_load(cycle: LoadCycle, wheels: int, alike: int, way: float, of: str) -> WheelLoad:
+    """The load of one wheel.
+
+    Parameters
+    ----------
+    cycle
+        What its shaft is asked for.
+    wheels
+        Driven wheels of the platform.
+    alike
+        How many of them are asked for the same.
+    way, of
+        How far the platform goes in the cycle [m], and the load case that this is.
+    """
+    made = WheelLoad.model_construct(kind="recorded", file=cycle.name, motors=wheels, smoothing=0.0, inertia=0.0)
+    made._cycle, made._alike, made._way, made._of = cycle, alike, way, of
+    return made
