@@ -9,10 +9,11 @@ import pytest
 from platforms import differential, mecanum
 
 from drivesizer.errors import InputError
+from drivesizer.platform.curve import spline
 from drivesizer.platform.cycles import wheel_cycles
 from drivesizer.platform.dynamics import dynamics
 from drivesizer.platform.planner import Limits, Waypoint, plan
-from drivesizer.platform.track import read_track, read_waypoints, spline
+from drivesizer.platform.track import read_track, read_waypoints
 
 LIMITS = Limits(speed=1.0, acceleration=0.8, jerk=2.0, turning_speed=1.5, turning_acceleration=2.0, turning_jerk=6.0)
 ROUTE = [
@@ -151,6 +152,37 @@ def test_a_differential_drive_follows_a_sampled_curve(file):
     right, left = wheel_cycles(dynamics(differential()), track)
     assert np.abs(right.speed).max() == pytest.approx((2.0 + 0.25) * 2.25 / 0.1, rel=1e-3)
     assert np.abs(left.speed).max() == pytest.approx((2.0 - 0.25) * 2.25 / 0.1, rel=1e-3)
+
+
+def test_rounded_figures_need_smoothing(file):
+    """Figures to 0.01 mm every 10 ms: refused as they are; with knots 0.1 s apart they are the motion again."""
+    time = np.arange(0.0, 10.001, 0.01)
+    exact, rate, gain = circle(time, angle=3.0)
+    x, y, heading = exact[0].round(5), exact[1].round(5), np.degrees(exact[2]).round(3)
+    path = file("t,x,y,theta\ns,m,m,deg", time, x, y, heading)
+    with pytest.raises(InputError, match=r": x: the last digit, 1e-05 m, stands for 0\.6 m/s\^2 every 0\.01 s"):
+        read_track(path)
+    rough, smooth = spline(time, np.array([x, y, np.radians(heading)])), read_track(path, smoothing=0.1)
+    for t, most in ((rough, 1.0), (smooth, 0.02)):
+        off = np.abs(t.acceleration[2, :, 0] - gain[np.searchsorted(time, t.time[:, 0] - 1e-9)]).max()
+        assert most / 5 < off < most
+    assert smooth.at(time) == pytest.approx(exact, abs=1e-4)
+    assert (smooth.velocity[:, 0, 0] == 0.0).all() and (smooth.velocity[:, -1, 1] == 0.0).all()
+    assert smooth.velocity[2, :, 0] == pytest.approx(rate[np.searchsorted(time, smooth.time[:, 0] - 1e-9)], abs=1e-3)
+    with pytest.raises(InputError, match=r"smoothing: must lie between 0 and 2\.5 s"):
+        read_track(path, smoothing=3.0)
+
+
+def test_a_smoothed_cubic_is_itself(file):
+    """From rest to rest by a cubic: knots or none, even steps or not."""
+    time = np.cumsum(np.random.default_rng(3).uniform(0.01, 0.2, 60))
+    u = (time - time[0]) / np.ptp(time)
+    way = u**2 * (3 - 2 * u)
+    for smoothing in (0.0, 0.3, 1.0):
+        t = spline(time, np.array([way, -way, 2 * way]), smoothing)
+        assert t.at(time - time[0]) == pytest.approx(np.array([way, -way, 2 * way]), abs=1e-9)
+        ends = 6.0 / np.ptp(time) ** 2
+        assert t.acceleration[0, [0, -1], [0, 1]] == pytest.approx([ends, -ends], rel=1e-6)
 
 
 # --- faults -----------------------------------------------------------------------------------------------------------

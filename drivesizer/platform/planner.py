@@ -121,11 +121,13 @@ def plan(waypoints: Sequence[Waypoint], limits: Limits) -> Trajectory:
     stops = _joined(_stops(waypoints))
     if len(stops) < 2:
         raise InputError(f"waypoints: {len(waypoints)} given and nothing moves; expected two postures that differ")
-    parts = _standing(stops[0])
+    parts, pieces = _standing(stops[0]), 0
     for before, stop in pairwise(stops):
-        parts += [_leg(before, stop, limits), *_standing(stop)]
-    if sum(len(p.duration) for p in parts) > _MOST_PIECES:
-        raise InputError(f"waypoints: the way turns for too long, over {_MOST_PIECES} pieces; expected fewer turns")
+        leg = _leg(before, stop, limits)
+        parts += [leg, *_standing(stop)]
+        pieces += len(leg.duration)
+        if pieces > _MOST_PIECES:
+            raise InputError(f"waypoints: the way turns for too long, over {_MOST_PIECES} pieces; expected fewer turns")
     return joined(parts)
 
 

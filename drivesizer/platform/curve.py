@@ -1,0 +1,134 @@
+r"""Postures over time as a trajectory: a cubic spline, twice continuously differentiable, from rest to rest.
+
+It goes through all postures, or, with smoothing, as near as least squares brings a spline whose knots are samples that
+far apart. Wherever three postures or more in a row are the same the platform stands, and what moves before and after
+has a spline of its own, at rest at both ends. An interval is one piece; more, where its speed bends by more than 1/1000
+of the largest or it turns by more than 1/32 rad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.platform.notation import Array
+from drivesizer.platform.trajectory import Trajectory, joined, rest
+
+__all__ = ["spline", "thinned"]
+
+_BEND, _TURN = 1e-3, 1.0 / 32.0  # of a piece: of the largest speed; rad
+_MOST_PARTS = 256  # of an interval
+_ROUNDING = 1e-9  # of a time between knots
+
+
+def spline(time: Array, posture: Array, smoothing: float = 0.0) -> Trajectory:
+    """The trajectory through postures, from rest to rest; it stands where three in a row are the same.
+
+    Parameters
+    ----------
+    time
+        Rising [s], shape (n,).
+    posture
+        Headings continuous [m, m, rad], shape (3, n).
+    smoothing
+        Least time between the knots of the curve [s]; 0 goes through all postures.
+
+    Examples
+    --------
+    >>> way = np.array([0.0, 0.1, 0.4, 0.9, 1.2, 1.3])
+    >>> moved = spline(np.arange(6.0), np.array([way, 0 * way, 0 * way]))
+    >>> moved.at([2.0, 5.0])[0]
+    array([0.4, 1.3])
+    """
+    same = (np.diff(posture, axis=1) == 0.0).all(axis=0)
+    beside = np.concatenate([[False], same, [False]])
+    stands = same & (beside[:-2] | beside[2:])
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(stands)) + 1, [len(same)]])
+    top = _top(np.diff(posture, axis=1) / np.diff(time))
+    made = []
+    for first, last in pairwise(edges.tolist()):
+        t, p = time[first : last + 1], posture[:, first : last + 1]
+        still = rest(p[:, 0], float(t[-1] - t[0])) if stands[first] else None
+        made.append(still or _moving(t, p, top, smoothing))
+    return joined(made)
+
+
+def _top(speed: Array) -> Array:
+    """The largest speed of driving and of turning [m/s, rad/s]."""
+    return np.array([np.hypot(speed[0], speed[1]).max(), np.abs(speed[2]).max()])
+
+
+def _moving(time: Array, posture: Array, top: Array, smoothing: float) -> Trajectory:
+    """A stretch between rests."""
+    curve = _curve(time, posture, smoothing)
+    step = np.diff(time)
+    x, y, turn = curve(time[:-1] + step / 2.0, 3) * step**2 / 8.0
+    bend = np.array([np.hypot(x, y), np.abs(turn)])
+    share = np.divide(bend, top[:, None], out=np.zeros_like(bend), where=top[:, None] > 0.0).max(axis=0)
+    turned = np.abs(curve(time, 1)[2])
+    turned = np.maximum(turned[1:], turned[:-1]) * step
+    count = np.ceil(np.maximum(np.sqrt(share / _BEND), turned / _TURN)).clip(1.0, _MOST_PARTS).astype(np.int64)
+    owner = np.repeat(np.arange(len(step)), count)
+    place = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+    knots = np.append(time[owner] + step[owner] * (place / count[owner]), time[-1])
+    columns = [curve(knots, order) for order in range(3)]
+    columns[0][:, [0, -1]], columns[1][:, [0, -1]] = posture[:, [0, -1]], 0.0
+    return Trajectory(np.diff(knots), *(np.stack([c[:, :-1], c[:, 1:]], axis=2) for c in columns))
+
+
+def _curve(time: Array, posture: Array, smoothing: float) -> Callable[[Array, int], Array]:
+    """The curve and its derivatives, of shape (3, times): a cubic between samples, at rest at both ends."""
+    from scipy.interpolate import BSpline, CubicSpline
+
+    knots = time[thinned(time, smoothing)]
+    if len(knots) == len(time):
+        still = np.zeros(3)
+        through = CubicSpline(time, posture, axis=1, bc_type=((1, still), (1, still)))
+        return lambda at, order: np.asarray(through(at, order))
+    held = np.concatenate([np.repeat(knots[0], 3), knots, np.repeat(knots[-1], 3)])
+    near = BSpline(held, _coefficients(time, posture, held), 3)
+    return lambda at, order: np.asarray(near(at, order)).T
+
+
+def thinned(time: Array, smoothing: float) -> NDArray[np.int64]:
+    """Places of samples at least so far apart, both ends among them.
+
+    Parameters
+    ----------
+    time
+        Rising [s].
+    smoothing
+        Least time from one to the next [s]; all samples where they are no closer.
+
+    Examples
+    --------
+    >>> thinned(np.array([0.0, 0.1, 0.2, 0.35, 0.5, 0.6]), 0.2)
+    array([0, 2, 5])
+    """
+    if smoothing <= float(np.diff(time).min()):
+        return np.arange(len(time))
+    number = np.floor((time - time[0]) / smoothing * (1.0 + _ROUNDING))
+    first = np.flatnonzero(np.diff(number, prepend=-1.0))
+    apart = np.concatenate([[True], np.diff(time[first]) >= smoothing * (1.0 - _ROUNDING)])
+    before_end = (time[-1] - time[first] >= smoothing * (1.0 - _ROUNDING)) | (first == 0)
+    return np.append(first[apart & before_end], len(time) - 1)
+
+
+def _coefficients(time: Array, posture: Array, held: Array) -> Array:
+    """Of the B-spline that fits best and is at rest at both ends, where its last two coefficients are the same."""
+    from scipy.interpolate import BSpline
+    from scipy.sparse.linalg import spsolve
+
+    found = np.empty((len(held) - 4, 3))
+    found[:2], found[-2:] = posture[:, 0], posture[:, -1]
+    if len(found) > 4:
+        basis = BSpline.design_matrix(time, held, 3)
+        ends, inner = basis[:, [0, 1, -2, -1]], basis[:, 2:-2]
+        left = posture.T - ends @ found[[0, 1, -2, -1]]
+        best: Any = spsolve((inner.T @ inner).tocsc(), inner.T @ left)
+        found[2:-2] = np.reshape(best, (-1, 3))
+    return found
