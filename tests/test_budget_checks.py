@@ -59,7 +59,7 @@ def test_mass_against_its_limit(drive):
     assert {c.status for c in check.values()} == {"pass"}
     assert "3 x camera" in [row.name for row in found.rows]
     assert of(mass_checks(found, 32.0))["mass_sized_for"].status == "fail"
-    assert of(mass_checks(machine_mass(budget(structure="33 kg"), drive, 4, battery=10.8)))["mass"].status == "fail"
+    assert of(mass_checks(machine_mass(budget(structure="34 kg"), drive, 4, battery=10.8)))["mass"].status == "fail"
 
 
 def test_payloads_are_in_the_budget(drive):
@@ -214,7 +214,7 @@ def test_friction_along_a_trajectory():
 
 
 def test_grip_that_is_not_known():
-    given = {"limits": {"acceleration": "1 m/s^2"}, "trajectory": piece((0, 0, 0), (1, 0, 0), (-1.0, 0, 0), 0.5)}
+    given = {"limits": {"acceleration": "1 m/s^2"}, "trajectory": piece((0, 0, 0), (1, 0, 0), (1.0, 0, 0), 0.5)}
     bare = of(grip_checks(standing({"slope": "5 deg"}, **given)))
     assert {c.status for c in bare.values()} == {"unknown"} and len(bare) == 3
     assert {c.note for c in bare.values()} == {"unknown: friction_coefficient"}
@@ -254,7 +254,7 @@ def test_a_whole_machine(drive):
     assert figure["tipping_slope"] == pytest.approx(math.atan(0.13495 / 0.090))
     assert figure["mass_left"] == pytest.approx(45.0 - 31.988)
     assert any("homogeneous box" in sentence for sentence in found.assumptions)
-    assert found == whole(drive)  # the same every time
+    assert repr(found) == repr(whole(drive))  # the same every time
 
 
 def test_parts_of_it_alone(drive):
