@@ -224,6 +224,8 @@ def _first_slip(before: tuple[Array, Array], after: tuple[Array, Array], frictio
     q0, q1, q2 = (A * A).sum(axis=0) - C * C, (A * B).sum(axis=0) - C * D, (B * B).sum(axis=0) - D * D
     scale = np.abs(C).max()
     pulls = np.hypot(*A) + np.hypot(*B) > _NOTHING * scale
+    if friction == 0.0 and pulls.any():
+        return 0.0
     if (pulls & ((q0 > _NOTHING * scale**2) | (C < 0.0))).any():
         return 0.0
     root = q1 + np.sqrt(np.maximum(q1 * q1 - q2 * q0, 0.0))

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,6 +34,7 @@ __all__ = [
     "zero_moment_point",
 ]
 
+_GRID = 10**9  # lines in the platform's size, on which its contacts are put to find their hull
 _FLAT = 1e-6  # of the platform's size: contact points that lie nearer to one line hold nothing up
 
 
@@ -56,27 +58,28 @@ def support_polygon(platform: Platform) -> tuple[int, ...]:
     InputError
         When they lie on one line.
     """
-    places = platform.contacts
-    scale = max(math.dist(a, b) for a in places for b in places)
+    scale = max(math.dist(a, b) for a in platform.contacts for b in platform.contacts) or 1.0
+    places = [(round(x / scale * _GRID), round(y / scale * _GRID)) for x, y in platform.contacts]
     order = sorted(range(len(places)), key=lambda i: places[i])
-    lower, upper = _chain(places, order, scale), _chain(places, order[::-1], scale)
+    lower, upper = _chain(places, order), _chain(places, order[::-1])
     hull = tuple(lower[:-1] + upper[:-1])
-    if len(hull) < 3:
+    area = sum(_turn(places[hull[0]], places[i], places[j]) for i, j in pairwise(hull)) if hull else 0
+    if area <= _FLAT * _GRID**2:
         raise InputError("platform: its contact points lie on one line, so nothing keeps it upright; give its casters")
     return hull
 
 
-def _chain(places: list[tuple[float, float]], order: list[int], scale: float) -> list[int]:
-    """One half of the hull (Andrew's monotone chain); a point within rounding of a line is left out."""
+def _chain(places: list[tuple[int, int]], order: list[int]) -> list[int]:
+    """One half of the hull (Andrew's monotone chain), on a grid, where no turn is lost to rounding."""
     found: list[int] = []
     for i in order:
-        while len(found) > 1 and _turn(*(places[j] for j in (found[-2], found[-1], i))) <= _FLAT * scale**2:
+        while len(found) > 1 and _turn(*(places[j] for j in (found[-2], found[-1], i))) <= 0:
             found.pop()
         found.append(i)
     return found
 
 
-def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+def _turn(a: tuple[int, int], b: tuple[int, int], c: tuple[int, int]) -> int:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
@@ -173,7 +176,7 @@ def _tipping(platform: Platform, gravity: float) -> tuple[Array, Array]:
     """How far inside each edge the platform is, times gravity, and what an acceleration takes off it."""
     _, normal, _ = _outward(platform)
     inside = edge_distances(platform, (platform.x, platform.y))
-    return inside * gravity, -platform.height * normal
+    return inside * gravity, platform.height * normal
 
 
 def _lifting(platform: Platform, gravity: float) -> tuple[Array, Array]:
