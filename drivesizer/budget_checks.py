@@ -47,6 +47,12 @@ class Standing(NamedTuple):
     gravity: float  # m/s^2
     needed: float = 0.0  # margin that the spec asks of traction
     trajectory: Trajectory | None = None
+    gains: float | None = None  # m/s^2, largest acceleration of its motion, where the limits do not say
+
+    @property
+    def faster(self) -> float | None:
+        """Largest acceleration that it is held against, in any direction [m/s^2]."""
+        return self.section.limits.acceleration or self.gains
 
     @property
     def ground(self) -> Ground:
@@ -199,7 +205,7 @@ def stability_checks(s: Standing) -> tuple[Check, ...]:
 
 def _limit(s: Standing, name: str) -> CheckColumn:
     """The acceleration of the limits and that of the slope, worst in their directions."""
-    gains, falls = (s.section.limits.acceleration or 0.0) / cos(s.steepest), s.gravity * tan(s.steepest)
+    gains, falls = (s.faster or 0.0) / cos(s.steepest), s.gravity * tan(s.steepest)
     asked = gains + falls
     if not s.section.height_known:
         return at_most(name, asked or nan, nan, "acceleration", "m/s^2", note=_NO_HEIGHT)
@@ -239,7 +245,7 @@ def grip_checks(s: Standing) -> tuple[Check, ...]:
 
 
 def _grip(s: Standing, friction: float) -> Iterator[CheckColumn]:
-    known, faster = friction == friction, s.section.limits.acceleration
+    known, faster = friction == friction, s.faster
     if s.steepest:
         limit = grip_slope(s.d, friction) if known else nan
         yield at_most("grip_slope", s.steepest, limit, "angle", "deg", needed=s.needed)

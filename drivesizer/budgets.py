@@ -11,28 +11,25 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import isnan
 
+import numpy as np
+
 from drivesizer.battery_pack import pack_of
-from drivesizer.budget_checks import (
-    Standing,
-    envelope_checks,
-    grip_checks,
-    machine_mass,
-    mass_checks,
-    stability_checks,
-)
+from drivesizer.budget_checks import Standing, machine_mass
 from drivesizer.catalog import Catalog
 from drivesizer.checked import Check
 from drivesizer.energy_budget import energy_budget
 from drivesizer.energy_records import EnergyBudget
 from drivesizer.errors import InputError
+from drivesizer.loads import load_cycle
 from drivesizer.machines import WheeledVehicle
 from drivesizer.mass_budget import drive_rows
+from drivesizer.mechanical_budget import MechanicalBudget, mass_part, platform_part
 from drivesizer.platform_cases import dynamics_of, trajectory_of
 from drivesizer.results import DriveSet, verdict
 from drivesizer.spec import RobotSpec
 from drivesizer.wheel_load import WheelLoad
 
-__all__ = ["check_battery", "drive_mass", "machine_checks", "mass_without_drive", "with_budget"]
+__all__ = ["check_battery", "drive_mass", "mass_without_drive", "of_the_platform", "with_budget"]
 
 _GRAVE = ("fail", "unknown", "pass")
 
@@ -53,8 +50,8 @@ def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
         raise InputError(f"{spec.where(('battery', 'part'))}: {str(error).removeprefix('battery.part: ')}") from None
 
 
-def machine_checks(spec: RobotSpec) -> tuple[Check, ...]:
-    """Room, footing and grip of the platform, which are the same whatever drives it.
+def of_the_platform(spec: RobotSpec) -> MechanicalBudget | None:
+    """Room, footing and grip of the platform, which are the same whatever drives it; None without one.
 
     Parameters
     ----------
@@ -62,18 +59,22 @@ def machine_checks(spec: RobotSpec) -> tuple[Check, ...]:
         The machine as it was specified, its trajectory not yet taken apart into wheels.
     """
     if spec.platform is None:
-        return ()
-    by_case = []
-    for name, case in spec.load_cases:
-        assert case.platform is not None and isinstance(case.load, WheeledVehicle)
-        way, needed = trajectory_of(case), spec.margins.torque
-        stand = Standing(case.platform, case.load, dynamics_of(case), case.environment.gravity, needed, way)
-        found = (*envelope_checks(case.platform, way), *stability_checks(stand), *grip_checks(stand))
-        by_case.append((name, found))
-    return _worst(by_case)
+        return None
+    found = [(name, platform_part(_standing(case, spec.margins.torque))) for name, case in spec.load_cases]
+    checks = _worst([(name, part.checks) for name, part in found])
+    return replace(found[0][1], checks=checks, status=verdict(checks))
 
 
-def with_budget(spec: RobotSpec, catalog: Catalog, one: DriveSet, machine: tuple[Check, ...] = ()) -> DriveSet:
+def _standing(case: RobotSpec, needed: float) -> Standing:
+    assert case.platform is not None and isinstance(case.load, WheeledVehicle)
+    way, gains = trajectory_of(case), None
+    if way is None:
+        cycle = load_cycle(case)
+        gains = cycle.radius * float(np.abs(cycle.acceleration).max())
+    return Standing(case.platform, case.load, dynamics_of(case), case.environment.gravity, needed, way, gains)
+
+
+def with_budget(spec: RobotSpec, catalog: Catalog, one: DriveSet, machine: MechanicalBudget | None = None) -> DriveSet:
     """The same set with the checks of the machine that it is in; as it is where the spec has no such budget.
 
     Parameters
@@ -83,11 +84,12 @@ def with_budget(spec: RobotSpec, catalog: Catalog, one: DriveSet, machine: tuple
     one
         The set as the search found it.
     machine
-        Checks that are the same for every set, of ``machine_checks``.
+        What is the same for every set, of ``of_the_platform``.
     """
-    checks, energy = list(machine), None
+    parts = [machine] if machine else []
     if spec.budget:
-        checks += _mass(spec, catalog, one)
+        parts.insert(0, _mass(spec, catalog, one))
+    checks, energy = [check for part in parts for check in part.checks], None
     if spec.battery:
         found = [
             (name, energy_budget(parts[0], one, spec.battery, spec.equipment, catalog, parts))
@@ -97,7 +99,14 @@ def with_budget(spec: RobotSpec, catalog: Catalog, one: DriveSet, machine: tuple
         energy = min((budget for _, budget in found), key=_lasting)
     if not checks:
         return one
-    return replace(one, budget=tuple(checks), energy=energy, status=verdict((*one.checks, *checks)))
+    return replace(
+        one,
+        budget=tuple(checks),
+        machine=tuple(figure for part in parts for figure in part.figures),
+        masses=next((part.mass.rows for part in parts if part.mass), ()),
+        energy=energy,
+        status=verdict((*one.checks, *checks)),
+    )
 
 
 def drive_mass(one: DriveSet, sets: int) -> float:
@@ -124,12 +133,12 @@ def _machine_cases(spec: RobotSpec) -> dict[str, list[RobotSpec]]:
     return found
 
 
-def _mass(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> tuple[Check, ...]:
+def _mass(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> MechanicalBudget:
     assert spec.budget is not None
     battery = pack_of(spec.battery, catalog).mass if spec.battery else None
     found = machine_mass(spec.budget, one, spec.load.motors, platform=spec.platform, battery=battery)
     load = spec.whole.load
-    return mass_checks(found, load.mass if isinstance(load, WheeledVehicle) else None)
+    return mass_part(found, load.mass if isinstance(load, WheeledVehicle) else None)
 
 
 def _worst(by_case: Sequence[tuple[str, Sequence[Check]]]) -> tuple[Check, ...]:

@@ -13,10 +13,11 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from drivesizer.errors import InputError
+from drivesizer.mass_rows import MassRow
 from drivesizer.results import DriveSet
 from drivesizer.units import show
 
-__all__ = ["MassBudget", "MassRow", "Settled", "Sized", "Step", "drive_rows", "mass_budget", "settle"]
+__all__ = ["MassBudget", "Settled", "Sized", "Step", "drive_rows", "mass_budget", "settle"]
 
 Sized = Callable[[float], tuple[float, Hashable] | None]  # mass of the whole [kg] to mass of the drive and its name
 _GRAM = 1e-3  # kg
@@ -24,20 +25,6 @@ _HEAVIEST = 1e6  # kg, beyond which masses run away
 
 
 # --- rows -------------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MassRow:
-    """One line of a mass budget."""
-
-    name: str
-    each: float  # kg; NaN is unknown
-    number: int = 1
-
-    @property
-    def total(self) -> float:
-        """Of all of them [kg]."""
-        return self.number * self.each
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

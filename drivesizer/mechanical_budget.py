@@ -30,7 +30,7 @@ from drivesizer.platform_record import platform_assumptions, platform_of
 from drivesizer.platform_schema import Budget, Platform
 from drivesizer.results import Check, DriveSet, Figure, Status, verdict
 
-__all__ = ["MechanicalBudget", "budget_checks"]
+__all__ = ["MechanicalBudget", "budget_checks", "mass_part", "platform_part"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,19 +80,41 @@ def budget_checks(
     InputError
         When platform and load contradict each other, or the wheels do not allow the trajectory.
     """
-    checks: tuple[Check, ...] = ()
-    figures: tuple[Figure, ...] = ()
-    assumptions: tuple[str, ...] = ()
-    mass = machine_mass(budget, drive_set, sets, platform=platform, battery=battery) if budget else None
-    if mass:
-        checks, figures = mass_checks(mass, load.mass if load else None), tuple(_of_mass(mass))
-        assumptions = _without(mass)
+    parts = []
+    if budget:
+        mass = machine_mass(budget, drive_set, sets, platform=platform, battery=battery)
+        parts.append(mass_part(mass, load.mass if load else None))
     if platform and load:
         s = Standing(platform, load, dynamics(platform_of(platform, load)), gravity, needed, trajectory)
-        checks += envelope_checks(platform, trajectory) + stability_checks(s) + grip_checks(s)
-        figures += (*_of_envelope(platform), *_of_footing(s), *_of_grip(s))
-        assumptions += platform_assumptions(platform, load) + _taken(s)
-    return MechanicalBudget(mass=mass, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
+        parts.append(platform_part(s))
+    checks, figures, assumptions = (
+        tuple(one for part in parts for one in getattr(part, name)) for name in ("checks", "figures", "assumptions")
+    )
+    found = parts[0].mass if budget else None
+    return MechanicalBudget(mass=found, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
+
+
+def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBudget:
+    """What a machine weighs against its limits.
+
+    Parameters
+    ----------
+    mass
+        Of ``machine_mass``.
+    sized_for
+        The load's mass [kg], where the load is the machine itself.
+    """
+    checks = mass_checks(mass, sized_for)
+    said, figures = _without(mass), tuple(_of_mass(mass))
+    return MechanicalBudget(mass=mass, status=verdict(checks), checks=checks, figures=figures, assumptions=said)
+
+
+def platform_part(s: Standing) -> MechanicalBudget:
+    """Room, footing and grip of a platform, whatever drives it."""
+    checks = envelope_checks(s.section, s.trajectory) + stability_checks(s) + grip_checks(s)
+    figures = (*_of_envelope(s.section), *_of_footing(s), *_of_grip(s))
+    said = platform_assumptions(s.section, s.load) + _taken(s)
+    return MechanicalBudget(mass=None, status=verdict(checks), checks=checks, figures=figures, assumptions=said)
 
 
 def _without(mass: MassBudget) -> tuple[str, ...]:

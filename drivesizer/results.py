@@ -19,6 +19,7 @@ from drivesizer.checked import Check, Figure, Status, verdict, worst
 from drivesizer.declare import Equation
 from drivesizer.energy_records import EnergyBudget
 from drivesizer.loops import Loop
+from drivesizer.mass_rows import MassRow
 from drivesizer.spec import RobotSpec
 from drivesizer.units import from_si, show
 
@@ -132,7 +133,9 @@ class DriveSet:
     checks: tuple[Check, ...]  # of the method that ranked
     figures: tuple[Figure, ...] = ()  # what it does that has no limit of its own
     beside: tuple[Check, ...] = ()  # of the other method, for the same set
-    budget: tuple[Check, ...] = ()  # of the machine with the set in it: its battery
+    budget: tuple[Check, ...] = ()  # of the machine with the set in it: mass, room, footing, grip, battery
+    machine: tuple[Figure, ...] = ()  # of that machine, what has no limit of its own
+    masses: tuple[MassRow, ...] = ()  # what it weighs, part by part
     energy: EnergyBudget | None = None  # what draws from the battery, and how long it lasts; of the worst load case
     comparison: tuple[Comparison, ...] = ()  # where both methods look at the same limit
     changes: tuple[Relaxation, ...] = ()  # where it fails: what would let it pass, each alone

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from drivesizer import belt_choice, paper
-from drivesizer.budgets import check_battery, drive_mass, machine_checks, mass_without_drive, with_budget
+from drivesizer.budgets import check_battery, drive_mass, mass_without_drive, of_the_platform, with_budget
 from drivesizer.candidates import Candidates, candidates
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
 from drivesizer.catalog.inside import taken_apart
@@ -142,7 +142,7 @@ def _divided(
     found: Found, spec: RobotSpec, objective: Objective, top: int
 ) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
     """By their rows the best sets that stand with the machine's budgets, and the better ones that fall by those."""
-    catalog, machine = found.evaluation.catalog, machine_checks(spec.whole)
+    catalog, machine = found.evaluation.catalog, of_the_platform(spec.whole)
     best: dict[int, DriveSet] = {}
     short: dict[int, DriveSet] = {}
     for row in range(found.standing):

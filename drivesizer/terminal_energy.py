@@ -3,18 +3,33 @@
 from __future__ import annotations
 
 from rich.console import Console
+from rich.table import Table
 
 from drivesizer import terminal_tables as tables
 from drivesizer.energy_table import consumer_rows
 from drivesizer.results import DriveSet
+from drivesizer.units import show
 
 __all__ = ["machine"]
+
+
+def _masses(found: DriveSet) -> Table:
+    """What the machine weighs, part by part."""
+    table = tables.bare(("", "left"), ("", "right"), ("mass", "right"), title="What it weighs")
+    for row in found.masses:
+        number = f"{row.number} x {show(row.each, 'g', 'mass')}" if row.number > 1 and row.each == row.each else ""
+        table.add_row(row.name, number, show(row.total, "kg", "mass"))
+    return table
 
 
 def machine(console: Console, found: DriveSet) -> None:
     """Print the budgets of the machine with a set in it; nothing where the spec gives none."""
     if found.budget:
         console.print(tables.checks(found.budget, "The machine with this set"))
+    if found.masses:
+        console.print(_masses(found))
+    if found.machine:
+        console.print(tables.loose(found.machine, "The machine"))
     if found.energy:
         heads = ("", "right"), ("mean", "right"), ("peak", "right"), ("on", "right"), ("", "left")
         table = tables.bare(("consumer", "left"), *heads, title=f"From the battery: {found.energy.pack.name}")

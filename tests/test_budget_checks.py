@@ -10,8 +10,9 @@ from test_platform_schema import DIAGONAL, DOOR, SIZE, section, vehicle
 from trajectories import joined, piece, straight
 
 from drivesizer import size
-from drivesizer.budget_checks import TITLES, Standing, envelope_checks, grip_checks, machine_mass, mass_checks
+from drivesizer.budget_checks import Standing, envelope_checks, grip_checks, machine_mass, mass_checks
 from drivesizer.budget_checks import stability_checks as footing
+from drivesizer.checks import TITLES
 from drivesizer.errors import InputError
 from drivesizer.mechanical_budget import budget_checks
 from drivesizer.platform.dynamics import dynamics
@@ -246,7 +247,7 @@ def whole(drive, **given):
 def test_a_whole_machine(drive):
     found = whole(drive)
     assert found.status == "pass" and found.mass.total == pytest.approx(31.988)
-    assert {c.title for c in found.checks} == {TITLES[c.name] for c in found.checks}
+    assert {c.title for c in found.checks} == {TITLES["budget"][c.name] for c in found.checks}
     assert all(c.margin > 0.0 for c in found.checks if c.margin == c.margin)
     figure = {f.name: f.value for f in found.figures}
     assert figure["turning_circle"] == pytest.approx(0.7889, abs=5e-5)

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from drivesizer import size
 from drivesizer.errors import InputError
-from drivesizer.mass_budget import MassRow, drive_rows, mass_budget, settle
+from drivesizer.mass_budget import drive_rows, mass_budget, settle
+from drivesizer.mass_rows import MassRow
 
 GRAM = 1e-3
 

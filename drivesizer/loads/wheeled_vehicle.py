@@ -56,7 +56,8 @@ def wheeled_vehicle(spec: RobotSpec, course: Course) -> LoadCycle:
     force = rolling * course.direction + weight + drag + load.mass * course.acceleration
     torque = force * r / N + turning * course.acceleration / r
     inertia = turning + load.mass * r**2 / N
-    return course.cycle(torque, r, inertia=inertia, own=_grip(load, g, course, force / N))
+    own = () if spec.platform else _grip(load, g, course, force / N)  # the platform's own checks know more of it
+    return course.cycle(torque, r, inertia=inertia, own=own)
 
 
 def rolling_resistance(load: WheeledVehicle) -> float:
