@@ -17,6 +17,7 @@ import typer
 from drivesizer import __version__
 from drivesizer.catalog_cli import app as catalog_commands
 from drivesizer.cli_common import NothingFitsError
+from drivesizer.cli_drive import drive
 from drivesizer.cli_setup import doctor, equations, init, schema
 from drivesizer.cli_sizing import explain, report, size
 from drivesizer.cli_validate import validate
@@ -41,6 +42,8 @@ _COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
      "explain examples/sps_robot.yaml --motor 118743 --gearhead 406764"),
     (validate, "Drive a set through its profile in closed loop.",
      "validate examples/sps_robot.yaml --profile trapezoid"),
+    (drive, "Drive a platform along a trajectory, wheel by wheel.",
+     "drive examples/sps_platform.yaml examples/sps_way.csv"),
     (report, "Write the report: PDF, HTML, XLSX, CSV or JSON.", "report examples/sps_robot.yaml -o report.pdf"),
     (equations, "The paper's equations, as printed and as computed.", "equations 10"),
     (schema, "JSON Schema of robot.yaml, a catalogue or the JSON report.", "schema > robot.schema.json"),

@@ -24,7 +24,7 @@ from drivesizer.results import (
 )
 from drivesizer.units import KINDS, from_si
 
-__all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "sizing", "validation"]
+__all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "requirement", "sizing", "validation"]
 
 SCHEMA_VERSION = 1
 
@@ -34,7 +34,8 @@ def as_text(document: dict[str, Any]) -> str:
     return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=2)
 
 
-def _requirement(r: Requirement) -> dict[str, Any]:
+def requirement(r: Requirement) -> dict[str, Any]:
+    """A requirement of the contract."""
     return {
         "symbol": r.symbol,
         "equation": r.equation,
@@ -118,7 +119,7 @@ def drive_set(found: DriveSet) -> dict[str, Any]:
         "mass_of": list(found.mass_of),
         "objective": number(found.objective),
         "objective_of": list(found.objective_of),
-        "requirements": {r.name: _requirement(r) for r in found.requirements},
+        "requirements": {r.name: requirement(r) for r in found.requirements},
         "figures": {figure.name: _figure(figure) for figure in found.figures},
         "results": {
             checks[0].method: _result(checks) for checks in (found.checks, found.beside, found.budget) if checks
@@ -159,7 +160,7 @@ def sizing(result: SizingResult) -> dict[str, Any]:
         "spec": result.spec.entered,
         "method": method,
         "objective": result.objective,
-        "requirements": {r.name: _requirement(r) for r in result.requirements},
+        "requirements": {r.name: requirement(r) for r in result.requirements},
         "sets": [drive_set(s) for s in result.sets],
         "misses": [drive_set(s) for s in result.misses],
         "relaxations": [_relaxation(r) for r in result.relaxations],

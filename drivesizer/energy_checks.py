@@ -71,7 +71,7 @@ def _voltages(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:
         at_most("battery_power", load.peak, largest_power(emf, pack.resistance), "power", "W"),
         at_least("battery_voltage", spec.supply.lowest, load.lowest, "voltage", "V"),
         at_least("battery_cutoff", pack.cutoff_voltage, load.lowest, "voltage", "V"),
-        at_most("battery_charge_voltage", pack.charge_voltage, spec.supply.highest, "voltage", "V"),
+        at_most("battery_charge_voltage", pack.charge_voltage, spec.supply.highest, "voltage", "V", by_choice=True),
     ]
     return found if pack.rests else [_doubted(check) if check.name in _AT_REST else check for check in found]
 

@@ -113,6 +113,7 @@ class Track(Section):
     trajectory: str = Field(
         min_length=1, description="CSV: columns t, x, y, heading; or waypoints without t; then a row of units"
     )
+    smoothing: Pause = default("0 s", description="distance of the knots of the spline through a noisy track")
 
 
 class Waypoint(Section):

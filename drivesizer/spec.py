@@ -172,6 +172,12 @@ class RobotSpec(Section):
         """Efficiency of the belt; 1 without one."""
         return self.belt.efficiency if self.belt else 1.0
 
+    def alone(self, **sections: Any) -> RobotSpec:
+        """The spec without further load cases, some of its sections changed."""
+        made = self.model_copy(update={"cases": [], **sections})
+        made._cases = ()
+        return made
+
     def with_offer(self, offer: Offer) -> RobotSpec:
         """The spec and its cases with what the catalogues offer for the belt."""
         stages = [s.with_offer(offer) if isinstance(s, BeltStage) else s for s in self.transmission]

@@ -85,14 +85,18 @@ def requirements(requirements: Iterable[Requirement], title: str) -> Table:
 
 def checks(checks: Iterable[Check], title: str) -> Table:
     """Checks: demand, limit, margin, verdict, and the worst moment where one is known."""
+    checks = list(checks)
     timed = any(check.at_time is not None for check in checks)
+    worst_in = {check.case for check in checks} - {AS_SPECIFIED}
+    if len(worst_in) == 1 and len(checks) > 1 and "" not in worst_in:
+        title += f", worst in {worst_in.pop()}"
     columns = [("check", "left"), ("demand", "right"), ("limit", "right"), ("margin", "right"), ("", "left")]
     table = bare(*columns, *([("at", "right")] if timed else []), title=title)
     for check in checks:
         status = Text(MARK[check.status], style=STYLE[check.status])
         figures = [plain(check, check.demand), plain(check, check.limit)]
         when = [f"{check.at_time:.3g} s" if check.at_time is not None else ""] if timed else []
-        where = f" ({check.case})" if check.case not in ("", AS_SPECIFIED) else ""
+        where = f" ({check.case})" if check.case in worst_in and check.case else ""
         needed = f"\nneeds {percent(check.needed)}" if check.needed and not isnan(check.margin) else ""
         table.add_row(Text(check.title + where), *figures, percent(check.margin) + needed, status, *when)
     return table

@@ -236,8 +236,8 @@ def test_forces_on_the_floor_are_newtons():
     p = replace(LOPSIDED, height=0.2, wheels=tuple(replace(w, rolling_resistance=0.02) for w in LOPSIDED.wheels))
     d, t = dynamics(p), plan(CURVES, BOTH)
     m = motion(d, t)
+    size = contact_forces(d, m)
     torque = wheel_torques(d, m.eta, m.eta_dot, towards=m.towards, rotors=False)
-    size = contact_forces(d, m, torque)
     rest = contact_loads(p)[:, None, None]
     gain = np.einsum("ij,jkl->ikl", d.kinematics.E, m.eta_dot)
     turning = np.sign(np.einsum("ij,jkl->ikl", d.kinematics.E, m.eta).mean(axis=2, keepdims=True))
@@ -351,8 +351,7 @@ def test_the_floor_does_not_see_what_turns_the_rotors():
         forces = []
         for d in (dynamics(p), dynamics(heavy)):
             m = motion(d, t)
-            torque = wheel_torques(d, m.eta, m.eta_dot, towards=m.towards, rotors=False)
-            forces.append(contact_forces(d, m, torque))
+            forces.append(contact_forces(d, m))
         assert forces[1] == pytest.approx(forces[0], rel=1e-9)
         assert forces[0].max() > 1.0
 

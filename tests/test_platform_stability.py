@@ -355,12 +355,17 @@ def test_ways_and_refusals():
 
 
 def test_what_rolls_hard_uphill_slips_sooner():
-    """Rolling resistance is a force that the driven wheels must make too: tan s = μ − C_rr on all fixed wheels."""
+    """The floor transmits what rolls the wheels without a motor, and not what the driven ones take to roll themselves.
+
+    Two of four driven, each with a quarter of the weight: tan s = (μ − C_rr) / 2. All four: tan s = μ.
+    """
     p = cart(height=0.0)
-    p = replace(p, wheels=tuple(replace(w, rolling_resistance=0.04) for w in p.wheels))
-    assert math.tan(grip_slope(dynamics(p), 0.5, 0.0)) == pytest.approx(0.46)
-    faster = grip_acceleration(dynamics(p), 0.5, 0.0, slope=0.1)
-    assert faster == pytest.approx(G * (0.46 * math.cos(0.1) - math.sin(0.1)))
+    hard = tuple(replace(w, rolling_resistance=0.04) for w in p.wheels)
+    assert math.tan(grip_slope(dynamics(replace(p, wheels=hard)), 0.5, 0.0)) == pytest.approx(0.5)
+    two = dynamics(replace(p, wheels=(*hard[:2], *(replace(w, drive="free") for w in hard[2:]))))
+    assert math.tan(grip_slope(two, 0.5, 0.0)) == pytest.approx(0.23)
+    faster = grip_acceleration(two, 0.5, 0.0, slope=0.1)
+    assert faster == pytest.approx(G * (0.23 * math.cos(0.1) - math.sin(0.1)))
 
 
 def test_no_grip_holds_nothing():

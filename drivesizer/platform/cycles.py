@@ -5,14 +5,10 @@ with each wheel and roller, so pieces are cut where one does; within a piece the
 
 Two limits are the load's own:
 
-- traction: the wheel on its axle passes on :math:`f = (τ - J_w \dot ω - C_{rr} N_0 r - T_f) / (r \cos γ)` along its
-  roller's axis. A wheel held sideways also takes its part of the sideways force, shared by least squares among those
-  held alike. Both together against μ N; N is what the wheel carries at that moment, acceleration and slope included.
+- traction: what the floor must transmit, see ``grip``, against μ N; N is what the wheel carries at that moment,
+  acceleration and slope included.
 - wheel_unloading: what N is below the wheel's load on a level floor at rest, against that load or the share of it that
   may be taken off. Past it the platform tips.
-
-N_0 is the load without acceleration, as in ``resistance``; the load of the house's ``wheeled_vehicle`` counts rolling
-resistance as a force on the floor, so its traction is larger by C_rr N_0. Sideways rolling of rollers is not counted.
 
 The inertia of a cycle is torque over acceleration where all wheels act together: of the motions that turn the wheels
 alike in torque and acceleration (eigenvectors of the inertia in the wheels' space), the largest in which the wheel
@@ -27,7 +23,8 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.loadcycle import LoadCycle, OwnLimit
-from drivesizer.platform.dynamics import Dynamics, _sign, required_force, wheel_torques
+from drivesizer.platform.dynamics import Dynamics, wheel_torques
+from drivesizer.platform.grip import floor_forces
 from drivesizer.platform.kinematics import map_columns
 from drivesizer.platform.motion import Motion, allowed, blocks, largest, seen
 from drivesizer.platform.notation import Array
@@ -100,7 +97,7 @@ def _columns(d: Dynamics, m: Motion) -> Array:
     torque = wheel_torques(d, *ends, theta=m.facing, ground=m.ground, towards=m.towards, rotors=False)
     speed, gain = (map_columns(E, c) for c in ends)
     load = wheel_loads(d, m)[list(d.kinematics.driven)]
-    return np.stack([torque, speed, gain, load, contact_forces(d, m, torque)])
+    return np.stack([torque, speed, gain, load, contact_forces(d, m)])
 
 
 def _time(duration: Array) -> Array:
@@ -134,44 +131,16 @@ def wheel_loads(d: Dynamics, m: Motion) -> Array:
     return contact_loads(p, m.facing, m.ground, accelerated=(along, aside))
 
 
-def contact_forces(d: Dynamics, m: Motion, torque: Array) -> Array:
-    """Size of the force between each driven wheel and the floor [N], shape (n driven, n, 2).
+def contact_forces(d: Dynamics, m: Motion) -> Array:
+    """Size of the force between each driven wheel and the floor [N], shape (n driven, n, 2); see ``grip``.
 
     Parameters
     ----------
     d, m
         The platform and its motion, see ``motion``.
-    torque
-        Of the driven wheels without their rotors [N*m].
     """
-    k, driven = d.kinematics, list(d.kinematics.driven)
-    own, C_rr, friction, r, gamma = (
-        np.array([getattr(k.wheels[i], name) for i in driven])[:, None, None]
-        for name in ("inertia", "rolling_resistance", "friction", "radius", "roller_angle")
-    )
-    left = torque - own * map_columns(k.E[driven], m.eta_dot)
-    if C_rr.any() or friction.any():
-        rolling = _sign(k.E[driven], m.towards)
-        still = np.maximum(contact_loads(d.platform, m.facing, m.ground, samples=m.theta.shape)[driven], 0.0)
-        left = left - (C_rr * still * r + friction) * rolling
-    along = left / (r * np.cos(gamma))
-    across = _across(d, m, torque) if any(w.held for w in k.wheels) else np.zeros(1)
-    return np.asarray(np.hypot(along, across))
-
-
-def _across(d: Dynamics, m: Motion, torque: Array) -> Array:
-    """What driven wheels hold sideways [N]: what the motion needs beyond torques, shared by least squares."""
-    k, driven = d.kinematics, list(d.kinematics.driven)
-    force = required_force(d, m.eta, m.eta_dot, theta=m.facing, ground=m.ground, towards=m.towards)
-    rotors = np.array([k.wheels[i].rotor_inertia for i in driven])
-    whole = torque + map_columns(rotors[:, None] * k.E[driven], m.eta_dot)
-    found = map_columns(np.asarray(np.linalg.pinv(k.held.T)), force - map_columns(k.E[driven].T, whole))
-    held = [i for i, w in enumerate(k.wheels) if w.held]
-    across = np.zeros_like(torque)
-    for row, i in enumerate(held):
-        if i in driven:
-            across[driven.index(i)] = found[row]
-    return across
+    forces = floor_forces(d, m.eta, m.eta_dot, theta=m.facing, ground=m.ground, towards=m.towards)
+    return np.asarray(np.hypot(*forces)[list(d.kinematics.driven)])
 
 
 def effective_inertia(d: Dynamics) -> Array:

@@ -38,6 +38,7 @@ __all__ = [
     "energy",
     "required_force",
     "resistance",
+    "signs",
     "wheel_space",
     "wheel_torques",
 ]
@@ -88,7 +89,7 @@ def _distribution(k: Kinematics, weights: Sequence[float] | None) -> Array:
     return np.asarray(root * (np.linalg.pinv((root * (k.E[list(k.driven)] @ k.motions)).T) @ k.motions.T))
 
 
-def _sign(rows: Array, eta: Array) -> Array:
+def signs(rows: Array, eta: Array) -> Array:
     """Signs of rows times velocities; 0 where the sum is 0 but for rounding."""
     flat = eta.reshape(3, -1)
     value, least = rows @ flat, _ROUNDING * np.abs(rows) @ np.abs(flat)
@@ -117,10 +118,10 @@ def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = L
         return np.zeros_like(towards)
     loads = np.maximum(contact_loads(d.platform, theta, ground, samples=towards.shape[1:]), 0.0)
     carried, across = loads[: len(wheels)], (slice(None),) + (None,) * (towards.ndim - 1)
-    torque = ((C_rr * r)[across] * carried + friction[across]) * _sign(k.E, towards)
+    torque = ((C_rr * r)[across] * carried + friction[across]) * signs(k.E, towards)
     total = map_columns(k.E.T, torque)
     if C_roller.any():
-        total = total + map_columns(k.rollers.T, C_roller[across] * carried * _sign(k.rollers, towards))
+        total = total + map_columns(k.rollers.T, C_roller[across] * carried * signs(k.rollers, towards))
     for c, load in zip(casters, loads[len(wheels) :], strict=True):
         x, y = towards[0] - c.y * towards[2], towards[1] + c.x * towards[2]
         size = np.hypot(x, y)

@@ -1,7 +1,8 @@
 r"""What the floor must transmit at each wheel, and how much it can.
 
-A driven wheel's torque reaches the floor as a force along its roller's axis, :math:`F = (τ - J \ddot ϕ) / (r \cos γ)`:
-what is left after the wheel and its rotor have gained speed. A wheel without rollers also holds sideways, and both
+A wheel's torque reaches the floor as a force along its roller's axis,
+:math:`F = (τ - J \ddot ϕ - C_{rr} N_0 r - T_f) / (r \cos γ)`: what is left after the wheel and its rotor have gained
+speed and it has rolled, N_0 being its load without acceleration. A wheel without rollers also holds sideways, and both
 forces together are a wheel's. It slips when they exceed μ times what it carries at that moment. A wheel without motor,
 and a caster, carry weight and transmit nothing of the drive; so two driven wheels of four have half of the grip.
 
@@ -21,7 +22,7 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.platform.between import finer
-from drivesizer.platform.dynamics import Dynamics, required_force, wheel_torques
+from drivesizer.platform.dynamics import Dynamics, required_force, signs, wheel_torques
 from drivesizer.platform.kinematics import columns, map_columns
 from drivesizer.platform.notation import Array
 from drivesizer.platform.stability import lift_off_acceleration
@@ -63,6 +64,7 @@ def floor_forces(
     rate = np.broadcast_to(columns(eta_dot, 3, "acceleration of the platform"), rest.shape)
     net = -map_columns(np.asarray(own * k.E, dtype=float), np.asarray(rate))
     net[driven] += torque
+    net -= _rolling(d, columns(eta if towards is None else towards, 3, "direction of rolling"), theta, ground)
     cos = np.array([math.cos(w.roller_angle) for w in wheels])
     lever = np.array([w.radius for w in wheels]) * cos
     found = np.stack([net / lever.reshape(-1, *[1] * (net.ndim - 1)), np.zeros_like(net)])
@@ -73,6 +75,17 @@ def floor_forces(
         found[1, sideways] = holding[: len(sideways)]
         found[0, blocked] = holding[len(sideways) :] / cos[blocked].reshape(-1, *[1] * (net.ndim - 1))
     return found
+
+
+def _rolling(d: Dynamics, towards: Array, theta: Any, ground: Ground) -> Array:
+    """Torque that each wheel needs to roll [N*m], shape (N, ...)."""
+    wheels = d.kinematics.wheels
+    across = (slice(None),) + (None,) * (towards.ndim - 1)
+    C_rr, r, friction = (
+        np.array([getattr(w, name) for w in wheels])[across] for name in ("rolling_resistance", "radius", "friction")
+    )
+    carried = np.maximum(contact_loads(d.platform, theta, ground, samples=towards.shape[1:])[: len(wheels)], 0.0)
+    return np.asarray((C_rr * carried * r + friction) * signs(d.kinematics.E, towards))
 
 
 def needed_friction(

@@ -14,9 +14,19 @@ from typing import TYPE_CHECKING
 from drivesizer.errors import InputError, quoted
 
 if TYPE_CHECKING:
+    from drivesizer.driving import Driving
     from drivesizer.results import SizingResult, Validation
 
-__all__ = ["KNOWN", "accept", "write", "write_figures", "write_loop_figures", "write_series", "write_sets"]
+__all__ = [
+    "KNOWN",
+    "accept",
+    "write",
+    "write_driving",
+    "write_figures",
+    "write_loop_figures",
+    "write_series",
+    "write_sets",
+]
 
 # suffix -> module with a function ``render``, and what it takes beside the records
 _RENDERERS: dict[str, tuple[str, tuple[str, ...]]] = {
@@ -132,6 +142,22 @@ def write_series(validation: Validation, path: Path) -> list[Path]:
 
     ready(path)
     return put({path: timeseries_csv(validation)})
+
+
+def write_driving(found: Driving, path: Path) -> list[Path]:
+    """Write a platform's way with speeds and torques of its wheels as CSV.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    from drivesizer.driving import over_time
+    from drivesizer.report.files import put, ready
+    from drivesizer.report.tables import columns_csv
+
+    ready(path)
+    return put({path: columns_csv(over_time(found))})
 
 
 def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:

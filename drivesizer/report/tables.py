@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.report.cells import csv_cell
 from drivesizer.report.parts import PartLine, parts_list, totals
@@ -97,12 +100,15 @@ def parts_csv(lines: Iterable[PartLine]) -> bytes:
 
 def timeseries_csv(validation: Validation) -> bytes:
     """The closed loop over time: a column per signal, its unit in the head."""
-    heads, columns = [], []
-    for name, values in validation.series.items():
-        kind, unit = validation.series_units[name]
-        heads.append(f"{name} ({unit})")
-        columns.append(from_si(values, unit, kind).tolist())
-    return _encoded(heads, zip(*columns, strict=True))
+    units = validation.series_units
+    return columns_csv({name: (values, *units[name]) for name, values in validation.series.items()})
+
+
+def columns_csv(columns: Mapping[str, tuple[NDArray[np.float64], str, str]]) -> bytes:
+    """Columns over time by name, each with its kind and the unit that it is told in."""
+    heads = [f"{name} ({unit})" for name, (_, _, unit) in columns.items()]
+    told = (from_si(values, unit, kind).tolist() for values, kind, unit in columns.values())
+    return _encoded(heads, zip(*told, strict=True))
 
 
 def sets_csv(result: SizingResult) -> bytes:

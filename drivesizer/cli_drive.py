@@ -1,0 +1,60 @@
+"""``drivesizer drive``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from drivesizer.cli_common import DEFAULT, Chosen, Json, More, Spec, load, progress, tell
+
+__all__ = ["drive"]
+
+
+def drive(
+    spec: Spec = DEFAULT,
+    trajectory: Annotated[
+        Path | None, typer.Argument(metavar="[TRAJECTORY.CSV]", help="t, x, y, heading; or waypoints; else the spec's.")
+    ] = None,
+    chosen: Chosen = None,
+    json: Json = False,
+    csv: Annotated[Path | None, typer.Option(help="Also write posture, speeds and torques over time.")] = None,
+    catalogs: More = None,
+) -> None:
+    """Drive a platform along a trajectory: what each wheel is asked for, and whether a set does it."""
+    from drivesizer.driving import driving, on_the_way
+
+    robot = load(spec, catalogs)
+    way = on_the_way(robot, trajectory)
+    found = driving(way)
+    if csv:
+        from drivesizer.report import write_driving
+
+        write_driving(found, csv)
+    one = _on_the_way(robot, way, chosen)
+    if json:
+        from drivesizer import contract, contract_driving
+
+        typer.echo(contract.as_text(contract_driving.driving(found, one)))
+    else:
+        from drivesizer import terminal_driving
+
+        terminal_driving.driven(found, one)
+        tell(() if one else ("no set stands for the spec's own motion; `drivesizer size` shows the nearest misses",))
+    raise typer.Exit(0 if one and one.status != "fail" else 1)
+
+
+def _on_the_way(robot: Any, way: Any, chosen: str | None) -> Any:
+    """A set with its checks on the way: named by its parts, or the best for the spec's own motion; None without."""
+    from drivesizer.cli_validate import pick
+    from drivesizer.sizing import explain, size
+
+    if chosen:
+        return pick(way, chosen)
+    with progress() as told:
+        best = size(robot, top=1, progress=told).sets
+    if not best or robot.motion == way.motion:
+        return best[0] if best else None
+    motor, gearhead = (best[0].actuator or best[0].motor).part, best[0].gearhead.part
+    return next(s for s in explain(way, motor, gearhead) if s.belt_ratio == best[0].belt_ratio)
