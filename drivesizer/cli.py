@@ -17,6 +17,7 @@ import typer
 from drivesizer import __version__
 from drivesizer.catalog_cli import app as catalog_commands
 from drivesizer.cli_common import NothingFitsError
+from drivesizer.cli_export import export
 from drivesizer.cli_setup import doctor, equations, init, schema
 from drivesizer.cli_sizing import explain, report, size
 from drivesizer.cli_validate import validate
@@ -42,6 +43,8 @@ _COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
     (validate, "Drive a set through its profile in closed loop.",
      "validate examples/sps_robot.yaml --profile trapezoid"),
     (report, "Write the report: PDF, HTML, XLSX, CSV or JSON.", "report examples/sps_robot.yaml -o report.pdf"),
+    (export, "Write the set for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
+     "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
     (equations, "The paper's equations, as printed and as computed.", "equations 10"),
     (schema, "JSON Schema of robot.yaml, a catalogue or the JSON report.", "schema > robot.schema.json"),
     (doctor, "Whether this installation works, and what to do if not.", "doctor"),

@@ -22,7 +22,7 @@ from drivesizer.cli_common import (
 )
 from drivesizer.errors import InputError, quoted
 
-__all__ = ["validate"]
+__all__ = ["pick", "validate"]
 
 
 def validate(
@@ -50,7 +50,7 @@ def validate(
         if chosen or csv or drawings:
             raise InputError("--all: it takes the sets of the search; --set, --csv and --figures are for one of them")
         raise typer.Exit(_all_of(robot, driven, profile, top, json))
-    found = _pick(robot, chosen)
+    found = pick(robot, chosen)
     with working("driving the set in closed loop"):
         proof = validated(driven, found, profile=profile)
     if drawings:
@@ -106,8 +106,8 @@ def _all_of(robot: Any, driven: Any, profile: str | None, top: int, json: bool) 
     return 0 if any(proof.status == "pass" for proof in proofs) else 1
 
 
-def _pick(robot: Any, chosen: str | None) -> Any:
-    """The set to validate: named by its parts, or the best of the search."""
+def pick(robot: Any, chosen: str | None) -> Any:
+    """The set of a spec that is meant: named by its parts, or the best of the search."""
     from drivesizer.sizing import explain as explained
     from drivesizer.sizing import size as sized
 
