@@ -18,6 +18,7 @@ from drivesizer import __version__
 from drivesizer.catalog_cli import app as catalog_commands
 from drivesizer.cli_common import NothingFitsError
 from drivesizer.cli_drive import drive
+from drivesizer.cli_export import export
 from drivesizer.cli_setup import doctor, equations, init, schema
 from drivesizer.cli_sizing import explain, report, size
 from drivesizer.cli_validate import validate
@@ -45,6 +46,8 @@ _COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
     (drive, "Drive a platform along a trajectory, wheel by wheel.",
      "drive examples/sps_platform.yaml examples/sps_way.csv"),
     (report, "Write the report: PDF, HTML, XLSX, CSV or JSON.", "report examples/sps_robot.yaml -o report.pdf"),
+    (export, "Write the set for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
+     "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
     (equations, "The paper's equations, as printed and as computed.", "equations 10"),
     (schema, "JSON Schema of robot.yaml, a catalogue or the JSON report.", "schema > robot.schema.json"),
     (doctor, "Whether this installation works, and what to do if not.", "doctor"),

@@ -42,15 +42,35 @@ def equations(
 def init(
     kind: Annotated[str, typer.Option(help=f"What is driven: {_KINDS}.")] = "wheeled_vehicle",
     output: Annotated[Path, typer.Option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
+    urdf: Annotated[
+        Path | None, typer.Option("--from-urdf", metavar="FILE", help="Masses, wheels and limits of a URDF.")
+    ] = None,
+    joint: Annotated[str | None, typer.Option(metavar="NAME", help="With --from-urdf: the joint of an arm.")] = None,
 ) -> None:
     """Write a commented robot.yaml to start from."""
+    if joint is not None and urdf is None:
+        raise InputError("--joint: it names a joint of --from-urdf; expected both")
+    if urdf is not None:
+        from drivesizer.urdf_import import spec_of
+
+        _start(spec_of(urdf, joint), output)
+        return
+    _start(_starter(kind), output)
+
+
+def _starter(kind: str) -> str:
+    """The text that ships for a kind of load."""
     from importlib import resources
 
     folder = resources.files("drivesizer") / "starters"
     known = sorted(entry.name.removesuffix(".yaml") for entry in folder.iterdir() if entry.name.endswith(".yaml"))
     if kind not in known:
         raise InputError(f"--kind: {quoted(kind)} is not known; expected {', '.join(known)}")
-    text = (folder / f"{kind}.yaml").read_text(encoding="utf-8")
+    return (folder / f"{kind}.yaml").read_text(encoding="utf-8")
+
+
+def _start(text: str, output: Path) -> None:
+    """Write a spec where no file is yet, or print it."""
     if str(output) == "-":
         typer.echo(text, nl=False)
         return
@@ -65,16 +85,18 @@ def init(
 
 
 def schema(
-    of: Annotated[str, typer.Argument(metavar="[WHAT]", help="spec, catalog or report.")] = "spec",
+    of: Annotated[str, typer.Argument(metavar="[WHAT]", help="spec, catalog, report or export.")] = "spec",
 ) -> None:
     """Print the JSON Schema of robot.yaml or of a catalogue, for editors, or of the JSON report, for programs."""
     import json
 
     from drivesizer.catalog.schema import catalog_schema
+    from drivesizer.export.json_document import export_schema
     from drivesizer.report.json_schema import report_schema
     from drivesizer.spec import RobotSpec
 
     made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": report_schema}
+    made["export"] = export_schema
     if of not in made:
         raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")
     typer.echo(json.dumps(made[of](), indent=2, ensure_ascii=False))

@@ -109,7 +109,7 @@ def _all_of(robot: Any, driven: Any, profile: str | None, top: int, json: bool) 
 
 
 def pick(robot: Any, chosen: str | None) -> Any:
-    """The set to validate: named by its parts, or the best of the search."""
+    """The set of a spec that is meant: named by its parts, or the best of the search."""
     from drivesizer.sizing import explain as explained
     from drivesizer.sizing import size as sized
 

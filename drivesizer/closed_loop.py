@@ -33,7 +33,7 @@ from drivesizer.spec import RobotSpec
 from drivesizer.thermal import TwoBodies, two_bodies
 from drivesizer.units import show
 
-__all__ = ["FOLLOWS", "Case", "run"]
+__all__ = ["FOLLOWS", "Case", "designed", "run"]
 
 FOLLOWS = 0.1  # of the top speed: a drive whose error grows beyond a tenth is not said to follow (our convention)
 _PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's is unknown
@@ -84,7 +84,7 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
         When gains exclude each other, the bandwidth is out of reach, a figure that the model needs is missing, the
         profile cannot be sampled, or the loop leaves the range of numbers.
     """
-    train, controller, said = _designed(spec, drive_set)
+    train, controller, said = designed(spec, drive_set)
     within_reach(train, asked)
     _sampled(controller, asked)
     shaft = _shaft(spec, train)
@@ -108,16 +108,22 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
 # --- the controller
 
 
-def _designed(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
-    """The machine, its controller, and what was assumed of both."""
+def designed(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
+    """The machine of a set, the controller that is designed for it, and what was assumed of both.
+
+    Raises
+    ------
+    InputError
+        When the catalogue lacks a figure without which nothing moves, or ``control`` asks for what cannot be.
+    """
     if spec.control.structure == "voltage_pid":
         period, said = _period(drive_set.controller)
         train, assumed = drive_train(spec, drive_set, period)
         return train, design(spec, train, period), [*said, *assumed]
     every, said = rates(drive_set.controller)
     train, assumed = drive_train(spec, drive_set, every.current)
-    cascade, designed = design_cascade(train, every, _wanted(spec), where=lambda field: spec.where(_path(field)))
-    return train, cascade, [*said, *assumed, *designed]
+    cascade, rules = design_cascade(train, every, _wanted(spec), where=lambda field: spec.where(_path(field)))
+    return train, cascade, [*said, *assumed, *rules]
 
 
 def _period(controller: Controller | None) -> tuple[float, list[str]]:

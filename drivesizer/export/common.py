@@ -1,0 +1,168 @@
+r"""The figures of a set that every format needs, as one record.
+
+All of it is one motor set and its share of the load, seen from the driven shaft: a joint that turns by its angle.
+Convention: as in ``plant``; a torque of the load is positive when it resists forward motion.
+
+A gear's efficiency is in no format. Seen at the driven shaft with gears that drive, a motor torque M is K e M, and
+
+.. math:: K e M = (J_l + K^2 e J_m)\, \dot w + (T_f + K e M_f)\, \mathrm{sgn}\, w + K^2 e b_m w + T_0
+
+J_l, T_f, T_0 inertia, friction and weight of the load; J_m, M_f, b_m inertia, dry and viscous friction of the motor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from math import isfinite, isnan
+from typing import Any
+
+import numpy as np
+
+from drivesizer import __version__
+from drivesizer.cascade import Cascade
+from drivesizer.choose import usable_in
+from drivesizer.closed_loop import designed
+from drivesizer.export.limits import Limits, limits
+from drivesizer.physics_limits import housing_loss
+from drivesizer.plant import DriveTrain, within_reach
+from drivesizer.results import DriveSet, Gains
+from drivesizer.shaft_load import asked_of, at_shaft, remaining_torque
+from drivesizer.spec import RobotSpec
+from drivesizer.thermal import TwoBodies, two_bodies
+
+__all__ = ["Cycle", "Export", "export_of"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cycle:
+    """What is asked of the driven shaft over one cycle, piecewise linear."""
+
+    time: tuple[float, ...]  # s
+    speed: tuple[float, ...]  # rad/s
+    load_time: tuple[float, ...]  # s
+    load_torque: tuple[float, ...]  # N*m, what the load takes beyond inertia, friction and weight
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Export:
+    """One motor set, its controller and its share of the load; SI, NaN unknown."""
+
+    name: str  # of the machine
+    label: str  # of the set
+    program: str
+    parts: dict[str, str]  # by role: maker, family and part
+    motor_sets: int  # of the machine
+    train: DriveTrain
+    inductance_known: bool
+    controller: Gains | Cascade
+    voltage: float  # V, what the motor can get at the lowest supply voltage
+    voltage_known: bool  # else it is the lowest supply voltage
+    peak_current: float  # A, of the controller
+    continuous_current: float
+    limits: Limits
+    heat: TwoBodies | None  # None: a figure is unknown
+    rotor_loss: tuple[float, float]  # N*m and N*m*s/rad, what warms the housing; 0 where unknown
+    ambient: float  # K
+    elastic: bool  # the spec has two masses
+    cycle: Cycle
+    said: tuple[str, ...]  # what was assumed on the way
+
+    @property
+    def friction(self) -> float:
+        """Dry friction seen at the driven shaft, gears driving [N*m]."""
+        train = self.train
+        return self.load_friction + train.friction * train.ratio * train.efficiency
+
+    @property
+    def load_friction(self) -> float:
+        """Dry friction of the load [N*m]: half of what forward and backward differ by."""
+        return (self.train.forward_torque - self.train.backward_torque) / 2
+
+    @property
+    def weight(self) -> float:
+        """Torque of the load without friction, at the start of the motion [N*m]."""
+        return (self.train.forward_torque + self.train.backward_torque) / 2
+
+    @property
+    def damping(self) -> float:
+        """Viscous friction seen at the driven shaft, gears driving [N*m*s/rad]."""
+        return self.train.viscous * self.train.ratio**2 * self.train.efficiency
+
+    @property
+    def reflected_inertia(self) -> float:
+        """Inertia of rotor, encoder and gearhead input seen at the driven shaft, gears driving [kg*m^2]."""
+        return self.train.motor_inertia * self.train.ratio**2 * self.train.efficiency
+
+    @property
+    def inertia(self) -> float:
+        """All inertia seen at the driven shaft, gears driving [kg*m^2]."""
+        return self.train.load_inertia + self.reflected_inertia
+
+    @property
+    def period(self) -> float:
+        """Period of the velocity loop [s]."""
+        return self.controller.period if isinstance(self.controller, Gains) else self.controller.velocity_period
+
+
+def export_of(spec: RobotSpec, found: DriveSet) -> Export:
+    """The record of a set that a sizing found.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    found
+        The set.
+
+    Raises
+    ------
+    InputError
+        When a figure is unknown without which nothing moves, or ``control`` asks for what no controller can do.
+    """
+    train, controller, said = designed(spec, found)
+    usable, motor = usable_in(spec, found.controller), asdict(found.motor)
+    voltage = spec.supply.lowest if isnan(usable) else usable
+    own, bodies = found.controller, two_bodies(motor)
+    return Export(
+        name=spec.name,
+        label=found.label,
+        program=f"drivesizer {__version__}",
+        parts={role: _named(part) for role, part in found.parts.items() if part is not None},
+        motor_sets=spec.load.motors,
+        train=train,
+        inductance_known=found.motor.inductance > 0.0,
+        controller=controller,
+        voltage=voltage,
+        voltage_known=not isnan(usable),
+        peak_current=own.peak_current if own else float("nan"),
+        continuous_current=own.continuous_current if own else float("nan"),
+        limits=limits(spec, found, train, voltage),
+        heat=bodies if bodies.known else None,
+        rotor_loss=_loss(motor),
+        ambient=spec.environment.ambient,
+        elastic=spec.plant.model != "rigid",
+        cycle=_cycle(spec, train),
+        said=tuple(said),
+    )
+
+
+def _named(part: Any) -> str:
+    names = (part.manufacturer, part.family, part.part)
+    return " ".join(name for n, name in enumerate(names) if name and name not in names[:n])
+
+
+def _loss(motor: dict[str, Any]) -> tuple[float, float]:
+    coulomb, viscous = (float(x[0]) for x in housing_loss(motor, np.ones(1)))
+    return (coulomb if isfinite(coulomb) else 0.0), (viscous if isfinite(viscous) else 0.0)
+
+
+def _cycle(spec: RobotSpec, train: DriveTrain) -> Cycle:
+    asked = asked_of(spec)
+    within_reach(train, asked)
+    left = remaining_torque(spec, asked, at_shaft(spec))
+    return Cycle(
+        time=asked.time,
+        speed=tuple((np.array(asked.speed) / train.radius).tolist()),
+        load_time=tuple(left[:, 0].tolist()),
+        load_torque=tuple(left[:, 1].tolist()),
+    )
