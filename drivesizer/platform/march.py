@@ -23,7 +23,7 @@ __all__ = ["at", "compiled"]
 
 _COMPILED: tuple[Any, ...] = (
     slip.grip, slip.grip_slope,
-    march_forces.rolling, march_forces.held, march_forces.grips, march_forces.casters, march_forces.loads,
+    march_forces.rolling, march_forces.gripping, march_forces.grips, march_forces.casters, march_forces.loads,
     march_forces.wheel_forces, march_forces.forces,
     march_step.assemble, march_step.close, march_step.solve, march_step.arrow, march_step.moved, march_step.off,
     march_step.once, march_step.advance,

@@ -15,7 +15,7 @@ import drivesizer.platform.march_places as at
 from drivesizer.platform.march_places import Array
 from drivesizer.platform.slip import grip, grip_slope
 
-__all__ = ["casters", "forces", "grips", "held", "loads", "rolling", "wheel_forces"]
+__all__ = ["casters", "forces", "gripping", "grips", "loads", "rolling", "wheel_forces"]
 
 
 def rolling(W: Array, B: Array, w: Array, i: int, most: float, x: float) -> None:
@@ -23,19 +23,21 @@ def rolling(W: Array, B: Array, w: Array, i: int, most: float, x: float) -> None
     c = W[i, at.CR]
     along = math.sqrt(most * most - c * c)  # of the friction circle
     reach = B[at.SLIP_SPEED] + B[at.CREEP] * x
-    turning = math.tanh(w[i, at.RHO] / B[at.TURNROUND])
-    w[i, at.FA], w[i, at.FB] = -along * grip(w[i, at.SLIP] / reach), -c * turning
-    w[i, at.DAA], w[i, at.DAB] = along * grip_slope(w[i, at.SLIP] / reach) / reach, 0.0
+    turning = math.tanh(w[i, at.RHO] / B[at.TURNROUND]) if c > 0.0 else 0.0
+    share = grip(w[i, at.SLIP] / reach)
+    w[i, at.FA], w[i, at.FB] = -along * share, -c * turning
+    w[i, at.DAA], w[i, at.DAB] = along * grip_slope(share) / reach, 0.0
     w[i, at.DBB] = c * (1.0 - turning * turning) / B[at.TURNROUND]
 
 
-def held(B: Array, w: Array, i: int, most: float, x: float) -> None:
+def gripping(B: Array, w: Array, i: int, most: float, x: float) -> None:
     """A wheel without rollers: one friction circle for both ways."""
     reach = B[at.SLIP_SPEED] + B[at.CREEP] * x
     a, b = w[i, at.SLIP], w[i, at.RHO]
     size = math.sqrt(a * a + b * b)
-    slope = most * grip_slope(size / reach) / reach
-    share = most * grip(size / reach) / size if size > 1e-9 * reach else slope
+    held = grip(size / reach)
+    slope = most * grip_slope(held) / reach
+    share = most * held / size if size > 1e-9 * reach else slope
     a, b = (a / size, b / size) if size > 0.0 else (1.0, 0.0)
     w[i, at.FA], w[i, at.FB] = -share * w[i, at.SLIP], -share * w[i, at.RHO]
     w[i, at.DAA], w[i, at.DAB] = share + (slope - share) * a * a, (slope - share) * a * b
@@ -51,7 +53,7 @@ def grips(W: Array, B: Array, y: Array, w: Array) -> None:
         w[i, at.RHO] = W[i, at.BX] * u + W[i, at.BY] * v + W[i, at.BT] * turn + W[i, at.RB] * speed
         x = abs(W[i, at.R] * speed)
         if W[i, at.HELD] != 0.0:
-            held(B, w, i, B[at.FRICTION], x)
+            gripping(B, w, i, B[at.FRICTION], x)
         else:
             rolling(W, B, w, i, B[at.FRICTION], x)
 

@@ -52,10 +52,9 @@ def grip(x: float) -> float:
     return math.tanh(x)
 
 
-def grip_slope(x: float) -> float:
-    """Rate of change of ``grip``."""
-    t = math.tanh(x)
-    return 1.0 - t * t
+def grip_slope(share: float) -> float:
+    """Rate of change of ``grip`` where it has a value."""
+    return 1.0 - share * share
 
 
 def stiffness(contact: Contact, load: float, rolling: float = 0.0) -> float:
