@@ -1,11 +1,11 @@
 r"""How far a platform is from where it should be, and what a misjudged figure alone comes to.
 
-Position and heading are compared at the same time. Along and across are by the direction of the desired motion; at rest, the
-last one.
+Position and heading are compared at the same time. Along and across are by the direction of the desired motion; at
+rest, the last one.
 
-Laws, open-loop and kinematic, without slip. A radius that is true over believed 1 + e on all wheels: the way is longer by
-e. Wheels apart by 1 + e of what is believed: every turn made by wheels is smaller, by -e/(1 + e). Radii apart, 1 + e
-on one side of a differential drive of track b and 1 - e on the other: an arc of curvature 2 e / b.
+Laws, open-loop and without slip. Radii that are 1 + e of what is believed: the way is longer by e of it. Wheels apart
+by 1 + e of what is believed: every turn is smaller by e/(1 + e) of it. Radii of 1 + e on the right of a differential
+drive of track b and of 1 - e on its left: a straight line becomes an arc of curvature 2 e / b.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def deviation(f: Followed) -> Deviation:
 
 
 def _direction(velocity: Array) -> Array:
-    """Unit vectors of motion, (2, k); at rest the last one, before the first motion the first one, and x without any."""
+    """Unit vectors of motion, (2, k); at rest the last one, before all motion the first, and x where there is none."""
     size = np.hypot(velocity[0], velocity[1])
     moves = size > 1e-9 * (size.max() or 1.0)
     if not moves.any():

@@ -1,10 +1,10 @@
 r"""A platform that follows a trajectory: planner, robot model, wheel controllers, and the platform as it is.
 
 The robot model turns the trajectory into wheel speeds, (32), and when it is the dynamic one into torques as well,
-(49)-(59), that are fed forward; the kinematic one leaves torque to the speed loops. Poses are fed back where a pose loop is
-given; else the platform runs open-loop on what its wheels are told. What is driven is a rigid body with three freedoms
-on wheels that turn and slip (see ``slip``), with all that the model misjudges. Wheel loads follow the forces at the
-floor in every instant.
+(49)-(59), that are fed forward; the kinematic one leaves torque to the speed loops. Poses are fed back where a pose
+loop is given; else the platform runs open-loop on what its wheels are told. What is driven is a rigid body with three
+freedoms on wheels that turn and slip (see ``slip``), with all that the model misjudges. Wheel loads follow the forces
+at the floor in every instant.
 
 Assumed: current loops are ideal, encoders and poses exact; a torque answers the sample of one period before; rollers
 have no inertia and no gaps; the floor is flat; wheels, where they stand on it, take loads alike (see ``standing``).
@@ -103,7 +103,9 @@ def sampled(trajectory: Trajectory, time: Any) -> Planned:
     posture = a + q**2 * (3.0 - 2.0 * q) * (b - a) + h * q * (1.0 - q) * ((1.0 - q) * v - q * w)
     inside = (np.asarray(time) <= ends[-1]) & (np.asarray(time) >= 0.0)
     rates = [v + q * (w - v), (1.0 - q) * trajectory.acceleration[:, n, 0] + q * trajectory.acceleration[:, n, 1]]
-    return Planned(np.asarray(time, dtype=float), posture, *(np.where(inside, rate, 0.0) for rate in rates))
+    velocity, acceleration = (np.asarray(np.where(inside, rate, 0.0), dtype=float) for rate in rates)
+    instants: Array = np.asarray(time, dtype=np.float64)
+    return Planned(instants, posture.astype(np.float64), velocity, acceleration)
 
 
 def follow(
@@ -268,5 +270,6 @@ def _march(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: Pose
     y = rows.T
     velocity, turned = y[3:6], y[6 : 6 + n]
     kinetic = (np.einsum("ik,ij,jk->k", velocity, a.M, velocity) + a.W[:, at.J] @ turned**2) / 2.0
-    return Followed(plan, y[:3], velocity, turned, applied.T, *floor.transpose(1, 2, 0), limited / (count - 1),
-                    y[6 + n], y[7 + n :], kinetic, float(a.B[at.FRICTION]))  # fmt: skip
+    slip, load, traction = floor.transpose(1, 2, 0)
+    return Followed(plan, y[:3], velocity, turned, applied.T, slip, load, traction, limited / (count - 1), y[6 + n],
+                    y[7 + n :], kinetic, float(a.B[at.FRICTION]))  # fmt: skip

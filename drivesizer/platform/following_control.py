@@ -1,13 +1,13 @@
 r"""Controllers of a platform: a speed loop for each driven wheel, and one that feeds the pose back.
 
-Speed loops are PI on the wheel, with the torque (current) limit. Their gain is that of the symmetrical optimum [1]_ for the
-least inertia that a wheel meets, its own and its rotor's: it slips, or lifts off. Their integral is slow enough that
+Speed loops are PI on the wheel, with the torque (current) limit. Their gain is that of the symmetrical optimum [1]_ for
+the least inertia that a wheel meets, its own and its rotor's: it slips, or lifts off. Their integral is so slow that
 with the most that it meets, its share of the platform, both poles are real and equal [2]_: :math:`k_i = k_p^2 / 4 J`.
 
 The pose is held at a slower period. Where the wheels allow all motions, each error in the robot's frame is an
-integrator behind the lag :math:`T = J/k_p + 1.5\,T_{pose}` and gets a PI by the symmetrical optimum with a = 3, damping 1.
-A platform that only moves ahead and turns gets the law of [3]_, its natural frequency at the speed of travel the same
-1/(3 T), damping 1; its lateral error has no integral.
+integrator behind the lag :math:`T = J/k_p + 1.5\,T_{pose}` and gets a PI by the symmetrical optimum with a = 3, whose
+damping is 1. A platform that only moves ahead and turns gets the law of [3]_, its natural frequency at the speed of
+travel the same 1/(3 T), damping 1; its lateral error has no integral.
 
 .. [1] C. Kessler, "Das symmetrische Optimum", Regelungstechnik 6 (1958) 395-400, 432-436.
 .. [2] K. J. Åström, T. Hägglund, *PID Controllers: Theory, Design, and Tuning*, 2nd ed., ISA 1995: pole placement.
@@ -61,7 +61,7 @@ class PoseLoop:
     proportional: float  # 1/s
     integral: float  # 1/s^2
     unicycle: bool = False
-    distance: float = math.inf  # m, in which a lateral error dies out: 1/e² of it is left after some three of them
+    distance: float = math.inf  # m, of a unicycle: a lateral error y dies out with the way s as (1 + s/d) exp(-s/d)
 
     def __post_init__(self) -> None:
         _checked_period("pose loop", self.period)
@@ -140,7 +140,7 @@ def pose_loop(d: Dynamics, inner: SpeedLoop, *, period: float = 0.05, speed: flo
     if d.kinematics.mobility == 3:
         return PoseLoop(period=period, proportional=k_p, integral=k_i)
     if not is_unicycle(d.kinematics):
-        raise InputError("pose loop: expected a platform that allows all motions, or forwards and turning about its axle")
+        raise InputError("pose loop: expected a platform that allows all motions, or forwards and turning only")
     return PoseLoop(period=period, proportional=k_p, integral=k_i, unicycle=True, distance=abs(speed) / k_p)
 
 

@@ -22,12 +22,28 @@ from drivesizer.platform import march_places as at
 __all__ = ["at", "compiled"]
 
 _COMPILED: tuple[Any, ...] = (
-    slip.grip, slip.grip_slope,
-    march_forces.rolling, march_forces.gripping, march_forces.grips, march_forces.casters, march_forces.loads,
-    march_forces.wheel_forces, march_forces.forces,
-    march_step.assemble, march_step.close, march_step.solve, march_step.arrow, march_step.moved, march_step.off,
-    march_step.once, march_step.advance,
-    march_loop.correct, march_loop.command, march_loop.hold, march_loop.note, march_loop.follow_one,
+    slip.grip,
+    slip.grip_slope,
+    march_forces.rolling,
+    march_forces.gripping,
+    march_forces.grips,
+    march_forces.casters,
+    march_forces.loads,
+    march_forces.wheel_forces,
+    march_forces.forces,
+    march_step.assemble,
+    march_step.close,
+    march_step.solve,
+    march_step.arrow,
+    march_step.moved,
+    march_step.off,
+    march_step.once,
+    march_step.advance,
+    march_loop.correct,
+    march_loop.command,
+    march_loop.hold,
+    march_loop.note,
+    march_loop.follow_one,
 )  # fmt: skip  - each calls only those before it
 _SOURCES = (march_places, slip, march_forces, march_step, march_loop)
 
@@ -66,7 +82,8 @@ def _translated(njit: Any, keep: bool) -> Callable[..., int]:
     for function in _COMPILED:
         whole = function is march_loop.follow_one
         alike = FunctionType(function.__code__, names, function.__name__)
-        names[function.__name__] = njit(**options, **({"cache": keep} if whole else {"no_cpython_wrapper": True}))(alike)
+        more = {"cache": keep} if whole else {"no_cpython_wrapper": True}
+        names[function.__name__] = njit(**options, **more)(alike)
     found: Callable[..., int] = names["follow_one"]
     return found
 

@@ -1,4 +1,4 @@
-"""A platform under its controllers, period after period: poses, wheel speeds, torques, and what the floor makes of them.
+"""A platform under its controllers, period after period: poses, wheel speeds, torques, and what comes of them.
 
 A torque answers the sample of one period before, and holds for a period.
 """
@@ -41,7 +41,7 @@ def command(P: Array, eta: Array, z: Array, c: Array) -> None:
 def hold(G: Array, E: Array, c: Array, fed: Array, y: Array, i: int, sums: Array, period: float) -> float:
     """Torque that a wheel's controller asks for; its integral stands while the torque is at its limit."""
     error = E[i, 0] * c[0] + E[i, 1] * c[1] + E[i, 2] * c[2] - y[at.POSE + 3 + i]
-    torque = fed[i] + G[i, 0] * error + sums[i]
+    torque: float = fed[i] + G[i, 0] * error + sums[i]
     if abs(torque) > G[i, 2]:
         if torque * error < 0.0:
             sums[i] += G[i, 1] * error * period

@@ -5,18 +5,19 @@ from __future__ import annotations
 from drivesizer.platform.notation import Array
 
 __all__ = [
-    "ANSWER", "APERIODIC", "AT", "AX", "AY", "BOTTOM", "BT", "BX", "BY", "CASTER_COLUMNS", "CASTER_FX", "CASTER_FY",
-    "CASTER_K", "CASTER_N0", "CASTER_RR", "CASTER_SX", "CASTER_SY", "CASTER_X", "CASTER_Y", "COLUMNS", "CR", "CREEP",
-    "CW", "DAA", "DAB", "DBB", "DW", "EVERY", "FA", "FB", "FRICTION", "FW", "GAMMA", "HEIGHT", "HELD", "INPUT", "J",
-    "KIND", "K_I", "K_P", "K_X", "K_Y", "LAW", "LOAD", "LOST_CASTER", "LOST_ROLLER", "LOST_SLIP", "LOST_WHEEL", "N0",
-    "POSE", "PULL", "PX", "PY", "R", "RA", "RB", "RHO", "SIDE", "SLIP", "SLIP_SPEED", "STRENGTH", "SX", "SY", "TALLIES",
-    "TURNROUND", "UPHILL", "WEIGHT", "WORK", "Array",
+    "APERIODIC", "AT", "AX", "AY", "BOTTOM", "BT", "BX", "BY", "CASTER_COLUMNS", "CASTER_FX", "CASTER_FY",
+    "CASTER_K", "CASTER_N0", "CASTER_RR", "CASTER_SX", "CASTER_SY", "CASTER_X", "CASTER_Y", "COLUMNS", "CR",
+    "CREEP", "CW", "DAA", "DAB", "DBB", "DW", "EVERY", "FA", "FB", "FRICTION", "FW", "GAMMA", "HEIGHT", "HELD",
+    "INPUT", "KIND", "K_I", "K_P", "K_X", "K_Y", "LAW", "LOAD", "LOST_CASTER", "LOST_ROLLER", "LOST_SLIP",
+    "LOST_WHEEL", "N0", "POSE", "PULL", "PX", "PY", "RA", "RB", "RHO", "SIDE", "SLIP", "SLIP_SPEED", "STRENGTH",
+    "SX", "SY", "TALLIES", "TURNROUND", "UPHILL", "WEIGHT", "WORK", "Array", "J", "R",
 ]  # fmt: skip
 
 GAMMA = 1.0 - 0.5**0.5  # of the Rosenbrock step: order 2 and L-stable
 
-# a wheel: rows of slip (AX, AY, AT | -RA) and of the roller, or sideways, (BX, BY, BT | RB) over velocity | wheel speed;
-# what resists; kind (0 motor, 1 free, 2 blocked); load N0 - height * (SX, SY) . floor's force; torque over torque asked
+# a wheel: rows of slip (AX, AY, AT | -RA) and of the roller, or sideways, (BX, BY, BT | RB) over velocity | wheel
+# speed; what resists; kind (0 motor, 1 free, 2 blocked); load N0 - height * (SX, SY) . floor's force; torque over
+# torque asked
 AX, AY, AT, BX, BY, BT, RA, RB, R, J, CW, CR, FW, HELD, KIND, N0, SX, SY, STRENGTH = range(19)
 COLUMNS = 19
 
@@ -34,7 +35,7 @@ PX, PY, WEIGHT, PULL, UPHILL, HEIGHT, FRICTION, SLIP_SPEED, CREEP, TURNROUND = r
 
 POSE = 3  # entries of the state before the velocities: x, y, heading
 # after them: work of motors and weight; what is lost
-INPUT, LOST_SLIP, LOST_WHEEL, LOST_ROLLER, LOST_CASTER, ANSWER = range(6)
+INPUT, LOST_SLIP, LOST_WHEEL, LOST_ROLLER, LOST_CASTER = range(5)
 TALLIES = 5
 
 # pose feedback: law (0 none, 1 of three freedoms, 2 of a unicycle), periods between poses, gains

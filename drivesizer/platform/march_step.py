@@ -3,9 +3,9 @@ r"""One step in time: linearly implicit, of order 2, its length by an embedded e
 .. math:: (M - γ h J) k_1 = Q(y), \quad (M - γ h J) k_2 = Q(y + h k_1) - 2 M k_1, \quad
           y' = y + \tfrac h2 (3 k_1 + k_2)
 
-is of order 2 whatever J is and, with γ = 1 - 1/√2, L-stable [1]_: tyres as stiff as one likes do not shorten the step. J holds what
-grips and what resists; each wheel meets the platform only, so the equations are an arrow that closes on three.
-Posture and energies take the same step with J = 0, which is Heun's.
+is of order 2 whatever J is and, with γ = 1 - 1/√2, L-stable [1]_: tyres as stiff as one likes do not shorten the step.
+J holds what grips and what resists; each wheel meets the platform only, so the equations are an arrow that closes on
+three. Posture and energies take the same step with J = 0, which is Heun's.
 
 .. [1] J. G. Verwer, E. J. Spee, J. G. Blom, W. Hundsdorfer, "A second-order Rosenbrock method applied to photochemical
    dispersion problems", SIAM Journal on Scientific Computing 20 (1999) 1456-1480.

@@ -107,4 +107,4 @@ def actual(believed: Platform, misjudged: Misjudged) -> Platform:
         y=believed.y + y,
         height=max(believed.height + up, 0.0) if math.isfinite(up) else up,
     )
-    return loaded(there, *[m.payload] * (m.payload is not None))
+    return there if m.payload is None else loaded(there, m.payload)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -83,7 +84,7 @@ def _times(
     at = np.where(far, total - np.sqrt(2.0 * np.maximum(whole - marks, 0.0) / acceleration), at)
     corners = np.unique(np.round(np.array([0.0, ramp, total - ramp, total, *at]), 12))
     corners[-1] = total
-    parts = [np.linspace(a, b, max(math.ceil((b - a) / step), 1) + 1)[:-1] for a, b in zip(corners, corners[1:])]
+    parts = [np.linspace(a, b, max(math.ceil((b - a) / step), 1) + 1)[:-1] for a, b in pairwise(corners)]
     return np.concatenate([*parts, [total]]), rate
 
 

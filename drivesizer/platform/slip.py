@@ -5,9 +5,9 @@ Traction grows in proportion to slip speed s and runs smoothly into the friction
 .. math:: F = -μ N \tanh\frac{|s|}{s_0 + c\,|v|} \frac{s}{|s|},
 
 the hyperbolic tangent of [1]_ for dry friction. A wheel with rollers grips along the roller's axis only, as in [2]_,
-who model an omnidirectional robot with a friction that rises with slip speed; one that is held grips both ways, and the two
-share one friction circle. :math:`s_0` is where the straight line through 0 would meet μN. c adds what a tyre adds that
-rolls at v: its slip at a force is then a share of the way, not of the time, and μN/c is its slip stiffness [3]_.
+who model an omnidirectional robot with slip; one that is held grips both ways, and the two share one friction circle.
+:math:`s_0` is where the straight line through 0 would meet μN. c adds what a tyre adds that rolls at v: its slip at a
+force is then a share of the way, not of the time, and μN/c is its slip stiffness [3]_.
 Nothing sticks: what stands on a slope creeps by force over stiffness.
 
 .. [1] S. Andersson, A. Söderberg, S. Björklund, "Friction models for sliding dry, boundary and mixed lubricated
