@@ -212,7 +212,8 @@ def drive(
     if speeds is not None:
         start[at.POSE + 3 : at.POSE + 3 + len(platform.wheels)] = columns(speeds, len(platform.wheels), "wheel speeds")
     still = np.zeros((3, count))
-    plan = Planned(np.arange(count) * period, still + np.array([[0.0], [0.0], [heading]]), still, still)
+    place = still + np.array([[0.0], [0.0], [heading]])
+    plan = Planned(np.asarray(np.arange(count) * period, dtype=float), place, still, still)
     return _march(a, d, plan, held, None, fed, start, tolerance)
 
 

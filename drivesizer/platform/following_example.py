@@ -2,8 +2,8 @@
 
 The paper measured a real robot and gives neither its path, speed, controllers nor what its models were off by. What
 stands here is simulated. Only mass and the places and size of the wheels are the paper's; all else is assumed, was
-chosen before the first run and left as it was. One figure was chosen with the paper's 5.1° in sight: one radius is 0.1 mm
-larger than the others, because radii apart by tenths of a per cent would turn the robot by more than 10°.
+chosen before the first run and left as it was. One figure was chosen with the paper's 5.1° in sight: one radius is
+0.1 mm larger than the others, because radii apart by tenths of a per cent would turn the robot by more than 10°.
 """
 
 from __future__ import annotations
