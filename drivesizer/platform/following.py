@@ -37,6 +37,7 @@ Model = Literal["kinematic", "dynamic"]
 
 _MOST = 1_000_000  # samples
 _TOLERANCE = 1e-5  # m/s, of a step in time
+_WITHIN = 0.3  # of the speeds in which friction turns round: a coarser step could jump over them, to and fro
 _FED = 1.5  # periods from a sample to the middle of the period in which its torque acts
 
 
@@ -251,6 +252,7 @@ def _march(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: Pose
     """Let the machine code march, and name what it found."""
     if not 0.0 < tolerance < 1.0:
         raise InputError(f"following: tolerance must lie between 0 and 1 m/s, got {tolerance!r}")
+    least = _WITHIN * min(a.B[at.SLIP_SPEED], a.B[at.TURNROUND])
     n, count, wheels = len(a.W), len(plan.time), list(d.kinematics.driven)
     gains, P = np.zeros((n, 3)), np.zeros(7)
     gains[wheels] = np.array([speeds.proportional, speeds.integral, speeds.limit]).T
@@ -263,11 +265,11 @@ def _march(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: Pose
     eta = np.ascontiguousarray(map_columns(S @ np.linalg.pinv(S), plan.in_robot()[0]).T)
     marched = compiled()(
         a.W, a.K, a.B, a.C, a.M, gains, d.kinematics.E, P, np.ascontiguousarray(plan.posture.T), eta, fed[1:], start,
-        torque, speeds.period, a.lever, tolerance, np.zeros((n, at.WORK)), np.zeros((3, 3)),
+        torque, speeds.period, a.lever, min(tolerance, least), np.zeros((n, at.WORK)), np.zeros((3, 3)),
         np.zeros((7, len(start))), np.zeros(9 + 2 * n), rows, floor, applied, limited,
     )  # fmt: skip
     if marched < count:
-        raise InputError(f"following: the march left the range of numbers at {plan.time[marched]:.6g} s")
+        raise InputError(f"following: speeds run away at {plan.time[marched]:.6g} s; check torques, gains and periods")
     y = rows.T
     velocity, turned = y[3:6], y[6 : 6 + n]
     kinetic = (np.einsum("ik,ij,jk->k", velocity, a.M, velocity) + a.W[:, at.J] @ turned**2) / 2.0

@@ -136,7 +136,7 @@ def once(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: Arr
 
 def advance(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: Array, period: float, reach: float,
             lever: float, tolerance: float, w: Array, A: Array, s: Array) -> float:  # fmt: skip
-    """March one period under held torques; the step to try next [s], 0 where numbers give out."""
+    """March one period under held torques; the step to try next [s], 0 where speeds run away."""
     left, h = period, min(reach, period)
     while left > 0.0:
         last = h >= left * (1.0 - 1e-9)
@@ -156,4 +156,7 @@ def advance(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: 
         if not last or scale < 1.0:
             h = scale * step
         left = 0.0 if last else left - step
+    for r in range(at.POSE, at.POSE + 3 + W.shape[0]):
+        if not abs(y[r]) < at.FASTEST:
+            return 0.0
     return max(h, 1e-6 * period)

@@ -1,6 +1,6 @@
 """A way of straight pieces and arcs, driven at one speed with a ramp at either end, as a trajectory.
 
-The heading is the way's direction, or what is asked for: it turns smoothly along stretches of the way.
+The heading is what is asked for, whatever the way does: it turns smoothly along stretches of it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,6 @@ def route(
     speed: float,
     acceleration: float,
     turns: Sequence[tuple[float, float, float]] = (),
-    ahead: bool = False,
     step: float = 0.01,
 ) -> Trajectory:
     """A way of straight pieces and arcs from rest to rest.
@@ -37,8 +36,6 @@ def route(
         Of travel [m/s], and of the ramps at the ends [m/s^2]. Turning into an arc at speed is a jump of acceleration.
     turns
         Stretches of the way [m], from and to, and by how much the heading changes there [rad].
-    ahead
-        Whether the heading is the way's direction, turns on top of it.
     step
         Longest piece of time [s].
 
@@ -66,7 +63,7 @@ def route(
     s, v = _along(both, rate, ends[-1])
     a = np.where(both.mean(axis=-1) < rate[1], rate[0], np.where(both.mean(axis=-1) > rate[2], -rate[0], 0.0))
     leg = np.minimum(np.searchsorted(ends, s.mean(axis=-1)), len(legs) - 1)
-    return _moving(np.asarray(legs), leg[:, None], ends, s, v, a[:, None] + 0.0 * s, turns, ahead, both)
+    return _moving(np.asarray(legs), leg[:, None], ends, s, v, a[:, None] + 0.0 * s, turns, both)
 
 
 def _times(
@@ -99,7 +96,7 @@ def _along(time: Array, rate: tuple[float, float, float, float], whole: float) -
 
 def _moving(
     legs: Array, leg: Array, ends: Array, s: Array, v: Array, a: Array, turns: Sequence[tuple[float, float, float]],
-    ahead: bool, time: Array,
+    time: Array,
 ) -> Trajectory:  # fmt: skip
     """Posture, velocity and acceleration on the way."""
     corner = _corners(legs)
@@ -108,7 +105,7 @@ def _moving(
     psi = psi0 + bend * into
     chord = into * np.sinc(bend * into / 2.0 / np.pi)
     x, y = x0 + chord * np.cos(psi0 + bend * into / 2.0), y0 + chord * np.sin(psi0 + bend * into / 2.0)
-    theta, per, change = (psi, bend, 0.0 * s) if ahead else (0.0 * s, 0.0 * s, 0.0 * s)
+    theta, per, change = 0.0 * s, 0.0 * s, 0.0 * s
     for start, end, angle in turns:
         q = np.clip((s - start) / (end - start), 0.0, 1.0)
         theta = theta + angle * q**3 * (10.0 - 15.0 * q + 6.0 * q**2)
