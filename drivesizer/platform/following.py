@@ -154,13 +154,13 @@ def follow(
         check_allowed(d.kinematics, columns(rates, 3, f"{what} of the trajectory"), f"{what} of the trajectory")
     speeds = speeds or speed_loop(d)
     _fits(d, speeds, poses)
+    a = arrays(actual(platform, misjudged), misjudged, contact, ground)
     count = _count(trajectory.total, speeds.period)
     plan = sampled(trajectory, np.arange(count) * speeds.period)
     fed = np.zeros((count + 1, len(platform.wheels)))
     if model == "dynamic":
         late = np.concatenate([plan.time[:1] - speeds.period, plan.time]) + _FED * speeds.period
         fed[:, d.kinematics.driven] = _torques(d, sampled(trajectory, late), ground).T
-    a = arrays(actual(platform, misjudged), misjudged, contact, ground)
     start = first_state(a, plan.posture[:, 0], plan.in_robot()[0][:, 0])
     return _march(a, d, plan, speeds, poses, fed, start, tolerance)
 

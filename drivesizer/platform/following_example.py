@@ -15,13 +15,13 @@ from functools import cache
 from drivesizer.platform.dynamics import dynamics
 from drivesizer.platform.following import Followed, Model, follow
 from drivesizer.platform.following_control import pose_loop, speed_loop
-from drivesizer.platform.misjudged import EXACT, Misjudged
+from drivesizer.platform.misjudged import EXACT, Misjudged, of_each
 from drivesizer.platform.route import route
 from drivesizer.platform.slip import Contact
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.platform.wheels import Payload, Platform, table_wheel
 
-__all__ = ["ASSUMED", "CASES", "FLOOR", "MEASURED", "OFF", "Case", "paper_robot", "paper_route", "run"]
+__all__ = ["CASES", "FLOOR", "MEASURED", "OFF", "Case", "assumptions", "paper_robot", "paper_route", "run"]
 
 MEASURED: dict[str, tuple[float, float]] = {  # section 6: largest error in position [m] and heading [rad]
     "kinematic": (2.78, math.radians(5.1)),
@@ -38,22 +38,6 @@ OFF = Misjudged(
     payload=Payload(mass=5.0, x=0.2, height=0.3),
     rolling_resistance=0.005,
     motor=(0.0, -0.05, 0.0, 0.0),
-)
-
-ASSUMED: tuple[tuple[str, str], ...] = (
-    ("inertia of the platform", "2.34 kg·m², a plate of 707 mm × 350 mm"),
-    ("height of the centre of mass", "0.1 m"),
-    ("inertia of a wheel", "2.85e-3 kg·m², a cylinder of rubber and aluminium"),
-    ("inertia of rotor and gearhead at the wheel", "3.4e-3 kg·m², 142 g·cm² behind 1:15.4"),
-    ("rolling resistance of wheels, and of rollers", "0.02 and 0.02 of the load"),
-    ("grip", "0.6 of the load; slip stiffness 15 times the load, of the order of tyres (Pacejka), and 1 mm/s at rest"),
-    ("path", "91.8 m, straights and arcs of 3 m, 1 m/s, 0.5 m/s² at both ends, heading turned by 1.5, -2 and 1 rad"),
-    ("controllers", "speed loops of 1 ms, 8 N·m at most; a pose every 50 ms where it is fed back"),
-    ("radii", "0.5 % larger than believed, the one in front at the right 0.1 mm more"),
-    ("places of the wheels", "1 % farther out than believed"),
-    ("payload that the model does not know", "5 kg, 0.2 m before the middle and 0.3 m up"),
-    ("rolling resistance", "0.025 instead of 0.02"),
-    ("motor in front at the left", "5 % weak"),
 )
 
 
@@ -94,13 +78,43 @@ def paper_robot() -> Platform:
     return Platform(wheels=wheels, mass=45.0, inertia=2.34, height=0.1)
 
 
+_ARC = 3.0 * math.pi / 2.0
+_LEGS = ((20.0, 0.0), (_ARC, 1 / 3.0), (15.0, 0.0), (_ARC, -1 / 3.0), (20.0, 0.0), (2.0 * _ARC, 1 / 3.0), (18.0, 0.0))
+_TURNS = ((4.0, 12.0, 1.5), (30.0, 42.0, -2.0), (70.0, 78.0, 1.0))
+_SPEED, _ACCELERATION, _LIMIT = 1.0, 0.5, 8.0  # m/s, m/s^2, N*m at a wheel
+
+
 @cache
 def paper_route() -> Trajectory:
     """Some 90 m of straights and arcs, with three changes of heading."""
-    arc = 3.0 * math.pi / 2.0
-    legs = [(20.0, 0.0), (arc, 1 / 3.0), (15.0, 0.0), (arc, -1 / 3.0), (20.0, 0.0), (2.0 * arc, 1 / 3.0), (18.0, 0.0)]
-    turns = [(4.0, 12.0, 1.5), (30.0, 42.0, -2.0), (70.0, 78.0, 1.0)]
-    return route(legs, speed=1.0, acceleration=0.5, turns=turns)
+    return route(_LEGS, speed=_SPEED, acceleration=_ACCELERATION, turns=_TURNS)
+
+
+def assumptions() -> tuple[tuple[str, str], ...]:
+    """What the simulation rests on beside the paper's figures, as text."""
+    p, way = paper_robot(), paper_route()
+    w, load, radii = p.wheels[0], OFF.payload, OFF.radius
+    assert load is not None and isinstance(radii, tuple)
+    apart = (radii[0] - radii[1]) * _RADIUS
+    return (
+        ("inertia of the platform", f"{p.inertia:g} kg·m², a plate of 707 mm × 350 mm"),
+        ("height of the centre of mass", f"{p.height:g} m"),
+        ("inertia of a wheel", f"{w.inertia:g} kg·m², a cylinder of rubber and aluminium"),
+        ("inertia of rotor and gearhead at the wheel", f"{w.rotor_inertia:g} kg·m², 142 g·cm² behind 1:15.4"),
+        ("resistance of wheels, and of rollers", f"{w.rolling_resistance:g} and {w.roller_resistance:g} of the load"),
+        ("grip", f"{FLOOR.friction:g} of the load"),
+        ("slip stiffness", f"{FLOOR.friction / FLOOR.creep:.3g} times the load, as of tyres; at rest over "
+         f"{1e3 * FLOOR.slip_speed:g} mm/s"),
+        ("path", f"{sum(length for length, _ in _LEGS):.3g} m in {way.total:.3g} s, straights and arcs of 3 m; heading "
+         f"turned by {', '.join(f'{angle:g}' for *_, angle in _TURNS)} rad"),
+        ("speed and acceleration", f"{_SPEED:g} m/s and {_ACCELERATION:g} m/s²"),
+        ("controllers", f"speed loops of 1 ms with {_LIMIT:g} N·m at most; a pose every 50 ms where it is fed back"),
+        ("misjudged: radii", f"{radii[1]:.1%} larger, in front at the right {1e3 * apart:.1f} mm more"),
+        ("misjudged: places of the wheels", f"{OFF.lever:.0%} farther out"),
+        ("misjudged: payload", f"{load.mass:g} kg, {load.x:g} m before the middle, {load.height:g} m up, not known"),
+        ("misjudged: rolling resistance", f"{OFF.rolling_resistance:g} more"),
+        ("misjudged: motor in front at the left", f"{abs(min(of_each(OFF.motor, 4, 'motor'))):.0%} weak"),
+    )  # fmt: skip
 
 
 def run(case: Case) -> Followed:
@@ -112,7 +126,7 @@ def run(case: Case) -> Followed:
         Which.
     """
     d = dynamics(paper_robot())
-    speeds = speed_loop(d, limit=8.0, integral=case.integral)
+    speeds = speed_loop(d, limit=_LIMIT, integral=case.integral)
     poses = pose_loop(d, speeds) if case.poses else None
     off = EXACT if case.exact else OFF
     return follow(paper_route(), d.platform, model=case.model, misjudged=off, contact=FLOOR, speeds=speeds, poses=poses)

@@ -7,8 +7,8 @@ from drivesizer.platform.notation import Array
 __all__ = [
     "APERIODIC", "AT", "AX", "AY", "BOTTOM", "BT", "BX", "BY", "CASTER_COLUMNS", "CASTER_FX", "CASTER_FY",
     "CASTER_K", "CASTER_N0", "CASTER_RR", "CASTER_SX", "CASTER_SY", "CASTER_X", "CASTER_Y", "COLUMNS", "CR",
-    "CREEP", "CW", "DAA", "DAB", "DBB", "DW", "EVERY", "FA", "FASTEST", "FB", "FRICTION", "FW", "GAMMA", "HEIGHT", "HELD",
-    "INPUT", "KIND", "K_I", "K_P", "K_X", "K_Y", "LAW", "LOAD", "LOST_CASTER", "LOST_ROLLER", "LOST_SLIP",
+    "CREEP", "CW", "DAA", "DAB", "DBB", "DW", "EVERY", "FA", "FASTEST", "FB", "FRICTION", "FW", "GAMMA", "HEIGHT",
+    "HELD", "INPUT", "KIND", "K_I", "K_P", "K_X", "K_Y", "LAW", "LOAD", "LOST_CASTER", "LOST_ROLLER", "LOST_SLIP",
     "LOST_WHEEL", "N0", "POSE", "PULL", "PX", "PY", "RA", "RB", "RHO", "SIDE", "SLIP", "SLIP_SPEED", "STRENGTH",
     "SX", "SY", "TALLIES", "TURNROUND", "UPHILL", "WEIGHT", "WORK", "Array", "J", "R",
 ]  # fmt: skip
