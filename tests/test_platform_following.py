@@ -60,6 +60,13 @@ def test_the_dynamic_model_without_errors_leaves_next_to_none(p):
     assert found.limited.max() == 0.0
 
 
+def test_torque_is_fed_forward_for_the_time_in_which_it_acts():
+    """Half a period early or late leaves some 25 times as much."""
+    p = cart()
+    slow = follow(AHEAD, p, contact=STIFF, speeds=speed_loop(dynamics(p), period=4e-3), tolerance=1e-7)
+    assert worst(slow).max() < 3e-6
+
+
 def test_torques_of_the_speed_loops_are_those_of_the_model_in_the_end():
     """Without feedforward the loops find them by themselves: at constant speed, what resists."""
     p = robot(rolling_resistance=0.03)
@@ -176,6 +183,16 @@ def test_poses_take_a_constant_bias_away():
     assert open_loop.along[9000] == pytest.approx(0.02 * found.way[9000], rel=0.01)
     assert abs(found.along[11500]) < 1e-4  # at constant speed
     assert found.position.max() < 0.01
+
+
+def test_poses_take_a_sideways_bias_away():
+    p, long = robot(), route([(12.0, 0.0)], speed=1.0, acceleration=1.0)
+    d, off = dynamics(p), Misjudged(toe=0.02)  # of all wheels
+    speeds = speed_loop(d)
+    free = deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds))
+    assert free.across[-1] == pytest.approx(12.0 * math.sin(0.02), rel=1e-3)
+    held = deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds, poses=pose_loop(d, speeds)))
+    assert abs(held.across[11500]) < 1e-4 < held.position.max() < 0.01
 
 
 def test_poses_take_an_error_of_direction_away():

@@ -110,7 +110,7 @@ def one_at_a_time() -> Table:
         rows.append(tuple(cells))
     heads = ("misjudged", "position, PI", "heading, PI", "position, P", "heading, P")
     note = (
-        "Laws: radii larger by e enlarge way and turns by e; one of four larger by e turns the platform by e/(4 l) over "
+        "Laws: radii larger by e enlarge way and turns by e; one of four larger by e turns it by e/(4 l) over "
         "the way ahead, l = l1 + l2; wheels farther out by e make turns smaller by e/(1 + e)."
     )
     return Table(heads, tuple(rows), note)
