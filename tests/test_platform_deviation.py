@@ -1,0 +1,101 @@
+"""The way that is wanted, and how it is told what a platform made of it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from following_ways import AHEAD, CURVED, STIFF, robot
+
+from drivesizer.errors import InputError
+from drivesizer.platform.deviation import (
+    deviation,
+    extremes,
+)
+from drivesizer.platform.following import follow, sampled
+from drivesizer.platform.following_example import CASES, MEASURED, paper_robot, paper_route, run
+from drivesizer.platform.following_table import Table, assumed, beside_the_paper
+from drivesizer.platform.route import route
+from drivesizer.platform.trajectory import Trajectory
+from drivesizer.report.path_figure import path_and_errors
+
+# --- the way that is wanted -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("way", [CURVED, AHEAD, paper_route()], ids=["turning", "unicycle", "example"])
+def test_a_route_is_the_integral_of_its_velocity(way):
+    step = way.duration * (way.velocity[..., 0] + way.velocity[..., 1]) / 2.0
+    assert way.posture[..., 1] - way.posture[..., 0] == pytest.approx(step, abs=2e-6)
+    assert way.posture[:, 1:, 0] == pytest.approx(way.posture[:, :-1, 1], abs=1e-9)
+    assert way.velocity[:, 1:, 0] == pytest.approx(way.velocity[:, :-1, 1], abs=1e-9)
+    change = way.duration * (way.acceleration[..., 0] + way.acceleration[..., 1]) / 2.0
+    assert way.velocity[..., 1] - way.velocity[..., 0] == pytest.approx(change, abs=3e-5)
+    assert way.velocity[:, [0, -1], [0, 1]] == pytest.approx(np.zeros((3, 2)), abs=1e-12)
+
+
+def test_where_a_route_ends():
+    quarter = route([(2.0, 0.0), (1.5 * math.pi, 1.0 / 3.0)], speed=1.2, acceleration=0.6, turns=[(1.0, 5.0, -0.7)])
+    assert quarter.posture[:, -1, 1] == pytest.approx([5.0, 3.0, -0.7])
+    assert np.hypot(*quarter.velocity[:2]).max() == pytest.approx(1.2)
+    short = route([(0.5, 0.0)], speed=2.0, acceleration=0.5)  # never at full speed: 2 sqrt(s / a)
+    assert short.total == pytest.approx(2.0)
+
+
+def test_a_trajectory_between_its_ends():
+    parabola = Trajectory(
+        duration=np.array([2.0]),
+        posture=np.array([[[0.0, 3.0]], [[1.0, 1.0]], [[0.0, 0.0]]]),
+        velocity=np.array([[[0.5, 2.5]], [[0.0, 0.0]], [[0.0, 0.0]]]),
+        acceleration=np.array([[[1.0, 1.0]], [[0.0, 0.0]], [[0.0, 0.0]]]),
+    )
+    found = sampled(parabola, np.array([-1.0, 0.0, 0.5, 1.5, 2.0, 3.0]))
+    assert found.posture[0] == pytest.approx([0.0, 0.0, 0.375, 1.875, 3.0, 3.0])
+    assert found.velocity[0] == pytest.approx([0.0, 0.5, 1.0, 2.0, 2.5, 0.0])
+    assert found.acceleration[0] == pytest.approx([0.0, 1.0, 1.0, 1.0, 1.0, 0.0])
+
+
+# --- how it is told ---------------------------------------------------------------------------------------------------
+
+
+def test_along_and_across_by_hand():
+    found = follow(route([(1.0, 0.0), (0.5 * math.pi, 1.0)], speed=0.5, acceleration=1.0), robot(), contact=STIFF)
+    moved = replace(found, posture=found.posture + np.array([[0.3], [0.4], [0.01]]))
+    d = deviation(moved)
+    assert d.position == pytest.approx(np.full(len(d.time), 0.5), abs=1e-3)
+    assert (d.along[0], d.across[0]) == pytest.approx((0.3, 0.4), abs=1e-3)  # heading along x
+    assert (d.along[-1], d.across[-1]) == pytest.approx((0.4, -0.3), abs=1e-3)  # along y in the end
+    assert d.way[-1] == pytest.approx(1.0 + 0.5 * math.pi, rel=1e-5)
+    by = {e.title: e for e in extremes(moved)}
+    assert by["heading"].value == pytest.approx(0.01, rel=0.01)
+    assert (by["heading"].unit, by["position"].unit, by["slip"].unit) == ("deg", "m", "mm/s")
+
+
+def test_a_run_of_the_example():
+    found = run(CASES[1])  # dynamic, PI, nothing misjudged
+    d = deviation(found)
+    assert 85.0 < d.way[-1] < 95.0
+    assert d.position.max() < 0.2 and found.imbalance < 1e-6
+    robot = paper_robot()
+    assert (robot.mass, robot.wheels[0].radius, robot.wheels[0].L) == pytest.approx((45.0, 0.0762, 0.27406))
+    assert max(w.alpha for w in robot.wheels) == pytest.approx(math.radians(150.5))
+
+
+def test_the_table_beside_the_paper():
+    table = beside_the_paper()
+    assert MEASURED["dynamic"] == pytest.approx((0.89, math.radians(0.45)))
+    assert [row[4:6] for row in table.rows[:2]] == [("2.78 m", "5.1 °"), ("0.89 m", "0.45 °")]
+    assert [row[0] for row in table.rows[2:]] == [case.model for case in CASES]
+    assert "measured" in table.note and "simulated" in table.note
+    for found in (table, assumed()):
+        assert isinstance(found, Table) and {len(row) for row in found.rows} == {len(found.heads)}
+
+
+def test_the_figure():
+    runs = {"kinematic": follow(CURVED, robot(), model="kinematic"), "dynamic": follow(CURVED, robot())}
+    drawing = path_and_errors(runs, "typeset")
+    assert drawing == path_and_errors(runs, "typeset")
+    for word in ("desired", "kinematic", "dynamic", "heading (°)", "distance (m)", "way along the desired path (m)"):
+        assert word in drawing.decode()
+    assert path_and_errors(runs, "png")[:4] == b"\x89PNG"
+    with pytest.raises(InputError, match=r"^figure of a path: expected 1 to 4 runs, got 0$"):
+        path_and_errors({})
