@@ -105,7 +105,7 @@ def over_time(found: Driving) -> dict[str, tuple[Array, str, str]]:
     d, way = dynamics_of(found.spec), found.trajectory
     seen = motion(d, way, ground_of(found.spec))
     ends = np.cumsum(seen.duration)
-    time = np.stack([ends - seen.duration, ends], axis=1)
+    time = np.stack([np.append(0.0, ends[:-1]), ends], axis=1)
     E = d.kinematics.E[list(d.kinematics.driven)]
     torque = wheel_torques(d, seen.eta, seen.eta_dot, theta=seen.facing, ground=seen.ground, towards=seen.towards,
                            rotors=False)  # fmt: skip
