@@ -272,3 +272,50 @@ def test_cases_keep_their_names(tmp_path: Path):
     best = size(spec_of(text), top=1)
     shown = (*best.sets, *best.misses)[0]
     assert next(c for c in shown.budget if c.name == "grip_motion").case in ("as specified", "loaded")
+
+
+# --- a motor that has failed ------------------------------------------------------------------------------------------
+
+
+def test_three_motors_of_four_still_drive_the_way():
+    """Straight on without wheel 2: no force aside, t1 + t3 = t4, and no moment, t1 + t4 = t3; so the rear axle does it."""
+    level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg").replace("rolling_resistance: 0.02", "rolling_resistance: 0")
+    spec = spec_of(level, PLATFORM, AHEAD)
+    whole, left = (driving(on_the_way(spec, None, failed)) for failed in ((), (2,)))
+    assert [w.number for w in left.wheels] == [1, 3, 4]
+    most = {w.number: float(np.abs(w.cycle.torque).max()) for w in left.wheels}
+    usual = float(np.abs(whole.wheels[0].cycle.torque).max())
+    assert most[3] == pytest.approx(2.0 * usual) and most[4] == pytest.approx(2.0 * usual)
+    assert most[1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_load_case_with_a_failed_motor_is_sized_for():
+    """Torque doubles in the case without one motor, and the sets are sized for it; all four are still bought."""
+    text = VEHICLE + PLATFORM + AHEAD
+    plain, spare = (
+        size(spec_of(text, case), top=1) for case in ("", "cases: [{name: lost, platform: {failed: [2]}}]\n")
+    )
+    torques = [
+        next(r.value for r in result.requirements if r.name == "maximum_torque_per_motor") for result in (plain, spare)
+    ]
+    assert torques[1] == pytest.approx(2.0 * torques[0], rel=0.02)
+    assert spare.spec.load.motors == 4
+
+
+@pytest.mark.parametrize(
+    ("failed", "told"),
+    [((5,), "there is no wheel 5"), ((2, 3), "with its driven wheels at rest"), ((1, 2, 3, 4), "no wheel is driven")],
+)
+def test_what_cannot_be_driven_any_more(failed, told):
+    with pytest.raises(InputError, match=told):
+        driving(on_the_way(spec_of(VEHICLE, PLATFORM, TURNING), None, failed))
+
+
+def test_omni_wheels_that_all_roll_ahead_hold_no_platform():
+    places = ", ".join(
+        f"{{kind: omni, x: {x} m, y: {y} m}}" for x, y in ((0.3, -0.2), (0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2))
+    )
+    text = PLATFORM.replace("layout: {kind: mecanum, wheelbase: 477 mm, track: 270 mm}", f"wheels: [{places}]")
+    with pytest.raises(InputError, match="driven wheels at rest") as told:
+        spec_of(VEHICLE, text, AHEAD)
+    assert str(told.value).count("\n") == 0
