@@ -278,7 +278,7 @@ def test_cases_keep_their_names(tmp_path: Path):
 
 
 def test_three_motors_of_four_still_drive_the_way():
-    """Straight on without wheel 2: no force aside, t1 + t3 = t4, and no moment, t1 + t4 = t3; so the rear axle does it."""
+    """Straight on without wheel 2: t1 + t3 = t4 for no force aside, t1 + t4 = t3 for no moment: by the rear axle."""
     level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg").replace("rolling_resistance: 0.02", "rolling_resistance: 0")
     spec = spec_of(level, PLATFORM, AHEAD)
     whole, left = (driving(on_the_way(spec, None, failed)) for failed in ((), (2,)))
