@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from math import isfinite, isnan
+from math import fsum, isfinite, isnan
 
 from drivesizer.choose import usable_in
 from drivesizer.energy_flow import EnergyFlow, energy_flow
@@ -18,6 +18,7 @@ from drivesizer.spec import RobotSpec
 from drivesizer.thermal import current_derating, two_bodies
 from drivesizer.units import show
 from drivesizer.warm_up import WarmUp, warm_up
+from drivesizer.wheel_load import WheelLoad
 
 __all__ = ["Behaviour"]
 
@@ -43,8 +44,14 @@ class Behaviour:
 
     @cached_property
     def energy(self) -> EnergyFlow:
-        """The account of the cycle as specified."""
-        return energy_flow(self.specified)
+        """The account of the cycle as specified; of a platform on its way the sum over its wheels."""
+        load = self.specified.spec.load
+        if not isinstance(load, WheelLoad):
+            return energy_flow(self.specified)
+        wheels = [found for _, found in self.cycles if getattr(found.spec.load, "of", None) == load.of]
+        shares = [found.spec.load.alike / found.spec.load.motors for found in wheels]
+        flows = [energy_flow(found) for found in wheels]
+        return EnergyFlow(*(fsum(x * y for x, y in zip(shares, column, strict=True)) for column in zip(*flows, strict=True)))
 
     @cached_property
     def known(self) -> bool:
