@@ -22,7 +22,7 @@ __all__ = ["Way", "passages_of", "plan_view", "ways_of"]
 
 Array = NDArray[np.float64]
 _WIDTH = 5.64  # in, of the axes
-_HEIGHTS = (1.2, 3.4)  # in, of the axes: at least, at most
+_HEIGHTS = (1.2, 2.9)  # in, of the axes: at least, at most
 _POINTS = 2000  # of a path
 _ARROWS = 26  # headings along the way
 _ROOM = 0.06  # around all that is drawn, as a share of it
@@ -73,17 +73,19 @@ def plan_view(spec: RobotSpec, form: Form = "svg") -> bytes:
     low, high = _extent(ways, passages, size)
     across, up = high - low
     height = float(np.clip(_WIDTH * up / across, *_HEIGHTS))
+    scale = max(across / _WIDTH, up / height)  # m to an inch
+    middle, half = (low + high) / 2.0, scale / 2.0 * np.array([_WIDTH, height])
     legend = 0.18 if len(ways) > 1 else 0.0
 
     def draw(figure: Figure) -> None:
         axes = placed(figure, top=0.1 + legend)[0][0]
-        axes.set_aspect("equal", adjustable="datalim")
-        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x (m)", ylabel="y (m)")
+        (left, below), (right, above) = middle - half, middle + half
+        axes.set(xlim=(left, right), ylim=(below, above), xlabel="x (m)", ylabel="y (m)")
         for passage in passages:
             _doorway(axes, passage)
         for number, way in enumerate(ways):
             colour, dashes = ("blue", "solid") if len(ways) == 1 else CASES[number]
-            _path(axes, way, COLOURS[colour], dashes, size, scale=max(across / _WIDTH, up / height))
+            _path(axes, way, COLOURS[colour], dashes, size, scale)
         if len(ways) > 1:
             heading(figure, *axes.get_legend_handles_labels(), len(ways))
 
@@ -134,7 +136,7 @@ def _outlines(axes: Axes, size: Size, postures: Array, colour: str) -> None:
         np.stack([x + px * np.cos(t) - py * np.sin(t), y + px * np.sin(t) + py * np.cos(t)], axis=1)
         for x, y, t in postures.T
     ]
-    axes.add_collection(PolyCollection(shapes, facecolor="none", edgecolor=colour, linewidth=0.5, alpha=0.6, zorder=2.5))
+    axes.add_collection(PolyCollection(shapes, facecolor="none", edgecolor=colour, linewidth=0.6, alpha=0.8, zorder=2.5))
 
 
 def _ends(axes: Axes, start: tuple[float, float], end: tuple[float, float], near: float) -> None:
