@@ -43,7 +43,7 @@ def test_it_is_the_document_of_the_terminal_and_more(document, result):
     assert document["schema_version"] == contract.SCHEMA_VERSION
     told = json.loads(contract.as_text(contract.sizing(result)))
     assert {key: document[key] for key in told} == told
-    assert set(document) - set(told) == {"parts_list", "validation"}
+    assert set(document) - set(told) == {"parts_list", "machine", "validation"}
     driven = document["validation"]
     assert driven["set"] == document["sets"][0] and driven["spec"] == document["spec"]
 

@@ -46,9 +46,9 @@ def report_drawings(
     Returns
     -------
     dict
-        By name what draws it: ``way`` of a platform on one, ``profile``, ``cycle``; of a set ``margins``, ``field``, ``efficiency``, ``demand``,
-        ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``; ``loop``, ``bode`` and
-        ``step``.
+        By name what draws it: ``way`` of a platform on one, ``profile``, ``cycle``; of a set ``margins``, ``field``,
+        ``efficiency``, ``demand``, ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``;
+        ``loop``, ``bode`` and ``step``.
     """
     best = result.shown
     cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]

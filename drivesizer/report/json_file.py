@@ -1,4 +1,4 @@
-"""JSON: the document of ``drivesizer size --json`` with the parts list and the closed loop in it, for other programs.
+"""JSON: the document of ``drivesizer size --json`` with parts list, machine and closed loop in it, for other programs.
 
 null where a figure is unknown, never NaN; figures are SI where the key names no other unit. The schema is in
 ``json_schema``.
@@ -13,9 +13,9 @@ from typing import Any
 
 from drivesizer.contract import as_text, sizing, validation
 from drivesizer.report.parts import PartLine, parts_list
-from drivesizer.results import SizingResult, Validation
+from drivesizer.results import DriveSet, SizingResult, Validation
 from drivesizer.thinning import on_curves
-from drivesizer.units import KINDS
+from drivesizer.units import KINDS, from_si
 
 __all__ = ["MOST_SAMPLES", "document", "render"]
 
@@ -29,7 +29,7 @@ def render(result: SizingResult, validation: Validation | None, path: Path) -> d
 
 
 def document(result: SizingResult, proof: Validation | None) -> dict[str, Any]:
-    """Sizing, parts list and closed loop as one document.
+    """Sizing, parts list, machine and closed loop as one document.
 
     Parameters
     ----------
@@ -40,7 +40,26 @@ def document(result: SizingResult, proof: Validation | None) -> dict[str, Any]:
     """
     bought = parts_list(result.sets[0], result.catalog, result.spec.load.motors) if result.sets else []
     driven = validation(proof) | {"series": _series(proof)} if proof else None
-    return sizing(result) | {"parts_list": [_line(line) for line in bought], "validation": driven}
+    machine = _machine(result.shown) if result.shown else None
+    return sizing(result) | {"parts_list": [_line(line) for line in bought], "machine": machine, "validation": driven}
+
+
+def _machine(best: DriveSet) -> dict[str, Any] | None:
+    """What the machine weighs with the set that is told in full, and its figures without a limit; null without such."""
+    if not best.masses and not best.machine:
+        return None
+    return {
+        "set_rank": best.rank,
+        "masses": [
+            {"name": row.name, "number": row.number, "each_kg": _known(row.each), "total_kg": _known(row.total)}
+            for row in best.masses
+        ],
+        "figures": [
+            {"name": f.name, "title": f.title, "value": _known(float(from_si(f.value, f.unit, f.kind))), "unit": f.unit,
+             "si": _known(f.value), "at_time_s": f.at_time}
+            for f in best.machine  # a name may stand for several passages
+        ],
+    }  # fmt: skip
 
 
 def _line(line: PartLine) -> dict[str, Any]:

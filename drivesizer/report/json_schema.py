@@ -1,6 +1,6 @@
 """JSON Schema of the JSON report, for programs that read it; that of a part is made of the catalogue's own columns.
 
-The document of ``drivesizer size --json`` is the same without ``parts_list`` and ``validation``, that of
+The document of ``drivesizer size --json`` is the same without ``parts_list``, ``machine`` and ``validation``, that of
 ``drivesizer validate --json`` is what stands under ``validation`` here, without ``series``.
 """
 
@@ -37,7 +37,8 @@ def report_schema() -> _Schema:
             sets=_list(_to("set")), misses=_list(_to("set")), relaxations=_list(_to("relaxation")),
             pareto=_all_of(objectives=_WORDS, sets=_list(_to("set"))), unrestricted=_or_null(_to("set")),
             counts=_all_of(considered=_COUNT, feasible=_COUNT, failed_by=_named(_COUNT)), assumptions=_WORDS,
-            warnings=_WORDS, parts_list=_list(_to("line")), validation=_or_null(_to("validation")),
+            warnings=_WORDS, parts_list=_list(_to("line")), machine=_or_null(_machine()),
+            validation=_or_null(_to("validation")),
         ),
         "$defs": _definitions(),
     }  # fmt: skip
@@ -139,6 +140,13 @@ def _energy() -> _Schema:
     consumer = _all_of(name=_STRING, number=_COUNT, mean_W=_NUMBER, peak_W=_NUMBER, share_of_time=_NUMBER,
                        assumed={"type": "boolean"})  # fmt: skip
     return _all_of(battery=_STRING, consumers=_list(consumer), figures=_named(_to("figure")), assumptions=_WORDS)
+
+
+def _machine() -> _Schema:
+    """Masses and figures in a row: a name may stand for several passages."""
+    mass = _all_of(name=_STRING, number=_COUNT, each_kg=_NUMBER, total_kg=_NUMBER)
+    figure = _all_of(name=_STRING, title=_STRING, value=_NUMBER, unit=_STRING, si=_NUMBER, at_time_s=_NUMBER)
+    return _all_of(set_rank=_COUNT, masses=_list(mass), figures=_list(figure))
 
 
 def _curve(**columns: _Schema) -> _Schema:

@@ -59,5 +59,6 @@ def thinned(time: NDArray[np.float64], values: NDArray[np.float64], window: Wind
     first, last = np.searchsorted(time, [window.start, window.end])
     start, end = max(first - 1, 0), min(last + 1, len(time))
     steps = np.flatnonzero(np.diff(time[start:end]) > _SEEN * (window.end - window.start))
-    kept: NDArray[np.int64] = np.unique(np.concatenate([extremes(values[start:end], _MOST), steps, steps + 1]))
-    return start + kept
+    kept = [extremes(values[start:end], _MOST), steps, steps + 1]
+    found: NDArray[np.int64] = start + np.unique(np.concatenate(kept))
+    return found

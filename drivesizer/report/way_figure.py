@@ -136,7 +136,9 @@ def _outlines(axes: Axes, size: Size, postures: Array, colour: str) -> None:
         np.stack([x + px * np.cos(t) - py * np.sin(t), y + px * np.sin(t) + py * np.cos(t)], axis=1)
         for x, y, t in postures.T
     ]
-    axes.add_collection(PolyCollection(shapes, facecolor="none", edgecolor=colour, linewidth=0.6, alpha=0.8, zorder=2.5))
+    axes.add_collection(
+        PolyCollection(shapes, facecolor="none", edgecolor=colour, linewidth=0.6, alpha=0.8, zorder=2.5)
+    )
 
 
 def _ends(axes: Axes, start: tuple[float, float], end: tuple[float, float], near: float) -> None:

@@ -43,7 +43,7 @@ def consumers_plot(budget: EnergyBudget | None) -> Plot | None:
 
 
 def charge_plot(budget: EnergyBudget | None) -> Plot | None:
-    """The charge from full until the end of what is required or of what there is, with the share that may not be used."""
+    """The charge from full on, until what is required and what there is have ended; what may not be used is marked."""
     if budget is None or not is_known(budget):
         return None
     time, charge = charge_over_mission(budget, shown_until(budget))
@@ -52,7 +52,7 @@ def charge_plot(budget: EnergyBudget | None) -> Plot | None:
                  hovertemplate="%{y:.4~r} % after %{x:.4~r} h<extra></extra>")]  # fmt: skip
     if not isnan(budget.required):
         end = float(from_si(budget.required, "h", "time"))
-        data.append(line([end, end], [0.0, 100.0], "required", "ink", "3px,3px", hoverinfo="skip"))
+        data.append(line([end, end], [0.0, 100.0], "required", "grey", "3px,3px", hoverinfo="skip"))
     if budget.pack.usable < 1.0:
         least = 100.0 * (1.0 - budget.pack.usable)
         data.append(line([0.0, float(hours[-1])], [least, least], "may not be used", "vermillion", "8px,3px",

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from drivesizer.loadcycle import LoadCycle
+from drivesizer.motions import Track, Waypoints
 from drivesizer.report.figures import stretches
 from drivesizer.report.html.curves import Plot, dashes, figure, line, rows, sampled, whole
-from drivesizer.motions import Track, Waypoints
 from drivesizer.report.motion_figure import platform_motion, speed_asked
 from drivesizer.report.panels import windows
 from drivesizer.report.style import CASES, torque_unit

@@ -169,7 +169,8 @@ def _figures(result: SizingResult, validation: Validation | None, content: dict[
     times = [cycle.time for _, cycle in cycles]
     for n, panel in enumerate(fields, 1):
         made[f"field-{n}"] = field_plot(panel, times) | {"title": _conditions(panel) if len(fields) > 1 else ""}
-    made |= {"consumers": consumers_plot(best and best.energy), "charge": charge_plot(best and best.energy)}
+    budget = best.energy if best else None
+    made |= {"consumers": consumers_plot(budget), "charge": charge_plot(budget)}
     if validation:
         made["loop"] = closed_loop_plot(validation)
         if validation.loops:
