@@ -131,9 +131,9 @@ def from_csv(folder: Path, run: Run) -> Facts:
     return found
 
 
-def of_the_machine(section: str, title: str, value: Any, limit: Any, unit: str) -> Facts:
+def of_the_machine(section: str, title: str, value: Any, limit: Any, unit: str | None) -> Facts:
     most = number(limit) if section == "consumer" else nan
-    return {(OF_THE_MACHINE[section], title): Fact(number(value), most, unit=label(unit))}
+    return {(OF_THE_MACHINE[section], title): Fact(number(value), most, unit=label(unit or ""))}
 
 
 def sheet(book: Any, name: str) -> list[dict[str, Any]]:
