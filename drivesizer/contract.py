@@ -11,6 +11,7 @@ from drivesizer import __version__
 from drivesizer.catalog import Actuator, Belt, Controller, Encoder, Gearhead, Motor, Pulley
 from drivesizer.contract_loops import loop_document, number
 from drivesizer.energy_records import EnergyBudget
+from drivesizer.mass_rows import MassRow
 from drivesizer.results import (
     Check,
     DriveSet,
@@ -126,10 +127,15 @@ def drive_set(found: DriveSet) -> dict[str, Any]:
         },
         "checks": [_check(check) for check in found.every_check],
         "machine": [{"name": f.name, "title": f.title} | _figure(f) for f in found.machine],
-        "masses": [{"name": row.name, "each_kg": number(row.each), "number": row.number} for row in found.masses],
+        "masses": [_mass(row) for row in found.masses],
         "energy": _energy(found.energy) if found.energy else None,
         "changes": [_relaxation(r) for r in found.changes],
     }
+
+
+def _mass(row: MassRow) -> dict[str, Any]:
+    """A line of what the machine weighs."""
+    return {"name": row.name, "number": row.number, "each_kg": number(row.each), "total_kg": number(row.total)}
 
 
 def _energy(budget: EnergyBudget) -> dict[str, Any]:

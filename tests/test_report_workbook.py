@@ -24,8 +24,8 @@ from drivesizer.spec import RobotSpec
 from drivesizer.units import registry, show
 from drivesizer.yaml_source import YamlSource
 
-NAMES = ["Summary", "Requirements", "Candidates", "Checks", "Chosen set", "Parts list", "Closed loop", "Time series",
-         "Spec", "About"]  # fmt: skip
+NAMES = ["Summary", "Requirements", "Candidates", "Checks", "Chosen set", "Machine", "Battery", "Parts list",
+         "Closed loop", "Time series", "Spec", "About"]  # fmt: skip
 FORMULAS = ("=1+1", "+1", "-1+1", "@SUM(A1)", '=HYPERLINK("http://x")', "http://example.org/a", "{=1}", "\t=1", "＝1")
 
 

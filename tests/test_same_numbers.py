@@ -24,7 +24,7 @@ from drivesizer.report import KNOWN, write
 from drivesizer.results import Check, SizingResult, Validation
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
-from drivesizer.spec import RobotSpec, read_spec
+from drivesizer.spec import RobotSpec, load_spec, read_spec
 from drivesizer.units import from_si, label
 from drivesizer.yaml_source import YamlSource
 
@@ -86,7 +86,21 @@ def recorded(run: Run) -> Facts:
         found["candidate", s.rank, "verdict"] = Fact(status=s.status)
     for f in run.proof.figures if run.proof else ():
         found["figure", f.name] = Fact(float(from_si(f.value, f.unit, f.kind)), unit=label(f.unit))
+    return found | machine(run)
+
+
+def machine(run: Run) -> Facts:
+    """What the machine weighs and draws with the chosen set: masses of all pieces; consumers, mean and at most."""
+    found = {("mass", row.name): Fact(row.number * row.each, unit="kg") for row in run.best.masses}
+    energy = run.best.energy
+    for f in (*run.best.machine, *(energy.figures if energy else ())):
+        found["machine", f.title] = Fact(float(from_si(f.value, f.unit, f.kind)), unit=label(f.unit))
+    for one in energy.consumers if energy else ():
+        found["consumer", one.name] = Fact(one.mean, one.peak, unit="W")
     return found
+
+
+OF_THE_MACHINE = {"mass": "mass", "machine": "machine", "battery": "machine", "consumer": "consumer"}  # section: key
 
 
 # -- readers: from the files of a report to its facts
@@ -101,6 +115,8 @@ def from_csv(folder: Path, run: Run) -> Facts:
     limited = {(where, c.method, c.name) for where, c in run.checks()}
     for row in rows:
         section, name, rank = row["section"], row["name"], row["set_rank"]
+        if section in OF_THE_MACHINE and rank == str(run.best.rank):
+            found |= of_the_machine(section, row["title"], row["value"], row["limit"], row["unit"])
         if section not in ("requirement", "check", "validation") and (section, name) not in SETS:
             continue
         fact = Fact(*(number(row[key]) for key in ("value", "limit", "margin")), label(row["unit"]), row["status"])
@@ -113,6 +129,11 @@ def from_csv(folder: Path, run: Run) -> Facts:
         elif section == "validation" and row["note"] == row["status"] == "" and name != "verdict":
             found["figure", name] = fact
     return found
+
+
+def of_the_machine(section: str, title: str, value: Any, limit: Any, unit: str | None) -> Facts:
+    most = number(limit) if section == "consumer" else nan
+    return {(OF_THE_MACHINE[section], title): Fact(number(value), most, unit=label(unit or ""))}
 
 
 def sheet(book: Any, name: str) -> list[dict[str, Any]]:
@@ -132,6 +153,9 @@ def from_xlsx(folder: Path, run: Run) -> Facts:
     for row in sheet(book, "Checks"):
         if row["set"] == run.best.rank:
             found["check", row["method"], called["check", row["method"], row["check"]]] = told(row, "value or demand")
+    for row in (*sheet(book, "Machine"), *sheet(book, "Battery")):
+        if row["set"] == run.best.rank:
+            found |= of_the_machine(row["of"], row["what"], row["value"], row.get("at most"), row["unit"])
     for row in sheet(book, "Candidates"):
         rank = row["set"]
         found["candidate", rank, "mass"] = Fact(number(row["mass (g)"]), unit="g")
@@ -178,6 +202,16 @@ def from_json(folder: Path, run: Run) -> Facts:
         found["candidate", s["rank"], "verdict"] = Fact(status=s["status"])
     for name, f in driven["figures"].items():
         found["figure", name] = Fact(number(f["value"]), unit=label(f["unit"]))
+    energy = best["energy"]
+    for m in best["masses"]:
+        found["mass", m["name"]] = Fact(number(m["total_kg"]), unit="kg")
+    for f in best["machine"]:
+        found["machine", f["title"]] = Fact(number(f["value"]), unit=label(f["unit"]))
+    titles = {f.name: f.title for f in run.best.energy.figures} if energy else {}
+    for name, f in energy["figures"].items() if energy else ():
+        found["machine", titles[name]] = Fact(number(f["value"]), unit=label(f["unit"]))
+    for c in energy["consumers"] if energy else ():
+        found["consumer", c["name"]] = Fact(number(c["mean_W"]), number(c["peak_W"]), unit="W")
     return found
 
 
@@ -209,6 +243,10 @@ def from_text(text: str, run: Run) -> Facts:
     for place, of in enumerate((run.result, run.best)):
         titles |= {("requirement", place, r.name): r.title for r in of.requirements}
     titles |= {("figure", f.name): f.title for f in (run.proof.figures if run.proof else ())}
+    titles |= {key: key[1] for key in expected if key[0] == "machine"}
+    for key in expected:
+        if key[0] in ("mass", "consumer"):
+            found[key] = nearest(expected[key], read_row(text, key, expected[key].unit))
     for key, title in titles.items():
         found[key] = nearest(expected[key], read_all(text, title, expected[key], key[0] in ("check", "validation")))
     for s in run.candidates:
@@ -238,6 +276,28 @@ def read_all(text: str, title: str, expected: Fact, limited: bool) -> list[Fact]
         )
         for m in re.finditer(pattern, text)
     ]
+
+
+def read_row(text: str, key: Key, unit: str) -> list[Fact]:
+    """A row of a table: after the name how many there are, where it is more than one, then its figures.
+
+    A part's mass is each and together, where there are several; a consumer's power is the mean and then the peak,
+    which is left out where it is nothing.
+    """
+    quantity = rf"(?:({NUMBER}) {unit}|(unknown))(?![\w.])"
+    pattern = rf"(?<!\w){words(key[1])} (?:\d+ (?:× )?)?{quantity}(?: {quantity})?"
+    found = []
+    for m in re.finditer(pattern, text):
+        several = bool(m[3] or m[4])
+        if key[0] == "mass":
+            found.append(Fact(parsed_of(m, 3 if several else 1), unit=unit))
+        else:
+            found.append(Fact(parsed_of(m, 1), parsed_of(m, 3) if several else 0.0, unit=unit))
+    return found
+
+
+def parsed_of(match: re.Match[str], first: int) -> float:
+    return value_of(match[first]) if match[first] else nan
 
 
 def words(name: str) -> str:
@@ -330,6 +390,7 @@ def differences(suffix: str, run: Run, folder: Path, records: Facts) -> dict[Key
 # -- the runs
 
 STARTERS = Path(drivesizer.__file__).parent / "starters"
+ROOT = Path(__file__).resolve().parent.parent
 
 
 def starter(kind: str, *pairs: tuple[str, str]) -> RobotSpec:
@@ -345,15 +406,17 @@ def runs(spec: RobotSpec) -> dict[str, Run]:
     paper = size(spec, top=5)
     hoist = size(starter("hoist", ("mass: 15 kg", "mass: 900 kg")), top=3)
     arm = starter("arm")
+    platform = size(load_spec(ROOT / "examples" / "sps_platform.yaml"), top=3)
     wide = arm.select.model_copy(update={"catalogs": ["cubemars", "robstride", "myactuator"]})
     return {
         "paper": Run(paper, validate(paper.spec, paper.sets[0])),
         "fails": Run(hoist, None),
+        "platform": Run(platform, validate(platform.spec, platform.sets[0])),
         "actuators": Run(size(arm.model_copy(update={"select": wide}), top=3), None),
     }
 
 
-@pytest.mark.parametrize("name", ["paper", "fails", "actuators"])
+@pytest.mark.parametrize("name", ["paper", "fails", "actuators", "platform"])
 @pytest.mark.parametrize("suffix", READERS)
 def test_every_report_has_the_numbers_of_the_run(suffix, name, runs, tmp_path):
     records = recorded(runs[name])
@@ -367,7 +430,13 @@ def test_the_runs_have_what_they_are_for(runs):
     assert not runs["fails"].result.sets and runs["actuators"].best.actuator is not None
     assert "unknown" in statuses["actuators"]
     kinds = {key[0] for key in recorded(runs["paper"])}
-    assert kinds == {"requirement", "check", "candidate", "validation", "figure"}
+    assert kinds == {"requirement", "check", "candidate", "validation", "figure", "machine", "consumer"}
+    machine = recorded(runs["platform"])
+    assert {key[0] for key in machine} == kinds | {"mass"}
+    budget = [key for key in machine if key[:2] == ("check", "budget")]
+    assert len(budget) > 10 and {"mass", "battery_autonomy"} <= {name for *_, name in budget}
+    unknown = {key for key, fact in machine.items() if isnan(fact.value)}
+    assert {("mass", "controller"), ("consumer", "losses of the controllers")} <= unknown
 
 
 @pytest.mark.parametrize("suffix", READERS)
@@ -395,6 +464,27 @@ def test_a_number_that_differs_is_found(suffix, runs, tmp_path):
         ("candidate", best.rank, "mass"),
         ("validation", checks[m].method, checks[m].name),
         ("figure", figure.name),
+    }
+
+
+@pytest.mark.parametrize("suffix", READERS)
+def test_a_mass_and_a_power_that_differ_are_found(suffix, runs, tmp_path):
+    run = runs["platform"]
+    best, records = run.best, recorded(run)
+    (motor, *parts), (drive, *consumers) = best.masses, best.energy.consumers
+    moved = replace(
+        best,
+        budget=(replace(best.budget[0], demand=1.001 * best.budget[0].demand), *best.budget[1:]),
+        masses=(replace(motor, each=1.001 * motor.each), *parts),
+        machine=(*best.machine[:-1], replace(best.machine[-1], value=1.001 * best.machine[-1].value)),
+        energy=replace(best.energy, consumers=(drive._replace(mean=1.001 * drive.mean), *consumers)),
+    )
+    other = Run(replace(run.result, sets=(moved, *run.result.sets[1:])), run.proof)
+    assert set(differences(suffix, other, tmp_path, records)) == {
+        ("check", "budget", best.budget[0].name),
+        ("mass", motor.name),
+        ("machine", best.machine[-1].title),
+        ("consumer", drive.name),
     }
 
 

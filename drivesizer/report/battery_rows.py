@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import Any
 
+from drivesizer.energy_records import EnergyBudget
 from drivesizer.energy_table import consumer_rows
 from drivesizer.report.set_rows import figure_row
 from drivesizer.results import DriveSet
 
-__all__ = ["battery_rows"]
+__all__ = ["battery_rows", "without"]
 
 
 def battery_rows(best: DriveSet) -> dict[str, Any] | None:
@@ -16,9 +18,18 @@ def battery_rows(best: DriveSet) -> dict[str, Any] | None:
     budget = best.energy
     if budget is None:
         return None
+    *consumers, together = (row._asdict() for row in consumer_rows(budget))
+    lacks = without(budget)
     return {
         "name": budget.pack.name,
-        "consumers": [row._asdict() for row in consumer_rows(budget)],
+        "consumers": [*consumers, together | {"said": "of what is known" if lacks else ""}],
+        "lacks": ", ".join(lacks),
+        "timed": any(row["duty"] for row in consumers),
         "figures": [figure_row(figure) for figure in budget.figures],
         "assumptions": list(budget.assumptions),
     }
+
+
+def without(budget: EnergyBudget) -> tuple[str, ...]:
+    """The consumers of which nobody knows what they draw: no sum has them."""
+    return tuple(one.name for one in budget.consumers if isnan(one.mean))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import cached_property
-from math import isfinite, isnan
+from math import fsum, isfinite, isnan
 
 from drivesizer.choose import usable_in
 from drivesizer.energy_flow import EnergyFlow, energy_flow
@@ -12,6 +13,7 @@ from drivesizer.report.demand_figure import current_and_voltage
 from drivesizer.report.efficiency_figure import efficiency_field, efficiency_map
 from drivesizer.report.energy_figure import energy_bars, energy_unit
 from drivesizer.report.heat_figure import temperatures
+from drivesizer.report.machine_rows import first_wheel
 from drivesizer.report.style import CASES, Form
 from drivesizer.results import DriveSet
 from drivesizer.set_cycle import SetCycle, set_cycle, warming
@@ -19,11 +21,21 @@ from drivesizer.spec import RobotSpec
 from drivesizer.thermal import current_derating, two_bodies
 from drivesizer.units import show
 from drivesizer.warm_up import WarmUp, warm_up
+from drivesizer.wheel_load import WheelLoad
 
 __all__ = ["Behaviour"]
 
 _BODIES = ("winding_time_constant", "motor_time_constant", "thermal_resistance_winding", "thermal_resistance_housing",
            "resistance")  # fmt: skip
+
+
+def _summed(cycles: Sequence[tuple[str, SetCycle]]) -> EnergyFlow:
+    """The account of all wheels of a machine's first load case, each as often as there are wheels alike."""
+    loads = [(found, found.spec.load) for _, found in cycles]
+    wheels = [(found, load) for found, load in loads if isinstance(load, WheelLoad)]
+    flows = [(load.alike / load.motors, energy_flow(found)) for found, load in wheels if load.of == wheels[0][1].of]
+    parts = zip(*([share * part for part in flow] for share, flow in flows), strict=True)
+    return EnergyFlow(*map(fsum, parts))
 
 
 class Behaviour:
@@ -44,8 +56,8 @@ class Behaviour:
 
     @cached_property
     def energy(self) -> EnergyFlow:
-        """The account of the cycle as specified."""
-        return energy_flow(self.specified)
+        """The account of the cycle as specified; of a platform on its way the sum over its wheels."""
+        return _summed(self.cycles) if first_wheel(self.spec) else energy_flow(self.specified)
 
     @cached_property
     def known(self) -> bool:

@@ -19,6 +19,7 @@ from drivesizer.report.datasheet import datasheets
 from drivesizer.report.derivation import step
 from drivesizer.report.field_figure import MOST_PANELS
 from drivesizer.report.loop_rows import gain, linear
+from drivesizer.report.machine_rows import driven_over, first_wheel, machine_rows, machine_words
 from drivesizer.report.operating import panels
 from drivesizer.report.order_list import order_list
 from drivesizer.report.panels import windows
@@ -71,11 +72,13 @@ def _content(
     fields = panels(result.spec, best, result.requirements) if best else []
     return {
         "name": result.spec.name,
+        "what": machine_words(result.spec),
         "version": __version__,
         "method": result.method,
         "objective": result.objective.replace("_", " "),
         "place": "wheel" if result.spec.whole.load.kind == "wheeled_vehicle" else "load's shaft",
         "paper": result.spec.paper_applies,
+        "wheel": first_wheel(result.spec),
         "cases": [name for name, _ in result.spec.load_cases if name],
         "catalogs": [[name, digest] for name, digest in result.catalog.digests.items()],
         "file": result.spec.file.replace("\\", "/").rsplit("/", 1)[-1],
@@ -114,6 +117,7 @@ def _of_set(best: DriveSet | None, does: Behaviour | None, result: SizingResult)
         "beside": [check_row(c) for c in best.beside],
         "comparison": [compared(pair) for pair in best.comparison],
         "budget": [check_row(c) for c in best.budget],
+        **machine_rows(best),
         "battery": battery_rows(best),
         "does": [figure_row(f) for f in best.figures],
         "changes": moves(best.changes),
@@ -124,7 +128,8 @@ def _energy_of(result: SizingResult) -> str:
     """Of what the energy of a cycle is the sum."""
     sets = result.spec.load.motors
     said = "of the one motor set" if sets == 1 else f"of all {sets} motor sets"
-    return f"out of the supply, {said}" + (", as specified" if len(result.spec.load_cases) > 1 else "")
+    several = ", as specified" if len(result.spec.load_cases) > 1 else ""
+    return f"out of the supply, {said}" + (", each at its wheel" if first_wheel(result.spec) else several)
 
 
 def _spec(entered: dict[str, Any]) -> list[dict[str, Any]]:
@@ -164,7 +169,7 @@ def _loop(v: Validation) -> dict[str, Any]:
         "tightest": f"{tight.title} {margin(tight.margin)}" if tight else "",
         "unknown": ", ".join(c.title for c in v.checks if c.status == "unknown"),
         "label": v.drive_set.label,
-        "profile": v.profile,
+        "profile": driven_over(v),
         "status": v.status,
         "checks": [check_row(c) for c in v.checks],
         "figures": [figure_row(f) for f in v.figures],

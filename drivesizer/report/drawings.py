@@ -13,10 +13,13 @@ from drivesizer.report.behaviour import Behaviour
 from drivesizer.report.field_figure import torque_speed
 from drivesizer.report.front_figure import trade_off
 from drivesizer.report.loop_curves import bode, step
+from drivesizer.report.machine_rows import first_wheel
 from drivesizer.report.margin_figure import margins
 from drivesizer.report.motion_figure import speed_profile
 from drivesizer.report.operating import panels
 from drivesizer.report.style import Form
+from drivesizer.report.way_figure import plan_view, ways_of
+from drivesizer.report.wheels_figure import wheels_over_time
 from drivesizer.results import DriveSet, SizingResult, Validation
 from drivesizer.units import from_si, label
 
@@ -43,16 +46,18 @@ def report_drawings(
     Returns
     -------
     dict
-        By name what draws it: ``profile``, ``cycle``; of a set ``margins``, ``field``, ``efficiency``, ``demand``,
-        ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``; ``loop``, ``bode`` and
-        ``step``.
+        By name what draws it: ``way`` of a platform on one, ``profile``, ``cycle``; of a set ``margins``, ``field``,
+        ``efficiency``, ``demand``, ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``;
+        ``loop``, ``bode`` and ``step``.
     """
     best = result.shown
     cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
-    made: dict[str, Drawing] = {
-        "profile": lambda form: speed_profile(result.spec, form),
-        "cycle": lambda form: figures.load_over_time(cycles, form),
-    }
+    made: dict[str, Drawing] = {}
+    over_time = wheels_over_time if first_wheel(result.spec) else figures.load_over_time
+    if ways_of(result.spec):
+        made["way"] = lambda form: plan_view(result.spec, form)
+    made["profile"] = lambda form: speed_profile(result.spec, form)
+    made["cycle"] = lambda form: over_time(cycles, form)
     if len(result.front) > 1:
         made["front"] = lambda form: _trade_off(result, form)
     if best:

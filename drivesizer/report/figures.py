@@ -183,7 +183,7 @@ def closed_loop(validation: Validation, form: Form = "svg") -> bytes:
     return drawn(draw, 0.62 * len(rows) + 0.6, form)
 
 
-_WIDEST = 14  # letters of a row's title on a line
+_WIDEST = 11  # letters of a row's title on a line
 
 
 def _traces(axes: Axes, validation: Validation, names: tuple[str, ...], shown: Strip) -> None:

@@ -1,4 +1,4 @@
-"""JSON: the document of ``drivesizer size --json`` with the parts list and the closed loop in it, for other programs.
+"""JSON: the document of ``drivesizer size --json`` with parts list and closed loop in it, for other programs.
 
 null where a figure is unknown, never NaN; figures are SI where the key names no other unit. The schema is in
 ``json_schema``.

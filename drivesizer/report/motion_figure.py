@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.loads import load_cycle
-from drivesizer.motions import Trapezoid
+from drivesizer.motions import Track, Trapezoid, Waypoints
+from drivesizer.platform_cases import trajectory_of
 from drivesizer.profile import SPEED, profile_of
 from drivesizer.report.panels import Window, thinned
-from drivesizer.report.style import COLOURS, Form, drawn, placed
+from drivesizer.report.style import COLOURS, Form, drawn, heading, placed
 from drivesizer.spec import RobotSpec
 from drivesizer.units import from_si, label
 
@@ -19,12 +20,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["speed_asked", "speed_profile"]
+__all__ = ["Moved", "platform_motion", "speed_asked", "speed_profile"]
 
 
 def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
-    """The speed that the spec asks for over one cycle: a trapezoid by its phases, any other motion to scale."""
+    """The speed that the spec asks for over one cycle: a trapezoid by its phases, any other motion to scale.
+
+    Of a platform on its way it is that of the platform.
+    """
     motion = spec.motion
+    if isinstance(spec.whole.motion, Track | Waypoints):
+        return _platform(platform_motion(spec), form)
     if isinstance(motion, Trapezoid):
         return drawn(lambda figure: _phases(placed(figure)[0][0], motion, spec.load.axis), _HEIGHT, form)
     time, speed, (kind, unit) = speed_asked(spec)
@@ -46,6 +52,56 @@ def speed_asked(spec: RobotSpec) -> tuple[NDArray[np.float64], NDArray[np.float6
         return cycle.time.ravel(), cycle.speed.ravel(), SPEED["rotary"]
     asked = profile_of(spec)
     return np.array(asked.time) - asked.time[0], np.array(asked.speed), SPEED[spec.load.axis]
+
+
+class Moved(NamedTuple):
+    """A velocity of a platform over time."""
+
+    name: str
+    values: NDArray[np.float64]  # SI
+    kind: str
+    unit: str
+
+
+def platform_motion(spec: RobotSpec) -> tuple[NDArray[np.float64], list[Moved]]:
+    """How a platform moves on its way, in its own axes: time [s], forwards and to the left, then turning.
+
+    What it never does, such as going sideways, is left out; turning stands last and is always there.
+    """
+    way = trajectory_of(spec.whole)
+    assert way is not None
+    (forwards, left, turning), _ = way.in_robot()
+    found = [Moved("forwards", forwards.ravel(), "speed", "m/s"), Moved("to the left", left.ravel(), "speed", "m/s")]
+    largest = max(float(np.abs(one.values).max()) for one in found)
+    straight = [one for one in found if np.abs(one.values).max() > _NONE * largest]
+    return way.time.ravel(), [*straight, Moved("turning", turning.ravel(), "rotary_speed", "deg/s")]
+
+
+_NONE = 1e-6  # of the largest speed
+
+
+def _platform(moved: tuple[NDArray[np.float64], list[Moved]], form: Form) -> bytes:
+    """Velocities along the floor over that of turning."""
+    time, (*straight, turning) = moved
+    window = Window("", float(time[0]), float(time[-1]))
+
+    def line(axes: Axes, one: Moved, colour: str, dashes: Any) -> None:
+        rows = thinned(time, one.values, window)
+        axes.plot(time[rows], from_si(one.values[rows], one.unit, one.kind), color=COLOURS[colour], linestyle=dashes,
+                  label=one.name)  # fmt: skip
+
+    def draw(figure: Figure) -> None:
+        grid = [axes for (axes,) in placed(figure, 2, top=0.24)]
+        for one, look in zip(straight, (("blue", "solid"), ("vermillion", (0, (5, 2)))), strict=False):
+            line(grid[0], one, *look)
+        line(grid[1], turning, "green", "solid")
+        for axes, said in zip(grid, ("speed (m/s)", "turning (°/s)"), strict=True):
+            axes.axhline(0.0, color="black", linewidth=0.6)
+            axes.set(xlim=(time[0], time[-1]), ylabel=said)
+        grid[-1].set_xlabel("time (s)")
+        heading(figure, *grid[0].get_legend_handles_labels(), 2)
+
+    return drawn(draw, 2.1, form)
 
 
 _HEIGHT = 1.45  # in

@@ -13,6 +13,7 @@ from drivesizer.thinning import extremes
 __all__ = ["Window", "thinned", "windows"]
 
 _MOST = 700  # samples that a trace keeps: finer than print
+_SEEN = 1.0 / 300.0  # of a window: a longer step in time is more than a line's width
 
 
 class Window(NamedTuple):
@@ -52,9 +53,12 @@ def windows(series: Mapping[str, NDArray[np.float64]]) -> list[Window]:
 def thinned(time: NDArray[np.float64], values: NDArray[np.float64], window: Window) -> NDArray[np.int64]:
     """Rows of a window to draw: all when they are few, else the extremes of equal bins, so that no peak is lost.
 
-    The neighbours outside the window are among them: where nothing changes a record may have few samples.
+    The neighbours outside the window are among them, and both ends of every step in time that can be seen: where
+    nothing changes a record may have few samples.
     """
     first, last = np.searchsorted(time, [window.start, window.end])
     start, end = max(first - 1, 0), min(last + 1, len(time))
-    kept: NDArray[np.int64] = start + extremes(values[start:end], _MOST)
-    return kept
+    steps = np.flatnonzero(np.diff(time[start:end]) > _SEEN * (window.end - window.start))
+    kept = [extremes(values[start:end], _MOST), steps, steps + 1]
+    found: NDArray[np.int64] = start + np.unique(np.concatenate(kept))
+    return found

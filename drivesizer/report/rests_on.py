@@ -121,7 +121,7 @@ def _of(word: str, drive_set: DriveSet) -> list[str]:
 def unknown_figures(drive_set: DriveSet) -> list[list[str]]:
     """For each unknown check its title, and which figures are not known."""
     return [
-        [check.title, _listed(_lacking(check, drive_set))]
+        [check.title, ", ".join(_lacking(check, drive_set)) or _told(check)]
         for check in drive_set.every_check
         if check.status == "unknown"
     ]
@@ -153,8 +153,12 @@ def _is_unknown(value: Any) -> bool:
     return isinstance(value, float) and isnan(value)
 
 
-def _listed(names: list[str]) -> str:
-    return ", ".join(names) or "a figure of the load or of the spec"
+def _told(check: Check) -> str:
+    """What a check says itself that it lacks, such as masses of parts; else no more than where to look."""
+    return check.note.removeprefix("unknown: ") if check.note.startswith("unknown: ") else _OF_THE_SPEC
+
+
+_OF_THE_SPEC = "a figure of the load or of the spec"
 
 
 def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:

@@ -7,20 +7,22 @@ SI beside.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from math import isnan
 from typing import Any
 
 from drivesizer.checks import TITLES
 from drivesizer.gain_table import gain_rows
 from drivesizer.loop_table import loop_figures
 from drivesizer.objectives import objective_figure
+from drivesizer.report.machine_rows import driven_over
 from drivesizer.report.parts import PartLine, Total
 from drivesizer.report.sums import price_of
 from drivesizer.results import Check, DriveSet, Figure, Relaxation, Requirement, SizingResult, Validation
-from drivesizer.units import KINDS, from_si
+from drivesizer.units import KINDS, from_si, show
 
 __all__ = [
     "COLUMNS", "Row", "battery_rows", "change_row", "check_row", "closed_loop_rows", "count_rows", "figure_row",
-    "front_rows", "part_rows", "requirement_row", "set_rows", "total_rows",
+    "front_rows", "machine_rows", "part_rows", "requirement_row", "set_rows", "total_rows",
 ]  # fmt: skip
 
 Row = dict[str, Any]
@@ -77,8 +79,19 @@ def battery_rows(s: DriveSet) -> Iterator[Row]:
     for one in s.energy.consumers:
         row = _figure("consumer", one.name, one.name, one.mean, "power", "W")
         said = f"{one.number} of them" + (", assumed" if one.assumed else "")
-        yield row | {"limit": one.peak, "si_limit": one.peak, "note": said, "how_many": one.number}
+        status = "unknown" if isnan(one.mean) else ""
+        yield row | {"limit": one.peak, "si_limit": one.peak, "note": said, "how_many": one.number, "status": status}
     yield from (figure_row("battery", figure) for figure in s.energy.figures)
+
+
+def machine_rows(s: DriveSet) -> Iterator[Row]:
+    """What the machine weighs, all pieces of a part together, and what else is told of it with the set in it."""
+    for one in s.masses:
+        row = _figure("mass", one.name, one.name, one.total, "mass", "kg")
+        said = f"{one.number} of {show(one.each, 'kg', 'mass')}" if one.number > 1 else ""
+        yield row | {"each": one.each, "how_many": one.number, "note": said,
+                     "status": "unknown" if isnan(one.each) else ""}  # fmt: skip
+    yield from (figure_row("machine", figure) for figure in s.machine)
 
 
 def change_row(r: Relaxation) -> Row:
@@ -170,7 +183,13 @@ def total_rows(totals: Iterable[Total]) -> Iterator[Row]:
 def closed_loop_rows(v: Validation) -> Iterator[Row]:
     """The closed loop: verdict, checks, figures, gains in SI and in the controller's units, and each linear loop."""
     rank = {"set_rank": v.drive_set.rank}
-    yield {"section": "validation", "name": "verdict", "title": f"Closed loop, {v.profile}", "status": v.status, **rank}
+    yield {
+        "section": "validation",
+        "name": "verdict",
+        "title": f"Closed loop, {driven_over(v)}",
+        "status": v.status,
+        **rank,
+    }
     yield from (check_row("validation", c) | rank for c in v.checks)
     yield from (figure_row("validation", f) | rank for f in v.figures)
     yield from (row | rank for row in _gains(v))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from math import isnan
 from typing import Any
 
@@ -12,7 +13,7 @@ from drivesizer.results import Check, Comparison, DriveSet, Figure, Relaxation
 from drivesizer.spec import AS_SPECIFIED
 from drivesizer.units import show
 
-__all__ = ["check_row", "compared", "figure_row", "moves", "set_row"]
+__all__ = ["case_of", "check_row", "compared", "figure_row", "moves", "set_row"]
 
 
 def set_row(best: DriveSet) -> dict[str, Any]:
@@ -55,7 +56,7 @@ def check_row(c: Check) -> dict[str, Any]:
     bare = isnan(c.demand) and isnan(c.limit)  # a condition without figures
     return {
         "title": c.title,
-        "case": "" if bare or c.case == AS_SPECIFIED else c.case,
+        "case": "" if bare or c.case == AS_SPECIFIED else case_of(c),
         "demand": "" if bare else c.shown(c.demand),
         "limit": "" if bare else c.shown(c.limit),
         "margin": margin(c.margin),
@@ -66,6 +67,12 @@ def check_row(c: Check) -> dict[str, Any]:
         "at": "" if c.at_time is None else f"{c.at_time:.4g} s",
         "note": c.note or ("so by choice: says nothing of the load" if c.by_choice and c.status == "pass" else ""),
     }
+
+
+def case_of(c: Check) -> str:
+    """Where a check is worst: a wheel and a passage say themselves what they are."""
+    alone = not c.case or c.name.startswith("passage_") or re.match(r"wheels? \d", c.case)
+    return c.case if alone else f"case {c.case}"
 
 
 def figure_row(f: Figure) -> dict[str, str]:

@@ -177,9 +177,10 @@ def limit(axes: Axes, value: float, name: str, look: int = 0, *, below: bool = F
     axes.axhline(value, color="black", linewidth=0.7, linestyle=_LIMITS[look % len(_LIMITS)], zorder=2)
     axes.annotate(name, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, -1.5 if below else 1.5),
                   textcoords="offset points", ha="right", va="top" if below else "bottom", fontsize=6.5,
-                  annotation_clip=False)  # fmt: skip
+                  annotation_clip=False, zorder=6, bbox=_CLEAR)  # fmt: skip
 
 
+_CLEAR = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}  # of lines below a word
 _LIMITS: tuple[Any, ...] = ((0, (6, 2)), (0, (2, 1.5)), (0, (6, 1.5, 1, 1.5)))
 
 

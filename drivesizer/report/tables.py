@@ -27,6 +27,7 @@ from drivesizer.report.rows import (
     count_rows,
     figure_row,
     front_rows,
+    machine_rows,
     part_rows,
     requirement_row,
     set_rows,
@@ -72,6 +73,7 @@ def _sections(result: SizingResult, validation: Validation | None) -> Iterator[I
         yield ({**requirement_row(r), **rank} for r in drive_set.requirements)
         yield ({**figure_row("figure", f), **rank} for f in drive_set.figures)
         yield ({**check_row("check", c), **rank} for c in drive_set.every_check)
+        yield ({**row, **rank} for row in machine_rows(drive_set))
         yield ({**row, **rank} for row in battery_rows(drive_set))
         yield ({**change_row(r), **rank} for r in drive_set.changes)
     yield (change_row(r) for r in result.relaxations)

@@ -34,7 +34,8 @@ def sheets(result: SizingResult, validation: Validation | None) -> list[Sheet]:
     bought = parts_list(result.sets[0], result.catalog, result.spec.load.motors) if result.sets else []
     found = [
         words.summary(result, validation, bought), tables.requirements(result), tables.candidates(result),
-        tables.checks(result), words.chosen_set(result), tables.battery(result), tables.parts(bought),
-        tables.closed_loop(validation), tables.time_series(validation, MOST_SAMPLES), words.spec(result),
+        tables.checks(result), words.chosen_set(result), tables.machine(result), tables.battery(result),
+        tables.parts(bought), tables.closed_loop(validation), tables.time_series(validation, MOST_SAMPLES),
+        words.spec(result),
     ]  # fmt: skip
     return [*found, words.about(result, [f"{sheet.name}: {sheet.note}" for sheet in found if sheet.note])]

@@ -7,15 +7,16 @@ from math import isnan, nan
 from typing import Any
 
 from drivesizer.objectives import objective_figure
+from drivesizer.report.machine_rows import driven_over
 from drivesizer.report.parts import PartLine
-from drivesizer.report.rows import Row, battery_rows, check_row, closed_loop_rows, requirement_row
+from drivesizer.report.rows import Row, battery_rows, check_row, closed_loop_rows, machine_rows, requirement_row
 from drivesizer.report.sums import price_of
 from drivesizer.report.workbook_sheet import Column, Sheet, headed
 from drivesizer.results import DriveSet, SizingResult, Validation, worst
 from drivesizer.thinning import on_curves
 from drivesizer.units import from_si
 
-__all__ = ["battery", "candidates", "checks", "closed_loop", "parts", "requirements", "time_series"]
+__all__ = ["battery", "candidates", "checks", "closed_loop", "machine", "parts", "requirements", "time_series"]
 
 
 _VALUES = (
@@ -58,11 +59,24 @@ def checks(result: SizingResult) -> Sheet:
     return Sheet(name="Checks", columns=columns, rows=list(rows), still=2)
 
 
+def machine(result: SizingResult) -> Sheet:
+    """What the machine weighs with every set, and what room, footing and grip it has."""
+    columns = (
+        _RANK, Column("of", "section"), Column("what", "title"), Column("how many", "how_many", "count"),
+        Column("mass of one (kg)", "each"), *_VALUES, Column("at (s)", "at_time_s"),
+        Column("status", "status", "status"),
+    )  # fmt: skip
+    rows = list(_ranked((*result.sets, *result.misses), machine_rows))
+    note = "masses of all pieces together, and figures without a limit; what has one is in Checks"
+    return Sheet(name="Machine", columns=columns, rows=rows, still=3,
+                 note=note if rows else "the spec has neither budget nor platform")  # fmt: skip
+
+
 def battery(result: SizingResult) -> Sheet:
     """What draws from the battery and how long it lasts, of every set."""
     columns = (
         _RANK, Column("of", "section"), Column("what", "title"), Column("how many", "how_many", "count"),
-        *_VALUES, Column("at most", "limit"), Column("note", "note", "", 40),
+        *_VALUES, Column("at most", "limit"), Column("status", "status", "status"), Column("note", "note", "", 40),
     )  # fmt: skip
     rows = list(_ranked((*result.sets, *result.misses), battery_rows))
     note = "consumers in the mean and at most, and the battery's figures" if rows else "the spec has no battery"
@@ -75,7 +89,7 @@ def closed_loop(validation: Validation | None) -> Sheet:
     if validation is None:
         return Sheet(name="Closed loop", columns=columns, rows=[], note="no set stands: nothing was simulated")
     rows = list(closed_loop_rows(validation))
-    return Sheet(name="Closed loop", columns=columns, rows=rows, note=f"over {validation.profile}", still=2)
+    return Sheet(name="Closed loop", columns=columns, rows=rows, note=f"over {driven_over(validation)}", still=2)
 
 
 _PARTS = (

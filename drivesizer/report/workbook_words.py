@@ -10,8 +10,10 @@ from drivesizer import __version__
 from drivesizer.catalog import Catalog, columns_of, one_of
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
+from drivesizer.report.machine_rows import driven_over, machine_words
 from drivesizer.report.parts import PartLine, parts_list, totals
 from drivesizer.report.rows import Row, change_row, count_rows, figure_row, set_rows, total_rows
+from drivesizer.report.set_rows import case_of
 from drivesizer.report.workbook_sheet import Column, Sheet, Told
 from drivesizer.results import Check, DriveSet, Relaxation, SizingResult, Validation, section_of, worst
 from drivesizer.units import KINDS, from_si
@@ -56,6 +58,7 @@ def _texts(title: str, texts: Sequence[str]) -> Iterator[Row]:
 def _verdict(result: SizingResult, best: DriveSet | None) -> Iterator[Row]:
     status = result.sets[0].status if result.sets else "fail"
     yield {"title": "Machine", "note": result.spec.name}
+    yield {"title": "What it is", "note": machine_words(result.spec)}
     said = "a set was found" if result.sets else "no set stands"
     yield {"title": "Verdict", "status": status, "note": f"{said}: {best.label}" if best else said}
     yield {"title": "Motor sets of the machine", "value": Told(result.spec.load.motors, "count")}
@@ -89,7 +92,7 @@ def _tightest(best: DriveSet) -> list[Check]:
 
 def _tight(c: Check) -> Row:
     against = "" if isnan(c.demand) and isnan(c.limit) else f"{c.shown(c.demand)} against {c.shown(c.limit)}"
-    case = f"case {c.case}" if c.case else ""
+    case = case_of(c)
     note = "; ".join(filter(None, (against, case, c.note)))
     return {"title": c.title, "value": Told(c.margin, "percent"), "unit": "margin", "status": c.status, "note": note}
 
@@ -100,7 +103,7 @@ def _moved(relaxation: Relaxation) -> Row:
 
 def _driven(v: Validation) -> Iterator[Row]:
     yield _part("Closed loop")
-    yield {"title": f"Over {v.profile}", "status": v.status, "note": v.drive_set.label}
+    yield {"title": f"Over {driven_over(v)}", "status": v.status, "note": v.drive_set.label}
     tight = worst(v.checks)
     if tight:
         yield _tight(tight)

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from drivesizer.loadcycle import LoadCycle
+from drivesizer.motions import Track, Waypoints
 from drivesizer.report.figures import stretches
 from drivesizer.report.html.curves import Plot, dashes, figure, line, rows, sampled, whole
-from drivesizer.report.motion_figure import speed_asked
+from drivesizer.report.motion_figure import platform_motion, speed_asked
 from drivesizer.report.panels import windows
 from drivesizer.report.style import CASES, torque_unit
 from drivesizer.spec import RobotSpec
@@ -20,7 +21,9 @@ __all__ = ["case_look", "cycle_plot", "motion_plot"]
 
 
 def motion_plot(spec: RobotSpec) -> Plot:
-    """The speed that the spec asks for over one cycle, to scale."""
+    """The speed that the spec asks for over one cycle, to scale; of a platform on its way that of the platform."""
+    if isinstance(spec.whole.motion, Track | Waypoints):
+        return _platform_plot(spec)
     time, speed, (kind, unit) = speed_asked(spec)
     views = windows({"time": time, "speed_reference": speed})
     kept = sampled(time, [speed], views)
@@ -29,6 +32,26 @@ def motion_plot(spec: RobotSpec) -> Plot:
     layout = rows([f"speed ({label(unit)})"])
     layout["xaxis"] |= {"title": {"text": "time (s)"}, "range": [float(time[0]), float(time[-1])]}
     return figure([trace], layout, _with_all(views, time))
+
+
+def _platform_plot(spec: RobotSpec) -> Plot:
+    """Velocities of a platform in its own axes, turning below."""
+    time, moved = platform_motion(spec)
+    kept = sampled(time, [one.values for one in moved], ())
+    looks = {"forwards": ("blue", "solid"), "to the left": ("vermillion", "8px,3px"), "turning": ("green", "solid")}
+    data = [
+        line(time[kept], from_si(one.values[kept], one.unit, one.kind), one.name, *looks[one.name],
+             yaxis="y2" if one.name == "turning" else "y",
+             hovertemplate=f"%{{y:.4~r}} {_turned(one.unit)}<extra>%{{fullData.name}}</extra>")
+        for one in moved
+    ]  # fmt: skip
+    layout = rows(["speed (m/s)", "turning (°/s)"])
+    layout["xaxis"] |= {"title": {"text": "time (s)"}, "range": [float(time[0]), float(time[-1])]}
+    return figure(data, layout)
+
+
+def _turned(unit: str) -> str:
+    return label(unit).replace("deg", "°")
 
 
 def cycle_plot(cycles: Sequence[tuple[str, LoadCycle]]) -> Plot:

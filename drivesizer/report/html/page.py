@@ -20,6 +20,7 @@ from drivesizer.report.behaviour import Behaviour
 from drivesizer.report.document import document
 from drivesizer.report.drawings import Drawing, report_drawings
 from drivesizer.report.field_figure import MOST_PANELS
+from drivesizer.report.html.battery_plots import charge_plot, consumers_plot
 from drivesizer.report.html.candidate_plots import front_plot, sets_plot
 from drivesizer.report.html.curves import Plot
 from drivesizer.report.html.exact import with_numbers
@@ -35,7 +36,7 @@ from drivesizer.units import show
 __all__ = ["render", "report_html"]
 
 _FILES = resources.files("drivesizer.report.html")
-_STILL = ("efficiency", "demand", "heat", "energy", "battery")  # figures that the page shows as the PDF does
+_STILL = ("way", "efficiency", "demand", "heat", "energy")  # figures that the page shows as the PDF does
 _BREAK = "\u200b"  # where a PDF may end a line; a browser finds such places itself
 
 
@@ -168,6 +169,8 @@ def _figures(result: SizingResult, validation: Validation | None, content: dict[
     times = [cycle.time for _, cycle in cycles]
     for n, panel in enumerate(fields, 1):
         made[f"field-{n}"] = field_plot(panel, times) | {"title": _conditions(panel) if len(fields) > 1 else ""}
+    budget = best.energy if best else None
+    made |= {"consumers": consumers_plot(budget), "charge": charge_plot(budget)}
     if validation:
         made["loop"] = closed_loop_plot(validation)
         if validation.loops:
