@@ -13,8 +13,15 @@ __all__ = ["SCHEMA", "fields_of", "sections"]
 SCHEMA: dict[str, Any] = RobotSpec.model_json_schema()
 _DEFS: dict[str, Any] = SCHEMA["$defs"]
 _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each with its heading
-    "motion": dict.fromkeys(("Trapezoid", "Triangle", "SCurve", "Harmonic", "Segments", "Csv"), "")
-    | {"Segment": "Each of `segments`"},
+    "motion": dict.fromkeys(("Trapezoid", "Triangle", "SCurve", "Harmonic", "Segments", "Csv", "Track", "Waypoints"), "")
+    | {"Segment": "Each of `segments`", "Waypoint": "Each of `waypoints`"},
+    "platform": {
+        "Platform": "", "WheelPlace": "Each of `wheels`", "Mecanum": "`layout` of `kind: mecanum`",
+        "Differential": "`layout` of `kind: differential`", "Omni": "`layout` of `kind: omni`",
+        "CasterPlace": "Each of `casters`", "CentreOfMass": "`centre_of_mass`", "PayloadSection": "Each of `payloads`",
+        "SizeSection": "`size`", "PassageSection": "Each of `passages`", "Limits": "`limits`",
+    },
+    "budget": {"Budget": "", "Item": "Each of `others`"},
     "transmission": {"GearheadStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
     "supply": {"Supply": ""},
     "battery": {
