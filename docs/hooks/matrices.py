@@ -24,7 +24,7 @@ def equation(left: str, right: str) -> str:
     >>> equation("τ", "E.T @ F")
     'τ = E^{\\text{T}}\\,F'
     >>> equation("[a; b] / η", "J")
-    '\\begin{bmatrix}a\\\\b\\end{bmatrix} = J\\,η'
+    '\\left[\\begin{matrix}a\\\\b\\end{matrix}\\right] = J\\,η'
     """
     rows, divided, vector = left.partition("] / ")
     behind = rf"\,{text(vector)}" if divided else ""
@@ -133,7 +133,7 @@ def _flat(node: ast.expr) -> list[ast.expr] | None:
 
 def _matrix(rows: list[list[str]]) -> str:
     body = r"\\".join("&".join(row) for row in rows)
-    return rf"\begin{{bmatrix}}{body}\end{{bmatrix}}"
+    return rf"\left[\begin{{matrix}}{body}\end{{matrix}}\right]"
 
 
 def _call(name: str, argument: ast.expr) -> str:
