@@ -7,7 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.cli_common import DEFAULT, Chosen, Json, More, Spec, load, progress, tell
+from drivesizer.cli_common import DEFAULT, Chosen, Json, More, Spec, load, progress, tell, working
+from drivesizer.errors import InputError
 
 __all__ = ["drive"]
 
@@ -19,7 +20,13 @@ def drive(
     ] = None,
     chosen: Chosen = None,
     json: Json = False,
+    follow: Annotated[
+        bool, typer.Option("--follow", help="Also simulate how it follows: both robot models, slip, poses fed back.")
+    ] = False,
     csv: Annotated[Path | None, typer.Option(help="Also write posture, speeds and torques over time.")] = None,
+    drawings: Annotated[
+        Path | None, typer.Option("--figures", metavar="FOLDER", help="Also draw path and errors (--follow): SVG, PNG.")
+    ] = None,
     catalogs: More = None,
 ) -> None:
     """Drive a platform along a trajectory: what each wheel is asked for, and whether a set does it."""
@@ -32,17 +39,34 @@ def drive(
         from drivesizer.report import write_driving
 
         write_driving(found, csv)
+    if drawings and not follow:
+        raise InputError("--figures: it draws what --follow simulates; expected both, or none")
     one = _on_the_way(robot, way, chosen)
+    runs = _followed(found, one, drawings) if follow else {}
     if json:
         from drivesizer import contract, contract_driving
 
-        typer.echo(contract.as_text(contract_driving.driving(found, one)))
+        typer.echo(contract.as_text(contract_driving.driving(found, one, runs)))
     else:
         from drivesizer import terminal_driving
 
-        terminal_driving.driven(found, one)
+        terminal_driving.driven(found, one, runs)
         tell(() if one else ("no set stands for the spec's own motion; `drivesizer size` shows the nearest misses",))
     raise typer.Exit(0 if one and one.status != "fail" else 1)
+
+
+def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
+    """The runs along the way, drawn where that is asked for."""
+    from drivesizer.following_runs import follow_all
+
+    with working("driving the platform along its way"):
+        runs = follow_all(found, one)
+    if drawings:
+        from drivesizer.report import write_path
+
+        for path in write_path(runs, drawings):
+            typer.echo(f"{path} written", err=True)
+    return runs
 
 
 def _on_the_way(robot: Any, way: Any, chosen: str | None) -> Any:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from drivesizer import __version__
 from drivesizer.contract import SCHEMA_VERSION, drive_set, requirement
 from drivesizer.contract_loops import number
 from drivesizer.driving import Driving, Wheel
+from drivesizer.platform.deviation import extremes
+from drivesizer.platform.following import Followed
 from drivesizer.results import DriveSet
+from drivesizer.units import KINDS
 
 __all__ = ["driving"]
 
 
-def driving(found: Driving, chosen: DriveSet | None) -> dict[str, Any]:
+def driving(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]) -> dict[str, Any]:
     """The document of ``drivesizer drive --json``."""
     return {
         "schema_version": SCHEMA_VERSION,
@@ -23,7 +27,17 @@ def driving(found: Driving, chosen: DriveSet | None) -> dict[str, Any]:
         "time_s": found.trajectory.total,
         "wheels": [_wheel(wheel) for wheel in found.wheels],
         "set": drive_set(chosen) if chosen else None,
+        "following": {name: _run(run) for name, run in runs.items()},
     }
+
+
+def _run(run: Followed) -> dict[str, Any]:
+    """Largest deviations of a run."""
+    largest = [
+        {"title": e.title, "si": number(e.value), "si_unit": KINDS[e.kind].si, "at_time_s": e.time, "at_way_m": e.way}
+        for e in extremes(run)
+    ]
+    return {"largest": largest, "time_at_torque_limit": number(float(run.limited.max()))}
 
 
 def _wheel(wheel: Wheel) -> dict[str, Any]:

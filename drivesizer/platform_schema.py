@@ -28,6 +28,7 @@ from drivesizer.fields import (
 )
 from drivesizer.platform.envelope import Passage, Size
 from drivesizer.platform.wheels import Platform as Record
+from drivesizer.unknown_schema import Unknown
 from drivesizer.wheel_schema import CasterPlace, Layout, WheelPlace
 
 __all__ = [
@@ -156,6 +157,7 @@ class Platform(Section):
     passages: Annotated[list[PassageSection], Field(max_length=100)] = Field(default_factory=list)
     limits: Limits = Field(default_factory=Limits)
     uphill: Bearing = default("0 deg", description="direction of the load's slope in the world")
+    misjudged: Unknown = Field(default_factory=Unknown, description="for `drivesizer drive --follow`")
 
     @model_validator(mode="after")
     def _moves(self) -> Platform:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from drivesizer import terminal_tables as tables
 from drivesizer.driving import Driving
+from drivesizer.following_runs import ASSUMED
+from drivesizer.platform.deviation import extremes
+from drivesizer.platform.following import Followed
 from drivesizer.results import DriveSet
 from drivesizer.terminal_tables import MARK, STYLE
 from drivesizer.units import show
@@ -20,7 +25,7 @@ _ASKED = (  # of a wheel: requirement, head
 )  # fmt: skip
 
 
-def driven(found: Driving, chosen: DriveSet | None) -> None:
+def driven(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]) -> None:
     """Print what each wheel is asked for, and the checks of a set on the way; without a set the former alone."""
     console = tables.console()
     way = found.trajectory
@@ -31,6 +36,23 @@ def driven(found: Driving, chosen: DriveSet | None) -> None:
         console.print(Text(chosen.label))
         console.print(tables.checks(chosen.checks, "The set on this way"))
         _machine(console, chosen)
+    if runs:
+        console.print(_followed(runs))
+        for said in ASSUMED:
+            console.print(Text(said, style="dim"))
+
+
+def _followed(runs: Mapping[str, Followed]) -> Table:
+    """Largest deviations of each run, and how long a wheel stood at its torque limit."""
+    found = {name: extremes(run) for name, run in runs.items()}
+    table = tables.bare(
+        ("", "left"), *((name, "right") for name in runs), title="How it follows: largest along the way"
+    )
+    for row in zip(*found.values(), strict=True):
+        table.add_row(row[0].title, *(show(one.value, one.unit, one.kind, 3) for one in row))
+    limited = (show(float(run.limited.max()), "%", "dimensionless", 3) for run in runs.values())
+    table.add_row("Time of a wheel at its torque limit", *limited)
+    return table
 
 
 def _status(chosen: DriveSet | None) -> tuple[str, str]:

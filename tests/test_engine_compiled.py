@@ -1,4 +1,4 @@
-"""What of the engine is compiled, and where it is kept."""
+"""What of the engine and of a platform's march is compiled, and where it is kept."""
 
 from __future__ import annotations
 
@@ -8,20 +8,30 @@ import math
 import pytest
 from test_engine import figure, gains, machine
 
+from drivesizer import machine_code
 from drivesizer.engine import Drive, Supply, Task, batch, compilation, march
+from drivesizer.machine_code import files_of, translated
+from drivesizer.platform import march as following
+
+KERNELS = {"engine": (compilation.KERNEL, 9), "platform": (following.KERNEL, 5)}
+
+
+@pytest.fixture(params=KERNELS)
+def kernel(request):
+    return KERNELS[request.param][0]
 
 
 def test_an_unwritable_folder_keeps_nothing(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path / "file" / "below"))
-    assert compilation._folder("1.0") is None
+    assert compilation.KERNEL.folder("1.0") is None
     told = []
 
     def njit(**options):
         told.append(options)
         return lambda function: function
 
-    loop = compilation._translated(njit, keep=False)
+    loop = translated(compilation.KERNEL, njit, keep=False)
     assert not any(options.get("cache") for options in told)
     assert len(told) > 30
     # in their own space of names the functions find each other
@@ -32,29 +42,31 @@ def test_an_unwritable_folder_keeps_nothing(tmp_path, monkeypatch):
     assert figure(march(drive, task), "rms_current") == pytest.approx(figure(compiled, "rms_current"), rel=1e-9)
 
 
-def test_the_folder_s_name_is_made_of_every_file_and_the_version(tmp_path, monkeypatch):
+def test_the_folder_s_name_is_made_of_every_file_and_the_version(kernel, tmp_path, monkeypatch):
     monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path))
-    sources = compilation._sources()
-    names = {compilation._folder("1.0"), compilation._folder("1.1")}
+    sources = files_of(kernel)
+    names = {kernel.folder("1.0"), kernel.folder("1.1")}
     for n, path in enumerate(sources):
         changed = tmp_path / f"{n}.py"
         changed.write_text(path.read_text() + "#")
-        monkeypatch.setattr(compilation, "_sources", lambda n=n, path=changed: [*sources[:n], path, *sources[n + 1 :]])
-        names.add(compilation._folder("1.0"))
-    assert len(sources) == 9
+        now = [*sources[:n], changed, *sources[n + 1 :]]
+        monkeypatch.setattr(machine_code, "files_of", lambda _, now=now: now)
+        names.add(kernel.folder("1.0"))
+    assert len(sources) == dict(KERNELS.values())[kernel]
     assert len(names) == 2 + len(sources)
 
 
-def test_every_function_that_is_called_is_in_a_file_that_is_compiled():
+def test_every_function_that_is_called_is_in_a_file_that_is_compiled(kernel):
     seen = []
 
     def njit(**_):
         return lambda function: seen.append(function.__code__) or function
 
-    compilation._translated(njit, keep=False)
+    translated(kernel, njit, keep=False)
+    places = kernel.modules[0]
     called = {name for code in seen for name in code.co_names}
     ours = {code.co_name for code in seen}
-    files = {code.co_filename for code in seen} | {str(compilation.places.__file__)}
-    assert files == {str(path) for path in compilation._sources()}
-    known = {*dir(builtins), *dir(math), *dir(compilation.places), "math", "at", "shape"}
+    files = {code.co_filename for code in seen} | {str(places.__file__)}
+    assert files == {str(path) for path in files_of(kernel)}
+    known = {*dir(builtins), *dir(math), *dir(places), "math", "at", "shape"}
     assert called - ours <= known

@@ -6,7 +6,7 @@ Every kind of report is a function from records to the bytes of files, and is im
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +15,7 @@ from drivesizer.errors import InputError, quoted
 
 if TYPE_CHECKING:
     from drivesizer.driving import Driving
+    from drivesizer.platform.following import Followed
     from drivesizer.results import SizingResult, Validation
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "write_driving",
     "write_figures",
     "write_loop_figures",
+    "write_path",
     "write_series",
     "write_sets",
 ]
@@ -158,6 +160,20 @@ def write_driving(found: Driving, path: Path) -> list[Path]:
 
     ready(path)
     return put({path: columns_csv(over_time(found))})
+
+
+def write_path(runs: Mapping[str, Followed], folder: Path) -> list[Path]:
+    """Write the path of a platform and its errors along the way as ``path.svg`` and ``path.png``.
+
+    Raises
+    ------
+    InputError
+        When the folder is a file or cannot be made, or a file cannot be written. No file is changed then.
+    """
+    from drivesizer.report.figure_files import figures_into
+    from drivesizer.report.path_figure import path_and_errors
+
+    return figures_into({"path": lambda form: path_and_errors(runs, form)}, folder)
 
 
 def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:
