@@ -29,11 +29,11 @@ def _forms(e: MatrixEquation) -> list[str]:
     found, computed = printed.finding(e), notation.computed(e)
     units = f'<span class="fails">Fails the unit check:</span> {escaped(found.units)}.' if found.units else "Units agree"
     values = f'<span class="fails">Fails the value check:</span> {escaped(found.values)}.' if found.values else ""
-    told = f"{units}. {values}" if values else f"{units}, and so do the values of a sample robot."
     left = e.printed_symbol or e.symbol
     as_printed = displayed(matrices.equation(left, e.printed))
     if (left, e.printed) == (e.symbol, computed):
-        return [f"As printed and as computed. {told}", as_printed]
+        return [f"As printed and as computed. {units}.", as_printed]
+    told = f"{units}. {values}" if values else f"{units}, and so do the values of a sample robot."
     return [f"As printed. {told}", as_printed, "As computed:", displayed(matrices.equation(e.symbol, computed))]
 
 

@@ -20,6 +20,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
         "Differential": "`layout` of `kind: differential`", "Omni": "`layout` of `kind: omni`",
         "CasterPlace": "Each of `casters`", "CentreOfMass": "`centre_of_mass`", "PayloadSection": "Each of `payloads`",
         "SizeSection": "`size`", "PassageSection": "Each of `passages`", "Limits": "`limits`",
+        "Unknown": "`misjudged`", "UnknownPayload": "`payload` of `misjudged`",
     },
     "budget": {"Budget": "", "Item": "Each of `others`"},
     "transmission": {"GearheadStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
