@@ -1,4 +1,4 @@
-"""Equations between vectors and matrices as LaTeX: the notation of ``drivesizer.platform.notation``, set as mathematics."""
+"""Equations between vectors and matrices as LaTeX: what ``drivesizer.platform.notation`` has as text."""
 
 from __future__ import annotations
 

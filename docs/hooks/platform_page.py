@@ -27,7 +27,9 @@ def _equation(e: MatrixEquation) -> str:
 def _forms(e: MatrixEquation) -> list[str]:
     """As printed with what was found, and as computed where that is another form."""
     found, computed = printed.finding(e), notation.computed(e)
-    units = f'<span class="fails">Fails the unit check:</span> {escaped(found.units)}.' if found.units else "Units agree"
+    units = (
+        f'<span class="fails">Fails the unit check:</span> {escaped(found.units)}.' if found.units else "Units agree"
+    )
     values = f'<span class="fails">Fails the value check:</span> {escaped(found.values)}.' if found.values else ""
     left = e.printed_symbol or e.symbol
     as_printed = displayed(matrices.equation(left, e.printed))

@@ -13,8 +13,9 @@ __all__ = ["SCHEMA", "fields_of", "sections"]
 SCHEMA: dict[str, Any] = RobotSpec.model_json_schema()
 _DEFS: dict[str, Any] = SCHEMA["$defs"]
 _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each with its heading
-    "motion": dict.fromkeys(("Trapezoid", "Triangle", "SCurve", "Harmonic", "Segments", "Csv", "Track", "Waypoints"), "")
-    | {"Segment": "Each of `segments`", "Waypoint": "Each of `waypoints`"},
+    "motion": dict.fromkeys(("Trapezoid", "Triangle", "SCurve", "Harmonic"), "")
+    | {"Segments": "", "Segment": "Each of `segments`", "Csv": "", "Track": ""}
+    | {"Waypoints": "", "Waypoint": "Each of `waypoints`"},
     "platform": {
         "Platform": "", "WheelPlace": "Each of `wheels`", "Mecanum": "`layout` of `kind: mecanum`",
         "Differential": "`layout` of `kind: differential`", "Omni": "`layout` of `kind: omni`",
