@@ -5,6 +5,7 @@ Every run is a simulation of the program's own; each way to drive is run once fo
 
 from __future__ import annotations
 
+import re
 from functools import cache
 
 from drivesizer.platform import following_example, following_table
@@ -15,6 +16,9 @@ from drivesizer.platform.following_table import Table
 __all__ = ["following", "ran", "sensitivities", "taken"]
 
 
+_VALUE, _TOGETHER = re.compile(r"^([\d.]+) (m|°|%)$"), "\\1\u00a0\\2"  # on one line
+
+
 @cache
 def ran(case: Case) -> Followed:
     """The path of the example, driven in one way."""
@@ -22,8 +26,12 @@ def ran(case: Case) -> Followed:
 
 
 def following() -> str:
-    """The paper's two measured errors, and what the simulated path gives."""
-    return _markdown(following_table.beside_the_paper())
+    """The paper's two measured errors, and what the simulated path gives; without a column where no limit was met."""
+    table = following_table.beside_the_paper()
+    if {row[-1] for row in table.rows} != {"–", "0 %"}:
+        return _markdown(table)
+    rows = tuple(row[:-1] for row in table.rows)
+    return f"{_markdown(table._replace(heads=table.heads[:-1], rows=rows))}\n\nNo wheel stood at its torque limit."
 
 
 def sensitivities() -> str:
@@ -38,4 +46,4 @@ def taken() -> str:
 
 def _markdown(table: Table) -> str:
     lines = [table.heads, ("---",) * len(table.heads), *table.rows]
-    return "\n".join(f"| {' | '.join(row)} |" for row in lines)
+    return "\n".join(f"| {' | '.join(_VALUE.sub(_TOGETHER, cell) for cell in row)} |" for row in lines)

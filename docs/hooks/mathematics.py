@@ -22,7 +22,7 @@ __all__ = ["displayed", "expression", "font", "rendered", "symbol"]
 _INLINE = re.compile(r'<span class="arithmatex">\\\((.*?)\\\)</span>', re.DOTALL)
 _DISPLAY = re.compile(r'<div class="arithmatex">\s*\\\[(.*?)\\\]\s*</div>', re.DOTALL)
 _SPACE = '<mspace width="0.17em"/>'
-_FUNCTION = re.compile(r"(?<=>)<mi>(sin|cos|tan|arctan|exp|min|max|sgn)</mi>(<mo[^>]*>&#x00028;)?")
+_FUNCTION = re.compile(r"(?<=>)<mi>(sin|cos|tan|tanh|arctan|exp|min|max|sgn)</mi>(<mo[^>]*>&#x00028;)?")
 _WORD = re.compile(r"\\mathrm\{([A-Za-z]{2,})\}")
 _USED: set[str] = set()  # signs that the pages have shown so far
 
