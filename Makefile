@@ -43,6 +43,8 @@ bench: $(READY)
 	$(BIN)/python benchmarks/search_sets.py
 	$(BIN)/python benchmarks/closed_loop.py
 	$(BIN)/python benchmarks/report.py
+	$(BIN)/python benchmarks/platform_hour.py
+	$(BIN)/python benchmarks/platform_following.py
 
 clean:
 	rm -rf $(VENV) build dist site .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -120,11 +120,11 @@ def pack_of(given: Battery, catalog: Catalog) -> Pack:
     return Pack(
         name=f"{s} x {p} " * (s * p > 1) + (given.part or f"{given.chemistry or chr(32)} battery".strip()),
         chemistry=given.chemistry or record.chemistry, series=s, parallel=p,
-        nominal_voltage=s * one["nominal_voltage"], charge_voltage=s * one["charge_voltage"],
-        cutoff_voltage=s * one["cutoff_voltage"],
+        nominal_voltage=_times(s, one["nominal_voltage"]), charge_voltage=_times(s, one["charge_voltage"]),
+        cutoff_voltage=_times(s, one["cutoff_voltage"]),
         rests=rest is not None,
-        emf_full=s * (rest.full if rest else one["nominal_voltage"]),
-        emf_empty=s * (rest.empty if rest else one["nominal_voltage"]),
+        emf_full=_times(s, rest.full if rest else one["nominal_voltage"]),
+        emf_empty=_times(s, rest.empty if rest else one["nominal_voltage"]),
         capacity=p * one["capacity"], health=given.health, usable=given.usable, rated_time=one["rated_time"],
         peukert_exponent=one["peukert_exponent"], resistance=one["resistance"] * s / p,
         polarisation=more.resistance * s / p if more else 0.0, time_constant=more.time_constant if more else nan,
@@ -132,6 +132,11 @@ def pack_of(given: Battery, catalog: Catalog) -> Pack:
         max_charge_current=p * one["max_charge_current"], mass=s * p * record.mass, price=s * p * record.price,
         table=_table(given, catalog, row, one["cutoff_voltage"]),
     )  # fmt: skip
+
+
+def _times(cells: int, volts: float) -> float:
+    """Of cells in series, without what rounding adds: seven cells of 4.2 V are charged at 29.4 V."""
+    return float(f"{cells * volts:.12g}")
 
 
 def _first(own: Any, listed: float) -> float:

@@ -23,6 +23,9 @@ def drive(
     follow: Annotated[
         bool, typer.Option("--follow", help="Also simulate how it follows: both robot models, slip, poses fed back.")
     ] = False,
+    failed: Annotated[
+        list[int] | None, typer.Option(metavar="WHEEL", help="A wheel whose motor has failed; may be repeated.")
+    ] = None,
     csv: Annotated[Path | None, typer.Option(help="Also write posture, speeds and torques over time.")] = None,
     drawings: Annotated[
         Path | None, typer.Option("--figures", metavar="FOLDER", help="Also draw path and errors (--follow): SVG, PNG.")
@@ -33,7 +36,7 @@ def drive(
     from drivesizer.driving import driving, on_the_way
 
     robot = load(spec, catalogs)
-    way = on_the_way(robot, trajectory)
+    way = on_the_way(robot, trajectory, failed or ())
     found = driving(way)
     if csv:
         from drivesizer.report import write_driving
@@ -78,7 +81,7 @@ def _on_the_way(robot: Any, way: Any, chosen: str | None) -> Any:
         return pick(way, chosen)
     with progress() as told:
         best = size(robot, top=1, progress=told).sets
-    if not best or robot.motion == way.motion:
+    if not best or (robot.motion == way.motion and robot.platform == way.platform):
         return best[0] if best else None
     motor, gearhead = (best[0].actuator or best[0].motor).part, best[0].gearhead.part
     return next(s for s in explain(way, motor, gearhead) if s.belt_ratio == best[0].belt_ratio)

@@ -14,8 +14,8 @@ __all__ = ["doctor", "equations", "init", "schema"]
 
 
 _KINDS = (
-    "wheeled_vehicle, conveyor, hoist, lead_screw, ball_screw, rack_pinion, rotary_table, arm, fan, flywheel, "
-    "or recorded"
+    "wheeled_vehicle, mecanum_platform, conveyor, hoist, lead_screw, ball_screw, rack_pinion, rotary_table, arm, fan, "
+    "flywheel, or recorded"
 )
 
 

@@ -8,19 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.loadcycle import LoadCycle
-from drivesizer.loads import load_cycle
 from drivesizer.machines import WheeledVehicle
-from drivesizer.physics import at_gearhead, demands
-from drivesizer.physics_limits import heat, stress, volts_of
 from drivesizer.results import DriveSet
+from drivesizer.set_cycle import set_cycle, waveform
 from drivesizer.spec import RobotSpec
-from drivesizer.waveform import Wave, energy, largest_power, wave
+from drivesizer.waveform import Wave, energy, largest_power
 from drivesizer.wheel_load import WheelLoad
 
 __all__ = ["DrivePower", "drive_power", "together"]
@@ -51,16 +49,6 @@ class DrivePower(NamedTuple):
         return float(self.duration @ column) / self.total
 
 
-class _One:
-    """A part as columns of one row; without a part every figure is unknown."""
-
-    def __init__(self, part: Any) -> None:
-        self.part = part
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return np.array([np.nan if self.part is None else getattr(self.part, name)])
-
-
 def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
     """Power over one cycle, the winding as warm as it gets in the long run.
 
@@ -76,27 +64,21 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
-    motor, gearhead, encoder = (_One(part) for part in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
-    cycle = load_cycle(spec)
-    at = at_gearhead(cycle, drive_set.belt_efficiency).behind(drive_set.belt_ratio)
-    asked = demands(at, motor, gearhead, encoder)
-    under = stress(spec, at, asked, heat(spec, at, asked, motor), motor)
-    k_t = motor["torque_constant"]
-    found = wave(at.cycle.duration, at.functions, asked.coefficients, volts_of(asked, k_t, under.hot), k_t)
-    duration, current, voltage = _pieces(found)
+    found = set_cycle(spec, drive_set)
+    duration, current, voltage = _pieces(waveform(found))
     one = Wave(np.ones(1), current[:, None], voltage[:, None])  # every piece as a candidate of its own
     sums = energy(one, storing=False)
     back = largest_power(one._replace(voltage=-one.voltage))[0]
     peak = largest_power(one)[0]
     alike = spec.load.alike if isinstance(spec.load, WheelLoad) else spec.load.motors
-    sets = alike if asked.sure.all() else np.nan  # least demands are not told as if they were all
+    sets = alike if found.asked.sure.all() else np.nan  # least demands are not told as if they were all
     return DrivePower(
         duration=duration,
         drawn=sums.drawn * sets,
         returned=sums.returned * sets,
         peak=np.maximum(peak, 0.0) * sets,
         returned_peak=np.maximum(back, 0.0) * sets,
-        way=_way(spec, cycle),
+        way=_way(spec, found.at.cycle),
     )
 
 

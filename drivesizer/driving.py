@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -49,7 +49,7 @@ class Driving:
     wheels: tuple[Wheel, ...]
 
 
-def on_the_way(spec: RobotSpec, file: Path | None) -> RobotSpec:
+def on_the_way(spec: RobotSpec, file: Path | None, failed: Sequence[int] = ()) -> RobotSpec:
     """The spec with a trajectory as its motion, in one load case.
 
     Parameters
@@ -58,6 +58,8 @@ def on_the_way(spec: RobotSpec, file: Path | None) -> RobotSpec:
         With a platform.
     file
         The trajectory; that of the spec's own motion when not given.
+    failed
+        Wheels whose motor has failed, by number; those of the spec when none is given.
 
     Raises
     ------
@@ -71,7 +73,14 @@ def on_the_way(spec: RobotSpec, file: Path | None) -> RobotSpec:
             "TRAJECTORY.CSV is missing and the spec's motion is none; expected e.g. drivesizer drive robot.yaml way.csv"
         )
     motion = spec.motion if file is None else Track(profile="trajectory", trajectory=str(file.absolute()))
-    return spec.alone(motion=motion)
+    platform = spec.platform
+    if failed:
+        wheels = len(platform.places)
+        wrong = [number for number in failed if not 1 <= number <= wheels]
+        if wrong:
+            raise InputError(f"--failed: there is no wheel {wrong[0]}; expected 1 to {wheels}")
+        platform = platform.model_copy(update={"failed": list(failed)})
+    return spec.alone(motion=motion, platform=platform)
 
 
 def driving(spec: RobotSpec) -> Driving:
@@ -105,7 +114,7 @@ def over_time(found: Driving) -> dict[str, tuple[Array, str, str]]:
     d, way = dynamics_of(found.spec), found.trajectory
     seen = motion(d, way, ground_of(found.spec))
     ends = np.cumsum(seen.duration)
-    time = np.stack([ends - seen.duration, ends], axis=1)
+    time = np.stack([np.append(0.0, ends[:-1]), ends], axis=1)
     E = d.kinematics.E[list(d.kinematics.driven)]
     torque = wheel_torques(d, seen.eta, seen.eta_dot, theta=seen.facing, ground=seen.ground, towards=seen.towards,
                            rotors=False)  # fmt: skip

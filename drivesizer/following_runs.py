@@ -49,7 +49,7 @@ def follow_all(found: Driving, chosen: DriveSet | None) -> dict[str, Followed]:
     }
     if d.kinematics.mobility == 3 or is_unicycle(d.kinematics):
         poses = pose_loop(d, speeds, speed=_fastest(found))
-        runs["dynamic model, poses fed back"] = follow(way, platform, model="dynamic", poses=poses, **more)
+        runs["poses fed back"] = follow(way, platform, model="dynamic", poses=poses, **more)
     return runs
 
 

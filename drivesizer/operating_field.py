@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from drivesizer.choose import usable_voltage
 from drivesizer.loadcycle import Ends
 from drivesizer.loads import load_cycle
+from drivesizer.one_row import OneRow
 from drivesizer.physics import (
     ACCELERATION,
     DIRECTION,
@@ -62,16 +63,6 @@ class OperatingField:
     rms_torque: float  # N*m, constant torque that draws the cycle's RMS current at its RMS speed
 
 
-class _Columns:
-    """A part as columns of one row; without a part every figure is unknown."""
-
-    def __init__(self, part: Any) -> None:
-        self.part = part
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return np.array([np.nan if self.part is None else getattr(self.part, name)])
-
-
 def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     """The field of a set's motor, and the cycle of a spec in it.
 
@@ -87,7 +78,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
-    motor, gearhead, encoder = (_Columns(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
+    motor, gearhead, encoder = (OneRow(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     at = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
     asked = _as_far_as_known(demands(at, motor, gearhead, encoder), motor, gearhead)
     cycle_speed, cycle_torque = _cycle(at, asked)
@@ -120,7 +111,7 @@ def _lines(spec: RobotSpec, drive_set: DriveSet, asked: Demands, hot: float, fas
     (cold_at_rest, cold_slope), (at_rest, slope) = (_line(asked, drive_set, voltage, T) for T in (ambient, hot))
     no_load = -cold_at_rest / cold_slope if cold_slope < 0.0 else 0.0
     w = np.linspace(0.0, max(no_load, fastest), _POINTS)
-    continuous, thermal = _continuous(spec, asked, _Columns(drive_set.motor), w)
+    continuous, thermal = _continuous(spec, asked, OneRow(drive_set.motor), w)
     return {
         "voltage": voltage,
         "ambient": ambient,
@@ -139,7 +130,7 @@ def _friction(asked: Demands, w: Any) -> Any:
     return asked.coefficients[0, DIRECTION] + asked.coefficients[0, SPEED] / asked.total_ratio[0] * w
 
 
-def _hot(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: _Columns) -> float:
+def _hot(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: OneRow) -> float:
     """Temperature of the hot winding [K]: the voltage line is then good in any cycle that the winding bears."""
     permitted = float(motor["max_winding_temperature"][0])
     steady = float(heat(spec, at, asked, motor).winding[0])
@@ -148,7 +139,7 @@ def _hot(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: _Columns) -> fl
 
 def _voltage(spec: RobotSpec, drive_set: DriveSet) -> float:
     """Usable voltage [V]; all that the supply has where the controller's share is unknown."""
-    controller, lowest = _Columns(drive_set.controller), spec.supply.lowest
+    controller, lowest = OneRow(drive_set.controller), spec.supply.lowest
     usable = float(usable_voltage(lowest, controller["max_duty"], controller["voltage_drop"])[0])
     return lowest if np.isnan(usable) else usable
 
@@ -162,7 +153,7 @@ def _line(asked: Demands, drive_set: DriveSet, voltage: float, temperature: floa
     return float((voltage - volts[DIRECTION]) * per_volt), float(-volts[SPEED] / asked.total_ratio[0] * per_volt)
 
 
-def _continuous(spec: RobotSpec, asked: Demands, motor: _Columns, w: Array) -> tuple[Array, bool]:
+def _continuous(spec: RobotSpec, asked: Demands, motor: OneRow, w: Array) -> tuple[Array, bool]:
     """Continuous torque over speed [N*m], and whether it is from thermal data."""
     rubbing, iron = housing_loss(motor, np.ones(1))
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
@@ -177,7 +168,7 @@ def _continuous(spec: RobotSpec, asked: Demands, motor: _Columns, w: Array) -> t
 
 def _intermittent(asked: Demands, drive_set: DriveSet, w: Array) -> Array:
     """The lesser of what controller and gearhead permit for a while [N*m]; one of them where the other is unknown."""
-    peak = float(_Columns(drive_set.controller)["peak_current"][0])
+    peak = float(OneRow(drive_set.controller)["peak_current"][0])
     by_controller = drive_set.motor.torque_constant * peak - _friction(asked, w)
     found: Array = np.fmin(by_controller, drive_set.gearhead.intermittent_torque * asked.coefficients[0, DRIVING])
     return found

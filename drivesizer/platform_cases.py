@@ -100,11 +100,12 @@ def _wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
         yield name, case
         return
     cycles, way = cycles_of(case), trajectory_of(case)
-    assert way is not None
+    assert way is not None and isinstance(case.load, WheeledVehicle)
+    driven = dynamics_of(case).kinematics.driven
     for alike in sorted(_groups(cycles), key=lambda group: -rms(cycles[group[0]].duration, cycles[group[0]].torque)):
-        said = _listed([i + 1 for i in alike])
+        said = _listed([driven[i] + 1 for i in alike])
         cycle = _with_the_worst_limits([cycles[i] for i in alike])
-        load = wheel_load(cycle, len(cycles), len(alike), way.length, name)
+        load = wheel_load(cycle, case.load.driven_wheels, len(alike), way.length, name)
         one = case.model_copy(update={"load": load, "motion": None})
         yield (said if name in ("", AS_SPECIFIED) else f"{name}, {said}"), one
 

@@ -57,7 +57,10 @@ def platform_of(section: Platform, load: WheeledVehicle, rotor_inertia: float = 
     carried = (
         wheels.Payload(mass=p.mass, x=p.x, y=p.y, height=p.height or 0.0, inertia=p.inertia) for p in section.payloads
     )
-    return wheels.loaded(empty, *carried)
+    whole = wheels.loaded(empty, *carried)
+    for number in dict.fromkeys(section.failed):
+        whole = wheels.without_motor(whole, number, blocked=section.blocked)
+    return whole
 
 
 def _own_mass(section: Platform, load: WheeledVehicle) -> float:

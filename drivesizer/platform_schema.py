@@ -157,6 +157,13 @@ class Platform(Section):
     passages: Annotated[list[PassageSection], Field(max_length=100)] = Field(default_factory=list)
     limits: Limits = Field(default_factory=Limits)
     uphill: Bearing = default("0 deg", description="direction of the load's slope in the world")
+    failed: Annotated[list[Annotated[int, Field(ge=1)]], Field(max_length=100)] = Field(
+        default_factory=list,
+        description="wheels whose motor has failed, by number: for a load case",
+    )
+    blocked: bool = Field(
+        default=False, description="whether those are held by brake or gear; they turn freely otherwise"
+    )
     misjudged: Unknown = Field(default_factory=Unknown, description="for `drivesizer drive --follow`")
 
     @model_validator(mode="after")
@@ -167,6 +174,9 @@ class Platform(Section):
             raise ValueError("give inertia, or size: a homogeneous box of it is taken then")
         if self.passages and self.size is None:
             raise ValueError("give size for the passages")
+        wrong = [number for number in self.failed if number > len(self.places)]
+        if wrong:
+            raise ValueError(f"expected failed wheels of {len(self.places)}, there is no wheel {wrong[0]}")
         _distinct([passage.name for passage in self.passages], "passages")
         _distinct([payload.name for payload in self.payloads], "payloads")
         return self

@@ -118,3 +118,4 @@ class Case(Section):
     motion: dict[str, Any] = Field(default_factory=dict)
     supply: dict[str, Any] = Field(default_factory=dict)
     environment: dict[str, Any] = Field(default_factory=dict)
+    platform: dict[str, Any] = Field(default_factory=dict)

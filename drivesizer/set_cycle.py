@@ -7,21 +7,21 @@ Symbols: I current [A], V voltage [V], w speed [rad/s], P_h loss at the housing 
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.loadcycle import mean_product
 from drivesizer.loads import load_cycle
+from drivesizer.one_row import OneRow
 from drivesizer.physics import SPEED, AtGearhead, Demands, at_gearhead, demands
 from drivesizer.physics_limits import Heat, Stress, heat, stress, volts_of
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
 from drivesizer.waveform import Wave, mean_square, wave
 
-__all__ = ["SetCycle", "Warming", "column", "set_cycle", "warming", "waveform"]
+__all__ = ["SetCycle", "Warming", "set_cycle", "warming", "waveform"]
 
 Array = NDArray[np.float64]
 
@@ -30,8 +30,8 @@ class SetCycle(NamedTuple):
     """A set's parts as columns of one, and what its load cycle asks of them."""
 
     spec: RobotSpec
-    motor: dict[str, Any]
-    gearhead: dict[str, Any]
+    motor: OneRow
+    gearhead: OneRow
     at: AtGearhead
     asked: Demands
     warm: Heat
@@ -56,16 +56,6 @@ class Warming(NamedTuple):
     loss: Array  # W, at the housing
 
 
-def column(part: Any) -> dict[str, Any]:
-    """A part as columns of one by field name.
-
-    >>> from drivesizer.catalog.parts import NO_GEARHEAD
-    >>> column(NO_GEARHEAD)["ratio"]
-    array([1.])
-    """
-    return {name: np.array([value]) for name, value in asdict(part).items()}
-
-
 def set_cycle(spec: RobotSpec, drive_set: DriveSet) -> SetCycle:
     """What the cycle of a spec asks of a set.
 
@@ -81,8 +71,7 @@ def set_cycle(spec: RobotSpec, drive_set: DriveSet) -> SetCycle:
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
-    motor, gearhead = column(drive_set.motor), column(drive_set.gearhead)
-    encoder = column(drive_set.encoder) if drive_set.encoder else {"inertia": np.array([np.nan])}
+    motor, gearhead, encoder = (OneRow(part) for part in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     quickest = drive_set.motor.winding_time_constant
     base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, quickest if quickest > 0.0 else np.inf)
     at = base.behind(drive_set.belt_ratio)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from drivesizer import belt_choice, paper
-from drivesizer.budgets import check_battery, drive_mass, mass_without_drive, of_the_platform, with_budget
+from drivesizer.budgets import check_battery, of_the_platform, with_budget
 from drivesizer.candidates import Candidates, candidates
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
 from drivesizer.catalog.inside import taken_apart
@@ -19,8 +18,7 @@ from drivesizer.choose import offered_buses, offers
 from drivesizer.compare import with_both_methods
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.evaluation import evaluate
-from drivesizer.machines import WheeledVehicle
-from drivesizer.mass_budget import settle
+from drivesizer.own_mass import at_its_own_mass
 from drivesizer.platform_cases import on_wheels
 from drivesizer.ranking import Objective, names_of, title_of
 from drivesizer.records import drive_set
@@ -29,6 +27,7 @@ from drivesizer.requirements import requirements
 from drivesizer.results import DriveSet, Requirement, SizingResult, verdict
 from drivesizer.search import Found, Progress, search
 from drivesizer.spec import RobotSpec
+from drivesizer.standing_sets import FURTHER, divided, ranked, shortfall
 from drivesizer.units import show
 
 __all__ = ["explain", "load_parts", "size"]
@@ -83,18 +82,18 @@ def size(
     """
     catalog = _prepared(catalog) if catalog else load_parts(spec)
     objective = objective or spec.select.objective
-    spec, weighed = _at_its_own_mass(spec, catalog, objective)
+    spec, weighed = at_its_own_mass(spec, catalog, objective)
     spec = belt_choice.with_pulleys(on_wheels(spec), catalog)
     _known_choices(spec, catalog)
     check_battery(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})
-    most = top * _FURTHER if spec.battery or spec.budget else top
+    most = top * FURTHER if spec.battery or spec.budget else top
     found = search(spec, catalog, top=most, objective=objective, pareto=pareto, progress=progress)
-    best, short = _divided(found, spec, objective, top)
+    best, short = divided(found, spec, objective, top)
     count = len(found.evaluation.candidates.motor)
     fallen = [i for i in range(found.standing, count) if found.evaluation.failed[i]]
     fell = [*short.values(), *(drive_set(found.evaluation, i, 0, objective) for i in fallen)]
-    sets = with_both_methods(spec, catalog, _ranked(best.values()))
+    sets = with_both_methods(spec, catalog, ranked(best.values()))
     return SizingResult(
         spec=spec,
         catalog=catalog,
@@ -102,70 +101,15 @@ def size(
         objective=title_of(objective),
         requirements=_requirements(found, spec, next(iter((*best, *short)), 0)),
         sets=sets,
-        misses=_ranked(fell[: None if sets else top], len(sets)),
+        misses=ranked(fell[: None if sets else top], len(sets)),
         relaxations=() if found.standing else relaxations(spec, catalog),
         counts=found.counts,
         assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec), *weighed),
-        warnings=(*_warnings(spec, sets), *_shortfall(best, short), *catalog.replaced),
+        warnings=(*_warnings(spec, sets), *shortfall(best, short), *catalog.replaced),
         unrestricted=_unrestricted(spec, catalog, objective),
         front=tuple(drive_set(found.evaluation, i, n, objective) for n, i in enumerate(found.front, 1)),
         pareto=pareto,
     )
-
-
-def _at_its_own_mass(spec: RobotSpec, catalog: Catalog, objective: Objective) -> tuple[RobotSpec, tuple[str, ...]]:
-    """The spec with the mass at which its drive carries itself, and how that was found; where the spec asks for it."""
-    load = spec.load
-    if spec.budget is None or not spec.budget.drive_counts or not isinstance(load, WheeledVehicle):
-        return spec, ()
-
-    def weighing(mass: float) -> RobotSpec:
-        return spec.model_copy(update={"load": load.model_copy(update={"mass": mass})})
-
-    def sized(mass: float) -> tuple[float, str] | None:
-        robot = belt_choice.with_pulleys(on_wheels(weighing(mass)), catalog)
-        found = search(robot, catalog, top=1, objective=objective, misses=0)
-        if not found.standing:
-            return None
-        best = drive_set(found.evaluation, 0, 1, objective)
-        return drive_mass(best, load.motors), best.label
-
-    settled = settle(sized, mass_without_drive(spec, catalog))
-    mass = settled.total if settled.carries_itself else settled.steps[-1].total
-    return weighing(mass), (f"the drive's own mass counts, as far as it is known: {settled.words}",)
-
-
-_FURTHER = 4  # times as many sets are looked at where some may fall by the machine's budgets
-
-
-def _divided(
-    found: Found, spec: RobotSpec, objective: Objective, top: int
-) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
-    """By their rows the best sets that stand with the machine's budgets, and the better ones that fall by those."""
-    catalog, machine = found.evaluation.catalog, of_the_platform(spec.whole)
-    best: dict[int, DriveSet] = {}
-    short: dict[int, DriveSet] = {}
-    for row in range(found.standing):
-        one = with_budget(spec, catalog, drive_set(found.evaluation, row, 0, objective), machine)
-        falls = one.status == "fail" or (verdict(one.budget) == "unknown" and spec.select.unknown != "allow")
-        (short if falls else best)[row] = one
-        if len(best) == top:
-            break
-    return best, dict(list(short.items())[:top])
-
-
-def _ranked(sets: Iterable[DriveSet], before: int = 0) -> tuple[DriveSet, ...]:
-    return tuple(replace(one, rank=rank) for rank, one in enumerate(sets, before + 1))
-
-
-def _shortfall(best: dict[int, DriveSet], short: dict[int, DriveSet]) -> list[str]:
-    """That better sets fell by a budget."""
-    names = sorted({check.title.lower() for one in short.values() for check in one.budget if check.status == "fail"})
-    better = [row for row in short if not best or row < min(best)]
-    if not better or not names:
-        return []
-    sets = "1 set that stands" if len(better) == 1 else f"{len(better)} sets that stand"
-    return [f"{sets} by method and objective before these: not enough for the machine ({', '.join(names)})"]
 
 
 def _known_to(spec: RobotSpec, names: set[str]) -> None:
@@ -301,12 +245,10 @@ def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog
     given: Candidates = candidates(narrowed, catalog, also=rows)
     evaluation = evaluate(narrowed, catalog, given)
     found = np.flatnonzero((given.motor == rows[0]) & (given.gearhead == rows[1]))
-    sets = [
-        with_budget(spec, catalog, drive_set(evaluation, int(i), n, spec.select.objective))
-        for n, i in enumerate(found, 1)
-    ]
-    both = with_both_methods(spec, catalog, sets)
-    return [replace(s, changes=changes_for(spec, catalog, s)) if s.status == "fail" else s for s in both]
+    machine = of_the_platform(spec.whole)
+    alone = [drive_set(evaluation, int(i), n, spec.select.objective) for n, i in enumerate(found, 1)]
+    both = with_both_methods(spec, catalog, [with_budget(spec, catalog, one, machine) for one in alone])
+    return [replace(s, changes=changes_for(spec, catalog, s)) if verdict(s.checks) == "fail" else s for s in both]
 
 
 def _pair(catalog: Catalog, motor: str, gearhead: str) -> tuple[int, int]:

@@ -31,7 +31,7 @@ __all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
 
 
 AS_SPECIFIED = "as specified"  # the name of the first load case where there are others
-_VARIED = ("load", "motion", "supply", "environment")
+_VARIED = ("load", "motion", "supply", "environment", "platform")
 
 
 class RobotSpec(Section):

@@ -17,6 +17,7 @@ from drivesizer.catalog.query import Hit
 from drivesizer.catalog.shafts import HUB
 from drivesizer.part_curves import HEAT, Line, bears, bears_for, continuous_curve, line
 from drivesizer.report.datasheet import datasheet
+from drivesizer.terminal_battery import discharge_tables
 from drivesizer.terminal_catalog import counted, figure
 from drivesizer.terminal_chart import Axis, Series, chart
 from drivesizer.terminal_tables import bare, console, heading
@@ -50,6 +51,8 @@ def page(hit: Hit, *, sources: bool = False) -> None:
         out.print(*_chart(hit, out.width), sep="\n")
         _heat(out, hit)
         out.print()
+    if hit.section == "batteries":
+        out.print(*discharge_tables(hit), sep="\n")
     _partners(out, hit)
     _remarks(out, hit, sheet, sources)
     out.print()

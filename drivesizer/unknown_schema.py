@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -42,7 +42,9 @@ class Unknown(Section):
     def record(self) -> Misjudged:
         """The same as the march takes it."""
         given = {name: getattr(self, name) for name in type(self).model_fields if name != "payload"}
-        told = {name: tuple(value) if isinstance(value, list) else value for name, value in given.items()}
+        told: dict[str, Any] = {
+            name: tuple(value) if isinstance(value, list) else value for name, value in given.items()
+        }
         carried = self.payload
         load = Payload(mass=carried.mass, x=carried.x, y=carried.y, height=carried.height) if carried else None
         return Misjudged(**told, payload=load)

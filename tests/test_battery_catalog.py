@@ -11,6 +11,7 @@ import pytest
 from drivesizer.catalog import Catalog, load, shipped
 from drivesizer.catalog.check import Finding, check
 from drivesizer.catalog.discharges import Discharges
+from drivesizer.cli import main
 from drivesizer.errors import CatalogError
 
 HOUR = 3600.0
@@ -204,3 +205,17 @@ def test_one_wrong_figure_is_found(
            if (f.identity, f.meaning) not in before]  # fmt: skip
     assert identity in {f.identity for f in new}
     assert all(f.part == part and f.unexplained for f in new)
+
+
+def test_a_battery_is_shown_with_its_discharges(capsys, monkeypatch) -> None:
+    """Times down, end voltages across; three figures of the sheet as printed."""
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setattr("sys.argv", ["drivesizer", "catalog", "show", "SP12-7.5T1", "--catalog", "sigmastek"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    out = capsys.readouterr().out
+    currents = out.split("Constant power")[0].splitlines()
+    rows = {"".join(words[:2]): words[2:] for words in map(str.split, currents) if len(words) == 8}
+    assert ended.value.code in (0, None)
+    assert "Constant current (A), down to" in out and "9.6 V" in out and "10.5 V" in out
+    assert rows["1h"][0] == "4.71" and rows["20h"][3] == "0.379" and rows["5min"][-1] == "14.3"

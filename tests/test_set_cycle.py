@@ -1,6 +1,6 @@
 """A set over its cycle: efficiency, energy and warming, held against closed forms, other accounts and SciPy."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from math import inf, nan, sqrt
 from pathlib import Path
 
@@ -214,7 +214,7 @@ def test_the_warming_of_a_set_peaks_where_its_result_says(tmp_path, catalog: Cat
     result = size(starter("hoist", tmp_path), catalog=catalog, top=1)
     one = result.sets[0]
     found = set_cycle(result.spec, one)
-    bodies = two_bodies({name: values[0] for name, values in found.motor.items()})
+    bodies = two_bodies(asdict(found.motor.part))
     way = warm_up(bodies, result.spec.environment.ambient, warming(found))
     told = {figure.name: figure.value for figure in one.figures}
     assert way is not None and way.periodic.winding_peak == pytest.approx(told["winding_temperature"], abs=1e-3)

@@ -1,8 +1,8 @@
 """What a platform can still do when a motor set has failed.
 
 Four mecanum wheels have one motor more than freedoms. With a wheel that turns freely the other three still make every
-motion, but no torque is left to choose: straight on, the two wheels of the other diagonal do all the work, each with
-twice the torque, and the third turns with none. With a wheel that is blocked two motions are left.
+motion, but no torque is left to choose: straight on, the two wheels of the other axle do all the work, each with twice
+the torque, and the third turns with none. With a wheel that is blocked two motions are left.
 """
 
 from __future__ import annotations

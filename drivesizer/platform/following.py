@@ -98,15 +98,13 @@ def sampled(trajectory: Trajectory, time: Any) -> Planned:
     ends = np.concatenate([[0.0], np.cumsum(trajectory.duration)])
     t = np.clip(np.asarray(time, dtype=float), 0.0, ends[-1])
     n = np.clip(np.searchsorted(ends, t, side="right") - 1, 0, len(trajectory.duration) - 1)
-    h = trajectory.duration[n]
-    q = np.clip((t - ends[n]) / h, 0.0, 1.0)
-    (a, b), (v, w) = np.moveaxis(trajectory.posture[:, n], -1, 0), np.moveaxis(trajectory.velocity[:, n], -1, 0)
-    posture = a + q**2 * (3.0 - 2.0 * q) * (b - a) + h * q * (1.0 - q) * ((1.0 - q) * v - q * w)
+    q = np.clip((t - ends[n]) / trajectory.duration[n], 0.0, 1.0)
+    v, w = np.moveaxis(trajectory.velocity[:, n], -1, 0)
     inside = (np.asarray(time) <= ends[-1]) & (np.asarray(time) >= 0.0)
     rates = [v + q * (w - v), (1.0 - q) * trajectory.acceleration[:, n, 0] + q * trajectory.acceleration[:, n, 1]]
     velocity, acceleration = (np.asarray(np.where(inside, rate, 0.0), dtype=float) for rate in rates)
     instants: Array = np.asarray(time, dtype=np.float64)
-    return Planned(instants, posture.astype(np.float64), velocity, acceleration)
+    return Planned(instants, trajectory.at(instants), velocity, acceleration)
 
 
 def follow(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from functools import cached_property
 from math import isfinite, isnan
 
@@ -59,7 +60,7 @@ class Behaviour:
         return max(known, key=lambda pair: pair[1].periodic.winding_peak) if len(known) == len(found) else None
 
     def _warm(self, found: SetCycle) -> WarmUp | None:
-        bodies = two_bodies({name: values[0] for name, values in found.motor.items()})
+        bodies = two_bodies(asdict(found.motor.part))
         return warm_up(bodies, found.spec.environment.ambient, warming(found)) if found.known else None
 
     # -- figures

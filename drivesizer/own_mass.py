@@ -1,0 +1,38 @@
+"""A machine as heavy as its own drive makes it."""
+
+from __future__ import annotations
+
+from drivesizer import belt_choice
+from drivesizer.budgets import drive_mass, mass_without_drive
+from drivesizer.catalog import Catalog
+from drivesizer.machines import WheeledVehicle
+from drivesizer.mass_budget import settle
+from drivesizer.platform_cases import on_wheels
+from drivesizer.ranking import Objective
+from drivesizer.records import drive_set
+from drivesizer.search import search
+from drivesizer.spec import RobotSpec
+
+__all__ = ["at_its_own_mass"]
+
+
+def at_its_own_mass(spec: RobotSpec, catalog: Catalog, objective: Objective) -> tuple[RobotSpec, tuple[str, ...]]:
+    """The spec with the mass at which its drive carries itself, and how that was found; where the spec asks for it."""
+    load = spec.load
+    if spec.budget is None or not spec.budget.drive_counts or not isinstance(load, WheeledVehicle):
+        return spec, ()
+
+    def weighing(mass: float) -> RobotSpec:
+        return spec.model_copy(update={"load": load.model_copy(update={"mass": mass})})
+
+    def sized(mass: float) -> tuple[float, str] | None:
+        robot = belt_choice.with_pulleys(on_wheels(weighing(mass)), catalog)
+        found = search(robot, catalog, top=1, objective=objective, misses=0)
+        if not found.standing:
+            return None
+        best = drive_set(found.evaluation, 0, 1, objective)
+        return drive_mass(best, load.motors), best.label
+
+    settled = settle(sized, mass_without_drive(spec, catalog))
+    mass = settled.total if settled.carries_itself else settled.steps[-1].total
+    return weighing(mass), (f"the drive's own mass counts, as far as it is known: {settled.words}",)

@@ -1,0 +1,60 @@
+"""Which of the sets that a search found stand in the machine that they drive."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from drivesizer.budgets import of_the_platform, with_budget
+from drivesizer.ranking import Objective
+from drivesizer.records import drive_set
+from drivesizer.results import DriveSet, verdict
+from drivesizer.search import Found
+from drivesizer.spec import RobotSpec
+
+__all__ = ["FURTHER", "divided", "ranked", "shortfall"]
+
+FURTHER = 4  # times as many sets are looked at where some may fall by the machine's budgets
+
+
+def divided(
+    found: Found, spec: RobotSpec, objective: Objective, top: int
+) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
+    """By their rows the best sets that stand with the machine's budgets, and the better ones that fall by those.
+
+    Parameters
+    ----------
+    found
+        Of the search.
+    spec
+        The machine.
+    objective
+        That they were ranked by.
+    top
+        How many of each.
+    """
+    catalog, machine = found.evaluation.catalog, of_the_platform(spec.whole)
+    best: dict[int, DriveSet] = {}
+    short: dict[int, DriveSet] = {}
+    for row in range(found.standing):
+        one = with_budget(spec, catalog, drive_set(found.evaluation, row, 0, objective), machine)
+        falls = one.status == "fail" or (verdict(one.budget) == "unknown" and spec.select.unknown != "allow")
+        (short if falls else best)[row] = one
+        if len(best) == top:
+            break
+    return best, dict(list(short.items())[:top])
+
+
+def ranked(sets: Iterable[DriveSet], before: int = 0) -> tuple[DriveSet, ...]:
+    """Sets by the rank in which they are shown."""
+    return tuple(replace(one, rank=rank) for rank, one in enumerate(sets, before + 1))
+
+
+def shortfall(best: dict[int, DriveSet], short: dict[int, DriveSet]) -> list[str]:
+    """That better sets fell by a budget."""
+    names = sorted({check.title.lower() for one in short.values() for check in one.budget if check.status == "fail"})
+    better = [row for row in short if not best or row < min(best)]
+    if not better or not names:
+        return []
+    sets = "1 set that stands" if len(better) == 1 else f"{len(better)} sets that stand"
+    return [f"{sets} by method and objective before these: not enough for the machine ({', '.join(names)})"]
