@@ -125,6 +125,8 @@ def drive_set(found: DriveSet) -> dict[str, Any]:
             checks[0].method: _result(checks) for checks in (found.checks, found.beside, found.budget) if checks
         },
         "checks": [_check(check) for check in found.every_check],
+        "machine": [{"name": f.name, "title": f.title} | _figure(f) for f in found.machine],
+        "masses": [{"name": row.name, "each_kg": number(row.each), "number": row.number} for row in found.masses],
         "energy": _energy(found.energy) if found.energy else None,
         "changes": [_relaxation(r) for r in found.changes],
     }

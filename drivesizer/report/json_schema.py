@@ -48,7 +48,7 @@ def _definitions() -> dict[str, _Schema]:
         "requirement": _REQUIREMENT,
         "check": _CHECK,
         "relaxation": _RELAXATION,
-        "figure": _all_of(value=_NUMBER, unit=_STRING, si=_NUMBER, at_time_s=_NUMBER),
+        "figure": _all_of(**_FIGURE),
         "set": _set(),
         "line": _LINE,
         "loop": _loop(),
@@ -109,6 +109,7 @@ _RELAXATION = _all_of(
 _RESULT = _all_of(
     status=_STATUS, smallest_margin=_NUMBER, tightest_check=_TEXT, failed=_WORDS, unknown=_WORDS
 )  # of one method
+_FIGURE = {"value": _NUMBER, "unit": _STRING, "si": _NUMBER, "at_time_s": _NUMBER}
 _CONFIDENCE = {"enum": [*CONFIDENCE, None]}
 _LINE = _all_of(
     role=_STRING, maker=_TEXT, family=_TEXT, part=_TEXT,
@@ -131,7 +132,9 @@ def _set() -> _Schema:
         controller=_or_null(_to("controllers")), total_ratio=_FLOAT, mass_kg=_NUMBER, mass_of=_WORDS,
         objective=_NUMBER, objective_of=_WORDS, requirements=_named(_to("requirement")),
         figures=_named(_to("figure")), results=_named(_RESULT), checks=_list(_to("check")),
-        energy=_or_null(_energy()), changes=_list(_to("relaxation")),
+        machine=_list(_all_of(name=_STRING, title=_STRING, **_FIGURE)),
+        masses=_list(_all_of(name=_STRING, each_kg=_NUMBER, number=_COUNT)), energy=_or_null(_energy()),
+        changes=_list(_to("relaxation")),
     )  # fmt: skip
 
 
