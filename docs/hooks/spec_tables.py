@@ -47,6 +47,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "plant": {"Plant": ""},
     "paper_factors": {"PaperFactors": ""},
 }  # fmt: skip
+_BY_KIND = ("Fan", "Screw")  # models of several kinds: what the page says above their fields
 _LOADS = ("Cylinder", "Cylinders")  # further models of loads, which have a page of their own
 
 
@@ -84,7 +85,7 @@ def fields_of(model: dict[str, Any]) -> str:
     required = set(model.get("required", ()))
     rows = []
     for name, field in sorted(model["properties"].items(), key=lambda item: item[0] not in required):
-        if name == "kind" or (name == "profile" and "const" in field):
+        if name in ("kind", "profile") and ("const" in field or model["title"] in _BY_KIND):
             continue
         default = "**required**" if name in required else _default(field)
         rows.append(f"| `{name}` | {_takes(field)} | {default} | {_said(field)} |")
@@ -94,7 +95,7 @@ def fields_of(model: dict[str, Any]) -> str:
 def _default(field: dict[str, Any]) -> str:
     value = field.get("default")
     if value is None:
-        return "–" if "$ref" not in field and field.get("type") != "array" else "its own defaults"
+        return "none" if field.get("type") == "array" else "its own defaults" if "$ref" in field else "–"
     return f"`{value}`" if isinstance(value, str) else f"`{json.dumps(value)}`"
 
 
