@@ -20,7 +20,7 @@ sys.path.insert(0, str(ROOT / "docs"))
 from blocks import Shell, blocks, commands, renewed, shown, written  # noqa: E402
 
 PAGES = sorted((ROOT / "docs").glob("*.md"))
-LANGUAGES = {"bash", "text", "python", "yaml"}
+LANGUAGES = {"bash", "text", "python", "yaml", "csv"}
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 CATALOGUES = (ROOT / "docs" / "catalogues.md").read_text(encoding="utf-8")
 

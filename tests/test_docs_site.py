@@ -11,28 +11,23 @@ import json
 import math
 import os
 import re
-import sys
-from html.parser import HTMLParser
-from pathlib import Path
 
 import pytest
+from docs_pages import ROOT, Loads, blocks, held_against_the_page, page, rows
 
 from drivesizer import contract, formula, size, validate
 from drivesizer.checks import TITLES
 from drivesizer.declare import COMPANIONS, EQUATIONS
 from drivesizer.equations import nominal_speed
+from drivesizer.platform import printed
+from drivesizer.platform.notation import PLATFORM
 from drivesizer.sizing import explain
 from drivesizer.spec import RobotSpec, read_spec
 from drivesizer.yaml_source import YamlSource
 
-ROOT = Path(__file__).resolve().parent.parent
-DOCS = ROOT / "docs"
-sys.path[:0] = [str(DOCS), str(DOCS / "hooks")]
-
-from blocks import blocks  # noqa: E402
-
 mathematics = pytest.importorskip("mathematics", reason="the documentation's own packages are not installed")
 EVERY = [*EQUATIONS.values(), *COMPANIONS.values()]
+MATRICES = [PLATFORM[number] for number in sorted(PLATFORM)]
 
 
 @pytest.fixture(scope="module")
@@ -47,21 +42,11 @@ def site(tmp_path_factory):
     return folder
 
 
-def page(name):
-    return (DOCS / f"{name}.md").read_text(encoding="utf-8")
-
-
-def rows(text, heading, first=r"\|"):
-    """Rows of the first table below a heading whose own head starts so."""
-    table = re.search(rf"^{first}.*\n(?:\|.*\n)+", text.split(f"\n{heading}\n", 1)[1], re.MULTILINE)[0]
-    found = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in table.splitlines()]
-    return found[2:]
-
-
 def test_the_examples_of_the_hooks():
     import docstrings
+    import matrices
 
-    for module in (mathematics, docstrings):
+    for module in (mathematics, docstrings, matrices):
         found = doctest.testmod(module)
         assert found.attempted and not found.failed
 
@@ -69,25 +54,9 @@ def test_the_examples_of_the_hooks():
 # --- the site as a whole
 
 
-class Loads(HTMLParser):
-    """Addresses that a page fetches by itself; links that a reader may follow are none."""
-
-    def __init__(self):
-        super().__init__()
-        self.found, self.ids = [], set()
-
-    def handle_starttag(self, tag, attributes):
-        named = dict(attributes)
-        self.ids.add(named.get("id"))
-        if tag in ("script", "img", "iframe", "source", "video", "audio", "embed", "use"):
-            self.found.append(named.get("src") or named.get("href") or "")
-        if tag == "link" and named.get("rel") not in ("canonical", "next", "prev"):
-            self.found.append(named.get("href", ""))
-
-
 def test_nothing_comes_from_elsewhere(site):
     pages = sorted(site.glob("*.html"))
-    assert len(pages) >= 17
+    assert len(pages) >= 23
     for path in pages:
         seen = Loads()
         seen.feed(path.read_text(encoding="utf-8"))
@@ -116,31 +85,19 @@ def test_the_project_s_own_files_are_pages(site):
 # --- equations
 
 
-def signs(text):
-    """The letters and digits of a formula in their order, however it is set."""
-    plain = html.unescape(re.sub(r"<[^>]+>", "", text)).translate(str.maketrans("²³", "23", " /√()·^_\u2062"))
-    return re.sub(r"\s", "", plain.replace("−", "-").replace("\u200a", ""))
-
-
-@pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
-def test_an_equation_on_the_page_is_the_one_at_the_terminal(declared):
-    """Another notation of the same syntax tree: what is read from left to right and from top to bottom is the same."""
-    for form, paper in ((formula.computed(declared), False), (declared.printed, True)):
-        if form:
-            made = mathematics.mathml(mathematics.expression(form, paper=paper), "block")
-            assert signs(made) == signs(formula.text(form, paper=paper))
-            assert made.count("<mfrac>") >= (1 if "/" in form and "1 / 2" not in form else 0)
-            assert made.count("<msqrt>") == form.count("sqrt(") + form.count("(1 / 2)")
-
-
-def test_fractions_stand_as_they_are_written():
-    fraction = mathematics.expression
-    assert fraction("a / b / c") == r"\frac{a}{b\,c}"
-    assert fraction("a / (b / c)") == r"\frac{a}{b}\,c"
-    assert fraction("a * (b + c) / d") == r"\frac{a\,\left(b + c\right)}{d}"
-    assert fraction("a - (b - c)") == r"a - \left(b - c\right)"
-    assert fraction("(a + b) * (2 * c / d) * e") == r"\left(a + b\right)\,\frac{2\,c}{d}\,e"
-    assert fraction("(a + b)**2 / 2") == r"\frac{\left(a + b\right)^{2}}{2}"
+def test_every_equation_of_the_platform_is_on_the_page_with_its_units(site):
+    text = (site / "equations.html").read_text(encoding="utf-8")
+    seen = Loads()
+    seen.feed(text)
+    assert sorted(PLATFORM) == list(range(21, 60))
+    for declared in MATRICES:
+        assert f"eq-{declared.number}" in seen.ids
+        part = text.split(f'id="eq-{declared.number}"', 1)[1].split("<h3", 1)[0]
+        for term in (*declared.terms, declared.result):
+            assert html.escape(term.meaning, quote=False) in part
+            assert term.unit.replace("*", "·").replace("^2", "²") in part
+        assert ("Fails the value check" in part) == bool(printed.finding(declared).values)
+    assert text.count("Fails the value check") == 5
 
 
 def test_every_equation_is_on_the_page_with_its_units(site):
@@ -209,6 +166,29 @@ def test_every_check_and_figure_of_the_closed_loop_is_on_its_page(proofs):
             assert first in figures and rest.split(", ")[-1] in figures, figure.title
 
 
+# --- the platform, the battery, the machine
+
+
+def test_what_is_read_out_of_the_runs_is_in_the_tables(site):
+    """Every figure of the reading is one of the table's, and what is said of them holds."""
+    text = page("platform")
+    reading = text.split("How we read it:", 1)[1].split("![Path", 1)[0]
+    figures = {m[0] for m in re.finditer(r"[\d.]+ m\b", reading)}
+    built = (site / "platform.html").read_text(encoding="utf-8").replace("\u00a0", " ").replace("&nbsp;", " ")
+    table = (
+        built.split("real robot, measured", 1)[0].rsplit("<table>", 1)[1] + built.split("real robot, measured", 2)[2]
+    )
+    cells = [re.findall(r"<td>(.*?)</td>", row) for row in table.split("</table>", 1)[0].split("<tr>")[1:]]
+    at = {tuple(row[:4]): float(row[4].removesuffix(" m")) for row in cells if len(row) == 6}
+    assert len(figures) == 8 and figures <= {f"{value:g} m" for value in at.values()}
+    P, PI, known, off = ("P", "open loop"), ("PI", "open loop"), "all", "not its errors"
+    assert round(at["kinematic", *P, known] / at["dynamic", *P, known]) == 14
+    for loops, knows in ((PI, known), (PI, off), (P, off)):
+        assert abs(at["kinematic", *loops, knows] / at["dynamic", *loops, knows] - 1.0) < 0.2
+    assert max(value for key, value in at.items() if key[2] == "fed back") < 0.005
+    assert "2.78 m" in built and "5.1 °" in built and "0.89 m" in built and "0.45 °" in built
+
+
 AMOUNTS = {  # what the page says, and the line of the test that says it
     "8 mrad/s of 470 rad/s": ("mujoco", "< 8e-3  # rad/s of up to 470"),
     "10 µA of 4.3 A": ("mujoco", "< 1e-5  # A of up to 4.3"),
@@ -247,7 +227,6 @@ def test_every_field_of_a_spec_is_on_a_page(site):
         assert not lacking, f"{name}: {lacking}"
 
 
-TYPES = {"string": str, "integer": int, "number": (int, float), "boolean": bool, "array": list, "object": dict}
 RECORDS = {  # heading: where such a record is in a document
     "Sizing": lambda sizing, proof: [sizing],
     "Set": lambda sizing, proof: [*sizing["sets"], *sizing["misses"], proof["set"]],
@@ -277,15 +256,4 @@ def documents(spec, catalog, proofs):
 
 @pytest.mark.parametrize("heading", RECORDS)
 def test_the_tables_of_the_json_page_are_the_documents(documents, heading):
-    told = {row[0].strip("`"): row[1] for row in rows(page("json"), f"## {heading}")}
-    found = RECORDS[heading](*documents)
-    assert found
-    for record in found:
-        assert set(record) - {"explained"} == set(told), heading
-        for key, said in told.items():
-            kinds = [kind for kind in said.split(" or ") if kind != "null"]
-            value = record[key]
-            fits = any(
-                isinstance(value, TYPES[kind]) and isinstance(value, bool) == (kind == "boolean") for kind in kinds
-            )
-            assert fits or (value is None and "null" in said), f"{heading}.{key}: {value!r}"
+    held_against_the_page(heading, RECORDS[heading](*documents))

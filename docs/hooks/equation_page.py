@@ -9,7 +9,7 @@ from drivesizer import formula
 from drivesizer.declare import COMPANIONS, EQUATIONS, Equation
 from drivesizer.units import label
 
-__all__ = ["equations"]
+__all__ = ["equations", "escaped"]
 
 assert drivesizer.equations.__all__  # importing them declares them
 
@@ -30,7 +30,7 @@ def _equation(e: Equation) -> str:
     anchor = f"eq-{e.number}" if e.number else e.name.replace("_", "-")
     parts = [f'### <span class="number">{number}</span> {e.title} {{#{anchor}}}', *_forms(e)]
     if e.note:
-        parts.append(f'!!! note ""\n    {_escaped(e.note)}')
+        parts.append(f'!!! note ""\n    {escaped(e.note)}')
     parts.append(_terms(e))
     return "\n\n".join(parts)
 
@@ -42,7 +42,7 @@ def _forms(e: Equation) -> list[str]:
     if not e.printed:
         return ["Not in the paper; as computed:", displayed(used)]
     failure = formula.printed_failure(e)
-    told = f'<span class="fails">Fails the unit check:</span> {_escaped(failure)}.' if failure else "Units agree."
+    told = f'<span class="fails">Fails the unit check:</span> {escaped(failure)}.' if failure else "Units agree."
     printed = displayed(f"{left} = {expression(e.printed, paper=True)}")
     if expression(e.printed) == expression(computed):
         return [f"As printed and as computed. {told}", printed]
@@ -56,11 +56,11 @@ def _terms(e: Equation) -> str:
     unit = f"{si}, shown in {shown}" if shown and shown != si else si
     rows = [(mathml(symbol(e.symbol)), e.result.meaning, unit)]
     rows += [(mathml(symbol(formula.symbol_text(t.name))), t.meaning, label(t.unit)) for t in e.terms]
-    table = "\n".join(f"| {s} | {_escaped(meaning)} | {unit or '1'} |" for s, meaning, unit in rows)
+    table = "\n".join(f"| {s} | {escaped(meaning)} | {unit or '1'} |" for s, meaning, unit in rows)
     return f"| | | unit |\n|---|---|---|\n{table}"
 
 
-def _escaped(text: str) -> str:
+def escaped(text: str) -> str:
     """A text of a declaration as Markdown that shows it as it is."""
     for sign in ("\\", "|", "*", "_", "$", "<"):
         text = text.replace(sign, f"\\{sign}" if sign != "<" else "&lt;")

@@ -1,10 +1,10 @@
-"""Figures that the pages show of runs: the closed loop of the tutorial."""
+"""Figures that the pages show of runs: the closed loop of the tutorial, the paper's robot on its path."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-__all__ = ["closed_loop"]
+__all__ = ["closed_loop", "followed"]
 
 
 def closed_loop(root: Path) -> bytes:
@@ -15,3 +15,14 @@ def closed_loop(root: Path) -> bytes:
     spec = load_spec(root / "examples" / "sps_robot.yaml")
     proof = validate(spec, size(spec, top=1).sets[0])
     return loop_drawings(proof)["closed_loop"]("svg")
+
+
+def followed(_: Path) -> bytes:
+    """The simulated path beside the paper's with soft speed loops, and errors along the way."""
+    from following_page import ran
+
+    from drivesizer.platform.following_example import Case
+    from drivesizer.report.path_figure import path_and_errors
+
+    shown = {"kinematic": ("kinematic", True), "dynamic": ("dynamic", True), "dynamic, misjudged": ("dynamic", False)}
+    return path_and_errors({name: ran(Case(model, False, False, exact)) for name, (model, exact) in shown.items()})

@@ -22,7 +22,7 @@ __all__ = ["displayed", "expression", "font", "rendered", "symbol"]
 _INLINE = re.compile(r'<span class="arithmatex">\\\((.*?)\\\)</span>', re.DOTALL)
 _DISPLAY = re.compile(r'<div class="arithmatex">\s*\\\[(.*?)\\\]\s*</div>', re.DOTALL)
 _SPACE = '<mspace width="0.17em"/>'
-_FUNCTION = re.compile(r"(?<=>)<mi>(sin|cos|tan|arctan|exp|min|max|sgn)</mi>(<mo[^>]*>&#x00028;)?")
+_FUNCTION = re.compile(r"(?<=>)<mi>(sin|cos|tan|tanh|arctan|exp|min|max|sgn)</mi>(<mo[^>]*>&#x00028;)?")
 _WORD = re.compile(r"\\mathrm\{([A-Za-z]{2,})\}")
 _USED: set[str] = set()  # signs that the pages have shown so far
 
@@ -31,7 +31,7 @@ def mathml(source: str, display: str = "inline") -> str:
     """LaTeX as MathML."""
     named = _WORD.sub(lambda m: rf"\operatorname{{{m[1]}}}" if m[1] == "sgn" else rf"\text{{{m[1]}}}", source)
     made = convert(named.strip(), display=display)
-    made = re.sub(r"<mo[^>]*>sgn</mo>", "<mi>sgn</mi>", made)
+    made = re.sub(r"<mo[^>]*>sgn</mo>", "<mi>sgn</mi>", made).replace("<mover>", '<mover accent="true">')
     made = made.replace('<mo stretchy="false">&#x0007C;</mo>', '<mo stretchy="false" lspace="0" rspace="0">|</mo>')
     made = _FUNCTION.sub(lambda m: f"{_SPACE}<mi>{m[1]}</mi>{m[2] or _SPACE}", made)
     _USED.update(html.unescape(re.sub(r"<[^>]+>", "", made)))

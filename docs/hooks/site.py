@@ -10,15 +10,18 @@ from typing import Any
 import mathematics
 from command_page import commands
 from equation_page import equations
-from figures_of import closed_loop
+from figures_of import closed_loop, followed
+from following_page import following, sensitivities, taken
 from load_page import loads
 from mkdocs.structure.files import File
+from platform_page import platform_equations
 from spec_tables import sections
 
 ROOT = Path(__file__).resolve().parents[2]
 _PROJECT = {"ARCHITECTURE.md": "architecture.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
 _GENERATED: dict[str, Callable[[], str]] = {
-    "commands": commands, "equations": equations, "loads": loads, "spec": sections,
+    "commands": commands, "equations": equations, "following": following, "loads": loads,
+    "platform_equations": platform_equations, "sensitivities": sensitivities, "spec": sections, "taken": taken,
 }  # fmt: skip
 _PLACE = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
 _LINK = re.compile(r"\[([^\]]+)\]\(([^)#]+)(#[^)]*)?\)")
@@ -29,7 +32,8 @@ def on_files(files: Any, config: Any) -> Any:
     for name, page in _PROJECT.items():
         text = _LINK.sub(_relinked, (ROOT / name).read_text(encoding="utf-8"))
         files.append(File.generated(config, page, content=text))
-    files.append(File.generated(config, "figures/closed_loop.svg", content=closed_loop(ROOT)))
+    for name, figure in (("closed_loop", closed_loop), ("followed", followed)):
+        files.append(File.generated(config, f"figures/{name}.svg", content=figure(ROOT)))
     return files
 
 

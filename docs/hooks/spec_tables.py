@@ -13,8 +13,17 @@ __all__ = ["SCHEMA", "fields_of", "sections"]
 SCHEMA: dict[str, Any] = RobotSpec.model_json_schema()
 _DEFS: dict[str, Any] = SCHEMA["$defs"]
 _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each with its heading
-    "motion": dict.fromkeys(("Trapezoid", "Triangle", "SCurve", "Harmonic", "Segments", "Csv"), "")
-    | {"Segment": "Each of `segments`"},
+    "motion": dict.fromkeys(("Trapezoid", "Triangle", "SCurve", "Harmonic"), "")
+    | {"Segments": "", "Segment": "Each of `segments`", "Csv": "", "Track": ""}
+    | {"Waypoints": "", "Waypoint": "Each of `waypoints`"},
+    "platform": {
+        "Platform": "", "WheelPlace": "Each of `wheels`", "Mecanum": "`layout` of `kind: mecanum`",
+        "Differential": "`layout` of `kind: differential`", "Omni": "`layout` of `kind: omni`",
+        "CasterPlace": "Each of `casters`", "CentreOfMass": "`centre_of_mass`", "PayloadSection": "Each of `payloads`",
+        "SizeSection": "`size`", "PassageSection": "Each of `passages`", "Limits": "`limits`",
+        "Unknown": "`misjudged`", "UnknownPayload": "`payload` of `misjudged`",
+    },
+    "budget": {"Budget": "", "Item": "Each of `others`"},
     "transmission": {"GearheadStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
     "supply": {"Supply": ""},
     "battery": {
@@ -38,6 +47,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "plant": {"Plant": ""},
     "paper_factors": {"PaperFactors": ""},
 }  # fmt: skip
+_BY_KIND = ("Fan", "Screw")  # models of several kinds: what the page says above their fields
 _LOADS = ("Cylinder", "Cylinders")  # further models of loads, which have a page of their own
 
 
@@ -75,7 +85,7 @@ def fields_of(model: dict[str, Any]) -> str:
     required = set(model.get("required", ()))
     rows = []
     for name, field in sorted(model["properties"].items(), key=lambda item: item[0] not in required):
-        if name == "kind" or (name == "profile" and "const" in field):
+        if name in ("kind", "profile") and ("const" in field or model["title"] in _BY_KIND):
             continue
         default = "**required**" if name in required else _default(field)
         rows.append(f"| `{name}` | {_takes(field)} | {default} | {_said(field)} |")
@@ -85,7 +95,7 @@ def fields_of(model: dict[str, Any]) -> str:
 def _default(field: dict[str, Any]) -> str:
     value = field.get("default")
     if value is None:
-        return "–" if "$ref" not in field and field.get("type") != "array" else "its own defaults"
+        return "none" if field.get("type") == "array" else "its own defaults" if "$ref" in field else "–"
     return f"`{value}`" if isinstance(value, str) else f"`{json.dumps(value)}`"
 
 

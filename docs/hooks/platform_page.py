@@ -1,0 +1,57 @@
+"""The platform's equations as a page, out of their declarations; what is found of the printed forms is computed."""
+
+from __future__ import annotations
+
+import matrices
+from equation_page import escaped
+from mathematics import displayed, mathml
+
+from drivesizer.declare import Term
+from drivesizer.platform import notation, printed
+from drivesizer.platform.notation import PLATFORM, MatrixEquation
+
+__all__ = ["platform_equations"]
+
+
+def platform_equations() -> str:
+    """All equations of the platform by their number."""
+    return "\n\n".join(_equation(PLATFORM[number]) for number in sorted(PLATFORM))
+
+
+def _equation(e: MatrixEquation) -> str:
+    heading = f'### <span class="number">({e.number})</span> {e.title} {{#eq-{e.number}}}'
+    note = [f'!!! note ""\n    {escaped(e.note)}'] if e.note else []
+    return "\n\n".join([heading, *_forms(e), *note, _terms(e)])
+
+
+def _forms(e: MatrixEquation) -> list[str]:
+    """As printed with what was found, and as computed where that is another form."""
+    found, computed = printed.finding(e), notation.computed(e)
+    units = (
+        f'<span class="fails">Fails the unit check:</span> {escaped(found.units)}.' if found.units else "Units agree"
+    )
+    values = f'<span class="fails">Fails the value check:</span> {escaped(found.values)}.' if found.values else ""
+    left = e.printed_symbol or e.symbol
+    as_printed = displayed(matrices.equation(left, e.printed))
+    if (left, e.printed) == (e.symbol, computed):
+        return [f"As printed and as computed. {units}.", as_printed]
+    told = f"{units}. {values}" if values else f"{units}, and so do the values of a sample robot."
+    return [f"As printed. {told}", as_printed, "As computed:", displayed(matrices.equation(e.symbol, computed))]
+
+
+def _terms(e: MatrixEquation) -> str:
+    rows = [(_given(e), e.result.meaning, unit(e.result))]
+    rows += [(mathml(matrices.term(t.name)), t.meaning, unit(t)) for t in e.terms]
+    table = "\n".join(f"| {s} | {escaped(meaning)} | {told} |" for s, meaning, told in rows)
+    return f"| | | unit |\n|---|---|---|\n{table}"
+
+
+def _given(e: MatrixEquation) -> str:
+    """The result's symbol; where the left side is a 0 or has several, it needs none."""
+    plain = "[" not in e.symbol or e.symbol.startswith("[T]")
+    return mathml(matrices.text(e.symbol)) if plain and e.symbol != "0" else "–"
+
+
+def unit(term: Term) -> str:
+    """The unit of a number, of each entry of a vector, or of what a matrix takes and gives."""
+    return term.unit.replace("*", "·").replace("^2", "²")
