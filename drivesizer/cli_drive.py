@@ -84,4 +84,15 @@ def _on_the_way(robot: Any, way: Any, chosen: str | None) -> Any:
     if not best or (robot.motion == way.motion and robot.platform == way.platform):
         return best[0] if best else None
     motor, gearhead = (best[0].actuator or best[0].motor).part, best[0].gearhead.part
-    return next(s for s in explain(way, motor, gearhead) if s.belt_ratio == best[0].belt_ratio)
+    return next(s for s in explain(_with_its(best[0], way), motor, gearhead) if s.belt_ratio == best[0].belt_ratio)
+
+
+def _with_its(best: Any, way: Any) -> Any:
+    """The way's spec with the encoder and the controller of a set and no other to choose from."""
+    parts = {role: getattr(best, role) for role in ("encoder", "controller")}
+    pinned = {
+        role: getattr(way.select, role).model_copy(update={"family": None, "part": [part.part]})
+        for role, part in parts.items()
+        if part is not None and not part.inside
+    }
+    return way.alone(select=way.select.model_copy(update=pinned))

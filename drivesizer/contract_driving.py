@@ -23,6 +23,7 @@ def driving(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed
         "schema_version": SCHEMA_VERSION,
         "drivesizer": __version__,
         "spec": found.spec.entered,
+        "trajectory": getattr(found.spec.motion, "trajectory", None),
         "length_m": found.trajectory.length,
         "time_s": found.trajectory.total,
         "wheels": [_wheel(wheel) for wheel in found.wheels],

@@ -72,7 +72,7 @@ def on_the_way(spec: RobotSpec, file: Path | None, failed: Sequence[int] = ()) -
         raise InputError(
             "TRAJECTORY.CSV is missing and the spec's motion is none; expected e.g. drivesizer drive robot.yaml way.csv"
         )
-    motion = spec.motion if file is None else Track(profile="trajectory", trajectory=str(file.absolute()))
+    motion = spec.motion if file is None else Track(profile="trajectory", trajectory=_beside(spec, file))
     platform = spec.platform
     if failed:
         wheels = len(platform.places)
@@ -81,6 +81,13 @@ def on_the_way(spec: RobotSpec, file: Path | None, failed: Sequence[int] = ()) -
             raise InputError(f"--failed: there is no wheel {wrong[0]}; expected 1 to {wheels}")
         platform = platform.model_copy(update={"failed": list(failed)})
     return spec.alone(motion=motion, platform=platform)
+
+
+def _beside(spec: RobotSpec, file: Path) -> str:
+    """A file's path from the folder of the spec, where it is in there."""
+    folder = Path(spec.file).absolute().parent if spec.file else Path.cwd()
+    whole = file.absolute()
+    return str(whole.relative_to(folder) if whole.is_relative_to(folder) else whole)
 
 
 def driving(spec: RobotSpec) -> Driving:

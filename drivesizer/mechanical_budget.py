@@ -185,5 +185,7 @@ def _of_grip(s: Standing) -> Iterator[Figure]:
     friction, known = s.load.friction_coefficient, s.section.height_known
     slope = grip_slope(s.d, friction) if known else nan
     faster = min(grip_acceleration(s.d, friction, way, gravity=s.gravity) for way in s.ways) if known else nan
-    yield _figure("grip_slope", "Slope that the floor's grip holds", slope, "angle", "deg")
-    yield _figure("grip_acceleration", "Acceleration that the floor transmits", faster, "acceleration", "m/s^2")
+    yield _figure("grip_slope", "Slope that the floor's grip holds, worst way", slope, "angle", "deg")
+    yield _figure(
+        "grip_acceleration", "Acceleration that the floor transmits, level, worst way", faster, "acceleration", "m/s^2"
+    )

@@ -27,7 +27,7 @@ from drivesizer.requirements import requirements
 from drivesizer.results import DriveSet, Requirement, SizingResult, verdict
 from drivesizer.search import Found, Progress, search
 from drivesizer.spec import RobotSpec
-from drivesizer.standing_sets import FURTHER, divided, ranked, shortfall
+from drivesizer.standing_sets import FURTHER, divided, on_the_front, ranked, shortfall
 from drivesizer.units import show
 
 __all__ = ["explain", "load_parts", "size"]
@@ -104,10 +104,10 @@ def size(
         misses=ranked(fell[: None if sets else top], len(sets)),
         relaxations=() if found.standing else relaxations(spec, catalog),
         counts=found.counts,
-        assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec), *weighed),
-        warnings=(*_warnings(spec, sets), *shortfall(best, short), *catalog.replaced),
+        assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec)),
+        warnings=(*weighed, *_warnings(spec, sets), *shortfall(best, short), *catalog.replaced),
         unrestricted=_unrestricted(spec, catalog, objective),
-        front=tuple(drive_set(found.evaluation, i, n, objective) for n, i in enumerate(found.front, 1)),
+        front=on_the_front(found, spec, objective),
         pareto=pareto,
     )
 

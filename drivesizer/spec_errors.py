@@ -103,8 +103,8 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
             return f"unknown key; {_nearest(str(path[-1]), _known_keys(model, path[:-1], data))}"
         case "value_error":
             text = str(fault["ctx"]["error"])
-            text = text.removeprefix(f"{path[-1]}: ") if len(path) == 1 else text
-            return text if text.startswith(_ALONE) else f"{found} {text}"
+            own = text.removeprefix(f"{path[-1]}: ") if len(path) == 1 else text
+            return own if own != text or own.startswith(_ALONE) else f"{found} {own}"
         case "literal_error":
             return f"{found} is not known; expected {fault['ctx']['expected']}"
         case "union_tag_invalid":

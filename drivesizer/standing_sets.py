@@ -12,7 +12,7 @@ from drivesizer.results import DriveSet, verdict
 from drivesizer.search import Found
 from drivesizer.spec import RobotSpec
 
-__all__ = ["FURTHER", "divided", "ranked", "shortfall"]
+__all__ = ["FURTHER", "divided", "on_the_front", "ranked", "shortfall"]
 
 FURTHER = 4  # times as many sets are looked at where some may fall by the machine's budgets
 
@@ -43,6 +43,13 @@ def divided(
         if len(best) == top:
             break
     return best, dict(list(short.items())[:top])
+
+
+def on_the_front(found: Found, spec: RobotSpec, objective: Objective) -> tuple[DriveSet, ...]:
+    """The sets of a Pareto front that stand with the machine's budgets, in its order."""
+    catalog, machine = found.evaluation.catalog, of_the_platform(spec.whole) if found.front else None
+    sets = (with_budget(spec, catalog, drive_set(found.evaluation, row, 0, objective), machine) for row in found.front)
+    return ranked(one for one in sets if one.status != "fail")
 
 
 def ranked(sets: Iterable[DriveSet], before: int = 0) -> tuple[DriveSet, ...]:

@@ -133,8 +133,8 @@ def _set() -> _Schema:
         objective=_NUMBER, objective_of=_WORDS, requirements=_named(_to("requirement")),
         figures=_named(_to("figure")), results=_named(_RESULT), checks=_list(_to("check")),
         machine=_list(_all_of(name=_STRING, title=_STRING, **_FIGURE)),
-        masses=_list(_all_of(name=_STRING, number=_COUNT, each_kg=_NUMBER, total_kg=_NUMBER)), energy=_or_null(_energy()),
-        changes=_list(_to("relaxation")),
+        masses=_list(_all_of(name=_STRING, number=_COUNT, each_kg=_NUMBER, total_kg=_NUMBER)),
+        energy=_or_null(_energy()), changes=_list(_to("relaxation")),
     )  # fmt: skip
 
 
