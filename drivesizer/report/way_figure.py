@@ -22,7 +22,7 @@ __all__ = ["Way", "passages_of", "plan_view", "ways_of"]
 
 Array = NDArray[np.float64]
 _WIDTH = 5.64  # in, of the axes
-_HEIGHTS = (1.2, 2.9)  # in, of the axes: at least, at most
+_HEIGHTS = (1.2, 2.0)  # in, of the axes: at least, at most
 _POINTS = 2000  # of a path
 _ARROWS = 26  # headings along the way
 _ROOM = 0.06  # around all that is drawn, as a share of it
