@@ -104,7 +104,7 @@ def wild(browser, hostile):
 
 def test_it_loads_in_silence_and_asks_for_nothing(page, report):
     assert page.heard.console == [] and page.heard.requests == [report.as_uri()]
-    assert page.locator("html").get_attribute("data-drawn") == "10"
+    assert page.locator("html").get_attribute("data-drawn") == "12"
     assert page.evaluate("performance.getEntriesByType('resource').map(e => e.name)") == []
 
 
