@@ -12,6 +12,7 @@ from drivesizer.fields import (
     Duration,
     Factor,
     Length,
+    Mass,
     Part,
     Power,
     Quantity,
@@ -83,6 +84,7 @@ class Battery(Section):
     continuous_current: Current | None = None
     peak_current: Current | None = None
     max_charge_current: Current | None = None
+    mass: Mass | None = None
     usable: Share = Field(default=1, description="share of the charge that may be drawn")
     health: Share = Field(default=1, description="share of the rated capacity that age and cold leave")
     autonomy: Duration | None = Field(default=None, description="that is required; the mission's where not given")

@@ -193,3 +193,10 @@ def test_an_unknown_part_is_one_line(listed: Catalog) -> None:
 def test_a_wrong_section_says_why(section: Any, given: dict[str, Any], said: str) -> None:
     with pytest.raises(ValidationError, match=said):
         section.model_validate(given)
+
+
+def test_the_mass_of_a_battery_is_that_of_all_its_cells(listed: Catalog) -> None:
+    """Given in the spec, it counts before the catalogue's: 2 x 3 blocks of 2.5 kg, and of 2.65 kg as listed."""
+    own = Battery(part="NP7-12", series=2, parallel=3, mass="2.5 kg")
+    assert pack_of(own, listed).mass == pytest.approx(15.0)
+    assert pack_of(Battery(part="NP7-12", series=2, parallel=3), listed).mass == pytest.approx(15.9)
