@@ -129,7 +129,8 @@ def pack_of(given: Battery, catalog: Catalog) -> Pack:
         peukert_exponent=one["peukert_exponent"], resistance=one["resistance"] * s / p,
         polarisation=more.resistance * s / p if more else 0.0, time_constant=more.time_constant if more else nan,
         continuous_current=p * one["continuous_current"], peak_current=p * one["peak_current"],
-        max_charge_current=p * one["max_charge_current"], mass=s * p * _first(given.mass, record.mass), price=s * p * record.price,
+        max_charge_current=p * one["max_charge_current"], mass=s * p * _first(given.mass, record.mass),
+        price=s * p * record.price,
         table=_table(given, catalog, row, one["cutoff_voltage"]),
     )  # fmt: skip
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from drivesizer.cli import main
+from drivesizer.drive_power import drive_power, together
 from drivesizer.driving import driving, on_the_way, over_time
 from drivesizer.errors import InputError
 from drivesizer.loads import load_cycle
@@ -272,6 +273,20 @@ def test_cases_keep_their_names(tmp_path: Path):
     best = size(spec_of(text), top=1)
     shown = (*best.sets, *best.misses)[0]
     assert next(c for c in shown.budget if c.name == "grip_motion").case in ("as specified", "loaded")
+
+
+def test_the_energy_of_a_way_is_summed_over_its_wheels():
+    """What the sizing tells of a cycle is what the battery's side adds up from each wheel."""
+    spec = spec_of(VEHICLE, PLATFORM, TURNING)
+    result = size(spec, top=1)
+    (best,) = result.sets
+    parts = [case for _, case in result.spec.load_cases]
+    power = together([drive_power(case, best) for case in parts])
+    drawn, returned = (power.total * power.mean(column) for column in (power.drawn, power.returned))
+    told = {f.name: f.value for f in best.figures}
+    assert len(parts) == 4
+    assert told["energy"] == pytest.approx(drawn - 0.7 * returned, rel=1e-3)
+    assert told["returned"] == pytest.approx(returned, rel=1e-3)
 
 
 # --- a motor that has failed ------------------------------------------------------------------------------------------
