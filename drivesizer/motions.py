@@ -109,7 +109,7 @@ class Csv(Section):
 class Track(Section):
     """A way of the whole platform out of a file: each driven wheel's cycle follows from it."""
 
-    profile: Literal["trajectory"]
+    profile: Literal["trajectory"] = "trajectory"
     trajectory: str = Field(
         min_length=1, description="CSV: columns t, x, y, heading; or waypoints without t; then a row of units"
     )
@@ -128,7 +128,7 @@ class Waypoint(Section):
 class Waypoints(Section):
     """A way of the whole platform from point to point, as fast as the platform's limits allow."""
 
-    profile: Literal["waypoints"]
+    profile: Literal["waypoints"] = "waypoints"
     waypoints: Annotated[list[Waypoint], Field(min_length=2, max_length=10_000)]
 
 

@@ -244,9 +244,11 @@ def test_every_starter_has_its_reports(kind, tmp_path, catalog):
     best = found.sets[0]
     text = text_of(pdf.report_pdf(found, None))
     assert text.count(best.motor.part) >= 2
-    wheels = kind == "wheeled_vehicle"
-    assert ("at the load's shaft" in text) is not wheels and ("The vehicle and its wheels" in text) is wheels
-    assert ("treat only a wheeled vehicle on a trapezoid" in text) is not wheels
+    wheels, platform = kind == "wheeled_vehicle", kind == "mecanum_platform"
+    assert ("at the load's shaft" in text) is not (wheels or platform)
+    assert ("The vehicle and its wheels" in text) is wheels
+    assert ("treat only a wheeled vehicle on a trapezoid" in text) is not (wheels or platform)
+    assert ("Each driven wheel is a load case" in text) is platform
     assert "Closed loop" not in text and "Current limit to set" in text
     rows = rows_of(tables.report_csv(found, None))
     figures = {r["name"]: r for r in rows if r["section"] == "figure" and r["set_rank"] == "1"}
