@@ -69,6 +69,7 @@ compatibility: {motor_gearhead: [{source: sheet, motors: [XM], gearheads: [XG]}]
 def shop(tmp_path, example_text):
     """The SPS robot by physics, without its choice of families, beside both catalogues."""
     text = example_text.replace("method: paper", "method: physics").replace("min: 22 V", "min: 23 V")
+    text = text.partition("battery:")[0] + "environment:" + text.partition("environment:")[2]  # fed by the mains
     head, _, tail = text.partition("select:")
     rest = tail.partition("\n\n")[2]
     (tmp_path / "robot.yaml").write_text(f"{head}select: {{catalogs: [whole.yaml, pieces.yaml, maxon]}}\n\n{rest}")

@@ -164,7 +164,7 @@ def test_figures_of_loops_have_units_and_the_same_bytes_each_time(proof):
 
 def test_the_closed_loop_shows_what_is_known_and_no_more(proof):
     said = labels(figures.closed_loop(proof))
-    assert {"position error", "(mm)", "winding", "temperature", "(°C)", "(V)", "(A)", "(m/s)"} <= said
+    assert {"position", "error", "(mm)", "winding", "temperature", "(°C)", "(V)", "(A)", "(m/s)"} <= said
     turning = replace(proof, series_units=proof.series_units | {"position_error": ("angle", "deg")})
     assert "(°)" in labels(figures.closed_loop(turning))
     unknown = {"winding_temperature": np.full_like(proof.series["time"], nan)}
