@@ -27,7 +27,7 @@ from drivesizer.mechanical_budget import MechanicalBudget, mass_part, platform_p
 from drivesizer.platform_cases import dynamics_of, trajectory_of
 from drivesizer.results import DriveSet, verdict
 from drivesizer.spec import RobotSpec
-from drivesizer.wheel_load import WheelLoad
+from drivesizer.wheel_load import machine_cases
 
 __all__ = ["check_battery", "drive_mass", "mass_without_drive", "of_the_platform", "with_budget"]
 
@@ -91,10 +91,10 @@ def with_budget(spec: RobotSpec, catalog: Catalog, one: DriveSet, machine: Mecha
         parts.insert(0, _mass(spec, catalog, one))
     checks, energy = [check for part in parts for check in part.checks], None
     if spec.battery:
-        found = [
-            (name, energy_budget(parts[0], one, spec.battery, spec.equipment, catalog, parts))
-            for name, parts in _machine_cases(spec).items()
-        ]
+        cases = [case for _, case in spec.load_cases]
+        grouped = machine_cases((name, case.load) for name, case in spec.load_cases)
+        wheels = [(name, [cases[number] for number in numbers]) for name, numbers in grouped]
+        found = [(n, energy_budget(some[0], one, spec.battery, spec.equipment, catalog, some)) for n, some in wheels]
         checks += _worst([(name, budget.checks) for name, budget in found])
         energy = min((budget for _, budget in found), key=_lasting)
     if not checks:
@@ -123,14 +123,6 @@ def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
     if spec.battery:
         found.append(pack_of(spec.battery, catalog).mass)
     return math.fsum(mass for mass in found if not isnan(mass))
-
-
-def _machine_cases(spec: RobotSpec) -> dict[str, list[RobotSpec]]:
-    """The load cases of the whole machine, each with those of its wheels."""
-    found: dict[str, list[RobotSpec]] = {}
-    for name, case in spec.load_cases:
-        found.setdefault(case.load.of if isinstance(case.load, WheelLoad) else name, []).append(case)
-    return found
 
 
 def _mass(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> MechanicalBudget:

@@ -35,16 +35,16 @@ def drive(
     """Drive a platform along a trajectory: what each wheel is asked for, and whether a set does it."""
     from drivesizer.driving import driving, on_the_way
 
+    if drawings and not follow:
+        raise InputError("--figures: it draws what --follow simulates; expected both, or none")
     robot = load(spec, catalogs)
     way = on_the_way(robot, trajectory, failed or ())
     found = driving(way)
+    one = _on_the_way(robot, way, chosen)
     if csv:
         from drivesizer.report import write_driving
 
         write_driving(found, csv)
-    if drawings and not follow:
-        raise InputError("--figures: it draws what --follow simulates; expected both, or none")
-    one = _on_the_way(robot, way, chosen)
     runs = _followed(found, one, drawings) if follow else {}
     if json:
         from drivesizer import contract, contract_driving

@@ -70,8 +70,7 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
     sums = energy(one, storing=False)
     back = largest_power(one._replace(voltage=-one.voltage))[0]
     peak = largest_power(one)[0]
-    alike = spec.load.alike if isinstance(spec.load, WheelLoad) else spec.load.motors
-    sets = alike if found.asked.sure.all() else np.nan  # least demands are not told as if they were all
+    sets = spec.load.alike if found.asked.sure.all() else np.nan  # least demands are not told as if they were all
     return DrivePower(
         duration=duration,
         drawn=sums.drawn * sets,

@@ -103,12 +103,11 @@ def driving(spec: RobotSpec) -> Driving:
     InputError
         When the trajectory is wrong, or the wheels do not allow it.
     """
-    way = trajectory_of(spec)
+    d, way = dynamics_of(spec), trajectory_of(spec)
     assert way is not None
-    driven = dynamics_of(spec).kinematics.driven
     wheels = (
         Wheel(place + 1, cycle, tuple(requirements([cycle])))
-        for place, cycle in zip(driven, cycles_of(spec), strict=True)
+        for place, cycle in zip(d.kinematics.driven, cycles_of(spec, d, way), strict=True)
     )
     return Driving(spec, way, tuple(wheels))
 

@@ -38,7 +38,7 @@ from drivesizer.physics_limits import (
 )
 from drivesizer.sieve import Alone, Sieve
 from drivesizer.spec import RobotSpec
-from drivesizer.wheel_load import WheelLoad
+from drivesizer.wheel_load import machine_cases
 
 __all__ = ["Examined", "Problem", "examine", "problem"]
 
@@ -291,26 +291,18 @@ def _put(column: Array, mask: NDArray[np.bool_], some: Array | None) -> Array:
     return changed
 
 
-def _machines(specs: Sequence[RobotSpec]) -> list[list[tuple[int, int]]]:
-    """Load cases of the whole machine: each by the numbers of its parts, its wheels, and how many sets are in each."""
-    found: dict[str | int, list[tuple[int, int]]] = {}
-    for number, spec in enumerate(specs):
-        load = spec.load
-        key, sets = (load.of, load.alike) if isinstance(load, WheelLoad) else (number, load.motors)
-        found.setdefault(key, []).append((number, sets))
-    return list(found.values())
-
-
 def _figures(given: Problem, found: list[wave.Moments], under: list[Stress], cases: list[_Moving]) -> dict[str, Array]:
     """What objectives and records count: the first case's energy and heat, the largest current and temperature."""
-    machines, share = _machines(given.specs), given.spec.supply.regeneration
+    loads, share = [spec.load for spec in given.specs], given.spec.supply.regeneration
+    machines = [numbers for _, numbers in machine_cases(zip(given.names, loads, strict=True))]
+    power = [np.sum([loads[i].alike * found[i].power for i in wheels], 0) for wheels in machines]
     drawn, returned = (
-        np.sum([n * getattr(found[i], name) for i, n in machines[0]], 0) for name in ("drawn", "returned")
+        np.sum([loads[i].alike * getattr(found[i], name) for i in machines[0]], 0) for name in ("drawn", "returned")
     )
     return {
         "energy": drawn - share * returned,
         "returned": returned,
-        "power": np.maximum.reduce([np.sum([n * found[i].power for i, n in parts], 0) for parts in machines]),
+        "power": np.maximum.reduce(power),
         "joule_heat": under[0].hot * cases[0].asked.rms_current ** 2,
         "peak_current": np.maximum.reduce([u.current.value for u in under]),
         "winding_temperature": np.maximum.reduce([m.winding for m in found]),

@@ -111,11 +111,21 @@ class WheeledVehicle(Section):
         """How many motor sets share the load."""
         return self.driven_wheels
 
+    @property
+    def alike(self) -> int:
+        """How many motor sets are asked for what the load cycle says: all."""
+        return self.driven_wheels
+
 
 class _Shared(Section):
     """A load that one motor set moves, or several alike."""
 
     motors: Count = Field(default=1, description="motor sets that share the load alike; all figures are of the whole")
+
+    @property
+    def alike(self) -> int:
+        """How many motor sets are asked for what the load cycle says: all."""
+        return self.motors
 
 
 class Conveyor(_Shared):

@@ -99,9 +99,9 @@ def _wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
     if not isinstance(case.motion, Track | Waypoints):
         yield name, case
         return
-    cycles, way = cycles_of(case), trajectory_of(case)
+    d, way = dynamics_of(case), trajectory_of(case)
     assert way is not None and isinstance(case.load, WheeledVehicle)
-    driven = dynamics_of(case).kinematics.driven
+    cycles, driven = cycles_of(case, d, way), d.kinematics.driven
     for alike in sorted(_groups(cycles), key=lambda group: -rms(cycles[group[0]].duration, cycles[group[0]].torque)):
         said = _listed([driven[i] + 1 for i in alike])
         cycle = _with_the_worst_limits([cycles[i] for i in alike])
@@ -110,16 +110,23 @@ def _wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
         yield (said if name in ("", AS_SPECIFIED) else f"{name}, {said}"), one
 
 
-def cycles_of(case: RobotSpec) -> tuple[LoadCycle, ...]:
+def cycles_of(case: RobotSpec, d: Dynamics, way: Trajectory) -> tuple[LoadCycle, ...]:
     """The load cycle of each driven wheel of a platform on its trajectory, with the grip that it needs.
 
     What takes load off a wheel is a matter of the machine, whatever drives it: see ``budgets``.
+
+    Parameters
+    ----------
+    case
+        The machine, or one of its load cases.
+    d, way
+        Its ``dynamics_of`` and its ``trajectory_of``.
     """
-    load, trajectory = case.load, trajectory_of(case)
-    assert isinstance(load, WheeledVehicle) and trajectory is not None
+    load = case.load
+    assert isinstance(load, WheeledVehicle)
     known = case.platform is not None and case.platform.height_known  # else nobody knows what a wheel carries
     friction = load.friction_coefficient if known else None
-    found = wheel_cycles(dynamics_of(case), trajectory, ground_of(case), friction=friction)
+    found = wheel_cycles(d, way, ground_of(case), friction=friction)
     return tuple(replace(cycle, own=tuple(own for own in cycle.own if own.name == "traction")) for cycle in found)
 
 

@@ -89,7 +89,8 @@ def size(
     _known_to(spec, {*names_of(objective), *pareto})
     most = top * FURTHER if spec.battery or spec.budget else top
     found = search(spec, catalog, top=most, objective=objective, pareto=pareto, progress=progress)
-    best, short = divided(found, spec, objective, top)
+    machine = of_the_platform(spec.whole)
+    best, short = divided(found, spec, machine, objective, top)
     count = len(found.evaluation.candidates.motor)
     fallen = [i for i in range(found.standing, count) if found.evaluation.failed[i]]
     fell = [*short.values(), *(drive_set(found.evaluation, i, 0, objective) for i in fallen)]
@@ -107,7 +108,7 @@ def size(
         assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec)),
         warnings=(*weighed, *_warnings(spec, sets), *shortfall(best, short), *catalog.replaced),
         unrestricted=_unrestricted(spec, catalog, objective),
-        front=on_the_front(found, spec, objective),
+        front=on_the_front(found, spec, machine, objective),
         pareto=pareto,
     )
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from drivesizer.budgets import of_the_platform, with_budget
+from drivesizer.budgets import with_budget
+from drivesizer.mechanical_budget import MechanicalBudget
 from drivesizer.ranking import Objective
 from drivesizer.records import drive_set
 from drivesizer.results import DriveSet, verdict
@@ -18,7 +19,7 @@ FURTHER = 4  # times as many sets are looked at where some may fall by the machi
 
 
 def divided(
-    found: Found, spec: RobotSpec, objective: Objective, top: int
+    found: Found, spec: RobotSpec, machine: MechanicalBudget | None, objective: Objective, top: int
 ) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
     """By their rows the best sets that stand with the machine's budgets, and the better ones that fall by those.
 
@@ -28,12 +29,14 @@ def divided(
         Of the search.
     spec
         The machine.
+    machine
+        What is the same for every set, of ``budgets.of_the_platform``.
     objective
         That they were ranked by.
     top
         How many of each.
     """
-    catalog, machine = found.evaluation.catalog, of_the_platform(spec.whole)
+    catalog = found.evaluation.catalog
     best: dict[int, DriveSet] = {}
     short: dict[int, DriveSet] = {}
     for row in range(found.standing):
@@ -45,9 +48,11 @@ def divided(
     return best, dict(list(short.items())[:top])
 
 
-def on_the_front(found: Found, spec: RobotSpec, objective: Objective) -> tuple[DriveSet, ...]:
-    """The sets of a Pareto front that stand with the machine's budgets, in its order."""
-    catalog, machine = found.evaluation.catalog, of_the_platform(spec.whole) if found.front else None
+def on_the_front(
+    found: Found, spec: RobotSpec, machine: MechanicalBudget | None, objective: Objective
+) -> tuple[DriveSet, ...]:
+    """The sets of a Pareto front that stand with the machine's budgets, in its order; see ``divided``."""
+    catalog = found.evaluation.catalog
     sets = (with_budget(spec, catalog, drive_set(found.evaluation, row, 0, objective), machine) for row in found.front)
     return ranked(one for one in sets if one.status != "fail")
 

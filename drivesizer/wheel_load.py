@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from pydantic import PrivateAttr
 
 from drivesizer.loadcycle import LoadCycle
-from drivesizer.machines import Recorded
+from drivesizer.machines import Load, Recorded
 
-__all__ = ["WheelLoad", "wheel_load"]
+__all__ = ["WheelLoad", "machine_cases", "wheel_load"]
 
 
 class WheelLoad(Recorded):
@@ -61,3 +63,18 @@ def wheel_load(cycle: LoadCycle, wheels: int, alike: int, way: float, of: str) -
     made = WheelLoad.model_construct(kind="recorded", file=cycle.name, motors=wheels, smoothing=0.0, inertia=0.0)
     made._cycle, made._alike, made._way, made._of = cycle, alike, way, of
     return made
+
+
+def machine_cases(cases: Iterable[tuple[str, Load]]) -> list[tuple[str, list[int]]]:
+    """The load cases of the whole machine: the name of each, and the numbers of those of its wheels.
+
+    Parameters
+    ----------
+    cases
+        Name and load of every load case.
+    """
+    found: dict[tuple[str, int], list[int]] = {}  # two may have one name, unless they are wheels of one
+    for number, (name, load) in enumerate(cases):
+        key = (load.of, -1) if isinstance(load, WheelLoad) else (name, number)
+        found.setdefault(key, []).append(number)
+    return [(name, numbers) for (name, _), numbers in found.items()]

@@ -213,6 +213,15 @@ def test_what_is_wrong_is_one_line(folder, drive, changed, told):
     assert sorted(p.name for p in folder.iterdir()) == before
 
 
+def test_a_wrong_call_writes_nothing(folder, drive):
+    """Neither a set that no catalogue has nor options that do not go together leave a file behind."""
+    before = sorted(p.name for p in folder.iterdir())
+    for wrong in (("--set", "118752/nothing"), ("--figures", "drawn")):
+        status, out, err = drive("--csv", "out.csv", *wrong)
+        assert status == 2 and out == "" and err.count("\n") == 1
+        assert sorted(p.name for p in folder.iterdir()) == before
+
+
 WALKER = """
   wheels:
     - {kind: fixed, x: 0 m, y: 0.3 m}

@@ -127,10 +127,8 @@ def worst_friction(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) 
     eta, eta_dot = fine.in_robot()
     theta = fine.posture[2]
     found = needed_friction(d, eta, eta_dot, of_centre(d.platform, fine), theta=theta, ground=ground)
-    end = np.cumsum(fine.duration)
     wheel, piece, side = (int(i) for i in np.unravel_index(found.argmax(), found.shape))
-    time = end[piece] - (0.0 if side else fine.duration[piece])
-    return Moment(float(found[wheel, piece, side]), float(time), wheel + 1)
+    return Moment(float(found[wheel, piece, side]), float(fine.time[piece, side]), wheel + 1)
 
 
 # --- the largest that the floor transmits -----------------------------------------------------------------------------

@@ -115,7 +115,5 @@ def _share(found: Array, at_rest: Array) -> Array:
 
 def _worst(found: Array, trajectory: Trajectory, contacts: tuple[int, ...]) -> Moment:
     """The least of figures over (row, piece, end)."""
-    end = np.cumsum(trajectory.duration)
-    time = np.stack([end - trajectory.duration, end], axis=1)
     row, piece, side = (int(i) for i in np.unravel_index(found.argmin(), found.shape))
-    return Moment(float(found[row, piece, side]), float(time[piece, side]), contacts[row] + 1)
+    return Moment(float(found[row, piece, side]), float(trajectory.time[piece, side]), contacts[row] + 1)
