@@ -19,6 +19,7 @@ from drivesizer.catalog_cli import app as catalog_commands
 from drivesizer.cli_common import NothingFitsError
 from drivesizer.cli_setup import doctor, equations, init, schema
 from drivesizer.cli_sizing import explain, report, size
+from drivesizer.cli_study import study
 from drivesizer.cli_validate import validate
 from drivesizer.errors import DrivesizerError
 
@@ -42,6 +43,7 @@ _COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
     (validate, "Drive a set through its profile in closed loop.",
      "validate examples/sps_robot.yaml --profile trapezoid"),
     (report, "Write the report: PDF, HTML, XLSX, CSV or JSON.", "report examples/sps_robot.yaml -o report.pdf"),
+    (study, "Size every variant of a spec: tables and maps.", "study examples/study.yaml"),
     (equations, "The paper's equations, as printed and as computed.", "equations 10"),
     (schema, "JSON Schema of robot.yaml, a catalogue or the JSON report.", "schema > robot.schema.json"),
     (doctor, "Whether this installation works, and what to do if not.", "doctor"),
