@@ -104,6 +104,7 @@ class Place:
     path: Path_
 
     def wrong(self, text: object, *further: str | int) -> InputError:
+        """What is wrong there, as an error to raise."""
         return InputError(f"{self.source.where((*self.path, *further))}: {text}")
 
 

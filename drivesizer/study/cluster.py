@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
+from importlib import import_module
 from importlib.util import find_spec
 from itertools import islice
 from typing import Any
 
-from drivesizer.errors import DrivesizerError, InputError, quoted
+from drivesizer.errors import InputError, quoted
 from drivesizer.study.local import tasks
 from drivesizer.study.plan import Plan
 from drivesizer.study.variant import Part, rows_of
@@ -33,21 +36,11 @@ def connected(address: str) -> Iterator[Any]:
     Raises
     ------
     InputError
-        When there is no such scheduler, or it has no worker within some seconds; in the block, when it is lost.
+        When there is no such scheduler, or it has no worker within some seconds.
     """
     client = _client(address)
     try:
         yield client
-    except DrivesizerError:
-        raise
-    except (ImportError, AttributeError) as error:
-        raise InputError(
-            f"{address}: its workers cannot compute this ({_brief(error)}); install the same drivesizer there"
-        ) from None
-    except Exception as error:
-        if not _is_lost(error):
-            raise
-        raise InputError(f"{address}: scheduler or workers were lost ({_brief(error)}); {_GO_ON}") from None
     finally:
         client.close(timeout=_PATIENCE)
 
@@ -56,23 +49,32 @@ def _client(address: str) -> Any:
     """A client of the scheduler that has a worker."""
     if find_spec("distributed") is None:
         raise InputError("--scheduler needs Dask; install drivesizer[cluster]")
-    from distributed import Client
-
     for name in ("distributed", "tornado"):  # the one line that we print says what they would say in many
         logging.getLogger(name).setLevel(logging.CRITICAL)
+    expected = "expected a Dask scheduler's address, e.g. tcp://10.0.0.5:8786"
     try:
-        client = Client(address, timeout=_PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
-        raise InputError(
-            f"--scheduler: {quoted(address)} does not answer ({_brief(error)}); expected a Dask scheduler's address, "
-            "e.g. tcp://10.0.0.5:8786"
-        ) from None
+        found = asyncio.run(asyncio.wait_for(_identity(address), _PATIENCE + 1.0))
+    except Exception as error:  # whatever answers there may answer anything
+        raise InputError(f"--scheduler: {quoted(address)} does not answer ({_brief(error)}); {expected}") from None
+    if found.get("type") != "Scheduler":
+        raise InputError(f"--scheduler: {quoted(address)} is a {found.get('type', 'server')}; {expected}")
+    client = import_module("distributed").Client(address, timeout=_PATIENCE, set_as_default=False)
     try:
         client.wait_for_workers(1, timeout=_PATIENCE)
     except (OSError, TimeoutError):
         client.close(timeout=_PATIENCE)
         raise InputError(f"{address}: has no worker; `dask worker {address}` starts one") from None
     return client
+
+
+async def _identity(address: str) -> dict[str, Any]:
+    """Who answers at an address."""
+    comm = await import_module("distributed.comm").connect(address, timeout=_PATIENCE)
+    try:
+        await comm.write({"op": "identity", "reply": True})
+        return dict(await comm.read())
+    finally:
+        comm.abort()
 
 
 def on_cluster(client: Any, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple[int, Part]]:
@@ -88,9 +90,12 @@ def on_cluster(client: Any, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple
         The study.
     chunks
         Which of it.
-    """
-    from distributed import as_completed
 
+    Raises
+    ------
+    InputError
+        When the scheduler or one chunk's workers again and again are lost, or cannot compute a variant.
+    """
     waiting = tasks(plan, chunks)
 
     def given(count: int) -> dict[Any, int]:
@@ -100,22 +105,28 @@ def on_cluster(client: Any, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple
         }
 
     running = given(_AHEAD * max(sum(client.nthreads().values()), 1))
-    done = as_completed(list(running))
-    for future in done:
+    done = import_module("distributed").as_completed(list(running), loop=client.loop, with_results=True)
+    while running:
+        future, part = _next(done, client.scheduler.address)
         more = given(1)
         running |= more
         for another in more:
             done.add(another)
-        yield running.pop(future), future.result()
+        yield running.pop(future), part
 
 
-def _is_lost(error: Exception) -> bool:
-    """Whether an error is that of a connection or a worker, and not of what was computed."""
-    from concurrent.futures import CancelledError
-
-    from distributed import CommClosedError, KilledWorker
-
-    return isinstance(error, CancelledError | CommClosedError | KilledWorker | OSError)
+def _next(done: Any, address: str) -> tuple[Any, Part]:
+    """The next chunk that is done."""
+    lost: Any = CancelledError, OSError, import_module("distributed").KilledWorker  # a closed connection is an OSError
+    try:
+        future, part = next(done)
+    except (ImportError, AttributeError, TypeError) as error:
+        raise InputError(
+            f"{address}: its workers cannot compute this ({_brief(error)}); install the same drivesizer there"
+        ) from None
+    except lost as error:
+        raise InputError(f"{address}: scheduler or workers were lost ({_brief(error)}); {_GO_ON}") from None
+    return future, part
 
 
 def _brief(error: Exception) -> str:

@@ -56,7 +56,7 @@ def on_processes(plan: Plan, chunks: Sequence[int], processes: int) -> Iterator[
     InputError
         When a process ended before its work was done.
     """
-    waiting = tasks(plan, chunks)
+    waiting, others = tasks(plan, chunks), multiprocessing.active_children()
     context = multiprocessing.get_context("spawn")  # a fork would hold the study's lock for as long as it lives
     with _one_thread_each(), ProcessPoolExecutor(processes, context, _started) as pool:
         running = {_given(pool, plan.job, task): task[0] for task in islice(waiting, _AHEAD * processes)}
@@ -72,7 +72,9 @@ def on_processes(plan: Plan, chunks: Sequence[int], processes: int) -> Iterator[
                 "kept: the same command goes on, --processes sets how many there are"
             ) from None
         finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+            for child in multiprocessing.active_children() if running else ():
+                if child not in others:
+                    child.terminate()  # stopped in the middle: what they compute is not waited for
 
 
 def _given(pool: ProcessPoolExecutor, job: Job, task: Task) -> Future[Part]:

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.report.drawings import Drawing
 from drivesizer.study.columns import Row, columns_of
-from drivesizer.study.map_figure import Dimension, Map, Panel, draw
+from drivesizer.study.map_figure import draw
+from drivesizer.study.map_panel import Dimension, Map, Panel
 from drivesizer.study.plan import Plan
 
 __all__ = ["MAPS", "MOST_POINTS", "Chosen", "Points", "chosen", "drawings", "points"]
@@ -119,7 +120,8 @@ def _title(beside: Sequence[Dimension], key: Sequence[Any]) -> str:
 
 
 def _told(one: Dimension, value: Any) -> str:
-    if not one.numeric:
-        return str(value) if one.name in ("spec", "catalogs", "objective") else f"{one.name} {value}"
+    """What a panel is for, in a few letters: without the section that a field stands in."""
+    if one.name in ("spec", "catalogs", "objective"):
+        return f"by {value}" if one.name == "objective" else str(value)
     unit = one.head.removeprefix(one.name).strip(" ()")
-    return f"{one.name} {value:g} {unit}".rstrip()
+    return f"{one.name.rpartition('.')[2]} {value:g} {unit}".rstrip() if one.numeric else str(value)

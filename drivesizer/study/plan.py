@@ -24,8 +24,8 @@ from drivesizer.yaml_source import YamlSource, read
 __all__ = ["MOST", "Job", "Plan", "Variant", "read_study"]
 
 MOST = 10_000_000  # variants of a study
-_CHUNKS = 256  # at least, where there are as many variants
-_LARGEST = 1000  # variants of a chunk
+_CHUNKS = 128  # at least, where there are as many variants
+_LARGEST = 100  # variants of a chunk: what a kill costs at most, for each process
 
 
 class Variant(NamedTuple):

@@ -4,9 +4,9 @@ A chunk takes its place in one step and carries the digest of its rows, so after
 there as a whole or is computed again. The manifest says what the rows were made of; rows of another study are never
 mixed with these.
 
-    FOLDER/study.json          what the results are made of
-    FOLDER/chunks/000012.jsonl a head with the digest, then a row in each line
-    FOLDER/lock                held while a process is at work
+    FOLDER/study.json                what the results are made of
+    FOLDER/chunks/000/000012.jsonl   a head with the digest, then a row in each line
+    FOLDER/lock                      held while a process is at work
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Store:
 
     def path(self, chunk: int) -> Path:
         """The file of a chunk."""
-        return self.folder / _CHUNKS / f"{chunk:06}.jsonl"
+        return self.folder / _CHUNKS / f"{chunk // 1000:03}" / f"{chunk:06}.jsonl"
 
     def keep(self, chunk: int, part: Part) -> None:
         """Keep the rows of a chunk.
@@ -72,29 +72,29 @@ class Store:
                 )
         lines = "".join(f"{json.dumps(row, ensure_ascii=False)}\n" for row in part.rows).encode()
         head = json.dumps({"chunk": chunk, "digest": digest(lines)}).encode()
-        put({self.path(chunk): head + b"\n" + lines})
+        path = self.path(chunk)
+        path.parent.mkdir(exist_ok=True)
+        put({path: head + b"\n" + lines})
 
-    def rows(self, chunk: int) -> list[Row] | None:
-        """The rows of a chunk, None where they are not there or not as they were written."""
+    def _lines(self, chunk: int) -> bytes | None:
+        """The rows of a chunk as they were written, None where they are not there or not as they were."""
         try:
             head, _, lines = self.path(chunk).read_bytes().partition(b"\n")
-            if json.loads(head) != {"chunk": chunk, "digest": digest(lines)}:
-                return None
+            return lines if json.loads(head) == {"chunk": chunk, "digest": digest(lines)} else None
         except (OSError, ValueError):
             return None
-        return [json.loads(line) for line in lines.splitlines()]
 
     def missing(self) -> list[int]:
         """The chunks that are still to be computed."""
-        return [chunk for chunk in range(self.chunks) if self.rows(chunk) is None]
+        return [chunk for chunk in range(self.chunks) if self._lines(chunk) is None]
 
     def every_row(self) -> Iterator[list[Row]]:
         """The rows of all chunks in the order of their variants, a chunk at a time."""
         for chunk in range(self.chunks):
-            rows = self.rows(chunk)
-            if rows is None:
+            lines = self._lines(chunk)
+            if lines is None:
                 raise InputError(f"{self.path(chunk)}: has been damaged meanwhile; the same command computes it again")
-            yield rows
+            yield [json.loads(line) for line in lines.decode().split("\n")[:-1]]
 
 
 def digest(*parts: bytes) -> str:
@@ -133,8 +133,10 @@ def opened(folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool 
         raise InputError(f"{folder}: holds results of another study ({_difference(before, manifest)}); {_BEGIN}")
     try:
         (folder / _CHUNKS).mkdir(exist_ok=True)
-        for left in (folder / _CHUNKS).glob(".drivesizer-*.part"):
+        for left in (folder / _CHUNKS).glob("*/.drivesizer-*.part"):
             left.unlink()  # of a process that was killed while it wrote
+        for half in folder.glob("results.*.part"):
+            half.unlink()
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({(error.strerror or str(error)).lower()})") from None
     if fresh or before is None:
@@ -168,7 +170,7 @@ def _listed(names: Sequence[str]) -> str:
 def _cleared(store: Store) -> None:
     """Take away what a study writes, and nothing else."""
     own = [*store.results, store.folder / _MANIFEST]
-    own += [*(store.folder / _CHUNKS).glob("*.jsonl"), *store.maps.glob("*.svg"), *store.maps.glob("*.png")]
+    own += [*(store.folder / _CHUNKS).glob("*/*.jsonl"), *store.maps.glob("*.svg"), *store.maps.glob("*.png")]
     for path in own:
         try:
             path.unlink(missing_ok=True)

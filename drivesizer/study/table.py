@@ -10,6 +10,7 @@ import csv
 import io
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -57,9 +58,8 @@ def has_parquet() -> bool:
 
 def write_parquet(path: Path, columns: Sequence[Column], chunks: Iterable[list[Row]]) -> None:
     """Write a table as Parquet; see :func:`write_csv`."""
-    import pyarrow
-    from pyarrow import parquet
-
+    pyarrow: Any = import_module("pyarrow")
+    parquet: Any = import_module("pyarrow.parquet")
     types = {"whole": pyarrow.int64(), "number": pyarrow.float64(), "text": pyarrow.string()}
     schema = pyarrow.schema([
         pyarrow.field(column.head, types[column.form], metadata={"unit": column.unit} if column.unit else None)
