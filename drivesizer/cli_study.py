@@ -23,7 +23,7 @@ def study(
         "study.yaml"
     ),
     folder: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="FOLDER", help="Where to; else named as the study.")
+        Path | None, typer.Option("--output", "-o", metavar="FOLDER", help="Where to; else one here, named as the study.")
     ] = None,
     processes: Annotated[int, typer.Option(min=0, max=1024, help="How many; 0 is one for each core.")] = 0,
     scheduler: Annotated[
@@ -38,7 +38,7 @@ def study(
     from drivesizer.study.run import carry_out
 
     plan = read_study(path)
-    target = path.with_suffix("") if folder is None else folder
+    target = Path(path.stem) if folder is None else folder
     names = tuple(name.strip() for name in over.split(",")) if over else ()
     try:
         with _bar() as told:

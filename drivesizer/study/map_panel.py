@@ -93,18 +93,26 @@ def _cells(axes: Axes, scene: Scene, up: Dimension, rows: Sequence[dict[str, Any
     from matplotlib.patches import Rectangle
 
     x, y = _edges(scene.across), _edges(up)
-    for row, across, high in zip(rows, _places(scene.across, rows), _places(up, rows), strict=True):
-        left, low = (int(np.searchsorted(e, v)) - 1 for e, v in ((x, across), (y, high)))
-        corner, size = (x[left], y[low]), (x[left + 1] - x[left], y[low + 1] - y[low])
+    places = zip(rows, _places(scene.across, rows), _places(up, rows), strict=True)
+    told = [(row, _within(x, across), _within(y, high), _text(scene, row)) for row, across, high in places]
+    room = all(_fits(axes, text, (w / (x[-1] - x[0]), h / (y[-1] - y[0]))) for _, (_, w), (_, h), text in told)
+    for row, (left, width), (low, height), text in told:
         face, hatch = _face(scene, row)
-        axes.add_patch(Rectangle(corner, *size, facecolor=face, edgecolor="white", linewidth=0.4))
+        axes.add_patch(Rectangle((left, low), width, height, facecolor=face, edgecolor="white", linewidth=0.4))
         if hatch:
-            axes.add_patch(Rectangle(corner, *size, fill=False, edgecolor="#999999", linewidth=0.0, hatch=hatch))
-        text = _text(scene, row)
-        if text and _fits(axes, text, size, (x[-1] - x[0], y[-1] - y[0])):
-            axes.annotate(text, (corner[0] + size[0] / 2, corner[1] + size[1] / 2), ha="center", va="center",
-                          fontsize=6, color=_ink(face))  # fmt: skip
+            axes.add_patch(
+                Rectangle((left, low), width, height, fill=False, edgecolor="#999999", linewidth=0.0, hatch=hatch)
+            )
+        if text and room:
+            axes.annotate(text, (left + width / 2, low + height / 2), ha="center", va="center", fontsize=6,
+                          color=_ink(face))  # fmt: skip
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+
+
+def _within(edges: NDArray[np.float64], value: float) -> tuple[float, float]:
+    """Where the cell of a value begins, and how wide it is."""
+    n = int(np.searchsorted(edges, value)) - 1
+    return float(edges[n]), float(edges[n + 1] - edges[n])
 
 
 def _edges(one: Dimension) -> NDArray[np.float64]:
@@ -158,12 +166,12 @@ def _text(scene: Scene, row: dict[str, Any]) -> str:
     return f"{'≥' * bool(scene.shown.lacks and row[scene.shown.lacks])}{value * scene.shown.scale:.3g}"
 
 
-def _fits(axes: Axes, text: str, size: tuple[float, float], whole: tuple[float, float]) -> bool:
-    """Whether a text has room in a cell."""
+def _fits(axes: Axes, text: str, share: tuple[float, float]) -> bool:
+    """Whether a text has room in a cell that takes some share of the axes across and up."""
     box, figure = axes.get_position(), axes.get_figure(root=True)
     assert figure is not None
     width, height = figure.get_size_inches()
-    room = size[0] / whole[0] * box.width * width, size[1] / whole[1] * box.height * height
+    room = share[0] * box.width * width, share[1] * box.height * height
     return bool(room[0] > _LETTER * len(text) + 0.04 and room[1] > _TALL)
 
 

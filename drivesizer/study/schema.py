@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError, model_validator
 
 from drivesizer.errors import InputError
 from drivesizer.fields import Names, Section, exactly_one
@@ -28,22 +28,42 @@ Sampling = Annotated[
     Annotated[Literal["grid"], Tag("grid")] | Annotated[Hypercube, Tag("latin_hypercube")],
     Discriminator(lambda value: "latin_hypercube" if isinstance(value, dict) else "grid"),
 ]
-_Texts = Annotated[list[str], Field(min_length=1)]
+
+
+def _several(example: str) -> BeforeValidator:
+    """A list with at least one entry; a single text is none, and what it might mean is not guessed."""
+
+    def checked(value: object) -> object:
+        if not isinstance(value, list) or not value:
+            raise ValueError(f"is no list with entries; expected e.g. {example}")
+        return value
+
+    return BeforeValidator(checked)
+
+
+def _fields(value: object) -> object:
+    if not isinstance(value, dict) or not value:
+        raise ValueError("is no group of fields; expected e.g. load.mass: [30 kg, 45 kg]")
+    return value
 
 
 class StudyFile(Section):
     """A study.yaml: which variants of which spec are sized."""
 
     spec: str | None = Field(default=None, min_length=1, description="the robot.yaml that is varied")
-    specs: _Texts | None = Field(default=None, description="several specs as they are, in its place")
-    vary: dict[str, Any] | None = Field(
-        default=None, min_length=1, description="by field, such as load.mass: a range or a list"
+    specs: Annotated[list[str], _several("[light.yaml, heavy.yaml]")] | None = Field(
+        default=None, description="several specs as they are, in its place"
+    )
+    vary: Annotated[dict[str, Any], BeforeValidator(_fields)] | None = Field(
+        default=None, description="by field, such as load.mass: a range or a list"
     )
     sampling: Sampling = Field(default="grid", description="every combination, or a Latin hypercube")
-    catalogs: Annotated[list[Names], Field(min_length=1)] | None = Field(
+    catalogs: Annotated[list[Names], _several("[[maxon], [maxon, faulhaber]]")] | None = Field(
         default=None, description="each entry in place of the spec's catalogues"
     )
-    objectives: _Texts | None = Field(default=None, description="each in place of the spec's, such as mass=2,price=1")
+    objectives: Annotated[list[str], _several("[mass, price]")] | None = Field(
+        default=None, description="each in place of the spec's, such as mass=2,price=1"
+    )
     top: Annotated[int, Field(ge=1, le=100)] = Field(default=1, description="how many sets of each variant")
 
     @model_validator(mode="after")
