@@ -60,9 +60,12 @@ class Scene(NamedTuple):
     numbers: dict[str, int]  # of each set that has a line below; empty for figures
 
 
+Box = tuple[float, float, float, float]  # left, width, low, height of a cell
+
 _WIDE = 6.5  # in, of a figure
 _LETTER, _TALL = 0.055, 0.11  # in, of a letter in a cell
 _HATCH = "//////"
+_MOST_LINES, _MOST_TEXTS = 2500, 700  # cells of a panel with lines between them, and with numbers in them
 _FACES = [COLOURS[name] for name in ("sky", "orange", "green", "purple", "vermillion", "blue")] + ["#F0E442", "#BBBBBB"]
 
 
@@ -90,23 +93,40 @@ def _places(one: Dimension, rows: Sequence[dict[str, Any]]) -> NDArray[np.float6
 
 
 def _cells(axes: Axes, scene: Scene, up: Dimension, rows: Sequence[dict[str, Any]]) -> None:
-    from matplotlib.patches import Rectangle
-
     x, y = _edges(scene.across), _edges(up)
-    places = zip(rows, _places(scene.across, rows), _places(up, rows), strict=True)
-    told = [(row, _within(x, across), _within(y, high), _text(scene, row)) for row, across, high in places]
-    room = all(_fits(axes, text, (w / (x[-1] - x[0]), h / (y[-1] - y[0]))) for _, (_, w), (_, h), text in told)
-    for row, (left, width), (low, height), text in told:
-        face, hatch = _face(scene, row)
-        axes.add_patch(Rectangle((left, low), width, height, facecolor=face, edgecolor="white", linewidth=0.4))
-        if hatch:
-            axes.add_patch(
-                Rectangle((left, low), width, height, fill=False, edgecolor="#999999", linewidth=0.0, hatch=hatch)
-            )
-        if text and room:
-            axes.annotate(text, (left + width / 2, low + height / 2), ha="center", va="center", fontsize=6,
-                          color=_ink(face))  # fmt: skip
+    places = zip(_places(scene.across, rows), _places(up, rows), strict=True)
+    boxes = [(*_within(x, across), *_within(y, high)) for across, high in places]
+    faces = [_face(scene, row) for row in rows]
+    _filled(axes, boxes, [face for face, _ in faces])
+    _hatched(axes, [box for box, (_, hatch) in zip(boxes, faces, strict=True) if hatch])
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+    told = [_text(scene, row) for row in rows] if len(rows) <= _MOST_TEXTS else []
+    whole = x[-1] - x[0], y[-1] - y[0]
+    if all(_fits(axes, text, (w / whole[0], h / whole[1])) for text, (_, w, _, h) in zip(told, boxes, strict=False)):
+        for text, (left, width, low, height), (face, _) in zip(told, boxes, faces, strict=False):
+            axes.text(left + width / 2, low + height / 2, text, ha="center", va="center", fontsize=6, color=_ink(face))
+
+
+def _corners(boxes: Sequence[Box]) -> list[list[tuple[float, float]]]:
+    return [
+        [(left, low), (left + width, low), (left + width, low + height), (left, low + height)]
+        for left, width, low, height in boxes
+    ]
+
+
+def _filled(axes: Axes, boxes: Sequence[Box], faces: Sequence[Any]) -> None:
+    from matplotlib.collections import PolyCollection
+
+    lines = {"edgecolors": "white", "linewidths": 0.4} if len(boxes) <= _MOST_LINES else {"edgecolors": "face"}
+    axes.add_collection(PolyCollection(_corners(boxes), facecolors=faces, **lines))
+
+
+def _hatched(axes: Axes, boxes: Sequence[Box]) -> None:
+    from matplotlib.collections import PolyCollection
+
+    if boxes:
+        look: dict[str, Any] = {"facecolors": "none", "edgecolors": "#999999", "linewidths": 0.0, "hatch": _HATCH}
+        axes.add_collection(PolyCollection(_corners(boxes), **look))
 
 
 def _within(edges: NDArray[np.float64], value: float) -> tuple[float, float]:

@@ -20,7 +20,7 @@ from drivesizer.study.plan import Plan
 
 __all__ = ["MAPS", "MOST_POINTS", "Chosen", "Points", "chosen", "drawings", "points"]
 
-MOST_POINTS = 200_000
+MOST_POINTS = 40_000
 _MOST_PANELS = 12
 
 # A column of the table as a map; one that the table lacks, or that is unknown everywhere, is left out.
