@@ -1,6 +1,7 @@
 """Studies: what a study.yaml means, what it is refused for, and what a variant's row says."""
 
 import math
+import re
 from itertools import product
 
 import numpy as np
@@ -368,3 +369,29 @@ def test_a_recording_counts_as_well(tmp_path):
 def test_many_plans_every_variant_of_the_grid(tmp_path):
     plan = planned(tmp_path, MANY)
     assert (plan.total, plan.chunk, plan.chunks) == (500, 3, 167)
+
+
+def test_the_columns_on_the_page_are_those_of_the_table(tmp_path):
+    """Each column of the table is named on the page, alone or as one of those that follow ``set``."""
+    page = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"`(\w+)`", page[page.index("## Results") : page.index("## Interruption")]))
+    plan = planned(tmp_path, "specs: [robot.yaml, study.yaml]\ncatalogs: [[maxon], [faulhaber]]\n")
+    heads = [column.head for column in columns_of(plan)]
+    parts = heads[heads.index("set") + 1 : heads.index("mass_kg")]
+    assert all(re.match("motor|gearhead|belt|encoder|controller|total_ratio", head) for head in parts)
+    assert set(heads) - set(parts) <= listed
+
+
+def test_the_amounts_on_the_page_are_the_program_s():
+    from drivesizer.study.maps import MOST_POINTS
+    from drivesizer.study.plan import _LARGEST
+
+    page = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    assert f"drawn up to {MOST_POINTS // 1000} 000 variants" in page and MOST_POINTS % 1000 == 0
+    assert f"at most {_LARGEST} of them" in page and f"at most {_LARGEST} variants for each process" in page
+    assert MOST == 10_000_000 and "more than the 10 000 000 variants of one study" in page
+    rows = re.findall(r"^\|[^|]+\| ([\d ]+) \| ([\d.]+) (ms|s) \| ([\d ]+) \|$", page, re.MULTILINE)
+    for sets, time, unit, rate in rows:  # the table of costs agrees with itself, to the digits that it gives
+        per_second = float(sets.replace(" ", "")) / (float(time) * {"ms": 1e-3, "s": 1.0}[unit])
+        assert math.isclose(per_second, float(rate.replace(" ", "")), rel_tol=0.1)
+    assert len(rows) == 3

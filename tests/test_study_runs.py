@@ -78,7 +78,7 @@ def test_the_table_has_every_variant_in_order(whole):
         assert bool(row["nearest_miss"]) == (row["status"] == "fail")
 
 
-def test_heavier_and_faster_is_never_easier(whole):
+def test_heavier_is_never_easier(whole):
     """What falls at some mass falls at any larger one: more mass asks for more of everything."""
     found = rows(whole["results.csv"])
     for speed in {row["motion.speed (m/s)"] for row in found}:
@@ -245,7 +245,7 @@ def test_another_version_or_a_damaged_manifest_is_another_study(run, tmp_path):
         ("robot.yaml", "robot.yaml: is a file; expected a folder"),
         ("nowhere/study", "cannot be made, there is no folder nowhere"),
         ("full", "full: holds other files, such as mine.txt"),
-        ("x" * 300, "cannot be made (file name too long)"),
+        ("x" * 300, "cannot be read (file name too long)"),
     ],
 )
 def test_a_folder_that_cannot_be_is_refused_before_anything_is_done(run, tmp_path, target, said):
@@ -314,11 +314,11 @@ def test_the_progress_is_for_people(tmp_path):
     """At a terminal a bar with what is done, in all, and the time left; the results on stdout stay as they are."""
     if shutil.which("script") is None:
         pytest.skip("no terminal to be had")
-    laid(tmp_path, MANY)
+    laid(tmp_path, MANY.replace("steps: 25", "steps: 4"))
     line = " ".join(command("--processes", 1, "--no-maps")) + " > out.txt"
     seen = subprocess.run(
         ["script", "-qec", line, "/dev/null"], cwd=tmp_path, env=surroundings() | {"TERM": "xterm", "COLUMNS": "100"},
         capture_output=True, encoding="utf-8", timeout=170, check=True,
     ).stdout  # fmt: skip
-    assert "/500" in seen and "0:0" in seen
-    assert (tmp_path / "out.txt").read_text().startswith("500 variants: ")
+    assert "/80" in seen and "0:0" in seen
+    assert (tmp_path / "out.txt").read_text().startswith("80 variants: ")

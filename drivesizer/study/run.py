@@ -96,12 +96,16 @@ def carry_out(
 
 def _usable(folder: Path) -> None:
     """Refuse a folder that cannot be made, is none, or is somebody else's."""
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file; expected a folder for the results, -o names another")
+    try:
+        there = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"{folder}: is a file; expected a folder for the results, -o names another")
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be read ({(error.strerror or str(error)).lower()})") from None
     if not folder.parent.is_dir():
         raise InputError(f"{folder}: cannot be made, there is no folder {folder.parent}")
-    foreign = sorted({path.name for path in folder.iterdir()} - _OWN) if folder.is_dir() else []
-    if foreign and not (folder / "study.json").exists():
+    foreign = sorted(there - _OWN)
+    if foreign and "study.json" not in there:
         raise InputError(
             f"{folder}: holds other files, such as {foreign[0]}; expected a new or empty folder, -o names one"
         )
