@@ -11,10 +11,10 @@ from typing import Annotated, Any
 import typer
 
 from drivesizer.cli_common import tell
-from drivesizer.errors import InputError
 
 __all__ = ["study"]
 
+_STOPPED = 130  # exit status after Ctrl-C, as shells have it
 _ORDER = ("pass", "unknown", "fail", "error")
 
 
@@ -23,7 +23,8 @@ def study(
         "study.yaml"
     ),
     folder: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="FOLDER", help="Where to; else one here, named as the study.")
+        Path | None,
+        typer.Option("--output", "-o", metavar="FOLDER", help="Where to; else one here, named as the study."),
     ] = None,
     processes: Annotated[int, typer.Option(min=0, max=1024, help="How many; 0 is one for each core.")] = 0,
     scheduler: Annotated[
@@ -47,7 +48,8 @@ def study(
                 progress=told,
             )  # fmt: skip
     except KeyboardInterrupt:
-        raise InputError(f"{target}: stopped; what is done is kept, and the same command goes on") from None
+        typer.echo(f"drivesizer: {target}: stopped; what is done is kept, and the same command goes on", err=True)
+        raise typer.Exit(_STOPPED) from None
     status = ", ".join(f"{found.variants[name]} {name}" for name in _ORDER if found.variants[name])
     typer.echo(f"{plan.total} variants: {status}; {found.examined} sets examined")
     for written in found.written:

@@ -128,6 +128,21 @@ def test_a_study_that_was_killed_goes_on_and_ends_the_same(whole, tmp_path):
     assert results(tmp_path / "study") == without_maps(whole)
 
 
+def test_ctrl_c_stops_the_study_and_its_processes(tmp_path):
+    laid(tmp_path, MANY)
+    with subprocess.Popen(
+        command("--processes", 2), cwd=tmp_path, env=surroundings(), start_new_session=True, stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, encoding="utf-8",
+    ) as study:  # fmt: skip
+        until(lambda: len(chunks(tmp_path)) >= 2)
+        os.kill(study.pid, signal.SIGINT)
+        out, err = study.communicate(timeout=WAIT)
+    assert (study.returncode, out) == (130, "")
+    assert err == "drivesizer: study: stopped; what is done is kept, and the same command goes on\n"
+    until(lambda: not _group(study.pid), every=0.2)
+    assert 2 <= len(chunks(tmp_path)) < 167
+
+
 def _group(leader):
     """The processes of a group that still are, those aside that have ended."""
     found = []
