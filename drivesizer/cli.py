@@ -21,6 +21,7 @@ from drivesizer.cli_drive import drive
 from drivesizer.cli_export import export
 from drivesizer.cli_setup import doctor, equations, init, schema
 from drivesizer.cli_sizing import explain, report, size
+from drivesizer.cli_study import study
 from drivesizer.cli_validate import validate
 from drivesizer.errors import DrivesizerError
 
@@ -48,6 +49,7 @@ _COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
     (report, "Write the report: PDF, HTML, XLSX, CSV or JSON.", "report examples/sps_robot.yaml -o report.pdf"),
     (export, "Write the set for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
      "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
+    (study, "Size every variant of a spec: tables and maps.", "study examples/study.yaml"),
     (equations, "The paper's equations, as printed and as computed.", "equations 10"),
     (schema, "JSON Schema of robot.yaml, a catalogue or the JSON report.", "schema > robot.schema.json"),
     (doctor, "Whether this installation works, and what to do if not.", "doctor"),

@@ -1,0 +1,264 @@
+"""What a study varies: a field of the spec, and the values that it takes.
+
+A value is written into the spec as text with its unit, as a person would write it there, and read by the spec's own
+strict reader. So every variant can be repeated by hand, and what a field may hold is said in one place.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, get_args, get_origin
+
+from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.fields import Quantity
+from drivesizer.machines import AXES
+from drivesizer.spec import RobotSpec
+from drivesizer.spec_errors import _known_keys, _models_at
+from drivesizer.units import number, scale, to_si
+from drivesizer.yaml_source import Path_, YamlSource
+
+__all__ = ["Axis", "Place", "axes_of", "changed", "once", "path_of"]
+
+_STEP = re.compile(r"(\w+)((?:\[[1-9][0-9]{0,3}\])*)", re.ASCII)
+_RANGE = "e.g. {from: 30 kg, to: 60 kg, steps: 4}"
+_DIGITS = 12  # of a value inside a range: what is left of rounding is not shown
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Axis:
+    """A field and its values: a list, or a range of which a Latin hypercube takes any."""
+
+    name: str  # as in a message: load.mass, transmission[2].ratio
+    path: Path_
+    kind: str = ""  # of its quantity; empty where it is none
+    unit: str = ""  # in which its figures are told, as the study spells it
+    values: tuple[Any, ...] = ()  # as they go into the spec
+    span: tuple[float, float] | None = None  # in that unit
+
+    @property
+    def head(self) -> str:
+        """Name and unit, as over a column."""
+        return f"{self.name} ({self.unit})" if self.unit else self.name
+
+    def text(self, figure: float) -> str:
+        """A figure as it goes into the spec."""
+        return f"{figure!r} {self.unit}".rstrip()
+
+    def told(self, value: Any) -> Any:
+        """A value as it stands in a table: a number in the axis's unit, or a text."""
+        if not self.kind:
+            return value if isinstance(value, int) and not isinstance(value, bool) else _text(value)
+        figure, unit = number(str(value))
+        return figure if unit == self.unit else float(f"{_into(value, self.kind, self.unit):.{_DIGITS}g}")
+
+    def sample(self, share: float) -> Any:
+        """The value at a share of the way, 0 up to 1, through the range or the list."""
+        if self.span is None:
+            return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
+        low, high = self.span
+        return self.text(float(f"{low + share * (high - low):.{_DIGITS}g}"))
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list) and not any(isinstance(one, dict | list) for one in value):
+        return " + ".join(map(str, value))
+    if value is None or isinstance(value, str):
+        return value or ""
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _into(value: Any, kind: str, unit: str) -> float:
+    """A quantity in one of its kind's units."""
+    factor, offset = scale(unit, kind) if unit else (1.0, 0.0)
+    return float((to_si(value, kind) - offset) / factor)
+
+
+def axes_of(source: YamlSource, spec: YamlSource, vary: dict[str, Any], grid: bool) -> tuple[Axis, ...]:
+    """What a study's section ``vary`` says of a spec.
+
+    Parameters
+    ----------
+    source, spec
+        The study, and the spec that it varies.
+    vary
+        The section.
+    grid
+        Whether a range is divided by its steps; else a Latin hypercube takes any value of it.
+
+    Raises
+    ------
+    InputError
+        When a field is not known, a value has no unit or one of another kind, or a list or range is none.
+    """
+    return tuple(_axis(Place(source, ("vary", name)), spec, name, given, grid) for name, given in vary.items())
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where in the study something stands."""
+
+    source: YamlSource
+    path: Path_
+
+    def wrong(self, text: object, *further: str | int) -> InputError:
+        """What is wrong there, as an error to raise."""
+        return InputError(f"{self.source.where((*self.path, *further))}: {text}")
+
+
+def once(place: Place, given: Sequence[Any]) -> None:
+    """Refuse a list that has an entry twice."""
+    seen: set[str] = set()
+    for n, value in enumerate(given):
+        if repr(value) in seen:
+            raise place.wrong(f"{quoted(value)} is given twice", n)
+        seen.add(repr(value))
+
+
+def _axis(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> Axis:
+    path = path_of(name)
+    if path is None:
+        raise place.wrong(f"is no field; expected one of {spec.name}, e.g. load.mass or transmission[2].ratio")
+    if path[:2] == ("select", "catalogs"):
+        raise place.wrong("expected them in the study's own list, catalogs")
+    _there(place, spec, path)
+    kind = _kind(path, spec.data)
+    if isinstance(given, dict):
+        return _range(place, Axis(name=name, path=path, kind=kind), given, grid)
+    if not isinstance(given, list) or not given:
+        raise place.wrong(f"expected a list of values, e.g. [24 V, 48 V], or a range, {_RANGE}")
+    for n, value in enumerate(given):
+        if kind:
+            _checked(place, value, kind, n)
+    once(place, given)
+    unit = number(str(given[0]))[1] if kind else ""
+    return Axis(name=name, path=path, kind=kind, unit=unit, values=tuple(given))
+
+
+def _checked(place: Place, value: Any, kind: str, *further: str | int) -> float:
+    """A quantity in SI, or the line that says why it is none."""
+    try:
+        return to_si(value, kind)
+    except InputError as error:
+        raise place.wrong(error, *further) from None
+
+
+def _range(place: Place, axis: Axis, given: dict[str, Any], grid: bool) -> Axis:
+    known = ("from", "to", "steps") if grid else ("from", "to")
+    for key in given:
+        if key == "steps" and not grid:
+            raise place.wrong("a Latin hypercube divides the range itself; leave steps out", key)
+        if key not in known:
+            raise place.wrong(f"unknown key; expected {', '.join(known)}{nearest(key, known)}", key)
+    for key in known:
+        if key not in given:
+            raise place.wrong(f"{key} is missing; expected a range, {_RANGE}")
+    if not axis.kind:
+        raise place.wrong("is no quantity; expected a list of values")
+    low, high = (_checked(place, given[key], axis.kind, key) for key in ("from", "to"))
+    if not low < high:
+        raise place.wrong(f"{quoted(given['from'])} is not below {quoted(given['to'])}; expected from below to")
+    unit = number(str(given["from"]))[1]
+    span = number(str(given["from"]))[0], _figure(given["to"], axis.kind, unit)
+    found = Axis(name=axis.name, path=axis.path, kind=axis.kind, unit=unit, span=span)
+    return _stepped(place, found, given["steps"]) if grid else found
+
+
+def _figure(value: Any, kind: str, unit: str) -> float:
+    figure, own = number(str(value))
+    return figure if own == unit else float(f"{_into(value, kind, unit):.{_DIGITS}g}")
+
+
+def _stepped(place: Place, axis: Axis, steps: Any) -> Axis:
+    """The axis with the values of its steps, both ends among them."""
+    if isinstance(steps, bool) or not isinstance(steps, int) or steps < 2:
+        raise place.wrong(f"{quoted(steps)} is not a whole number from 2; both ends are steps", "steps")
+    if steps > 100_000:
+        raise place.wrong(f"{quoted(steps)} is too many; expected at most 100000", "steps")
+    low, high = axis.span or (0.0, 0.0)
+    figures = [float(f"{low + (high - low) * n / (steps - 1):.{_DIGITS}g}") for n in range(steps - 1)] + [high]
+    values = tuple(axis.text(figure) for figure in figures)
+    return Axis(name=axis.name, path=axis.path, kind=axis.kind, unit=axis.unit, values=values)
+
+
+# --- fields of the spec
+
+
+def path_of(name: str) -> Path_ | None:
+    """A field's name as a path, None where it is no name: ``transmission[2].ratio`` counts from 1, as messages do.
+
+    >>> path_of("transmission[2].ratio")
+    ('transmission', 1, 'ratio')
+    """
+    path: list[str | int] = []
+    for step in name.split("."):
+        match = _STEP.fullmatch(step)
+        if match is None:
+            return None
+        path += [match[1], *(int(index) - 1 for index in re.findall(r"[0-9]+", match[2]))]
+    return tuple(path)
+
+
+def _there(place: Place, spec: YamlSource, path: Path_) -> None:
+    """Refuse a field that a spec cannot have, and an entry of a list that this one has not."""
+    data: Any = spec.data
+    for n, step in enumerate(path):
+        if isinstance(step, int):
+            if not isinstance(data, list) or step >= len(data):
+                found = len(data) if isinstance(data, list) else 0
+                raise place.wrong(f"{spec.name} has {found} entries there, {step + 1} is none of them")
+            data = data[step]
+            continue
+        known = _known(path[:n], spec.data)
+        if step not in known:
+            hint = nearest(step, known) or (f"; expected one of {', '.join(known)}" if known else "")
+            raise place.wrong(f"{quoted(step)} is no field of {_name(path[:n]) or 'a spec'}{hint}")
+        data = data.get(step) if isinstance(data, dict) else None
+
+
+def _name(path: Path_) -> str:
+    return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).lstrip(".")
+
+
+def _known(path: Path_, data: Any) -> list[str]:
+    return _known_keys(RobotSpec, _of_the_spec(path), data)
+
+
+def _of_the_spec(path: Path_) -> Path_:
+    """What a load case changes is a field of the spec itself."""
+    return path[2:] if path[:1] == ("cases",) and len(path) > 2 else path
+
+
+def _kind(path: Path_, data: Any) -> str:
+    """The kind of quantity of a field, empty where it is none."""
+    path = _of_the_spec(path)
+    fields = [m.model_fields[str(path[-1])] for m in _models_at(RobotSpec, path[:-1], data)
+              if path[-1] in m.model_fields]  # fmt: skip
+    found = [q for field in fields for q in _quantities((*field.metadata, field.annotation))]
+    if not found:
+        return ""
+    load = data.get("load") if isinstance(data, dict) else None
+    axis = AXES.get(str(load.get("kind")) if isinstance(load, dict) else "", "linear")
+    return found[0].rotary if axis == "rotary" and found[0].rotary else found[0].kind
+
+
+def _quantities(marks: Sequence[Any]) -> list[Quantity]:
+    """The quantities in a field's marks and type; a field of several values is none."""
+    found = [mark for mark in marks if isinstance(mark, Quantity)]
+    for mark in marks:
+        if get_origin(mark) not in (None, list, dict, tuple) or get_origin(mark) is Annotated:
+            found += _quantities(get_args(mark) if get_origin(mark) is not Annotated else mark.__metadata__)
+    return found
+
+
+def changed(data: Any, path: Path_, value: Any) -> Any:
+    """A spec's data with another value at a path; what is beside the path is shared and not copied."""
+    if not path:
+        return value
+    step, rest = path[0], path[1:]
+    if isinstance(step, int):
+        return [*data[:step], changed(data[step], rest, value), *data[step + 1 :]]
+    inside = data if isinstance(data, dict) else {}
+    return {**inside, step: changed(inside.get(step), rest, value)}

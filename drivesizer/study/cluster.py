@@ -1,0 +1,134 @@
+"""Variants on the workers of a Dask scheduler: the same tasks, elsewhere."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import contextmanager
+from importlib import import_module
+from importlib.util import find_spec
+from itertools import islice
+from typing import Any
+
+from drivesizer.errors import InputError, quoted
+from drivesizer.study.local import tasks
+from drivesizer.study.plan import Plan
+from drivesizer.study.variant import Part, rows_of
+
+__all__ = ["connected", "on_cluster"]
+
+_PATIENCE = 5.0  # s, for a scheduler to answer, and for a worker to be there
+_AHEAD = 4  # chunks for each thread of a worker that wait for it
+_GO_ON = "what is done is kept: the same command goes on"
+
+
+@contextmanager
+def connected(address: str) -> Iterator[Any]:
+    """A client of a scheduler that has workers.
+
+    Parameters
+    ----------
+    address
+        Of the scheduler, such as ``tcp://10.0.0.5:8786``.
+
+    Raises
+    ------
+    InputError
+        When there is no such scheduler, or it has no worker within some seconds.
+    """
+    client = _client(address)
+    try:
+        yield client
+    finally:
+        client.close(timeout=_PATIENCE)
+
+
+def _client(address: str) -> Any:
+    """A client of the scheduler that has a worker."""
+    if find_spec("distributed") is None:
+        raise InputError("--scheduler needs Dask; install drivesizer[cluster]")
+    for name in ("distributed", "tornado"):  # the one line that we print says what they would say in many
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    expected = "expected a Dask scheduler's address, e.g. tcp://10.0.0.5:8786"
+    try:
+        found = asyncio.run(asyncio.wait_for(_identity(address), _PATIENCE + 1.0))
+    except Exception as error:  # whatever answers there may answer anything
+        raise InputError(f"--scheduler: {quoted(address)} does not answer ({_brief(error)}); {expected}") from None
+    if found.get("type") != "Scheduler":
+        raise InputError(f"--scheduler: {quoted(address)} is a {found.get('type', 'server')}; {expected}")
+    client = import_module("distributed").Client(address, timeout=_PATIENCE, set_as_default=False)
+    try:
+        client.wait_for_workers(1, timeout=_PATIENCE)
+    except (OSError, TimeoutError):
+        client.close(timeout=_PATIENCE)
+        raise InputError(f"{address}: has no worker; `dask worker {address}` starts one") from None
+    return client
+
+
+async def _identity(address: str) -> dict[str, Any]:
+    """Who answers at an address."""
+    comm = await import_module("distributed.comm").connect(address, timeout=_PATIENCE)
+    try:
+        await comm.write({"op": "identity", "reply": True})
+        return dict(await comm.read())
+    finally:
+        comm.abort()
+
+
+def on_cluster(client: Any, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple[int, Part]]:
+    """Compute chunks on the workers of a scheduler; they come as they are done.
+
+    A worker that is lost is made up for by the others.
+
+    Parameters
+    ----------
+    client
+        Of :func:`connected`.
+    plan
+        The study.
+    chunks
+        Which of it.
+
+    Raises
+    ------
+    InputError
+        When the scheduler or one chunk's workers again and again are lost, or cannot compute a variant.
+    """
+    waiting = tasks(plan, chunks)
+
+    def given(count: int) -> dict[Any, int]:
+        return {
+            client.submit(rows_of, plan.job, variants, heads, pure=False, retries=3): chunk
+            for chunk, variants, heads in islice(waiting, count)
+        }
+
+    running = given(_AHEAD * max(sum(client.nthreads().values()), 1))
+    done = import_module("distributed").as_completed(list(running), loop=client.loop, with_results=True)
+    while running:
+        future, part = _next(done, client.scheduler.address)
+        more = given(1)
+        running |= more
+        for another in more:
+            done.add(another)
+        yield running.pop(future), part
+
+
+def _next(done: Any, address: str) -> tuple[Any, Part]:
+    """The next chunk that is done."""
+    lost: Any = CancelledError, OSError, import_module("distributed").KilledWorker  # a closed connection is an OSError
+    try:
+        future, part = next(done)
+    except (ImportError, AttributeError, TypeError) as error:
+        raise InputError(
+            f"{address}: its workers cannot compute this ({_brief(error)}); install the same drivesizer there"
+        ) from None
+    except lost as error:
+        raise InputError(f"{address}: scheduler or workers were lost ({_brief(error)}); {_GO_ON}") from None
+    return future, part
+
+
+def _brief(error: Exception) -> str:
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text if len(text) <= 120 else text[:119] + "…"

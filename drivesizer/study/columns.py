@@ -1,0 +1,143 @@
+"""The columns of a study's table: which variant, and what was found for it.
+
+A figure of a set becomes a column by one line in ``_FOUND``; by one more in ``maps.MAPS`` it is drawn as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isnan, nan
+from typing import Any, Literal, NamedTuple
+
+from drivesizer.report.sums import price_of, unknown_of
+from drivesizer.results import DriveSet, worst
+from drivesizer.study.best import Best
+from drivesizer.study.plan import Plan
+
+__all__ = ["Column", "Form", "Row", "columns_of", "failed", "found"]
+
+Form = Literal["whole", "number", "text"]
+Row = list[Any]  # a figure that is not known is None
+
+
+class Column(NamedTuple):
+    """A column: its head, what it holds, and its unit for programs that read units apart from heads."""
+
+    head: str
+    form: Form
+    unit: str = ""
+
+
+class _Of(NamedTuple):
+    """A column of what was found."""
+
+    column: Column
+    of: Callable[[DriveSet], Any]
+
+
+def _number(head: str, of: Callable[[DriveSet], Any], unit: str = "") -> _Of:
+    return _Of(Column(head, "number", unit), of)
+
+
+def _text(head: str, of: Callable[[DriveSet], Any]) -> _Of:
+    return _Of(Column(head, "text"), of)
+
+
+def _name(part: Any, name: str) -> str:
+    return str(getattr(part, name)) if part is not None else ""
+
+
+def _mass_lacks(one: DriveSet) -> str:
+    weighed = {"motor", "gearhead"} if not one.actuator else {"actuator"}
+    return " + ".join(sorted(weighed - set(one.mass_of)))
+
+
+def _price_lacks(one: DriveSet) -> str:
+    return " + ".join(unknown_of(one, price_of(one)[1]))
+
+
+def _figure(name: str) -> Callable[[DriveSet], float]:
+    return lambda one: next((figure.value for figure in one.figures if figure.name == name), nan)
+
+
+_SET: tuple[_Of, ...] = (
+    _text("set", lambda one: one.label),
+    _text("motor_family", lambda one: one.motor.family),
+    _text("motor_part", lambda one: one.motor.part),
+    _text("gearhead_family", lambda one: one.gearhead.family),
+    _text("gearhead_part", lambda one: one.gearhead.part),
+    _number("gearhead_ratio", lambda one: one.gearhead.ratio, "1"),
+    _number("belt_ratio", lambda one: one.belt_ratio, "1"),
+    _text("belt_part", lambda one: _name(one.belt_drive.belt if one.belt_drive else None, "part")),
+    _text("encoder_family", lambda one: _name(one.encoder, "family")),
+    _text("encoder_part", lambda one: _name(one.encoder, "part")),
+    _text("controller_family", lambda one: _name(one.controller, "family")),
+    _text("controller_part", lambda one: _name(one.controller, "part")),
+    _number("total_ratio", lambda one: one.total_ratio, "1"),
+    _number("mass_kg", lambda one: one.mass, "kg"),  # of motor and gearhead, as the objective counts it
+    _text("mass_lacks", _mass_lacks),
+    _number("price_EUR", lambda one: price_of(one)[0], "EUR"),  # of all parts whose price is known
+    _text("price_lacks", _price_lacks),
+    _number("objective_si", lambda one: one.objective),
+    _number("energy_J", _figure("energy"), "J"),
+)
+_MARGIN = Column("smallest_margin", "number", "1"), Column("smallest_margin_check", "text")
+_COUNTS = Column("sets_examined", "whole"), Column("sets_that_stand", "whole")
+_LAST = Column("nearest_miss", "text"), Column("error", "text")
+
+
+def columns_of(plan: Plan) -> tuple[Column, ...]:
+    """The columns of a study's table."""
+    spec = (Column("spec", "text"),) if len(plan.names) > 1 else ()
+    catalogs = (Column("catalogs", "text"),) if any(plan.catalogs) else ()
+    varied = tuple(Column(axis.head, _form(axis), axis.unit) for axis in plan.job.axes)
+    told = Column("objective", "text"), Column("rank", "whole"), Column("status", "text")
+    parts = tuple(one.column for one in _SET)
+    return (Column("variant", "whole"), *spec, *varied, *catalogs, *told, *parts, *_MARGIN, *_COUNTS, *_LAST)
+
+
+def _form(axis: Any) -> Form:
+    if axis.kind:
+        return "number"
+    return "whole" if all(isinstance(axis.told(value), int) for value in axis.values) else "text"
+
+
+def found(head: Row, best: Best) -> list[Row]:
+    """The rows of a variant: one for each set, or one that says by what the nearest fell.
+
+    Parameters
+    ----------
+    head
+        What tells the variant.
+    best
+        What was found for it.
+    """
+    counts = [best.counts.considered, best.counts.feasible]
+    if best.sets:
+        return [
+            [*head, best.objective, one.rank, one.status, *(_cell(c, of(one)) for c, of in _SET), *_tight(one),
+             *counts, "", ""]
+            for one in best.sets
+        ]  # fmt: skip
+    near = best.nearest
+    none = [_cell(column, nan if column.form == "number" else "") for column, _ in _SET]
+    tight = _tight(near) if near else [None, ""]
+    return [[*head, best.objective, None, "fail", *none, *tight, *counts, near.label if near else "", ""]]
+
+
+def failed(head: Row, objective: str, message: str) -> list[Row]:
+    """The row of a variant that is no machine, or cannot be sized."""
+    none = [_cell(column, nan if column.form == "number" else "") for column, _ in _SET]
+    return [[*head, objective, None, "error", *none, None, "", None, None, "", message]]
+
+
+def _tight(one: DriveSet) -> Row:
+    """The smallest margin and its check: of a set that fails, the one that is missed by most."""
+    check = worst(one.deciding)
+    return [_cell(_MARGIN[0], check.margin), check.name] if check else [None, ""]
+
+
+def _cell(column: Column, value: Any) -> Any:
+    if column.form != "number":
+        return value
+    return None if isnan(value) else float(value)

@@ -1,0 +1,146 @@
+"""A map as a figure: panels beside each other, one scale of colours, and the sets by number below."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drivesizer.report.style import Form, drawn, placed
+from drivesizer.report.wording import clean, short
+from drivesizer.study.map_panel import Dimension, Map, Panel, Scene, face_of, panel_into
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["draw"]
+
+_HEIGHT, _SINGLE = 1.75, 2.7  # in, of a panel among several, and alone
+_LINE = 0.145  # in, of a line of text
+_SETS = 14  # with a line of their own
+
+
+def draw(
+    shown: Map, panels: Sequence[Panel], across: Dimension, up: Dimension | None, grid: bool, form: Form = "svg"
+) -> bytes:
+    """Draw a map.
+
+    Parameters
+    ----------
+    shown
+        Which figure of the best sets, or the sets.
+    panels
+        The maps that stand beside each other.
+    across, up
+        What they are over; without the second the figure is drawn over the first.
+    grid
+        Whether the rows fill a grid; else they are points.
+    form
+        Of the drawing.
+    """
+    rows = [row for panel in panels for row in panel.rows]
+    numbers = _numbered(rows) if shown.name == "best_set" else {}
+    below = _below(shown, rows, numbers, grid and up is not None)
+    count = 2 if len(panels) == 4 else min(len(panels), 3)
+    lines = ceil(len(panels) / count)
+    height = 0.3 + (_SINGLE if len(panels) == 1 else lines * _HEIGHT) + 0.45 + _LINE * (len(below) + 0.5)
+
+    def put(figure: Figure) -> None:
+        scene = Scene(shown, across, up, grid, None if numbers else _coloured(shown, rows), numbers)
+        bottom = 0.45 + _LINE * (len(below) + 0.5)
+        places = placed(
+            figure, lines, count, left=0.75, right=0.95 if scene.colours and up else 0.2, top=0.3, bottom=bottom,
+            gaps=(0.28, 0.12),
+        )  # fmt: skip
+        flat = [axes for line in places for axes in line]
+        for axes, panel in zip(flat, panels, strict=False):
+            panel_into(axes, scene, panel)
+        for axes in flat[len(panels) :]:
+            axes.set_visible(False)
+        _labelled(figure, places, scene, len(panels))
+        _told_below(figure, below, numbers)
+
+    return drawn(put, height, form)
+
+
+def _numbered(rows: Sequence[dict[str, Any]]) -> dict[str, int]:
+    """The sets that are best most often, numbered from 1."""
+    often = Counter(row["set"] for row in rows if row["set"])
+    first = sorted(often, key=lambda name: (-often[name], name))[:_SETS]
+    return {name: number for number, name in enumerate(first, 1)}
+
+
+def _coloured(shown: Map, rows: Sequence[dict[str, Any]]) -> Any:
+    import matplotlib
+    from matplotlib.colors import Normalize, TwoSlopeNorm
+
+    known = [row[shown.column] * shown.scale for row in rows if row[shown.column] is not None]
+    known = [value for value in known if np.isfinite(value)] or [0.0]
+    low, high = min(known), max(known)
+    if low == high:
+        low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+    if shown.signed and low < 0.0 < high:
+        return matplotlib.colormaps["PuOr"], TwoSlopeNorm(0.0, low, high)
+    return matplotlib.colormaps["cividis"], Normalize(low, high)
+
+
+def _labelled(figure: Figure, places: list[list[Axes]], scene: Scene, count: int) -> None:
+    """Names of the axes at the edges, the title, the scale of colours."""
+    columns = len(places[0])
+    for n in range(count):
+        axes = places[n // columns][n % columns]
+        if n + columns >= count:
+            axes.set_xlabel(short(clean(scene.across.head), 40))
+            axes.tick_params(labelbottom=True)
+        if n % columns == 0:
+            own = scene.shown.title if scene.up is None and not scene.numbers else "Set" if scene.up is None else ""
+            axes.set_ylabel(short(clean(scene.up.head if scene.up else own), 40))
+    width, height = figure.get_size_inches()
+    figure.text(0.05 / width, 1.0 - 0.04 / height, scene.shown.title, va="top", fontsize=8, fontweight="bold")
+    if scene.colours and scene.up is not None:
+        from matplotlib.cm import ScalarMappable
+
+        first, last = places[-1][0].get_position(), places[0][0].get_position()
+        box = figure.add_axes((1.0 - 0.8 / width, first.y0, 0.13 / width, last.y1 - first.y0))
+        bar: Any = figure.colorbar(ScalarMappable(scene.colours[1], scene.colours[0]), cax=box)
+        bar.outline.set_linewidth(0.5)
+        box.grid(visible=False)
+
+
+def _below(shown: Map, rows: Sequence[dict[str, Any]], numbers: dict[str, int], cells: bool) -> list[str]:
+    """The lines below: the sets by number, and what the signs mean."""
+    lines = [f"{number}  {short(clean(name), 96)}" for name, number in numbers.items()]
+    others = {row["set"] for row in rows if row["set"]} - set(numbers) if numbers else set()
+    if others:
+        lines.append(f"…  {len(others)} other sets")
+    statuses = {row["status"] for row in rows}
+    signs = []
+    if "fail" in statuses:
+        signs.append("hatched: no set stands" if cells else "×: no set stands, or no machine")
+    if "error" in statuses and cells:
+        signs.append("×: not a machine")
+    if numbers and "unknown" in statuses:
+        signs.append("?: a check is unknown")
+    if shown.lacks and any(row[shown.lacks] for row in rows):
+        signs.append("≥: not known of all parts, so at least" if cells else "some are not known of all parts: at least")
+    return lines + ([";  ".join(signs)] if signs else [])
+
+
+def _told_below(figure: Figure, lines: Sequence[str], numbers: dict[str, int]) -> None:
+    width, height = figure.get_size_inches()
+    for n, line in enumerate(reversed(lines)):
+        at = (0.06 + _LINE * n) / height
+        figure.text(0.75 / width, at, line, va="bottom", fontsize=6.5)
+        known = [number for number in numbers.values() if line.startswith(f"{number} ")]
+        if known:
+            from matplotlib.patches import Rectangle
+
+            face = face_of(known[0])
+            figure.add_artist(
+                Rectangle((0.55 / width, at), 0.13 / width, 0.09 / height, facecolor=face, edgecolor="#777777",
+                          linewidth=0.3, transform=figure.transFigure)
+            )  # fmt: skip

@@ -1,0 +1,98 @@
+"""What a study's results follow from, each by name with a digest: two runs are one study when all of it is the same."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from drivesizer import __version__
+from drivesizer.catalog import load
+from drivesizer.choices import Select
+from drivesizer.errors import InputError
+from drivesizer.study.columns import columns_of
+from drivesizer.study.plan import Plan
+from drivesizer.study.store import digest
+from drivesizer.study.variant import rows_of
+from drivesizer.textfile import read_bytes
+from drivesizer.yaml_source import YamlSource
+
+__all__ = ["made_of", "refuse_if_all_wrong"]
+
+_LOOKED_AT = 200  # variants, to find one that is a machine
+
+
+def made_of(plan: Plan) -> dict[str, str]:
+    """Digests of the study, its specs, the files that these name, and the catalogues; the program's version.
+
+    Comments and blanks in a YAML file do not count.
+
+    Raises
+    ------
+    CatalogError
+        When a catalogue cannot be used.
+    InputError
+        When a catalogue or file cannot be read.
+    """
+    shares = b"" if plan.shares is None else plan.shares.tobytes()
+    found = {"drivesizer": __version__, Path(plan.source.name).name: digest(_canonical(plan.source.data), shares)}
+    for name, (path, text) in zip(plan.names, plan.job.specs, strict=True):
+        data = YamlSource(text, path).data
+        found[name] = digest(_canonical(data))
+        folder = Path(path).parent
+        found |= {given: digest(read_bytes(folder / given)) for given in sorted(_files(data, folder))}
+        for names in plan.job.catalogs:
+            digests = load(names or _named(data), beside=folder).digests
+            found |= {f"catalogue {catalog}": value for catalog, value in digests.items()}
+    varied = {given for axis in plan.job.axes for given in _files(list(axis.values), Path(plan.job.specs[0][0]).parent)}
+    return found | {given: digest(read_bytes(Path(plan.job.specs[0][0]).parent / given)) for given in sorted(varied)}
+
+
+def _canonical(data: Any) -> bytes:
+    return json.dumps(data, ensure_ascii=False, separators=(",", ":")).encode()
+
+
+def _named(data: Any) -> list[str]:
+    """The catalogues that a spec names, as far as it says so rightly."""
+    select = data.get("select")
+    given = select.get("catalogs") if isinstance(select, dict) else None
+    names = [given] if isinstance(given, str) else given
+    return [str(name) for name in names] if isinstance(names, list) and names else list(Select().catalogs)
+
+
+def _files(data: Any, folder: Path) -> Iterator[str]:
+    """Texts in a spec that name a file beside it, such as a recording."""
+    if isinstance(data, dict | list):
+        for value in data.values() if isinstance(data, dict) else data:
+            yield from _files(value, folder)
+    elif isinstance(data, str) and data.lower().endswith((".csv", ".txt", ".json")) and (folder / data).is_file():
+        yield data
+
+
+def refuse_if_all_wrong(plan: Plan) -> str:
+    """Size variants until one is a machine.
+
+    Returns
+    -------
+    str
+        What to tell where none was found among many; empty when all is well.
+
+    Raises
+    ------
+    InputError
+        When every variant is wrong.
+    """
+    heads = [column.head for column in columns_of(plan)]
+    status, error = heads.index("status"), heads.index("error")
+    few = range(1, plan.total + 1, -(-plan.total // _LOOKED_AT))
+    first = ""
+    for number in few:
+        variant = plan.variant(number)
+        (row, *_) = rows_of(plan.job, [variant], [plan.head(variant)]).rows
+        if row[status] != "error":
+            return ""
+        first = first or row[error]
+    if len(few) == plan.total:
+        raise InputError(f"{plan.source.name}: all of its variants are wrong ({plan.total}); the first: {first}")
+    return f"each of {len(few)} variants looked at is wrong, the first: {first}"

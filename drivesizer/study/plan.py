@@ -1,0 +1,219 @@
+"""A study as a plan: how many variants there are, and which one a number stands for.
+
+The last of sampled fields, catalogues and objectives changes fastest. No list of variants is ever made: a grid's
+variant follows from its number, a Latin hypercube's from its row of shares.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.errors import InputError
+from drivesizer.ranking import objective_of, title_of
+from drivesizer.study.axes import Axis, Place, axes_of, once
+from drivesizer.study.schema import Hypercube, StudyFile, schema_of
+from drivesizer.yaml_source import YamlSource, read
+
+__all__ = ["MOST", "Job", "Plan", "Variant", "read_study"]
+
+MOST = 10_000_000  # variants of a study
+_CHUNKS = 128  # at least, where there are as many variants
+_LARGEST = 100  # variants of a chunk: what a kill costs at most, for each process
+
+
+class Variant(NamedTuple):
+    """One sizing of a study."""
+
+    number: int  # from 1
+    spec: int  # which of the specs
+    values: tuple[Any, ...]  # of each axis, as they go into the spec
+    catalogs: int  # which entry of the study's catalogues
+    objective: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Job:
+    """What every process that computes variants must know: plain data, a few kilobytes."""
+
+    specs: tuple[tuple[str, str], ...]  # path and text of each
+    axes: tuple[Axis, ...]
+    catalogs: tuple[tuple[str, ...] | None, ...]  # None: the spec's own
+    objectives: tuple[str | None, ...]
+    top: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """A study, read and checked."""
+
+    source: YamlSource
+    names: tuple[str, ...]  # of the specs, as the study has them
+    job: Job
+    catalogs: tuple[str, ...]  # as they are told in a table; empty: the spec's own
+    shares: NDArray[np.float64] | None  # (points, axes) of a Latin hypercube, 0 up to 1; None: a grid
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """The objectives as they are told in a table; empty: the spec's own."""
+        return tuple(title_of(objective_of(one)) if one else "" for one in self.job.objectives)
+
+    @property
+    def points(self) -> int:
+        """How many combinations of the varied fields, or specs."""
+        if self.shares is not None:
+            return len(self.shares)
+        return len(self.job.specs) * math.prod(len(axis.values) for axis in self.job.axes)
+
+    @property
+    def total(self) -> int:
+        """How many variants there are."""
+        return self.points * len(self.job.catalogs) * len(self.job.objectives)
+
+    @property
+    def chunk(self) -> int:
+        """How many variants are computed and kept together; the same whoever computes them."""
+        return min(max(self.total // _CHUNKS, 1), _LARGEST)
+
+    @property
+    def chunks(self) -> int:
+        """How many chunks there are."""
+        return -(-self.total // self.chunk)
+
+    def head(self, variant: Variant) -> list[Any]:
+        """What tells a variant in the table: its number, spec, values and catalogues."""
+        spec = [self.names[variant.spec]] if len(self.names) > 1 else []
+        told = [axis.told(value) for axis, value in zip(self.job.axes, variant.values, strict=True)]
+        catalogs = [self.catalogs[variant.catalogs]] if any(self.catalogs) else []
+        return [variant.number, *spec, *told, *catalogs]
+
+    def size(self, chunk: int) -> int:
+        """How many variants a chunk has."""
+        return min(self.chunk, self.total - chunk * self.chunk)
+
+    def variants(self, chunk: int) -> list[Variant]:
+        """The variants of a chunk; chunks count from 0."""
+        first = chunk * self.chunk
+        return [self.variant(n) for n in range(first + 1, min(first + self.chunk, self.total) + 1)]
+
+    def variant(self, number: int) -> Variant:
+        """What a number stands for; numbers count from 1."""
+        sizes = self.points, len(self.job.catalogs), len(self.job.objectives)
+        point, catalogs, objective = _digits(number - 1, sizes)
+        if self.shares is not None:
+            values = tuple(a.sample(share) for a, share in zip(self.job.axes, self.shares[point].tolist(), strict=True))
+            return Variant(number, 0, values, catalogs, objective)
+        spec, *places = _digits(point, [len(self.job.specs), *(len(axis.values) for axis in self.job.axes)])
+        values = tuple(axis.values[place] for axis, place in zip(self.job.axes, places, strict=True))
+        return Variant(number, spec, values, catalogs, objective)
+
+
+def _digits(number: int, sizes: Sequence[int]) -> list[int]:
+    """A number as places in lists of some sizes, the last of which changes fastest.
+
+    >>> _digits(5, (2, 3))
+    [1, 2]
+    """
+    found = []
+    for size in reversed(sizes):
+        number, place = divmod(number, size)
+        found.append(place)
+    return found[::-1]
+
+
+def read_study(path: str | Path) -> Plan:
+    """A study.yaml and the specs that it names, which count from its folder.
+
+    Parameters
+    ----------
+    path
+        The study.
+
+    Returns
+    -------
+    Plan
+        What it asks for. Whether a variant is a machine at all is seen when it is sized.
+
+    Raises
+    ------
+    InputError
+        When a file cannot be read, or something in it is wrong: one line that says where and what.
+    """
+    source = read(Path(path))
+    study = schema_of(source)
+    names = tuple(study.specs or [study.spec or ""])
+    if study.specs:
+        once(Place(source, ("specs",)), names)
+    specs = [_spec(source, Path(path).parent / name) for name in names]
+    hypercube = study.sampling if isinstance(study.sampling, Hypercube) else None
+    axes = axes_of(source, specs[0], study.vary or {}, hypercube is None)
+    catalogs = _catalogs(source, study, Path(path).parent)
+    _objectives(source, study)
+    plan = Plan(
+        source=source,
+        names=names,
+        job=Job(
+            specs=tuple((spec.name, spec.text) for spec in specs),
+            axes=axes,
+            catalogs=catalogs,
+            objectives=tuple(study.objectives or (None,)),
+            top=study.top,
+        ),
+        catalogs=tuple(" + ".join(names) for names in study.catalogs or [[]]),
+        shares=None,
+    )
+    return _sampled(plan, hypercube) if hypercube else _few_enough(plan, plan.total)
+
+
+def _spec(source: YamlSource, path: Path) -> YamlSource:
+    found = read(path)
+    if not isinstance(found.data, dict):
+        raise InputError(f"{found.name}: expected fields such as name, load, motion; see `drivesizer init`")
+    return found
+
+
+def _catalogs(source: YamlSource, study: StudyFile, folder: Path) -> tuple[tuple[str, ...] | None, ...]:
+    """Catalogues by name or path; files count from the study's folder."""
+    if study.catalogs is None:
+        return (None,)
+    once(Place(source, ("catalogs",)), study.catalogs)
+    return tuple(
+        tuple(str((folder / name).absolute()) if name.endswith((".yaml", ".yml")) else name for name in names)
+        for names in study.catalogs
+    )
+
+
+def _objectives(source: YamlSource, study: StudyFile) -> None:
+    titles = []
+    for n, objective in enumerate(study.objectives or ()):
+        try:
+            titles.append(title_of(objective_of(objective)))
+        except InputError as error:
+            raise Place(source, ("objectives", n)).wrong(error) from None
+    once(Place(source, ("objectives",)), titles)
+
+
+def _few_enough(plan: Plan, total: int) -> Plan:
+    if total > MOST:
+        where = plan.source.where(("vary",)) if plan.job.axes else plan.source.name
+        raise InputError(
+            f"{where}: makes {total} variants; expected at most {MOST}, by fewer steps or as several studies"
+        )
+    return plan
+
+
+def _sampled(plan: Plan, hypercube: Hypercube) -> Plan:
+    """The plan with its samples: the range of each field in as many equal parts as samples, one sample in each."""
+    count = hypercube.latin_hypercube
+    _few_enough(plan, count * len(plan.job.catalogs) * len(plan.job.objectives))
+    shares = np.empty((count, len(plan.job.axes)))
+    for n in range(shares.shape[1]):  # each field by chance of its own: another field beside it changes nothing
+        chance = np.random.default_rng([hypercube.seed, n])
+        shares[:, n] = (chance.permutation(count) + chance.random(count)) / count
+    return Plan(source=plan.source, names=plan.names, job=plan.job, catalogs=plan.catalogs, shares=shares)

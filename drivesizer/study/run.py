@@ -1,0 +1,179 @@
+"""A study from its plan to its files."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from drivesizer.errors import InputError
+from drivesizer.report.figure_files import figures_into
+from drivesizer.study.columns import Column, Row, columns_of
+from drivesizer.study.local import cores, on_processes
+from drivesizer.study.lock import locked
+from drivesizer.study.maps import MOST_POINTS, Chosen, chosen, drawings, points
+from drivesizer.study.origin import made_of, refuse_if_all_wrong
+from drivesizer.study.plan import Plan
+from drivesizer.study.store import Store, opened
+from drivesizer.study.table import has_parquet, write_csv, write_parquet
+from drivesizer.study.variant import Part
+
+__all__ = ["Outcome", "carry_out"]
+
+Progress = Callable[[int, int], None]  # variants that are done, variants in all
+Compute = Callable[[Plan, Sequence[int]], Iterator[tuple[int, Part]]]
+_OWN = {"lock", "chunks", "maps", "results.csv", "results.parquet", "study.json"}
+
+
+@dataclass
+class Outcome:
+    """What became of a study."""
+
+    written: list[Path] = field(default_factory=list)
+    variants: Counter[str] = field(default_factory=Counter)  # by the status of the best set
+    examined: int = 0  # sets
+    notes: list[str] = field(default_factory=list)
+
+
+def carry_out(
+    plan: Plan,
+    folder: Path,
+    *,
+    processes: int = 0,
+    scheduler: str | None = None,
+    fresh: bool = False,
+    maps: Sequence[str] | None = (),
+    progress: Progress | None = None,
+) -> Outcome:
+    """Size every variant that is not sized yet, and write tables and maps.
+
+    Parameters
+    ----------
+    plan
+        The study.
+    folder
+        Where to; it is made where it does not exist, its parent must.
+    processes
+        How many of this machine; 0: one for each core.
+    scheduler
+        Address of a Dask scheduler whose workers compute in their place.
+    fresh
+        Throw away what is there.
+    maps
+        The two fields that the maps are over; none named: the first two that vary. None: no maps.
+    progress
+        Called as variants are done.
+
+    Returns
+    -------
+    Outcome
+        The files, and how many variants ended how.
+
+    Raises
+    ------
+    InputError
+        When something in the study is wrong, the folder holds another's results or is in use, or what computes is
+        lost. What was computed until then is kept.
+    """
+    origin, outcome = made_of(plan), Outcome()
+    over = None if maps is None else chosen(plan, maps)
+    _usable(folder)
+    if fresh or not (folder / "study.json").exists():
+        said = refuse_if_all_wrong(plan)
+        outcome.notes += [said] if said else []
+    with _workers(processes or cores(), scheduler) as compute:
+        _made(folder)
+        with locked(folder):
+            store = opened(folder, plan, origin, fresh=fresh)
+            _compute(plan, store, compute, progress)
+            _tables(plan, store, outcome)
+            if over is not None:
+                _maps(plan, store, over, outcome)
+    return outcome
+
+
+def _usable(folder: Path) -> None:
+    """Refuse a folder that cannot be made, is none, or is somebody else's."""
+    try:
+        there = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"{folder}: is a file; expected a folder for the results, -o names another")
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be read ({(error.strerror or str(error)).lower()})") from None
+    if not folder.parent.is_dir():
+        raise InputError(f"{folder}: cannot be made, there is no folder {folder.parent}")
+    foreign = sorted(there - _OWN)
+    if foreign and "study.json" not in there:
+        raise InputError(
+            f"{folder}: holds other files, such as {foreign[0]}; expected a new or empty folder, -o names one"
+        )
+
+
+def _made(folder: Path) -> None:
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({(error.strerror or str(error)).lower()})") from None
+
+
+@contextmanager
+def _workers(processes: int, scheduler: str | None) -> Iterator[Compute]:
+    """What computes chunks; a scheduler is reached before anything is written."""
+    if scheduler is None:
+        yield lambda plan, chunks: on_processes(plan, chunks, processes)
+        return
+    from drivesizer.study.cluster import connected, on_cluster
+
+    with connected(scheduler) as client:
+        yield lambda plan, chunks: on_cluster(client, plan, chunks)
+
+
+def _compute(plan: Plan, store: Store, compute: Compute, progress: Progress | None) -> None:
+    """Compute the chunks that are missing, and keep each as it comes."""
+    missing = store.missing()
+    done = plan.total - sum(plan.size(chunk) for chunk in missing)
+    if not missing:
+        return
+    if progress:
+        progress(done, plan.total)
+    for chunk, part in compute(plan, missing):
+        store.keep(chunk, part)
+        done += plan.size(chunk)
+        if progress:
+            progress(done, plan.total)
+
+
+def _tables(plan: Plan, store: Store, outcome: Outcome) -> None:
+    columns, (as_csv, as_parquet) = columns_of(plan), store.results
+    write_csv(as_csv, columns, _counted(columns, store, outcome))
+    outcome.written.append(as_csv)
+    if has_parquet():
+        write_parquet(as_parquet, columns, store.every_row())
+        outcome.written.append(as_parquet)
+    else:
+        as_parquet.unlink(missing_ok=True)
+        outcome.notes.append("no results.parquet, which needs pyarrow: install drivesizer[study]")
+
+
+def _counted(columns: Sequence[Column], store: Store, outcome: Outcome) -> Iterator[list[Row]]:
+    """All rows, counted as they pass."""
+    heads = [column.head for column in columns]
+    status, rank, examined = (heads.index(name) for name in ("status", "rank", "sets_examined"))
+    for rows in store.every_row():
+        for row in rows:
+            if row[rank] in (None, 1):
+                outcome.variants[row[status]] += 1
+                outcome.examined += row[examined] or 0
+        yield rows
+
+
+def _maps(plan: Plan, store: Store, chosen: Chosen, outcome: Outcome) -> None:
+    if plan.total > MOST_POINTS:
+        outcome.notes.append(f"no maps: more than {MOST_POINTS} variants; the tables have all")
+        return
+    found, left_out = drawings(chosen, points(plan, chosen, store.every_row()))
+    if found:
+        outcome.written += figures_into(found, store.maps)
+    outcome.notes += left_out

@@ -1,0 +1,178 @@
+"""What is known of a study so far: a manifest, and a file for each chunk of variants that is done.
+
+A chunk takes its place in one step and carries the digest of its rows, so after a kill or a failure of power it is
+there as a whole or is computed again. The manifest says what the rows were made of; rows of another study are never
+mixed with these.
+
+    FOLDER/study.json                what the results are made of
+    FOLDER/chunks/000/000012.jsonl   a head with the digest, then a row in each line
+    FOLDER/lock                      held while a process is at work
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from drivesizer.errors import InputError
+from drivesizer.report.files import put
+from drivesizer.study.columns import Row
+from drivesizer.study.plan import Plan
+from drivesizer.study.variant import Part
+
+__all__ = ["FORMAT", "Store", "digest", "opened"]
+
+FORMAT = 1  # of the folder
+_MANIFEST = "study.json"
+_CHUNKS = "chunks"
+_RESULTS = ("results.csv", "results.parquet")
+_MAPS = "maps"
+_BEGIN = "--fresh begins anew, -o FOLDER keeps both"
+
+
+@dataclass(frozen=True, slots=True)
+class Store:
+    """A study's folder."""
+
+    folder: Path
+    made_of: Mapping[str, str]
+    chunks: int
+
+    @property
+    def results(self) -> tuple[Path, Path]:
+        """Where the tables go: CSV and Parquet."""
+        return self.folder / _RESULTS[0], self.folder / _RESULTS[1]
+
+    @property
+    def maps(self) -> Path:
+        """Where the maps go."""
+        return self.folder / _MAPS
+
+    def path(self, chunk: int) -> Path:
+        """The file of a chunk."""
+        return self.folder / _CHUNKS / f"{chunk // 1000:03}" / f"{chunk:06}.jsonl"
+
+    def keep(self, chunk: int, part: Part) -> None:
+        """Keep the rows of a chunk.
+
+        Raises
+        ------
+        InputError
+            When they were made of something else than the rest, or cannot be written.
+        """
+        for name, found in part.made_of.items():
+            if self.made_of.get(name, found) != found:
+                raise InputError(
+                    f"{name}: a process that computes variants has another one ({found[:12]}) than this one "
+                    f"({self.made_of[name][:12]}); expected the same everywhere"
+                )
+        lines = "".join(f"{json.dumps(row, ensure_ascii=False)}\n" for row in part.rows).encode()
+        head = json.dumps({"chunk": chunk, "digest": digest(lines)}).encode()
+        path = self.path(chunk)
+        path.parent.mkdir(exist_ok=True)
+        put({path: head + b"\n" + lines})
+
+    def _lines(self, chunk: int) -> bytes | None:
+        """The rows of a chunk as they were written, None where they are not there or not as they were."""
+        try:
+            head, _, lines = self.path(chunk).read_bytes().partition(b"\n")
+            return lines if json.loads(head) == {"chunk": chunk, "digest": digest(lines)} else None
+        except (OSError, ValueError):
+            return None
+
+    def missing(self) -> list[int]:
+        """The chunks that are still to be computed."""
+        return [chunk for chunk in range(self.chunks) if self._lines(chunk) is None]
+
+    def every_row(self) -> Iterator[list[Row]]:
+        """The rows of all chunks in the order of their variants, a chunk at a time."""
+        for chunk in range(self.chunks):
+            lines = self._lines(chunk)
+            if lines is None:
+                raise InputError(f"{self.path(chunk)}: has been damaged meanwhile; the same command computes it again")
+            yield [json.loads(line) for line in lines.decode().split("\n")[:-1]]
+
+
+def digest(*parts: bytes) -> str:
+    """Digest of some bytes as text."""
+    mixed = hashlib.blake2b(digest_size=16)
+    for part in parts:
+        mixed.update(len(part).to_bytes(8, "big") + part)
+    return mixed.hexdigest()
+
+
+def opened(folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool = False) -> Store:
+    """A study's folder, made ready; the caller holds its lock.
+
+    Parameters
+    ----------
+    folder
+        Where to.
+    plan
+        The study.
+    made_of
+        What the results follow from: files, catalogues and program, by name and digest or version.
+    fresh
+        Throw away what is there of this or another study.
+
+    Raises
+    ------
+    InputError
+        When it holds another study's results, or cannot be written.
+    """
+    store = Store(folder, made_of, plan.chunks)
+    manifest = {"format": FORMAT, "variants": plan.total, "chunk": plan.chunk, "made_of": dict(made_of)}
+    before = _manifest(folder / _MANIFEST)
+    if fresh:
+        _cleared(store)
+    elif before is not None and before != manifest:
+        raise InputError(f"{folder}: holds results of another study ({_difference(before, manifest)}); {_BEGIN}")
+    try:
+        (folder / _CHUNKS).mkdir(exist_ok=True)
+        for left in (folder / _CHUNKS).glob("*/.drivesizer-*.part"):
+            left.unlink()  # of a process that was killed while it wrote
+        for half in folder.glob("results.*.part"):
+            half.unlink()
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written ({(error.strerror or str(error)).lower()})") from None
+    if fresh or before is None:
+        put({folder / _MANIFEST: (json.dumps(manifest, indent=2) + "\n").encode()})
+    return store
+
+
+def _manifest(path: Path) -> dict[str, Any] | None:
+    try:
+        found = json.loads(path.read_bytes())
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError):
+        found = None
+    return found if isinstance(found, dict) else {}
+
+
+def _difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+    """What is not as it was when the results were computed."""
+    made = before.get("made_of")
+    if before.get("format") != now["format"] or not isinstance(made, dict):
+        return f"its {_MANIFEST} is none of this version"
+    names = [name for name in {**made, **now["made_of"]} if made.get(name) != now["made_of"].get(name)]
+    return f"{_listed(names)} changed since" if names else "of another size"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+
+
+def _cleared(store: Store) -> None:
+    """Take away what a study writes, and nothing else."""
+    own = [*store.results, store.folder / _MANIFEST]
+    own += [*(store.folder / _CHUNKS).glob("*/*.jsonl"), *store.maps.glob("*.svg"), *store.maps.glob("*.png")]
+    for path in own:
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be removed ({(error.strerror or str(error)).lower()})") from None

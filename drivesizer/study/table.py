@@ -1,0 +1,104 @@
+"""A study's table as CSV and as Parquet, written a chunk at a time and whole or not at all.
+
+CSV has units in its heads, as every table of this program. Parquet has the same heads, and each column's unit in its
+metadata; it needs pyarrow.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from drivesizer.errors import InputError
+from drivesizer.report.cells import csv_cell
+from drivesizer.report.files import ready
+from drivesizer.study.columns import Column, Row
+
+__all__ = ["has_parquet", "write_csv", "write_parquet"]
+
+_GROUP = 50_000  # rows of a Parquet file that are written together, at least
+
+
+def write_csv(path: Path, columns: Sequence[Column], chunks: Iterable[list[Row]]) -> None:
+    """Write a table as CSV.
+
+    Parameters
+    ----------
+    path
+        Where to.
+    columns
+        Its columns.
+    chunks
+        Its rows, some at a time.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    with _whole(path) as stream:
+        text = io.TextIOWrapper(stream, "utf-8", newline="", write_through=True)
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow([csv_cell(column.head) for column in columns])
+        for rows in chunks:
+            writer.writerows([["" if cell is None else csv_cell(cell) for cell in row] for row in rows])
+        text.detach()
+
+
+def has_parquet() -> bool:
+    """Whether pyarrow is there."""
+    return find_spec("pyarrow") is not None
+
+
+def write_parquet(path: Path, columns: Sequence[Column], chunks: Iterable[list[Row]]) -> None:
+    """Write a table as Parquet; see :func:`write_csv`."""
+    pyarrow: Any = import_module("pyarrow")
+    parquet: Any = import_module("pyarrow.parquet")
+    types = {"whole": pyarrow.int64(), "number": pyarrow.float64(), "text": pyarrow.string()}
+    schema = pyarrow.schema([
+        pyarrow.field(column.head, types[column.form], metadata={"unit": column.unit} if column.unit else None)
+        for column in columns
+    ])  # fmt: skip
+    with _whole(path) as stream, parquet.ParquetWriter(stream, schema, compression="zstd") as writer:
+        for rows in _grouped(chunks):
+            arrays = [
+                pyarrow.array(column, field.type) for column, field in zip(_turned(rows, columns), schema, strict=True)
+            ]
+            writer.write_table(pyarrow.table(arrays, schema=schema))
+
+
+def _grouped(chunks: Iterable[list[Row]]) -> Iterator[list[Row]]:
+    """Rows of several chunks together, so that a file has few groups."""
+    group: list[Row] = []
+    for rows in chunks:
+        group += rows
+        if len(group) >= _GROUP:
+            yield group
+            group = []
+    if group:
+        yield group
+
+
+def _turned(rows: Sequence[Row], columns: Sequence[Column]) -> list[list[Any]]:
+    return [[row[n] for row in rows] for n in range(len(columns))]
+
+
+@contextmanager
+def _whole(path: Path) -> Iterator[BinaryIO]:
+    """A file that takes its place when all of it is written; there may be more of it than memory holds."""
+    ready(path)
+    half = path.with_name(f"{path.name}.part")
+    try:
+        with half.open("wb") as stream:
+            yield stream
+        half.replace(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({(error.strerror or str(error)).lower()})") from None
+    finally:
+        half.unlink(missing_ok=True)

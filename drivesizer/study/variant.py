@@ -1,0 +1,102 @@
+"""Variants to rows: what each process of a study does. The same number gives the same rows, wherever and whenever."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from copy import copy
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+from drivesizer import __version__
+from drivesizer.catalog import Catalog, load
+from drivesizer.catalog.inside import taken_apart
+from drivesizer.catalog.shafts import on_any_shaft
+from drivesizer.errors import DrivesizerError
+from drivesizer.ranking import objective_of, title_of
+from drivesizer.spec import RobotSpec, read_spec
+from drivesizer.study.axes import changed
+from drivesizer.study.best import best
+from drivesizer.study.columns import Row, failed, found
+from drivesizer.study.plan import Job, Variant
+from drivesizer.yaml_source import YamlSource
+
+__all__ = ["Part", "parts_for", "rows_of", "spec_of"]
+
+
+class Part(NamedTuple):
+    """The rows of some variants, and what they were made of in the process that made them."""
+
+    rows: list[Row]
+    made_of: dict[str, str]  # program and catalogues, by version and digest
+
+
+@lru_cache(maxsize=8)
+def _source(name: str, text: str) -> YamlSource:
+    return YamlSource(text, name)
+
+
+@lru_cache(maxsize=8)
+def _catalog(names: tuple[str, ...], beside: str) -> Catalog:
+    """Catalogues as the search wants them: loaded once in a process."""
+    return on_any_shaft(taken_apart(load(names, beside=Path(beside))))
+
+
+def spec_of(job: Job, variant: Variant) -> RobotSpec:
+    """The spec of a variant: the file's text with other values in some fields.
+
+    Raises
+    ------
+    InputError
+        When the variant is no machine; the line is that of the field in the spec's file.
+    """
+    source = copy(_source(*job.specs[variant.spec]))
+    for axis, value in zip(job.axes, variant.values, strict=True):
+        source.data = changed(source.data, axis.path, value)
+    names = job.catalogs[variant.catalogs]
+    if names:
+        source.data = changed(source.data, ("select", "catalogs"), list(names))
+    return read_spec(source)
+
+
+def parts_for(spec: RobotSpec) -> Catalog:
+    """The catalogues that a spec names."""
+    return _catalog(tuple(spec.select.catalogs), str(Path(spec.file).parent))
+
+
+def rows_of(job: Job, variants: Sequence[Variant], heads: Sequence[Row]) -> Part:
+    """The rows of some variants.
+
+    Parameters
+    ----------
+    job
+        The study.
+    variants
+        Which of its variants.
+    heads
+        What tells each in the table.
+    """
+    made: dict[str, str] = {"drivesizer": __version__}
+    rows: list[Row] = []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a variant at the edge of numbers tells so by a figure that is unknown
+        for variant, head in zip(variants, heads, strict=True):
+            rows += _rows(job, variant, head, made)
+    return Part(rows, made)
+
+
+def _rows(job: Job, variant: Variant, head: Row, made: dict[str, str]) -> list[Row]:
+    text = job.objectives[variant.objective]
+    objective = objective_of(text) if text else None
+    title = title_of(objective) if objective else ""
+    try:
+        spec = spec_of(job, variant)
+        catalog = parts_for(spec)
+        made |= {f"catalogue {name}": digest for name, digest in catalog.digests.items()}
+        return found(head, best(spec, catalog, objective=objective, top=job.top))
+    except DrivesizerError as error:
+        return failed(head, title, " ".join(str(error).split()))
+    except (ArithmeticError, AssertionError, LookupError, TypeError, ValueError) as error:
+        # A fault of the program, not of the variant: told as such, and the hundreds after it are not lost for it.
+        return failed(head, title, f"a fault of drivesizer, please report it: {type(error).__name__}: {error}"[:400])

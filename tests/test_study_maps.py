@@ -1,0 +1,155 @@
+"""Maps of studies: what is on them, in what place, and what they say of what is not known."""
+
+import re
+
+import pytest
+from lxml import etree
+from studies import CHEAP, laid
+
+from drivesizer.errors import InputError
+from drivesizer.study.columns import columns_of
+from drivesizer.study.map_panel import _edges, _face, _text
+from drivesizer.study.maps import MAPS, chosen, drawings, points
+from drivesizer.study.plan import read_study
+from drivesizer.study.variant import rows_of
+
+GRID = """\
+spec: robot.yaml
+vary:
+  load.mass: [30 kg, 60 kg, 90 kg, -5 kg]
+  motion.speed: [1.2 m/s, 1.9 m/s]
+"""
+
+
+def mapped(folder, study, names=(), spec=CHEAP):
+    plan = read_study(laid(folder, study, spec))
+    variants = [plan.variant(n) for n in range(1, plan.total + 1)]
+    rows = rows_of(plan.job, variants, [plan.head(variant) for variant in variants]).rows
+    over = chosen(plan, names)
+    return over, points(plan, over, [rows]), plan
+
+
+def texts(svg):
+    """The texts of a drawing for a typesetter, where letters are letters."""
+    return [" ".join(t.itertext()).strip() for t in etree.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")]
+
+
+def test_a_map_of_sets_numbers_them_and_tells_what_they_are(tmp_path):
+    over, found, _ = mapped(tmp_path, GRID)
+    made, said = drawings(over, found)
+    assert said == [] and list(made) == ["best_set", "mass", "price", "smallest_margin"]
+    seen = texts(made["best_set"]("typeset"))
+    sets = {row["set"] for row in found[()] if row["set"]}
+    assert len(sets) >= 2
+    for number, name in enumerate(sorted(sets, key=lambda s: (-sum(r["set"] == s for r in found[()]), s)), 1):
+        assert f"{number}  {name}" in seen
+        assert seen.count(str(number)) == sum(row["set"] == name for row in found[()])
+    assert seen.count("×") == 2  # of -5 kg at both speeds
+    assert "load.mass (kg)" in seen and "motion.speed (m/s)" in seen
+    assert any("hatched: no set stands" in text and "×: not a machine" in text for text in seen)
+
+
+def test_figures_stand_in_the_cells_as_in_the_table(tmp_path):
+    over, found, _ = mapped(tmp_path, GRID)
+    seen = texts(drawings(over, found)[0]["price"]("typeset"))
+    shown = [f"≥{row['price_EUR']:.3g}" for row in found[()] if row["price_EUR"] is not None]
+    assert shown and all(row["price_lacks"] for row in found[()] if row["price_EUR"] is not None)
+    assert sorted(text for text in seen if text.startswith("≥") and ":" not in text) == sorted(shown)
+    assert any("≥: not known of all parts, so at least" in text for text in seen)
+
+
+def test_the_same_drawing_has_the_same_bytes(tmp_path):
+    made, _ = drawings(*mapped(tmp_path, GRID)[:2])
+    again, _ = drawings(*mapped(tmp_path, GRID)[:2])
+    for form in ("svg", "png"):
+        assert made["mass"](form) == again["mass"](form)
+    assert b"<text" not in made["mass"]("svg") and made["mass"]("png").startswith(b"\x89PNG")
+
+
+def test_cells_reach_half_of_the_way_to_the_next(tmp_path):
+    over, _, _ = mapped(tmp_path, GRID)
+    assert _edges(over.across).tolist() == [-22.5, 12.5, 45.0, 75.0, 105.0]
+    assert _edges(over.up).tolist() == pytest.approx([0.85, 1.55, 2.25])
+
+
+def test_what_varies_beside_has_a_panel_each(tmp_path):
+    study = GRID.replace("60 kg, 90 kg, -5 kg", "60 kg") + "  supply.max: [29 V, 30 V]\nobjectives: [mass, price]\n"
+    over, found, _ = mapped(tmp_path, study)
+    assert list(found) == [(29.0, "mass"), (29.0, "price"), (30.0, "mass"), (30.0, "price")]
+    assert all(len(rows) == 4 for rows in found.values())
+    seen = texts(drawings(over, found)[0]["mass"]("typeset"))
+    assert {"max 29 V, by mass", "max 29 V, by price", "max 30 V, by mass", "max 30 V, by price"} <= set(seen)
+    over, found, _ = mapped(tmp_path, study, ["supply.max", "objective"])
+    assert (over.across.name, over.up.name, len(found)) == ("supply.max", "objective", 4)
+
+
+def test_more_panels_than_a_page_holds_are_told(tmp_path):
+    wheels = ", ".join(str(n) for n in range(2, 15))
+    over, found, _ = mapped(
+        tmp_path, GRID.replace("60 kg, 90 kg, -5 kg", "60 kg") + f"  load.driven_wheels: [{wheels}]\n"
+    )
+    made, said = drawings(over, found)
+    assert said == [
+        "maps show 12 of 13 combinations of what varies beside load.mass; --map A,B names the two that they are over"
+    ]
+    assert made
+
+
+def test_samples_are_points_and_fields_beside_them_lie_as_they_fall(tmp_path):
+    study = (
+        "spec: robot.yaml\nvary:\n  load.mass: {from: 20 kg, to: 90 kg}\n  motion.speed: {from: 1 m/s, to: 2 m/s}\n"
+        "  supply.max: {from: 29 V, to: 36 V}\nsampling: {latin_hypercube: 12, seed: 3}\n"
+    )
+    over, found, _ = mapped(tmp_path, study)
+    assert (len(found[()]), over.beside, over.grid) == (12, (), False)
+    svg = drawings(over, found)[0]["mass"]("svg").decode()
+    stands = [row for row in found[()] if row["set"]]
+    assert 0 < len(stands) < 12
+    marks = [
+        len(re.findall("<use ", part)) for part in re.findall(r'(?s)<g id="PathCollection_\d+">.*?</g>\s*</g>', svg)
+    ]
+    assert sum(marks) == 12
+
+
+@pytest.mark.parametrize("study", ["vary: {load.mass: [30 kg, 45 kg, 450 kg]}\n", "objectives: [mass, price]\n"])
+def test_one_thing_that_varies_is_a_line(tmp_path, study):
+    over, found, _ = mapped(tmp_path, "spec: robot.yaml\n" + study)
+    assert over.up is None
+    made, _ = drawings(over, found)
+    assert made["mass"]("png").startswith(b"\x89PNG") and made["best_set"]("svg")
+
+
+def test_nothing_that_varies_is_no_map(tmp_path):
+    plan = read_study(laid(tmp_path, "spec: robot.yaml\n"))
+    assert chosen(plan, ()) is None
+    with pytest.raises(InputError, match="does not vary in this study"):
+        chosen(plan, ["load.mass"])
+
+
+def test_one_name_alone_is_refused(tmp_path):
+    plan = read_study(laid(tmp_path, GRID))
+    with pytest.raises(InputError, match=r"expected two fields that vary, e\.g\. --map load\.mass,motion\.speed"):
+        chosen(plan, ["load.mass"])
+
+
+def test_a_column_of_another_module_is_drawn_where_it_is_there(tmp_path):
+    """The hook: a line in the columns gives a map, as soon as a set has the figure."""
+    over, found, plan = mapped(tmp_path, GRID)
+    assert "probability" not in {column.head for column in columns_of(plan)}
+    assert [one.name for one in MAPS][-1] == "probability"
+    for row in found[()]:
+        row["probability"] = 0.931 if row["set"] else None
+    made, _ = drawings(over, found)
+    assert "93.1" in texts(made["probability"]("typeset"))
+
+
+def test_an_unknown_figure_is_no_colour_of_the_scale(tmp_path):
+    """A set of which the mass is not known has an empty cell, not a zero."""
+    over, found, _ = mapped(tmp_path, GRID)
+    rows = [row | {"mass_kg": None} for row in found[()] if row["set"]]
+    known = next(row for row in found[()] if row["set"])
+    drawings(over, {(): [*rows, known]})[0]["mass"]("svg")
+    from drivesizer.study.map_panel import Scene
+
+    scene = Scene(next(one for one in MAPS if one.name == "mass"), over.across, over.up, True, (None, None), {})
+    assert _face(scene, rows[0]) == ("#F4F4F4", "") and _text(scene, rows[0]) == ""

@@ -1,0 +1,339 @@
+"""Studies as they are run: killed and begun again, by two at once, on a cluster; the same bytes in the end."""
+
+import csv
+import io
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from studies import CHEAP, FEW, MANY, command, laid, ran, results, surroundings
+
+from drivesizer import cli
+from drivesizer.study.lock import locked
+
+WAIT = 120.0  # s, for a process to come so far
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A study of 500 variants by one process without interruption: its folder's files."""
+    folder = tmp_path_factory.mktemp("whole")
+    laid(folder, MANY)
+    done = ran(folder, "--processes", 1)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""  # no bar where no person looks
+    assert done.stdout.startswith("500 variants: ")
+    return results(folder / "study")
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Run the command in an empty folder; its status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*args):
+        monkeypatch.setattr(sys, "argv", ["drivesizer", "study", *map(str, args)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        out = capsys.readouterr()
+        return end.value.code, out.out, out.err
+
+    return call
+
+
+def until(condition, *, every=0.02):
+    """Wait until something is so."""
+    end = time.monotonic() + WAIT
+    while not condition():
+        assert time.monotonic() < end, "it never came so far"
+        time.sleep(every)
+
+
+def chunks(folder):
+    return sorted((folder / "study" / "chunks").glob("*/*.jsonl"))
+
+
+def rows(data):
+    return list(csv.DictReader(io.StringIO(data.decode())))
+
+
+# --- tables -----------------------------------------------------------------------------------------------------------
+
+
+def test_the_table_has_every_variant_in_order(whole):
+    found = rows(whole["results.csv"])
+    assert [int(row["variant"]) for row in found] == list(range(1, 501))
+    masses = [20.0 + 70.0 * n / 24 for n in range(25)]
+    assert [float(row["load.mass (kg)"]) for row in found] == pytest.approx([m for m in masses for _ in range(20)])
+    assert {row["status"] for row in found} == {"pass", "fail"}
+    for row in found:
+        assert bool(row["set"]) == (row["status"] == "pass") == bool(row["mass_kg"])
+        assert (float(row["smallest_margin"]) >= 0.0) == (row["status"] == "pass")
+        assert bool(row["nearest_miss"]) == (row["status"] == "fail")
+
+
+def test_heavier_is_never_easier(whole):
+    """What falls at some mass falls at any larger one: more mass asks for more of everything."""
+    found = rows(whole["results.csv"])
+    for speed in {row["motion.speed (m/s)"] for row in found}:
+        line = [row["status"] for row in found if row["motion.speed (m/s)"] == speed]
+        assert line == sorted(line, reverse=True)  # pass before fail
+
+
+def test_parquet_has_the_same_rows_with_their_types_and_units(whole):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = parquet.read_table(io.BytesIO(whole["results.parquet"]))
+    text = rows(whole["results.csv"])
+    assert table.column_names == list(text[0])
+    assert table.schema.field("load.mass (kg)").metadata == {b"unit": b"kg"}
+    kinds = {name: str(table.schema.field(name).type) for name in ("variant", "mass_kg", "status", "sets_examined")}
+    assert kinds == {"variant": "int64", "mass_kg": "double", "status": "string", "sets_examined": "int64"}
+    for ours, theirs in zip(table.to_pylist(), text, strict=True):
+        assert {k: "" if v is None else str(v) for k, v in ours.items()} == theirs
+
+
+def test_maps_are_there(whole):
+    names = {name for name in whole if name.startswith("maps/")}
+    expected = ("best_set", "mass", "price", "smallest_margin")
+    assert names == {f"maps/{name}.{form}" for name in expected for form in ("svg", "png")}
+
+
+# --- the same bytes, whatever happens ---------------------------------------------------------------------------------
+
+
+def test_a_study_that_was_killed_goes_on_and_ends_the_same(whole, tmp_path):
+    """Killed without warning in the middle, one chunk damaged after that, then by two processes."""
+    laid(tmp_path, MANY)
+    first = subprocess.Popen(command("--processes", 1), cwd=tmp_path, env=surroundings(), start_new_session=True)
+    until(lambda: len(chunks(tmp_path)) >= 20)
+    os.kill(first.pid, signal.SIGKILL)
+    first.wait()
+    until(lambda: not _group(first.pid), every=0.2)  # its workers end as well
+    kept = chunks(tmp_path)
+    assert 20 <= len(kept) < 167 and not (tmp_path / "study" / "results.csv").exists()
+    kept[3].write_bytes(kept[3].read_bytes()[:-40])
+    kept[5].write_bytes(kept[5].read_bytes().replace(b"RE 25", b"RE 52"))
+    (kept[0].parent / ".drivesizer-1-0.part").write_bytes(b"half")
+    before = {path: path.stat().st_mtime_ns for path in kept}
+    again = ran(tmp_path, "--processes", 2, "--no-maps")
+    assert (again.returncode, again.stderr) == (0, "")
+    anew = {path for path in kept if path.stat().st_mtime_ns != before[path]}
+    assert anew == {kept[3], kept[5]}  # nothing else was computed twice
+    assert results(tmp_path / "study") == without_maps(whole)
+
+
+def test_ctrl_c_stops_the_study_and_its_processes(tmp_path):
+    laid(tmp_path, MANY)
+    with subprocess.Popen(
+        command("--processes", 2), cwd=tmp_path, env=surroundings(), start_new_session=True, stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, encoding="utf-8",
+    ) as study:  # fmt: skip
+        until(lambda: len(chunks(tmp_path)) >= 2)
+        os.kill(study.pid, signal.SIGINT)
+        out, err = study.communicate(timeout=WAIT)
+    assert (study.returncode, out) == (130, "")
+    assert err == "drivesizer: study: stopped; what is done is kept, and the same command goes on\n"
+    until(lambda: not _group(study.pid), every=0.2)
+    assert 2 <= len(chunks(tmp_path)) < 167
+
+
+def _group(leader):
+    """The processes of a group that still are, those aside that have ended."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            state, _, group = path.read_text().rpartition(")")[2].split()[:3]
+        except OSError:
+            continue
+        if int(group) == leader and state != "Z":
+            found.append(path)
+    return found
+
+
+CLUSTER = """
+import sys
+from distributed import LocalCluster
+if __name__ == "__main__":
+    cluster = LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0")
+    print(cluster.scheduler_address, *(nanny.pid for nanny in cluster.workers.values()), flush=True)
+    sys.stdin.read()
+    cluster.close()
+"""
+
+
+def test_a_cluster_that_loses_a_worker_gives_the_same(whole, tmp_path):
+    """Two workers of a Dask scheduler, one of them killed in the middle."""
+    pytest.importorskip("distributed")
+    laid(tmp_path, MANY)
+    (tmp_path / "cluster.py").write_text(CLUSTER)
+    with subprocess.Popen(
+        [sys.executable, "cluster.py"], cwd=tmp_path, env=surroundings(), stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, encoding="utf-8",
+    ) as cluster:  # fmt: skip
+        address, worker, _ = cluster.stdout.readline().split()
+        with subprocess.Popen(
+            command("--scheduler", address, "--no-maps"), cwd=tmp_path, env=surroundings(), stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE, encoding="utf-8",
+        ) as study:  # fmt: skip
+            until(lambda: len(chunks(tmp_path)) >= 20)
+            os.kill(int(worker), signal.SIGKILL)
+            assert len(chunks(tmp_path)) < 167
+            _, err = study.communicate(timeout=WAIT)
+        cluster.stdin.close()
+    assert (study.returncode, err) == (0, "")
+    assert results(tmp_path / "study") == without_maps(whole)
+
+
+def without_maps(files):
+    return {name: content for name, content in files.items() if not name.startswith("maps/")}
+
+
+@pytest.mark.parametrize(
+    ("address", "said"),
+    [("tcp://127.0.0.1:9", "does not answer"), ("nonsense://x", "unknown address scheme"), ("here", "does not answer")],
+)
+def test_a_scheduler_that_is_not_there_is_one_line_within_seconds(run, tmp_path, address, said):
+    pytest.importorskip("distributed")
+    laid(tmp_path, FEW)
+    start = time.monotonic()
+    status, out, err = run("--scheduler", address)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert said in err and "e.g. tcp://10.0.0.5:8786" in err
+    assert time.monotonic() - start < 30.0  # not a measure: that it does not wait for minutes
+    assert not (tmp_path / "study").exists()
+
+
+# --- one at a time, and one study a folder ----------------------------------------------------------------------------
+
+
+def test_a_second_process_is_refused(run, tmp_path):
+    laid(tmp_path, FEW)
+    (tmp_path / "study").mkdir()
+    with locked(tmp_path / "study"):
+        status, out, err = run()
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert f"drivesizer: study: process {os.getpid()} on " in err
+    assert "is at work on this study; wait until it is done, or choose another folder with -o" in err
+    assert run("--no-maps")[0] == 0  # what it leaves behind is in nobody's way
+
+
+def test_a_folder_of_another_study_is_refused_until_fresh(run, tmp_path):
+    laid(tmp_path, FEW)
+    assert run("--no-maps")[0] == 0
+    before = results(tmp_path / "study")
+    laid(tmp_path, FEW.replace("30 kg", "31 kg"), CHEAP.replace("22 V", "21 V"))
+    status, out, err = run("--no-maps")
+    assert (status, out) == (2, "")
+    assert err == (
+        "drivesizer: study: holds results of another study (study.yaml, robot.yaml changed since); "
+        "--fresh begins anew, -o FOLDER keeps both\n"
+    )
+    assert results(tmp_path / "study") == before
+    (tmp_path / "study" / "mine.txt").write_text("kept")
+    assert run("--no-maps", "--fresh")[0] == 0
+    assert rows((tmp_path / "study" / "results.csv").read_bytes())[0]["load.mass (kg)"] == "31.0"
+    assert (tmp_path / "study" / "mine.txt").read_text() == "kept"
+    assert run("--no-maps")[0] == 0
+
+
+def test_another_version_or_a_damaged_manifest_is_another_study(run, tmp_path):
+    laid(tmp_path, FEW)
+    assert run("--no-maps")[0] == 0
+    path = tmp_path / "study" / "study.json"
+    manifest = json.loads(path.read_text())
+    manifest["made_of"]["drivesizer"] = "0.0.1"
+    path.write_text(json.dumps(manifest))
+    assert "another study (drivesizer changed since)" in run()[2]
+    path.write_text("{")
+    assert "another study (its study.json is none of this version)" in run()[2]
+
+
+@pytest.mark.parametrize(
+    ("target", "said"),
+    [
+        ("robot.yaml", "robot.yaml: is a file; expected a folder"),
+        ("nowhere/study", "cannot be made, there is no folder nowhere"),
+        ("full", "full: holds other files, such as mine.txt"),
+        ("x" * 300, "cannot be read (file name too long)"),
+    ],
+)
+def test_a_folder_that_cannot_be_is_refused_before_anything_is_done(run, tmp_path, target, said):
+    laid(tmp_path, FEW)
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "mine.txt").write_text("mine")
+    before = sorted(tmp_path.rglob("*"))
+    status, out, err = run("-o", target)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert said in err
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_table_that_cannot_be_written_is_one_line_and_the_rows_are_kept(run, tmp_path):
+    laid(tmp_path, FEW)
+    assert run("--no-maps")[0] == 0
+    (tmp_path / "study" / "results.csv").unlink()
+    (tmp_path / "study" / "results.csv").mkdir()
+    status, _, err = run("--no-maps")
+    assert (status, err) == (2, "drivesizer: study/results.csv: cannot be written, it is a folder\n")
+    assert len(chunks(tmp_path)) == 4
+
+
+def test_wrong_studies_are_one_line_at_the_command(run, tmp_path):
+    status, _, err = run()
+    assert (status, err) == (2, "drivesizer: study.yaml: cannot be read (no such file or directory)\n")
+    laid(tmp_path, FEW.replace("load.mass", "load.mas"))
+    status, _, err = run()
+    assert (status, err.count("\n")) == (2, 1)
+    laid(tmp_path, "spec: robot.yaml\nvary: {load.mass: [-5 kg, -6 kg]}\n")
+    status, _, err = run()
+    assert (status, err.count("\n")) == (2, 1)
+    assert "all of its variants are wrong (2); the first: robot.yaml:" in err
+    laid(tmp_path, FEW)
+    status, _, err = run("--map", "load.mas,motion.speed")
+    assert (status, err) == (
+        2, 'drivesizer: --map: "load.mas" does not vary in this study; the nearest is load.mass\n',
+    )  # fmt: skip
+    assert not (tmp_path / "study").exists()
+
+
+def test_a_study_where_nothing_stands_is_status_1(run, tmp_path):
+    laid(tmp_path, "spec: robot.yaml\nvary: {load.mass: [450 kg, -5 kg]}\n")
+    status, out, err = run()
+    assert (status, err) == (1, "")
+    assert out.splitlines()[0] == "2 variants: 1 fail, 1 error; 18 sets examined"
+
+
+def test_without_pyarrow_there_is_the_csv_and_a_note(run, tmp_path, monkeypatch):
+    laid(tmp_path, FEW)
+    monkeypatch.setattr("drivesizer.study.run.has_parquet", lambda: False)
+    status, out, err = run("--no-maps")
+    assert status == 0 and out.splitlines()[1:] == ["study/results.csv"]
+    assert err == "note: no results.parquet, which needs pyarrow: install drivesizer[study]\n"
+
+
+def test_without_dask_the_option_says_what_to_install(run, tmp_path, monkeypatch):
+    laid(tmp_path, FEW)
+    monkeypatch.setattr("drivesizer.study.cluster.find_spec", lambda name: None)
+    assert run("--scheduler", "tcp://127.0.0.1:8786")[2] == (
+        "drivesizer: --scheduler needs Dask; install drivesizer[cluster]\n"
+    )
+
+
+def test_the_progress_is_for_people(tmp_path):
+    """At a terminal a bar with what is done, in all, and the time left; the results on stdout stay as they are."""
+    if shutil.which("script") is None:
+        pytest.skip("no terminal to be had")
+    laid(tmp_path, MANY.replace("steps: 25", "steps: 4"))
+    line = " ".join(command("--processes", 1, "--no-maps")) + " > out.txt"
+    seen = subprocess.run(
+        ["script", "-qec", line, "/dev/null"], cwd=tmp_path, env=surroundings() | {"TERM": "xterm", "COLUMNS": "100"},
+        capture_output=True, encoding="utf-8", timeout=170, check=True,
+    ).stdout  # fmt: skip
+    assert "/80" in seen and "0:0" in seen
+    assert (tmp_path / "out.txt").read_text().startswith("80 variants: ")
