@@ -93,7 +93,9 @@ def _flat(cycle: LoadCycle) -> Array:
     """All figures of a cycle in a row."""
     columns = (cycle.duration, cycle.speed, cycle.acceleration, cycle.torque)
     own = [_of_own(one) for one in cycle.own]
-    return np.concatenate([*(c.reshape(-1) for c in columns), np.array([cycle.inertia, cycle.radius]), np.array(own).reshape(-1)])
+    return np.concatenate(
+        [*(c.reshape(-1) for c in columns), np.array([cycle.inertia, cycle.radius]), np.array(own).reshape(-1)]
+    )
 
 
 def _of_own(one: OwnLimit) -> tuple[float, float]:

@@ -130,7 +130,9 @@ def tolerance(text: str, path: Path_ = ()) -> Toleranced:
         if match:
             nominal, distribution, kind, unit = read(match, bare)
             return Toleranced(path, bare, *_nominal(nominal, kind), distribution, kind, unit)
-    raise InputError(f"{quoted(text)} is no figure with a tolerance; expected 45 kg +- 3 kg, 0.02 in 0.015..0.03, {SHAPES}")
+    raise InputError(
+        f"{quoted(text)} is no figure with a tolerance; expected 45 kg +- 3 kg, 0.02 in 0.015..0.03, {SHAPES}"
+    )
 
 
 def _nominal(figure: _Figure, kind: str) -> tuple[str, float]:
@@ -169,7 +171,9 @@ def _of_ends(match: re.Match[str], text: str) -> _Read:
     kind, unit = _kind(figures, text)
     middle, low, high = (_si(figure, kind) for figure in figures)
     if not low < high:
-        raise InputError(f"{quoted(text)}: its ends must be apart, the lower one first; expected e.g. 0.02 in 0.015..0.03")
+        raise InputError(
+            f"{quoted(text)}: its ends must be apart, the lower one first; expected e.g. 0.02 in 0.015..0.03"
+        )
     if not low <= middle <= high:
         raise InputError(f"{quoted(text)}: the figure must lie between its ends; expected e.g. 0.02 in 0.015..0.03")
     return figures[0], Distribution("uniform", low, high, (low + high) / 2.0), kind, unit
