@@ -56,7 +56,7 @@ def wheeled_vehicle(spec: RobotSpec, course: Course) -> LoadCycle:
     force = rolling * course.direction + weight + drag + load.mass * course.acceleration
     torque = force * r / N + turning * course.acceleration / r
     inertia = turning + load.mass * r**2 / N
-    own = () if spec.platform else _grip(load, g, course, force / N, turning)  # the platform's own checks know more of it
+    own = () if spec.platform else _grip(load, g, course, force / N, turning)  # a platform's own checks know more
     return course.cycle(torque, r, inertia=inertia, own=own)
 
 

@@ -13,7 +13,7 @@ number of cycles is computed each by itself and shared by the samples in turn.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import product
+from itertools import pairwise, product
 from typing import NamedTuple
 
 import numpy as np
@@ -205,7 +205,7 @@ def _sizes(like: LoadCycle, wanted: Array) -> Array:
     n = len(like.duration)
     parts = [n, 2 * n, 2 * n, 2 * n, *[1] * (2 + 2 * len(like.own))]
     edges = np.concatenate([[0], np.cumsum(parts)])
-    largest = [np.abs(wanted[:, a:b]).max() for a, b in zip(edges, edges[1:], strict=False)]
+    largest = [np.abs(wanted[:, a:b]).max() for a, b in pairwise(edges)]
     return np.repeat(np.where(np.array(largest) > 0.0, largest, 1.0), parts)
 
 
@@ -255,6 +255,8 @@ def _unfolded(flat: Array, like: LoadCycle, error: float, computed: int) -> Cycl
     duration, rest = flat[:n], flat[n:]
     speed, acceleration, torque = (rest[k * 2 * n : (k + 1) * 2 * n].reshape(n, 2, -1) for k in range(3))
     speed[like.speed == 0.0] = 0.0  # not what rounding makes of it
+    level = like.speed[:, 0] == like.speed[:, 1]
+    speed[level, 1] = speed[level, 0]
     acceleration[resting] = 0.0
     tail = rest[6 * n :]
     own = {}

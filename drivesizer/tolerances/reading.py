@@ -1,4 +1,4 @@
-r"""Figures with a tolerance, as an engineer writes them: ``45 kg +- 3 kg``, ``0.02 in 0.015..0.03``, ``normal(24 V, 0.5 V)``.
+"""Figures with a tolerance, as an engineer writes them.
 
 ===================================  ==================================================================
 ``45 kg +- 3 kg``, ``45 kg ± 5 %``   any value between, uniform; per cent are of the figure

@@ -1,0 +1,111 @@
+"""What needs the current of each moment, for one set over many samples: winding, power, time of overload.
+
+As ``waveform_limits`` has it for many sets over one cycle.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.heat_columns import each_figure
+from drivesizer.heat_cycle import highest, periodic
+from drivesizer.physics import Demands
+from drivesizer.physics_limits import Heat, Parts, Stress, volts_of
+from drivesizer.thermal import TwoBodies, two_bodies
+from drivesizer.tolerances.behind import AtSamples
+from drivesizer.waveform import Wave, energy, largest_power, longest_above
+from drivesizer.waveform_limits import Moments
+
+__all__ = ["moments"]
+
+Array = NDArray[np.float64]
+_FINEST = 200  # pieces of a segment at most
+_AT_ONCE = 1 << 14  # pieces times samples whose heat is computed at a time: what stays in the processor's cache
+
+
+def moments(
+    spec: Any, at: AtSamples, asked: Demands, warm: Heat, under: Stress, parts: Parts, alike: NDArray[np.bool_]
+) -> Moments:
+    """What the waveform asks of a set, sample by sample; energies only where returned energy has to be stored.
+
+    Parameters
+    ----------
+    spec
+        With columns in place of the figures that are sampled.
+    at, asked, warm, under, parts
+        As ``waveform_limits.exact`` takes them.
+    alike
+        In which segments nothing changes.
+    """
+    k_t = parts.motor["torque_constant"]
+    current = at.line(asked.coefficients) / k_t
+    nothing = np.full(current.shape[-1], np.nan)
+    power = when = stored = nothing
+    limit = np.broadcast_to(parts.controller["continuous_current"], nothing.shape)
+    above = np.where(np.isnan(limit), np.nan, 0.0)
+    stores = not np.any(spec.supply.regeneration)
+    if spec.supply.current is not None or spec.supply.power is not None or stores or (under.current.value > limit).any():
+        volts = at.line(volts_of(asked, k_t, under.hot))
+        duration = np.broadcast_to(at.sampled.duration, (len(volts), len(nothing))).T
+        wave = Wave(duration, np.moveaxis(current, -1, 0), np.moveaxis(volts, -1, 0))
+        power, when = largest_power(wave)
+        above = longest_above(wave, limit)
+        if stores:
+            stored = energy(wave).stored
+    winding = _winding(spec, at, current, warm, parts.motor, alike)
+    return Moments(winding, nothing, power, when, nothing, nothing, stored, above)
+
+
+def _winding(
+    spec: Any, at: AtSamples, current: Array, warm: Heat, motor: Any, alike: NDArray[np.bool_]
+) -> Array:
+    """Peak of the winding's temperature over the cycle repeated for ever; the mean without time constants."""
+    bodies = two_bodies(motor)
+    if np.isnan(motor["winding_time_constant"] + motor["motor_time_constant"]).all():
+        return warm.winding
+    count = current.shape[-1]
+    if not bodies.known.all() or np.isnan(warm.friction + warm.iron).any():
+        return np.full(count, np.nan)
+    pieces = _pieces(at.sampled.duration.max(axis=-1), alike, float(np.min(bodies.tau_w)))
+    found = np.empty(count)
+    size = max(_AT_ONCE // int(pieces.sum()), 256)
+    for first in range(0, count, size):
+        rows = slice(first, min(first + size, count))
+        found[rows] = _block(spec, at, current[..., rows], warm, bodies, pieces, rows)
+    return found
+
+
+def _pieces(duration: Array, alike: NDArray[np.bool_], quickest: float) -> NDArray[np.int64]:
+    """In how many pieces each segment is taken: the rule of ``physics``, with the motor's own time constant."""
+    count = np.where(alike, 1.0, np.ceil(np.sqrt(duration / quickest / 0.012)))
+    return np.clip(count, 1, _FINEST).astype(np.int64)
+
+
+def _block(
+    spec: Any, at: AtSamples, current: Array, warm: Heat, motor: TwoBodies, pieces: NDArray[np.int64], rows: slice
+) -> Array:
+    owner = np.repeat(np.arange(len(pieces)), pieces)
+    ends = [(np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces) + k) / pieces[owner] for k in (0, 1)]
+
+    def cut(line: Array) -> tuple[Array, Array]:
+        left, rise = line[owner, 0], (line[:, 1] - line[:, 0])[owner]
+        return left + ends[0][:, None] * rise, left + ends[1][:, None] * rise
+
+    def part(column: Any) -> Any:
+        return column[rows] if getattr(column, "shape", ())[-1:] == (warm.winding.shape[-1],) else column
+
+    a, b = cut(current)
+    square = (a * a + a * b + b * b) / 3
+    v, w = cut(at.speeds[..., rows] if at.speeds.shape[-1] > 1 else at.speeds)
+    loss = part(warm.friction) * np.abs(v + w) / 2 + part(warm.iron) * (v * v + v * w + w * w) / 3
+    duration = at.sampled.duration
+    t = (duration[:, rows] if duration.shape[-1] > 1 else duration)[owner] / pieces[owner][:, None]
+    t, square, loss = (np.ascontiguousarray(x) for x in np.broadcast_arrays(t, square, loss))
+    ambient = part(spec.environment.ambient)
+    with np.errstate(over="ignore", invalid="ignore"):  # where a motor runs away
+        found = periodic(each_figure(motor, part), ambient, t, square, loss)
+        rise = highest(found, 1.0, 0.0).rise
+    return np.where(found.settles, rise + ambient, np.inf)
