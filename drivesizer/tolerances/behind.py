@@ -167,8 +167,9 @@ class AtSamples(AtGearhead):
         """What is linear in the functions, at both ends of each segment: (segments, 2, samples)."""
         count = max(len(c), self.sampled.functions.shape[-1])
         found = np.zeros((*self.sampled.functions.shape[1:3], count))
+        columns = np.ascontiguousarray(c.T)
         for k in self.active:
-            found += (c[:, k] * self.scale[k]) * self.sampled.functions[k]
+            found += (columns[k] * self.scale[k]) * self.sampled.functions[k]
         return found
 
     def peak(self, coefficients: Array) -> Peak:

@@ -34,6 +34,7 @@ _CELLS = 400_000  # segments times samples of a fit, at most
 _HELD_AGAINST = 24  # cycles that are not fitted
 _EACH = 1024  # cycles that are computed each by itself
 _FEWEST = 32
+_FEW = 256  # samples, each of which has its cycle computed
 
 
 class Cycles(NamedTuple):
@@ -69,6 +70,8 @@ def cycles_of(make: Make, nominal: Array, values: Array) -> Cycles:
         samples share in turn.
     """
     like = make(nominal)
+    if len(values) <= _FEW:
+        return _side_by_side([make(row) for row in values], like)
     low, high = values.min(axis=0, initial=np.inf), values.max(axis=0, initial=-np.inf)
     shaping = [k for k in range(len(nominal)) if _shapes(make, like, nominal, k, (low[k], high[k]))]
     if not shaping:

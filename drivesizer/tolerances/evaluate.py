@@ -55,7 +55,6 @@ class Block(NamedTuple):
     count: int
     specs: tuple[Any, ...]  # with columns
     ats: tuple[Mapping[float, AtSamples], ...]  # by belt ratio
-    alike: tuple[NDArray[np.bool_], ...]  # segments in which nothing changes
     factors: Mapping[tuple[str, str], Array]  # of the catalogue's figures, by part and class
 
 
@@ -122,18 +121,18 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     rubs = block.factors.get(("motor", "friction"), 1.0)
     found: dict[str, list[tuple[int, CheckColumn]]] = {}
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
-        for check in _of_a_case(spec, ats[one.belt], parts, one, block.alike[number], rubs):
+        for check in _of_a_case(spec, ats[one.belt], parts, one, rubs):
             found.setdefault(check.name, []).append((number, check))
     return {name: worst_case(same) for name, same in found.items()}
 
 
 def _of_a_case(
-    spec: Any, at: AtSamples, parts: Parts, one: SetRows, alike: NDArray[np.bool_], rubs: Array | float
+    spec: Any, at: AtSamples, parts: Parts, one: SetRows, rubs: Array | float
 ) -> Sequence[CheckColumn]:
     asked = demands(at, parts.motor, parts.gearhead, parts.encoder)
     warm = heat(spec, at, asked, parts.motor, _losses(parts.motor, asked, rubs))
     under = stress(spec, at, asked, warm, parts.motor)
-    found = moments(spec, at, asked, warm, under, parts, alike)
+    found = moments(spec, at, asked, warm, under, parts)
     moving = [c for c in moving_limits(spec, at, asked, warm, parts) if c.name != "winding_temperature"]
     electrical = [*moving, *electrical_limits(spec, at, asked, under, parts), *waveform_limits(spec, found, parts)]
     return [

@@ -49,13 +49,18 @@ class Prepared(NamedTuple):
         return max(case.cycles.fitted for case in self.cases)
 
     @property
+    def cells(self) -> int:
+        """Segments times samples, of all load cases."""
+        return sum(len(case.cycles.duration) * len(self.values) for case in self.cases)
+
+    @property
     def shared(self) -> int:
         """How many load cycles the samples share; as many as samples where each has its own."""
         several = [case.cycles.count for case in self.cases if case.cycles.count > 1]
         return min(several, default=len(self.values))
 
 
-def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array, computed: Prepared | None = None) -> Prepared:
+def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array) -> Prepared:
     """Samples of a spec, with their load cycles.
 
     Parameters
@@ -73,7 +78,13 @@ def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array, comput
         own = sorted(paths)
         nominal = np.array([given[k].nominal for k in own])
         cycles = cycles_of(lambda v, own=own, make=make: make(dict(zip(own, v.tolist(), strict=True))), nominal, values[:, own])  # type: ignore[misc]
-        cases.append(_Case(name, case, paths, cycles, _rows(len(values), cycles.count)))
+        rows = _rows(len(values), cycles.count)
+        cases.append(_Case(name, case, paths, cycles, rows))
+        if 1 < cycles.count < len(values):  # what shapes a shared cycle is what that was made with
+            each, some = len(values) // REPLICATES, cycles.count // REPLICATES
+            mine = [k for k in own if not _has_column(paths[k])]
+            values = values.copy()
+            values[:, mine] = values[rows // some * each + rows % some][:, mine]
     return Prepared(spec, tuple(given), values, tuple(cases))
 
 
@@ -163,15 +174,14 @@ def _block(one: Prepared, rows: NDArray[np.int64], belts: Sequence[float]) -> Bl
         for k, given in enumerate(one.given)
         if given.catalogue
     }
-    specs, ats, alike = [], [], []
+    specs, ats = [], []
     for case in one.cases:
         spec, efficiency = _with_columns(case, one, rows)
         cycles = case.cycles if case.cycles.count == 1 else _some(case.cycles, case.rows[rows])
         sampled = at_samples(cycles, efficiency)
         specs.append(spec)
         ats.append({belt: AtSamples(sampled, belt) for belt in belts})
-        alike.append((sampled.functions[:, :, 0] == sampled.functions[:, :, 1]).all(axis=(0, 2)))
-    return Block(len(rows), tuple(specs), tuple(ats), tuple(alike), factors)
+    return Block(len(rows), tuple(specs), tuple(ats), factors)
 
 
 def _some(cycles: Cycles, rows: NDArray[np.int64]) -> Cycles:

@@ -27,7 +27,7 @@ _AT_ONCE = 1 << 14  # pieces times samples whose heat is computed at a time: wha
 
 
 def moments(
-    spec: Any, at: AtSamples, asked: Demands, warm: Heat, under: Stress, parts: Parts, alike: NDArray[np.bool_]
+    spec: Any, at: AtSamples, asked: Demands, warm: Heat, under: Stress, parts: Parts
 ) -> Moments:
     """What the waveform asks of a set, sample by sample; energies only where returned energy has to be stored.
 
@@ -37,8 +37,6 @@ def moments(
         With columns in place of the figures that are sampled.
     at, asked, warm, under, parts
         As ``waveform_limits.exact`` takes them.
-    alike
-        In which segments nothing changes.
     """
     k_t = parts.motor["torque_constant"]
     current = at.line(asked.coefficients) / k_t
@@ -55,13 +53,11 @@ def moments(
         above = longest_above(wave, limit)
         if stores:
             stored = energy(wave).stored
-    winding = _winding(spec, at, current, warm, parts.motor, alike)
+    winding = _winding(spec, at, current, warm, parts.motor)
     return Moments(winding, nothing, power, when, nothing, nothing, stored, above)
 
 
-def _winding(
-    spec: Any, at: AtSamples, current: Array, warm: Heat, motor: Any, alike: NDArray[np.bool_]
-) -> Array:
+def _winding(spec: Any, at: AtSamples, current: Array, warm: Heat, motor: Any) -> Array:
     """Peak of the winding's temperature over the cycle repeated for ever; the mean without time constants."""
     bodies = two_bodies(motor)
     if np.isnan(motor["winding_time_constant"] + motor["motor_time_constant"]).all():
@@ -69,7 +65,7 @@ def _winding(
     count = current.shape[-1]
     if not bodies.known.all() or np.isnan(warm.friction + warm.iron).any():
         return np.full(count, np.nan)
-    pieces = _pieces(at.sampled.duration.max(axis=-1), alike, float(np.min(bodies.tau_w)))
+    pieces = _pieces(at, current, float(np.min(bodies.tau_w)), float(np.min(bodies.tau_h)))
     found = np.empty(count)
     size = max(_AT_ONCE // int(pieces.sum()), 256)
     for first in range(0, count, size):
@@ -78,10 +74,14 @@ def _winding(
     return found
 
 
-def _pieces(duration: Array, alike: NDArray[np.bool_], quickest: float) -> NDArray[np.int64]:
-    """In how many pieces each segment is taken: the rule of ``physics``, with the motor's own time constant."""
-    count = np.where(alike, 1.0, np.ceil(np.sqrt(duration / quickest / 0.012)))
-    return np.clip(count, 1, _FINEST).astype(np.int64)
+def _pieces(at: AtSamples, current: Array, winding: float, housing: float) -> NDArray[np.int64]:
+    """In how many pieces each segment is taken: to 1 % of what a change within it would do, where ``physics`` has 0.1 %.
+
+    A current that changes counts by the winding's time constant, a loss at the housing alone by the housing's.
+    """
+    duration, steady = at.sampled.duration.max(axis=-1), (at.speeds[:, 0] == at.speeds[:, 1]).all(axis=-1)
+    quickest = np.where((current[:, 0] == current[:, 1]).all(axis=-1), np.where(steady, np.inf, housing), winding)
+    return np.clip(np.ceil(np.sqrt(duration / quickest / 0.12)), 1, _FINEST).astype(np.int64)
 
 
 def _block(
