@@ -29,6 +29,7 @@ from drivesizer.requirements import requirements
 from drivesizer.results import DriveSet, Requirement, SizingResult, verdict
 from drivesizer.search import Found, Progress, search
 from drivesizer.spec import RobotSpec
+from drivesizer.tolerances.run import POOL, Sampling, asked, sure
 from drivesizer.units import show
 
 __all__ = ["explain", "load_parts", "size"]
@@ -52,6 +53,7 @@ def size(
     objective: Objective | None = None,
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
+    sampling: Sampling | None = None,
 ) -> SizingResult:
     """Size a drive.
 
@@ -69,6 +71,8 @@ def size(
         Objectives of which the front is wanted too: sets that no other beats in all of them.
     progress
         Called with the sets that are examined and all there are, a chunk at a time.
+    sampling
+        How sets are sampled for their tolerances; as the spec says when not given.
 
     Returns
     -------
@@ -88,13 +92,17 @@ def size(
     _known_choices(spec, catalog)
     check_battery(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})
-    most = top * _FURTHER if spec.battery or spec.budget else top
+    sampling = sampling or asked(spec)
+    wanted = max(top, POOL) if sampling and sampling.confidence is not None else top
+    most = wanted * _FURTHER if spec.battery or spec.budget else wanted
     found = search(spec, catalog, top=most, objective=objective, pareto=pareto, progress=progress)
-    best, short = _divided(found, spec, objective, top)
+    best, short = _divided(found, spec, objective, wanted)
     count = len(found.evaluation.candidates.motor)
     fallen = [i for i in range(found.standing, count) if found.evaluation.failed[i]]
     fell = [*short.values(), *(drive_set(found.evaluation, i, 0, objective) for i in fallen)]
     sets = with_both_methods(spec, catalog, _ranked(best.values()))
+    certain = sure(spec, catalog, sets, sampling, top) if sampling and sets else None
+    sets = certain.sets if certain else sets
     return SizingResult(
         spec=spec,
         catalog=catalog,
@@ -110,6 +118,8 @@ def size(
         unrestricted=_unrestricted(spec, catalog, objective),
         front=tuple(drive_set(found.evaluation, i, n, objective) for n, i in enumerate(found.front, 1)),
         pareto=pareto,
+        unsure=certain.unsure if certain else (),
+        uncertainty=certain.uncertainty if certain else None,
     )
 
 

@@ -167,9 +167,10 @@ class AtSamples(AtGearhead):
         """What is linear in the functions, at both ends of each segment: (segments, 2, samples)."""
         count = max(len(c), self.sampled.functions.shape[-1])
         found = np.zeros((*self.sampled.functions.shape[1:3], count))
+        term = np.empty_like(found)
         columns = np.ascontiguousarray(c.T)
         for k in self.active:
-            found += (columns[k] * self.scale[k]) * self.sampled.functions[k]
+            found += np.multiply(columns[k] * self.scale[k], self.sampled.functions[k], out=term)
         return found
 
     def peak(self, coefficients: Array) -> Peak:

@@ -177,7 +177,8 @@ def _fitted(make: Make, like: LoadCycle, nominal: Array, values: Array, shaping:
         found = at(fresh)
         if any(_structure(cycle) != _structure(like) for cycle in found):
             return None
-        nodes, cycles = np.concatenate([nodes, fresh]), np.concatenate([cycles, [*map(_flat, found)]])
+        nodes = np.concatenate([nodes, fresh])
+        cycles = np.concatenate([cycles, np.array([*map(_flat, found)]).reshape(-1, wanted.shape[1])])
         factors = np.linalg.lstsq(_terms(nodes, powers), cycles, rcond=None)[0]
         error = float((np.abs(_terms(against, powers) @ factors - wanted).max(axis=0) / size).max())
         if error <= _ACCURACY:
