@@ -29,7 +29,17 @@ from drivesizer.requirements import requirements
 from drivesizer.results import DriveSet, Requirement, SizingResult, verdict
 from drivesizer.search import Found, Progress, search
 from drivesizer.spec import RobotSpec
-from drivesizer.tolerances.run import POOL, Sampling, asked, sure
+from drivesizer.tolerances.assess import Subject
+from drivesizer.tolerances.run import (
+    POOL,
+    Sampling,
+    asked,
+    judged,
+    subject,
+    subject_of,
+    told,
+    uncertainty,
+)
 from drivesizer.units import show
 
 __all__ = ["explain", "load_parts", "size"]
@@ -93,16 +103,22 @@ def size(
     check_battery(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})
     sampling = sampling or asked(spec)
-    wanted = max(top, POOL) if sampling and sampling.confidence is not None else top
-    most = wanted * _FURTHER if spec.battery or spec.budget else wanted
+    pool = POOL if sampling and sampling.confidence is not None else 0
+    most = max(top * _FURTHER if spec.battery or spec.budget else top, pool)
     found = search(spec, catalog, top=most, objective=objective, pareto=pareto, progress=progress)
-    best, short = _divided(found, spec, objective, wanted)
+    certain = judged(spec, catalog, _subjects(found, spec, catalog, objective, pool), sampling) if pool else None
+    best, short = _divided(found, spec, objective, top, certain.good if certain else range(found.standing))
+    if sampling and not certain and best:
+        certain = judged(spec, catalog, _subjects(found, spec, catalog, objective, 0, best), sampling)
     count = len(found.evaluation.candidates.motor)
     fallen = [i for i in range(found.standing, count) if found.evaluation.failed[i]]
     fell = [*short.values(), *(drive_set(found.evaluation, i, 0, objective) for i in fallen)]
+    unsure: tuple[DriveSet, ...] = ()
+    if certain:
+        best = {row: told(certain, catalog, row, one) for row, one in best.items()}
+        close = _divided(found, spec, objective, top, certain.bad)[0]
+        unsure = _ranked(told(certain, catalog, row, one) for row, one in close.items())
     sets = with_both_methods(spec, catalog, _ranked(best.values()))
-    certain = sure(spec, catalog, sets, sampling, top) if sampling and sets else None
-    sets = certain.sets if certain else sets
     return SizingResult(
         spec=spec,
         catalog=catalog,
@@ -118,8 +134,8 @@ def size(
         unrestricted=_unrestricted(spec, catalog, objective),
         front=tuple(drive_set(found.evaluation, i, n, objective) for n, i in enumerate(found.front, 1)),
         pareto=pareto,
-        unsure=certain.unsure if certain else (),
-        uncertainty=certain.uncertainty if certain else None,
+        unsure=unsure,
+        uncertainty=uncertainty(certain) if certain else None,
     )
 
 
@@ -149,19 +165,30 @@ _FURTHER = 4  # times as many sets are looked at where some may fall by the mach
 
 
 def _divided(
-    found: Found, spec: RobotSpec, objective: Objective, top: int
+    found: Found, spec: RobotSpec, objective: Objective, top: int, rows: Iterable[int]
 ) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
-    """By their rows the best sets that stand with the machine's budgets, and the better ones that fall by those."""
+    """Of some rows the best sets that stand with the machine's budgets, and the better ones that fall by those."""
     catalog, machine = found.evaluation.catalog, of_the_platform(spec.whole)
     best: dict[int, DriveSet] = {}
     short: dict[int, DriveSet] = {}
-    for row in range(found.standing):
+    for row in rows:
         one = with_budget(spec, catalog, drive_set(found.evaluation, row, 0, objective), machine)
         falls = one.status == "fail" or (verdict(one.budget) == "unknown" and spec.select.unknown != "allow")
         (short if falls else best)[row] = one
         if len(best) == top:
             break
     return best, dict(list(short.items())[:top])
+
+
+def _subjects(
+    found: Found, spec: RobotSpec, catalog: Catalog, objective: Objective, pool: int, rows: Iterable[int] = ()
+) -> dict[int, Subject]:
+    """Sets that are to be sampled, by their rows, with their checks by physics."""
+    rows = rows or range(min(found.standing, pool))
+    if spec.method == "physics":
+        return {row: subject(found.evaluation, row) for row in rows}
+    records = with_both_methods(spec, catalog, [drive_set(found.evaluation, row, 0, objective) for row in rows])
+    return {row: subject_of(catalog, one) for row, one in zip(rows, records, strict=True)}
 
 
 def _ranked(sets: Iterable[DriveSet], before: int = 0) -> tuple[DriveSet, ...]:

@@ -15,6 +15,7 @@ from drivesizer.checks import TITLES, CheckColumn
 from drivesizer.spec import RobotSpec
 from drivesizer.tolerances.assumptions import Assumption
 from drivesizer.tolerances.evaluate import SetRows, checks_of
+from drivesizer.tolerances.lasting import SAMPLED
 from drivesizer.tolerances.prepare import Prepared, blocks, prepared
 from drivesizer.tolerances.records import Driver, Reliability, Spread
 from drivesizer.tolerances.sampling import Sample, mean_and_error
@@ -68,12 +69,12 @@ def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], pro
     if processes > 1 and len(subjects) > 1:
         return _shared(given, catalog, subjects, processes)
     belts = sorted({one.rows.belt for one in subjects})
-    kept = list(blocks(given, belts)) if given.cells <= _KEPT else None
+    kept = list(blocks(given, catalog, belts)) if given.cells <= _KEPT else None
     found: list[Examined] = []
     for first in range(0, len(subjects), _TOGETHER):
         some = subjects[first : first + _TOGETHER]
         parts: list[list[dict[str, _Over]]] = [[] for _ in some]
-        for block in kept or blocks(given, belts):
+        for block in kept or blocks(given, catalog, belts):
             for part, one in zip(parts, some, strict=True):
                 part.append({n: _over(c, block.count) for n, c in checks_of(catalog, one.rows, block).items()})
         found += [_reduced(one, part) for one, part in zip(some, parts, strict=True)]
@@ -114,12 +115,13 @@ def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
     }  # fmt: skip
     count = len(next(iter(joined.values())).passed)
     every = {check.name: joined.get(check.name) or _constant(check, count) for check in one.nominal}
+    every |= {name: joined[name] for name in SAMPLED if name in joined}
+    titles = {check.name: check.title for check in one.nominal} | {name: TITLES["budget"][name] for name in SAMPLED}
     failed: NDArray[np.bool_] = np.logical_or.reduce([over.failed for over in every.values()])
     tight = np.array([over.tightness for over in every.values()])
     smallest, place = tight.min(axis=0), tight.argmin(axis=0)
     weakest = np.bincount(place, weights=np.isfinite(smallest), minlength=len(every)) / count
-    spreads = [_spread(check, over, share) for (check, over), share in zip(
-        ((check, every[check.name]) for check in one.nominal), weakest.tolist(), strict=True)]  # fmt: skip
+    spreads = [_spread(name, titles[name], over, float(w)) for (name, over), w in zip(every.items(), weakest, strict=True)]
     share = mean_and_error(~failed)
     low, middle, high = _quantiles(smallest)
     return Examined(
@@ -128,7 +130,6 @@ def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
             error=share.error,
             unknown=tuple(s.title for s in spreads if s.passes + s.fails < 1.0),
             weakest=max(spreads, key=lambda s: (s.fails, s.weakest)).title,
-            nominal=min((_tightness(check) for check in one.nominal), default=math.nan),
             low=low,
             middle=middle,
             high=high,
@@ -142,10 +143,10 @@ def _tightness(check: Check) -> float:
     return math.inf if math.isnan(check.margin) or (check.by_choice and check.status == "pass") else check.margin
 
 
-def _spread(check: Check, over: _Over, weakest: float) -> Spread:
+def _spread(name: str, title: str, over: _Over, weakest: float) -> Spread:
     low, middle, high = _quantiles(over.margin)
     return Spread(
-        name=check.name, title=check.title, passes=float(over.passed.mean()), fails=float(over.failed.mean()),
+        name=name, title=title, passes=float(over.passed.mean()), fails=float(over.failed.mean()),
         weakest=weakest, low=low, middle=middle, high=high,
     )  # fmt: skip
 
@@ -203,10 +204,9 @@ def _one_by_one(
     for k in range(len(given)):
         values[2 * k : 2 * k + 2, k] = ends[k]
     ready = prepared(spec, given, values)
-    tight = [np.full(len(values), _tightness(check)) for check in one.nominal]
-    names = [check.name for check in one.nominal]
-    for block in blocks(ready, [one.rows.belt]):  # so few that there is one
+    tight = {check.name: np.full(len(values), _tightness(check)) for check in one.nominal}
+    for block in blocks(ready, catalog, [one.rows.belt]):  # so few that there is one
         for name, column in checks_of(catalog, one.rows, block).items():
-            if name in names:
-                tight[names.index(name)] = np.broadcast_to(column.tightness, block.count)
-    return np.min(tight, axis=0).reshape(-1, 2)
+            if name in tight or name in SAMPLED:
+                tight[name] = np.broadcast_to(column.tightness, block.count)
+    return np.min([*tight.values()], axis=0).reshape(-1, 2)

@@ -118,6 +118,7 @@ def _scalars(cycles: Cycles, torque: Array, running: NDArray[np.bool_]) -> dict[
         "mean_power": (time * np.abs(_mean_product(torque, np.broadcast_to(speed, torque.shape)))).sum(axis=0) / lasting,
         "peak_power": np.abs(torque * speed).max(axis=(0, 1)),
         "load_torque": np.abs(cycles.torque).max(axis=(0, 1)),
+        "way": cycles.radius * (np.abs(speed).mean(axis=1) * duration).sum(axis=0),  # m, there and back
         "standing": np.where(standing >= 0.0, standing, np.nan),
     }
 

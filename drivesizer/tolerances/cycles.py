@@ -45,6 +45,7 @@ class Cycles(NamedTuple):
     acceleration: Array  # rad/s^2
     torque: Array  # N*m
     inertia: Array  # kg*m^2, of each cycle
+    radius: Array  # m, way of the load per angle of the shaft
     own: dict[str, tuple[Array, Array]]  # demand and limit of the load's own limits
     like: LoadCycle  # the nominal one
     fitted: float  # largest error of the fit, of the largest value; 0: each computed
@@ -138,9 +139,9 @@ def _side_by_side(several: Sequence[LoadCycle], like: LoadCycle) -> Cycles:
         one.name: (np.array([c.own[n].demand for c in several]), np.array([c.own[n].limit for c in several]))
         for n, one in enumerate(like.own)
     }
-    inertia = np.array([cycle.inertia for cycle in several])
+    inertia, radius = (np.array([getattr(cycle, name) for cycle in several]) for name in ("inertia", "radius"))
     return Cycles(
-        column("duration"), column("speed"), column("acceleration"), column("torque"), inertia, own, like, 0.0,
+        column("duration"), column("speed"), column("acceleration"), column("torque"), inertia, radius, own, like, 0.0,
         len(several),
     )  # fmt: skip
 
@@ -269,4 +270,4 @@ def _unfolded(flat: Array, like: LoadCycle, error: float, computed: int) -> Cycl
         if not np.isnan(one.turning):
             demand = np.abs(torque - demand * acceleration).max(axis=(0, 1)) / tail[1]
         own[one.name] = demand, limit
-    return Cycles(duration, speed, acceleration, torque, tail[0], own, like, error, computed)
+    return Cycles(duration, speed, acceleration, torque, tail[0], tail[1], own, like, error, computed)

@@ -30,6 +30,7 @@ from drivesizer.physics_limits import (
     stress,
 )
 from drivesizer.tolerances.behind import AtSamples
+from drivesizer.tolerances.lasting import Feeding, battery_limits
 from drivesizer.tolerances.waves import moments
 from drivesizer.waveform_limits import waveform_limits
 
@@ -55,6 +56,7 @@ class Block(NamedTuple):
     count: int
     specs: tuple[Any, ...]  # with columns
     ats: tuple[Mapping[float, AtSamples], ...]  # by belt ratio
+    feeds: tuple[Feeding | None, ...]  # what feeds the machine
     factors: Mapping[tuple[str, str], Array]  # of the catalogue's figures, by part and class
 
 
@@ -121,18 +123,20 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     rubs = block.factors.get(("motor", "friction"), 1.0)
     found: dict[str, list[tuple[int, CheckColumn]]] = {}
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
-        for check in _of_a_case(spec, ats[one.belt], parts, one, rubs):
+        for check in _of_a_case(spec, ats[one.belt], parts, one, block.feeds[number], rubs):
             found.setdefault(check.name, []).append((number, check))
     return {name: worst_case(same) for name, same in found.items()}
 
 
 def _of_a_case(
-    spec: Any, at: AtSamples, parts: Parts, one: SetRows, rubs: Array | float
+    spec: Any, at: AtSamples, parts: Parts, one: SetRows, feeds: Feeding | None, rubs: Array | float
 ) -> Sequence[CheckColumn]:
     asked = demands(at, parts.motor, parts.gearhead, parts.encoder)
     warm = heat(spec, at, asked, parts.motor, _losses(parts.motor, asked, rubs))
     under = stress(spec, at, asked, warm, parts.motor)
-    found = moments(spec, at, asked, warm, under, parts)
+    found = moments(spec, at, asked, warm, under, parts, energies=feeds is not None)
+    told = found.drawn if asked.sure.all() else found.drawn * np.nan  # least demands are not told as if they were all
+    fed = battery_limits(spec, feeds, at, told, found.returned, found.power, parts) if feeds else []
     moving = [c for c in moving_limits(spec, at, asked, warm, parts) if c.name != "winding_temperature"]
     electrical = [*moving, *electrical_limits(spec, at, asked, under, parts), *waveform_limits(spec, found, parts)]
     return [
@@ -141,6 +145,7 @@ def _of_a_case(
         *motor_limits(spec, parts.motor),
         *doubted(electrical, asked.sure),
         _controller_fits(spec, parts.controller, one),
+        *fed,
     ]
 
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog import Catalog
 from drivesizer.loadcycle import LoadCycle
 from drivesizer.loads import load_cycle
 from drivesizer.platform_cases import on_wheels
@@ -16,6 +17,7 @@ from drivesizer.tolerances.assumptions import Assumption, applied, case_paths
 from drivesizer.tolerances.behind import AtSamples, at_samples
 from drivesizer.tolerances.cycles import Cycles, cycles_of
 from drivesizer.tolerances.evaluate import Block
+from drivesizer.tolerances.lasting import feeding
 from drivesizer.tolerances.sampling import REPLICATES
 from drivesizer.wheel_load import WheelLoad
 from drivesizer.yaml_source import Path_
@@ -140,6 +142,8 @@ _COLUMNS = {
     "supply": {"nominal", "min", "max", "current", "power", "regeneration", "capacitance"},
     "environment": {"ambient"},
     "needs": {"radial_load"},
+    "battery": {"capacity", "health"},
+    "equipment": {"power", "peak_power", "efficiency"},
 }
 
 
@@ -159,29 +163,36 @@ def _shapes(case: _Case, k: int, one: Prepared) -> bool:
 # --- blocks
 
 
-def blocks(one: Prepared, belts: Sequence[float]) -> Iterator[Block]:
+def blocks(one: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[Block]:
     """The samples, some at a time, ready for sets with any of some belt ratios."""
     longest = max(len(case.cycles.duration) for case in one.cases)
     size = int(np.clip(_CELLS // longest, 64, _ROWS))
     for first in range(0, len(one.values), size):
         rows = np.arange(first, min(first + size, len(one.values)))
-        yield _block(one, rows, belts)
+        yield _block(one, catalog, rows, belts)
 
 
-def _block(one: Prepared, rows: NDArray[np.int64], belts: Sequence[float]) -> Block:
+def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequence[float]) -> Block:
     factors = {
         (given.catalogue.part, given.catalogue.figure): np.ascontiguousarray(one.values[rows, k])
         for k, given in enumerate(one.given)
         if given.catalogue
     }
-    specs, ats = [], []
+    specs, ats, feeds = [], [], []
     for case in one.cases:
         spec, efficiency = _with_columns(case, one, rows)
         cycles = case.cycles if case.cycles.count == 1 else _some(case.cycles, case.rows[rows])
         sampled = at_samples(cycles, efficiency)
         specs.append(spec)
         ats.append({belt: AtSamples(sampled, belt) for belt in belts})
-    return Block(len(rows), tuple(specs), tuple(ats), factors)
+        feeds.append(feeding(case.spec, catalog, _ratios(case, one, rows)))
+    return Block(len(rows), tuple(specs), tuple(ats), tuple(feeds), factors)
+
+
+def _ratios(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> dict[Path_, Array]:
+    """Sampled figures of battery and equipment over their nominal ones."""
+    fed = {k: path for k, path in case.paths.items() if path[0] in ("battery", "equipment")}
+    return {path: one.values[rows, k] / one.given[k].nominal for k, path in fed.items()}
 
 
 def _some(cycles: Cycles, rows: NDArray[np.int64]) -> Cycles:
@@ -190,7 +201,7 @@ def _some(cycles: Cycles, rows: NDArray[np.int64]) -> Cycles:
     return cycles._replace(
         duration=cycles.duration[..., rows], speed=cycles.speed[..., rows],
         acceleration=cycles.acceleration[..., rows], torque=cycles.torque[..., rows], inertia=cycles.inertia[rows],
-        own=own,
+        radius=cycles.radius[rows], own=own,
     )  # fmt: skip
 
 
@@ -208,7 +219,7 @@ def _with_columns(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> tuple[
     """A load case as limits see it, and the efficiency of its belt."""
     found: dict[str, dict[str, Array]] = {"supply": {}, "environment": {}, "needs": {}, "transmission": {}}
     for k, path in case.paths.items():
-        if _has_column(path):
+        if path[0] in found and _has_column(path):
             moved = one.values[rows, k] - one.given[k].nominal
             found[str(path[0])][str(path[-1])] = _at(case.spec, path) + moved
     spec, supply = case.spec, found["supply"]

@@ -53,8 +53,7 @@ class Reliability:
     error: float  # of sampling, 95 % to both sides
     unknown: tuple[str, ...]  # titles of checks that no sample can tell
     weakest: str  # title of the check that fails most often, else of the tightest one
-    nominal: float  # smallest margin of all checks at nominal figures
-    low: float  # that 95 % of samples exceed
+    low: float  # smallest margin that 95 % of samples exceed
     middle: float
     high: float
     checks: tuple[Spread, ...]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
+from drivesizer.evaluation import Evaluation
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
 from drivesizer.tolerances.assess import Examined, Subject, drivers, examined
@@ -18,7 +19,7 @@ from drivesizer.tolerances.records import Uncertain, Uncertainty
 from drivesizer.tolerances.sampling import Sample, sample
 from drivesizer.tolerances.schema import FEWEST, MOST
 
-__all__ = ["POOL", "Sampling", "Sure", "asked", "sure"]
+__all__ = ["POOL", "Judged", "Sampling", "asked", "judged", "subject", "subject_of", "told", "uncertainty"]
 
 POOL = 100  # of the best sets are sampled where a confidence is asked for
 
@@ -32,12 +33,15 @@ class Sampling(NamedTuple):
     processes: int = 1
 
 
-class Sure(NamedTuple):
-    """Sets with how sure each is."""
+class Judged(NamedTuple):
+    """Sets over samples, by their rows in what the search found."""
 
-    sets: tuple[DriveSet, ...]  # in their order; where a confidence is asked for, those that reach it
-    unsure: tuple[DriveSet, ...]  # that do not, the surest first
-    uncertainty: Uncertainty
+    good: list[int]  # in their order; where a confidence is asked for, those that reach it
+    bad: list[int]  # that do not, the surest first
+    found: dict[int, tuple[Subject, Examined]]
+    ready: Prepared
+    drawn: Sample
+    how: Sampling
 
 
 def asked(
@@ -69,39 +73,41 @@ def asked(
     )
 
 
-def sure(spec: RobotSpec, catalog: Catalog, sets: Sequence[DriveSet], how: Sampling, top: int) -> Sure:
-    """How sure sets are, and those of them that are sure enough.
+def judged(spec: RobotSpec, catalog: Catalog, subjects: Mapping[int, Subject], how: Sampling) -> Judged:
+    """How sure sets are.
 
     Parameters
     ----------
     spec, catalog
         The machine as it was sized, and the parts.
-    sets
-        That stand at nominal figures, in order; with their checks by physics.
+    subjects
+        Sets that stand at nominal figures, in order, by their rows.
     how
         Samples, seed, and the confidence that is asked for.
-    top
-        How many sets to give.
     """
     given = assumptions(spec)
     drawn = sample(given, how.samples, how.seed)
     ready = prepared(spec, given, drawn.values)
-    drawn = drawn._replace(values=ready.values)
-    subjects = [_subject(catalog, one) for one in sets]
-    found = examined(ready, catalog, subjects, how.processes)
-    judged = [replace(one, reliability=result.reliability) for one, result in zip(sets, found, strict=True)]
-    good, bad = _parted(judged, how.confidence)
-    shown = [*good[:top], *bad[:top]]
-    told = {id(judged[n]): _told(ready, catalog, drawn, subjects[n], found[n], judged[n]) for n in range(len(judged))
-            if any(one is judged[n] for one in shown)}  # fmt: skip
-    kept, fell = ([told[id(one)] for one in some[:top]] for some in (good, bad))
-    return Sure(
-        tuple(replace(one, rank=rank) for rank, one in enumerate(kept, 1)), tuple(fell),
-        _uncertainty(ready, how, drawn, len(judged), len(good)),
+    results = examined(ready, catalog, list(subjects.values()), how.processes)
+    found = {row: (subject, one) for (row, subject), one in zip(subjects.items(), results, strict=True)}
+    chance = {row: one.reliability.probability for row, (_, one) in found.items()}
+    good = [row for row in found if how.confidence is None or chance[row] >= how.confidence]
+    bad = sorted((row for row in found if row not in good), key=lambda row: -chance[row])
+    return Judged(good, bad, found, ready, drawn._replace(values=ready.values), how)
+
+
+def subject(evaluation: Evaluation, row: int) -> Subject:
+    """A set of what a search by physics found."""
+    given = evaluation.candidates
+    rows = SetRows(
+        int(given.motor[row]), int(given.gearhead[row]), int(evaluation.encoder[row]), int(evaluation.controller[row]),
+        float(given.belt[row]),
     )  # fmt: skip
+    return Subject(rows, evaluation.checks_of(row))
 
 
-def _subject(catalog: Catalog, one: DriveSet) -> Subject:
+def subject_of(catalog: Catalog, one: DriveSet) -> Subject:
+    """A set as a record, with its checks by physics among those of either method."""
     rows = SetRows(
         catalog.motors.rows[one.motor.part],
         catalog.gearheads.rows[one.gearhead.part],
@@ -109,36 +115,27 @@ def _subject(catalog: Catalog, one: DriveSet) -> Subject:
         catalog.controllers.rows[one.controller.part] if one.controller else -1,
         one.belt_ratio,
     )
-    by_physics = tuple(check for check in (*one.checks, *one.beside) if check.method == "physics")
-    return Subject(rows, by_physics)
+    return Subject(rows, tuple(check for check in (*one.checks, *one.beside) if check.method == "physics"))
 
 
-def _parted(sets: Sequence[DriveSet], confidence: float | None) -> tuple[list[DriveSet], list[DriveSet]]:
-    """Those that are sure enough, in their order, and the others, the surest first."""
-    if confidence is None:
-        return list(sets), []
-    good = [one for one in sets if one.reliability and one.reliability.reaches(confidence)]
-    bad = [one for one in sets if one.reliability and not one.reliability.reaches(confidence)]
-    return good, sorted(bad, key=lambda one: -one.reliability.probability if one.reliability else 0.0)
-
-
-def _told(
-    ready: Prepared, catalog: Catalog, drawn: Sample, subject: Subject, found: Examined, one: DriveSet
-) -> DriveSet:
-    """A set that is shown, with what matters most."""
-    said = drivers(subject, catalog, ready.spec, ready.given, drawn, found.smallest)
+def told(judged_: Judged, catalog: Catalog, row: int, one: DriveSet) -> DriveSet:
+    """A set with how sure it is, and what matters most for it."""
+    what, found = judged_.found[row]
+    ready = judged_.ready
+    said = drivers(what, catalog, ready.spec, ready.given, judged_.drawn, found.smallest)
     return replace(one, reliability=replace(found.reliability, drivers=said))
 
 
-def _uncertainty(ready: Prepared, how: Sampling, drawn: Sample, examined_: int, reached: int) -> Uncertainty:
+def uncertainty(one: Judged) -> Uncertainty:
+    """What all sets have in common."""
     return Uncertainty(
-        assumptions=tuple(_uncertain(one) for one in ready.given),
-        samples=drawn.count,
-        seed=how.seed,
-        confidence=how.confidence,
-        examined=examined_,
-        reached=reached,
-        notes=_notes(ready, how, examined_),
+        assumptions=tuple(_uncertain(given) for given in one.ready.given),
+        samples=one.drawn.count,
+        seed=one.how.seed,
+        confidence=one.how.confidence,
+        examined=len(one.found),
+        reached=len(one.good),
+        notes=_notes(one.ready, one.how, len(one.found)),
     )
 
 
@@ -153,11 +150,12 @@ def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
     said = [
         "limits are the catalogue's, at their printed figures; encoder and controller are those of the nominal set; all "
         "motor sets of the machine are off alike",
-        "the probability is that no check of the physics fails at nominal budgets of mass, room and battery",
+        "the probability is that no check of the physics fails, nor the battery's autonomy, range and peak; other budgets "
+        "of the machine are at nominal figures",
     ]
     if ready.spec.method == "paper":
         said.append("the paper's factors do not enter: the checks that are sampled are the physics beside it")
-    if 0.0 < ready.fitted:
+    if ready.fitted > 1e-12:
         said.append(f"load cycles of the samples are fitted to {ready.fitted:.0e} of their largest value")
     if ready.shared < len(ready.values):
         said.append(f"the samples share {ready.shared} load cycles, each computed by itself")

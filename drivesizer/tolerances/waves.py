@@ -27,9 +27,10 @@ _AT_ONCE = 1 << 14  # pieces times samples whose heat is computed at a time: wha
 
 
 def moments(
-    spec: Any, at: AtSamples, asked: Demands, warm: Heat, under: Stress, parts: Parts
+    spec: Any, at: AtSamples, asked: Demands, warm: Heat, under: Stress, parts: Parts, *,
+    energies: bool,
 ) -> Moments:
-    """What the waveform asks of a set, sample by sample; energies only where returned energy has to be stored.
+    """What the waveform asks of a set, sample by sample.
 
     Parameters
     ----------
@@ -37,24 +38,27 @@ def moments(
         With columns in place of the figures that are sampled.
     at, asked, warm, under, parts
         As ``waveform_limits.exact`` takes them.
+    energies
+        Tell what is drawn and returned; else these are NaN.
     """
     k_t = parts.motor["torque_constant"]
     current = at.line(asked.coefficients) / k_t
     nothing = np.full(current.shape[-1], np.nan)
-    power = when = stored = nothing
+    power = when = stored = drawn = returned = nothing
     limit = np.broadcast_to(parts.controller["continuous_current"], nothing.shape)
     above = np.where(np.isnan(limit), np.nan, 0.0)
     stores = not np.any(spec.supply.regeneration)
-    if spec.supply.current is not None or spec.supply.power is not None or stores or (under.current.value > limit).any():
+    limited = spec.supply.current is not None or spec.supply.power is not None
+    if limited or stores or energies or (under.current.value > limit).any():
         volts = at.line(volts_of(asked, k_t, under.hot))
         duration = np.broadcast_to(at.sampled.duration, (len(volts), len(nothing))).T
         wave = Wave(duration, np.moveaxis(current, -1, 0), np.moveaxis(volts, -1, 0))
         power, when = largest_power(wave)
         above = longest_above(wave, limit)
-        if stores:
-            stored = energy(wave).stored
+        if stores or energies:
+            drawn, returned, stored = energy(wave, storing=stores)
     winding = _winding(spec, at, current, warm, parts.motor)
-    return Moments(winding, nothing, power, when, nothing, nothing, stored, above)
+    return Moments(winding, nothing, power, when, drawn, returned, stored, above)
 
 
 def _winding(spec: Any, at: AtSamples, current: Array, warm: Heat, motor: Any) -> Array:
