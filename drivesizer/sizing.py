@@ -106,7 +106,9 @@ def size(
     pool = POOL if sampling and sampling.confidence is not None else 0
     most = max(top * _FURTHER if spec.battery or spec.budget else top, pool)
     found = search(spec, catalog, top=most, objective=objective, pareto=pareto, progress=progress)
-    certain = judged(spec, catalog, _subjects(found, spec, catalog, objective, pool), sampling) if pool else None
+    certain = (
+        judged(spec, catalog, _subjects(found, spec, catalog, objective, pool), sampling) if sampling and pool else None
+    )
     best, short = _divided(found, spec, objective, top, certain.good if certain else range(found.standing))
     if sampling and not certain and best:
         certain = judged(spec, catalog, _subjects(found, spec, catalog, objective, 0, best), sampling)

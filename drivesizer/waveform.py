@@ -181,7 +181,8 @@ def longest_run(duration: Array, enter: Array, leave: Array, whole: NDArray[np.b
         longest = np.where(whole, 0.0, ends - before).max(axis=1)
     total = total[..., 0]
     longest = np.maximum(longest - 8 * np.spacing(total), 0.0)  # what rounding of the times may have added
-    return np.where(whole.all(axis=1), total, longest)
+    run: Array = np.where(whole.all(axis=1), total, longest)
+    return run
 
 
 def _below(found: Wave, limit: Array) -> tuple[Array, Array, NDArray[np.bool_]]:

@@ -76,7 +76,7 @@ def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], pro
         parts: list[list[dict[str, _Over]]] = [[] for _ in some]
         for block in kept or blocks(given, catalog, belts):
             for part, one in zip(parts, some, strict=True):
-                part.append({n: _over(c, block.count) for n, c in checks_of(catalog, one.rows, block).items()})
+                part.append({n: _over(c, block.size) for n, c in checks_of(catalog, one.rows, block).items()})
         found += [_reduced(one, part) for one, part in zip(some, parts, strict=True)]
     return found
 
@@ -109,10 +109,7 @@ def _constant(check: Check, count: int) -> _Over:
 
 def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
     """What the samples of a set amount to."""
-    joined = {
-        name: parts[0][name] if len(parts) == 1 else _Over(*(np.concatenate(c) for c in zip(*(p[name] for p in parts), strict=True)))
-        for name in parts[0]
-    }  # fmt: skip
+    joined = parts[0] if len(parts) == 1 else {name: _one_after_the_other([p[name] for p in parts]) for name in parts[0]}
     count = len(next(iter(joined.values())).passed)
     every = {check.name: joined.get(check.name) or _constant(check, count) for check in one.nominal}
     every |= {name: joined[name] for name in SAMPLED if name in joined}
@@ -121,7 +118,9 @@ def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
     tight = np.array([over.tightness for over in every.values()])
     smallest, place = tight.min(axis=0), tight.argmin(axis=0)
     weakest = np.bincount(place, weights=np.isfinite(smallest), minlength=len(every)) / count
-    spreads = [_spread(name, titles[name], over, float(w)) for (name, over), w in zip(every.items(), weakest, strict=True)]
+    spreads = [
+        _spread(name, titles[name], over, float(w)) for (name, over), w in zip(every.items(), weakest, strict=True)
+    ]
     share = mean_and_error(~failed)
     low, middle, high = _quantiles(smallest)
     return Examined(
@@ -137,6 +136,10 @@ def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
         ),
         smallest,
     )
+
+
+def _one_after_the_other(parts: Sequence[_Over]) -> _Over:
+    return _Over(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
 def _tightness(check: Check) -> float:
@@ -196,9 +199,7 @@ def drivers(
     return tuple(sorted(found, key=lambda driver: (-driver.share, driver.name)))
 
 
-def _one_by_one(
-    one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption], ends: Array
-) -> Array:
+def _one_by_one(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption], ends: Array) -> Array:
     """Smallest margin with one assumption at either end and all others nominal: (assumptions, 2)."""
     values = np.tile([assumption.nominal for assumption in given], (2 * len(given), 1))
     for k in range(len(given)):
@@ -208,5 +209,6 @@ def _one_by_one(
     for block in blocks(ready, catalog, [one.rows.belt]):  # so few that there is one
         for name, column in checks_of(catalog, one.rows, block).items():
             if name in tight or name in SAMPLED:
-                tight[name] = np.broadcast_to(column.tightness, block.count)
-    return np.min([*tight.values()], axis=0).reshape(-1, 2)
+                tight[name] = np.broadcast_to(column.tightness, block.size)
+    found: Array = np.min([*tight.values()], axis=0).reshape(-1, 2)
+    return found

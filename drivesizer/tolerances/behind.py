@@ -115,7 +115,8 @@ def _scalars(cycles: Cycles, torque: Array, running: NDArray[np.bool_]) -> dict[
         "peak_torque": np.abs(torque).max(axis=(0, 1)),
         "peak_speed": fastest,
         "sustained_speed": np.where(kept >= 0.0, kept, fastest),
-        "mean_power": (time * np.abs(_mean_product(torque, np.broadcast_to(speed, torque.shape)))).sum(axis=0) / lasting,
+        "mean_power": (time * np.abs(_mean_product(torque, np.broadcast_to(speed, torque.shape)))).sum(axis=0)
+        / lasting,
         "peak_power": np.abs(torque * speed).max(axis=(0, 1)),
         "load_torque": np.abs(cycles.torque).max(axis=(0, 1)),
         "way": cycles.radius * (np.abs(speed).mean(axis=1) * duration).sum(axis=0),  # m, there and back

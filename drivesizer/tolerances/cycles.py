@@ -52,9 +52,9 @@ class Cycles(NamedTuple):
     computed: int  # how many cycles that took
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         """How many cycles."""
-        return self.duration.shape[1]
+        return int(self.duration.shape[1])
 
 
 def cycles_of(make: Make, nominal: Array, values: Array) -> Cycles:

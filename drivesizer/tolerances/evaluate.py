@@ -53,7 +53,7 @@ class SetRows(NamedTuple):
 class Block(NamedTuple):
     """Some of the samples, ready for any set: a load case each."""
 
-    count: int
+    size: int
     specs: tuple[Any, ...]  # with columns
     ats: tuple[Mapping[float, AtSamples], ...]  # by belt ratio
     feeds: tuple[Feeding | None, ...]  # what feeds the machine
@@ -83,7 +83,7 @@ class _Figures:
 def _motor(catalog: Catalog, row: int, block: Block) -> _Figures:
     """A motor's figures, each times its factor; heat capacities stay what they are."""
     f = {figure: column for (part, figure), column in block.factors.items() if part == "motor"}
-    printed = _Figures(catalog.motors, row, block.count, {}).nominal
+    printed = _Figures(catalog.motors, row, block.size, {}).nominal
     one = np.ones(1)
     rubs, heats, k = f.get("friction", one), f.get("thermal_resistance", one), f.get("torque_constant", one)
     times = {
@@ -92,33 +92,33 @@ def _motor(catalog: Catalog, row: int, block: Block) -> _Figures:
         "thermal_resistance_winding": heats, "thermal_resistance_housing": heats,
         "winding_time_constant": heats, "motor_time_constant": heats,
     }  # fmt: skip
-    whole = np.ones(block.count)
+    whole = np.ones(block.size)
     changed = {
         name: printed(name) * factor * (whole if name in _WHOLE else 1.0)
         for name, factor in times.items()
         if factor is not one or name in _WHOLE
     }
-    return _Figures(catalog.motors, row, block.count, changed)
+    return _Figures(catalog.motors, row, block.size, changed)
 
 
 def _gearhead(catalog: Catalog, row: int, block: Block) -> _Figures:
     """A gearhead's figures; the factor of its losses is that of 1/e - 1, so that no efficiency leaves 0 to 1."""
-    printed = _Figures(catalog.gearheads, row, block.count, {}).nominal
+    printed = _Figures(catalog.gearheads, row, block.size, {}).nominal
     changed = {}
     if (losses := block.factors.get(("gearhead", "efficiency"))) is not None:
         changed["efficiency"] = 1.0 / (1.0 + (1.0 / printed("efficiency") - 1.0) * losses)
         changed["no_load_torque"] = printed("no_load_torque") * losses
     if (gains := block.factors.get(("gearhead", "inertia"))) is not None:
         changed["inertia"] = printed("inertia") * gains
-    return _Figures(catalog.gearheads, row, block.count, changed)
+    return _Figures(catalog.gearheads, row, block.size, changed)
 
 
 def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
     """Every check that samples may change, by name: columns over the samples, the worst of all load cases."""
     motor, gearhead = _motor(catalog, one.motor, block), _gearhead(catalog, one.gearhead, block)
     parts = Parts(
-        motor, gearhead, _Figures(catalog.encoders, one.encoder, block.count, {}),
-        _Figures(catalog.controllers, one.controller, block.count, {}),
+        motor, gearhead, _Figures(catalog.encoders, one.encoder, block.size, {}),
+        _Figures(catalog.controllers, one.controller, block.size, {}),
     )  # fmt: skip
     rubs = block.factors.get(("motor", "friction"), 1.0)
     found: dict[str, list[tuple[int, CheckColumn]]] = {}

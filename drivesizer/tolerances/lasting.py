@@ -56,7 +56,9 @@ def feeding(spec: RobotSpec, catalog: Catalog, ratios: Mapping[Path_, Array]) ->
         return None  # what the wheels of a platform draw together is not told by one of them
     pack = pack_of(spec.battery, catalog)
     charge = ratios.get(("battery", "capacity"), 1.0) * ratios.get(("battery", "health"), 1.0)
-    mission, mean, peak = spec.mission.duration if spec.mission else None, 0.0, 0.0
+    mission = spec.mission.duration if spec.mission else None
+    mean: Any = 0.0
+    peak: Any = 0.0
     for number, one in enumerate(spec.equipment):
         each = one.number / one.efficiency / ratios.get(("equipment", number, "efficiency"), 1.0)
         steady = one.power * ratios.get(("equipment", number, "power"), 1.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -58,7 +59,7 @@ class Prepared(NamedTuple):
     @property
     def shared(self) -> int:
         """How many load cycles the samples share; as many as samples where each has its own."""
-        several = [case.cycles.count for case in self.cases if case.cycles.count > 1]
+        several = [case.cycles.size for case in self.cases if case.cycles.size > 1]
         return min(several, default=len(self.values))
 
 
@@ -79,15 +80,20 @@ def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array) -> Pre
         paths, make = _cycle_of(spec, case, number, name, given)
         own = sorted(paths)
         nominal = np.array([given[k].nominal for k in own])
-        cycles = cycles_of(lambda v, own=own, make=make: make(dict(zip(own, v.tolist(), strict=True))), nominal, values[:, own])  # type: ignore[misc]
-        rows = _rows(len(values), cycles.count)
+        cycles = cycles_of(partial(_made, make, own), nominal, values[:, own])
+        rows = _rows(len(values), cycles.size)
         cases.append(_Case(name, case, paths, cycles, rows))
-        if 1 < cycles.count < len(values):  # what shapes a shared cycle is what that was made with
-            each, some = len(values) // REPLICATES, cycles.count // REPLICATES
+        if 1 < cycles.size < len(values):  # what shapes a shared cycle is what that was made with
+            each, some = len(values) // REPLICATES, cycles.size // REPLICATES
             mine = [k for k in own if not _has_column(paths[k])]
             values = values.copy()
             values[:, mine] = values[rows // some * each + rows % some][:, mine]
     return Prepared(spec, tuple(given), values, tuple(cases))
+
+
+def _made(make: Callable[[Mapping[int, float]], LoadCycle], own: Sequence[int], values: Array) -> LoadCycle:
+    """A load cycle at values of the assumptions that count in it."""
+    return make(dict(zip(own, values.tolist(), strict=True)))
 
 
 def _rows(samples: int, cycles: int) -> NDArray[np.int64]:
@@ -111,7 +117,10 @@ def _cycle_of(
     every = {k: path for one in places for k, path in one.items()}
 
     def cycle(values: Mapping[int, float]) -> LoadCycle:
-        moved = [applied(part, _moves(paths, values, given)) for paths, (_, part) in zip(places, whole.load_cases, strict=True)]
+        moved = [
+            applied(part, _moves(paths, values, given))
+            for paths, (_, part) in zip(places, whole.load_cases, strict=True)
+        ]
         first = moved[0].model_copy()
         first._cases = tuple((n, part) for (n, _), part in zip(whole.load_cases[1:], moved[1:], strict=True))
         found = dict(on_wheels(first).load_cases)
@@ -149,7 +158,7 @@ _COLUMNS = {
 
 def _has_column(path: Path_) -> bool:
     """Whether a figure is one that checks ask for beside the load cycle."""
-    return str(path[-1]) in _COLUMNS.get(str(path[0]), set()) or path[0] == "transmission" and path[-1] in _BELT
+    return str(path[-1]) in _COLUMNS.get(str(path[0]), set()) or (path[0] == "transmission" and path[-1] in _BELT)
 
 
 _BELT = {"efficiency", "stiffness", "max_tension", "max_speed"}
@@ -157,7 +166,7 @@ _BELT = {"efficiency", "stiffness", "max_tension", "max_speed"}
 
 def _shapes(case: _Case, k: int, one: Prepared) -> bool:
     """Whether a figure is one of the load, its motion, or what else shapes a cycle."""
-    return case.cycles.count > 1 and case.paths[k][0] in ("load", "motion", "environment", "transmission", "platform")
+    return case.cycles.size > 1 and case.paths[k][0] in ("load", "motion", "environment", "transmission", "platform")
 
 
 # --- blocks
@@ -181,7 +190,7 @@ def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequ
     specs, ats, feeds = [], [], []
     for case in one.cases:
         spec, efficiency = _with_columns(case, one, rows)
-        cycles = case.cycles if case.cycles.count == 1 else _some(case.cycles, case.rows[rows])
+        cycles = case.cycles if case.cycles.size == 1 else _some(case.cycles, case.rows[rows])
         sampled = at_samples(cycles, efficiency)
         specs.append(spec)
         ats.append({belt: AtSamples(sampled, belt) for belt in belts})
@@ -217,7 +226,7 @@ class _Seen:
 
 def _with_columns(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> tuple[Any, Any]:
     """A load case as limits see it, and the efficiency of its belt."""
-    found: dict[str, dict[str, Array]] = {"supply": {}, "environment": {}, "needs": {}, "transmission": {}}
+    found: dict[str, dict[str, Any]] = {"supply": {}, "environment": {}, "needs": {}, "transmission": {}}
     for k, path in case.paths.items():
         if path[0] in found and _has_column(path):
             moved = one.values[rows, k] - one.given[k].nominal
@@ -226,7 +235,9 @@ def _with_columns(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> tuple[
     nominal = supply.get("nominal", spec.supply.nominal)
     supply["lowest"] = supply.get("min", spec.supply.min or nominal)
     supply["highest"] = supply.get("max", spec.supply.max or nominal)
-    columns: dict[str, Any] = {name: _Seen(getattr(spec, name), found[name]) for name in ("supply", "environment", "needs")}
+    columns: dict[str, Any] = {
+        name: _Seen(getattr(spec, name), found[name]) for name in ("supply", "environment", "needs")
+    }
     columns["belt"] = _Seen(spec.belt, found["transmission"]) if spec.belt else None
     return _Seen(spec, columns), found["transmission"].get("efficiency", spec.belt_efficiency)
 

@@ -130,7 +130,7 @@ def uncertainty(one: Judged) -> Uncertainty:
     """What all sets have in common."""
     return Uncertainty(
         assumptions=tuple(_uncertain(given) for given in one.ready.given),
-        samples=one.drawn.count,
+        samples=one.drawn.size,
         seed=one.how.seed,
         confidence=one.how.confidence,
         examined=len(one.found),
@@ -148,10 +148,10 @@ def _uncertain(one: Assumption) -> Uncertain:
 def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
     """What the probabilities rest on."""
     said = [
-        "limits are the catalogue's, at their printed figures; encoder and controller are those of the nominal set; all "
-        "motor sets of the machine are off alike",
-        "the probability is that no check of the physics fails, nor the battery's autonomy, range and peak; other budgets "
-        "of the machine are at nominal figures",
+        "limits are the catalogue's, as printed; encoder and controller are those of the nominal set; all motor sets "
+        "of the machine are off alike",
+        "the probability is that no check of the physics fails, nor the battery's autonomy, range and peak; other "
+        "budgets of the machine are at nominal figures",
     ]
     if ready.spec.method == "paper":
         said.append("the paper's factors do not enter: the checks that are sampled are the physics beside it")

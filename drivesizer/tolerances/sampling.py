@@ -29,7 +29,7 @@ class Sample(NamedTuple):
     values: Array  # (samples, assumptions), SI; of a catalogue figure its factor
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         """How many samples."""
         return len(self.cube)
 

@@ -52,7 +52,8 @@ def first_order(inputs: Array, output: Array) -> Array:
     order = np.argsort(inputs, axis=0, kind="stable")
     share = np.square(cosines @ centred[order]).sum(axis=0) / total
     noise = _COSINES / (count - 1)
-    return np.clip((share - noise) / (1.0 - noise), 0.0, 1.0)
+    found: Array = np.clip((share - noise) / (1.0 - noise), 0.0, 1.0)
+    return found
 
 
 def rank_correlations(inputs: Array, output: Array) -> Array:
@@ -70,4 +71,5 @@ def _ranks(columns: Array) -> Array:
         _, where, many = np.unique(column, return_inverse=True, return_counts=True)
         last = np.cumsum(many)
         found[:, k] = (last - (many - 1) / 2.0)[where]
-    return found - found.mean(axis=0)
+    found -= found.mean(axis=0)
+    return found

@@ -27,7 +27,13 @@ _AT_ONCE = 1 << 14  # pieces times samples whose heat is computed at a time: wha
 
 
 def moments(
-    spec: Any, at: AtSamples, asked: Demands, warm: Heat, under: Stress, parts: Parts, *,
+    spec: Any,
+    at: AtSamples,
+    asked: Demands,
+    warm: Heat,
+    under: Stress,
+    parts: Parts,
+    *,
     energies: bool,
 ) -> Moments:
     """What the waveform asks of a set, sample by sample.
@@ -79,13 +85,14 @@ def _winding(spec: Any, at: AtSamples, current: Array, warm: Heat, motor: Any) -
 
 
 def _pieces(at: AtSamples, current: Array, winding: float, housing: float) -> NDArray[np.int64]:
-    """In how many pieces each segment is taken: to 1 % of what a change within it would do, where ``physics`` has 0.1 %.
+    """In how many pieces each segment is taken: to 1 % of what a change within it would do; ``physics`` has 0.1 %.
 
     A current that changes counts by the winding's time constant, a loss at the housing alone by the housing's.
     """
     duration, steady = at.sampled.duration.max(axis=-1), (at.speeds[:, 0] == at.speeds[:, 1]).all(axis=-1)
     quickest = np.where((current[:, 0] == current[:, 1]).all(axis=-1), np.where(steady, np.inf, housing), winding)
-    return np.clip(np.ceil(np.sqrt(duration / quickest / 0.12)), 1, _FINEST).astype(np.int64)
+    found: NDArray[np.int64] = np.clip(np.ceil(np.sqrt(duration / quickest / 0.12)), 1, _FINEST).astype(np.int64)
+    return found
 
 
 def _block(
