@@ -77,13 +77,13 @@ def test_one_normal_figure_against_one_limit(plain: str, parts: Catalog) -> None
     controller = parts.controllers.record(one.rows.controller)
     needed = float(volts.demand[row]) / controller.max_duty + controller.voltage_drop  # at the supply
     assert limit[row] >= 1.0 and 20.0 < needed <= 22.0
-    spec = _read(plain, {"min: 22 V ": f"min: normal({needed + 0.4:.6f} V, 0.5 V) "}, NONE)
+    spec = _read(plain, {"min: 22 V ": f"min: normal({needed + 0.2:.6f} V, 0.25 V) "}, NONE)
     off = []
     for seed in range(20):
         given = assumptions(spec)
         drawn = sample(given, 4096, seed)
         result = examined(prepared(spec, given, drawn.values), parts, [one])[0].reliability
-        exact = 1.0 - stats.truncnorm(-4.0, 4.0).cdf(-0.4 / 0.5)
+        exact = 1.0 - stats.truncnorm(-4.0, 4.0).cdf(-0.2 / 0.25)
         passes = next(check.passes for check in result.checks if check.name == "supply_voltage")
         off.append(abs(passes - exact) / max(result.error, 1.0 / drawn.size))
         assert passes == pytest.approx(exact, abs=1e-3)
@@ -116,9 +116,9 @@ def test_where_all_samples_agree_the_rule_of_three_tells_the_error() -> None:
 
 def test_first_order_indices_of_a_linear_model() -> None:
     weights = np.array([1.0, 2.0, -3.0, 0.5])
-    cube = np.random.default_rng(3).random((8192, 4))
+    cube = stats.qmc.Sobol(4, rng=np.random.default_rng(3)).random_base2(13)
     found = first_order(cube, cube @ weights)
-    np.testing.assert_allclose(found, weights**2 / (weights @ weights), atol=0.01)
+    np.testing.assert_allclose(found, weights**2 / (weights @ weights), atol=0.003)
     np.testing.assert_array_equal(np.sign(rank_correlations(cube, cube @ weights)), np.sign(weights))
 
 
@@ -128,9 +128,9 @@ def test_first_order_indices_of_ishigamis_function_and_scipys() -> None:
     def ishigami(x: Any) -> Any:
         return np.sin(x[0]) + 7.0 * np.sin(x[1]) ** 2 + 0.1 * x[2] ** 4 * np.sin(x[0])
 
-    cube = np.random.default_rng(4).random((16384, 3))
+    cube = stats.qmc.Sobol(3, rng=np.random.default_rng(4)).random_base2(14)
     found = first_order(cube, ishigami(np.pi * (2.0 * cube.T - 1.0)))
-    np.testing.assert_allclose(found, [0.3139, 0.4424, 0.0], atol=0.015)
+    np.testing.assert_allclose(found, [0.3139, 0.4424, 0.0], atol=0.006)
     theirs = stats.sobol_indices(
         func=ishigami, n=8192, dists=[stats.uniform(-np.pi, 2 * np.pi)] * 3, rng=np.random.default_rng(5)
     )
@@ -262,7 +262,10 @@ def _alike(plainly: Evaluation, got: dict[str, Any], row: int, size: int) -> Non
         near = 1e-3 if check.name == "winding_temperature" else 1e-5
         for name in ("demand", "limit"):
             column = np.broadcast_to(getattr(mine, name), size)
-            np.testing.assert_allclose(column[row], getattr(check, name)[0], rtol=near, err_msg=check.name)
+            largest = np.abs(column[np.isfinite(column)]).max(initial=0.0)
+            np.testing.assert_allclose(
+                column[row], getattr(check, name)[0], rtol=near, atol=near * largest, err_msg=check.name
+            )
         if not abs(check.margin[0]) < 10 * near:  # else rounding decides
             for name in ("passed", "failed"):
                 assert np.broadcast_to(getattr(mine, name), size)[row] == getattr(check, name)[0], check.name
