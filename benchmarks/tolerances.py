@@ -116,7 +116,9 @@ def main() -> None:
     print(f"{'drivesizer size, whole process':40}{size_cpu:10.2f} s{size_wall:10.2f} s")
     print(f"{f'{SAMPLES:,} samples of {SETS} sets':40}{cpu:10.2f} s{wall:10.2f} s")
     print(f"{'samples / size':40}{cpu / size_cpu:12.2f}{wall / size_wall:12.2f}   goal: at most 3")
-    print(f"{'one by one, by the plain evaluation':40}{each * SAMPLES * SETS:10.0f} s   {each * SAMPLES * SETS / cpu:.0f} x")
+    print(
+        f"{'one by one, by the plain evaluation':40}{each * SAMPLES * SETS:10.0f} s   {each * SAMPLES * SETS / cpu:.0f} x"
+    )
 
 
 if __name__ == "__main__":

@@ -278,7 +278,9 @@ def _lasts(
     moved = _moved(spec, given, values)
     assert moved.battery
     record = drive_set(plainly, 0, 1, "mass")
-    budget = {check.name: check for check in energy_budget(moved, record, moved.battery, moved.equipment, catalog).checks}
+    budget = {
+        check.name: check for check in energy_budget(moved, record, moved.battery, moved.equipment, catalog).checks
+    }
     for name in ("battery_autonomy", "battery_power", "battery_peak_current"):
         for side in ("demand", "limit"):
             column = np.broadcast_to(getattr(got[name], side), size)

@@ -43,7 +43,9 @@ def test_a_tolerance_is_read_as_it_is_written(text: str) -> None:
     assert (found.distribution.low, found.distribution.high) == pytest.approx((low, high), rel=1e-12)
 
 
-@pytest.mark.parametrize("text", ["118 mm", "-5 deg", "27:1", "robot +- x", "RE 25", "1e-5", "EC 45 flat (70 W)", "a..b"])
+@pytest.mark.parametrize(
+    "text", ["118 mm", "-5 deg", "27:1", "robot +- x", "RE 25", "1e-5", "EC 45 flat (70 W)", "a..b"]
+)
 def test_what_carries_none_is_left_alone(text: str) -> None:
     assert not has_tolerance(text)
 
@@ -154,7 +156,10 @@ def test_a_tolerance_that_leads_astray_is_refused(example_text: str, old: str, n
 )
 def test_options_out_of_range_end_with_status_2(example: Path, options: list[str], said: str) -> None:
     run = subprocess.run(
-        [sys.executable, "-m", "drivesizer", "size", str(example), *options], capture_output=True, text=True, check=False
+        [sys.executable, "-m", "drivesizer", "size", str(example), *options],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert (run.returncode, run.stdout) == (2, "")
     assert said in run.stderr and len(run.stderr.strip().splitlines()) == 1

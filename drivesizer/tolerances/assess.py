@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,7 +97,12 @@ def _over(check: CheckColumn, count: int) -> _Over:
     """What is kept of a check; one figure where all samples have the same."""
     margin = check.margin
     tight = np.where(np.isnan(margin) | (check.by_choice & check.passed), np.inf, margin)
-    return _Over(*(np.broadcast_to(x, count) for x in (check.passed, check.failed, margin, tight)))
+    return _Over(*(_as_many(x, count) for x in (check.passed, check.failed, margin, tight)))
+
+
+def _as_many(column: NDArray[Any], count: int) -> NDArray[Any]:
+    """A column of so many samples; of a single figure a view."""
+    return column if column.shape == (count,) else np.broadcast_to(column, count)
 
 
 def _constant(check: Check, count: int) -> _Over:
@@ -109,15 +114,20 @@ def _constant(check: Check, count: int) -> _Over:
 
 def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
     """What the samples of a set amount to."""
-    joined = parts[0] if len(parts) == 1 else {name: _one_after_the_other([p[name] for p in parts]) for name in parts[0]}
+    joined = (
+        parts[0] if len(parts) == 1 else {name: _one_after_the_other([p[name] for p in parts]) for name in parts[0]}
+    )
     count = len(next(iter(joined.values())).passed)
     every = {check.name: joined.get(check.name) or _constant(check, count) for check in one.nominal}
     every |= {name: joined[name] for name in SAMPLED if name in joined}
     titles = {check.name: check.title for check in one.nominal} | {name: TITLES["budget"][name] for name in SAMPLED}
-    failed: NDArray[np.bool_] = np.logical_or.reduce([over.failed for over in every.values()])
-    tight = np.array([over.tightness for over in every.values()])
-    smallest, place = tight.min(axis=0), tight.argmin(axis=0)
-    weakest = np.bincount(place, weights=np.isfinite(smallest), minlength=len(every)) / count
+    failed, smallest, place = np.zeros(count, bool), np.full(count, np.inf), np.full(count, -1)
+    for number, over in enumerate(every.values()):
+        failed |= over.failed
+        tighter = over.tightness < smallest
+        place[tighter] = number
+        smallest = np.minimum(smallest, over.tightness)
+    weakest = np.bincount(place + 1, minlength=len(every) + 1)[1:] / count
     spreads = [
         _spread(name, titles[name], over, float(w)) for (name, over), w in zip(every.items(), weakest, strict=True)
     ]
@@ -149,19 +159,22 @@ def _tightness(check: Check) -> float:
 def _spread(name: str, title: str, over: _Over, weakest: float) -> Spread:
     low, middle, high = _quantiles(over.margin)
     return Spread(
-        name=name, title=title, passes=float(over.passed.mean()), fails=float(over.failed.mean()),
+        name=name, title=title, passes=np.count_nonzero(over.passed) / len(over.passed),
+        fails=np.count_nonzero(over.failed) / len(over.failed),
         weakest=weakest, low=low, middle=middle, high=high,
     )  # fmt: skip
 
 
 def _quantiles(values: Array) -> tuple[float, float, float]:
     """The values that 5 %, 50 % and 95 % of all lie below; NaN where one of them is unknown."""
-    if values.strides == (0,) or np.isnan(values[0]):
-        return (float(values[0]),) * 3 if not np.isnan(values).any() else (math.nan,) * 3
-    places = [min(int(q * len(values)), len(values) - 1) for q in _QUANTILES]
-    ordered = np.partition(values, places)
-    low, middle, high = (math.nan if np.isnan(ordered[-1]) else float(ordered[place]) for place in places)
-    return low, middle, high
+    if values.strides == (0,):  # all the same
+        return (float(values[0]),) * 3
+    if np.isnan(values).any():
+        return (math.nan,) * 3
+    low, middle, high = (int(q * len(values)) for q in _QUANTILES)
+    halves = np.partition(values, middle)
+    below, above = np.partition(halves[: middle + 1], low), np.partition(halves[middle:], high - middle)
+    return float(below[low]), float(halves[middle]), float(above[high - middle])
 
 
 # --- what matters

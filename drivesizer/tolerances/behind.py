@@ -16,7 +16,7 @@ from drivesizer.loadcycle import OwnLimit
 from drivesizer.physics import AT_REST, SPEED, AtGearhead, Peak
 from drivesizer.tolerances.cycles import Cycles
 
-__all__ = ["AtSamples", "Sampled", "Seen", "at_samples"]
+__all__ = ["AtSamples", "Sampled", "Seen", "at_samples", "mean_product"]
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def at_samples(cycles: Cycles, efficiency: Array) -> Sampled:
     )  # fmt: skip
 
 
-def _mean_product(a: Array, b: Array) -> Array:
+def mean_product(a: Array, b: Array) -> Array:
     """Mean of a product over each segment: (segments, cycles)."""
     found: Array = (2 * a[:, 0] * b[:, 0] + a[:, 0] * b[:, 1] + a[:, 1] * b[:, 0] + 2 * a[:, 1] * b[:, 1]) / 6
     return found
@@ -95,7 +95,7 @@ def _moments(duration: Array, functions: Array) -> Array:
     active = [k for k in range(6) if functions[k].any()]
     for a in active:
         for b in active[: active.index(a) + 1]:
-            found[a, b] = found[b, a] = (share * _mean_product(functions[a], functions[b])).sum(axis=0)
+            found[a, b] = found[b, a] = (share * mean_product(functions[a], functions[b])).sum(axis=0)
     return found
 
 
@@ -111,12 +111,11 @@ def _scalars(cycles: Cycles, torque: Array, running: NDArray[np.bool_]) -> dict[
     resting = (speed == 0.0).all(axis=1) & (duration > 0.0)
     standing = np.where(resting[:, None], np.abs(torque), -1.0).max(axis=(0, 1))
     return {
-        "rms_torque": np.sqrt((time * _mean_product(torque, torque)).sum(axis=0) / lasting),
+        "rms_torque": np.sqrt((time * mean_product(torque, torque)).sum(axis=0) / lasting),
         "peak_torque": np.abs(torque).max(axis=(0, 1)),
         "peak_speed": fastest,
         "sustained_speed": np.where(kept >= 0.0, kept, fastest),
-        "mean_power": (time * np.abs(_mean_product(torque, np.broadcast_to(speed, torque.shape)))).sum(axis=0)
-        / lasting,
+        "mean_power": (time * np.abs(mean_product(torque, np.broadcast_to(speed, torque.shape)))).sum(axis=0) / lasting,
         "peak_power": np.abs(torque * speed).max(axis=(0, 1)),
         "load_torque": np.abs(cycles.torque).max(axis=(0, 1)),
         "way": cycles.radius * (np.abs(speed).mean(axis=1) * duration).sum(axis=0),  # m, there and back
@@ -136,6 +135,9 @@ class AtSamples(AtGearhead):
         self.peak_speed, self.sustained_speed = one["peak_speed"] * ratio, one["sustained_speed"] * ratio  # type: ignore[assignment]
         self.mean_power, self.peak_power = one["mean_power"], one["peak_power"]  # type: ignore[assignment]
         self.active = [k for k in range(6) if sampled.functions[k].any()]
+        there = {k: np.flatnonzero(sampled.functions[k].any(axis=(1, 2))) for k in self.active}
+        self.where = {k: (int(rows[0]), int(rows[-1]) + 1) for k, rows in there.items()}  # segments in which it counts
+        self.kept: tuple[Array, Array] | None = None
 
     @property
     def cycle(self) -> Any:
@@ -167,13 +169,20 @@ class AtSamples(AtGearhead):
 
     def line(self, c: Array) -> Array:
         """What is linear in the functions, at both ends of each segment: (segments, 2, samples)."""
+        if self.kept is not None and self.kept[0] is c:
+            return self.kept[1]
         count = max(len(c), self.sampled.functions.shape[-1])
         found = np.zeros((*self.sampled.functions.shape[1:3], count))
-        term = np.empty_like(found)
-        columns = np.ascontiguousarray(c.T)
-        for k in self.active:
-            found += np.multiply(columns[k] * self.scale[k], self.sampled.functions[k], out=term)
+        term, columns = np.empty_like(found), np.ascontiguousarray(c.T)
+        for k, (first, last) in self.where.items():
+            some = np.multiply(columns[k] * self.scale[k], self.sampled.functions[k, first:last], out=term[first:last])
+            found[first:last] += some
         return found
+
+    def keep(self, c: Array) -> None:
+        """Hold a line ready that is asked for again."""
+        self.kept = None
+        self.kept = c, self.line(c)
 
     def peak(self, coefficients: Array) -> Peak:
         """Largest absolute value of what is linear in the functions."""

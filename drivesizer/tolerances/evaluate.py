@@ -132,6 +132,7 @@ def _of_a_case(
     spec: Any, at: AtSamples, parts: Parts, one: SetRows, feeds: Feeding | None, rubs: Array | float
 ) -> Sequence[CheckColumn]:
     asked = demands(at, parts.motor, parts.gearhead, parts.encoder)
+    at.keep(asked.coefficients)
     warm = heat(spec, at, asked, parts.motor, _losses(parts.motor, asked, rubs))
     under = stress(spec, at, asked, warm, parts.motor)
     found = moments(spec, at, asked, warm, under, parts, energies=feeds is not None)

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from drivesizer.heat_columns import each_figure
 from drivesizer.heat_cycle import highest, periodic
 from drivesizer.physics import Demands
-from drivesizer.physics_limits import Heat, Parts, Stress, volts_of
+from drivesizer.physics_limits import Heat, Parts, Stress
 from drivesizer.thermal import TwoBodies, two_bodies
-from drivesizer.tolerances.behind import AtSamples
+from drivesizer.tolerances.behind import AtSamples, mean_product
 from drivesizer.waveform import Wave, energy, largest_power, longest_above
 from drivesizer.waveform_limits import Moments
 
@@ -56,15 +56,28 @@ def moments(
     stores = not np.any(spec.supply.regeneration)
     limited = spec.supply.current is not None or spec.supply.power is not None
     if limited or stores or energies or (under.current.value > limit).any():
-        volts = at.line(volts_of(asked, k_t, under.hot))
+        volts = current * under.hot + at.speeds * (k_t * asked.total_ratio)
         duration = np.broadcast_to(at.sampled.duration, (len(volts), len(nothing))).T
         wave = Wave(duration, np.moveaxis(current, -1, 0), np.moveaxis(volts, -1, 0))
         power, when = largest_power(wave)
         above = longest_above(wave, limit)
-        if stores or energies:
-            drawn, returned, stored = energy(wave, storing=stores)
+        if stores:
+            drawn, returned, stored = energy(wave)
+        elif energies:
+            drawn, returned = _energies(wave, at.sampled.duration, current, volts)
     winding = _winding(spec, at, current, warm, parts.motor)
     return Moments(winding, nothing, power, when, drawn, returned, stored, above)
+
+
+def _energies(wave: Wave, duration: Array, current: Array, volts: Array) -> tuple[Array, Array]:
+    """What is drawn and what comes back over a cycle [J]; cut where power turns round only where it does."""
+    turns = ((current[:, 0] * current[:, 1] < 0.0) | (volts[:, 0] * volts[:, 1] < 0.0)).any(axis=-1)
+    work = (duration * mean_product(current, volts))[~turns]  # each drawn or returned, all of it
+    drawn, returned = np.maximum(work, 0.0).sum(axis=0), np.maximum(-work, 0.0).sum(axis=0)
+    if turns.any():
+        cut = energy(Wave(wave.duration[:, turns], wave.current[:, turns], wave.voltage[:, turns]), storing=False)
+        drawn, returned = drawn + cut.drawn, returned + cut.returned
+    return drawn, returned
 
 
 def _winding(spec: Any, at: AtSamples, current: Array, warm: Heat, motor: Any) -> Array:
