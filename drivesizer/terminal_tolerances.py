@@ -12,22 +12,11 @@ from drivesizer import terminal_tables as tables
 from drivesizer.results import DriveSet, SizingResult
 from drivesizer.terminal_tables import percent
 from drivesizer.tolerances.records import Reliability
+from drivesizer.tolerances.wording import likely
 
-__all__ = ["likely", "tolerances"]
+__all__ = ["tolerances"]
 
 _DRIVERS = 3
-
-
-def likely(value: float) -> str:
-    """A probability as it is printed: never 100 % where a sample fails.
-
-    >>> likely(0.95432), likely(0.99996), likely(1.0)
-    ('95.4 %', '99.996 %', '100 %')
-    """
-    if value in (0.0, 1.0):
-        return f"{100 * value:.0f} %"
-    digits = 1 if 0.001 <= value <= 0.999 else 3
-    return f"{100 * value:.{digits}f} %"
 
 
 def tolerances(console: Console, result: SizingResult, *, quiet: bool = False) -> None:

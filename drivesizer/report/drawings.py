@@ -17,6 +17,8 @@ from drivesizer.report.margin_figure import margins
 from drivesizer.report.motion_figure import speed_profile
 from drivesizer.report.operating import panels
 from drivesizer.report.style import Form
+from drivesizer.report.tolerance_rows import judged
+from drivesizer.report.tornado_figure import swings, tornado
 from drivesizer.results import DriveSet, SizingResult, Validation
 from drivesizer.units import from_si, label
 
@@ -44,7 +46,7 @@ def report_drawings(
     -------
     dict
         By name what draws it: ``profile``, ``cycle``; of a set ``margins``, ``field``, ``efficiency``, ``demand``,
-        ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``; ``loop``, ``bode`` and
+        ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``; ``tornado``; ``loop``, ``bode`` and
         ``step``.
     """
     best = result.shown
@@ -55,6 +57,10 @@ def report_drawings(
     }
     if len(result.front) > 1:
         made["front"] = lambda form: _trade_off(result, form)
+    certain = judged(result)
+    if certain and certain.reliability and swings(certain.reliability.drivers):
+        drivers = certain.reliability.drivers
+        made["tornado"] = lambda form: tornado(drivers, form=form)
     if best:
         made |= _of_set(result, best, does or Behaviour(result.spec, best))
     if validation:
