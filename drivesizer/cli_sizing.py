@@ -22,6 +22,7 @@ Confidence = Annotated[
 ]
 Samples = Annotated[int | None, typer.Option(help="Of each set, for its tolerances; else the spec's.")]
 Seed = Annotated[int | None, typer.Option(help="Of the samples: the same seed, the same figures.")]
+LoopSamples = Annotated[int | None, typer.Option(help="Of the best sets in closed loop; 64 with a confidence, else 0.")]
 Processes = Annotated[int, typer.Option(min=1, max=64, help="That share the sets to be sampled.")]
 
 
@@ -33,6 +34,7 @@ def size(
     confidence: Confidence = None,
     samples: Samples = None,
     seed: Seed = None,
+    loop_samples: LoopSamples = None,
     processes: Processes = 1,
     json: Json = False,
     csv: Annotated[Path | None, typer.Option(help="Also write the sets to this CSV file.")] = None,
@@ -47,7 +49,7 @@ def size(
 
     accept([pdf] if pdf else [], tables=[csv] if csv else [])
     robot = load(spec, catalogs)
-    sampling = asked(robot, confidence, samples, seed, processes)
+    sampling = asked(robot, confidence, samples, seed, processes, loop_samples)
     with progress() as told:
         result = sized(
             robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=told, sampling=sampling

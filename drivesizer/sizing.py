@@ -31,6 +31,7 @@ from drivesizer.search import Found, Progress, search
 from drivesizer.spec import RobotSpec
 from drivesizer.tolerances.assess import Subject
 from drivesizer.tolerances.run import (
+    FINALISTS,
     POOL,
     Sampling,
     asked,
@@ -117,7 +118,7 @@ def size(
     fell = [*short.values(), *(drive_set(found.evaluation, i, 0, objective) for i in fallen)]
     unsure: tuple[DriveSet, ...] = ()
     if certain:
-        best = {row: told(certain, catalog, row, one) for row, one in best.items()}
+        best = {row: told(certain, catalog, row, one, loop=n < FINALISTS) for n, (row, one) in enumerate(best.items())}
         close = _divided(found, spec, objective, top, certain.bad)[0]
         unsure = _ranked(told(certain, catalog, row, one) for row, one in close.items())
     sets = with_both_methods(spec, catalog, _ranked(best.values()))

@@ -38,7 +38,8 @@ def tolerances(console: Console, result: SizingResult, *, quiet: bool = False) -
 
 def _table(sets: tuple[DriveSet, ...], title: str) -> Table:
     heads = ("", "right"), ("set", "left"), ("all pass", "right"), ("±", "right"), ("weakest check", "left")
-    table = tables.bare(*heads, ("margin 5 %", "right"), ("median", "right"), title=title)
+    loops = [("in closed loop", "right")] if any(one.reliability and one.reliability.loop for one in sets) else []
+    table = tables.bare(*heads, ("margin 5 %", "right"), ("median", "right"), *loops, title=title)
     for one in sets:
         found = one.reliability
         if found is None:
@@ -46,9 +47,17 @@ def _table(sets: tuple[DriveSet, ...], title: str) -> Table:
         unknown = f"\nunknown: {', '.join(found.unknown)}" if found.unknown else ""
         table.add_row(
             str(one.rank), Text(one.label), likely(found.probability), f"{100 * found.error:.2g} %",
-            found.weakest + unknown, _margin(found.low), _margin(found.middle),
+            found.weakest + unknown, _margin(found.low), _margin(found.middle), *[_loop(found)][: len(loops)],
         )  # fmt: skip
     return table
+
+
+def _loop(found: Reliability) -> str:
+    """What the closed loop says, with its own error."""
+    if found.loop is None:
+        return "–"
+    weakest = f"\n{found.loop.weakest}" if found.loop.probability < 1.0 else ""
+    return f"{likely(found.loop.probability)} ± {100 * found.loop.error:.2g} %{weakest}"
 
 
 def _margin(value: float) -> str:

@@ -23,7 +23,7 @@ def judged(result: SizingResult) -> DriveSet | None:
 
 
 def sure(result: SizingResult) -> dict[str, Any] | None:
-    """Sets with their probabilities, checks and drivers of one, and what is uncertain; None where nothing was sampled."""
+    """Sets with their probabilities, checks and drivers of one, what is uncertain; None where nothing was sampled."""
     best, told = judged(result), result.uncertainty
     if told is None or best is None or best.reliability is None:
         return None

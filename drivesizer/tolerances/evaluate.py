@@ -34,7 +34,7 @@ from drivesizer.tolerances.lasting import Feeding, battery_limits
 from drivesizer.tolerances.waves import moments
 from drivesizer.waveform_limits import waveform_limits
 
-__all__ = ["Block", "SetRows", "checks_of"]
+__all__ = ["Block", "SetRows", "checks_of", "motor_factors", "with_losses"]
 
 Array = NDArray[np.float64]
 _WHOLE = ("ratio", "inertia", "no_load_current", "friction_torque", "viscous_friction")  # never as a single figure
@@ -80,33 +80,46 @@ class _Figures:
         return np.full(count, column[self.row])
 
 
-def _motor(catalog: Catalog, row: int, block: Block) -> _Figures:
-    """A motor's figures, each times its factor; heat capacities stay what they are."""
-    f = {figure: column for (part, figure), column in block.factors.items() if part == "motor"}
-    printed = _Figures(catalog.motors, row, block.size, {}).nominal
-    one = np.ones(1)
-    rubs, heats, k = f.get("friction", one), f.get("thermal_resistance", one), f.get("torque_constant", one)
-    times = {
-        "resistance": f.get("resistance", one), "torque_constant": k, "rotor_inertia": f.get("rotor_inertia", one),
+def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
+    """By what each figure of a motor is multiplied; heat capacities stay what they are.
+
+    Parameters
+    ----------
+    given
+        Factors by class, as far as they are sampled: columns or single ones.
+    """
+    rubs, heats, k = (given.get(name, 1.0) for name in ("friction", "thermal_resistance", "torque_constant"))
+    return {
+        "resistance": given.get("resistance", 1.0), "torque_constant": k, "rotor_inertia": given.get("rotor_inertia", 1.0),
         "no_load_current": rubs / k, "friction_torque": rubs, "viscous_friction": rubs,
         "thermal_resistance_winding": heats, "thermal_resistance_housing": heats,
         "winding_time_constant": heats, "motor_time_constant": heats,
     }  # fmt: skip
-    whole = np.ones(block.size)
+
+
+def with_losses(efficiency: Any, factor: Any) -> Any:
+    """An efficiency whose losses per torque passed on, 1/e - 1, are so many times as large; it never leaves 0 to 1."""
+    return 1.0 / (1.0 + (1.0 / efficiency - 1.0) * factor)
+
+
+def _motor(catalog: Catalog, row: int, block: Block) -> _Figures:
+    """A motor's figures, each times its factor."""
+    times = motor_factors({figure: column for (part, figure), column in block.factors.items() if part == "motor"})
+    printed, whole = _Figures(catalog.motors, row, block.size, {}).nominal, np.ones(block.size)
     changed = {
         name: printed(name) * factor * (whole if name in _WHOLE else 1.0)
         for name, factor in times.items()
-        if factor is not one or name in _WHOLE
+        if np.ndim(factor) or name in _WHOLE
     }
     return _Figures(catalog.motors, row, block.size, changed)
 
 
 def _gearhead(catalog: Catalog, row: int, block: Block) -> _Figures:
-    """A gearhead's figures; the factor of its losses is that of 1/e - 1, so that no efficiency leaves 0 to 1."""
+    """A gearhead's figures, each times its factor."""
     printed = _Figures(catalog.gearheads, row, block.size, {}).nominal
     changed = {}
     if (losses := block.factors.get(("gearhead", "efficiency"))) is not None:
-        changed["efficiency"] = 1.0 / (1.0 + (1.0 / printed("efficiency") - 1.0) * losses)
+        changed["efficiency"] = with_losses(printed("efficiency"), losses)
         changed["no_load_torque"] = printed("no_load_torque") * losses
     if (gains := block.factors.get(("gearhead", "inertia"))) is not None:
         changed["inertia"] = printed("inertia") * gains

@@ -15,12 +15,13 @@ from drivesizer.tolerances.assess import Examined, Subject, drivers, examined
 from drivesizer.tolerances.assumptions import Assumption, assumptions
 from drivesizer.tolerances.evaluate import SetRows
 from drivesizer.tolerances.prepare import Prepared, prepared, unused
-from drivesizer.tolerances.records import Uncertain, Uncertainty
+from drivesizer.tolerances.records import LoopShare, Uncertain, Uncertainty
 from drivesizer.tolerances.sampling import Sample, sample
 from drivesizer.tolerances.schema import FEWEST, MOST
 
-__all__ = ["POOL", "Judged", "Sampling", "asked", "judged", "subject", "subject_of", "told", "uncertainty"]
+__all__ = ["FINALISTS", "POOL", "Judged", "Sampling", "asked", "judged", "subject", "subject_of", "told", "uncertainty"]
 
+FINALISTS = 3  # sets that go through the closed loop
 POOL = 100  # of the best sets are sampled where a confidence is asked for
 
 
@@ -31,6 +32,7 @@ class Sampling(NamedTuple):
     seed: int
     confidence: float | None  # None: all are told, none falls
     processes: int = 1
+    loop: int = 0  # samples of the best sets in closed loop
 
 
 class Judged(NamedTuple):
@@ -47,6 +49,7 @@ class Judged(NamedTuple):
 def asked(
     spec: RobotSpec, confidence: float | None = None, samples: int | None = None, seed: int | None = None,
     processes: int = 1,
+    loop: int | None = None,
 ) -> Sampling | None:  # fmt: skip
     """How a spec, and options before it, want sets to be sampled; None where neither has tolerances in mind.
 
@@ -63,13 +66,17 @@ def asked(
         raise InputError(f"--confidence {confidence:g} is not a probability; expected above 0, at most 1, e.g. 0.95")
     if samples is not None and not FEWEST <= samples <= MOST:
         raise InputError(f"--samples {samples} is out of range; expected {FEWEST} to {MOST}")
+    if loop is not None and not 0 <= loop <= 10_000:
+        raise InputError(f"--loop-samples {loop} is out of range; expected 0 to 10000")
     if seed is not None and not 0 <= seed < 2**32:
         raise InputError(f"--seed {seed} is out of range; expected 0 to {2**32 - 1}")
+    wanted_of_all = given.confidence if confidence is None else confidence
     return Sampling(
         given.samples if samples is None else samples,
         given.seed if seed is None else seed,
-        given.confidence if confidence is None else confidence,
+        wanted_of_all,
         processes,
+        loop if loop is not None else 0 if wanted_of_all is None else given.loop_samples,
     )
 
 
@@ -118,12 +125,24 @@ def subject_of(catalog: Catalog, one: DriveSet) -> Subject:
     return Subject(rows, tuple(check for check in (*one.checks, *one.beside) if check.method == "physics"))
 
 
-def told(judged_: Judged, catalog: Catalog, row: int, one: DriveSet) -> DriveSet:
-    """A set with how sure it is, and what matters most for it."""
+def told(judged_: Judged, catalog: Catalog, row: int, one: DriveSet, *, loop: bool = False) -> DriveSet:
+    """A set with how sure it is, and what matters most for it; in closed loop too, where that is wanted."""
     what, found = judged_.found[row]
     ready = judged_.ready
     said = drivers(what, catalog, ready.spec, ready.given, judged_.drawn, found.smallest)
-    return replace(one, reliability=replace(found.reliability, drivers=said))
+    share = _in_the_loop(judged_, one) if loop and judged_.how.loop else None
+    return replace(one, reliability=replace(found.reliability, drivers=said, loop=share))
+
+
+def _in_the_loop(judged_: Judged, one: DriveSet) -> LoopShare | None:
+    """None where the model of the loop lacks a figure."""
+    from drivesizer.tolerances.loop import loop_share
+
+    ready = judged_.ready
+    try:
+        return loop_share(ready.spec, one, ready.given, judged_.drawn.values, judged_.how.loop)
+    except InputError:
+        return None
 
 
 def uncertainty(one: Judged) -> Uncertainty:

@@ -46,6 +46,9 @@ class Tolerances(Section):
 
     confidence: Share | None = Field(default=None, description="probability that every check passes, at least")
     samples: Annotated[int, Field(ge=FEWEST, le=MOST)] = Field(default=8192, description="of each set")
+    loop_samples: Annotated[int, Field(ge=0, le=10_000)] = Field(
+        default=64, description="of the best sets in closed loop, where a confidence is asked for; 0 for none"
+    )
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = Field(default=1, description="the same seed, the same figures")
     motor: MotorTolerances = Field(default_factory=MotorTolerances)
     gearhead: GearheadTolerances = Field(default_factory=GearheadTolerances)
