@@ -46,10 +46,16 @@ def _table(sets: tuple[DriveSet, ...], title: str) -> Table:
             continue
         unknown = f"\nunknown: {', '.join(found.unknown)}" if found.unknown else ""
         table.add_row(
-            str(one.rank), Text(one.label), likely(found.probability), f"{100 * found.error:.2g} %",
+            str(one.rank), _named(one), likely(found.probability), f"{100 * found.error:.2g} %",
             found.weakest + unknown, _margin(found.low), _margin(found.middle), *[_loop(found)][: len(loops)],
         )  # fmt: skip
     return table
+
+
+def _named(one: DriveSet) -> Text:
+    """Motor and gearhead, with the belt where there is one."""
+    belt = f" × {one.belt_name}" if one.belt_name else ""
+    return Text(f"{one.motor_name}\n{one.gearhead_name}{belt}")
 
 
 def _loop(found: Reliability) -> str:

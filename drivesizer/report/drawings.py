@@ -46,8 +46,8 @@ def report_drawings(
     -------
     dict
         By name what draws it: ``profile``, ``cycle``; of a set ``margins``, ``field``, ``efficiency``, ``demand``,
-        ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``; ``tornado``; ``loop``, ``bode`` and
-        ``step``.
+        ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``; ``tornado``; ``loop``,
+        ``bode`` and ``step``.
     """
     best = result.shown
     cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
