@@ -1,4 +1,4 @@
-"""Samples of drive sets: against closed forms, against the plain evaluation sample by sample, and the same each time."""
+"""Samples of drive sets: against closed forms, against the plain evaluation one by one, and the same each time."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def test_the_error_that_is_told_covers_what_it_says() -> None:
     inside = []
     for seed in range(60):
         cube = sample(given, 2048, seed).cube
-        told = mean_and_error((np.square(cube).sum(axis=1) < 1.0))
+        told = mean_and_error(np.square(cube).sum(axis=1) < 1.0)
         inside.append(abs(told.value - np.pi / 4) <= told.error)
     assert 0.85 <= np.mean(inside) <= 1.0
 
@@ -175,7 +175,7 @@ def _moved(spec: RobotSpec, given: Any, values: Any) -> RobotSpec:
 
 
 def test_cycles_of_another_structure_are_each_computed() -> None:
-    """A slope that pulls as hard as the brakes turns the torque of slowing down round: no polynomial has that corner."""
+    """A slope as steep as the brakes turns the torque of slowing down round: no polynomial has that corner."""
     text = _SMALL.replace("kind: ball_screw", "kind: ball_screw, incline: 0 deg +- 30 deg, friction_coefficient: 0.1")
     spec = read_spec(YamlSource(text, "robot.yaml"))
     given = assumptions(spec)
@@ -288,7 +288,7 @@ def _lasts(
 
 
 def test_load_cases_share_what_they_do_not_replace(plain: str, parts: Catalog) -> None:
-    """A case with a mass of its own keeps the spec's rolling resistance; its samples are those of the plain evaluation."""
+    """A case with a mass of its own keeps the spec's rolling resistance; its samples are the plain ones."""
     cases = "cases:\n  - {name: loaded, load: {mass: 60 kg +- 2 kg}}\n  - {name: uphill, load: {slope: 2 deg}}\n"
     spec = _read(plain, {key: MOVED[key] for key in ("mass: 45 kg ", "rolling_resistance: 0.02 ")}, cases)
     given = assumptions(spec)
