@@ -90,7 +90,8 @@ def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
     """
     rubs, heats, k = (given.get(name, 1.0) for name in ("friction", "thermal_resistance", "torque_constant"))
     return {
-        "resistance": given.get("resistance", 1.0), "torque_constant": k, "rotor_inertia": given.get("rotor_inertia", 1.0),
+        "resistance": given.get("resistance", 1.0), "torque_constant": k,
+        "rotor_inertia": given.get("rotor_inertia", 1.0),
         "no_load_current": rubs / k, "friction_torque": rubs, "viscous_friction": rubs,
         "thermal_resistance_winding": heats, "thermal_resistance_housing": heats,
         "winding_time_constant": heats, "motor_time_constant": heats,
