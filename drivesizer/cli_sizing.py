@@ -17,6 +17,13 @@ Objective = Annotated[
     str | None, typer.Option(help="mass, price, energy ... or several with weights, e.g. mass=2,price=1.")
 ]
 Pareto = Annotated[str | None, typer.Option(metavar="NAMES", help="Also the front of several, e.g. mass,price,energy.")]
+Confidence = Annotated[
+    float | None, typer.Option(help="Only sets of which all checks pass with this probability, e.g. 0.95.")
+]
+Samples = Annotated[int | None, typer.Option(help="Of each set, for its tolerances; else the spec's.")]
+Seed = Annotated[int | None, typer.Option(help="Of the samples: the same seed, the same figures.")]
+LoopSamples = Annotated[int | None, typer.Option(help="Of the best sets in closed loop; 64 with a confidence, else 0.")]
+Processes = Annotated[int, typer.Option(min=1, max=64, help="That share the sets to be sampled.")]
 
 
 def size(
@@ -24,6 +31,11 @@ def size(
     top: Top = 5,
     objective: Objective = None,
     pareto: Pareto = None,
+    confidence: Confidence = None,
+    samples: Samples = None,
+    seed: Seed = None,
+    loop_samples: LoopSamples = None,
+    processes: Processes = 1,
     json: Json = False,
     csv: Annotated[Path | None, typer.Option(help="Also write the sets to this CSV file.")] = None,
     pdf: Annotated[Path | None, typer.Option(help="Also write the report to this PDF file.")] = None,
@@ -33,11 +45,14 @@ def size(
     """Find the drive: requirements, the best sets, and why the rest fell."""
     from drivesizer.report import accept, write, write_sets
     from drivesizer.sizing import size as sized
+    from drivesizer.tolerances.run import asked
 
     accept([pdf] if pdf else [], tables=[csv] if csv else [])
+    robot = load(spec, catalogs)
+    sampling = asked(robot, confidence, samples, seed, processes, loop_samples)
     with progress() as told:
         result = sized(
-            load(spec, catalogs), top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=told
+            robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=told, sampling=sampling
         )
     if csv:
         write_sets(result, csv)

@@ -33,7 +33,7 @@ from drivesizer.spec import RobotSpec
 from drivesizer.thermal import TwoBodies, two_bodies
 from drivesizer.units import show
 
-__all__ = ["FOLLOWS", "Case", "designed", "run"]
+__all__ = ["FOLLOWS", "Case", "Ready", "designed", "ready", "run", "without_limits"]
 
 FOLLOWS = 0.1  # of the top speed: a drive whose error grows beyond a tenth is not said to follow (our convention)
 _PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's is unknown
@@ -84,25 +84,50 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
         When gains exclude each other, the bandwidth is out of reach, a figure that the model needs is missing, the
         profile cannot be sampled, or the loop leaves the range of numbers.
     """
-    train, controller, said = designed(spec, drive_set)
-    within_reach(train, asked)
-    _sampled(controller, asked)
-    shaft = _shaft(spec, train)
-    loops = analyse(train, controller, shaft)
-    usable = usable_in(spec, drive_set.controller)
-    machine = _machine(spec, drive_set, train, shaft)
-    heat, lacks = _heat(spec, drive_set)
-    drive = _drive(spec, drive_set, machine, controller, heat, usable)
-    task = _task(spec, asked, train)
+    made = ready(spec, drive_set, asked)
+    loops = analyse(made.train, made.controller, made.shaft)
+    drive, task = made.drive, made.task
     out = march(drive, task)
     if out.problems[0]:
         wanted = "a shorter profile" if "steps" in out.problems[0] else "other gains"
         raise InputError(f"profile {asked.name}: {out.problems[0]}; expected {wanted}")
-    free = _without_limits(drive, task, out, loops)
+    free = without_limits(drive, task, out, loops)
     found = _periodic(drive, replace(task, cycles=1), out if task.cycles == 1 else None)
     return Case(
-        spec, drive_set, asked, train, controller, shaft, loops, usable, task, out, free, found, (*said, *lacks)
-    )
+        spec, drive_set, asked, made.train, made.controller, made.shaft, loops, made.usable_voltage, task, out, free,
+        found, made.said,
+    )  # fmt: skip
+
+
+class Ready(NamedTuple):
+    """What a march takes, and what that was made of."""
+
+    train: DriveTrain
+    controller: Gains | Cascade
+    shaft: Shaft | None
+    usable_voltage: float  # V, NaN unknown
+    drive: Drive
+    task: Task
+    said: tuple[str, ...]  # what was assumed on the way
+
+
+def ready(spec: RobotSpec, drive_set: DriveSet, asked: Profile, controller: Gains | Cascade | None = None) -> Ready:
+    """A set and its task as the engine takes them; with a controller that was designed before, where one is given.
+
+    Raises
+    ------
+    InputError
+        As :func:`run`.
+    """
+    train, own, said = designed(spec, drive_set)
+    controller = controller or own
+    within_reach(train, asked)
+    _sampled(controller, asked)
+    shaft = _shaft(spec, train)
+    usable = usable_in(spec, drive_set.controller)
+    heat, lacks = _heat(spec, drive_set)
+    drive = _drive(spec, drive_set, _machine(spec, drive_set, train, shaft), controller, heat, usable)
+    return Ready(train, controller, shaft, usable, drive, _task(spec, asked, train), (*said, *lacks))
 
 
 # --- the controller
@@ -254,7 +279,7 @@ def _heat(spec: RobotSpec, drive_set: DriveSet) -> tuple[Heat | None, list[str]]
 # --- the march without limits, and the cycle repeated for ever
 
 
-def _without_limits(drive: Drive, task: Task, out: Marched, loops: Loops) -> Marched:
+def without_limits(drive: Drive, task: Task, out: Marched, loops: Loops) -> Marched:
     """The march with nothing in its way; the same one where no limit was met, or where that would not end."""
     met = out.figures["time_at_voltage_limit"][0] + out.figures["time_at_current_limit"][0]
     if not met or not all(loop.stable for loop in loops.all):

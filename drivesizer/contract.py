@@ -10,6 +10,7 @@ from typing import Any
 from drivesizer import __version__
 from drivesizer.catalog import Actuator, Belt, Controller, Encoder, Gearhead, Motor, Pulley
 from drivesizer.contract_loops import loop_document, number
+from drivesizer.contract_tolerances import reliability, uncertainty
 from drivesizer.energy_records import EnergyBudget
 from drivesizer.mass_rows import MassRow
 from drivesizer.results import (
@@ -130,6 +131,7 @@ def drive_set(found: DriveSet) -> dict[str, Any]:
         "masses": [_mass(row) for row in found.masses],
         "energy": _energy(found.energy) if found.energy else None,
         "changes": [_relaxation(r) for r in found.changes],
+        "reliability": reliability(found.reliability),
     }
 
 
@@ -174,6 +176,8 @@ def sizing(result: SizingResult) -> dict[str, Any]:
         "relaxations": [_relaxation(r) for r in result.relaxations],
         "pareto": {"objectives": list(result.pareto), "sets": [drive_set(s) for s in result.front]},
         "unrestricted": drive_set(result.unrestricted) if result.unrestricted else None,
+        "unsure": [drive_set(s) for s in result.unsure],
+        "uncertainty": uncertainty(result.uncertainty),
         "counts": {
             "considered": result.counts.considered,
             "feasible": result.counts.feasible,

@@ -40,7 +40,7 @@ from drivesizer.sieve import Alone, Sieve
 from drivesizer.spec import RobotSpec
 from drivesizer.wheel_load import machine_cases
 
-__all__ = ["Examined", "Problem", "examine", "problem"]
+__all__ = ["Examined", "Problem", "doubted", "examine", "problem"]
 
 Array = NDArray[np.float64]
 _LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
@@ -119,7 +119,7 @@ def examine(
     parts = parts.on(sieve.through([listed, *size_limits(given.spec, motor, gearhead)]))
     cases = [_moving(spec, at, parts) for spec, at in zip(given.specs, ats, strict=True)]
     keep = sieve.through(
-        _each(given, lambda k: _doubted(moving_limits(given.specs[k], ats[k], *cases[k], parts), cases[k]))
+        _each(given, lambda k: doubted(moving_limits(given.specs[k], ats[k], *cases[k], parts), cases[k].asked.sure))
     )
     cases, parts = [on(case, keep) for case in cases], parts.on(keep)
     return _powered(given, ats, cases, parts, sieve, exact)
@@ -132,9 +132,8 @@ _OF_THE_CURRENT = {
 }  # fmt: skip
 
 
-def _doubted(checks: list[CheckColumn], case: _Moving) -> list[CheckColumn]:
+def doubted(checks: list[CheckColumn], sure: NDArray[np.bool_]) -> list[CheckColumn]:
     """The checks, of which those that hang on an unknown inertia may fail but not pass."""
-    sure = case.asked.sure
     if sure.all():
         return checks
     return [replace(c, passed=c.passed & sure) if c.name in _OF_THE_CURRENT else c for c in checks]
@@ -219,12 +218,14 @@ def _last(
     """The electrical limits, and those of the waveform by bounds or exactly."""
     electrical = _each(
         given,
-        lambda k: _doubted(electrical_limits(given.specs[k], ats[k], cases[k].asked, under[k], parts), cases[k]),
+        lambda k: doubted(
+            electrical_limits(given.specs[k], ats[k], cases[k].asked, under[k], parts), cases[k].asked.sure
+        ),
     )
     dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in electrical])
     args = [(s, at, *c, u, parts) for s, at, c, u in zip(given.specs, ats, cases, under, strict=True)]
     found = [wave.exact(*a) if exact else _by_bounds(*a, ~dead) for a in args]
-    checks = _each(given, lambda k: _doubted(wave.waveform_limits(given.specs[k], found[k], parts), cases[k]))
+    checks = _each(given, lambda k: doubted(wave.waveform_limits(given.specs[k], found[k], parts), cases[k].asked.sure))
     return _Found([*electrical, *checks], dead, _figures(given, found, under, cases))
 
 

@@ -35,6 +35,7 @@ class OwnLimit(NamedTuple):
     kind: str
     unit: str  # of the trade
     time: float = nan  # s, of the worst moment
+    turning: float = nan  # kg*m^2, J of a demand max |T - J a| / radius; NaN of any other demand
 
 
 @dataclass(frozen=True, slots=True)

@@ -74,6 +74,35 @@ class AtGearhead:
         return scaled
 
     @property
+    def load_torque(self) -> Any:
+        """Largest torque at the load [N*m]."""
+        return np.abs(self.cycle.torque).max()
+
+    @property
+    def load_speed(self) -> Any:
+        """Highest speed of the load [rad/s]."""
+        return np.abs(self.cycle.speed).max()
+
+    @property
+    def standing_torque(self) -> Any:
+        """Largest torque at the gearhead's output while at rest [N*m]; unknown where the cycle never rests."""
+        rests = (self.cycle.speed == 0.0).all(axis=1).any()
+        return np.abs(self.base.functions[:, :, AT_REST]).max() / self.belt if rests else np.nan
+
+    def slope(self, c: Array) -> Array:
+        """Half of the slope of the mean square of what is linear in the functions, by each coefficient."""
+        found: Array = c @ self.moments
+        return found
+
+    def peak(self, coefficients: Array) -> Peak:
+        """Largest absolute value of what is linear in the functions, with coefficients of 0 or more."""
+        high, low = (points * self.scale for points in (self.extremes.high, self.extremes.low))
+        values = np.concatenate([coefficients @ high.T, -(coefficients @ low.T)], axis=1)
+        worst = values.argmax(axis=1)
+        time = np.concatenate([self.extremes.high_time, self.extremes.low_time])
+        return Peak(values[np.arange(len(values)), worst], time[worst])
+
+    @property
     def warming(self) -> Pieces:
         """The cycle in pieces of which a winding feels the mean."""
         pieces = self.base.warming
@@ -233,7 +262,7 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     c[:, ACCELERATION] = (motor["rotor_inertia"] + known) * i
     c[:, DIRECTION] = np.nan_to_num(coulomb) + idle
     c[:, SPEED] = np.nan_to_num(viscous) * i
-    slope = c @ at.moments  # of the mean square, by each coefficient
+    slope = at.slope(c)
     for place, unknown in left_out.items():
         c[unknown & (slope[:, place] < 0.0), place] = np.nan
     sure = ~np.logical_or.reduce(list(left_out.values()))
@@ -279,8 +308,4 @@ def peak(at: AtGearhead, coefficients: Array) -> Peak:
     coefficients
         Of the six functions for each candidate; NaN unknown: the peak is then unknown.
     """
-    high, low = (points * at.scale for points in (at.extremes.high, at.extremes.low))
-    values = np.concatenate([coefficients @ high.T, -(coefficients @ low.T)], axis=1)
-    worst = values.argmax(axis=1)
-    time = np.concatenate([at.extremes.high_time, at.extremes.low_time])
-    return Peak(values[np.arange(len(values)), worst], time[worst])
+    return at.peak(coefficients)

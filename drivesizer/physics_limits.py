@@ -16,7 +16,7 @@ from drivesizer.belts import LEAST_IN_MESH
 from drivesizer.catalog import EDGES, lines
 from drivesizer.checks import CheckColumn, at_least, at_most
 from drivesizer.choose import most_voltage
-from drivesizer.physics import AT_REST, DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
+from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE, current_derating, steady_winding_temperature
 from drivesizer.transmission import BeltStage
@@ -94,10 +94,10 @@ def _belt_limits(spec: RobotSpec, belt: BeltStage, at: AtGearhead) -> list[Check
     """Limits of the belt of this ratio, as far as its pulleys are known."""
     found, drive, diameter = [], belt.drive(at.belt), belt.driven_diameter(at.belt)
     if diameter is not None and belt.max_tension is not None:
-        pull = np.abs(at.cycle.torque).max() / (diameter / 2)
+        pull = at.load_torque / (diameter / 2)
         found.append(at_most("belt_tension", pull, belt.max_tension, "force", "N", needed=spec.margins.torque))
     if diameter is not None and belt.max_speed is not None:
-        fast = np.abs(at.cycle.speed).max() * diameter / 2
+        fast = at.load_speed * diameter / 2
         found.append(at_most("belt_speed", fast, belt.max_speed, "speed", "m/s", needed=spec.margins.speed))
     if drive is not None:  # no more than it takes, by choice: the smallest pulleys that have it
         held = drive.teeth_in_mesh
@@ -180,9 +180,11 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
     return np.where(brushed, coulomb * ratio, 0.0), np.where(brushed, viscous * ratio**2, iron)
 
 
-def heat(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: Any) -> Heat:
-    """Mean temperature of the winding in the long run."""
-    rubbing, iron = housing_loss(motor, asked.total_ratio)
+def heat(
+    spec: RobotSpec, at: AtGearhead, asked: Demands, motor: Any, losses: tuple[Array, Array] | None = None
+) -> Heat:
+    """Mean temperature of the winding in the long run; with what ``housing_loss`` tells, where that is at hand."""
+    rubbing, iron = losses or housing_loss(motor, asked.total_ratio)
     mean = rubbing * at.moments[DIRECTION, SPEED] + iron * at.moments[SPEED, SPEED]
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     winding = steady_winding_temperature(spec.environment.ambient, motor["resistance"], *R_th, asked.rms_current, mean)
@@ -228,11 +230,7 @@ def _holding(spec: RobotSpec, at: AtGearhead, parts: Parts) -> list[CheckColumn]
     """Torque at rest that reaches the motor, against its friction at standstill, which catalogues do not give."""
     if not spec.needs.hold_unpowered:
         return []
-    rests = (at.cycle.speed == 0.0).all(axis=1).any()
-    standing = (
-        np.abs(at.base.functions[:, :, AT_REST]).max() / at.belt if rests else np.nan
-    )  # else nobody tells what it is
-    reaches = standing * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
+    reaches = at.standing_torque * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
     return [at_most("holding", reaches, np.full(reaches.shape, np.nan), "torque", "mN*m")]
 
 

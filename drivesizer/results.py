@@ -21,6 +21,7 @@ from drivesizer.energy_records import EnergyBudget
 from drivesizer.loops import Loop
 from drivesizer.mass_rows import MassRow
 from drivesizer.spec import RobotSpec
+from drivesizer.tolerances.records import Reliability, Uncertainty
 from drivesizer.units import from_si, show
 
 __all__ = [
@@ -141,6 +142,7 @@ class DriveSet:
     changes: tuple[Relaxation, ...] = ()  # where it fails: what would let it pass, each alone
     actuator: Actuator | None = None  # that motor and gearhead are inside of
     belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
+    reliability: Reliability | None = None  # how sure it is, where tolerances were sampled
 
     @property
     def deciding(self) -> tuple[Check, ...]:
@@ -237,6 +239,8 @@ class SizingResult:
     unrestricted: DriveSet | None = None  # what the whole catalogue would give, where the spec restricts it
     front: tuple[DriveSet, ...] = ()  # the Pareto front, where one was asked for
     pareto: tuple[str, ...] = ()  # its objectives
+    unsure: tuple[DriveSet, ...] = ()  # that stand, but not as surely as was asked for; the surest first
+    uncertainty: Uncertainty | None = None  # what was uncertain, where tolerances were sampled
 
     @property
     def shown(self) -> DriveSet | None:

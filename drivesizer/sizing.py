@@ -14,31 +14,31 @@ from drivesizer.catalog import DIRECT, Catalog, load, one_of
 from drivesizer.catalog.inside import taken_apart
 from drivesizer.catalog.shafts import on_any_shaft
 from drivesizer.choices import Choice, ControllerChoice, EncoderChoice
-from drivesizer.choose import offered_buses, offers
 from drivesizer.compare import with_both_methods
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.evaluation import evaluate
-from drivesizer.own_mass import at_its_own_mass
 from drivesizer.platform_cases import on_wheels
-from drivesizer.ranking import Objective, names_of, title_of
+from drivesizer.ranking import Objective, title_of
 from drivesizer.records import drive_set
 from drivesizer.relax import changes_for, relaxations
 from drivesizer.requirements import requirements
 from drivesizer.results import DriveSet, Requirement, SizingResult, verdict
 from drivesizer.search import Found, Progress, search
+from drivesizer.shortlist import shortlist
 from drivesizer.spec import RobotSpec
-from drivesizer.standing_sets import FURTHER, divided, on_the_front, ranked, shortfall
+from drivesizer.standing_sets import on_the_front, ranked, shortfall
+from drivesizer.tolerances.run import Sampling
 from drivesizer.units import show
 
-__all__ = ["explain", "load_parts", "size"]
+__all__ = ["explain", "load_parts", "prepared", "size"]
 
 
 def load_parts(spec: RobotSpec) -> Catalog:
     """The catalogues that a spec names; paths count from the spec's folder."""
-    return _prepared(load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None))
+    return prepared(load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None))
 
 
-def _prepared(catalog: Catalog) -> Catalog:
+def prepared(catalog: Catalog) -> Catalog:
     """A catalogue for the search: actuators taken apart, gearheads with a hub on every shaft that fits."""
     return on_any_shaft(taken_apart(catalog))
 
@@ -51,6 +51,7 @@ def size(
     objective: Objective | None = None,
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
+    sampling: Sampling | None = None,
 ) -> SizingResult:
     """Size a drive.
 
@@ -68,6 +69,8 @@ def size(
         Objectives of which the front is wanted too: sets that no other beats in all of them.
     progress
         Called with the sets that are examined and all there are, a chunk at a time.
+    sampling
+        How sets are sampled for their tolerances; as the spec says when not given.
 
     Returns
     -------
@@ -80,44 +83,30 @@ def size(
         When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
         another method.
     """
-    catalog = _prepared(catalog) if catalog else load_parts(spec)
+    catalog = prepared(catalog) if catalog else load_parts(spec)
     objective = objective or spec.select.objective
-    spec, weighed = at_its_own_mass(spec, catalog, objective)
-    spec = belt_choice.with_pulleys(on_wheels(spec), catalog)
-    _known_choices(spec, catalog)
-    check_battery(spec, catalog)
-    _known_to(spec, {*names_of(objective), *pareto})
-    most = top * FURTHER if spec.battery or spec.budget else top
-    found = search(spec, catalog, top=most, objective=objective, pareto=pareto, progress=progress)
-    machine = of_the_platform(spec.whole)
-    best, short = divided(found, spec, machine, objective, top)
-    count = len(found.evaluation.candidates.motor)
-    fallen = [i for i in range(found.standing, count) if found.evaluation.failed[i]]
-    fell = [*short.values(), *(drive_set(found.evaluation, i, 0, objective) for i in fallen)]
-    sets = with_both_methods(spec, catalog, ranked(best.values()))
+    picked = shortlist(spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling)
+    spec, found = picked.spec, picked.found
+    fell = [*picked.short.values(), *(drive_set(found.evaluation, row, 0, objective) for row in picked.fallen)]
+    sets = with_both_methods(spec, catalog, ranked(picked.best.values()))
     return SizingResult(
         spec=spec,
         catalog=catalog,
         method=spec.method,
         objective=title_of(objective),
-        requirements=_requirements(found, spec, next(iter((*best, *short)), 0)),
+        requirements=_requirements(found, spec, next(iter((*picked.best, *picked.short)), 0)),
         sets=sets,
         misses=ranked(fell[: None if sets else top], len(sets)),
         relaxations=() if found.standing else relaxations(spec, catalog),
         counts=found.counts,
         assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec)),
-        warnings=(*weighed, *_warnings(spec, sets), *shortfall(best, short), *catalog.replaced),
+        warnings=(*picked.weighed, *_warnings(spec, sets), *shortfall(picked.best, picked.short), *catalog.replaced),
         unrestricted=_unrestricted(spec, catalog, objective),
-        front=on_the_front(found, spec, machine, objective),
+        front=on_the_front(found, spec, picked.machine, objective),
         pareto=pareto,
+        unsure=ranked(picked.unsure.values()),
+        uncertainty=picked.uncertainty,
     )
-
-
-def _known_to(spec: RobotSpec, names: set[str]) -> None:
-    """Refuse objectives that the paper's method does not compute."""
-    foreign = sorted(names & {"energy", "joule_heat", "peak_current", "winding_temperature"})
-    if spec.method == "paper" and foreign:
-        raise InputError(f"objective {foreign[0]}: the paper's method does not compute it; expected method: physics")
 
 
 def _requirements(found: Found, spec: RobotSpec, row: int) -> tuple[Requirement, ...]:
@@ -128,26 +117,6 @@ def _requirements(found: Found, spec: RobotSpec, row: int) -> tuple[Requirement,
     if len(found.evaluation.candidates.motor):
         return tuple(r.at(row) for r in found.evaluation.wheel.values())
     return tuple(paper.vehicle(spec, 0.0).steps.values())
-
-
-def _known_choices(spec: RobotSpec, catalog: Catalog) -> None:
-    """Refuse a family or part that no catalogue has: a misspelling would silently find nothing."""
-    for section in ("motor", "gearhead", "encoder", "controller"):
-        choice, table = getattr(spec.select, section), catalog.table(f"{section}s")
-        for key, wanted in (("family", choice.family or []), ("part", choice.part or [])):
-            known = set(table[key].tolist())
-            for name in wanted:
-                if name not in known:
-                    where = spec.where(("select", section, key))
-                    raise InputError(
-                        f"{where}: {quoted(name)} is in no catalogue that the spec names{nearest(name, known)}"
-                    )
-    bus, buses = spec.select.controller.bus, offered_buses(catalog.controllers)
-    if bus and not any(offers(b, bus) for b in buses):
-        where = spec.where(("select", "controller", "bus"))
-        raise InputError(
-            f"{where}: no controller has the bus {quoted(bus)}; expected one of {', '.join(sorted(buses))}"
-        )
 
 
 def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
@@ -236,7 +205,7 @@ def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog
     InputError
         When a part number is in no catalogue, the gearhead is missing or inside something else, or no pulleys fit.
     """
-    catalog = _prepared(catalog) if catalog else load_parts(spec)
+    catalog = prepared(catalog) if catalog else load_parts(spec)
     spec = belt_choice.with_pulleys(on_wheels(spec), catalog)
     check_battery(spec, catalog)
     rows = _pair(catalog, motor, gearhead)

@@ -7,6 +7,7 @@ that ``drivesizer schema`` prints.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from copy import deepcopy
 from pathlib import Path
@@ -16,7 +17,7 @@ from pydantic import Field, PrivateAttr, ValidationError, field_validator, model
 
 from drivesizer.battery_schema import Battery, Consumer
 from drivesizer.choices import Select
-from drivesizer.errors import InputError
+from drivesizer.errors import InputError, quoted
 from drivesizer.fields import Section, default
 from drivesizer.loop_schema import Control, Plant
 from drivesizer.machines import AXES, Load, WheeledVehicle
@@ -24,6 +25,8 @@ from drivesizer.motions import Motion, Track, Trapezoid, Waypoints
 from drivesizer.platform_schema import Budget, Platform
 from drivesizer.sections import Case, Environment, Margins, Mission, Needs, PaperFactors, Supply
 from drivesizer.spec_errors import explained
+from drivesizer.tolerances.reading import Toleranced, taken
+from drivesizer.tolerances.schema import Tolerances
 from drivesizer.transmission import BeltStage, Offer, Stage
 from drivesizer.yaml_source import Path_, YamlSource, read
 
@@ -61,11 +64,13 @@ class RobotSpec(Section):
     control: Control = Field(default_factory=Control)
     plant: Plant = Field(default_factory=Plant)
     select: Select = Field(default_factory=Select)
+    tolerances: Tolerances = Field(default_factory=Tolerances)
     cases: Annotated[list[Case], Field(max_length=100)] = Field(
         default_factory=list, description="further load cases; a set must pass all"
     )
 
     _source: YamlSource | None = PrivateAttr(default=None)
+    _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
     _first: str = PrivateAttr(default=AS_SPECIFIED)  # name of the spec itself among load cases
     _whole: RobotSpec | None = PrivateAttr(default=None)
     _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
@@ -186,6 +191,11 @@ class RobotSpec(Section):
         return changed
 
     @property
+    def toleranced(self) -> tuple[Toleranced, ...]:
+        """The figures that carry a tolerance, in the order of the file; those of load cases among them."""
+        return self._toleranced
+
+    @property
     def entered(self) -> dict[str, Any]:
         """The spec as the user wrote it."""
         return dict(self._source.data) if self._source else {}
@@ -215,9 +225,34 @@ def read_spec(source: YamlSource) -> RobotSpec:
     """
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
-    spec = _validated(source, source.data)
-    spec._cases = tuple((case.name, _case(source, number)) for number, case in enumerate(spec.cases))
+    data, toleranced = taken(source)
+    spec = _read(source, data)
+    spec._toleranced = toleranced
+    for one in toleranced:  # a tolerance must not lead where the figure itself may not be
+        for end, value in (("lowest", one.distribution.low), ("highest", one.distribution.high)):
+            _reached(source, data, one, end, value)
     return spec
+
+
+def _read(source: YamlSource, data: dict[str, Any]) -> RobotSpec:
+    spec = _validated(source, data)
+    spec._cases = tuple((case.name, _case(source, data, number)) for number, case in enumerate(spec.cases))
+    return spec
+
+
+def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str, value: float) -> None:
+    """Refuse a tolerance of which an end is no value that the figure may have."""
+    changed = deepcopy(data)
+    place: Any = changed
+    for step in one.path[:-1]:
+        place = place[step]
+    place[one.path[-1]] = one.as_text(value)
+    try:
+        _read(source, changed)
+    except InputError as error:
+        told = re.sub(r'^\S+:\d+: (\S+: )?("[^"]*" )?', "", str(error))
+        said = f"{quoted(one.text)} is {one.shown(value)} at its {end}: {told}"
+        raise InputError(f"{source.where(one.path)}: {said}") from None
 
 
 def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> RobotSpec:
@@ -230,9 +265,9 @@ def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> Robo
     return spec
 
 
-def _case(source: YamlSource, number: int) -> RobotSpec:
+def _case(source: YamlSource, whole: dict[str, Any], number: int) -> RobotSpec:
     """The spec as one of its cases changes it, read as a spec of its own."""
-    case, data = source.data["cases"][number], deepcopy(source.data)
+    case, data = whole["cases"][number], deepcopy(whole)
     del data["cases"]
     for section in _VARIED:
         if section in case:

@@ -16,7 +16,7 @@ from drivesizer.errors import quoted
 from drivesizer.units import KINDS, noun
 from drivesizer.yaml_source import Path_, YamlSource
 
-__all__ = ["explained"]
+__all__ = ["explained", "known_keys", "models_at"]
 
 # messages of validators that say themselves what was found
 _ALONE = (
@@ -100,7 +100,7 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
         case "greater_than_equal" | "less_than_equal":
             return f"{found} must be {fault['msg'].removeprefix('Input should be ')}"
         case "extra_forbidden":
-            return f"unknown key; {_nearest(str(path[-1]), _known_keys(model, path[:-1], data))}"
+            return f"unknown key; {_nearest(str(path[-1]), known_keys(model, path[:-1], data))}"
         case "value_error":
             text = str(fault["ctx"]["error"])
             own = text.removeprefix(f"{path[-1]}: ") if len(path) == 1 else text
@@ -128,7 +128,7 @@ def _brief(value: Any) -> Any:
 
 def _example(model: type[BaseModel], path: Path_, data: Any) -> str:
     """What belongs into a missing field."""
-    owners = _models_at(model, path[:-1], data)
+    owners = models_at(model, path[:-1], data)
     field = next((m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields), None)
     kinds = [part.kind for part in (field.metadata if field else []) if hasattr(part, "kind")]
     inner = _models_in(field.annotation) if field else []
@@ -145,15 +145,15 @@ def _nearest(key: str, known: list[str]) -> str:
 
 
 def _some(model: type[BaseModel], path: Path_) -> str:
-    return ", ".join(_known_keys(model, path, None)[:4])
+    return ", ".join(known_keys(model, path, None)[:4])
 
 
-def _known_keys(model: type[BaseModel], path: Path_, data: Any) -> list[str]:
+def known_keys(model: type[BaseModel], path: Path_, data: Any) -> list[str]:
     """The fields that are known at a path."""
-    return list(dict.fromkeys(name for m in _models_at(model, path, data) for name in m.model_fields))
+    return list(dict.fromkeys(name for m in models_at(model, path, data) for name in m.model_fields))
 
 
-def _models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[BaseModel]]:
+def models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[BaseModel]]:
     """The models that may stand at a path; `kind` or `profile` decides between them."""
     models: list[type[BaseModel]] = [model]
     for step in path:

@@ -19,9 +19,9 @@ FURTHER = 4  # times as many sets are looked at where some may fall by the machi
 
 
 def divided(
-    found: Found, spec: RobotSpec, machine: MechanicalBudget | None, objective: Objective, top: int
+    found: Found, spec: RobotSpec, machine: MechanicalBudget | None, objective: Objective, top: int, rows: Iterable[int]
 ) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
-    """By their rows the best sets that stand with the machine's budgets, and the better ones that fall by those.
+    """Of some rows the best sets that stand with the machine's budgets, and the better ones that fall by those.
 
     Parameters
     ----------
@@ -35,11 +35,13 @@ def divided(
         That they were ranked by.
     top
         How many of each.
+    rows
+        Of sets that no check makes fall, in order.
     """
     catalog = found.evaluation.catalog
     best: dict[int, DriveSet] = {}
     short: dict[int, DriveSet] = {}
-    for row in range(found.standing):
+    for row in rows:
         one = with_budget(spec, catalog, drive_set(found.evaluation, row, 0, objective), machine)
         falls = one.status == "fail" or (verdict(one.budget) == "unknown" and spec.select.unknown != "allow")
         (short if falls else best)[row] = one

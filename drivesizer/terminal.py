@@ -16,6 +16,7 @@ from drivesizer.results import DriveSet, SizingResult, Validation, verdict, wors
 from drivesizer.terminal_energy import machine
 from drivesizer.terminal_loops import loops
 from drivesizer.terminal_tables import MARK, STYLE, percent
+from drivesizer.terminal_tolerances import tolerances
 from drivesizer.units import show
 
 __all__ = ["explained", "sizing", "validation", "validations"]
@@ -38,6 +39,7 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
         console.print(_front(result))
     elif result.pareto:
         console.print(f"Of no set that stands are {', '.join(result.pareto)} all known: there is no front.")
+    tolerances(console, result, quiet=quiet)
     if result.misses:
         console.print(_nearest(result.misses))
     _tally(console, result)
@@ -98,7 +100,7 @@ def _both(found: DriveSet) -> Table:
 
 
 def _none(console: Console, result: SizingResult) -> None:
-    console.print(Text("No set stands.", style="bold red"))
+    console.print(Text("No set stands as surely." if result.unsure else "No set stands.", style="bold red"))
     if result.counts.failed_by:
         name, count = max(result.counts.failed_by.items(), key=lambda item: item[1])
         title = TITLES[result.method][name].lower()
@@ -107,7 +109,7 @@ def _none(console: Console, result: SizingResult) -> None:
         console.print("Any one of these changes would let one stand:")
     for r in result.relaxations:
         console.print(Text(f"  {r.field} {r.now} → {r.needed}: then {r.set_label}"))
-    if not result.relaxations and result.counts.considered:
+    if not result.relaxations and result.counts.considered and not result.unsure:
         console.print("  No single figure of the spec, moved up to 20 times, is enough.")
     if not result.counts.considered:
         console.print("  No listed pair of motor and gearhead is left by the families and parts that the spec names.")

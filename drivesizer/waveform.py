@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 class Wave(NamedTuple):
     """Current and voltage of candidates: shape (candidates, segments, 2), values at both ends."""
 
-    duration: Array  # s, of each segment
+    duration: Array  # s, of each segment; of candidates with a cycle of their own (candidates, segments)
     current: Array
     voltage: Array
 
@@ -83,8 +83,9 @@ def largest_power(found: Wave) -> tuple[Array, Array]:
     power = (I[..., 0] + at * rise_I) * (V[..., 0] + at * rise_V)
     worst = power.argmax(axis=1)
     rows = np.arange(len(power))
-    start = np.cumsum(found.duration) - found.duration
-    return power[rows, worst], start[worst] + at[rows, worst] * found.duration[worst]
+    ends = np.cumsum(found.duration, axis=-1) - found.duration
+    start, duration = (np.broadcast_to(x, power.shape) for x in (ends, found.duration))
+    return power[rows, worst], start[rows, worst] + at[rows, worst] * duration[rows, worst]
 
 
 def energy(found: Wave, *, storing: bool = True) -> Energy:
@@ -100,7 +101,7 @@ def energy(found: Wave, *, storing: bool = True) -> Energy:
     I, V, dt = found.current, found.voltage, found.duration
     cuts = np.sort(np.stack([_crossing(I), _crossing(V)], axis=2), axis=2)
     edges = np.concatenate([np.zeros((*cuts.shape[:2], 1)), cuts, np.ones((*cuts.shape[:2], 1))], axis=2)
-    parts = dt[:, None] * np.diff(_work(I, V, edges), axis=2)  # one sign each
+    parts = dt[..., None] * np.diff(_work(I, V, edges), axis=2)  # one sign each
     drawn, returned = np.maximum(parts, 0.0), np.maximum(-parts, 0.0)
     taken, back = drawn.sum((1, 2)), returned.sum((1, 2))
     if not storing:
@@ -145,8 +146,9 @@ def longest_above(found: Wave, limit: Array) -> Array:
     above = np.zeros(len(limit))
     rows = np.flatnonzero((np.abs(found.current) > limit[:, None, None]).any((1, 2)))
     if len(rows):
-        some = Wave(found.duration, found.current[rows], found.voltage[rows])
-        above[rows] = longest_run(found.duration, *_below(some, limit[rows, None]))
+        duration = found.duration if found.duration.ndim == 1 else found.duration[rows]
+        some = Wave(duration, found.current[rows], found.voltage[rows])
+        above[rows] = longest_run(duration, *_below(some, limit[rows, None]))
     return np.where(np.isnan(limit), np.nan, above)
 
 
@@ -154,7 +156,7 @@ def share_above(found: Wave, limit: Array) -> Array:
     """Share of the time for which the absolute current is above a limit [1], for each candidate's limit [A]."""
     enter, leave, whole = _below(found, limit[:, None])
     below = np.where(whole, 0.0, leave - enter).sum(axis=1)
-    share: Array = 1.0 - below / found.duration.sum()
+    share: Array = 1.0 - below / found.duration.sum(axis=-1)
     return np.where(np.isnan(limit), np.nan, np.maximum(share, 0.0))
 
 
@@ -164,21 +166,23 @@ def longest_run(duration: Array, enter: Array, leave: Array, whole: NDArray[np.b
     Parameters
     ----------
     duration
-        Of each segment [s].
+        Of each segment [s]; (candidates, segments) where each has a cycle of its own.
     enter, leave
         From when until when in each segment there is a break [s], for each candidate.
     whole
         Where a segment has none.
     """
-    total, start = float(duration.sum()), np.cumsum(duration) - duration
+    total, start = duration.sum(axis=-1, keepdims=True), np.cumsum(duration, axis=-1) - duration
     ends = np.where(whole, -np.inf, start + enter)
     begins = np.where(whole, -np.inf, start + leave)
     last = begins.max(axis=1, keepdims=True) - total  # in the cycle before
     before = np.maximum.accumulate(np.concatenate([last, begins[:, :-1]], axis=1), axis=1)
     with np.errstate(invalid="ignore"):
         longest = np.where(whole, 0.0, ends - before).max(axis=1)
+    total = total[..., 0]
     longest = np.maximum(longest - 8 * np.spacing(total), 0.0)  # what rounding of the times may have added
-    return np.where(whole.all(axis=1), total, longest)
+    run: Array = np.where(whole.all(axis=1), total, longest)
+    return run
 
 
 def _below(found: Wave, limit: Array) -> tuple[Array, Array, NDArray[np.bool_]]:

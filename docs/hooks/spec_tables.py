@@ -38,6 +38,9 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
         "Select": "", "Choice": "`motor`, `gearhead`", "EncoderChoice": "`encoder`", "ControllerChoice": "`controller`",
         "Weighted": "Each of several objectives",
     },
+    "tolerances": {
+        "Tolerances": "", "MotorTolerances": "`motor`", "GearheadTolerances": "`gearhead`",
+    },
     "cases": {"Case": ""},
     "mission": {"Mission": ""},
     "control": {

@@ -48,7 +48,8 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
     if added == 0.0:
         return cycle
     torque = cycle.torque + added * cycle.acceleration
-    return replace(cycle, torque=torque, inertia=cycle.inertia + added).split()
+    own = tuple(one._replace(turning=one.turning + added) for one in cycle.own)
+    return replace(cycle, torque=torque, inertia=cycle.inertia + added, own=own).split()
 
 
 def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:

@@ -56,7 +56,7 @@ def wheeled_vehicle(spec: RobotSpec, course: Course) -> LoadCycle:
     force = rolling * course.direction + weight + drag + load.mass * course.acceleration
     torque = force * r / N + turning * course.acceleration / r
     inertia = turning + load.mass * r**2 / N
-    own = () if spec.platform else _grip(load, g, course, force / N)  # the platform's own checks know more of it
+    own = () if spec.platform else _grip(load, g, course, force / N, turning)  # a platform's own checks know more
     return course.cycle(torque, r, inertia=inertia, own=own)
 
 
@@ -79,7 +79,7 @@ def _cylinder(c: Cylinder) -> float:
     return float(eq.cylinder_inertia(eq.cylinder_mass(c.density, r_a, r_i, c.width), r_a, r_i))
 
 
-def _grip(load: WheeledVehicle, g: float, course: Course, force: Ends) -> tuple[OwnLimit, ...]:
+def _grip(load: WheeledVehicle, g: float, course: Course, force: Ends, turning: float) -> tuple[OwnLimit, ...]:
     """The largest force of a wheel on the floor against what friction transmits."""
     if load.friction_coefficient is None:
         return ()
@@ -87,4 +87,5 @@ def _grip(load: WheeledVehicle, g: float, course: Course, force: Ends) -> tuple[
     end = np.cumsum(course.duration)
     time = np.stack([end - course.duration, end], axis=1).reshape(-1)[worst]
     limit = load.friction_coefficient * load.mass * g * math.cos(load.slope) / load.driven_wheels
-    return (OwnLimit("traction", float(np.abs(force).reshape(-1)[worst]), limit, "force", "N", float(time)),)
+    most = float(np.abs(force).reshape(-1)[worst])
+    return (OwnLimit("traction", most, limit, "force", "N", float(time), turning),)

@@ -26,6 +26,7 @@ from drivesizer.report.panels import windows
 from drivesizer.report.parts import parts_list
 from drivesizer.report.rests_on import marked_figures, unknown_figures
 from drivesizer.report.set_rows import check_row, compared, figure_row, moves, set_row
+from drivesizer.report.tolerance_rows import sure
 from drivesizer.report.wording import cleaned, margin, short
 from drivesizer.results import DriveSet, SizingResult, Validation, worst
 from drivesizer.units import show
@@ -91,6 +92,7 @@ def _content(
         "load_steps": [step(r) | {"text": r.text} for r in result.requirements],
         "candidates": candidates(result),
         "front": front(result) if result.front else None,
+        "sure": sure(result),
         "hidden_fields": len(fields[MOST_PANELS:]),
         "cut": len(figures.stretches(cycles)) > 1,
         "loop": _loop(validation) if validation else None,

@@ -18,6 +18,8 @@ from drivesizer.report.margin_figure import margins
 from drivesizer.report.motion_figure import speed_profile
 from drivesizer.report.operating import panels
 from drivesizer.report.style import Form
+from drivesizer.report.tolerance_rows import judged
+from drivesizer.report.tornado_figure import swings, tornado
 from drivesizer.report.way_figure import plan_view, ways_of
 from drivesizer.report.wheels_figure import wheels_over_time
 from drivesizer.results import DriveSet, SizingResult, Validation
@@ -48,7 +50,7 @@ def report_drawings(
     dict
         By name what draws it: ``way`` of a platform on one, ``profile``, ``cycle``; of a set ``margins``, ``field``,
         ``efficiency``, ``demand``, ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``;
-        ``loop``, ``bode`` and ``step``.
+        ``tornado``; ``loop``, ``bode`` and ``step``.
     """
     best = result.shown
     cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
@@ -60,6 +62,10 @@ def report_drawings(
     made["cycle"] = lambda form: over_time(cycles, form)
     if len(result.front) > 1:
         made["front"] = lambda form: _trade_off(result, form)
+    certain = judged(result)
+    if certain and certain.reliability and swings(certain.reliability.drivers):
+        drivers = certain.reliability.drivers
+        made["tornado"] = lambda form: tornado(drivers, form=form)
     if best:
         made |= _of_set(result, best, does or Behaviour(result.spec, best))
     if validation:

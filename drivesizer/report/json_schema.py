@@ -36,6 +36,7 @@ def report_schema() -> _Schema:
             method={"enum": ["paper", "physics"]}, objective=_STRING, requirements=_named(_to("requirement")),
             sets=_list(_to("set")), misses=_list(_to("set")), relaxations=_list(_to("relaxation")),
             pareto=_all_of(objectives=_WORDS, sets=_list(_to("set"))), unrestricted=_or_null(_to("set")),
+            unsure=_list(_to("set")), uncertainty=_or_null(_uncertainty()),
             counts=_all_of(considered=_COUNT, feasible=_COUNT, failed_by=_named(_COUNT)), assumptions=_WORDS,
             warnings=_WORDS, parts_list=_list(_to("line")), validation=_or_null(_to("validation")),
         ),
@@ -135,6 +136,7 @@ def _set() -> _Schema:
         machine=_list(_all_of(name=_STRING, title=_STRING, **_FIGURE)),
         masses=_list(_all_of(name=_STRING, number=_COUNT, each_kg=_NUMBER, total_kg=_NUMBER)),
         energy=_or_null(_energy()), changes=_list(_to("relaxation")),
+        reliability=_or_null(_reliability()),
     )  # fmt: skip
 
 
@@ -142,6 +144,24 @@ def _energy() -> _Schema:
     consumer = _all_of(name=_STRING, number=_COUNT, mean_W=_NUMBER, peak_W=_NUMBER, share_of_time=_NUMBER,
                        assumed={"type": "boolean"})  # fmt: skip
     return _all_of(battery=_STRING, consumers=_list(consumer), figures=_named(_to("figure")), assumptions=_WORDS)
+
+
+def _uncertainty() -> _Schema:
+    assumption = _all_of(name=_STRING, tolerance=_STRING, source=_STRING)
+    return _all_of(samples=_COUNT, seed=_COUNT, confidence=_NUMBER, sets_sampled=_COUNT, sets_that_reach_it=_COUNT,
+                   assumptions=_list(assumption), notes=_WORDS)  # fmt: skip
+
+
+def _reliability() -> _Schema:
+    margin = _all_of(p5=_NUMBER, p50=_NUMBER, p95=_NUMBER)
+    end = _all_of(value=_STRING, smallest_margin=_NUMBER)
+    check = _all_of(name=_STRING, passes=_FLOAT, fails=_FLOAT, weakest=_FLOAT, margin=margin)
+    driver = _all_of(name=_STRING, share_of_variance=_FLOAT, rank_correlation=_FLOAT, at_p5=end, at_p95=end)
+    loop = _all_of(samples=_COUNT, probability=_FLOAT, error_95=_FLOAT, weakest_check=_STRING)
+    return _all_of(
+        probability=_FLOAT, error_95=_FLOAT, weakest_check=_STRING, unknown=_WORDS, smallest_margin=margin,
+        checks=_list(check), drivers=_list(driver), closed_loop=_or_null(loop),
+    )  # fmt: skip
 
 
 def _curve(**columns: _Schema) -> _Schema:

@@ -32,6 +32,7 @@ _SOURCE = (
     "summary",
     "asked",
     "candidates",
+    "tolerances",
     "chosen",
     "machine",
     "loop",

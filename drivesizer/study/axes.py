@@ -16,7 +16,7 @@ from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.fields import Quantity
 from drivesizer.machines import AXES
 from drivesizer.spec import RobotSpec
-from drivesizer.spec_errors import _known_keys, _models_at
+from drivesizer.spec_errors import known_keys, models_at
 from drivesizer.units import number, scale, to_si
 from drivesizer.yaml_source import Path_, YamlSource
 
@@ -223,7 +223,7 @@ def _name(path: Path_) -> str:
 
 
 def _known(path: Path_, data: Any) -> list[str]:
-    return _known_keys(RobotSpec, _of_the_spec(path), data)
+    return known_keys(RobotSpec, _of_the_spec(path), data)
 
 
 def _of_the_spec(path: Path_) -> Path_:
@@ -234,7 +234,7 @@ def _of_the_spec(path: Path_) -> Path_:
 def _kind(path: Path_, data: Any) -> str:
     """The kind of quantity of a field, empty where it is none."""
     path = _of_the_spec(path)
-    fields = [m.model_fields[str(path[-1])] for m in _models_at(RobotSpec, path[:-1], data)
+    fields = [m.model_fields[str(path[-1])] for m in models_at(RobotSpec, path[:-1], data)
               if path[-1] in m.model_fields]  # fmt: skip
     found = [q for field in fields for q in _quantities((*field.metadata, field.annotation))]
     if not found:

@@ -1,4 +1,4 @@
-"""The best sets of a spec and nothing more.
+"""The best sets of a variant and nothing more.
 
 What ``drivesizer size`` finds, without what it tells beside: what would have to give, the other method, the whole
 catalogue. That costs many searches more where nothing stands, which in a study is often.
@@ -6,18 +6,16 @@ catalogue. That costs many searches more where nothing stands, which in a study 
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import NamedTuple
 
-from drivesizer import belt_choice
-from drivesizer.budgets import check_battery
 from drivesizer.catalog import Catalog
-from drivesizer.platform_cases import on_wheels
-from drivesizer.ranking import Objective, names_of, title_of
+from drivesizer.ranking import Objective, title_of
 from drivesizer.records import drive_set
 from drivesizer.results import Counts, DriveSet
-from drivesizer.search import search
-from drivesizer.sizing import _FURTHER, _at_its_own_mass, _divided, _known_choices, _known_to, _ranked
+from drivesizer.shortlist import shortlist
 from drivesizer.spec import RobotSpec
+from drivesizer.standing_sets import ranked
 
 __all__ = ["Best", "best"]
 
@@ -51,18 +49,9 @@ def best(spec: RobotSpec, catalog: Catalog, *, objective: Objective | None = Non
         As :func:`drivesizer.sizing.size` does.
     """
     objective = objective or spec.select.objective
-    spec, _ = _at_its_own_mass(spec, catalog, objective)
-    spec = belt_choice.with_pulleys(on_wheels(spec), catalog)
-    _known_choices(spec, catalog)
-    check_battery(spec, catalog)
-    _known_to(spec, set(names_of(objective)))
-    most = top * _FURTHER if spec.battery or spec.budget else top
-    found = search(spec, catalog, top=most, objective=objective, misses=0)
-    stand, short = _divided(found, spec, objective, top)
-    nearest = None
-    if not stand:
-        failed = found.evaluation.failed
-        first = next((i for i in range(found.standing, len(failed)) if failed[i]), None)
-        fell = [*short.values(), *([] if first is None else [drive_set(found.evaluation, first, 0, objective)])]
-        nearest = next(iter(fell), None)
-    return Best(_ranked(stand.values()), nearest, found.counts, title_of(objective))
+    found = shortlist(spec, catalog, objective, top, misses=0, brief=True)
+    evaluation = found.found.evaluation
+    fallen = (drive_set(evaluation, row, 0, objective) for row in found.fallen)
+    close = next(chain(found.unsure.values(), found.short.values(), fallen), None)
+    sets = ranked(found.best.values())
+    return Best(sets, None if sets else close, found.found.counts, title_of(objective))

@@ -1,6 +1,6 @@
 """The columns of a study's table: which variant, and what was found for it.
 
-A figure of a set becomes a column by one line in ``_FOUND``; by one more in ``maps.MAPS`` it is drawn as well.
+A figure of a set becomes a column by one line in ``_SET``; by one more in ``maps.MAPS`` it is drawn as well.
 """
 
 from __future__ import annotations
@@ -80,6 +80,10 @@ _SET: tuple[_Of, ...] = (
     _text("price_lacks", _price_lacks),
     _number("objective_si", lambda one: one.objective),
     _number("energy_J", _figure("energy"), "J"),
+    _number("probability", lambda one: one.reliability.probability if one.reliability else nan, "1"),
+    _number(
+        "probability_error", lambda one: one.reliability.error if one.reliability else nan, "1"
+    ),  # of sampling, 95 %
 )
 _MARGIN = Column("smallest_margin", "number", "1"), Column("smallest_margin_check", "text")
 _COUNTS = Column("sets_examined", "whole"), Column("sets_that_stand", "whole")

@@ -11,10 +11,9 @@ from typing import NamedTuple
 
 from drivesizer import __version__
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.inside import taken_apart
-from drivesizer.catalog.shafts import on_any_shaft
 from drivesizer.errors import DrivesizerError
 from drivesizer.ranking import objective_of, title_of
+from drivesizer.sizing import prepared
 from drivesizer.spec import RobotSpec, read_spec
 from drivesizer.study.axes import changed
 from drivesizer.study.best import best
@@ -40,7 +39,7 @@ def _source(name: str, text: str) -> YamlSource:
 @lru_cache(maxsize=8)
 def _catalog(names: tuple[str, ...], beside: str) -> Catalog:
     """Catalogues as the search wants them: loaded once in a process."""
-    return on_any_shaft(taken_apart(load(names, beside=Path(beside))))
+    return prepared(load(names, beside=Path(beside)))
 
 
 def spec_of(job: Job, variant: Variant) -> RobotSpec:

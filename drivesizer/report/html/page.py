@@ -36,7 +36,7 @@ from drivesizer.units import show
 __all__ = ["render", "report_html"]
 
 _FILES = resources.files("drivesizer.report.html")
-_STILL = ("way", "efficiency", "demand", "heat", "energy")  # figures that the page shows as the PDF does
+_STILL = ("way", "tornado", "efficiency", "demand", "heat", "energy")  # figures that the page shows as the PDF does
 _BREAK = "\u200b"  # where a PDF may end a line; a browser finds such places itself
 
 

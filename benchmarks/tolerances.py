@@ -1,0 +1,124 @@
+"""How long 10 000 samples of the 100 best sets take, beside one whole `drivesizer size` of the same machine.
+
+The SPS robot by physics over the whole catalogue, with tolerances of mass, rolling resistance, supply and ambient and
+with the default classes of the catalogue's figures. Sampling is all of it in a process that has sized already: SciPy's
+sampler imported, samples drawn, load cycles, every check of every sample, statistics. Both in turns on the same machine
+in the same minutes, as processor time and wall clock; the closed loop apart. Beside it the plain evaluation, one sample
+of one set at a time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+SPEC = Path(__file__).resolve().parent.parent / "examples" / "sps_robot.yaml"
+CHANGES = {
+    "method: paper": "method: physics",
+    "mass: 45 kg ": "mass: 45 kg +- 3 kg ",
+    "rolling_resistance: 0.02 ": "rolling_resistance: 0.02 in 0.015..0.03 ",
+    "min: 22 V ": "min: normal(22 V, 0.2 V) ",
+    "ambient: 25 degC ": "ambient: 25 degC +- 10 K ",
+}
+SETS, SAMPLES = 100, 10_000
+
+
+def written(folder: Path) -> Path:
+    """The spec with tolerances."""
+    text = SPEC.read_text(encoding="utf-8")
+    text = text[: text.index("select:")]
+    for old, new in CHANGES.items():
+        assert old in text
+        text = text.replace(old, new)
+    path = folder / "robot.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def plainly(folder: Path) -> Path:
+    """The same without."""
+    text = SPEC.read_text(encoding="utf-8")
+    path = folder / "plain.yaml"
+    path.write_text(text[: text.index("select:")].replace("method: paper", "method: physics"), encoding="utf-8")
+    return path
+
+
+def sampled(path: Path) -> None:
+    """Sample in a process of its own, and print processor time and wall clock."""
+    from drivesizer.search import search
+    from drivesizer.sizing import load_parts
+    from drivesizer.spec import load_spec
+    from drivesizer.tolerances.run import Sampling, judged, subject
+
+    spec = load_spec(path)
+    catalog = load_parts(spec)
+    found = search(spec, catalog, top=SETS, objective="mass", misses=0).evaluation
+    processor, wall = time.process_time(), time.perf_counter()
+    result = judged(spec, catalog, {row: subject(found, row) for row in range(SETS)}, Sampling(SAMPLES, 1, None))
+    assert len(result.found) == SETS and result.drawn.size == SAMPLES
+    print(time.process_time() - processor, time.perf_counter() - wall)
+
+
+def one_by_one(path: Path, samples: int) -> float:
+    """Processor time of the plain evaluation, one sample at a time [s each]."""
+    import numpy as np
+
+    from drivesizer.evaluation import evaluate
+    from drivesizer.search import search
+    from drivesizer.sizing import load_parts
+    from drivesizer.spec import load_spec
+
+    spec = load_spec(path)
+    catalog = load_parts(spec)
+    found = search(spec, catalog, top=1, objective="mass", misses=0).evaluation
+    one = found.candidates.on(np.arange(1))
+    start = time.process_time()
+    for _ in range(samples):
+        evaluate(spec, catalog, one)
+    return (time.process_time() - start) / samples
+
+
+def process(command: list[str]) -> tuple[float, float, str]:
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    run = subprocess.run(command, check=True, capture_output=True, text=True)
+    wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, wall, run.stdout
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--sample", type=Path, help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.sample:
+        sampled(options.sample)
+        return
+    with tempfile.TemporaryDirectory() as place:
+        os.environ["DRIVESIZER_CACHE"] = place
+        path, plain = written(Path(place)), plainly(Path(place))
+        whole = [sys.executable, "-m", "drivesizer", "size", str(plain)]
+        process(whole)  # compiles the catalogue
+        size, taken = [], []
+        for _ in range(options.runs):
+            size.append(process(whole)[:2])
+            told = process([sys.executable, __file__, "--sample", str(path)])[2]
+            taken.append(tuple(map(float, told.split())))
+        each = one_by_one(path, 30)
+    both = [(min(column) for column in zip(*times, strict=True)) for times in (size, taken)]
+    (size_cpu, size_wall), (cpu, wall) = (tuple(one) for one in both)
+    print(f"{'':40}{'processor':>12}{'wall clock':>12}")
+    print(f"{'drivesizer size, whole process':40}{size_cpu:10.2f} s{size_wall:10.2f} s")
+    print(f"{f'{SAMPLES:,} samples of {SETS} sets':40}{cpu:10.2f} s{wall:10.2f} s")
+    print(f"{'samples / size':40}{cpu / size_cpu:12.2f}{wall / size_wall:12.2f}   goal: at most 3")
+    slow = each * SAMPLES * SETS
+    print(f"{'one by one, by the plain evaluation':40}{slow:10.0f} s   {slow / cpu:,.0f} times as long")
+
+
+if __name__ == "__main__":
+    main()

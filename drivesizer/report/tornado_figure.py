@@ -1,0 +1,82 @@
+"""What each assumption does to a set's smallest margin, the one that matters most on top: a tornado."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from drivesizer.report.style import COLOURS, Form, drawn, placed
+from drivesizer.report.wording import clean, short
+from drivesizer.tolerances.records import Driver
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["MOST", "swings", "tornado"]
+
+MOST = 10  # bars
+_LEAST = 0.005  # share of the variance, or of the widest bar, that is drawn
+_ROOM = 0.17  # of the widest bars' extent, beside them for their values
+_ROW = 0.24  # in
+_LETTERS = 44  # of a name
+
+
+_GROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}  # so that no line runs through a value
+
+
+def swings(drivers: Sequence[Driver]) -> list[Driver]:
+    """The assumptions that are drawn: those that move the margin, the largest share of its variance first."""
+    known = [one for one in drivers if isfinite(one.low_margin + one.high_margin)]
+    widest = max((_swing(one) for one in known), default=0.0)
+    return [one for one in known if one.share >= _LEAST or _swing(one) > _LEAST * widest][:MOST]
+
+
+def _swing(one: Driver) -> float:
+    return abs(one.high_margin - one.low_margin)
+
+
+def tornado(drivers: Sequence[Driver], asked: float = 0.0, form: Form = "svg") -> bytes:
+    """Smallest margin with one assumption at its 5 % and at its 95 % quantile, all others nominal.
+
+    Parameters
+    ----------
+    drivers
+        At least one of ``swings``.
+    asked
+        Margin below which the set does not pass, 0 without one.
+    """
+    shown = list(reversed(swings(drivers)))
+
+    def draw(figure: Figure) -> None:
+        axes = placed(figure, left=2.75, right=0.5, top=0.26)[0][0]
+        for place, one in enumerate(shown):
+            _bar(axes, place, one)
+        axes.axvline(100.0 * asked, color="black", linewidth=1.2, zorder=2)
+        axes.set_yticks(range(len(shown)), [short(clean(one.title), _LETTERS) for one in shown])
+        axes.tick_params(axis="y", length=0)
+        axes.grid(axis="y", visible=False)
+        ends = [100.0 * end for one in shown for end in (one.low_margin, one.high_margin)] + [100.0 * asked]
+        room = _ROOM * (max(ends) - min(ends))
+        axes.set(
+            xlim=(min(ends) - room, max(ends) + room),
+            ylim=(-0.6, len(shown) - 0.4),
+            xlabel="smallest margin of all checks (%)",
+        )
+        axes.annotate("share of variance", (1.0, len(shown) - 0.4), xycoords=("axes fraction", "data"), xytext=(32, 3),
+                      textcoords="offset points", ha="right", fontsize=6.5)  # fmt: skip
+
+    return drawn(draw, _ROW * len(shown) + 0.75, form)
+
+
+def _bar(axes: Axes, place: int, one: Driver) -> None:
+    """From the margin at the low end to that at the high end, each end with the value that makes it."""
+    low, high = 100.0 * one.low_margin, 100.0 * one.high_margin
+    axes.barh(place, high - low, left=low, height=0.6, facecolor=COLOURS["sky"], edgecolor=COLOURS["blue"],
+              linewidth=0.6, zorder=3)  # fmt: skip
+    for at, said, right in ((low, one.low, low > high), (high, one.high, high >= low)):
+        axes.annotate(said, (at, place), xytext=(3 if right else -3, 0), textcoords="offset points", va="center",
+                      ha="left" if right else "right", fontsize=6.2, bbox=_GROUND, zorder=5)  # fmt: skip
+    axes.annotate(f"{100.0 * one.share:.0f} %", (1.0, place), xycoords=("axes fraction", "data"), xytext=(32, 0),
+                  textcoords="offset points", va="center", ha="right", fontsize=6.5)  # fmt: skip

@@ -1,0 +1,227 @@
+"""Drive sets over samples: how probable it is that all checks pass, by what they fall, and what matters most."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.checked import Check
+from drivesizer.checks import TITLES, CheckColumn
+from drivesizer.spec import RobotSpec
+from drivesizer.tolerances.assumptions import Assumption
+from drivesizer.tolerances.evaluate import SetRows, checks_of
+from drivesizer.tolerances.lasting import SAMPLED
+from drivesizer.tolerances.prepare import Prepared, blocks, prepared
+from drivesizer.tolerances.records import Driver, Reliability, Spread
+from drivesizer.tolerances.sampling import Sample, mean_and_error
+from drivesizer.tolerances.sensitivity import first_order, rank_correlations
+
+__all__ = ["Examined", "Subject", "drivers", "examined"]
+
+Array = NDArray[np.float64]
+_QUANTILES = (0.05, 0.5, 0.95)
+_KEPT = 1_000_000  # segments times samples that are kept at hand for all sets
+_TOGETHER = 8  # sets whose samples are held at a time
+
+
+class Subject(NamedTuple):
+    """A set that is sampled, with its checks at nominal figures."""
+
+    rows: SetRows
+    nominal: tuple[Check, ...]
+
+
+class Examined(NamedTuple):
+    """What the samples of a set gave."""
+
+    reliability: Reliability
+    smallest: Array  # margin of each sample, over all checks that have one
+
+
+class _Over(NamedTuple):
+    """One check over all samples."""
+
+    passed: NDArray[np.bool_]
+    failed: NDArray[np.bool_]
+    margin: Array  # NaN where there is none
+    tightness: Array
+
+
+def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Examined]:
+    """Sets over all samples.
+
+    Parameters
+    ----------
+    given
+        The samples, made ready.
+    catalog
+        The parts.
+    subjects
+        The sets.
+    processes
+        That share the sets; the figures are the same with any number.
+    """
+    if processes > 1 and len(subjects) > 1:
+        return _shared(given, catalog, subjects, processes)
+    belts = sorted({one.rows.belt for one in subjects})
+    kept = list(blocks(given, catalog, belts)) if given.cells <= _KEPT else None
+    found: list[Examined] = []
+    for first in range(0, len(subjects), _TOGETHER):
+        some = subjects[first : first + _TOGETHER]
+        parts: list[list[dict[str, _Over]]] = [[] for _ in some]
+        for block in kept or blocks(given, catalog, belts):
+            for part, one in zip(parts, some, strict=True):
+                part.append({n: _over(c, block.size) for n, c in checks_of(catalog, one.rows, block).items()})
+        found += [_reduced(one, part) for one, part in zip(some, parts, strict=True)]
+    return found
+
+
+def _shared(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int) -> list[Examined]:
+    """The same by several processes, each with some of the sets."""
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    share = -(-len(subjects) // processes)
+    parts = [subjects[first : first + share] for first in range(0, len(subjects), share)]
+    with ProcessPoolExecutor(len(parts), mp_context=get_context("spawn")) as pool:
+        found = list(pool.map(examined, [given] * len(parts), [catalog] * len(parts), parts))
+    return [one for part in found for one in part]
+
+
+def _over(check: CheckColumn, count: int) -> _Over:
+    """What is kept of a check; one figure where all samples have the same."""
+    margin = check.margin
+    tight = np.where(np.isnan(margin) | (check.by_choice & check.passed), np.inf, margin)
+    return _Over(*(_as_many(x, count) for x in (check.passed, check.failed, margin, tight)))
+
+
+def _as_many(column: NDArray[Any], count: int) -> NDArray[Any]:
+    """A column of so many samples; of a single figure a view."""
+    return column if column.shape == (count,) else np.broadcast_to(column, count)
+
+
+def _constant(check: Check, count: int) -> _Over:
+    """A check that no sample changes."""
+    tight = math.inf if math.isnan(check.margin) or (check.by_choice and check.status == "pass") else check.margin
+    figures = (check.status == "pass", check.status == "fail", check.margin, tight)
+    return _Over(*(np.broadcast_to(np.asarray(x), count) for x in figures))
+
+
+def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
+    """What the samples of a set amount to."""
+    joined = (
+        parts[0] if len(parts) == 1 else {name: _one_after_the_other([p[name] for p in parts]) for name in parts[0]}
+    )
+    count = len(next(iter(joined.values())).passed)
+    every = {check.name: joined.get(check.name) or _constant(check, count) for check in one.nominal}
+    every |= {name: joined[name] for name in SAMPLED if name in joined}
+    titles = {check.name: check.title for check in one.nominal} | {name: TITLES["budget"][name] for name in SAMPLED}
+    failed, smallest, place = np.zeros(count, bool), np.full(count, np.inf), np.full(count, -1)
+    for number, over in enumerate(every.values()):
+        failed |= over.failed
+        tighter = over.tightness < smallest
+        place[tighter] = number
+        smallest = np.minimum(smallest, over.tightness)
+    weakest = np.bincount(place + 1, minlength=len(every) + 1)[1:] / count
+    spreads = [
+        _spread(name, titles[name], over, float(w)) for (name, over), w in zip(every.items(), weakest, strict=True)
+    ]
+    share = mean_and_error(~failed)
+    low, middle, high = _quantiles(smallest)
+    return Examined(
+        Reliability(
+            probability=share.value,
+            error=share.error,
+            unknown=tuple(s.title for s in spreads if s.passes + s.fails < 1.0),
+            weakest=max(spreads, key=lambda s: (s.fails, s.weakest)).title,
+            low=low,
+            middle=middle,
+            high=high,
+            checks=tuple(spreads),
+        ),
+        smallest,
+    )
+
+
+def _one_after_the_other(parts: Sequence[_Over]) -> _Over:
+    return _Over(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def _tightness(check: Check) -> float:
+    return math.inf if math.isnan(check.margin) or (check.by_choice and check.status == "pass") else check.margin
+
+
+def _spread(name: str, title: str, over: _Over, weakest: float) -> Spread:
+    low, middle, high = _quantiles(over.margin)
+    return Spread(
+        name=name, title=title, passes=np.count_nonzero(over.passed) / len(over.passed),
+        fails=np.count_nonzero(over.failed) / len(over.failed),
+        weakest=weakest, low=low, middle=middle, high=high,
+    )  # fmt: skip
+
+
+def _quantiles(values: Array) -> tuple[float, float, float]:
+    """The values that 5 %, 50 % and 95 % of all lie below; NaN where one of them is unknown."""
+    if values.strides == (0,):  # all the same
+        return (float(values[0]),) * 3
+    if np.isnan(values).any():
+        return (math.nan,) * 3
+    low, middle, high = (int(q * len(values)) for q in _QUANTILES)
+    halves = np.partition(values, middle)
+    below, above = np.partition(halves[: middle + 1], low), np.partition(halves[middle:], high - middle)
+    return float(below[low]), float(halves[middle]), float(above[high - middle])
+
+
+# --- what matters
+
+
+def drivers(
+    one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption], sample: Sample, smallest: Array
+) -> tuple[Driver, ...]:
+    """What each assumption does to the smallest margin of a set, the one that matters most first.
+
+    Parameters
+    ----------
+    one
+        The set.
+    catalog, spec, given
+        The parts, the machine as it is sized, and all that is uncertain.
+    sample
+        The samples.
+    smallest
+        Margin of each.
+    """
+    known = np.isfinite(smallest)
+    shares = first_order(sample.values[known], smallest[known])
+    signs = rank_correlations(sample.values[known], smallest[known])
+    ends = np.array([assumption.distribution.at(np.array([0.05, 0.95])) for assumption in given])
+    margins = _one_by_one(one, catalog, spec, given, ends)
+    found = [
+        Driver(
+            name=assumption.name, title=assumption.title, share=float(shares[k]), rank_correlation=float(signs[k]),
+            low_margin=float(margins[k, 0]), high_margin=float(margins[k, 1]),
+            low=assumption.shown(ends[k, 0]), high=assumption.shown(ends[k, 1]),
+        )
+        for k, assumption in enumerate(given)
+    ]  # fmt: skip
+    return tuple(sorted(found, key=lambda driver: (-driver.share, driver.name)))
+
+
+def _one_by_one(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption], ends: Array) -> Array:
+    """Smallest margin with one assumption at either end and all others nominal: (assumptions, 2)."""
+    values = np.tile([assumption.nominal for assumption in given], (2 * len(given), 1))
+    for k in range(len(given)):
+        values[2 * k : 2 * k + 2, k] = ends[k]
+    ready = prepared(spec, given, values)
+    tight = {check.name: np.full(len(values), _tightness(check)) for check in one.nominal}
+    for block in blocks(ready, catalog, [one.rows.belt]):  # so few that there is one
+        for name, column in checks_of(catalog, one.rows, block).items():
+            if name in tight or name in SAMPLED:
+                tight[name] = np.broadcast_to(column.tightness, block.size)
+    found: Array = np.min([*tight.values()], axis=0).reshape(-1, 2)
+    return found

@@ -1,0 +1,70 @@
+"""How far a catalogue figure may be off: the default classes, and those that a spec puts in their place.
+
+A class is a distribution of factors of the printed figure. Figures that belong together share one: the two thermal
+resistances of a motor with their time constants, so that heat capacities stay what they are; friction at any speed and
+with it, and the no-load current that stands for both.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib import resources
+from typing import NamedTuple
+
+import yaml
+
+from drivesizer.tolerances.distributions import Distribution
+from drivesizer.tolerances.reading import share
+
+__all__ = ["CLASSES", "Class", "classes"]
+
+CLASSES = {
+    ("motor", "resistance"): "Motor resistance",
+    ("motor", "torque_constant"): "Motor torque constant",
+    ("motor", "friction"): "Motor friction and iron loss",
+    ("motor", "rotor_inertia"): "Rotor inertia",
+    ("motor", "thermal_resistance"): "Motor thermal resistances",
+    ("gearhead", "efficiency"): "Gearhead losses",
+    ("gearhead", "inertia"): "Gearhead inertia",
+}
+
+
+class Class(NamedTuple):
+    """How far a figure of the catalogue may be off."""
+
+    part: str  # motor or gearhead
+    figure: str
+    title: str
+    text: str  # as it is written
+    factor: Distribution | None  # of the printed figure; None: taken as printed
+    why: str
+
+
+@cache
+def _default() -> dict[str, dict[str, dict[str, str]]]:
+    text = (resources.files("drivesizer.tolerances") / "classes.yaml").read_text(encoding="utf-8")
+    found: dict[str, dict[str, dict[str, str]]] = yaml.safe_load(text)
+    return found
+
+
+def classes(given: dict[tuple[str, str], str] | None = None) -> tuple[Class, ...]:
+    """The classes in force, in a fixed order.
+
+    Parameters
+    ----------
+    given
+        What a spec puts in place of a default, by part and figure.
+
+    Examples
+    --------
+    >>> found = classes({("motor", "resistance"): "+- 7 %", ("motor", "friction"): "none"})
+    >>> [(one.text, one.why) for one in found if one.why == "given in the spec"]
+    [('+- 7 %', 'given in the spec'), ('none', 'given in the spec')]
+    """
+    found = []
+    for (part, figure), title in CLASSES.items():
+        own = (given or {}).get((part, figure))
+        text = own or _default()[part][figure]["tolerance"]
+        why = "given in the spec" if own else _default()[part][figure]["why"]
+        found.append(Class(part, figure, title, text, share(text), why))
+    return tuple(found)

@@ -1,0 +1,181 @@
+"""One drive set against every limit, sample by sample: the column code of the search with samples as columns.
+
+What the search takes for many sets over one load cycle is taken here for one set over many: the parts' figures times
+their factors, the spec's figures as columns, the load cycle of each sample. Encoder and controller stay those of the
+nominal set, for they are bought once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.catalog.tables import Table
+from drivesizer.checks import CheckColumn, fits, worst_case
+from drivesizer.examine import doubted
+from drivesizer.physics import Demands, demands
+from drivesizer.physics_limits import (
+    Parts,
+    electrical_limits,
+    gearhead_limits,
+    heat,
+    housing_loss,
+    load_limits,
+    motor_limits,
+    moving_limits,
+    stress,
+)
+from drivesizer.tolerances.behind import AtSamples
+from drivesizer.tolerances.lasting import Feeding, battery_limits
+from drivesizer.tolerances.waves import moments
+from drivesizer.waveform_limits import waveform_limits
+
+__all__ = ["Block", "SetRows", "checks_of", "motor_factors", "with_losses"]
+
+Array = NDArray[np.float64]
+_WHOLE = ("ratio", "inertia", "no_load_current", "friction_torque", "viscous_friction")  # never as a single figure
+
+
+class SetRows(NamedTuple):
+    """The parts of a set, as rows of the catalogue's tables; -1 where there is none."""
+
+    motor: int
+    gearhead: int
+    encoder: int
+    controller: int
+    belt: float
+
+
+class Block(NamedTuple):
+    """Some of the samples, ready for any set: a load case each."""
+
+    size: int
+    specs: tuple[Any, ...]  # with columns
+    ats: tuple[Mapping[float, AtSamples], ...]  # by belt ratio
+    feeds: tuple[Feeding | None, ...]  # what feeds the machine
+    factors: Mapping[tuple[str, str], Array]  # of the catalogue's figures, by part and class
+
+
+class _Figures:
+    """The figures of a part over samples: a column where it is sampled, else a single one."""
+
+    def __init__(self, table: Table[Any], row: int, count: int, changed: Mapping[str, Array]) -> None:
+        self.table, self.row, self.count = table, row, count
+        self.taken: dict[str, NDArray[Any]] = dict(changed)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self.taken:
+            self.taken[name] = self.nominal(name, self.count if name in _WHOLE else 1)
+        return self.taken[name]
+
+    def nominal(self, name: str, count: int = 1) -> NDArray[Any]:
+        """As the catalogue prints it."""
+        column: NDArray[Any] = self.table[name]
+        if self.row < 0:
+            return np.full(count, np.nan if column.dtype.kind == "f" else "")
+        return np.full(count, column[self.row])
+
+
+def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
+    """By what each figure of a motor is multiplied; heat capacities stay what they are.
+
+    Parameters
+    ----------
+    given
+        Factors by class, as far as they are sampled: columns or single ones.
+    """
+    rubs, heats, k = (given.get(name, 1.0) for name in ("friction", "thermal_resistance", "torque_constant"))
+    return {
+        "resistance": given.get("resistance", 1.0), "torque_constant": k,
+        "rotor_inertia": given.get("rotor_inertia", 1.0),
+        "no_load_current": rubs / k, "friction_torque": rubs, "viscous_friction": rubs,
+        "thermal_resistance_winding": heats, "thermal_resistance_housing": heats,
+        "winding_time_constant": heats, "motor_time_constant": heats,
+    }  # fmt: skip
+
+
+def with_losses(efficiency: Any, factor: Any) -> Any:
+    """An efficiency whose losses per torque passed on, 1/e - 1, are so many times as large; it never leaves 0 to 1."""
+    return 1.0 / (1.0 + (1.0 / efficiency - 1.0) * factor)
+
+
+def _motor(catalog: Catalog, row: int, block: Block) -> _Figures:
+    """A motor's figures, each times its factor."""
+    times = motor_factors({figure: column for (part, figure), column in block.factors.items() if part == "motor"})
+    printed, whole = _Figures(catalog.motors, row, block.size, {}).nominal, np.ones(block.size)
+    changed = {
+        name: printed(name) * factor * (whole if name in _WHOLE else 1.0)
+        for name, factor in times.items()
+        if np.ndim(factor) or name in _WHOLE
+    }
+    return _Figures(catalog.motors, row, block.size, changed)
+
+
+def _gearhead(catalog: Catalog, row: int, block: Block) -> _Figures:
+    """A gearhead's figures, each times its factor."""
+    printed = _Figures(catalog.gearheads, row, block.size, {}).nominal
+    changed = {}
+    if (losses := block.factors.get(("gearhead", "efficiency"))) is not None:
+        changed["efficiency"] = with_losses(printed("efficiency"), losses)
+        changed["no_load_torque"] = printed("no_load_torque") * losses
+    if (gains := block.factors.get(("gearhead", "inertia"))) is not None:
+        changed["inertia"] = printed("inertia") * gains
+    return _Figures(catalog.gearheads, row, block.size, changed)
+
+
+def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
+    """Every check that samples may change, by name: columns over the samples, the worst of all load cases."""
+    motor, gearhead = _motor(catalog, one.motor, block), _gearhead(catalog, one.gearhead, block)
+    parts = Parts(
+        motor, gearhead, _Figures(catalog.encoders, one.encoder, block.size, {}),
+        _Figures(catalog.controllers, one.controller, block.size, {}),
+    )  # fmt: skip
+    rubs = block.factors.get(("motor", "friction"), 1.0)
+    found: dict[str, list[tuple[int, CheckColumn]]] = {}
+    for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
+        for check in _of_a_case(spec, ats[one.belt], parts, one, block.feeds[number], rubs):
+            found.setdefault(check.name, []).append((number, check))
+    return {name: worst_case(same) for name, same in found.items()}
+
+
+def _of_a_case(
+    spec: Any, at: AtSamples, parts: Parts, one: SetRows, feeds: Feeding | None, rubs: Array | float
+) -> Sequence[CheckColumn]:
+    asked = demands(at, parts.motor, parts.gearhead, parts.encoder)
+    at.keep(asked.coefficients)
+    warm = heat(spec, at, asked, parts.motor, _losses(parts.motor, asked, rubs))
+    under = stress(spec, at, asked, warm, parts.motor)
+    found = moments(spec, at, asked, warm, under, parts, energies=feeds is not None)
+    told = found.drawn if asked.sure.all() else found.drawn * np.nan  # least demands are not told as if they were all
+    fed = battery_limits(spec, feeds, at, told, found.returned, found.power, parts) if feeds else []
+    moving = [c for c in moving_limits(spec, at, asked, warm, parts) if c.name != "winding_temperature"]
+    electrical = [*moving, *electrical_limits(spec, at, asked, under, parts), *waveform_limits(spec, found, parts)]
+    return [
+        *load_limits(spec, at),
+        *gearhead_limits(spec, at, parts.gearhead),
+        *motor_limits(spec, parts.motor),
+        *doubted(electrical, asked.sure),
+        _controller_fits(spec, parts.controller, one),
+        *fed,
+    ]
+
+
+def _losses(motor: _Figures, asked: Demands, rubs: Array | float) -> tuple[Array, Array]:
+    """What warms the housing; the iron of a brushless motor is calibrated by its printed figures, then off alike."""
+    rubbing, growing = housing_loss(motor, asked.total_ratio)
+    if motor.nominal("kind")[0] == "brushed":
+        return rubbing, growing
+    printed = _Figures(motor.table, motor.row, motor.count, {})
+    return rubbing, housing_loss(printed, asked.total_ratio)[1] * rubs
+
+
+def _controller_fits(spec: Any, controller: Any, one: SetRows) -> CheckColumn:
+    """Whether the chosen controller takes the supply's voltages."""
+    lowest, highest = np.asarray(spec.supply.lowest), np.asarray(spec.supply.highest)
+    good = (controller["supply_min"] <= lowest) & (controller["supply_max"] >= highest) & (one.controller >= 0)
+    known = one.controller < 0 or ~np.isnan(controller["supply_min"] + controller["supply_max"])
+    return fits("controller_available", good, known)

@@ -1,0 +1,118 @@
+"""How long the battery lasts, sample by sample, and what it is asked for at most: autonomy, range, peak power.
+
+As ``energy_budget`` has it for one set: the drive draws by its load cycle, the equipment by its share of the time, the
+run time is that of the mean power. Not here: voltages under load, which stay at nominal figures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import isnan, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.battery import current_of_power, largest_power
+from drivesizer.battery_pack import Pack, pack_of, run_time
+from drivesizer.catalog import Catalog
+from drivesizer.checks import CheckColumn, at_least, at_most
+from drivesizer.energy_checks import required_autonomy
+from drivesizer.machines import WheeledVehicle
+from drivesizer.physics_limits import Parts
+from drivesizer.spec import RobotSpec
+from drivesizer.tolerances.behind import AtSamples
+from drivesizer.wheel_load import WheelLoad
+from drivesizer.yaml_source import Path_
+
+__all__ = ["SAMPLED", "Feeding", "battery_limits", "feeding"]
+
+Array = NDArray[np.float64]
+SAMPLED = ("battery_autonomy", "battery_range", "battery_power", "battery_peak_current")
+
+
+class Feeding(NamedTuple):
+    """A battery and what else draws from it, of samples."""
+
+    pack: Pack
+    charge: Any  # of the battery over its nominal one
+    mean: Any  # W, of the equipment
+    peak: Any  # W
+    travels: bool
+
+
+def feeding(spec: RobotSpec, catalog: Catalog, ratios: Mapping[Path_, Array]) -> Feeding | None:
+    """The battery of a spec; None without one.
+
+    Parameters
+    ----------
+    spec, catalog
+        The machine, and where the battery's part is listed.
+    ratios
+        Sampled figures over their nominal ones, by their place in the spec.
+    """
+    if spec.battery is None or isinstance(spec.load, WheelLoad):
+        return None  # what the wheels of a platform draw together is not told by one of them
+    pack = pack_of(spec.battery, catalog)
+    charge = ratios.get(("battery", "capacity"), 1.0) * ratios.get(("battery", "health"), 1.0)
+    mission = spec.mission.duration if spec.mission else None
+    mean: Any = 0.0
+    peak: Any = 0.0
+    for number, one in enumerate(spec.equipment):
+        each = one.number / one.efficiency / ratios.get(("equipment", number, "efficiency"), 1.0)
+        steady = one.power * ratios.get(("equipment", number, "power"), 1.0)
+        mean = mean + each * steady * one.share(mission)
+        most = one.peak_power * ratios.get(("equipment", number, "peak_power"), 1.0) if one.peak_power else steady
+        peak = peak + each * most
+    return Feeding(pack, charge, mean, peak, isinstance(spec.load, WheeledVehicle))
+
+
+def battery_limits(
+    spec: Any, feeds: Feeding, at: AtSamples, drawn: Array, returned: Array, power: Array, parts: Parts
+) -> list[CheckColumn]:
+    """Autonomy, range and peak of the battery, as far as they are required.
+
+    Parameters
+    ----------
+    spec
+        With columns.
+    feeds
+        The battery.
+    at
+        The load cycles.
+    drawn, returned
+        Energy of one motor set over a cycle [J].
+    power
+        Its largest power [W].
+    parts
+        The set's.
+    """
+    sets, share = spec.load.motors, spec.supply.regeneration
+    known = parts.controller["max_efficiency"]
+    loss = np.where(np.isnan(known), 1.0, known)
+    total = at.sampled.duration.sum(axis=0)
+    mean = sets * (drawn / loss - share * returned * loss) / total + feeds.mean
+    full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # as so many strings side by side
+    lasts = full * feeds.pack.usable
+    way = at.sampled.scalars["way"] / total if feeds.travels else np.full_like(total, nan)
+    found, battery = [], spec.battery
+    required = required_autonomy(spec, battery)
+    if not isnan(required):
+        found.append(at_least("battery_autonomy", required, lasts, "time", "h", needed=battery.reserve))
+    if battery.range is not None:
+        found.append(at_least("battery_range", battery.range, way * lasts, "length", "km", needed=battery.reserve))
+    along = nan if battery.range is None else battery.range / way
+    drawn_share = np.fmax(required, along) / full
+    left = 1.0 - np.minimum(np.where(np.isnan(drawn_share), feeds.pack.usable, drawn_share), feeds.pack.usable)
+    emf = feeds.pack.emf(left)  # type: ignore[arg-type]
+    peak = np.maximum(power, 0.0) * sets / loss + feeds.peak
+    resistance = feeds.pack.resistance
+    found += [
+        at_most("battery_power", peak, largest_power(emf, resistance), "power", "W"),
+        at_most("battery_peak_current", current_of_power(peak, emf, resistance), feeds.pack.peak_current, "current",
+                "A", needed=spec.margins.torque),
+    ]  # fmt: skip
+    if not feeds.pack.rests:
+        found[-2] = replace(found[-2], passed=found[-2].passed & False)
+    return found

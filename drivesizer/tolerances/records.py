@@ -1,0 +1,93 @@
+"""What sampling found, as plain records: how sure a set is, what limits it, and which assumptions matter most."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["Driver", "LoopShare", "Reliability", "Spread", "Uncertain", "Uncertainty"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spread:
+    """One check over all samples."""
+
+    name: str
+    title: str
+    passes: float  # share of samples that pass
+    fails: float  # and that fail; what is left is unknown
+    weakest: float  # share of samples in which no other check has a smaller margin
+    low: float  # margin that 95 % of samples exceed; NaN where there is none
+    middle: float  # the median
+    high: float  # margin that 5 % exceed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Driver:
+    """One assumption, and what it does to the smallest margin of a set."""
+
+    name: str
+    title: str
+    share: float  # of the variance of the smallest margin, this alone: the first-order Sobol index [1]
+    rank_correlation: float  # Spearman's, with its sign
+    low_margin: float  # smallest margin with this at its 5 % quantile and all others nominal
+    high_margin: float  # and at its 95 % quantile
+    low: str  # those values, as they are printed
+    high: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopShare:
+    """The same set in closed loop."""
+
+    samples: int
+    probability: float  # that every check of the loop passes
+    error: float  # 95 %, to both sides
+    weakest: str  # the check that fails most often, else the tightest in the mean
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reliability:
+    """How sure a set is."""
+
+    probability: float  # share of samples in which no check fails
+    error: float  # of sampling, 95 % to both sides
+    unknown: tuple[str, ...]  # titles of checks that no sample can tell
+    weakest: str  # title of the check that fails most often, else of the tightest one
+    low: float  # smallest margin that 95 % of samples exceed
+    middle: float
+    high: float
+    checks: tuple[Spread, ...]
+    drivers: tuple[Driver, ...] = ()  # all of them, the one that matters most first
+    loop: LoopShare | None = None
+
+    def reaches(self, confidence: float) -> bool:
+        """Whether it is as sure as that."""
+        return self.probability >= confidence
+
+    @property
+    def interplay(self) -> float:
+        """Share of the variance that no assumption makes alone; NaN where nothing varies."""
+        return 1.0 - sum(driver.share for driver in self.drivers) if self.drivers else float("nan")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Uncertain:
+    """One figure that is uncertain."""
+
+    name: str
+    title: str
+    text: str  # as it is written
+    source: str  # "spec", or why the class of a catalogue figure is what it is
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Uncertainty:
+    """What all sets of a sizing have in common."""
+
+    assumptions: tuple[Uncertain, ...]
+    samples: int
+    seed: int
+    confidence: float | None  # asked for
+    examined: int  # sets that were sampled
+    reached: int  # of them as sure as was asked for
+    notes: tuple[str, ...]

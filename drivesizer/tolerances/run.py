@@ -1,0 +1,186 @@
+"""From a sizing's sets to how sure each is: what is uncertain, samples, the sets over them, what matters most."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+from drivesizer.catalog import Catalog
+from drivesizer.errors import InputError
+from drivesizer.evaluation import Evaluation
+from drivesizer.results import DriveSet
+from drivesizer.spec import RobotSpec
+from drivesizer.tolerances.assess import Examined, Subject, drivers, examined
+from drivesizer.tolerances.assumptions import Assumption, assumptions
+from drivesizer.tolerances.evaluate import SetRows
+from drivesizer.tolerances.prepare import Prepared, prepared, unused
+from drivesizer.tolerances.records import LoopShare, Uncertain, Uncertainty
+from drivesizer.tolerances.sampling import Sample, sample
+from drivesizer.tolerances.schema import FEWEST, MOST
+
+__all__ = ["FINALISTS", "POOL", "Judged", "Sampling", "asked", "judged", "subject", "subject_of", "told", "uncertainty"]
+
+FINALISTS = 3  # sets that go through the closed loop
+POOL = 100  # of the best sets are sampled where a confidence is asked for
+
+
+class Sampling(NamedTuple):
+    """How sets are sampled."""
+
+    samples: int
+    seed: int
+    confidence: float | None  # None: all are told, none falls
+    processes: int = 1
+    loop: int = 0  # samples of the best sets in closed loop
+
+
+class Judged(NamedTuple):
+    """Sets over samples, by their rows in what the search found."""
+
+    good: list[int]  # in their order; where a confidence is asked for, those that reach it
+    bad: list[int]  # that do not, the surest first
+    found: dict[int, tuple[Subject, Examined]]
+    ready: Prepared
+    drawn: Sample
+    how: Sampling
+
+
+def asked(
+    spec: RobotSpec, confidence: float | None = None, samples: int | None = None, seed: int | None = None,
+    processes: int = 1,
+    loop: int | None = None,
+) -> Sampling | None:  # fmt: skip
+    """How a spec, and options before it, want sets to be sampled; None where neither has tolerances in mind.
+
+    Raises
+    ------
+    InputError
+        When an option is out of its range.
+    """
+    given = spec.tolerances
+    wanted = any(option is not None for option in (confidence, samples, seed, given.confidence))
+    if not (wanted or spec.toleranced or "tolerances" in spec.model_fields_set):
+        return None
+    if confidence is not None and not 0.0 < confidence <= 1.0:
+        raise InputError(f"--confidence {confidence:g} is not a probability; expected above 0, at most 1, e.g. 0.95")
+    if samples is not None and not FEWEST <= samples <= MOST:
+        raise InputError(f"--samples {samples} is out of range; expected {FEWEST} to {MOST}")
+    if loop is not None and not 0 <= loop <= 10_000:
+        raise InputError(f"--loop-samples {loop} is out of range; expected 0 to 10000")
+    if seed is not None and not 0 <= seed < 2**32:
+        raise InputError(f"--seed {seed} is out of range; expected 0 to {2**32 - 1}")
+    wanted_of_all = given.confidence if confidence is None else confidence
+    return Sampling(
+        given.samples if samples is None else samples,
+        given.seed if seed is None else seed,
+        wanted_of_all,
+        processes,
+        loop if loop is not None else 0 if wanted_of_all is None else given.loop_samples,
+    )
+
+
+def judged(spec: RobotSpec, catalog: Catalog, subjects: Mapping[int, Subject], how: Sampling) -> Judged:
+    """How sure sets are.
+
+    Parameters
+    ----------
+    spec, catalog
+        The machine as it was sized, and the parts.
+    subjects
+        Sets that stand at nominal figures, in order, by their rows.
+    how
+        Samples, seed, and the confidence that is asked for.
+    """
+    given = assumptions(spec)
+    drawn = sample(given, how.samples, how.seed)
+    ready = prepared(spec, given, drawn.values)
+    results = examined(ready, catalog, list(subjects.values()), how.processes)
+    found = {row: (subject, one) for (row, subject), one in zip(subjects.items(), results, strict=True)}
+    chance = {row: one.reliability.probability for row, (_, one) in found.items()}
+    good = [row for row in found if how.confidence is None or chance[row] >= how.confidence]
+    bad = sorted((row for row in found if row not in good), key=lambda row: -chance[row])
+    return Judged(good, bad, found, ready, drawn._replace(values=ready.values), how)
+
+
+def subject(evaluation: Evaluation, row: int) -> Subject:
+    """A set of what a search by physics found."""
+    given = evaluation.candidates
+    rows = SetRows(
+        int(given.motor[row]), int(given.gearhead[row]), int(evaluation.encoder[row]), int(evaluation.controller[row]),
+        float(given.belt[row]),
+    )  # fmt: skip
+    return Subject(rows, evaluation.checks_of(row))
+
+
+def subject_of(catalog: Catalog, one: DriveSet) -> Subject:
+    """A set as a record, with its checks by physics among those of either method."""
+    rows = SetRows(
+        catalog.motors.rows[one.motor.part],
+        catalog.gearheads.rows[one.gearhead.part],
+        catalog.encoders.rows[one.encoder.part] if one.encoder else -1,
+        catalog.controllers.rows[one.controller.part] if one.controller else -1,
+        one.belt_ratio,
+    )
+    return Subject(rows, tuple(check for check in (*one.checks, *one.beside) if check.method == "physics"))
+
+
+def told(judged_: Judged, catalog: Catalog, row: int, one: DriveSet, *, loop: bool = False) -> DriveSet:
+    """A set with how sure it is, and what matters most for it; in closed loop too, where that is wanted."""
+    what, found = judged_.found[row]
+    ready = judged_.ready
+    said = drivers(what, catalog, ready.spec, ready.given, judged_.drawn, found.smallest)
+    share = _in_the_loop(judged_, one) if loop and judged_.how.loop else None
+    return replace(one, reliability=replace(found.reliability, drivers=said, loop=share))
+
+
+def _in_the_loop(judged_: Judged, one: DriveSet) -> LoopShare | None:
+    """None where the model of the loop lacks a figure."""
+    from drivesizer.tolerances.loop import loop_share
+
+    ready = judged_.ready
+    try:
+        return loop_share(ready.spec, one, ready.given, judged_.drawn.values, judged_.how.loop)
+    except InputError:
+        return None
+
+
+def uncertainty(one: Judged) -> Uncertainty:
+    """What all sets have in common."""
+    return Uncertainty(
+        assumptions=tuple(_uncertain(given) for given in one.ready.given),
+        samples=one.drawn.size,
+        seed=one.how.seed,
+        confidence=one.how.confidence,
+        examined=len(one.found),
+        reached=len(one.good),
+        notes=_notes(one.ready, one.how, len(one.found)),
+    )
+
+
+def _uncertain(one: Assumption) -> Uncertain:
+    text = one.given.text if one.given else one.catalogue.text if one.catalogue else ""
+    title = one.name if one.given else one.catalogue.title if one.catalogue else one.name
+    return Uncertain(name=one.name, title=title, text=text, source=one.catalogue.why if one.catalogue else "spec")
+
+
+def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
+    """What the probabilities rest on."""
+    said = [
+        "limits are the catalogue's, as printed; encoder and controller are those of the nominal set; all motor sets "
+        "of the machine are off alike",
+        "the probability is that no check of the physics fails, nor the battery's autonomy, range and peak; other "
+        "budgets of the machine are at nominal figures",
+    ]
+    if ready.spec.method == "paper":
+        said.append("the paper's factors do not enter: the checks that are sampled are the physics beside it")
+    if ready.fitted > 1e-12:
+        said.append(f"load cycles of the samples are fitted to {ready.fitted:.0e} of their largest value")
+    if ready.shared < len(ready.values):
+        said.append(f"the samples share {ready.shared} load cycles, each computed by itself")
+    idle = [one.name for one in unused(ready)]
+    if idle:
+        said.append(f"no check that is sampled asks for {', '.join(idle)}: that tolerance changes nothing here")
+    if how.confidence is not None and examined_ >= POOL:
+        said.append(f"the best {POOL} sets that stand at nominal figures were sampled, no others")
+    return tuple(said)
