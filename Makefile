@@ -45,6 +45,8 @@ bench: $(READY)
 	$(BIN)/python benchmarks/report.py
 	$(BIN)/python benchmarks/platform_hour.py
 	$(BIN)/python benchmarks/platform_following.py
+	$(BIN)/python benchmarks/tolerances.py
+	$(BIN)/python benchmarks/study.py
 
 clean:
 	rm -rf $(VENV) build dist site .pytest_cache .mypy_cache .ruff_cache .hypothesis
