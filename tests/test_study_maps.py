@@ -7,11 +7,11 @@ from lxml import etree
 from studies import CHEAP, laid
 
 from drivesizer.errors import InputError
-from drivesizer.study.columns import columns_of
+from drivesizer.sizing import size
 from drivesizer.study.map_panel import _edges, _face, _text
 from drivesizer.study.maps import MAPS, chosen, drawings, points
 from drivesizer.study.plan import read_study
-from drivesizer.study.variant import rows_of
+from drivesizer.study.variant import rows_of, spec_of
 
 GRID = """\
 spec: robot.yaml
@@ -132,15 +132,18 @@ def test_one_name_alone_is_refused(tmp_path):
         chosen(plan, ["load.mass"])
 
 
-def test_a_column_of_another_module_is_drawn_where_it_is_there(tmp_path):
-    """The hook: a line in the columns gives a map, as soon as a set has the figure."""
-    over, found, plan = mapped(tmp_path, GRID)
-    assert "probability" not in {column.head for column in columns_of(plan)}
-    assert [one.name for one in MAPS][-1] == "probability"
-    for row in found[()]:
-        row["probability"] = 0.931 if row["set"] else None
-    made, _ = drawings(over, found)
-    assert "93.1" in texts(made["probability"]("typeset"))
+def test_probabilities_are_drawn_where_the_spec_has_tolerances(tmp_path):
+    """Of each variant what `size` tells of the same machine."""
+    spec = CHEAP.replace("mass: 45 kg", "mass: 45 kg +- 3 kg") + "tolerances: {samples: 256}\n"
+    study = "spec: robot.yaml\nvary:\n  motion.speed: [1.2 m/s, 1.5 m/s]\n  supply.current: [5 A, 8 A]\n"
+    over, found, plan = mapped(tmp_path, study, spec=spec)
+    told = [row["probability"] for row in found[()]]
+    assert 0.0 < min(told) < 0.95 < max(told)
+    seen = texts(drawings(over, found)[0]["probability"]("typeset"))
+    assert all(f"{100 * share:.3g}" in seen for share in told)
+    for number, share in enumerate(told, 1):
+        alone = size(spec_of(plan.job, plan.variant(number))).sets[0].reliability
+        assert alone and alone.probability == share
 
 
 def test_an_unknown_figure_is_no_colour_of_the_scale(tmp_path):
