@@ -105,7 +105,7 @@ def _wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
     for alike in sorted(_groups(cycles), key=lambda group: -rms(cycles[group[0]].duration, cycles[group[0]].torque)):
         said = _listed([driven[i] + 1 for i in alike])
         cycle = _with_the_worst_limits([cycles[i] for i in alike])
-        load = wheel_load(cycle, case.load.driven_wheels, len(alike), way.length, name)
+        load = wheel_load(cycle, case.load.driven_wheels, alike, way.length, name)
         one = case.model_copy(update={"load": load, "motion": None})
         yield (said if name in ("", AS_SPECIFIED) else f"{name}, {said}"), one
 

@@ -16,7 +16,7 @@ class WheelLoad(Recorded):
     """What is asked of a wheel, or of several alike."""
 
     _cycle: LoadCycle = PrivateAttr()
-    _alike: int = PrivateAttr(default=1)
+    _numbers: tuple[int, ...] = PrivateAttr(default=())
     _way: float = PrivateAttr(default=0.0)
     _of: str = PrivateAttr(default="")
 
@@ -28,7 +28,12 @@ class WheelLoad(Recorded):
     @property
     def alike(self) -> int:
         """How many of the platform's wheels are asked for this."""
-        return self._alike
+        return len(self._numbers)
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """Which of the driven wheels those are, from 0."""
+        return self._numbers
 
     @property
     def way(self) -> float:
@@ -46,8 +51,8 @@ class WheelLoad(Recorded):
         return self._cycle.inertia
 
 
-def wheel_load(cycle: LoadCycle, wheels: int, alike: int, way: float, of: str) -> WheelLoad:
-    """The load of one wheel.
+def wheel_load(cycle: LoadCycle, wheels: int, numbers: Iterable[int], way: float, of: str) -> WheelLoad:
+    """The load of one wheel, or of several alike.
 
     Parameters
     ----------
@@ -55,13 +60,13 @@ def wheel_load(cycle: LoadCycle, wheels: int, alike: int, way: float, of: str) -
         What its shaft is asked for.
     wheels
         Driven wheels of the platform.
-    alike
-        How many of them are asked for the same.
+    numbers
+        Which of them are asked for this, from 0.
     way, of
         How far the platform goes in the cycle [m], and the load case that this is.
     """
     made = WheelLoad.model_construct(kind="recorded", file=cycle.name, motors=wheels, smoothing=0.0, inertia=0.0)
-    made._cycle, made._alike, made._way, made._of = cycle, alike, way, of
+    made._cycle, made._numbers, made._way, made._of = cycle, tuple(numbers), way, of
     return made
 
 

@@ -6,8 +6,8 @@ polynomials of the figures: Chebyshev products, of as high a degree in each figu
 is held against cycles that it did not see, corners of the range among them, and counts where it is off by no more than
 10⁻⁶ of the largest value.
 
-Where it does not, because a cycle's segments are others in another corner, or there are too many of them, a smaller
-number of cycles is computed each by itself and shared by the samples in turn.
+Where it does not, because a cycle's segments are others in another corner, or there are too many of them, the cycles of
+the first samples are computed each by itself: then there are fewer samples.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.loadcycle import LoadCycle, OwnLimit
+from drivesizer.tolerances.sampling import REPLICATES, first_of_each
 
 __all__ = ["Cycles", "cycles_of"]
 
@@ -32,8 +33,9 @@ _WEIGHTS = (1.0, 1.5, 2.0, 3.0, 5.0, np.inf)  # of a product: sum of its degrees
 _TERMS = 300  # of a polynomial at most
 _CELLS = 400_000  # segments times samples of a fit, at most
 _HELD_AGAINST = 24  # cycles that are not fitted
-_EACH = 1024  # cycles that are computed each by itself
+_EACH = 1024  # cycles that are computed each by itself, at most
 _FEWEST = 32
+_LONGEST = 1_000_000  # segments of all of these, at most
 _FEW = 256  # samples, each of which has its cycle computed
 
 
@@ -67,8 +69,8 @@ def cycles_of(make: Make, nominal: Array, values: Array) -> Cycles:
     nominal
         Those figures.
     values
-        (samples, figures). The cycles that come are as many; or 1, where no figure shapes it; or fewer, which the
-        samples share in turn.
+        (samples, figures), replicate after replicate. The cycles that come are as many; or 1, where no figure shapes
+        it; or those of the first samples of each replicate.
     """
     like = make(nominal)
     if len(values) <= _FEW:
@@ -113,13 +115,9 @@ def _structure(cycle: LoadCycle) -> tuple[int, bytes]:
 
 
 def _each(make: Make, like: LoadCycle, values: Array) -> Cycles:
-    """Some cycles, each computed by itself, with as many for each replicate."""
-    from drivesizer.tolerances.sampling import REPLICATES
-
-    each = len(values) // REPLICATES
-    most = int(np.clip(2_000_000 // len(like.duration), _FEWEST, _EACH))
-    some = min(each, most // REPLICATES)
-    rows = (np.arange(REPLICATES)[:, None] * each + np.arange(some)).reshape(-1)
+    """The cycles of the first samples of each replicate, each computed by itself."""
+    most = int(np.clip(_LONGEST // len(like.duration), _FEWEST, _EACH)) // REPLICATES
+    rows = first_of_each(min(len(values), REPLICATES * 2 ** int(np.log2(most))), len(values))
     return _side_by_side([make(values[row]) for row in rows], like)
 
 

@@ -7,7 +7,7 @@ nominal set, for they are bought once.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,7 +30,7 @@ from drivesizer.physics_limits import (
     stress,
 )
 from drivesizer.tolerances.behind import AtSamples
-from drivesizer.tolerances.lasting import Feeding, battery_limits
+from drivesizer.tolerances.lasting import Draw, Feeding, battery_limits
 from drivesizer.tolerances.waves import moments
 from drivesizer.waveform_limits import waveform_limits
 
@@ -56,7 +56,7 @@ class Block(NamedTuple):
     size: int
     specs: tuple[Any, ...]  # with columns
     ats: tuple[Mapping[float, AtSamples], ...]  # by belt ratio
-    feeds: tuple[Feeding | None, ...]  # what feeds the machine
+    feeds: tuple[tuple[Feeding, tuple[int, ...]], ...]  # batteries, each with the cases that draw from it
     factors: Mapping[tuple[str, str], Array]  # of the catalogue's figures, by part and class
 
 
@@ -135,33 +135,40 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
         _Figures(catalog.controllers, one.controller, block.size, {}),
     )  # fmt: skip
     rubs = block.factors.get(("motor", "friction"), 1.0)
-    found: dict[str, list[tuple[int, CheckColumn]]] = {}
+    told: dict[str, list[tuple[int, CheckColumn]]] = {}
+    draws = []
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
-        for check in _of_a_case(spec, ats[one.belt], parts, one, block.feeds[number], rubs):
-            found.setdefault(check.name, []).append((number, check))
-    return {name: worst_case(same) for name, same in found.items()}
+        checks, draw = _of_a_case(spec, ats[one.belt], parts, one, rubs, energies=bool(block.feeds))
+        draws.append(draw)
+        for check in checks:
+            told.setdefault(check.name, []).append((number, check))
+    for feeds, numbers in block.feeds:
+        first = numbers[0]
+        together = [draws[number] for number in numbers]
+        for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], together, parts):
+            told.setdefault(check.name, []).append((first, check))
+    return {name: worst_case(same) for name, same in told.items()}
 
 
 def _of_a_case(
-    spec: Any, at: AtSamples, parts: Parts, one: SetRows, feeds: Feeding | None, rubs: Array | float
-) -> Sequence[CheckColumn]:
+    spec: Any, at: AtSamples, parts: Parts, one: SetRows, rubs: Array | float, *, energies: bool
+) -> tuple[list[CheckColumn], Draw]:
+    """The checks of one load case, and what its motor sets draw."""
     asked = demands(at, parts.motor, parts.gearhead, parts.encoder)
     at.keep(asked.coefficients)
     warm = heat(spec, at, asked, parts.motor, _losses(parts.motor, asked, rubs))
     under = stress(spec, at, asked, warm, parts.motor)
-    found = moments(spec, at, asked, warm, under, parts, energies=feeds is not None)
-    told = found.drawn if asked.sure.all() else found.drawn * np.nan  # least demands are not told as if they were all
-    fed = battery_limits(spec, feeds, at, told, found.returned, found.power, parts) if feeds else []
+    found = moments(spec, at, asked, warm, under, parts, energies=energies)
     moving = [c for c in moving_limits(spec, at, asked, warm, parts) if c.name != "winding_temperature"]
     electrical = [*moving, *electrical_limits(spec, at, asked, under, parts), *waveform_limits(spec, found, parts)]
+    sets = spec.load.alike if asked.sure.all() else np.nan  # least demands are not told as if they were all
     return [
         *load_limits(spec, at),
         *gearhead_limits(spec, at, parts.gearhead),
         *motor_limits(spec, parts.motor),
         *doubted(electrical, asked.sure),
         _controller_fits(spec, parts.controller, one),
-        *fed,
-    ]
+    ], Draw(found.drawn * sets, found.returned * sets, found.power * sets)
 
 
 def _losses(motor: _Figures, asked: Demands, rubs: Array | float) -> tuple[Array, Array]:

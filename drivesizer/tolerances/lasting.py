@@ -6,7 +6,7 @@ run time is that of the mean power. Not here: voltages under load, which stay at
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isnan, nan
 from typing import Any, NamedTuple
@@ -26,7 +26,7 @@ from drivesizer.tolerances.behind import AtSamples
 from drivesizer.wheel_load import WheelLoad
 from drivesizer.yaml_source import Path_
 
-__all__ = ["SAMPLED", "Feeding", "battery_limits", "feeding"]
+__all__ = ["SAMPLED", "Draw", "Feeding", "battery_limits", "feeding"]
 
 Array = NDArray[np.float64]
 SAMPLED = ("battery_autonomy", "battery_range", "battery_power", "battery_peak_current")
@@ -42,6 +42,14 @@ class Feeding(NamedTuple):
     travels: bool
 
 
+class Draw(NamedTuple):
+    """What the motor sets of a load case draw and give back over a cycle, together [J], and at most [W]."""
+
+    drawn: Array
+    returned: Array
+    peak: Array
+
+
 def feeding(spec: RobotSpec, catalog: Catalog, ratios: Mapping[Path_, Array]) -> Feeding | None:
     """The battery of a spec; None without one.
 
@@ -52,8 +60,8 @@ def feeding(spec: RobotSpec, catalog: Catalog, ratios: Mapping[Path_, Array]) ->
     ratios
         Sampled figures over their nominal ones, by their place in the spec.
     """
-    if spec.battery is None or isinstance(spec.load, WheelLoad):
-        return None  # what the wheels of a platform draw together is not told by one of them
+    if spec.battery is None:
+        return None
     pack = pack_of(spec.battery, catalog)
     charge = ratios.get(("battery", "capacity"), 1.0) * ratios.get(("battery", "health"), 1.0)
     mission = spec.mission.duration if spec.mission else None
@@ -65,12 +73,10 @@ def feeding(spec: RobotSpec, catalog: Catalog, ratios: Mapping[Path_, Array]) ->
         mean = mean + each * steady * one.share(mission)
         most = one.peak_power * ratios.get(("equipment", number, "peak_power"), 1.0) if one.peak_power else steady
         peak = peak + each * most
-    return Feeding(pack, charge, mean, peak, isinstance(spec.load, WheeledVehicle))
+    return Feeding(pack, charge, mean, peak, isinstance(spec.load, WheeledVehicle | WheelLoad))
 
 
-def battery_limits(
-    spec: Any, feeds: Feeding, at: AtSamples, drawn: Array, returned: Array, power: Array, parts: Parts
-) -> list[CheckColumn]:
+def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Draw], parts: Parts) -> list[CheckColumn]:
     """Autonomy, range and peak of the battery, as far as they are required.
 
     Parameters
@@ -81,38 +87,46 @@ def battery_limits(
         The battery.
     at
         The load cycles.
-    drawn, returned
-        Energy of one motor set over a cycle [J].
-    power
-        Its largest power [W].
+    draws
+        Of the load case; of a platform on its way of each wheel. Their peaks need not fall together, so those of
+        several are not judged.
     parts
         The set's.
     """
-    sets, share = spec.load.motors, spec.supply.regeneration
-    known = parts.controller["max_efficiency"]
+    share, known = spec.supply.regeneration, parts.controller["max_efficiency"]
     loss = np.where(np.isnan(known), 1.0, known)
     total = at.sampled.duration.sum(axis=0)
-    mean = sets * (drawn / loss - share * returned * loss) / total + feeds.mean
+    drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
+    mean = (drawn / loss - share * returned * loss) / total + feeds.mean
     full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # as so many strings side by side
     lasts = full * feeds.pack.usable
-    way = at.sampled.scalars["way"] / total if feeds.travels else np.full_like(total, nan)
+    speed = _way(spec, at) / total if feeds.travels else np.full_like(total, nan)
     found, battery = [], spec.battery
     required = required_autonomy(spec, battery)
     if not isnan(required):
         found.append(at_least("battery_autonomy", required, lasts, "time", "h", needed=battery.reserve))
     if battery.range is not None:
-        found.append(at_least("battery_range", battery.range, way * lasts, "length", "km", needed=battery.reserve))
-    along = nan if battery.range is None else battery.range / way
+        found.append(at_least("battery_range", battery.range, speed * lasts, "length", "km", needed=battery.reserve))
+    if len(draws) > 1:
+        return found
+    along = nan if battery.range is None else battery.range / speed
     drawn_share = np.fmax(required, along) / full
     left = 1.0 - np.minimum(np.where(np.isnan(drawn_share), feeds.pack.usable, drawn_share), feeds.pack.usable)
-    emf = feeds.pack.emf(left)  # type: ignore[arg-type]
-    peak = np.maximum(power, 0.0) * sets / loss + feeds.peak
-    resistance = feeds.pack.resistance
-    found += [
-        at_most("battery_power", peak, largest_power(emf, resistance), "power", "W"),
-        at_most("battery_peak_current", current_of_power(peak, emf, resistance), feeds.pack.peak_current, "current",
-                "A", needed=spec.margins.torque),
-    ]  # fmt: skip
-    if not feeds.pack.rests:
-        found[-2] = replace(found[-2], passed=found[-2].passed & False)
-    return found
+    return [*found, *_at_the_peak(spec, feeds, left, np.maximum(draws[0].peak, 0.0) / loss + feeds.peak)]
+
+
+def _way(spec: Any, at: AtSamples) -> Any:
+    """How far the machine goes in a cycle [m]."""
+    return spec.load.way if isinstance(spec.load, WheelLoad) else at.sampled.scalars["way"]
+
+
+def _at_the_peak(spec: Any, feeds: Feeding, left: Array, peak: Array) -> list[CheckColumn]:
+    """Whether the battery gives the largest power at what is left of its charge."""
+    pack = feeds.pack
+    emf = pack.emf(left)  # type: ignore[arg-type]
+    current = current_of_power(peak, emf, pack.resistance)
+    power = at_most("battery_power", peak, largest_power(emf, pack.resistance), "power", "W")
+    return [
+        power if pack.rests else replace(power, passed=power.passed & False),
+        at_most("battery_peak_current", current, pack.peak_current, "current", "A", needed=spec.margins.torque),
+    ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.loadcycle import LoadCycle
 from drivesizer.loads import load_cycle
-from drivesizer.platform_cases import on_wheels
+from drivesizer.platform_cases import cycles_of as wheels_of
+from drivesizer.platform_cases import dynamics_of, trajectory_of
 from drivesizer.spec import RobotSpec
 from drivesizer.tolerances.assumptions import Assumption, applied, case_paths
 from drivesizer.tolerances.behind import AtSamples, at_samples
 from drivesizer.tolerances.cycles import Cycles, cycles_of
 from drivesizer.tolerances.evaluate import Block
-from drivesizer.tolerances.lasting import feeding
-from drivesizer.tolerances.sampling import REPLICATES
-from drivesizer.wheel_load import WheelLoad
+from drivesizer.tolerances.lasting import Feeding, feeding
+from drivesizer.tolerances.sampling import first_of_each
+from drivesizer.wheel_load import WheelLoad, machine_cases, wheel_load
 from drivesizer.yaml_source import Path_
 
 __all__ = ["Prepared", "blocks", "prepared", "unused"]
@@ -31,11 +32,12 @@ _ROWS = 16_384  # samples of a block, at most
 
 
 class _Case(NamedTuple):
-    name: str
+    """One load case, or one wheel of a platform in it."""
+
+    machine: int  # which of the load cases of the whole machine
     spec: RobotSpec  # as it is sized
     paths: dict[int, Path_]  # of the assumptions that count in it, by number
-    cycles: Cycles
-    rows: NDArray[np.int64]  # the cycle of each sample
+    cycles: Cycles  # of each sample, or one for all
 
 
 class Prepared(NamedTuple):
@@ -43,7 +45,7 @@ class Prepared(NamedTuple):
 
     spec: RobotSpec
     given: tuple[Assumption, ...]
-    values: Array  # (samples, assumptions)
+    values: Array  # (samples, assumptions); fewer than were drawn where load cycles are long
     cases: tuple[_Case, ...]
 
     @property
@@ -55,12 +57,6 @@ class Prepared(NamedTuple):
     def cells(self) -> int:
         """Segments times samples, of all load cases."""
         return sum(len(case.cycles.duration) * len(self.values) for case in self.cases)
-
-    @property
-    def shared(self) -> int:
-        """How many load cycles the samples share; as many as samples where each has its own."""
-        several = [case.cycles.size for case in self.cases if case.cycles.size > 1]
-        return min(several, default=len(self.values))
 
 
 def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array) -> Prepared:
@@ -76,57 +72,89 @@ def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array) -> Pre
         (samples, assumptions) [SI].
     """
     cases = []
-    for number, (name, case) in enumerate(spec.load_cases):
-        paths, make = _cycle_of(spec, case, number, name, given)
+    for machine, case, paths, make in _cases(spec, given):
         own = sorted(paths)
         nominal = np.array([given[k].nominal for k in own])
-        cycles = cycles_of(partial(_made, make, own), nominal, values[:, own])
-        rows = _rows(len(values), cycles.size)
-        cases.append(_Case(name, case, paths, cycles, rows))
-        if 1 < cycles.size < len(values):  # what shapes a shared cycle is what that was made with
-            each, some = len(values) // REPLICATES, cycles.size // REPLICATES
-            mine = [k for k in own if not _has_column(paths[k])]
-            values = values.copy()
-            values[:, mine] = values[rows // some * each + rows % some][:, mine]
-    return Prepared(spec, tuple(given), values, tuple(cases))
+        cases.append(_Case(machine, case, paths, cycles_of(partial(_made, make, own), nominal, values[:, own])))
+    fewest = min((case.cycles.size for case in cases if case.cycles.size > 1), default=len(values))
+    if fewest == len(values):
+        return Prepared(spec, tuple(given), values, tuple(cases))
+    rows = first_of_each(fewest, len(values))
+    return Prepared(spec, tuple(given), values[rows], tuple(_fewer(case, fewest) for case in cases))
 
 
-def _made(make: Callable[[Mapping[int, float]], LoadCycle], own: Sequence[int], values: Array) -> LoadCycle:
+def _fewer(case: _Case, samples: int) -> _Case:
+    """A case with as many samples."""
+    size = case.cycles.size
+    return case if size in (1, samples) else case._replace(cycles=_some(case.cycles, first_of_each(samples, size)))
+
+
+Make = Callable[[Mapping[int, float]], LoadCycle]  # the load cycle at values of assumptions, by their number
+Wheels = Callable[[tuple[float, ...]], tuple[LoadCycle, ...]]  # those of all wheels, at values in the same order
+
+
+def _made(make: Make, own: Sequence[int], values: Array) -> LoadCycle:
     """A load cycle at values of the assumptions that count in it."""
     return make(dict(zip(own, values.tolist(), strict=True)))
 
 
-def _rows(samples: int, cycles: int) -> NDArray[np.int64]:
-    """The cycle of each sample: its own, the only one, or one of its replicate's in turn."""
-    number = np.arange(samples)
-    if cycles in (1, samples):
-        return number * (cycles > 1)
-    each, some = samples // REPLICATES, cycles // REPLICATES
-    return number // each * some + number % each % some
+def _cases(spec: RobotSpec, given: Sequence[Assumption]) -> Iterator[tuple[int, RobotSpec, dict[int, Path_], Make]]:
+    """Every load case, of a platform on its way every driven wheel, for what is off need not be the same for all.
+
+    Which case of the machine it is, the spec as it is sized, the assumptions that count, and what makes the cycle.
+    """
+    cases, whole = spec.load_cases, spec.whole
+    for machine, (_, numbers) in enumerate(machine_cases((name, case.load) for name, case in cases)):
+        paths = case_paths(whole, machine - 1 if machine else None)
+        case = cases[numbers[0]][1]
+        if isinstance(case.load, WheelLoad):
+            every = _every_wheel(whole.load_cases[machine][1], paths, given)
+            for number in numbers:
+                for one in _one_by_one(cases[number][1]):
+                    yield machine, one, paths, partial(_of_wheel, every, one)
+        else:
+            yield machine, case, paths, partial(_of_case, case, paths, given)
 
 
-def _cycle_of(
-    spec: RobotSpec, case: RobotSpec, number: int, name: str, given: Sequence[Assumption]
-) -> tuple[dict[int, Path_], Callable[[Mapping[int, float]], LoadCycle]]:
-    """Which assumptions count in a load case, and its load cycle at values of them."""
-    if not isinstance(case.load, WheelLoad):
-        paths = case_paths(spec, number - 1 if number else None)
-        return paths, lambda values: load_cycle(applied(case, _moves(paths, values, given)))
-    whole = spec.whole
-    places = [case_paths(whole, n - 1 if n else None) for n in range(len(whole.load_cases))]
-    every = {k: path for one in places for k, path in one.items()}
+def _of_case(
+    case: RobotSpec, paths: dict[int, Path_], given: Sequence[Assumption], at: Mapping[int, float]
+) -> LoadCycle:
+    return load_cycle(applied(case, _moves(paths, at, given)))
 
-    def cycle(values: Mapping[int, float]) -> LoadCycle:
-        moved = [
-            applied(part, _moves(paths, values, given))
-            for paths, (_, part) in zip(places, whole.load_cases, strict=True)
-        ]
-        first = moved[0].model_copy()
-        first._cases = tuple((n, part) for (n, _), part in zip(whole.load_cases[1:], moved[1:], strict=True))
-        found = dict(on_wheels(first).load_cases)
-        return load_cycle(found[name])
 
-    return every, cycle
+def _one_by_one(case: RobotSpec) -> Iterator[RobotSpec]:
+    """The wheels of a load case that are alike at nominal figures."""
+    load = case.load
+    assert isinstance(load, WheelLoad)
+    for number in load.numbers:
+        alone = wheel_load(load.cycle, load.motors, [number], load.way, load.of)
+        yield case.model_copy(update={"load": alone})
+
+
+def _of_wheel(
+    every: Callable[[tuple[float, ...]], tuple[LoadCycle, ...]], case: RobotSpec, at: Mapping[int, float]
+) -> LoadCycle:
+    """The load cycle of one wheel, its belt's inertia included."""
+    load = case.load
+    assert isinstance(load, WheelLoad)
+    cycle = every(tuple(at[k] for k in sorted(at)))[load.numbers[0]]
+    moved = wheel_load(cycle, load.motors, load.numbers, load.way, load.of)
+    return load_cycle(case.model_copy(update={"load": moved}))
+
+
+def _every_wheel(part: RobotSpec, paths: dict[int, Path_], given: Sequence[Assumption]) -> Wheels:
+    """The load cycles of all wheels at values of the assumptions that count, in their order; each computed once."""
+    moving = any(path[0] == "motion" or path[:2] == ("platform", "limits") for path in paths.values())
+    nominal = trajectory_of(part)
+
+    @cache
+    def every(values: tuple[float, ...]) -> tuple[LoadCycle, ...]:
+        moved = applied(part, _moves(paths, dict(zip(sorted(paths), values, strict=True)), given))
+        way = trajectory_of(moved) if moving else nominal
+        assert way is not None
+        return wheels_of(moved, dynamics_of(moved), way)
+
+    return every
 
 
 def _moves(paths: Mapping[int, Path_], values: Mapping[int, float], given: Sequence[Assumption]) -> dict[Path_, float]:
@@ -187,15 +215,23 @@ def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequ
         for k, given in enumerate(one.given)
         if given.catalogue
     }
-    specs, ats, feeds = [], [], []
+    specs, ats = [], []
     for case in one.cases:
         spec, efficiency = _with_columns(case, one, rows)
-        cycles = case.cycles if case.cycles.size == 1 else _some(case.cycles, case.rows[rows])
-        sampled = at_samples(cycles, efficiency)
+        sampled = at_samples(case.cycles if case.cycles.size == 1 else _some(case.cycles, rows), efficiency)
         specs.append(spec)
         ats.append({belt: AtSamples(sampled, belt) for belt in belts})
-        feeds.append(feeding(case.spec, catalog, _ratios(case, one, rows)))
-    return Block(len(rows), tuple(specs), tuple(ats), tuple(feeds), factors)
+    return Block(len(rows), tuple(specs), tuple(ats), tuple(_feeds(one, catalog, rows)), factors)
+
+
+def _feeds(one: Prepared, catalog: Catalog, rows: NDArray[np.int64]) -> Iterator[tuple[Feeding, tuple[int, ...]]]:
+    """The battery of each load case of the machine, and the numbers of the cases that draw from it together."""
+    for machine in sorted({case.machine for case in one.cases}):
+        numbers = tuple(n for n, case in enumerate(one.cases) if case.machine == machine)
+        case = one.cases[numbers[0]]
+        found = feeding(case.spec, catalog, _ratios(case, one, rows))
+        if found:
+            yield found, numbers
 
 
 def _ratios(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> dict[Path_, Array]:

@@ -18,6 +18,7 @@ from drivesizer.tolerances.prepare import Prepared, prepared, unused
 from drivesizer.tolerances.records import LoopShare, Uncertain, Uncertainty
 from drivesizer.tolerances.sampling import Sample, sample
 from drivesizer.tolerances.schema import FEWEST, MOST
+from drivesizer.wheel_load import WheelLoad
 
 __all__ = ["FINALISTS", "POOL", "Judged", "Sampling", "asked", "judged", "subject", "subject_of", "told", "uncertainty"]
 
@@ -176,8 +177,10 @@ def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
         said.append("the paper's factors do not enter: the checks that are sampled are the physics beside it")
     if ready.fitted > 1e-12:
         said.append(f"load cycles of the samples are fitted to {ready.fitted:.0e} of their largest value")
-    if ready.shared < len(ready.values):
-        said.append(f"the samples share {ready.shared} load cycles, each computed by itself")
+    if len(ready.values) < how.samples:
+        said.append(f"each sample's load cycle is computed by itself: {len(ready.values)} samples, not {how.samples}")
+    if isinstance(ready.spec.load, WheelLoad):
+        said.append("on its way a platform is not sampled in closed loop; its battery's peaks are at nominal figures")
     idle = [one.name for one in unused(ready)]
     if idle:
         said.append(f"no check that is sampled asks for {', '.join(idle)}: that tolerance changes nothing here")

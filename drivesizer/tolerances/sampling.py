@@ -31,7 +31,7 @@ class Sample(NamedTuple):
     @property
     def size(self) -> int:
         """How many samples."""
-        return len(self.cube)
+        return len(self.values)
 
 
 class Share(NamedTuple):
@@ -63,6 +63,18 @@ def sample(given: Sequence[Assumption], samples: int, seed: int) -> Sample:
     ]
     cube = np.concatenate(cubes) if given else np.zeros((each * REPLICATES, 0))
     return Sample(cube, values_of(given, cube))
+
+
+def first_of_each(samples: int, size: int) -> NDArray[np.int64]:
+    """The rows of the first samples of every replicate: together as many as asked for, of all samples.
+
+    Parameters
+    ----------
+    samples, size
+        How many, multiples of the replicates both, and how many there are.
+    """
+    each = np.arange(REPLICATES)[:, None] * (size // REPLICATES) + np.arange(samples // REPLICATES)
+    return each.reshape(-1)
 
 
 def values_of(given: Sequence[Assumption], cube: Array) -> Array:
