@@ -85,18 +85,19 @@ def _start(text: str, output: Path) -> None:
 
 
 def schema(
-    of: Annotated[str, typer.Argument(metavar="[WHAT]", help="spec, catalog, report or export.")] = "spec",
+    of: Annotated[str, typer.Argument(metavar="[WHAT]", help="spec, study, catalog, report or export.")] = "spec",
 ) -> None:
-    """Print the JSON Schema of robot.yaml or of a catalogue, for editors, or of the JSON report, for programs."""
+    """Print the JSON Schema of robot.yaml, a study or a catalogue, for editors, or of a JSON document, for programs."""
     import json
 
     from drivesizer.catalog.schema import catalog_schema
     from drivesizer.export.json_document import export_schema
     from drivesizer.report.json_schema import report_schema
     from drivesizer.spec import RobotSpec
+    from drivesizer.study.schema import StudyFile
 
     made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": report_schema}
-    made["export"] = export_schema
+    made |= {"study": StudyFile.model_json_schema, "export": export_schema}
     if of not in made:
         raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")
     typer.echo(json.dumps(made[of](), indent=2, ensure_ascii=False))

@@ -57,8 +57,10 @@ class Shortlist:
     @property
     def fallen(self) -> Iterable[int]:
         """Rows of the nearest that no check lets stand, in order."""
-        failed = self.found.evaluation.failed
-        return (row for row in range(self.found.standing, len(failed)) if failed[row])
+        evaluation = self.found.evaluation
+        rows = range(self.found.standing, len(evaluation.candidates.motor))
+        failed = evaluation.failed if rows else ()
+        return (row for row in rows if failed[row])
 
 
 def shortlist(

@@ -11,10 +11,13 @@ from drivesizer import cli
 from drivesizer.catalog import shipped
 from drivesizer.catalog.schema import catalog_schema
 from drivesizer.spec import RobotSpec
+from drivesizer.study.schema import StudyFile
 from drivesizer.yaml_source import read
 
 SPECS = [Path(str(p)) for p in (resources.files("drivesizer") / "starters").iterdir() if p.name.endswith(".yaml")]
-SPECS += (Path(__file__).resolve().parent.parent / "examples").glob("*.yaml")
+EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
+STUDY = EXAMPLES / "study.yaml"
+SPECS += (path for path in EXAMPLES.glob("*.yaml") if path != STUDY)
 
 
 @pytest.mark.parametrize("path", shipped().values(), ids=lambda p: p.stem)
@@ -25,6 +28,16 @@ def test_shipped_catalogues_obey_the_schema(path):
 @pytest.mark.parametrize("path", sorted(SPECS), ids=lambda p: p.stem)
 def test_starters_and_examples_obey_the_schema(path):
     jsonschema.Draft202012Validator(RobotSpec.model_json_schema()).validate(read(path).data)
+
+
+def test_the_example_of_a_study_obeys_the_schema():
+    schema = jsonschema.Draft202012Validator(StudyFile.model_json_schema())
+    study = read(STUDY).data
+    schema.validate(study)
+    schema.validate(study | {"sampling": {"latin_hypercube": 50, "seed": 2}})
+    for wrong in ({"sampling": "dice"}, {"top": 0}, {"very": {"load.mass": ["3 kg"]}}, {"specs": "robot.yaml"}):
+        with pytest.raises(jsonschema.ValidationError):
+            schema.validate(study | wrong)
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,8 @@ def _client(address: str) -> Any:
     """A client of the scheduler that has a worker."""
     if find_spec("distributed") is None:
         raise InputError("--scheduler needs Dask; install drivesizer[cluster]")
-    for name in ("distributed", "tornado"):  # the one line that we print says what they would say in many
+    dask = import_module("distributed")  # which sets levels of its own
+    for name in ("distributed", "distributed.client", "tornado"):  # our one line says what they would say in many
         logging.getLogger(name).setLevel(logging.CRITICAL)
     expected = "expected a Dask scheduler's address, e.g. tcp://10.0.0.5:8786"
     try:
@@ -58,7 +59,7 @@ def _client(address: str) -> Any:
         raise InputError(f"--scheduler: {quoted(address)} does not answer ({_brief(error)}); {expected}") from None
     if found.get("type") != "Scheduler":
         raise InputError(f"--scheduler: {quoted(address)} is a {found.get('type', 'server')}; {expected}")
-    client = import_module("distributed").Client(address, timeout=_PATIENCE, set_as_default=False)
+    client = dask.Client(address, timeout=_PATIENCE, set_as_default=False)
     try:
         client.wait_for_workers(1, timeout=_PATIENCE)
     except (OSError, TimeoutError):
