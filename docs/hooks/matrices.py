@@ -6,16 +6,14 @@ import ast
 import re
 import unicodedata
 
-from drivesizer.platform.notation import symbol
+from drivesizer.platform.notation import Notation, symbol
 
 __all__ = ["equation", "expression", "term", "text"]
 
 _ACCENTS = {"\u0307": "dot", "\u0308": "ddot", "\u0304": "bar"}
 _RAISED = {"ᵀ": "T", "⁺": "+", "⁻¹": "-1", "²": "2"}
-_AFTER = {"inv": "-1", "pinv": "+"}
 _ONE = re.compile(r"([A-Za-zα-ωϕ])([\u0307\u0308\u0304]?)(_[A-Za-z0-9α-ωϕ]+)?((?:ᵀ|⁺|⁻¹|²)?)")
 _FUNCTIONS = ("cos", "sin", "diag", "sum")
-_LOOSE = {ast.Add: 1, ast.Sub: 1, ast.Mult: 2, ast.MatMult: 2, ast.Div: 2, ast.Pow: 4}
 
 
 def equation(left: str, right: str) -> str:
@@ -86,41 +84,42 @@ def expression(source: str) -> str:
     >>> expression("-inv(J_2) @ J_1")
     '-J_{\\text{2}}^{-1}\\,J_{\\text{1}}'
     """
-    return _walk(ast.parse(source, mode="eval").body)
+    return _Latex().visit(ast.parse(source, mode="eval").body)
 
 
-def _inside(node: ast.expr, least: int, *, strict: bool = False) -> str:
-    """A part in brackets where it binds less than its surroundings; a fraction needs none."""
-    level = _LOOSE[type(node.op)] if isinstance(node, ast.BinOp) else 3 if isinstance(node, ast.UnaryOp) else 5
-    made = _walk(node)
-    return rf"\left({made}\right)" if level < least or (strict and level == least) else made
+class _Latex(Notation):
+    """The same with signs of LaTeX: fractions, powers, and a list of numbers as a column."""
 
+    power = {"T": r"^{\text{T}}", "inv": "^{-1}", "pinv": "^{+}", "2": "^{2}", "3": "^{3}"}  # noqa: RUF012
+    times, minus = r"\,", "-"
+    brackets = r"\left(", r"\right)"
 
-def _walk(node: ast.expr) -> str:
-    match node:
-        case ast.Constant(value=value):
-            return str(value)
-        case ast.Name(id=name):
-            return term(name)
-        case ast.List():
-            return _rows(node)
-        case ast.Attribute(value=value, attr="T"):
-            return f"{_inside(value, 5)}^{{{_upright('T')}}}"
-        case ast.Call(func=ast.Name(id=name), args=[argument, *_]):
-            return _call(name, argument)
-        case ast.UnaryOp(op=ast.USub(), operand=operand):
-            return f"-{_inside(operand, 2)}"
-        case ast.BinOp():
-            return _joined(node)
-    raise ValueError(f"no mathematics for {ast.unparse(node)}")
+    def matrix(self, rows):
+        return _matrix(rows)
 
+    def listed(self, cells):
+        return _matrix([[cell] for cell in cells])
 
-def _rows(node: ast.List) -> str:
-    """A matrix; a list of numbers is a column."""
-    rows = [row.elts if isinstance(row, ast.List) else None for row in node.elts]
-    if all(row is not None for row in rows):
-        return _matrix([[_walk(cell) for cell in row or ()] for row in rows])
-    return _matrix([[_walk(cell)] for cell in node.elts])
+    def visit_Name(self, node):  # noqa: N802 - the visitor's own spelling
+        return term(node.id)
+
+    def function(self, name, argument):
+        if name == "diag" and isinstance(argument, ast.List):
+            return rf"\text{{diag}}\left({', '.join(map(self.visit, argument.elts))}\right)"
+        if name == "diag":
+            return rf"\text{{diag}}{self.bracketed(argument)}"
+        return rf"\sum {self.visit(argument)}" if name == "sum" else rf"\{name} {self.inside(argument, 3)}"
+
+    def quotient(self, node):
+        if isinstance(node.left, ast.Call):  # a matrix over a number
+            return rf"\frac{{1}}{{{self.visit(node.right)}}}\,{self.visit(node.left)}"
+        return rf"\frac{{{self.visit(node.left)}}}{{{self.visit(node.right)}}}"
+
+    def product(self, node):
+        cells = _flat(node.left) if isinstance(node.op, ast.MatMult) else None
+        if cells is None:
+            return super().product(node)
+        return rf"{_matrix([[self.visit(cell) for cell in cells]])}\,{self.inside(node.right, 2)}"  # a row
 
 
 def _flat(node: ast.expr) -> list[ast.expr] | None:
@@ -134,41 +133,3 @@ def _flat(node: ast.expr) -> list[ast.expr] | None:
 def _matrix(rows: list[list[str]]) -> str:
     body = r"\\".join("&".join(row) for row in rows)
     return rf"\left[\begin{{matrix}}{body}\end{{matrix}}\right]"
-
-
-def _call(name: str, argument: ast.expr) -> str:
-    if name == "array":
-        return _walk(argument)
-    if name == "concatenate" and isinstance(argument, ast.List):
-        return _matrix([[_walk(part)] for part in argument.elts])
-    if name in _AFTER:
-        inner = _walk(argument)
-        if isinstance(argument, ast.Name):
-            return f"{inner}^{{{_AFTER[name]}}}"
-        return rf"\left({inner}\right)^{{{_AFTER[name]}}}"
-    if name == "diag" and isinstance(argument, ast.List):
-        return rf"\text{{diag}}\left({', '.join(_walk(cell) for cell in argument.elts)}\right)"
-    if name == "diag":
-        return rf"\text{{diag}}\left({_walk(argument)}\right)"
-    if name == "sum":
-        return rf"\sum {_walk(argument)}"
-    return rf"\{name} {_inside(argument, 3)}"
-
-
-def _joined(node: ast.BinOp) -> str:
-    match node.op:
-        case ast.Add():
-            return f"{_walk(node.left)} + {_walk(node.right)}"
-        case ast.Sub():
-            return f"{_walk(node.left)} - {_inside(node.right, 1, strict=True)}"
-        case ast.Pow():
-            return f"{_inside(node.left, 4, strict=True)}^{{{_walk(node.right)}}}"
-        case ast.Div() if isinstance(node.left, ast.Call):  # a matrix over a number
-            return rf"\frac{{1}}{{{_walk(node.right)}}}\,{_walk(node.left)}"
-        case ast.Div():
-            return rf"\frac{{{_walk(node.left)}}}{{{_walk(node.right)}}}"
-        case ast.MatMult() if _flat(node.left) is not None:  # times a vector: a row
-            return rf"{_matrix([[_walk(cell) for cell in _flat(node.left) or ()]])}\,{_inside(node.right, 2)}"
-        case ast.Mult() | ast.MatMult():
-            return rf"{_inside(node.left, 2)}\,{_inside(node.right, 2)}"
-    raise ValueError(f"no mathematics for {ast.unparse(node)}")
