@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -49,3 +51,27 @@ def catalog() -> Catalog:
 def example_text(example: Path) -> str:
     """The SPS robot's spec as text, to be changed by a test."""
     return example.read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def canvas(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
+    """What a function of a module draws, as a matplotlib figure."""
+
+    def of(module: Any, function: Callable[..., Any], *given: Any) -> Any:
+        import matplotlib
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        from drivesizer.report.style import STYLE
+
+        kept: list[Any] = []
+        with monkeypatch.context() as patch:
+            patch.setattr(module, "drawn", lambda draw, height, form: kept.append((draw, height)))
+            function(*given)
+        with matplotlib.rc_context(STYLE):
+            figure = Figure(figsize=(6.5, kept[0][1]))
+            FigureCanvasAgg(figure)
+            kept[0][0](figure)
+        return figure
+
+    return of

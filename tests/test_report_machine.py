@@ -6,9 +6,7 @@ from math import cos, isnan, sin
 import numpy as np
 import pytest
 from conftest import ROOT
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 from test_report import text_of
 from test_report_pdf import assert_within_margins, pictures  # noqa: F401 - a fixture
 
@@ -23,7 +21,7 @@ from drivesizer.report.machine_rows import driven_over, machine_rows, machine_wo
 from drivesizer.report.panels import Window, thinned
 from drivesizer.report.pdf import report_pdf
 from drivesizer.report.rests_on import unknown_figures
-from drivesizer.report.style import COLOURS, STYLE
+from drivesizer.report.style import COLOURS
 from drivesizer.report.workbook import sheets
 from drivesizer.results import SizingResult
 from drivesizer.simulate import validate
@@ -49,26 +47,6 @@ PLACED = ("heading_error: 2 deg}", "heading_error: 2 deg, x: 26 m, y: 11 m, dire
 @pytest.fixture(scope="module")
 def result() -> SizingResult:
     return size(load_spec(EXAMPLE), top=2)
-
-
-@pytest.fixture
-def axes_of(monkeypatch):
-    """What a function of a module draws, as the axes of a matplotlib figure."""
-
-    def of(module, function, *given):
-        kept = []
-        with monkeypatch.context() as patch:
-            patch.setattr(module, "drawn", lambda draw, height, form: kept.append((draw, height)))
-            function(*given)
-        import matplotlib
-
-        with matplotlib.rc_context(STYLE):
-            figure = Figure(figsize=(6.5, kept[0][1]))
-            FigureCanvasAgg(figure)
-            kept[0][0](figure)
-        return figure.axes
-
-    return of
 
 
 # -- what it is
@@ -103,9 +81,9 @@ TRAPEZOID = "{speed: 1 m/s, acceleration_time: 2 s, cruise_time: 5 s}"
 # -- the way
 
 
-def test_the_way_is_drawn_to_scale_with_its_headings_and_ends(axes_of):
+def test_the_way_is_drawn_to_scale_with_its_headings_and_ends(canvas):
     spec = changed(PLACED)
-    (axes,) = axes_of(way_figure, way_figure.plan_view, spec)
+    (axes,) = canvas(way_figure, way_figure.plan_view, spec).axes
     box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
     assert (right - left) / box.width == pytest.approx((high - low) / box.height, rel=1e-3)
     way = trajectory_of(spec)
@@ -123,27 +101,27 @@ def test_the_way_is_drawn_to_scale_with_its_headings_and_ends(axes_of):
     assert [text.get_text() for text in axes.texts] == ["door of a section", "start and end"]
 
 
-def test_a_passage_stands_where_it_is_and_is_as_wide_as_it_is(axes_of):
-    (axes,) = axes_of(way_figure, way_figure.plan_view, changed(PLACED))
+def test_a_passage_stands_where_it_is_and_is_as_wide_as_it_is(canvas):
+    (axes,) = canvas(way_figure, way_figure.plan_view, changed(PLACED)).axes
     walls = [patch.get_xy()[:4] for patch in axes.patches]
     assert len(walls) == 2
     inner = sorted(min(abs(wall[:, 0] - 26.0)) for wall in walls)
     assert inner == pytest.approx([0.2, 0.2])  # half of 400 mm to either side, across a way that goes up
     assert all(np.ptp(wall[:, 1]) == pytest.approx(0.1) and wall[:, 1].mean() == pytest.approx(11.0) for wall in walls)
-    (bare,) = axes_of(way_figure, way_figure.plan_view, load_spec(EXAMPLE))
+    (bare,) = canvas(way_figure, way_figure.plan_view, load_spec(EXAMPLE)).axes
     assert not bare.patches  # without a place
 
 
-def test_a_way_that_ends_elsewhere_has_two_marks_and_the_same_way_is_drawn_once(axes_of):
+def test_a_way_that_ends_elsewhere_has_two_marks_and_the_same_way_is_drawn_once(canvas):
     spec = changed(("{trajectory: sps_way.csv}", "{waypoints: [{x: 0 m, y: 0 m}, {x: 4 m, y: 0 m}, {x: 4 m, y: 2 m}]}"))
-    (axes,) = axes_of(way_figure, way_figure.plan_view, spec)
+    (axes,) = canvas(way_figure, way_figure.plan_view, spec).axes
     assert [text.get_text() for text in axes.texts] == ["start", "end"]
     more = read_spec(YamlSource(TEXT + "cases: [{name: slope, load: {slope: 2 deg}}]\n", str(EXAMPLE)))
     assert len(way_figure.ways_of(more)) == 1
 
 
-def test_the_profile_of_a_platform_is_its_own_motion(axes_of, result):
-    straight, turning = axes_of(motion_figure, motion_figure.speed_profile, result.spec)
+def test_the_profile_of_a_platform_is_its_own_motion(canvas, result):
+    straight, turning = canvas(motion_figure, motion_figure.speed_profile, result.spec).axes
     forwards, left = (line for line in straight.lines if len(line.get_xdata()) > 2)
     assert max(forwards.get_ydata()) == pytest.approx(1.5) and min(left.get_ydata()) < -0.5
     assert (straight.get_ylabel(), turning.get_ylabel()) == ("speed (m/s)", "turning (°/s)")
@@ -157,9 +135,9 @@ def test_the_profile_of_a_platform_is_its_own_motion(axes_of, result):
 # -- wheels
 
 
-def test_each_wheel_has_a_row_of_its_torque_and_its_speed(axes_of, result):
+def test_each_wheel_has_a_row_of_its_torque_and_its_speed(canvas, result):
     cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
-    axes = axes_of(wheels_figure, wheels_figure.wheels_over_time, cycles)
+    axes = canvas(wheels_figure, wheels_figure.wheels_over_time, cycles).axes
     assert [a.get_title(loc="left") for a in axes] == [
         f"{name}: {what}" for name, _ in cycles for what in ("torque (N·m)", "speed (rpm)")
     ]
@@ -171,13 +149,13 @@ def test_each_wheel_has_a_row_of_its_torque_and_its_speed(axes_of, result):
         assert (speed.min(), speed.max()) == pytest.approx((rpm.min(), rpm.max()))
 
 
-def test_a_wheel_that_rests_is_drawn_at_rest(axes_of, result):
+def test_a_wheel_that_rests_is_drawn_at_rest(canvas, result):
     """A long piece between many short ones keeps both of its ends."""
     cycle = load_cycle(result.spec)
     still = [k for k in range(len(cycle.duration)) if cycle.duration[k] > 4.9 and not cycle.speed[k].any()]
     start, end = cycle.time[still[0]]
     assert end - start == pytest.approx(5.0) and not cycle.torque[still[0]].any()
-    line = axes_of(wheels_figure, wheels_figure.wheels_over_time, [("a", cycle)])[0].lines[0]
+    line = canvas(wheels_figure, wheels_figure.wheels_over_time, [("a", cycle)]).axes[0].lines[0]
     inside = np.linspace(start + 0.05, end - 0.05, 50)
     assert np.abs(np.interp(inside, *line.get_data())).max() < 1e-9
 
@@ -189,10 +167,10 @@ def test_thinning_keeps_both_ends_of_a_step_in_time_that_can_be_seen():
     assert {2999, 3000} <= set(rows.tolist()) and len(rows) < 750
 
 
-def test_more_wheels_than_rows_leave_the_rest_to_other_reports(axes_of, result):
+def test_more_wheels_than_rows_leave_the_rest_to_other_reports(canvas, result):
     cycle = load_cycle(result.spec)
     most = wheels_figure.MOST_WHEELS
-    axes = axes_of(wheels_figure, wheels_figure.wheels_over_time, [(f"wheel {n}", cycle) for n in range(most + 3)])
+    axes = canvas(wheels_figure, wheels_figure.wheels_over_time, [(f"wheel {n}", cycle) for n in range(most + 3)]).axes
     assert len(axes) == 2 * most
 
 

@@ -7,8 +7,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from test_figures import labels
 from test_set_cycle import BODIES, starter
 
@@ -26,7 +24,6 @@ from drivesizer.report.behaviour import Behaviour
 from drivesizer.report.drawings import report_drawings
 from drivesizer.report.order_list import order_list
 from drivesizer.report.parts import parts_list
-from drivesizer.report.style import STYLE
 from drivesizer.results import Check, SizingResult
 from drivesizer.set_cycle import Warming, set_cycle
 from drivesizer.sizing import size
@@ -44,26 +41,6 @@ def hoist(tmp_path_factory, catalog) -> SizingResult:
     return size(
         starter("hoist", tmp_path_factory.mktemp("hoist")), catalog=catalog, top=2, pareto=("mass", "price", "energy")
     )
-
-
-@pytest.fixture
-def canvas(monkeypatch):
-    """What a function of a module draws, as a matplotlib figure."""
-
-    def of(module, function, *given):
-        kept = []
-        with monkeypatch.context() as patch:
-            patch.setattr(module, "drawn", lambda draw, height, form: kept.append((draw, height)))
-            function(*given)
-        import matplotlib
-
-        with matplotlib.rc_context(STYLE):
-            figure = Figure(figsize=(6.5, kept[0][1]))
-            FigureCanvasAgg(figure)
-            kept[0][0](figure)
-        return figure
-
-    return of
 
 
 def hatches(axes) -> list[str | None]:

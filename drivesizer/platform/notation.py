@@ -130,7 +130,7 @@ def text(expression: str) -> str:
     >>> text("theta_dot * array([[0, -m_R], [m_R, 0]])") == symbol("theta_dot") + " [0, -m_R; m_R, 0]"
     True
     """
-    return Notation().visit(ast.parse(expression, mode="eval").body)
+    return str(Notation().visit(ast.parse(expression, mode="eval").body))
 
 
 class Notation(ast.NodeVisitor):
