@@ -28,7 +28,7 @@ from drivesizer.platform.grip import floor_forces
 from drivesizer.platform.kinematics import map_columns
 from drivesizer.platform.motion import Motion, allowed, blocks, largest, seen
 from drivesizer.platform.notation import Array
-from drivesizer.platform.standing import LEVEL, Ground, contact_loads
+from drivesizer.platform.standing import LEVEL, Ground, centre_acceleration, contact_loads
 from drivesizer.platform.trajectory import Trajectory
 
 __all__ = ["contact_forces", "effective_inertia", "wheel_cycles", "wheel_loads"]
@@ -125,10 +125,7 @@ def wheel_loads(d: Dynamics, m: Motion) -> Array:
     m
         Its motion, see ``motion``.
     """
-    p, turn, gain = d.platform, m.eta[2], m.eta_dot[2]
-    along = m.eta_dot[0] - turn * m.eta[1] - gain * p.y - turn**2 * p.x  # of the centre of mass, in the robot's axes
-    aside = m.eta_dot[1] + turn * m.eta[0] + gain * p.x - turn**2 * p.y
-    return contact_loads(p, m.facing, m.ground, accelerated=(along, aside))
+    return contact_loads(d.platform, m.facing, m.ground, accelerated=centre_acceleration(d.platform, m.eta, m.eta_dot))
 
 
 def contact_forces(d: Dynamics, m: Motion) -> Array:

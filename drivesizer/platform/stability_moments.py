@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.platform.between import finer
-from drivesizer.platform.kinematics import to_robot
 from drivesizer.platform.notation import Array
 from drivesizer.platform.stability import edge_distances, support_polygon, zero_moment_point
-from drivesizer.platform.standing import LEVEL, Ground, contact_loads
+from drivesizer.platform.standing import LEVEL, Ground, centre_acceleration, contact_loads
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.platform.wheels import Platform
 
@@ -29,11 +28,8 @@ class Moment(NamedTuple):
 
 
 def of_centre(platform: Platform, trajectory: Trajectory) -> Array:
-    """Acceleration of the centre of mass in the robot's axes [m/s^2]; shape (2, n, 2)."""
-    spin, turning = trajectory.acceleration[2], trajectory.velocity[2]
-    seen = to_robot(trajectory.posture[2], trajectory.acceleration)
-    x, y = platform.x, platform.y
-    return np.stack([seen[0] - spin * y - turning**2 * x, seen[1] + spin * x - turning**2 * y])
+    """Acceleration of the centre of mass along a trajectory, in the robot's axes [m/s^2]; shape (2, n, 2)."""
+    return centre_acceleration(platform, *trajectory.in_robot())
 
 
 def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:

@@ -16,7 +16,7 @@ from drivesizer.errors import InputError
 from drivesizer.platform.notation import Array
 from drivesizer.platform.wheels import Platform
 
-__all__ = ["LEVEL", "Ground", "contact_loads", "weight_along"]
+__all__ = ["LEVEL", "Ground", "centre_acceleration", "contact_loads", "weight_along"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,6 +64,25 @@ def weight_along(platform: Platform, theta: Any = 0.0, ground: Ground = LEVEL) -
     """
     x, y = (platform.mass * g for g in _downhill(theta, ground))
     return np.array(np.broadcast_arrays(x, y, platform.x * y - platform.y * x))
+
+
+def centre_acceleration(platform: Platform, eta: Array, eta_dot: Array) -> Array:
+    """Acceleration of the centre of mass, in the robot's axes [m/s^2]; shape (2, ...).
+
+    Parameters
+    ----------
+    platform
+        Where its centre of mass is.
+    eta, eta_dot
+        Velocity and acceleration of the reference point as the robot sees them, shape (3, ...) [m/s, m/s, rad/s and
+        per second]; the axes turn, so the velocity counts.
+    """
+    (forward, aside, turn), (gain_x, gain_y, spin) = eta, eta_dot
+    x, y = platform.x, platform.y
+    return np.stack([
+        gain_x - turn * aside - spin * y - turn**2 * x,
+        gain_y + turn * forward + spin * x - turn**2 * y,
+    ])  # fmt: skip
 
 
 def contact_loads(
