@@ -282,7 +282,7 @@ def test_a_row_is_what_size_finds(tmp_path):
         found = size(spec_of(plan.job, variant), top=2, objective=plan.job.objectives[variant.objective])
         ours = [row for row in rows if row["variant"] == number]
         assert [(row["set"], row["status"], row["mass_kg"]) for row in ours] == [
-            (one.label, one.status, one.mass) for one in found.sets
+            (one.label, one.status, float(f"{one.mass:.12g}")) for one in found.sets
         ]
         for row, one in zip(ours, found.sets, strict=True):
             tight = worst(one.deciding)

@@ -18,6 +18,7 @@ __all__ = ["Column", "Form", "Row", "columns_of", "failed", "found"]
 
 Form = Literal["whole", "number", "text"]
 Row = list[Any]  # a figure that is not known is None
+_DIGITS = 12  # of a figure: what is left of rounding is not shown
 
 
 class Column(NamedTuple):
@@ -144,4 +145,4 @@ def _tight(one: DriveSet) -> Row:
 def _cell(column: Column, value: Any) -> Any:
     if column.form != "number":
         return value
-    return None if isnan(value) else float(value)
+    return None if isnan(value) else float(f"{value:.{_DIGITS}g}")
