@@ -286,7 +286,7 @@ def test_a_row_is_what_size_finds(tmp_path):
         ]
         for row, one in zip(ours, found.sets, strict=True):
             tight = worst(one.deciding)
-            assert (row["smallest_margin"], row["smallest_margin_check"]) == (tight.margin, tight.name)
+            assert (row["smallest_margin"], row["smallest_margin_check"]) == (float(f"{tight.margin:.12g}"), tight.name)
             assert (row["motor_part"], row["gearhead_part"]) == (one.motor.part, one.gearhead.part)
             assert row["price_EUR"] == price_of(one)[0]
             assert row["sets_examined"] == found.counts.considered
