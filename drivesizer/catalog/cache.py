@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
+from drivesizer.catalog.stated import Stated
 from drivesizer.catalog.tables import Across, Catalog, Note, Pairs, Source, Table, empty
 
 __all__ = ["CacheWarning", "digest_of", "folder", "recall", "store"]
@@ -118,6 +119,7 @@ def _packed(catalog: Catalog) -> dict[str, NDArray[Any]]:
     arrays: dict[str, NDArray[Any]] = {}
     texts: dict[str, Any] = {"sources": catalog.sources, "notes": catalog.notes, "digests": dict(catalog.digests)}
     texts |= {"overrides": catalog.overrides, "across": catalog.across, "replaced": catalog.replaced}
+    texts |= {"tolerances": catalog.tolerances}
     for section in PARTS:
         table, schema = catalog.table(section), columns_of(section)
         if not len(table):
@@ -160,6 +162,7 @@ def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
         digests=texts["digests"],
         overrides=texts["overrides"],
         replaced=tuple(texts["replaced"]),
+        tolerances=tuple(Stated(s[0], s[1], s[2], s[3], tuple(s[4]), s[5], s[6]) for s in texts["tolerances"]),
         across=tuple(Across(a[0], _names(a[1]), _names(a[2]), a[3]) for a in texts["across"]),
     )
 

@@ -183,7 +183,7 @@ def blocks(one: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[
 
 def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequence[float]) -> Block:
     factors = {
-        (given.catalogue.part, given.catalogue.figure): np.ascontiguousarray(one.values[rows, k])
+        given.catalogue: np.ascontiguousarray(one.values[rows, k])
         for k, given in enumerate(one.given)
         if given.catalogue
     }
@@ -195,7 +195,7 @@ def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequ
         specs.append(spec)
         ats.append({belt: AtSamples(sampled, belt) for belt in belts})
         feeds.append(feeding(case.spec, catalog, _ratios(case, one, rows)))
-    return Block(len(rows), tuple(specs), tuple(ats), tuple(feeds), factors)
+    return Block(len(rows), tuple(specs), tuple(ats), tuple(feeds), factors, one.spec.tolerances.given)
 
 
 def _ratios(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> dict[Path_, Array]:
