@@ -64,8 +64,9 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     _read_sources(reader, data["sources"])
     maker = reader.plain_text(data["manufacturer"], ("manufacturer",))
     tables: dict[str, Any] = {s: _section(reader, s, data.get(s) or [], maker) for s in PARTS}
-    tables["gearheads"] = _with_direct(reader, tables["gearheads"], data.get("compatibility"))
     families = {part: _names(tables, section) for part, section in (("motor", "motors"), ("gearhead", "gearheads"))}
+    stated = read_stated(reader, data.get(STATED), maker, families)
+    tables["gearheads"] = _with_direct(reader, tables["gearheads"], data.get("compatibility"))
     pairs = relations(reader, tables, data.get("compatibility") or {})
     return Catalog(
         **tables,
@@ -74,7 +75,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
         sources=tuple(reader.sources.values()),
         notes=tuple(reader.notes),
         digests={name: digest},
-        tolerances=read_stated(reader, data.get(STATED), maker, families),
+        tolerances=stated,
         overrides=reader.flag(data.get("overrides", False), ("overrides",)),
     )
 
