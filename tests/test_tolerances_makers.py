@@ -419,6 +419,19 @@ def test_what_overrides_some_families_leaves_the_others() -> None:
     assert one.tolerance == "+- 2 %" and len(special.tolerances) == 1
 
 
+def test_of_several_families_those_are_left_that_no_later_file_names() -> None:
+    def stating(families: str, tolerance: str, *, overrides: bool) -> Catalog:
+        entry = f"- {{source: sheet, families: [{families}], gearhead: {{inertia: +- {tolerance}}}}}\n"
+        text = WHOLE[: WHOLE.index("- {source: sheet, gearhead")] + entry
+        if overrides:
+            text = text.replace("catalog: 1\n", "catalog: 1\noverrides: true\n")
+        return parse(YamlSource(text, "a.yaml"), tolerance, tolerance)
+
+    both = joined([stating("G, H", "8 %", overrides=False), stating("H", "2 %", overrides=True)])
+    assert [(one.families, one.tolerance) for one in both.tolerances] == [(("G",), "+- 8 %"), (("H",), "+- 2 %")]
+    assert holding(both, {}, "gearhead", both.gearheads.rows["G10"])[1].name == "gearhead.inertia (Whole G)"
+
+
 def test_without_a_statement_an_overriding_row_keeps_its_makers() -> None:
     both = joined([_maker("Acme", ACME), _mine("", overrides=True)])
     assert both.motors["mass"].tolist() == [0.3]

@@ -9,6 +9,7 @@ other; when the folder cannot be written, the program goes on without.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import json
@@ -105,9 +106,10 @@ def store(path: Path, catalog: Catalog) -> None:
 def _tidy(path: Path) -> None:
     """Remove older compilations of the same catalogue, and what a killed process left half done."""
     for old in path.parent.iterdir():
-        left_over = old.name.startswith(_HALF) and time.time() - old.stat().st_mtime > _LONG_AGO
-        if left_over or (_catalogue(old) == _catalogue(path) and old != path):
-            old.unlink(missing_ok=True)
+        with contextlib.suppress(FileNotFoundError):  # of another process, which is done with it
+            left_over = old.name.startswith(_HALF) and time.time() - old.stat().st_mtime > _LONG_AGO
+            if left_over or (_catalogue(old) == _catalogue(path) and old != path):
+                old.unlink()
 
 
 def _catalogue(path: Path) -> tuple[str, str]:
