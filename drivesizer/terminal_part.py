@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import columns_of, one_of
-from drivesizer.catalog.lookup import origins, partners
+from drivesizer.catalog.lookup import origins, partners, tolerances
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.shafts import HUB
 from drivesizer.part_curves import HEAT, Line, bears, bears_for, continuous_curve, line
@@ -54,6 +54,7 @@ def page(hit: Hit, *, sources: bool = False) -> None:
     if hit.section == "batteries":
         out.print(*discharge_tables(hit), sep="\n")
     _partners(out, hit)
+    _tolerances(out, hit)
     _remarks(out, hit, sheet, sources)
     out.print()
 
@@ -111,6 +112,18 @@ def _partners(out: Console, hit: Hit) -> None:
         out.print(Text("motors: any with a shaft that its clamping hub takes, of whatever maker"))
     if hit.table.excluded[hit.row]:
         out.print(Text("excluded from sizing by a note", style="red"))
+
+
+def _tolerances(out: Console, hit: Hit) -> None:
+    """How far its figures may be off, as its maker says, a line for each document."""
+    said: dict[tuple[int, str], list[str]] = {}
+    for one in tolerances(hit):
+        figure_ = f"losses of the {one.part}" if one.figure == "efficiency" else one.figure.replace("_", " ")
+        said.setdefault((one.source, one.text), []).append(f"{figure_} {one.tolerance}")
+    for (number, text), figures in said.items():
+        source = hit.catalog.sources[number]
+        line = f"{', '.join(figures)}{f'; {text}' if text else ''} ({source.document}; {source.confidence})"
+        out.print(Text("tolerances: ", style="bold") + Text(line))
 
 
 def _remarks(out: Console, hit: Hit, sheet: dict[str, Any], sources: bool) -> None:

@@ -68,7 +68,7 @@ def essence(catalog: Catalog) -> Any:
         for section in PARTS
     ]  # fmt: skip
     pairs = [[column.tolist() for column in p] for p in (catalog.motor_gearhead, catalog.motor_encoder)]
-    return tables, pairs, catalog.sources, catalog.notes, dict(catalog.digests)
+    return tables, pairs, catalog.sources, catalog.notes, catalog.tolerances, dict(catalog.digests)
 
 
 def compiled(cache: Path) -> Path:

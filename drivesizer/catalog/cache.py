@@ -9,6 +9,7 @@ other; when the folder cannot be written, the program goes on without.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import json
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
+from drivesizer.catalog.stated import Stated
 from drivesizer.catalog.tables import Across, Catalog, Note, Pairs, Source, Table, empty
 
 __all__ = ["CacheWarning", "digest_of", "folder", "recall", "store"]
@@ -104,9 +106,10 @@ def store(path: Path, catalog: Catalog) -> None:
 def _tidy(path: Path) -> None:
     """Remove older compilations of the same catalogue, and what a killed process left half done."""
     for old in path.parent.iterdir():
-        left_over = old.name.startswith(_HALF) and time.time() - old.stat().st_mtime > _LONG_AGO
-        if left_over or (_catalogue(old) == _catalogue(path) and old != path):
-            old.unlink(missing_ok=True)
+        with contextlib.suppress(FileNotFoundError):  # of another process, which is done with it
+            left_over = old.name.startswith(_HALF) and time.time() - old.stat().st_mtime > _LONG_AGO
+            if left_over or (_catalogue(old) == _catalogue(path) and old != path):
+                old.unlink()
 
 
 def _catalogue(path: Path) -> tuple[str, str]:
@@ -118,6 +121,7 @@ def _packed(catalog: Catalog) -> dict[str, NDArray[Any]]:
     arrays: dict[str, NDArray[Any]] = {}
     texts: dict[str, Any] = {"sources": catalog.sources, "notes": catalog.notes, "digests": dict(catalog.digests)}
     texts |= {"overrides": catalog.overrides, "across": catalog.across, "replaced": catalog.replaced}
+    texts |= {"tolerances": catalog.tolerances}
     for section in PARTS:
         table, schema = catalog.table(section), columns_of(section)
         if not len(table):
@@ -160,6 +164,7 @@ def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
         digests=texts["digests"],
         overrides=texts["overrides"],
         replaced=tuple(texts["replaced"]),
+        tolerances=tuple(Stated(s[0], s[1], s[2], s[3], tuple(s[4]), s[5], s[6]) for s in texts["tolerances"]),
         across=tuple(Across(a[0], _names(a[1]), _names(a[2]), a[3]) for a in texts["across"]),
     )
 

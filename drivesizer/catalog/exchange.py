@@ -17,7 +17,7 @@ from typing import Any
 from drivesizer.catalog import PARTS, Catalog, columns_of
 from drivesizer.catalog.check import Finding
 from drivesizer.catalog.columns import Column
-from drivesizer.catalog.lookup import origins
+from drivesizer.catalog.lookup import origins, tolerances
 from drivesizer.catalog.parts import printed
 from drivesizer.catalog.query import Hit
 from drivesizer.units import KINDS, from_si, scale
@@ -110,13 +110,22 @@ def as_document(shelf: Mapping[str, Catalog], hits: Sequence[Hit], *, sources: b
     sections = [section for section in PARTS if any(hit.section == section for hit in hits)]
     parts = []
     for hit in hits:
-        told = {name: source._asdict() for name, source in origins(hit).items()} if sources else {}
-        parts.append(as_part(hit) | ({"sources": told} if sources else {}))
+        parts.append(as_part(hit) | (_rests_on(hit) if sources else {}))
     return {
         "catalogs": {name: digest for c in shelf.values() for name, digest in c.digests.items()},
         "units": {section: _units(section) for section in sections},
         "parts": parts,
     }
+
+
+def _rests_on(hit: Hit) -> dict[str, Any]:
+    """Where a part's figures come from, and how far off they may be, as its maker says."""
+    stated = [
+        {"part": one.part, "figure": one.figure, "tolerance": one.tolerance, "text": one.text or None,
+         "source": hit.catalog.sources[one.source]._asdict()}
+        for one in tolerances(hit)
+    ]  # fmt: skip
+    return {"sources": {name: one._asdict() for name, one in origins(hit).items()}, "tolerances": stated}
 
 
 def _units(section: str) -> dict[str, str]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.discharges import join_discharges
 from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, one_of
+from drivesizer.catalog.stated import join_stated
 from drivesizer.catalog.tables import Across, Catalog, Pairs, Table, unique_pairs
 from drivesizer.errors import CatalogError, nearest, quoted
 
@@ -36,6 +37,8 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
         pairs[relation] = _moved(listed, places["motors"], places[right])
     starts = _starts(catalogs, "batteries")
     printed = [(c.discharges, *first) for c, *first in zip(catalogs, starts, first_source.tolist(), strict=False)]
+    stated, instead = join_stated([(", ".join(c.digests), c.tolerances, c.overrides) for c in catalogs],
+                                  first_source.tolist())  # fmt: skip
     left: dict[str, Any] = {name: _kept(table, places[name]) for name, table in tables.items()}
     return Catalog(
         **left,
@@ -44,7 +47,8 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
         sources=tuple(source for c in catalogs for source in c.sources),
         notes=tuple(note for c in catalogs for note in c.notes),
         digests={name: digest for c in catalogs for name, digest in c.digests.items()},
-        replaced=replaced,
+        replaced=(*replaced, *instead),
+        tolerances=stated,
     )
 
 

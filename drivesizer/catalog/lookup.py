@@ -7,9 +7,10 @@ from collections.abc import Iterable
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Source
 from drivesizer.catalog.query import OPTIONS, Hit, Shelf, every
+from drivesizer.catalog.stated import Stated, stated_of
 from drivesizer.errors import InputError, nearest, quoted
 
-__all__ = ["families", "find", "look", "origins", "partners"]
+__all__ = ["families", "find", "look", "origins", "partners", "tolerances"]
 
 
 def find(shelf: Shelf, part: str) -> list[Hit]:
@@ -87,3 +88,12 @@ def origins(hit: Hit) -> dict[str, Source]:
         if note.source:
             found |= {name: by_document.get(note.source, base) for name in (note.fields or sure) if name in sure}
     return {name: source._replace(confidence=sure[name]) for name, source in found.items()}
+
+
+_TOLERANCED = {"motors": ("motor",), "gearheads": ("gearhead",), "actuators": ("motor", "gearhead")}
+
+
+def tolerances(hit: Hit) -> list[Stated]:
+    """What its maker says of how far a part's figures may be off; of an actuator those of its motor and its gear."""
+    stated, owner = hit.catalog.tolerances, (hit["manufacturer"], hit["family"])
+    return [one for part in _TOLERANCED.get(hit.section, ()) for one in stated_of(stated, part, *owner).values()]

@@ -20,6 +20,8 @@ from drivesizer.catalog.discharges import DISCHARGES
 from drivesizer.catalog.parts import DIRECT, NO_GEARHEAD, PARTS, columns_of
 from drivesizer.catalog.reader import Reader, did_you_mean
 from drivesizer.catalog.relations import relations
+from drivesizer.catalog.stated import STATED
+from drivesizer.catalog.stated_reading import read_stated
 from drivesizer.catalog.tables import CONFIDENCE, Catalog, Note, Source, Table
 from drivesizer.errors import InputError, quoted
 from drivesizer.units import scale, to_si
@@ -28,7 +30,7 @@ from drivesizer.yaml_source import Path_, YamlSource
 __all__ = ["SCHEMA", "parse"]
 
 SCHEMA = 1
-_TOP = {"catalog", "manufacturer", "overrides", "sources", *PARTS, DISCHARGES, "compatibility"}
+_TOP = {"catalog", "manufacturer", "overrides", "sources", *PARTS, DISCHARGES, STATED, "compatibility"}
 _TABLE = {"family", "source", "common", "columns", "rows", "notes"}
 _NOTE = {"parts", "fields", "text", "confidence", "source", "exclude", "accepted"}
 _SOURCE = {"document", "date", "confidence", "url"}
@@ -62,6 +64,8 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     _read_sources(reader, data["sources"])
     maker = reader.plain_text(data["manufacturer"], ("manufacturer",))
     tables: dict[str, Any] = {s: _section(reader, s, data.get(s) or [], maker) for s in PARTS}
+    families = {part: _names(tables, section) for part, section in (("motor", "motors"), ("gearhead", "gearheads"))}
+    stated = read_stated(reader, data.get(STATED), maker, families)
     tables["gearheads"] = _with_direct(reader, tables["gearheads"], data.get("compatibility"))
     pairs = relations(reader, tables, data.get("compatibility") or {})
     return Catalog(
@@ -71,8 +75,14 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
         sources=tuple(reader.sources.values()),
         notes=tuple(reader.notes),
         digests={name: digest},
+        tolerances=stated,
         overrides=reader.flag(data.get("overrides", False), ("overrides",)),
     )
+
+
+def _names(tables: dict[str, Any], section: str) -> set[str]:
+    """The families of a section, and of the actuators, which have such a part inside."""
+    return {str(name) for where in (section, "actuators") for name in np.unique(tables[where]["family"])} - {""}
 
 
 def _read_sources(reader: Reader, given: Any) -> None:

@@ -7,6 +7,8 @@ from typing import Any
 from drivesizer.catalog.columns import Column
 from drivesizer.catalog.discharges import DISCHARGES, HELD, TABLE
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
+from drivesizer.catalog.stated import STATED
+from drivesizer.catalog.stated_reading import FIGURES
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.units import KINDS, noun
 
@@ -54,6 +56,7 @@ def catalog_schema() -> dict[str, Any]:
             "sources": {"type": "object", "additionalProperties": _SOURCE, "minProperties": 1},
             **{section: _tables(section) for section in PARTS},
             DISCHARGES: _discharges(),
+            STATED: _stated(),
             "compatibility": _compatibility(),
         },
         "required": ["catalog", "manufacturer", "sources"],
@@ -125,6 +128,33 @@ def _discharges() -> dict[str, Any]:
         "additionalProperties": False,
     }
     return {"type": "array", "items": table}
+
+
+def _stated() -> dict[str, Any]:
+    """What the maker says of how far its figures may be off."""
+    share = {"type": "string", "description": "of the printed figure: +- 10 %, -10 %..30 %, normal(5 %) or none"}
+    figures = {
+        part: {
+            "type": "object",
+            "properties": dict.fromkeys(names, share),
+            "additionalProperties": False,
+            "minProperties": 1,
+        }
+        for part, names in FIGURES.items()
+    }
+    entry = {
+        "type": "object",
+        "properties": {
+            "source": {"type": "string", "description": "one of `sources`"},
+            "families": _NAMES | {"minItems": 1, "description": "of which it is said; all of the maker's if left out"},
+            **figures,
+            "text": {"type": "string"},
+        },
+        "required": ["source"],
+        "anyOf": [{"required": [part]} for part in figures],
+        "additionalProperties": False,
+    }
+    return {"type": "array", "items": entry}
 
 
 def _compatibility() -> dict[str, Any]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
+from drivesizer.catalog.stated import Stated
 from drivesizer.catalog.wholes import Actuator, Battery, Belt, Brake, Pulley, Stepper
 
 __all__ = ["CONFIDENCE", "Across", "Catalog", "Note", "Pairs", "Source", "Table", "empty", "unique_pairs"]
@@ -124,6 +125,7 @@ class Catalog:
     overrides: bool = False  # its parts count before those of the catalogues named before it
     across: tuple[Across, ...] = ()  # pairs with parts of other catalogues, until those are loaded with it
     discharges: Discharges = NO_DISCHARGES  # of the batteries
+    tolerances: tuple[Stated, ...] = ()  # what makers say of their figures
     replaced: tuple[str, ...] = ()  # parts that an overriding catalogue gives in place of another, in words
 
     def table(self, section: str) -> Table[Any]:

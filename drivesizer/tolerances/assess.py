@@ -16,12 +16,13 @@ from drivesizer.spec import RobotSpec
 from drivesizer.tolerances.assumptions import Assumption
 from drivesizer.tolerances.evaluate import SetRows, checks_of
 from drivesizer.tolerances.lasting import SAMPLED
+from drivesizer.tolerances.makers import holding_of_a_set
 from drivesizer.tolerances.prepare import Prepared, blocks, prepared
 from drivesizer.tolerances.records import Driver, Reliability, Spread
 from drivesizer.tolerances.sampling import Sample, mean_and_error
 from drivesizer.tolerances.sensitivity import first_order, rank_correlations
 
-__all__ = ["Examined", "Subject", "drivers", "examined"]
+__all__ = ["Examined", "Subject", "counting", "drivers", "examined"]
 
 Array = NDArray[np.float64]
 _QUANTILES = (0.05, 0.5, 0.95)
@@ -180,10 +181,16 @@ def _quantiles(values: Array) -> tuple[float, float, float]:
 # --- what matters
 
 
+def counting(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption]) -> list[int]:
+    """Which assumptions count for a set, by their number: the spec's, and the classes that hold for its parts."""
+    held = holding_of_a_set(catalog, spec.tolerances.given, one.rows.motor, one.rows.gearhead)
+    return [k for k, assumption in enumerate(given) if assumption.catalogue is None or assumption.catalogue in held]
+
+
 def drivers(
     one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption], sample: Sample, smallest: Array
 ) -> tuple[Driver, ...]:
-    """What each assumption does to the smallest margin of a set, the one that matters most first.
+    """What each assumption that counts does to the smallest margin of a set, the one that matters most first.
 
     Parameters
     ----------
@@ -196,9 +203,12 @@ def drivers(
     smallest
         Margin of each.
     """
-    known = np.isfinite(smallest)
-    shares = first_order(sample.values[known], smallest[known])
-    signs = rank_correlations(sample.values[known], smallest[known])
+    known, own = np.isfinite(smallest), counting(one, catalog, spec, given)
+    if not own:
+        return ()
+    given, values = [given[k] for k in own], sample.values[known][:, own]
+    shares = first_order(values, smallest[known])
+    signs = rank_correlations(values, smallest[known])
     ends = np.array([assumption.distribution.at(np.array([0.05, 0.95])) for assumption in given])
     margins = _one_by_one(one, catalog, spec, given, ends)
     found = [

@@ -1,7 +1,8 @@
 """What is uncertain about a machine and its drive: every figure with a tolerance, in a fixed order.
 
 First the spec's figures, in the order of the file, then the classes of the catalogue's figures. All motor sets of a
-machine are taken to be off alike, and so are all sets that are compared: one sample is one machine.
+machine are taken to be off alike, and so are all sets that are compared: one sample is one machine. Where makers say
+different things of a figure, a sample is off by the same share of what each allows.
 """
 
 from __future__ import annotations
@@ -34,6 +35,11 @@ class Assumption(NamedTuple):
     given: Toleranced | None = None  # of the spec
     catalogue: Class | None = None  # of the catalogue
 
+    @property
+    def column(self) -> str:
+        """What it shares with the same figure of other makers: the place in a sample."""
+        return f"{self.catalogue.part}.{self.catalogue.figure}" if self.catalogue else self.name
+
     def shown(self, value: float) -> str:
         """A value of it as it is printed."""
         if self.given:
@@ -41,20 +47,22 @@ class Assumption(NamedTuple):
         return f"{100.0 * (value - 1.0):+.3g} %"
 
 
-def assumptions(spec: RobotSpec) -> tuple[Assumption, ...]:
+def assumptions(spec: RobotSpec, held: Sequence[Class] | None = None) -> tuple[Assumption, ...]:
     """All uncertain figures of a spec and of the catalogue.
 
     Parameters
     ----------
     spec
         As it was read: its tolerances count, and the classes that it puts in place of the default ones.
+    held
+        The classes that hold for the parts in question; without them, all where no maker says anything.
     """
     whole = spec.whole
     own = [Assumption(_named(one.path), f"{_named(one.path)} {one.text}", one.value, one.distribution, given=one)
            for one in whole.toleranced]  # fmt: skip
     return (*own, *(
-        Assumption(f"{one.part}.{one.figure}", f"{one.title} {one.text}", 1.0, one.factor, catalogue=one)
-        for one in classes(spec.tolerances.given)
+        Assumption(one.name, f"{one.title} {one.text}", 1.0, one.factor, catalogue=one)
+        for one in (classes(spec.tolerances.given) if held is None else held)
         if one.factor is not None
     ))  # fmt: skip
 

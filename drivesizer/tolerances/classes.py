@@ -1,4 +1,4 @@
-"""How far a catalogue figure may be off: the default classes, and those that a spec puts in their place.
+"""How far a catalogue figure may be off: the default classes, and those that a maker or a spec puts in their place.
 
 A class is a distribution of factors of the printed figure. Figures that belong together share one: the two thermal
 resistances of a motor with their time constants, so that heat capacities stay what they are; friction at any speed and
@@ -7,6 +7,7 @@ with it, and the no-load current that stands for both.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from importlib import resources
 from typing import NamedTuple
@@ -16,7 +17,7 @@ import yaml
 from drivesizer.tolerances.distributions import Distribution
 from drivesizer.tolerances.reading import share
 
-__all__ = ["CLASSES", "Class", "classes"]
+__all__ = ["CLASSES", "Class", "class_of", "classes"]
 
 CLASSES = {
     ("motor", "resistance"): "Motor resistance",
@@ -38,6 +39,12 @@ class Class(NamedTuple):
     text: str  # as it is written
     factor: Distribution | None  # of the printed figure; None: taken as printed
     why: str
+    whose: str = ""  # a maker, maybe with families: of its parts alone; else of all that have none of their own
+
+    @property
+    def name(self) -> str:
+        """``motor.resistance``; with whose it is where it is of a maker."""
+        return f"{self.part}.{self.figure}" + (f" ({self.whose})" if self.whose else "")
 
 
 @cache
@@ -47,8 +54,27 @@ def _default() -> dict[str, dict[str, dict[str, str]]]:
     return found
 
 
-def classes(given: dict[tuple[str, str], str] | None = None) -> tuple[Class, ...]:
-    """The classes in force, in a fixed order.
+@cache
+def class_of(part: str, figure: str, text: str, why: str, whose: str = "") -> Class:
+    """The class of a figure.
+
+    Parameters
+    ----------
+    part, figure
+        One of ``CLASSES``.
+    text
+        The tolerance, as ``reading.share`` takes it.
+    why
+        Where it comes from.
+    whose
+        Maker, of whose parts alone it is.
+    """
+    title = CLASSES[part, figure] + (f", {whose}" if whose else "")
+    return Class(part, figure, title, text, share(text), why, whose)
+
+
+def classes(given: Mapping[tuple[str, str], str] | None = None) -> tuple[Class, ...]:
+    """The classes in force where no maker says anything, in a fixed order.
 
     Parameters
     ----------
@@ -62,9 +88,9 @@ def classes(given: dict[tuple[str, str], str] | None = None) -> tuple[Class, ...
     [('+- 7 %', 'given in the spec'), ('none', 'given in the spec')]
     """
     found = []
-    for (part, figure), title in CLASSES.items():
+    for part, figure in CLASSES:
         own = (given or {}).get((part, figure))
         text = own or _default()[part][figure]["tolerance"]
         why = "given in the spec" if own else _default()[part][figure]["why"]
-        found.append(Class(part, figure, title, text, share(text), why))
+        found.append(class_of(part, figure, text, why))
     return tuple(found)

@@ -30,7 +30,9 @@ from drivesizer.physics_limits import (
     stress,
 )
 from drivesizer.tolerances.behind import AtSamples
+from drivesizer.tolerances.classes import Class
 from drivesizer.tolerances.lasting import Draw, Feeding, battery_limits
+from drivesizer.tolerances.makers import holding
 from drivesizer.tolerances.waves import moments
 from drivesizer.waveform_limits import waveform_limits
 
@@ -57,7 +59,13 @@ class Block(NamedTuple):
     specs: tuple[Any, ...]  # with columns
     ats: tuple[Mapping[float, AtSamples], ...]  # by belt ratio
     feeds: tuple[tuple[Feeding, tuple[int, ...]], ...]  # batteries, each with the cases that draw from it
-    factors: Mapping[tuple[str, str], Array]  # of the catalogue's figures, by part and class
+    factors: Mapping[Class, Array]  # of the catalogue's figures
+    given: Mapping[tuple[str, str], str]  # the spec's own classes, before any other
+
+    def factors_of(self, catalog: Catalog, part: str, row: int) -> dict[str, Array]:
+        """By what the figures of a motor or gearhead are multiplied, by class, as far as they are sampled."""
+        held = holding(catalog, self.given, part, row)
+        return {one.figure: self.factors[one] for one in held if one in self.factors}
 
 
 class _Figures:
@@ -103,9 +111,9 @@ def with_losses(efficiency: Any, factor: Any) -> Any:
     return 1.0 / (1.0 + (1.0 / efficiency - 1.0) * factor)
 
 
-def _motor(catalog: Catalog, row: int, block: Block) -> _Figures:
+def _motor(catalog: Catalog, row: int, block: Block, factors: Mapping[str, Array]) -> _Figures:
     """A motor's figures, each times its factor."""
-    times = motor_factors({figure: column for (part, figure), column in block.factors.items() if part == "motor"})
+    times = motor_factors(factors)
     printed, whole = _Figures(catalog.motors, row, block.size, {}).nominal, np.ones(block.size)
     changed = {
         name: printed(name) * factor * (whole if name in _WHOLE else 1.0)
@@ -118,23 +126,24 @@ def _motor(catalog: Catalog, row: int, block: Block) -> _Figures:
 def _gearhead(catalog: Catalog, row: int, block: Block) -> _Figures:
     """A gearhead's figures, each times its factor."""
     printed = _Figures(catalog.gearheads, row, block.size, {}).nominal
-    changed = {}
-    if (losses := block.factors.get(("gearhead", "efficiency"))) is not None:
+    changed, factors = {}, block.factors_of(catalog, "gearhead", row)
+    if (losses := factors.get("efficiency")) is not None:
         changed["efficiency"] = with_losses(printed("efficiency"), losses)
         changed["no_load_torque"] = printed("no_load_torque") * losses
-    if (gains := block.factors.get(("gearhead", "inertia"))) is not None:
+    if (gains := factors.get("inertia")) is not None:
         changed["inertia"] = printed("inertia") * gains
     return _Figures(catalog.gearheads, row, block.size, changed)
 
 
 def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
     """Every check that samples may change, by name: columns over the samples, the worst of all load cases."""
-    motor, gearhead = _motor(catalog, one.motor, block), _gearhead(catalog, one.gearhead, block)
+    factors = block.factors_of(catalog, "motor", one.motor)
+    motor, gearhead = _motor(catalog, one.motor, block, factors), _gearhead(catalog, one.gearhead, block)
     parts = Parts(
         motor, gearhead, _Figures(catalog.encoders, one.encoder, block.size, {}),
         _Figures(catalog.controllers, one.controller, block.size, {}),
     )  # fmt: skip
-    rubs = block.factors.get(("motor", "friction"), 1.0)
+    rubs = factors.get("friction", 1.0)
     told: dict[str, list[tuple[int, CheckColumn]]] = {}
     draws = []
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):

@@ -46,7 +46,7 @@ def loop_share(
     spec, one
         The machine as it was sized, its own load case, and the set.
     given, values
-        What is uncertain, and the samples of it, replicate after replicate.
+        What is uncertain of this set, and the samples of it, replicate after replicate.
     samples
         How many of them at most.
 
@@ -68,13 +68,15 @@ def loop_share(
 
 
 def off(spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Array) -> tuple[RobotSpec, DriveSet]:
-    """A machine and a set whose figures are those of one sample."""
+    """A machine and a set whose figures are those of one sample, of what counts for the set: each figure once."""
     paths = case_paths(spec.whole, None)
     moved = applied(spec, {path: float(values[k]) - given[k].nominal for k, path in paths.items()})
     factors: dict[str, dict[str, float]] = {"motor": {}, "gearhead": {}}
     for k, assumption in enumerate(given):
         if assumption.catalogue:
-            factors[assumption.catalogue.part][assumption.catalogue.figure] = float(values[k])
+            of_part, figure = factors[assumption.catalogue.part], assumption.catalogue.figure
+            assert figure not in of_part, f"{assumption.name}: of another maker's part"
+            of_part[figure] = float(values[k])
     motor = replace(one.motor, **_times(one.motor, motor_factors(factors["motor"])))
     losses, gains = (factors["gearhead"].get(name, 1.0) for name in ("efficiency", "inertia"))
     gearhead = replace(

@@ -211,7 +211,7 @@ def blocks(one: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[
 
 def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequence[float]) -> Block:
     factors = {
-        (given.catalogue.part, given.catalogue.figure): np.ascontiguousarray(one.values[rows, k])
+        given.catalogue: np.ascontiguousarray(one.values[rows, k])
         for k, given in enumerate(one.given)
         if given.catalogue
     }
@@ -221,7 +221,9 @@ def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequ
         sampled = at_samples(case.cycles if case.cycles.size == 1 else _some(case.cycles, rows), efficiency)
         specs.append(spec)
         ats.append({belt: AtSamples(sampled, belt) for belt in belts})
-    return Block(len(rows), tuple(specs), tuple(ats), tuple(_feeds(one, catalog, rows)), factors)
+    return Block(
+        len(rows), tuple(specs), tuple(ats), tuple(_feeds(one, catalog, rows)), factors, one.spec.tolerances.given
+    )
 
 
 def _feeds(one: Prepared, catalog: Catalog, rows: NDArray[np.int64]) -> Iterator[tuple[Feeding, tuple[int, ...]]]:

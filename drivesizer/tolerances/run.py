@@ -11,9 +11,10 @@ from drivesizer.errors import InputError
 from drivesizer.evaluation import Evaluation
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
-from drivesizer.tolerances.assess import Examined, Subject, drivers, examined
+from drivesizer.tolerances.assess import Examined, Subject, counting, drivers, examined
 from drivesizer.tolerances.assumptions import Assumption, assumptions
 from drivesizer.tolerances.evaluate import SetRows
+from drivesizer.tolerances.makers import used
 from drivesizer.tolerances.prepare import Prepared, prepared, unused
 from drivesizer.tolerances.records import LoopShare, Uncertain, Uncertainty
 from drivesizer.tolerances.sampling import Sample, sample
@@ -93,8 +94,9 @@ def judged(spec: RobotSpec, catalog: Catalog, subjects: Mapping[int, Subject], h
     how
         Samples, seed, and the confidence that is asked for.
     """
-    given = assumptions(spec)
-    drawn = sample(given, how.samples, how.seed)
+    rows = [(one.rows.motor, one.rows.gearhead) for one in subjects.values()]
+    given = assumptions(spec, used(catalog, spec.tolerances.given, rows))
+    drawn = sample(given, how.samples, how.seed, assumptions(spec))
     ready = prepared(spec, given, drawn.values)
     results = examined(ready, catalog, list(subjects.values()), how.processes)
     found = {row: (subject, one) for (row, subject), one in zip(subjects.items(), results, strict=True)}
@@ -131,17 +133,20 @@ def told(judged_: Judged, catalog: Catalog, row: int, one: DriveSet, *, loop: bo
     what, found = judged_.found[row]
     ready = judged_.ready
     said = drivers(what, catalog, ready.spec, ready.given, judged_.drawn, found.smallest)
-    share = _in_the_loop(judged_, one) if loop and judged_.how.loop else None
+    share = _in_the_loop(judged_, catalog, what, one) if loop and judged_.how.loop else None
     return replace(one, reliability=replace(found.reliability, drivers=said, loop=share))
 
 
-def _in_the_loop(judged_: Judged, one: DriveSet) -> LoopShare | None:
+def _in_the_loop(judged_: Judged, catalog: Catalog, what: Subject, one: DriveSet) -> LoopShare | None:
     """None where the model of the loop lacks a figure."""
     from drivesizer.tolerances.loop import loop_share
 
     ready = judged_.ready
+    own = counting(what, catalog, ready.spec, ready.given)
     try:
-        return loop_share(ready.spec, one, ready.given, judged_.drawn.values, judged_.how.loop)
+        return loop_share(
+            ready.spec, one, [ready.given[k] for k in own], judged_.drawn.values[:, own], judged_.how.loop
+        )
     except InputError:
         return None
 

@@ -41,7 +41,7 @@ class Share(NamedTuple):
     error: float
 
 
-def sample(given: Sequence[Assumption], samples: int, seed: int) -> Sample:
+def sample(given: Sequence[Assumption], samples: int, seed: int, drawn: Sequence[Assumption] = ()) -> Sample:
     """Samples of assumptions: the same seed, the same samples.
 
     Parameters
@@ -52,16 +52,20 @@ def sample(given: Sequence[Assumption], samples: int, seed: int) -> Sample:
         How many at least; rounded up to a multiple of the replicates.
     seed
         Of the scrambling.
+    drawn
+        What is drawn for, where that is not what is given: so the same seed gives the same machines, whichever parts
+        are compared. Each of the given takes the column of the one that it shares it with.
     """
     from scipy.stats import qmc
 
+    columns = [one.column for one in drawn or given]
     each = -(-samples // REPLICATES)
     power = max(int(np.ceil(np.log2(each))), 0)
     cubes = [
-        qmc.Sobol(len(given), scramble=True, rng=np.random.default_rng([seed, number])).random_base2(power)[:each]
+        qmc.Sobol(max(len(columns), 1), scramble=True, rng=np.random.default_rng([seed, number])).random_base2(power)
         for number in range(REPLICATES)
     ]
-    cube = np.concatenate(cubes) if given else np.zeros((each * REPLICATES, 0))
+    cube = np.concatenate([one[:each] for one in cubes])[:, [columns.index(one.column) for one in given]]
     return Sample(cube, values_of(given, cube))
 
 
@@ -79,7 +83,8 @@ def first_of_each(samples: int, size: int) -> NDArray[np.int64]:
 
 def values_of(given: Sequence[Assumption], cube: Array) -> Array:
     """Values of assumptions at points of the cube."""
-    return np.stack([one.distribution.at(cube[:, k]) for k, one in enumerate(given)], axis=1)
+    values = [one.distribution.at(cube[:, k]) for k, one in enumerate(given)]
+    return np.stack(values, axis=1) if values else np.zeros((len(cube), 0))
 
 
 def mean_and_error(hits: NDArray[np.bool_]) -> Share:
