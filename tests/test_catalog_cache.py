@@ -382,7 +382,7 @@ def test_a_hostile_catalogue_is_one_line_in_bounded_time(cache: Path, tmp_path: 
     except DrivesizerError as error:
         assert said in str(error)
         assert len(str(error)) < 500 and "\n" not in str(error)
-    assert time.perf_counter() - start < 20.0
+    assert time.perf_counter() - start < 60.0  # not a measure: that it ends
 
 
 def test_a_scalar_of_100_megabytes_is_refused_unread(cache: Path, tmp_path: Path) -> None:
