@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer import terminal_tables as tables
+from drivesizer.moved_checks import moved
 from drivesizer.results import DriveSet, Explanation, SizingResult
 from drivesizer.terminal_tables import percent
 from drivesizer.tolerances.records import Reliability, Uncertainty
@@ -118,8 +119,7 @@ def _spreads(found: Reliability, title: str) -> Table:
     heads = ("check", "left"), ("passes", "right"), ("margin 5 %", "right"), ("50 %", "right"), ("95 %", "right")
     table = tables.bare(*heads, title=title)
     _unbroken(table)
-    moved = [one for one in found.checks if one.low != one.high and one.low == one.low]
-    for one in sorted(moved, key=lambda one: (one.passes, one.low)):
+    for one in moved(found):
         table.add_row(one.title, likely(one.passes), *(_margin(value) for value in (one.low, one.middle, one.high)))
     return table
 
