@@ -22,12 +22,12 @@ _MARGINS = (
 )  # fmt: skip
 _SETS = (
     Column("list", "list"), _RANK, Column("drive", "label", "", 60), Column("all pass (%)", "probability", "share"),
-    Column("error, 95 % (%)", "error", "needed"), Column("weakest check", "weakest"), *_MARGINS,
+    Column("error, 95 % (%)", "error", "error"), Column("weakest check", "weakest"), *_MARGINS,
     Column("unknown checks", "unknown"),
 )  # fmt: skip
 _LOOP = (
     Column("all pass in closed loop (%)", "loop_probability", "share"),
-    Column("its error, 95 % (%)", "loop_error", "needed"), Column("weakest in closed loop", "loop_weakest"),
+    Column("its error, 95 % (%)", "loop_error", "error"), Column("weakest in closed loop", "loop_weakest"),
     Column("samples in closed loop", "loop_samples", "count"),
 )  # fmt: skip
 _CHECKS = (
@@ -36,7 +36,7 @@ _CHECKS = (
 )  # fmt: skip
 _UNCERTAIN = (
     _RANK, Column("figure", "title"), Column("tolerance", "text"), Column("share of variance (%)", "share", "needed"),
-    Column("rank correlation", "correlation"), Column("low", "low"),
+    Column("rank correlation", "correlation", "correlation"), Column("low", "low"),
     Column("smallest margin at low (%)", "low_margin", "percent"), Column("high", "high"),
     Column("smallest margin at high (%)", "high_margin", "percent"), Column("from", "source", "", 70),
 )  # fmt: skip

@@ -69,7 +69,8 @@ def _verdict(result: SizingResult, best: DriveSet | None) -> Iterator[Row]:
     status = result.sets[0].status if result.sets else "fail"
     yield {"title": "Machine", "note": result.spec.name}
     yield {"title": "What it is", "note": machine_words(result.spec)}
-    said = none_as_sure(result) or ("a set was found" if result.sets else "no set stands")
+    none = none_as_sure(result)
+    said = f"{none}, the surest" if none else "a set was found" if result.sets else "no set stands"
     yield {"title": "Verdict", "status": status, "note": f"{said}: {best.label}" if best else said}
     yield {"title": "Motor sets of the machine", "value": Told(result.spec.load.motors, "count")}
     yield {"title": "Ranked by", "note": f"{result.objective.replace('_', ' ')}, method of {result.method}"}

@@ -69,6 +69,8 @@ _LOOKS: dict[str, dict[str, Any]] = {
 _NUMBERS = {  # form -> how a spreadsheet shows it; [Red] is a colour of every spreadsheet
     "percent": "[>=0.0995]+0 %;[Red][<0]-0.0 %;+0.0 %",
     "needed": "0.0 %",
+    "error": "0.00 %",
+    "correlation": "0.00",
     "count": "0",
     "money": "0.00",
     "sample": "General",
