@@ -20,6 +20,7 @@ from drivesizer.tolerances.wording import likely
 __all__ = ["none_as_sure", "tolerances", "tolerances_of"]
 
 _DRIVERS = 3
+_NEAR = 0.0995  # margin below which its tenths are told
 
 
 def none_as_sure(result: SizingResult) -> str:
@@ -105,7 +106,14 @@ def _loop(found: Reliability) -> str:
 
 
 def _margin(value: float) -> str:
-    return percent(value) if isfinite(value) else "–"
+    """A margin, near the limit to a tenth of a per cent: whether it is one is what samples tell.
+
+    >>> _margin(-0.0034), _margin(0.213)
+    ('-0.3 %', '+21 %')
+    """
+    if not isfinite(value):
+        return "–"
+    return f"{100 * value:+.1f} %" if abs(value) < _NEAR else percent(value)
 
 
 def _of_a_set(console: Console, found: Reliability, title: str) -> None:
