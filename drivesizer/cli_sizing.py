@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer import __version__
 from drivesizer.cli_common import DEFAULT, Json, More, Profile, Spec, Top, load, progress, tell, working
 from drivesizer.errors import InputError, quoted
 
@@ -103,6 +102,11 @@ def report(
     drawings: Annotated[
         Path | None, typer.Option("--figures", metavar="FOLDER", help="Also every figure, as SVG and as PNG.")
     ] = None,
+    confidence: Confidence = None,
+    samples: Samples = None,
+    seed: Seed = None,
+    loop_samples: LoopSamples = None,
+    processes: Processes = 1,
     paper: Annotated[str, typer.Option(help="Sheets of the PDF: a4 or us-letter.")] = "a4",
     date: Annotated[str | None, typer.Option(metavar="TEXT", help="Date that the PDF and the page carry.")] = None,
     catalogs: More = None,
@@ -110,11 +114,15 @@ def report(
     """Write the report: .pdf, .html, .xlsx, .csv or .json, several at once."""
     from drivesizer.report import accept, write, write_figures
     from drivesizer.sizing import size as sized
+    from drivesizer.tolerances.run import asked
 
     accept(output)
+    robot = load(spec, catalogs)
+    sampling = asked(robot, confidence, samples, seed, processes, loop_samples)
     with progress() as told:
-        result = sized(load(spec, catalogs), top=top, objective=_objective(objective), pareto=_pareto(pareto),
-                       progress=told)  # fmt: skip
+        result = sized(
+            robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=told, sampling=sampling
+        )
     with working("driving the set in closed loop"):
         proof = _proof(result, profile)
     with working("writing the report"):
@@ -130,26 +138,29 @@ def explain(
     motor: Annotated[str, typer.Option(help="Part number of the motor, or of an actuator.")],
     gearhead: Annotated[str, typer.Option(help="Part number of the gearhead; `direct` is none.")] = "",
     spec: Spec = DEFAULT,
+    samples: Samples = None,
+    seed: Seed = None,
+    loop_samples: LoopSamples = None,
     json: Json = False,
     catalogs: More = None,
 ) -> None:
     """Show why one pair of motor and gearhead passes or fails, check by check."""
-    from drivesizer.sizing import explain as explained
-    from drivesizer.sizing import load_parts
+    from drivesizer.sizing import explained, load_parts
+    from drivesizer.tolerances.run import asked
 
     robot = load(spec, catalogs)
+    sampling = asked(robot, samples=samples, seed=seed, loop=loop_samples)
     catalog = load_parts(robot)
-    sets = explained(robot, motor, gearhead, catalog=catalog)
+    found = explained(robot, motor, gearhead, catalog=catalog, sampling=sampling)
     if json:
         from drivesizer import contract
 
-        document = {"schema_version": contract.SCHEMA_VERSION, "drivesizer": __version__}
-        typer.echo(contract.as_text(document | {"sets": [contract.drive_set(s) for s in sets]}))
+        typer.echo(contract.as_text(contract.explanation(found)))
     else:
         from drivesizer import terminal
 
-        terminal.explained(sets, catalog)
-    raise typer.Exit(0 if any(s.status != "fail" for s in sets) else 1)
+        terminal.explained(found, catalog)
+    raise typer.Exit(0 if any(s.status != "fail" for s in found.sets) else 1)
 
 
 def _proof(result: Any, profile: str | None) -> Any:

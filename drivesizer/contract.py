@@ -16,6 +16,7 @@ from drivesizer.mass_rows import MassRow
 from drivesizer.results import (
     Check,
     DriveSet,
+    Explanation,
     Figure,
     Relaxation,
     Requirement,
@@ -26,7 +27,7 @@ from drivesizer.results import (
 )
 from drivesizer.units import KINDS, from_si
 
-__all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "requirement", "sizing", "validation"]
+__all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "explanation", "requirement", "sizing", "validation"]
 
 SCHEMA_VERSION = 1
 
@@ -185,6 +186,16 @@ def sizing(result: SizingResult) -> dict[str, Any]:
         },
         "assumptions": list(result.assumptions),
         "warnings": list(result.warnings),
+    }
+
+
+def explanation(found: Explanation) -> dict[str, Any]:
+    """The document of ``drivesizer explain --json``."""
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "drivesizer": __version__,
+        "sets": [drive_set(s) for s in found.sets],
+        "uncertainty": uncertainty(found.uncertainty),
     }
 
 

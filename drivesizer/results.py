@@ -7,7 +7,7 @@ floats; each carries its kind and the unit of the trade it is shown in. NaN is *
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ __all__ = [
     "Comparison",
     "Counts",
     "DriveSet",
+    "Explanation",
     "Figure",
     "Gains",
     "Relaxation",
@@ -244,8 +245,15 @@ class SizingResult:
 
     @property
     def shown(self) -> DriveSet | None:
-        """The set that is told in full: the best, else the nearest miss; None without either."""
-        return next(iter((*self.sets, *self.misses)), None)
+        """The set that is told in full: the best, else the surest, else the nearest miss; None without any."""
+        return next(iter((*self.sets, *self.unsure, *self.misses)), None)
+
+
+class Explanation(NamedTuple):
+    """What was found of one pair of motor and gearhead."""
+
+    sets: list[DriveSet]  # with every belt ratio
+    uncertainty: Uncertainty | None  # what was uncertain, where tolerances were sampled
 
 
 def section_of(part: Any) -> str:

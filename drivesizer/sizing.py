@@ -22,15 +22,15 @@ from drivesizer.ranking import Objective, title_of
 from drivesizer.records import drive_set
 from drivesizer.relax import changes_for, relaxations
 from drivesizer.requirements import requirements
-from drivesizer.results import DriveSet, Requirement, SizingResult, verdict
+from drivesizer.results import DriveSet, Explanation, Requirement, SizingResult, verdict
 from drivesizer.search import Found, Progress, search
 from drivesizer.shortlist import shortlist
 from drivesizer.spec import RobotSpec
 from drivesizer.standing_sets import on_the_front, ranked, shortfall
-from drivesizer.tolerances.run import Sampling
+from drivesizer.tolerances.run import Sampling, asked, judged, subject_of, told, uncertainty
 from drivesizer.units import show
 
-__all__ = ["explain", "load_parts", "prepared", "size"]
+__all__ = ["explain", "explained", "load_parts", "prepared", "size"]
 
 
 def load_parts(spec: RobotSpec) -> Catalog:
@@ -89,14 +89,15 @@ def size(
     spec, found = picked.spec, picked.found
     fell = [*picked.short.values(), *(drive_set(found.evaluation, row, 0, objective) for row in picked.fallen)]
     sets = with_both_methods(spec, catalog, ranked(picked.best.values()))
+    unsure = with_both_methods(spec, catalog, ranked(picked.unsure.values(), len(sets)))
     return SizingResult(
         spec=spec,
         catalog=catalog,
         method=spec.method,
         objective=title_of(objective),
-        requirements=_requirements(found, spec, next(iter((*picked.best, *picked.short)), 0)),
+        requirements=_requirements(found, spec, next(iter((*picked.best, *picked.unsure, *picked.short)), 0)),
         sets=sets,
-        misses=ranked(fell[: None if sets else top], len(sets)),
+        misses=ranked(fell[: None if sets else top], len(sets) + len(unsure)),
         relaxations=() if found.standing else relaxations(spec, catalog),
         counts=found.counts,
         assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec)),
@@ -104,7 +105,7 @@ def size(
         unrestricted=_unrestricted(spec, catalog, objective),
         front=on_the_front(found, spec, picked.machine, objective),
         pareto=pareto,
-        unsure=ranked(picked.unsure.values()),
+        unsure=unsure,
         uncertainty=picked.uncertainty,
     )
 
@@ -189,7 +190,19 @@ def _unrestricted(spec: RobotSpec, catalog: Catalog, objective: Objective) -> Dr
 
 
 def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog | None = None) -> list[DriveSet]:
-    """One pair of motor and gearhead, check by check, with every belt ratio of the spec.
+    """One pair of motor and gearhead, check by check, with every belt ratio of the spec: sets of :func:`explained`."""
+    return explained(spec, motor, gearhead, catalog=catalog).sets
+
+
+def explained(
+    spec: RobotSpec,
+    motor: str,
+    gearhead: str = "",
+    *,
+    catalog: Catalog | None = None,
+    sampling: Sampling | None = None,
+) -> Explanation:
+    """One pair of motor and gearhead, check by check, and how sure it is where the spec has tolerances.
 
     Parameters
     ----------
@@ -199,6 +212,13 @@ def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog
         Part numbers; an actuator is named as the motor and brings its own gearhead.
     catalog
         Parts to choose from; those that the spec names when not given.
+    sampling
+        How the pair is sampled for its tolerances; as the spec says when not given.
+
+    Returns
+    -------
+    Explanation
+        A set for every belt ratio of the spec, whether it stands or not.
 
     Raises
     ------
@@ -218,7 +238,16 @@ def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog
     machine = of_the_platform(spec.whole)
     alone = [drive_set(evaluation, int(i), n, spec.select.objective) for n, i in enumerate(found, 1)]
     both = with_both_methods(spec, catalog, [with_budget(spec, catalog, one, machine) for one in alone])
-    return [replace(s, changes=changes_for(spec, catalog, s)) if verdict(s.checks) == "fail" else s for s in both]
+    sets = [replace(s, changes=changes_for(spec, catalog, s)) if verdict(s.checks) == "fail" else s for s in both]
+    sampling = sampling or asked(spec)
+    return _sampled(spec, catalog, sets, sampling) if sampling else Explanation(sets, None)
+
+
+def _sampled(spec: RobotSpec, catalog: Catalog, sets: list[DriveSet], how: Sampling) -> Explanation:
+    """Sets with how sure each is, one that falls at nominal figures too."""
+    sure = judged(spec, catalog, {n: subject_of(catalog, one) for n, one in enumerate(sets)}, how)
+    told_ = [told(sure, catalog, n, one, loop=one.status != "fail") for n, one in enumerate(sets)]
+    return Explanation(told_, uncertainty(sure))
 
 
 def _pair(catalog: Catalog, motor: str, gearhead: str) -> tuple[int, int]:

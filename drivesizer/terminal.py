@@ -12,11 +12,11 @@ from drivesizer import terminal_tables as tables
 from drivesizer.catalog import Catalog, Controller, Encoder
 from drivesizer.checks import TITLES
 from drivesizer.objectives import OBJECTIVE, SUMS, objective_figure
-from drivesizer.results import DriveSet, SizingResult, Validation, verdict, worst
+from drivesizer.results import DriveSet, Explanation, SizingResult, Validation, verdict, worst
 from drivesizer.terminal_energy import machine
 from drivesizer.terminal_loops import loops
 from drivesizer.terminal_tables import MARK, STYLE, percent
-from drivesizer.terminal_tolerances import tolerances
+from drivesizer.terminal_tolerances import none_as_sure, tolerances, tolerances_of
 from drivesizer.units import show
 
 __all__ = ["explained", "sizing", "validation", "validations"]
@@ -30,7 +30,10 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
         place = "wheel" if result.spec.whole.load.kind == "wheeled_vehicle" else "load"
         console.print(tables.requirements(result.requirements, f"Requirements at the {place}"))
     if result.sets:
-        _chosen(console, result, result.sets[0], quiet=quiet)
+        _chosen(console, result, result.sets[0], "The drive: ", quiet=quiet)
+    elif result.unsure:
+        console.print(Text(none_as_sure(result), style="bold red"))
+        _chosen(console, result, result.unsure[0], "The surest, at nominal figures: ", quiet=quiet)
     else:
         _none(console, result)
     if len(result.sets) > 1:
@@ -45,9 +48,9 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
     _tally(console, result)
 
 
-def _chosen(console: Console, result: SizingResult, best: DriveSet, *, quiet: bool) -> None:
+def _chosen(console: Console, result: SizingResult, best: DriveSet, words: str, *, quiet: bool) -> None:
     tight = worst(best.deciding)
-    line = Text("The drive: ", style="bold") + Text(MARK[best.status], style=STYLE[best.status])
+    line = Text(words, style="bold") + Text(MARK[best.status], style=STYLE[best.status])
     console.print(line + _by_the_other(best))
     console.print(tables.parts(best, result.catalog))
     mass = f"{show(best.mass, 'g', 'mass')} ({' + '.join(best.mass_of)})"
@@ -100,7 +103,7 @@ def _both(found: DriveSet) -> Table:
 
 
 def _none(console: Console, result: SizingResult) -> None:
-    console.print(Text("No set stands as surely." if result.unsure else "No set stands.", style="bold red"))
+    console.print(Text("No set stands.", style="bold red"))
     if result.counts.failed_by:
         name, count = max(result.counts.failed_by.items(), key=lambda item: item[1])
         title = TITLES[result.method][name].lower()
@@ -109,7 +112,7 @@ def _none(console: Console, result: SizingResult) -> None:
         console.print("Any one of these changes would let one stand:")
     for r in result.relaxations:
         console.print(Text(f"  {r.field} {r.now} → {r.needed}: then {r.set_label}"))
-    if not result.relaxations and result.counts.considered and not result.unsure:
+    if not result.relaxations and result.counts.considered:
         console.print("  No single figure of the spec, moved up to 20 times, is enough.")
     if not result.counts.considered:
         console.print("  No listed pair of motor and gearhead is left by the families and parts that the spec names.")
@@ -220,16 +223,17 @@ def _tally(console: Console, result: SizingResult) -> None:
         )
 
 
-def explained(sets: list[DriveSet], catalog: Catalog) -> None:
-    """Print one pair check by check, for every belt ratio."""
+def explained(pair: Explanation, catalog: Catalog) -> None:
+    """Print one pair check by check, for every belt ratio, and how sure each is."""
     console = tables.console()
-    for found in sets:
+    for found in pair.sets:
         tables.heading(console, found.label, MARK[found.status], STYLE[found.status])
         console.print(tables.parts(found, catalog))
         if found.requirements:
             console.print(tables.requirements(found.requirements, "Requirements at the motor"))
         _both_methods(console, found)
         _changes(console, found)
+    tolerances_of(console, pair)
 
 
 def _changes(console: Console, found: DriveSet) -> None:

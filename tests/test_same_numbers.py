@@ -25,6 +25,7 @@ from drivesizer.results import Check, SizingResult, Validation
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
 from drivesizer.spec import RobotSpec, load_spec, read_spec
+from drivesizer.tolerances.run import Sampling
 from drivesizer.units import from_si, label
 from drivesizer.yaml_source import YamlSource
 
@@ -51,7 +52,7 @@ class Run(NamedTuple):
 
     @property
     def best(self) -> Any:
-        return (self.result.sets or self.result.misses)[0]
+        return self.result.shown
 
     @property
     def candidates(self) -> list[Any]:
@@ -181,7 +182,7 @@ def told(row: dict[str, Any], value: str) -> Fact:
 
 def from_json(folder: Path, run: Run) -> Facts:
     document = json.loads((folder / "report.json").read_text(encoding="utf-8"), parse_constant=pytest.fail)
-    best = (document["sets"] or document["misses"])[0]
+    best = (document["sets"] or document["unsure"] or document["misses"])[0]
     found: Facts = {}
     for place, requirements in enumerate((document["requirements"], best["requirements"])):
         for name, r in requirements.items():
@@ -413,10 +414,11 @@ def runs(spec: RobotSpec) -> dict[str, Run]:
         "fails": Run(hoist, None),
         "platform": Run(platform, validate(platform.spec, platform.sets[0])),
         "actuators": Run(size(arm.model_copy(update={"select": wide}), top=3), None),
+        "unsure": Run(size(paper.spec, top=2, sampling=Sampling(256, 1, 1.0)), None),
     }
 
 
-@pytest.mark.parametrize("name", ["paper", "fails", "actuators", "platform"])
+@pytest.mark.parametrize("name", ["paper", "fails", "actuators", "platform", "unsure"])
 @pytest.mark.parametrize("suffix", READERS)
 def test_every_report_has_the_numbers_of_the_run(suffix, name, runs, tmp_path):
     records = recorded(runs[name])
@@ -429,6 +431,7 @@ def test_the_runs_have_what_they_are_for(runs):
     assert {"pass", "unknown"} <= statuses["paper"] and "fail" in statuses["fails"]
     assert not runs["fails"].result.sets and runs["actuators"].best.actuator is not None
     assert "unknown" in statuses["actuators"]
+    assert not runs["unsure"].result.sets and runs["unsure"].best in runs["unsure"].result.unsure
     kinds = {key[0] for key in recorded(runs["paper"])}
     assert kinds == {"requirement", "check", "candidate", "validation", "figure", "machine", "consumer"}
     machine = recorded(runs["platform"])

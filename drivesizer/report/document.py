@@ -26,7 +26,7 @@ from drivesizer.report.panels import windows
 from drivesizer.report.parts import parts_list
 from drivesizer.report.rests_on import marked_figures, unknown_figures
 from drivesizer.report.set_rows import check_row, compared, figure_row, moves, set_row
-from drivesizer.report.tolerance_rows import sure
+from drivesizer.report.tolerance_rows import standing, sure
 from drivesizer.report.wording import cleaned, margin, short
 from drivesizer.results import DriveSet, SizingResult, Validation, worst
 from drivesizer.units import show
@@ -83,6 +83,7 @@ def _content(
         "cases": [name for name, _ in result.spec.load_cases if name],
         "catalogs": [[name, digest] for name, digest in result.catalog.digests.items()],
         "file": result.spec.file.replace("\\", "/").rsplit("/", 1)[-1],
+        "standing": standing(result),
         "found": bool(result.sets),
         "status": result.sets[0].status if result.sets else "fail",
         "motor_sets": result.spec.load.motors,

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CASES", "COLOURS", "FILES", "STYLE", "Form", "drawn", "heading", "limit", "named", "outside", "placed",
-    "torque_unit",
+    "torque_unit", "width",
 ]  # fmt: skip
 
 Form = Literal["svg", "png", "typeset"]  # typeset: SVG whose letters are letters, for whoever has the font
@@ -195,19 +195,16 @@ def named(name: str, room: float = 118.0) -> str:
     One that begins with an underscore matplotlib would leave out.
     """
     shown = short(clean(name).replace("\u200b", ""), 28)
-    while len(shown) > 1 and _width(shown) > room:
+    while len(shown) > 1 and width(shown) > room:
         shown = shown.rstrip("…")[:-1] + "…"
     return f" {shown}".removeprefix("" if name.startswith("_") else " ")
 
 
-def _width(text: str) -> float:
-    """About how wide a text is in a legend [pt]: letters of East Asia as wide as high, capitals wider than the rest."""
+def width(text: str, size: float = 7.0) -> float:
+    """About how wide a text of a size is [pt]: letters of East Asia as wide as high, capitals wider than the rest."""
     wide = sum(unicodedata.east_asian_width(letter) in "WF" for letter in text)
     large = sum(letter.isupper() or letter in "mw@%—…" for letter in text)
-    return _LETTERS * (wide + 0.85 * large + 0.6 * (len(text) - wide - large))
-
-
-_LETTERS = 7.0  # pt, size of a legend's letters
+    return size * (wide + 0.85 * large + 0.6 * (len(text) - wide - large))
 
 
 def torque_unit(largest: float) -> str:

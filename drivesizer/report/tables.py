@@ -34,6 +34,15 @@ from drivesizer.report.rows import (
     total_rows,
 )
 from drivesizer.report.sums import price_of
+from drivesizer.report.sure_rows import (
+    QUANTILES,
+    chance_columns,
+    chances,
+    every_list,
+    less_sure_row,
+    reliability_rows,
+    sampling_rows,
+)
 from drivesizer.results import DriveSet, SizingResult, Validation, worst
 from drivesizer.units import KINDS, from_si
 
@@ -61,15 +70,20 @@ def report_csv(result: SizingResult, validation: Validation | None) -> bytes:
     One figure in a row.
     """
     rows = (row for part in _sections(result, validation) for row in part)
-    return _encoded(COLUMNS, ([row.get(column, "") for column in COLUMNS] for row in rows))
+    columns = COLUMNS if result.uncertainty is None else (*COLUMNS, *QUANTILES)
+    return _encoded(columns, ([row.get(column, "") for column in columns] for row in rows))
 
 
 def _sections(result: SizingResult, validation: Validation | None) -> Iterator[Iterable[Row]]:
     yield (requirement_row(r) for r in result.requirements)
     yield count_rows(result)
-    for drive_set in (*result.sets, *result.misses):
+    yield sampling_rows(result)
+    for where, drive_set in every_list(result, front=False):
         rank = {"set_rank": drive_set.rank}
+        if where == "unsure":
+            yield [less_sure_row(result) | rank]
         yield ({**row, **rank} for row in set_rows(drive_set, result.objective))
+        yield ({**row, **rank} for row in reliability_rows(drive_set))
         yield ({**requirement_row(r), **rank} for r in drive_set.requirements)
         yield ({**figure_row("figure", f), **rank} for f in drive_set.figures)
         yield ({**check_row("check", c), **rank} for c in drive_set.every_check)
@@ -114,15 +128,19 @@ def columns_csv(columns: Mapping[str, tuple[NDArray[np.float64], str, str]]) -> 
 
 
 def sets_csv(result: SizingResult) -> bytes:
-    """One row per set, per nearest miss where fewer stand than were asked for, and per set of the Pareto front."""
-    lists = (("set", result.sets), ("miss", result.misses), ("front", result.front))
-    sets = [(name, one) for name, some in lists for one in some]
+    """One row per set, per one that stands but less surely than was asked for, per nearest miss, per set of the front.
+
+    How sure they are is told behind all other columns.
+    """
+    sets = every_list(result)
     checks = list(dict.fromkeys(c.name for _, s in sets for c in s.deciding))
     figures = {f.name: f.kind for _, s in sets for f in s.figures}
     objective = f"objective_{_slug(result.objective)}_si"
     heads = [*_SET_HEADS, "price_of", objective, "smallest_margin", "smallest_margin_check"]
     heads += [*(f"margin_{name}" for name in checks), *(f"figure_{name}_{KINDS[k].si}" for name, k in figures.items())]
-    return _encoded(heads, ([name, *_set_row(one, checks, list(figures))] for name, one in sets))
+    sure = chance_columns(one for _, one in sets)
+    rows = ([name, *_set_row(one, checks, list(figures)), *chances(one, sure)] for name, one in sets)
+    return _encoded([*heads, *sure], rows)
 
 
 def _slug(title: str) -> str:

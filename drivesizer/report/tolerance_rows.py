@@ -5,16 +5,35 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
-from drivesizer.report.wording import margin
+from drivesizer.moved_checks import moved
+from drivesizer.report.wording import margin, minus
 from drivesizer.results import DriveSet, SizingResult
 from drivesizer.tolerances.records import Driver, Reliability, Spread
 from drivesizer.tolerances.wording import likely
 
-__all__ = ["judged", "sure"]
+__all__ = ["error_and_weakest", "judged", "none_as_sure", "standing", "sure"]
 
 _SETS = 10
 _CHECKS = 12
 _DRIVERS = 3
+
+
+def standing(result: SizingResult) -> str:
+    """Whether a set was ``found``, all that stand are ``unsure``, or all were ``missed``."""
+    return "found" if result.sets else "unsure" if result.unsure else "missed"
+
+
+def none_as_sure(result: SizingResult) -> str:
+    """That no set reaches the confidence that was asked for; empty where one does, or none stands at all."""
+    if standing(result) != "unsure" or result.uncertainty is None:
+        return ""
+    return f"no set is as sure as {likely(result.uncertainty.confidence or 0.0)}"
+
+
+def error_and_weakest(found: Reliability) -> str:
+    """What is to be known beside a probability."""
+    unknown = f"; unknown: {'; '.join(found.unknown)}" if found.unknown else ""
+    return f"{_error(found.error)}; weakest check: {found.weakest}{unknown}"
 
 
 def judged(result: SizingResult) -> DriveSet | None:
@@ -27,38 +46,51 @@ def sure(result: SizingResult) -> dict[str, Any] | None:
     best, told = judged(result), result.uncertainty
     if told is None or best is None or best.reliability is None:
         return None
-    sets = [_set(one) for one in (*result.sets, *result.unsure)[:_SETS] if one.reliability]
     return {
         "asked": likely(told.confidence) if told.confidence is not None else "",
         "samples": f"{told.samples:,}",
         "seed": str(told.seed),
         "examined": told.examined,
         "reached": told.reached,
+        "none": none_as_sure(result),
+        "chance": likely(best.reliability.probability),
+        "beside": error_and_weakest(best.reliability),
         "label": best.label,
-        "sets": sets,
-        "checks": [_check(one) for one in _moved(best.reliability)[:_CHECKS]],
+        "sets": [_set(one) for one in result.sets[:_SETS] if one.reliability],
+        "unsure": [_set(one) for one in result.unsure[:_SETS] if one.reliability],
+        "looped": any(one.reliability and one.reliability.loop for one in result.sets),
+        "checks": [_check(one) for one in moved(best.reliability)[:_CHECKS]],
         "drivers": [_driver(one) for one in best.reliability.drivers[:_DRIVERS]],
         "assumptions": [[one.title, one.text, one.source] for one in told.assumptions],
         "notes": list(told.notes),
     }
 
 
-def _set(one: DriveSet) -> list[str]:
+def _set(one: DriveSet) -> dict[str, str]:
     found = one.reliability
     assert found is not None
-    loop = f"{likely(found.loop.probability)} ± {100 * found.loop.error:.2g} %" if found.loop else ""
-    return [one.label, likely(found.probability), f"± {100 * found.error:.2g} %", found.weakest, _shown(found.low),
-            _shown(found.middle), loop]  # fmt: skip
+    loop = found.loop
+    more = [f"in closed loop: {loop.weakest}"] if loop and loop.probability < 1.0 else []
+    more += [f"unknown: {'; '.join(found.unknown)}"] if found.unknown else []
+    return {
+        "rank": str(one.rank),
+        "label": one.label,
+        "chance": likely(found.probability),
+        "error": _error(found.error),
+        "weakest": found.weakest,
+        "more": "; ".join(more),
+        "low": _shown(found.low),
+        "middle": _shown(found.middle),
+        "loop": f"{likely(loop.probability)} {_error(loop.error)}" if loop else "",
+    }
+
+
+def _error(value: float) -> str:
+    return f"± {100 * value:.2g} %"
 
 
 def _shown(value: float) -> str:
     return margin(value) if isfinite(value) else "–"
-
-
-def _moved(found: Reliability) -> list[Spread]:
-    """The checks that samples move, those that fail most first."""
-    moved = [one for one in found.checks if one.low != one.high and isfinite(one.low)]
-    return sorted(moved, key=lambda one: (one.passes, one.low))
 
 
 def _check(one: Spread) -> list[str]:
@@ -66,5 +98,7 @@ def _check(one: Spread) -> list[str]:
 
 
 def _driver(one: Driver) -> list[str]:
-    ends = [f"{_shown(value)} at {said}" for value, said in ((one.low_margin, one.low), (one.high_margin, one.high))]
+    ends = [
+        f"{_shown(value)} at {minus(said)}" for value, said in ((one.low_margin, one.low), (one.high_margin, one.high))
+    ]
     return [one.title, f"{100 * one.share:.0f} %", *ends]

@@ -12,7 +12,7 @@ from typing import Any
 
 from drivesizer.report.derivation import MATHEMATICS
 
-__all__ = ["clean", "cleaned", "margin", "short", "use"]
+__all__ = ["clean", "cleaned", "margin", "minus", "short", "use"]
 
 _BREAK = "\u200b"  # zero width space: a line may end here
 _LONG = 40  # letters of a word that fit a line of text; narrower columns are minded by the template
@@ -65,6 +65,15 @@ def margin(value: float) -> str:
     digits = f"{abs(percent):.1f}" if abs(percent) < 9.95 else f"{abs(percent):.0f}"
     sign = "" if float(digits) == 0.0 else "−" if percent < 0 else "+"
     return f"{sign}{digits} %"
+
+
+def minus(figure: str) -> str:
+    """A printed figure with the minus sign that margins have.
+
+    >>> minus("-4.93 %"), minus("0.02 in 0.015..0.03")
+    ('−4.93 %', '0.02 in 0.015..0.03')
+    """
+    return f"−{figure[1:]}" if figure.startswith("-") else figure
 
 
 def use(value: float) -> float | None:

@@ -8,6 +8,7 @@ from drivesizer.report import workbook_tables as tables
 from drivesizer.report import workbook_words as words
 from drivesizer.report.parts import parts_list
 from drivesizer.report.workbook_sheet import Sheet
+from drivesizer.report.workbook_tolerances import of_tolerances
 from drivesizer.report.workbook_writer import written
 from drivesizer.results import SizingResult, Validation
 
@@ -27,14 +28,15 @@ def sheets(result: SizingResult, validation: Validation | None) -> list[Sheet]:
     Parameters
     ----------
     result
-        What the sizing found; without a set, the parts list is empty and the nearest miss is told.
+        What the sizing found; without a set, the parts list is empty, and the surest set or the nearest miss is told.
     validation
         The closed loop, where it was simulated.
     """
     bought = parts_list(result.sets[0], result.catalog, result.spec.load.motors) if result.sets else []
     found = [
         words.summary(result, validation, bought), tables.requirements(result), tables.candidates(result),
-        tables.checks(result), words.chosen_set(result), tables.machine(result), tables.battery(result),
+        tables.checks(result), *of_tolerances(result), words.chosen_set(result), tables.machine(result),
+        tables.battery(result),
         tables.parts(bought), tables.closed_loop(validation), tables.time_series(validation, MOST_SAMPLES),
         words.spec(result),
     ]  # fmt: skip

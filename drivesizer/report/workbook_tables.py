@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from math import isnan, nan
 from typing import Any
 
@@ -11,6 +11,7 @@ from drivesizer.report.machine_rows import driven_over
 from drivesizer.report.parts import PartLine
 from drivesizer.report.rows import Row, battery_rows, check_row, closed_loop_rows, machine_rows, requirement_row
 from drivesizer.report.sums import price_of
+from drivesizer.report.sure_rows import every_list
 from drivesizer.report.workbook_sheet import Column, Sheet, headed
 from drivesizer.results import DriveSet, SizingResult, Validation, worst
 from drivesizer.thinning import on_curves
@@ -34,15 +35,14 @@ _LIMITS = (
 _RANK = Column("set", "set_rank", "count")
 
 
-def _ranked(sets: Iterable[DriveSet], rows: Any) -> Iterator[Row]:
-    for one in sets:
+def _ranked(result: SizingResult, rows: Any) -> Iterator[Row]:
+    for _, one in every_list(result, front=False):
         yield from ({**row, "set_rank": one.rank} for row in rows(one))
 
 
 def requirements(result: SizingResult) -> Sheet:
     """What the load asks for, and what that asks of the motor of each set."""
-    sets = (*result.sets, *result.misses)
-    motor = _ranked(sets, lambda s: map(requirement_row, s.requirements))
+    motor = _ranked(result, lambda s: map(requirement_row, s.requirements))
     columns = (
         _RANK, Column("requirement", "title"), Column("symbol", "symbol"), Column("equation", "equation", "count"),
         *_VALUES, Column("note", "note", "", 70),
@@ -55,7 +55,7 @@ def requirements(result: SizingResult) -> Sheet:
 def checks(result: SizingResult) -> Sheet:
     """Every check of every set, by both methods."""
     columns = (_RANK, Column("check", "title"), Column("method", "method"), Column("load case", "case"), *_LIMITS)
-    rows = _ranked((*result.sets, *result.misses), lambda s: (check_row("check", c) for c in s.every_check))
+    rows = _ranked(result, lambda s: (check_row("check", c) for c in s.every_check))
     return Sheet(name="Checks", columns=columns, rows=list(rows), still=2)
 
 
@@ -66,7 +66,7 @@ def machine(result: SizingResult) -> Sheet:
         Column("mass of one (kg)", "each"), *_VALUES, Column("at (s)", "at_time_s"),
         Column("status", "status", "status"),
     )  # fmt: skip
-    rows = list(_ranked((*result.sets, *result.misses), machine_rows))
+    rows = list(_ranked(result, machine_rows))
     note = "masses of all pieces together, and figures without a limit; what has one is in Checks"
     return Sheet(name="Machine", columns=columns, rows=rows, still=3,
                  note=note if rows else "the spec has neither budget nor platform")  # fmt: skip
@@ -78,7 +78,7 @@ def battery(result: SizingResult) -> Sheet:
         _RANK, Column("of", "section"), Column("what", "title"), Column("how many", "how_many", "count"),
         *_VALUES, Column("at most", "limit"), Column("status", "status", "status"), Column("note", "note", "", 40),
     )  # fmt: skip
-    rows = list(_ranked((*result.sets, *result.misses), battery_rows))
+    rows = list(_ranked(result, battery_rows))
     note = "consumers in the mean and at most, and the battery's figures" if rows else "the spec has no battery"
     return Sheet(name="Battery", columns=columns, rows=rows, note=note, still=3)
 
@@ -135,9 +135,8 @@ _CANDIDATE = (
 
 
 def candidates(result: SizingResult) -> Sheet:
-    """Sets, nearest misses and the Pareto front, one in a row, with their margins."""
-    lists = (("set", result.sets), ("miss", result.misses), ("front", result.front))
-    sets = [(name, one) for name, some in lists for one in some]
+    """Sets, those less sure than asked for, nearest misses and the Pareto front, one in a row, with their margins."""
+    sets = every_list(result)
     checks = {c.name: c.title for _, s in sets for c in s.deciding}
     figures = {f.name: f for _, s in sets for f in s.figures}
     aims = tuple(Column(headed(f.title, f.unit), f"aim_{f.name}") for f in _aims(result, sets))

@@ -14,6 +14,7 @@ from drivesizer.report.machine_rows import driven_over, machine_words
 from drivesizer.report.parts import PartLine, parts_list, totals
 from drivesizer.report.rows import Row, change_row, count_rows, figure_row, set_rows, total_rows
 from drivesizer.report.set_rows import case_of
+from drivesizer.report.tolerance_rows import error_and_weakest, none_as_sure, standing
 from drivesizer.report.workbook_sheet import Column, Sheet, Told
 from drivesizer.results import Check, DriveSet, Relaxation, SizingResult, Validation, section_of, worst
 from drivesizer.units import KINDS, from_si
@@ -31,7 +32,7 @@ def summary(result: SizingResult, validation: Validation | None, bought: Sequenc
     best = result.shown
     rows = [*_verdict(result, best)]
     if best:
-        rows += [_part("The best set" if result.sets else "The nearest miss: it does not stand"), *_set(best, result)]
+        rows += [_part(_WHICH[standing(result)].capitalize()), *_set(best, result)]
         rows += [_part("Its tightest margins"), *map(_tight, _tightest(best))]
     if bought:
         rows += [_part(f"All parts of the machine, {result.spec.load.motors} of each")]
@@ -41,8 +42,17 @@ def summary(result: SizingResult, validation: Validation | None, bought: Sequenc
     rows += [_part("Candidates"), *(row | {"value": Told(row["value"], "count")} for row in count_rows(result))]
     if result.relaxations:
         rows += [_part("What would let a set stand, one figure at a time"), *map(_moved, result.relaxations)]
+    if result.uncertainty:
+        rows += _texts("What the probabilities rest on", result.uncertainty.notes)
     rows += [*_texts("Taken for granted", result.assumptions), *_texts("The reader should know", result.warnings)]
     return Sheet(name="Summary", columns=_TOLD, rows=rows, filtered=False)
+
+
+_WHICH = {
+    "found": "the best set",
+    "unsure": "the surest set: it is less sure than was asked for",
+    "missed": "the nearest miss: it does not stand",
+}
 
 
 def _part(title: str) -> Row:
@@ -59,7 +69,8 @@ def _verdict(result: SizingResult, best: DriveSet | None) -> Iterator[Row]:
     status = result.sets[0].status if result.sets else "fail"
     yield {"title": "Machine", "note": result.spec.name}
     yield {"title": "What it is", "note": machine_words(result.spec)}
-    said = "a set was found" if result.sets else "no set stands"
+    none = none_as_sure(result)
+    said = f"{none}, the surest" if none else "a set was found" if result.sets else "no set stands"
     yield {"title": "Verdict", "status": status, "note": f"{said}: {best.label}" if best else said}
     yield {"title": "Motor sets of the machine", "value": Told(result.spec.load.motors, "count")}
     yield {"title": "Ranked by", "note": f"{result.objective.replace('_', ' ')}, method of {result.method}"}
@@ -73,6 +84,9 @@ def _set(best: DriveSet, result: SizingResult) -> Iterator[Row]:
         yield {"title": line.role.capitalize(), "status": "" if note else "unknown", "note": note}
     shown = ("total_ratio", "mass", "price", "verdict")
     yield from (_priced(row) for row in set_rows(best, "") if row["name"] in shown)
+    if best.reliability:
+        yield {"title": "All checks pass, with tolerances", "value": Told(best.reliability.probability, "share"),
+               "unit": "of samples", "note": error_and_weakest(best.reliability)}  # fmt: skip
 
 
 def _priced(row: Row) -> Row:
@@ -128,7 +142,7 @@ def chosen_set(result: SizingResult) -> Sheet:
     does = [figure_row("figure", f) | {"role": "whole set", "confidence": "computed"} for f in best.figures]
     once = {(section_of(part), part.part): part for part in best.parts.values() if part is not None}
     rows = [row for (section, _), part in once.items() for row in _sheet(section, part, result.catalog)]
-    note = "" if result.sets else "the nearest miss: it does not stand"
+    note = "" if result.sets else _WHICH[standing(result)]
     return Sheet(name="Chosen set", columns=_FIGURES, rows=[*rows, *does], note=note, still=5)
 
 

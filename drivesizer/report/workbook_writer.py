@@ -16,9 +16,10 @@ from drivesizer.report.cells import visible
 from drivesizer.report.rows import Row
 from drivesizer.report.workbook_chart import draw
 from drivesizer.report.workbook_sheet import Column, Sheet, Told
+from drivesizer.tolerances.wording import likely
 from drivesizer.units import label
 
-__all__ = ["MOST_ROWS", "shown", "written"]
+__all__ = ["MOST_ROWS", "share", "shown", "written"]
 
 MOST_ROWS = 1_048_575  # that a sheet has below its head
 _UNDATED = datetime(2000, 1, 1)  # a file that tells the time of its making is never the same again
@@ -68,6 +69,8 @@ _LOOKS: dict[str, dict[str, Any]] = {
 _NUMBERS = {  # form -> how a spreadsheet shows it; [Red] is a colour of every spreadsheet
     "percent": "[>=0.0995]+0 %;[Red][<0]-0.0 %;+0.0 %",
     "needed": "0.0 %",
+    "error": "0.00 %",
+    "correlation": "0.00",
     "count": "0",
     "money": "0.00",
     "sample": "General",
@@ -85,6 +88,16 @@ def shown(value: float, digits: int = 4) -> str:
         return f"0.{'0' * (digits - 1)}E+00"
     decimals = len(text.partition(".")[2]) if "e" not in text else 0
     return f"0.{'0' * decimals}" if decimals else "0"
+
+
+def share(value: float) -> str:
+    """The number format of a probability, with the digits that are printed elsewhere: never 100 % where a sample fails.
+
+    >>> share(0.6866), share(0.99996), share(1.0)
+    ('0.0 %', '0.000 %', '0 %')
+    """
+    decimals = len(likely(value).removesuffix(" %").partition(".")[2])
+    return f"0.{'0' * decimals} %" if decimals else "0 %"
 
 
 def _write(page: Any, sheet: Sheet, rows: Sequence[Row], pen: _Pen) -> None:
@@ -149,7 +162,7 @@ def _write_cell(page: Any, row: int, place: int, value: Any, form: str, pen: _Pe
     elif value is not None and math.isinf(value):
         page.write_string(row, place, _endless(value), pen("text"))
     elif value is not None and not math.isnan(value):
-        number = _NUMBERS.get(form) or shown(value, 6 if form == "datum" else 4)
+        number = share(value) if form == "share" else _NUMBERS.get(form) or shown(value, 6 if form == "datum" else 4)
         page.write_number(row, place, value, pen("number", number))
 
 
