@@ -11,9 +11,9 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer import terminal_tables as tables
-from drivesizer.moved_checks import moved
 from drivesizer.results import DriveSet, Explanation, SizingResult
 from drivesizer.terminal_tables import percent
+from drivesizer.tolerances.moved import moved
 from drivesizer.tolerances.records import Reliability, Uncertainty
 from drivesizer.tolerances.wording import likely
 

@@ -21,11 +21,11 @@ import pytest
 from lxml import html
 from test_same_numbers import NUMBER, number, sheet, value_of, words
 
-from drivesizer.moved_checks import moved
 from drivesizer.report import write, write_sets
 from drivesizer.results import DriveSet, SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec import read_spec
+from drivesizer.tolerances.moved import moved
 from drivesizer.tolerances.records import Reliability
 from drivesizer.tolerances.run import Sampling
 from drivesizer.tolerances.wording import likely

@@ -16,7 +16,6 @@ from typer.testing import CliRunner
 
 from drivesizer import contract
 from drivesizer.cli import app
-from drivesizer.moved_checks import moved
 from drivesizer.report import tables, workbook, write, write_figures
 from drivesizer.report.json_schema import report_schema
 from drivesizer.report.tolerance_rows import judged, sure
@@ -26,6 +25,7 @@ from drivesizer.results import DriveSet, SizingResult
 from drivesizer.sizing import explained, size
 from drivesizer.spec import read_spec
 from drivesizer.terminal import sizing
+from drivesizer.tolerances.moved import moved
 from drivesizer.tolerances.records import LoopShare, Reliability
 from drivesizer.tolerances.run import Sampling
 from drivesizer.yaml_source import YamlSource

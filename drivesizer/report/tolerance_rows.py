@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
-from drivesizer.moved_checks import moved
 from drivesizer.report.wording import margin, minus
 from drivesizer.results import DriveSet, SizingResult
+from drivesizer.tolerances.moved import moved
 from drivesizer.tolerances.records import Driver, Reliability, Spread
 from drivesizer.tolerances.wording import likely
 
