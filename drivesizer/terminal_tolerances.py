@@ -15,7 +15,7 @@ from drivesizer.results import DriveSet, Explanation, SizingResult
 from drivesizer.terminal_tables import percent
 from drivesizer.tolerances.moved import moved
 from drivesizer.tolerances.records import Reliability, Uncertainty
-from drivesizer.tolerances.wording import likely
+from drivesizer.tolerances.wording import asked_for, likely
 
 __all__ = ["none_as_sure", "tolerances", "tolerances_of"]
 
@@ -26,7 +26,7 @@ _NEAR = 0.0995  # margin below which its tenths are told
 def none_as_sure(result: SizingResult) -> str:
     """That no set reaches the confidence that was asked for."""
     wanted = result.uncertainty.confidence if result.uncertainty else None
-    return f"No set is as sure as {likely(wanted or 0.0)}."
+    return f"No set is as sure as {asked_for(wanted)}."
 
 
 def tolerances(console: Console, result: SizingResult, *, quiet: bool = False) -> None:
@@ -37,7 +37,7 @@ def tolerances(console: Console, result: SizingResult, *, quiet: bool = False) -
     if result.sets:
         console.print(_table(result.sets, "How sure they are"))
     if result.unsure:
-        console.print(_table(result.unsure, f"Stand, but less surely than {likely(told.confidence or 0.0)}"))
+        console.print(_table(result.unsure, f"Stand, but less surely than {asked_for(told.confidence)}"))
     best = next(iter((*result.sets, *result.unsure)))
     if best.reliability and not quiet:
         named = f"Set {best.rank}" if len(result.sets) + len(result.unsure) > 1 else "The set"
@@ -163,7 +163,7 @@ def _reached(found: Uncertainty) -> str:
     """How many are as sure as was asked for."""
     if found.confidence is None:
         return ""
-    wanted = likely(found.confidence)
+    wanted = asked_for(found.confidence)
     if found.examined == 1:
         return f": {'' if found.reached else 'not '}as sure as {wanted}"
     return f", {found.reached or 'none'} of them as sure as {wanted}"

@@ -13,7 +13,7 @@ from typing import Any
 from drivesizer.report.rows import Row
 from drivesizer.results import DriveSet, SizingResult
 from drivesizer.tolerances.records import Driver, Reliability, Spread
-from drivesizer.tolerances.wording import likely
+from drivesizer.tolerances.wording import asked_for
 
 __all__ = [
     "QUANTILES", "chance_columns", "chances", "every_list", "less_sure_row", "method_of", "reliability_rows",
@@ -52,7 +52,7 @@ def less_sure_row(result: SizingResult) -> Row:
     """What marks a set that stands at nominal figures, but less surely than was asked for."""
     wanted = result.uncertainty.confidence if result.uncertainty else None
     return {"section": "set", "name": "unsure", "title": "Stands, but less surely than was asked for",
-            "note": f"less surely than {likely(wanted or 0.0)}"}  # fmt: skip
+            "note": f"less surely than {asked_for(wanted)}"}  # fmt: skip
 
 
 def reliability_rows(one: DriveSet) -> Iterator[Row]:

@@ -9,7 +9,7 @@ from drivesizer.report.wording import margin, minus
 from drivesizer.results import DriveSet, SizingResult
 from drivesizer.tolerances.moved import moved
 from drivesizer.tolerances.records import Driver, Reliability, Spread
-from drivesizer.tolerances.wording import likely
+from drivesizer.tolerances.wording import asked_for, likely
 
 __all__ = ["error_and_weakest", "judged", "none_as_sure", "standing", "sure"]
 
@@ -27,7 +27,7 @@ def none_as_sure(result: SizingResult) -> str:
     """That no set reaches the confidence that was asked for; empty where one does, or none stands at all."""
     if standing(result) != "unsure" or result.uncertainty is None:
         return ""
-    return f"no set is as sure as {likely(result.uncertainty.confidence or 0.0)}"
+    return f"no set is as sure as {asked_for(result.uncertainty.confidence)}"
 
 
 def error_and_weakest(found: Reliability) -> str:
@@ -47,7 +47,7 @@ def sure(result: SizingResult) -> dict[str, Any] | None:
     if told is None or best is None or best.reliability is None:
         return None
     return {
-        "asked": likely(told.confidence) if told.confidence is not None else "",
+        "asked": asked_for(told.confidence) if told.confidence is not None else "",
         "samples": f"{told.samples:,}",
         "seed": str(told.seed),
         "examined": told.examined,

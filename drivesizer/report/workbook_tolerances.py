@@ -11,7 +11,7 @@ from drivesizer.report.tolerance_rows import none_as_sure
 from drivesizer.report.workbook_sheet import Column, Sheet
 from drivesizer.results import DriveSet, SizingResult
 from drivesizer.tolerances.records import Uncertain, Uncertainty
-from drivesizer.tolerances.wording import likely
+from drivesizer.tolerances.wording import asked_for
 
 __all__ = ["of_tolerances"]
 
@@ -66,7 +66,7 @@ def _sampled(result: SizingResult, told: Uncertainty) -> str:
     said = f"{sets} sampled, {told.samples} times each, seed {told.seed}"
     if told.confidence is None:
         return said
-    return f"{said}; {none_as_sure(result) or f'{told.reached} of them as sure as {likely(told.confidence)}'}"
+    return f"{said}; {none_as_sure(result) or f'{told.reached} of them as sure as {asked_for(told.confidence)}'}"
 
 
 def _set(one: DriveSet) -> Row:
