@@ -45,7 +45,8 @@ def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class,
 def _of_a_maker(catalog: Catalog, one: Stated) -> Class:
     source = catalog.sources[one.source]
     sure = "" if source.confidence == "quoted" else source.confidence
-    why = ", ".join(text for text in (f"{one.maker}: {source.document}", source.date, sure) if text)
+    date = "" if source.date in source.document else source.date
+    why = ", ".join(text for text in (f"{one.maker}: {source.document}", date, sure) if text)
     return class_of(one.part, one.figure, one.tolerance, why, whose(catalog.tolerances, one))
 
 
