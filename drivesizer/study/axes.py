@@ -17,6 +17,7 @@ from drivesizer.fields import Quantity
 from drivesizer.machines import AXES
 from drivesizer.spec import RobotSpec
 from drivesizer.spec_errors import known_keys, models_at
+from drivesizer.tolerances.reading import has_tolerance, tolerance
 from drivesizer.units import number, scale, to_si
 from drivesizer.yaml_source import Path_, YamlSource
 
@@ -133,14 +134,15 @@ def _axis(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> 
         if kind:
             _checked(place, value, kind, n)
     once(place, given)
-    unit = number(str(given[0]))[1] if kind else ""
-    return Axis(name=name, path=path, kind=kind, unit=unit, values=tuple(given))
+    if not kind or any(has_tolerance(str(value)) for value in given):  # which is told as it is written
+        return Axis(name=name, path=path, values=tuple(given))
+    return Axis(name=name, path=path, kind=kind, unit=number(str(given[0]))[1], values=tuple(given))
 
 
 def _checked(place: Place, value: Any, kind: str, *further: str | int) -> float:
-    """A quantity in SI, or the line that says why it is none."""
+    """A quantity in SI, of one with a tolerance the nominal one; or the line that says why it is none."""
     try:
-        return to_si(value, kind)
+        return to_si(tolerance(value).nominal if isinstance(value, str) and has_tolerance(value) else value, kind)
     except InputError as error:
         raise place.wrong(error, *further) from None
 
