@@ -11,7 +11,7 @@ import numpy as np
 
 from drivesizer.report.style import Form, drawn, placed
 from drivesizer.report.wording import clean, short
-from drivesizer.study.map_panel import Dimension, Map, Panel, Scene, face_of, panel_into
+from drivesizer.study.map_panel import Dimension, Map, Panel, Scene, face_of, panel_into, words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +21,8 @@ __all__ = ["draw"]
 
 _HEIGHT, _SINGLE = 1.75, 2.7  # in, of a panel among several, and alone
 _LINE = 0.145  # in, of a line of text
+_WIDTH = 6.5  # in, of the figure
+_WORD = 0.058  # in, of a letter along an axis
 _SETS = 14  # with a line of their own
 
 
@@ -47,24 +49,44 @@ def draw(
     below = _below(shown, rows, numbers, grid and up is not None)
     count = 2 if len(panels) == 4 else min(len(panels), 3)
     lines = ceil(len(panels) / count)
-    height = 0.3 + (_SINGLE if len(panels) == 1 else lines * _HEIGHT) + 0.45 + _LINE * (len(below) + 0.5)
+    left, right = _left(up), 0.95 if not numbers and up else 0.2
+    upright = _upright(across, (_WIDTH - left - right) / count)
+    bottom = 0.45 + upright + _LINE * (len(below) + 0.5)
+    height = 0.3 + (_SINGLE if len(panels) == 1 else lines * _HEIGHT) + bottom
 
     def put(figure: Figure) -> None:
         scene = Scene(shown, across, up, grid, None if numbers else _coloured(shown, rows), numbers)
-        bottom = 0.45 + _LINE * (len(below) + 0.5)
         places = placed(
-            figure, lines, count, left=0.75, right=0.95 if scene.colours and up else 0.2, top=0.3, bottom=bottom,
-            gaps=(0.28, 0.12),
+            figure, lines, count, left=left, right=right, top=0.3, bottom=bottom, gaps=(0.28, 0.12)
         )  # fmt: skip
         flat = [axes for line in places for axes in line]
         for axes, panel in zip(flat, panels, strict=False):
             panel_into(axes, scene, panel)
+            if upright:
+                axes.tick_params(axis="x", labelrotation=90.0)
+                down = axes.xaxis.label.get_position()[1] - upright / (axes.get_position().height * height)
+                axes.xaxis.set_label_coords(0.5, down)
         for axes in flat[len(panels) :]:
             axes.set_visible(False)
         _labelled(figure, places, scene, len(panels))
         _told_below(figure, below, numbers)
 
     return drawn(put, height, form)
+
+
+def _left(up: Dimension | None) -> float:
+    """Room for the words along the axis that goes up, and for its name [in]."""
+    longest = max(map(len, words(up))) if up and not up.numeric else 0
+    return max(0.75, 0.4 + _WORD * longest)
+
+
+def _upright(across: Dimension, room: float) -> float:
+    """How much further down words along the axis that goes across reach where they have no room side by side [in]."""
+    if across.numeric:
+        return 0.0
+    told = words(across)
+    longest = max(map(len, told))
+    return _WORD * (longest - 1) if _WORD * (longest + 1) > room / len(told) else 0.0
 
 
 def _numbered(rows: Sequence[dict[str, Any]]) -> dict[str, int]:

@@ -19,7 +19,7 @@ from drivesizer.report.wording import clean, short
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Dimension", "Map", "Panel", "Scene", "face_of", "panel_into"]
+__all__ = ["Dimension", "Map", "Panel", "Scene", "face_of", "panel_into", "words"]
 
 
 class Map(NamedTuple):
@@ -230,5 +230,9 @@ def _ticks(axis: Any, one: Dimension, grid: bool) -> None:
     if one.numeric and not (grid and len(one.values) <= 6):
         return
     places = sorted(map(float, one.values)) if one.numeric else range(len(one.values))
-    texts = [f"{place:g}" for place in places] if one.numeric else [short(clean(str(v)), 16) for v in one.values]
-    axis.set_ticks(list(places), texts)
+    axis.set_ticks(list(places), [f"{place:.4g}" for place in places] if one.numeric else words(one))
+
+
+def words(one: Dimension) -> list[str]:
+    """What is no number, as it stands along an axis."""
+    return [short(clean(str(value)), 16) for value in one.values]

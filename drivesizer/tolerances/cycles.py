@@ -217,7 +217,7 @@ def _points(figures: int, count: int, seed: int) -> Array:
     from scipy.stats import qmc
 
     sequence = qmc.Sobol(figures, scramble=True, rng=np.random.default_rng(seed))
-    found = -np.cos(np.pi * sequence.random_base2(int(np.ceil(np.log2(count)))))[:count]
+    found: Array = -np.cos(np.pi * sequence.random_base2(int(np.ceil(np.log2(count)))))[:count]
     if seed == 1:
         corners = list(product((-1.0, 1.0), repeat=figures)) if figures <= 3 else []
         corners += [(sign,) * figures for sign in (-1.0, 1.0)]
