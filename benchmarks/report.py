@@ -7,15 +7,15 @@ Wall clock is what the reader waits for; processor time is what it costs, childr
 from __future__ import annotations
 
 import argparse
-import os
 import resource
 import statistics
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 from typing import NamedTuple
+
+from second_start import second_start
 
 SPEC = Path(__file__).resolve().parent.parent / "examples" / "sps_robot.yaml"
 
@@ -38,8 +38,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=10, help="of each command")
     runs = parser.parse_args().runs
-    with tempfile.TemporaryDirectory() as place:
-        os.environ["DRIVESIZER_CACHE"] = place
+    with second_start() as place:
         commands = {
             "drivesizer report": [sys.executable, "-m", "drivesizer", "report", str(SPEC), "-o", f"{place}/report.pdf"],
             "import control": [sys.executable, "-c", "import control"],

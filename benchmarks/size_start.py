@@ -1,18 +1,19 @@
 """How long `drivesizer size` takes from the shell, beside `import control` on the same machine in the same minute.
 
-Whole processes, taken in turns so that a busy moment hits both; the compiled catalogue is there (second start).
+Whole processes, taken in turns so that a busy moment hits both; the compiled catalogue and
+modules are there (second start).
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 import statistics
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
+
+from second_start import second_start
 
 SPEC = Path(__file__).resolve().parent.parent / "examples" / "sps_robot.yaml"
 COMMANDS = {
@@ -33,8 +34,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=10, help="of each command")
     runs = parser.parse_args().runs
-    with tempfile.TemporaryDirectory() as cache:
-        os.environ["DRIVESIZER_CACHE"] = cache
+    with second_start():
         for command in COMMANDS.values():
             seconds(command)  # compiles the catalogue and fills the disk cache
         taken: dict[str, list[float]] = {name: [] for name in COMMANDS}

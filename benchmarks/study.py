@@ -7,13 +7,13 @@ variants from the SPS robot as the paper has it, and a few from the whole catalo
 from __future__ import annotations
 
 import argparse
-import os
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
+
+from second_start import second_start
 
 SPEC = Path(__file__).resolve().parent.parent / "examples" / "sps_robot.yaml"
 PROGRAM = [sys.executable, "-m", "drivesizer"]
@@ -56,9 +56,7 @@ def main() -> None:
     parser.add_argument("--large", type=int, default=40, help="variants over the whole catalogue")
     parser.add_argument("--runs", type=int, default=2, help="of each")
     given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as name:
-        os.environ["DRIVESIZER_CACHE"] = str(Path(name) / "cache")
-        folder = Path(name)
+    with second_start() as folder:
         for title, variants, whole in (("the paper's robot", given.variants, False),
                                        ("whole catalogue", given.large, True)):  # fmt: skip
             laid(folder, variants, whole)

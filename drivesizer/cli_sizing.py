@@ -44,7 +44,7 @@ def size(
     """Find the drive: requirements, the best sets, and why the rest fell."""
     from drivesizer.report import accept, write, write_sets
     from drivesizer.sizing import size as sized
-    from drivesizer.tolerances.run import asked
+    from drivesizer.tolerances.asked import asked
 
     accept([pdf] if pdf else [], tables=[csv] if csv else [])
     robot = load(spec, catalogs)
@@ -114,7 +114,7 @@ def report(
     """Write the report: .pdf, .html, .xlsx, .csv or .json, several at once."""
     from drivesizer.report import accept, write, write_figures
     from drivesizer.sizing import size as sized
-    from drivesizer.tolerances.run import asked
+    from drivesizer.tolerances.asked import asked
 
     accept(output)
     robot = load(spec, catalogs)
@@ -146,7 +146,7 @@ def explain(
 ) -> None:
     """Show why one pair of motor and gearhead passes or fails, check by check."""
     from drivesizer.sizing import explained, load_parts
-    from drivesizer.tolerances.run import asked
+    from drivesizer.tolerances.asked import asked
 
     robot = load(spec, catalogs)
     sampling = asked(robot, samples=samples, seed=seed, loop=loop_samples)

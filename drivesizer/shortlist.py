@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from drivesizer import belt_choice
 from drivesizer.budgets import check_battery, of_the_platform
@@ -23,20 +24,11 @@ from drivesizer.results import DriveSet
 from drivesizer.search import Found, Progress, search
 from drivesizer.spec import RobotSpec
 from drivesizer.standing_sets import FURTHER, divided
-from drivesizer.tolerances.assess import Subject
+from drivesizer.tolerances.asked import FINALISTS, POOL, Sampling, asked
 from drivesizer.tolerances.records import Uncertainty
-from drivesizer.tolerances.run import (
-    FINALISTS,
-    POOL,
-    Judged,
-    Sampling,
-    asked,
-    judged,
-    subject,
-    subject_of,
-    told,
-    uncertainty,
-)
+
+if TYPE_CHECKING:
+    from drivesizer.tolerances.run import Judged
 
 __all__ = ["Shortlist", "shortlist"]
 
@@ -127,7 +119,7 @@ def shortlist(
         best=_told(sure, catalog, best, FINALISTS, brief),
         short=short,
         unsure=_told(sure, catalog, unsure, 0, brief),
-        uncertainty=uncertainty(sure) if sure else None,
+        uncertainty=_uncertainty(sure),
         weighed=weighed,
     )
 
@@ -136,7 +128,8 @@ def _judged(
     found: Found, spec: RobotSpec, catalog: Catalog, objective: Objective, rows: Sequence[int], how: Sampling
 ) -> Judged:
     """Some sets over samples, with their checks by physics whatever the method."""
-    subjects: dict[int, Subject]
+    from drivesizer.tolerances.run import judged, subject, subject_of  # where nothing is sampled it need not load
+
     if spec.method == "physics":
         subjects = {row: subject(found.evaluation, row) for row in rows}
     else:
@@ -151,9 +144,20 @@ def _told(
     """Sets with how sure they are, the first of them in closed loop as well."""
     if sure is None:
         return sets
+    from drivesizer.tolerances.run import told
+
     if brief:
         return {row: replace(one, reliability=sure.found[row][1].reliability) for row, one in sets.items()}
     return {row: told(sure, catalog, row, one, loop=n < finalists) for n, (row, one) in enumerate(sets.items())}
+
+
+def _uncertainty(sure: Judged | None) -> Uncertainty | None:
+    """What all sets have in common."""
+    if sure is None:
+        return None
+    from drivesizer.tolerances.run import uncertainty
+
+    return uncertainty(sure)
 
 
 def _known_to(spec: RobotSpec, names: set[str]) -> None:

@@ -27,7 +27,7 @@ from drivesizer.search import Found, Progress, search
 from drivesizer.shortlist import shortlist
 from drivesizer.spec import RobotSpec
 from drivesizer.standing_sets import on_the_front, ranked, shortfall
-from drivesizer.tolerances.run import Sampling, asked, judged, subject_of, told, uncertainty
+from drivesizer.tolerances.asked import Sampling, asked
 from drivesizer.units import show
 
 __all__ = ["explain", "explained", "load_parts", "prepared", "size"]
@@ -245,6 +245,8 @@ def explained(
 
 def _sampled(spec: RobotSpec, catalog: Catalog, sets: list[DriveSet], how: Sampling) -> Explanation:
     """Sets with how sure each is, one that falls at nominal figures too."""
+    from drivesizer.tolerances.run import judged, subject_of, told, uncertainty
+
     sure = judged(spec, catalog, {n: subject_of(catalog, one) for n, one in enumerate(sets)}, how)
     told_ = [told(sure, catalog, n, one, loop=one.status != "fail") for n, one in enumerate(sets)]
     return Explanation(told_, uncertainty(sure))

@@ -25,7 +25,7 @@ from drivesizer.results import Check, SizingResult, Validation
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
 from drivesizer.spec import RobotSpec, load_spec, read_spec
-from drivesizer.tolerances.run import Sampling
+from drivesizer.tolerances.asked import Sampling
 from drivesizer.units import from_si, label
 from drivesizer.yaml_source import YamlSource
 

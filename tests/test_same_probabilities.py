@@ -25,9 +25,9 @@ from drivesizer.report import write, write_sets
 from drivesizer.results import DriveSet, SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec import read_spec
+from drivesizer.tolerances.asked import Sampling
 from drivesizer.tolerances.moved import moved
 from drivesizer.tolerances.records import Reliability
-from drivesizer.tolerances.run import Sampling
 from drivesizer.tolerances.wording import likely
 from drivesizer.yaml_source import YamlSource
 

@@ -19,12 +19,13 @@ from drivesizer.records import drive_set
 from drivesizer.search import search
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec import RobotSpec, read_spec
+from drivesizer.tolerances.asked import Sampling
 from drivesizer.tolerances.assess import examined
 from drivesizer.tolerances.assumptions import applied, assumptions, case_paths
 from drivesizer.tolerances.cycles import cycles_of
 from drivesizer.tolerances.evaluate import SetRows, checks_of
 from drivesizer.tolerances.prepare import blocks, prepared
-from drivesizer.tolerances.run import Sampling, subject
+from drivesizer.tolerances.run import subject
 from drivesizer.tolerances.sampling import REPLICATES, mean_and_error, sample
 from drivesizer.tolerances.sensitivity import first_order, rank_correlations
 from drivesizer.yaml_source import YamlSource

@@ -12,9 +12,9 @@ from drivesizer.shaft_load import asked_of
 from drivesizer.sizing import size
 from drivesizer.spec import RobotSpec, read_spec
 from drivesizer.tolerances import loop
+from drivesizer.tolerances.asked import Sampling
 from drivesizer.tolerances.assumptions import Assumption, assumptions
 from drivesizer.tolerances.distributions import Distribution
-from drivesizer.tolerances.run import Sampling
 from drivesizer.tolerances.sampling import sample
 from drivesizer.verdict import checks
 from drivesizer.yaml_source import YamlSource

@@ -27,9 +27,10 @@ from drivesizer.search import search
 from drivesizer.sizing import size
 from drivesizer.spec import RobotSpec, read_spec
 from drivesizer.tolerances import loop
+from drivesizer.tolerances.asked import Sampling
 from drivesizer.tolerances.assumptions import assumptions
 from drivesizer.tolerances.makers import holding, used
-from drivesizer.tolerances.run import Judged, Sampling, judged, subject, told, uncertainty
+from drivesizer.tolerances.run import Judged, judged, subject, told, uncertainty
 from drivesizer.tolerances.sampling import sample
 from drivesizer.yaml_source import YamlSource
 

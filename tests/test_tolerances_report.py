@@ -25,9 +25,9 @@ from drivesizer.results import DriveSet, SizingResult
 from drivesizer.sizing import explained, size
 from drivesizer.spec import read_spec
 from drivesizer.terminal import sizing
+from drivesizer.tolerances.asked import Sampling
 from drivesizer.tolerances.moved import moved
 from drivesizer.tolerances.records import LoopShare, Reliability
-from drivesizer.tolerances.run import Sampling
 from drivesizer.yaml_source import YamlSource
 
 

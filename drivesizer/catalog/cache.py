@@ -29,7 +29,7 @@ from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.stated import Stated
 from drivesizer.catalog.tables import Across, Catalog, Note, Pairs, Source, Table, empty
 
-__all__ = ["CacheWarning", "digest_of", "folder", "recall", "store"]
+__all__ = ["CacheWarning", "digest_of", "folder", "keep", "kept", "recall", "store"]
 
 _NONE = np.zeros((3, 0), np.int32)
 _HALF = ".compiling-"  # begins the name of a file that is being written
@@ -61,12 +61,8 @@ def digest_of(*parts: bytes) -> str:
 
 def recall(path: Path) -> Catalog | None:
     """The compiled catalogue at a path, or None when there is none or it is damaged."""
-    try:
-        raw = path.read_bytes()
-    except OSError:
-        return None
-    body = raw[_DIGEST:]
-    if hashlib.blake2b(body, digest_size=_DIGEST).digest() != raw[:_DIGEST]:
+    body = kept(path)
+    if body is None:
         return None
     try:
         with np.load(io.BytesIO(body), allow_pickle=False) as arrays:
@@ -85,21 +81,40 @@ def store(path: Path, catalog: Catalog) -> None:
     """
     buffer = io.BytesIO()
     np.savez(buffer, **_packed(catalog))  # type: ignore[arg-type]  # its allow_pickle is no array
-    body = buffer.getvalue()
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=_HALF)
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(hashlib.blake2b(body, digest_size=_DIGEST).digest() + body)
-            Path(name).replace(path)
-        except OSError:
-            Path(name).unlink()
-            raise
+        keep(path, buffer.getvalue())
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         warnings.warn(f"the compiled catalogue is not kept in {path.parent} ({reason})", CacheWarning, stacklevel=2)
-        return
+
+
+def kept(path: Path) -> bytes | None:
+    """What was kept under a path, or None when there is nothing or it is damaged."""
+    try:
+        raw = path.read_bytes()
+    except OSError:
+        return None
+    body = raw[_DIGEST:]
+    return body if hashlib.blake2b(body, digest_size=_DIGEST).digest() == raw[:_DIGEST] else None
+
+
+def keep(path: Path, body: bytes) -> None:
+    """Keep bytes under a path, whole or not at all; older ones of the same name before its digest are removed.
+
+    Raises
+    ------
+    OSError
+        When the folder cannot be written.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=_HALF)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(hashlib.blake2b(body, digest_size=_DIGEST).digest() + body)
+        Path(name).replace(path)
+    except OSError:
+        Path(name).unlink()
+        raise
     _tidy(path)
 
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from drivesizer.loadcycle import LoadCycle, OwnLimit
 from drivesizer.tolerances.sampling import REPLICATES, first_of_each
+from drivesizer.tolerances.sequence import sobol
 
 __all__ = ["Cycles", "cycles_of"]
 
@@ -31,6 +32,7 @@ _ACCURACY = 1e-6  # of the largest value
 _HIGHEST = 8  # degree in one figure
 _WEIGHTS = (1.0, 1.5, 2.0, 3.0, 5.0, np.inf)  # of a product: sum of its degrees, each as a share of the highest
 _TERMS = 300  # of a polynomial at most
+_ENOUGH = 10  # power of two of the points that are drawn for it
 _CELLS = 400_000  # segments times samples of a fit, at most
 _HELD_AGAINST = 24  # cycles that are not fitted
 _EACH = 1024  # cycles that are computed each by itself, at most
@@ -214,10 +216,7 @@ def _sizes(like: LoadCycle, wanted: Array) -> Array:
 
 def _points(figures: int, count: int, seed: int) -> Array:
     """Points of the cube from -1 to 1, denser at its sides; the first of those that are held against are corners."""
-    from scipy.stats import qmc
-
-    sequence = qmc.Sobol(figures, scramble=True, rng=np.random.default_rng(seed))
-    found: Array = -np.cos(np.pi * sequence.random_base2(int(np.ceil(np.log2(count)))))[:count]
+    found: Array = -np.cos(np.pi * sobol(figures, _ENOUGH, [(seed,)])[:count])
     if seed == 1:
         corners = list(product((-1.0, 1.0), repeat=figures)) if figures <= 3 else []
         corners += [(sign,) * figures for sign in (-1.0, 1.0)]

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.tolerances.assumptions import Assumption
+from drivesizer.tolerances.sequence import sobol
 
-__all__ = ["REPLICATES", "Sample", "Share", "mean_and_error", "sample"]
+__all__ = ["REPLICATES", "Sample", "Share", "first_of_each", "mean_and_error", "sample"]
 
 Array = NDArray[np.float64]
 REPLICATES = 8
@@ -56,16 +57,12 @@ def sample(given: Sequence[Assumption], samples: int, seed: int, drawn: Sequence
         What is drawn for, where that is not what is given: so the same seed gives the same machines, whichever parts
         are compared. Each of the given takes the column of the one that it shares it with.
     """
-    from scipy.stats import qmc
-
     columns = [one.column for one in drawn or given]
     each = -(-samples // REPLICATES)
     power = max(int(np.ceil(np.log2(each))), 0)
-    cubes = [
-        qmc.Sobol(max(len(columns), 1), scramble=True, rng=np.random.default_rng([seed, number])).random_base2(power)
-        for number in range(REPLICATES)
-    ]
-    cube = np.concatenate([one[:each] for one in cubes])[:, [columns.index(one.column) for one in given]]
+    points = sobol(max(len(columns), 1), power, [(seed, number) for number in range(REPLICATES)])
+    rows = first_of_each(each * REPLICATES, len(points))
+    cube = points[rows][:, [columns.index(one.column) for one in given]]
     return Sample(cube, values_of(given, cube))
 
 
