@@ -241,7 +241,7 @@ def test_explain_tells_how_sure_a_pair_is(
 
 
 def test_explain_samples_nothing_without_tolerances(spec, monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr("drivesizer.sizing.judged", pytest.fail)
+    monkeypatch.setattr("drivesizer.tolerances.run.judged", pytest.fail)
     pair = explained(spec, "118752", "406764")
     assert pair.uncertainty is None and pair.sets[0].reliability is None
     assert contract.explanation(pair)["uncertainty"] is None
