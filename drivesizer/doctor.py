@@ -52,16 +52,18 @@ def _program() -> Iterator[Finding]:
 
 
 def _libraries() -> Iterator[Finding]:
-    """Each library that drivesizer names, with the version that it asks for at least."""
+    """Each library that drivesizer names, with the least version that it asks for; one of an extra may be missing."""
     for line in metadata.requires("drivesizer") or ():
         asked = re.match(r"([\w.-]+)\s*>=\s*([\d.]+)(?:\s*;\s*(.*))?$", line)
-        if asked is None or "extra" in (asked[3] or "") or not _meant(asked[3]):
+        extra = re.search(r"extra\s*==\s*['\"](\w+)", line)
+        if asked is None or not _meant(asked[3]) or (extra and extra[1] == "dev"):
             continue
         name, least = asked[1], asked[2]
         try:
             version = metadata.version(name)
         except metadata.PackageNotFoundError:
-            yield Finding(name, "missing", False, f"pip install '{name}>={least}'")
+            said = f"not installed; drivesizer[{extra[1]}] brings it" if extra else "missing"
+            yield Finding(name, said, extra is not None, f"pip install '{name}>={least}'")
             continue
         yield Finding(name, version, _number(version) >= _number(least), f"pip install '{name}>={least}'")
 

@@ -60,6 +60,22 @@ def test_a_library_that_is_old_or_missing(version, monkeypatch):
     assert found.remedy.startswith("pip install 'typst>=")
 
 
+@pytest.mark.parametrize(("version", "works"), [(None, True), ("0.0.9", False)])
+def test_a_library_of_an_extra_may_be_missing_but_not_old(version, works, monkeypatch):
+    named = ["pyarrow>=18.0; extra == 'study'", "pyarrow>=18.0; extra == 'dev'", "lxml>=5.2; extra == 'dev'"]
+
+    def told(name):
+        if version is None:
+            raise metadata.PackageNotFoundError(name)
+        return version
+
+    monkeypatch.setattr(doctor.metadata, "requires", lambda name: named)
+    monkeypatch.setattr(doctor.metadata, "version", told)
+    (found,) = doctor._libraries()
+    assert (found.subject, found.works) == ("pyarrow", works)
+    assert found.found == (version or "not installed; drivesizer[study] brings it")
+
+
 def test_what_breaks_on_the_way_is_a_finding(monkeypatch):
     from drivesizer.report import style
 
