@@ -11,7 +11,8 @@ from collections.abc import Iterator
 
 from drivesizer.catalog import Controller, Encoder
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
-from drivesizer.closed_loop import FOLLOWS, Case
+from drivesizer.closed_loop import Case
+from drivesizer.loop_set_up import FOLLOWS
 from drivesizer.machines import WheeledVehicle
 from drivesizer.profile import SPEED
 from drivesizer.results import Check

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drivesizer.closed_loop import ready, run
+from drivesizer.closed_loop import run
 from drivesizer.engine import march
+from drivesizer.loop_set_up import ready
 from drivesizer.results import DriveSet
 from drivesizer.shaft_load import asked_of
 from drivesizer.sizing import size

@@ -14,7 +14,8 @@ from drivesizer.errors import InputError
 from drivesizer.spec import read_spec
 from drivesizer.tolerances.classes import CLASSES, classes
 from drivesizer.tolerances.distributions import CUT, Distribution
-from drivesizer.tolerances.reading import has_tolerance, share, tolerance
+from drivesizer.tolerances.reading import has_tolerance, tolerance
+from drivesizer.tolerances.shares import share
 from drivesizer.yaml_source import YamlSource
 
 READ = {

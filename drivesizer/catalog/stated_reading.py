@@ -9,7 +9,7 @@ from drivesizer.catalog.reader import Reader
 from drivesizer.catalog.stated import STATED, Stated
 from drivesizer.errors import InputError, quoted
 from drivesizer.tolerances.classes import CLASSES
-from drivesizer.tolerances.reading import share
+from drivesizer.tolerances.shares import share
 from drivesizer.yaml_source import Path_
 
 __all__ = ["ENTRY", "FIGURES", "read_stated"]

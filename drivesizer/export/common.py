@@ -21,8 +21,8 @@ import numpy as np
 from drivesizer import __version__
 from drivesizer.cascade import Cascade
 from drivesizer.choose import usable_in
-from drivesizer.closed_loop import designed
 from drivesizer.export.limits import Limits, limits
+from drivesizer.loop_set_up import designed
 from drivesizer.physics_limits import housing_loss
 from drivesizer.plant import DriveTrain, within_reach
 from drivesizer.results import DriveSet, Gains

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import yaml
 
 from drivesizer.tolerances.distributions import Distribution
-from drivesizer.tolerances.reading import share
+from drivesizer.tolerances.shares import share
 
 __all__ = ["CLASSES", "Class", "class_of", "classes"]
 

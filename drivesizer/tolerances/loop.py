@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.closed_loop import Case, Ready, ready, run, without_limits
+from drivesizer.closed_loop import Case, run, without_limits
 from drivesizer.engine import Marched, Task, march_many
 from drivesizer.errors import InputError
+from drivesizer.loop_set_up import Ready, ready
 from drivesizer.profile import Profile
 from drivesizer.results import Check, DriveSet
 from drivesizer.shaft_load import asked_of

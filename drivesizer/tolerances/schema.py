@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from drivesizer.fields import Section, Share
-from drivesizer.tolerances.reading import share
+from drivesizer.tolerances.shares import share
 
 __all__ = ["FEWEST", "MOST", "GearheadTolerances", "MotorTolerances", "Tolerances"]
 
