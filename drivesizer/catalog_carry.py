@@ -20,7 +20,7 @@ Names = Annotated[
     list[str] | None,
     typer.Option("--catalog", metavar="NAME_OR_FILE", help="A catalogue, by name or file; all that ship without it."),
 ]
-Section = Annotated[str | None, typer.Argument(metavar="[SECTION]", help="motors, gearheads, encoders or controllers.")]
+Section = Annotated[str | None, typer.Argument(metavar="SECTION", help="motors, gearheads, encoders or controllers.")]
 
 
 def open_named(names: list[str] | None) -> dict[str, Catalog]:

@@ -29,7 +29,7 @@ __all__ = [
     "working",
 ]
 
-Spec = Annotated[Path, typer.Argument(metavar="[ROBOT.YAML]", help="The spec; robot.yaml when not given.")]
+Spec = Annotated[Path, typer.Argument(metavar="ROBOT.YAML", help="The spec; robot.yaml when not given.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 Top = Annotated[int, typer.Option(min=1, max=1000, help="How many sets to show.")]
 Chosen = Annotated[

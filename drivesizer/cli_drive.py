@@ -16,7 +16,7 @@ __all__ = ["drive"]
 def drive(
     spec: Spec = DEFAULT,
     trajectory: Annotated[
-        Path | None, typer.Argument(metavar="[TRAJECTORY.CSV]", help="t, x, y, heading; or waypoints; else the spec's.")
+        Path | None, typer.Argument(metavar="TRAJECTORY.CSV", help="t, x, y, heading; or waypoints; else the spec's.")
     ] = None,
     chosen: Chosen = None,
     json: Json = False,

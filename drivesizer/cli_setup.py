@@ -85,7 +85,7 @@ def _start(text: str, output: Path) -> None:
 
 
 def schema(
-    of: Annotated[str, typer.Argument(metavar="[WHAT]", help="spec, study, catalog, report or export.")] = "spec",
+    of: Annotated[str, typer.Argument(metavar="WHAT", help="spec, study, catalog, report or export.")] = "spec",
 ) -> None:
     """Print the JSON Schema of robot.yaml, a study or a catalogue, for editors, or of a JSON document, for programs."""
     import json

@@ -19,7 +19,7 @@ _ORDER = ("pass", "unknown", "fail", "error")
 
 
 def study(
-    path: Annotated[Path, typer.Argument(metavar="[STUDY.YAML]", help="The study; study.yaml when not given.")] = Path(
+    path: Annotated[Path, typer.Argument(metavar="STUDY.YAML", help="The study; study.yaml when not given.")] = Path(
         "study.yaml"
     ),
     folder: Annotated[

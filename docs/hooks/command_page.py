@@ -28,7 +28,7 @@ def _walk(path: tuple[str, ...], command: Any) -> list[tuple[tuple[str, ...], An
 def _command(path: tuple[str, ...], command: Any, depth: int) -> str:
     name = " ".join(("drivesizer", *path))
     context = command.make_context(name, [], resilient_parsing=True)
-    usage = " ".join(command.collect_usage_pieces(context)).replace("[[", "[").replace("]]", "]")
+    usage = " ".join(command.collect_usage_pieces(context))
     parts = [f"{'#' * (depth + len(path) - 1)} {name}", _text(command.help or "")]
     if getattr(command, "commands", None):
         return "\n\n".join(parts)
@@ -45,7 +45,7 @@ def _command(path: tuple[str, ...], command: Any, depth: int) -> str:
 def _row(parameter: Any, context: Any) -> str:
     """An argument or option as a row of the table, under the name that its help shows."""
     if parameter.param_type_name == "argument":
-        name = f"`{(parameter.metavar or parameter.name.upper()).strip('[]')}`"
+        name = f"`{parameter.metavar or parameter.name.upper()}`"
     else:
         name = f"`{parameter.get_help_record(context)[0].replace('int range', 'int')}`"
     missing = "**required**" if parameter.required else _default(parameter)
