@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from drivesizer import closed_loop
+from drivesizer import closed_loop, loop_set_up
 from drivesizer.cascade import Cascade
 from drivesizer.cli import app
 from drivesizer.errors import InputError
@@ -255,7 +255,7 @@ def test_iron_warms_by_the_square_of_the_speed():
 
     spec, catalog = spec_of(), load()
     motor = catalog.motors.record(catalog.motors.rows["309756"])  # EC-4pole 30
-    heat, said = closed_loop._heat(spec, replace(explain(spec, *parts())[0], motor=motor))
+    heat, said = loop_set_up._heat(spec, replace(explain(spec, *parts())[0], motor=motor))
     assert heat and heat.loss_torque == 0.0 and not said
     rise = motor.max_winding_temperature - 298.15
     copper = motor.resistance * (1.0 + 0.00392 * rise) * motor.nominal_current**2
@@ -265,5 +265,5 @@ def test_iron_warms_by_the_square_of_the_speed():
     assert iron > 0.1 * copper
 
     unknown = replace(motor, nominal_speed=float("nan"))
-    heat, said = closed_loop._heat(spec, replace(explain(spec, *parts())[0], motor=unknown))
+    heat, said = loop_set_up._heat(spec, replace(explain(spec, *parts())[0], motor=unknown))
     assert heat and heat.loss_viscous == 0.0 and "unknown" in said[0]
