@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import isnan, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from drivesizer.battery import current_of_power, largest_power
 from drivesizer.battery_pack import Pack
@@ -13,22 +13,22 @@ from drivesizer.checked import Check
 from drivesizer.checks import CheckColumn, at_least, at_most
 from drivesizer.spec import RobotSpec
 
-__all__ = ["Load", "battery_checks", "required_autonomy"]
+__all__ = ["Load", "battery_checks", "battery_columns", "required_autonomy"]
 
 _AT_REST = ("battery_power", "battery_voltage", "battery_cutoff")
 
 
 class Load(NamedTuple):
-    """What a battery is asked for; NaN is unknown."""
+    """What a battery is asked for; NaN is unknown. Figures, or columns over samples."""
 
-    mean: float  # W
-    peak: float  # W
+    mean: Any  # W
+    peak: Any  # W
     rms: float  # W
     back: float  # W into the battery, at most
-    way: float  # m/s, mean
-    full: float = nan  # s, until all of its charge is drawn
+    way: Any  # m/s, mean
+    full: Any = nan  # s, until all of its charge is drawn
     required: float = nan  # s that it must last; also where nothing is required
-    charge: float = nan  # share left at the end
+    charge: Any = nan  # share left at the end
     lowest: float = nan  # V at the terminals
 
 
@@ -49,8 +49,12 @@ def battery_checks(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> t
     pack, load
         What there is, and what it is asked for.
     """
-    columns = (*_lasting(spec, given, pack, load), *_voltages(spec, pack, load), *_currents(spec, pack, load))
-    return tuple(column.at((), "budget") for column in columns)
+    return tuple(column.at((), "budget") for column in battery_columns(spec, given, pack, load))
+
+
+def battery_columns(spec: Any, given: Battery, pack: Pack, load: Any) -> tuple[CheckColumn, ...]:
+    """The same before they are records: single figures, or columns where the figures of spec and load are columns."""
+    return (*_lasting(spec, given, pack, load), *_voltages(spec, pack, load), *_currents(spec, pack, load))
 
 
 def _lasting(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> list[CheckColumn]:

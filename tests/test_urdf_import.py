@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import yourdfpy
 from scipy.spatial.transform import Rotation
+from test_export_cli import run
 
 from drivesizer.errors import InputError
 from drivesizer.export import export_of, write
@@ -255,16 +256,6 @@ def test_a_name_is_text_in_the_spec(name, at):
 
 
 # --- at the command line
-
-
-def run(capsys, monkeypatch, *words):
-    from drivesizer import cli
-
-    monkeypatch.setattr("sys.argv", ["drivesizer", *map(str, words)])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    out = capsys.readouterr()
-    return end.value.code, out.out, out.err
 
 
 def test_init_from_a_urdf(at, tmp_path, capsys, monkeypatch):

@@ -108,8 +108,7 @@ def _as_many(column: NDArray[Any], count: int) -> NDArray[Any]:
 
 def _constant(check: Check, count: int) -> _Over:
     """A check that no sample changes."""
-    tight = math.inf if math.isnan(check.margin) or (check.by_choice and check.status == "pass") else check.margin
-    figures = (check.status == "pass", check.status == "fail", check.margin, tight)
+    figures = (check.status == "pass", check.status == "fail", check.margin, _tightness(check))
     return _Over(*(np.broadcast_to(np.asarray(x), count) for x in figures))
 
 

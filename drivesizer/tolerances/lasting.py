@@ -7,18 +7,16 @@ run time is that of the mean power. Not here: voltages under load, which stay at
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from math import isnan, nan
+from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.battery import current_of_power, largest_power
 from drivesizer.battery_pack import Pack, pack_of, run_time
 from drivesizer.catalog import Catalog
-from drivesizer.checks import CheckColumn, at_least, at_most
-from drivesizer.energy_checks import required_autonomy
+from drivesizer.checks import CheckColumn
+from drivesizer.energy_checks import Load, battery_columns, required_autonomy
 from drivesizer.machines import WheeledVehicle
 from drivesizer.physics_limits import Parts
 from drivesizer.spec import RobotSpec
@@ -29,7 +27,8 @@ from drivesizer.yaml_source import Path_
 __all__ = ["SAMPLED", "Draw", "Feeding", "battery_limits", "feeding"]
 
 Array = NDArray[np.float64]
-SAMPLED = ("battery_autonomy", "battery_range", "battery_power", "battery_peak_current")
+_LASTING = ("battery_autonomy", "battery_range")
+SAMPLED = (*_LASTING, "battery_power", "battery_peak_current")
 
 
 class Feeding(NamedTuple):
@@ -99,34 +98,16 @@ def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Dra
     drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
     mean = (drawn / loss - share * returned * loss) / total + feeds.mean
     full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # as so many strings side by side
-    lasts = full * feeds.pack.usable
     speed = _way(spec, at) / total if feeds.travels else np.full_like(total, nan)
-    found, battery = [], spec.battery
-    required = required_autonomy(spec, battery)
-    if not isnan(required):
-        found.append(at_least("battery_autonomy", required, lasts, "time", "h", needed=battery.reserve))
-    if battery.range is not None:
-        found.append(at_least("battery_range", battery.range, speed * lasts, "length", "km", needed=battery.reserve))
-    if len(draws) > 1:
-        return found
-    along = nan if battery.range is None else battery.range / speed
-    drawn_share = np.fmax(required, along) / full
+    required, way = required_autonomy(spec, spec.battery), spec.battery.range
+    drawn_share = np.fmax(required, nan if way is None else way / speed) / full
     left = 1.0 - np.minimum(np.where(np.isnan(drawn_share), feeds.pack.usable, drawn_share), feeds.pack.usable)
-    return [*found, *_at_the_peak(spec, feeds, left, np.maximum(draws[0].peak, 0.0) / loss + feeds.peak)]
+    peak = np.maximum(draws[0].peak, 0.0) / loss + feeds.peak
+    load = Load(mean=mean, peak=peak, rms=nan, back=nan, way=speed, full=full, charge=left)
+    judged = SAMPLED if len(draws) == 1 else _LASTING
+    return [check for check in battery_columns(spec, spec.battery, feeds.pack, load) if check.name in judged]
 
 
 def _way(spec: Any, at: AtSamples) -> Any:
     """How far the machine goes in a cycle [m]."""
     return spec.load.way if isinstance(spec.load, WheelLoad) else at.sampled.scalars["way"]
-
-
-def _at_the_peak(spec: Any, feeds: Feeding, left: Array, peak: Array) -> list[CheckColumn]:
-    """Whether the battery gives the largest power at what is left of its charge."""
-    pack = feeds.pack
-    emf = pack.emf(left)  # type: ignore[arg-type]
-    current = current_of_power(peak, emf, pack.resistance)
-    power = at_most("battery_power", peak, largest_power(emf, pack.resistance), "power", "W")
-    return [
-        power if pack.rests else replace(power, passed=power.passed & False),
-        at_most("battery_peak_current", current, pack.peak_current, "current", "A", needed=spec.margins.torque),
-    ]

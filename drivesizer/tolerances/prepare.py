@@ -131,9 +131,7 @@ def _one_by_one(case: RobotSpec) -> Iterator[RobotSpec]:
         yield case.model_copy(update={"load": alone})
 
 
-def _of_wheel(
-    every: Callable[[tuple[float, ...]], tuple[LoadCycle, ...]], case: RobotSpec, at: Mapping[int, float]
-) -> LoadCycle:
+def _of_wheel(every: Wheels, case: RobotSpec, at: Mapping[int, float]) -> LoadCycle:
     """The load cycle of one wheel, its belt's inertia included."""
     load = case.load
     assert isinstance(load, WheelLoad)
