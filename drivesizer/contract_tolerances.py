@@ -23,6 +23,7 @@ def reliability(found: Reliability | None) -> dict[str, Any] | None:
         "checks": [_spread(one) for one in found.checks],
         "drivers": [_driver(one) for one in found.drivers],
         "closed_loop": _loop(found.loop),
+        "closed_loop_refused": found.no_loop or None,
     }
 
 

@@ -137,9 +137,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
         part = getattr(drive_set, name)
         missing = [figure.replace("_", " ") for figure in needed if not getattr(part, figure) > 0.0]
         if missing:
-            raise InputError(
-                f"{name} {part.part}: {', '.join(missing)} not in the catalogue; the validation needs them"
-            )
+            raise InputError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; no closed loop without")
     said: list[str] = []
     motor, gearhead, shaft = drive_set.motor, drive_set.gearhead, at_shaft(spec)
     encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0

@@ -148,7 +148,7 @@ def _told(
 
     if brief:
         return {row: replace(one, reliability=sure.found[row][1].reliability) for row, one in sets.items()}
-    return {row: told(sure, catalog, row, one, loop=n < finalists) for n, (row, one) in enumerate(sets.items())}
+    return told(sure, catalog, sets, [*sets][:finalists])
 
 
 def _uncertainty(sure: Judged | None) -> Uncertainty | None:

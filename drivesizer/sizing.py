@@ -248,8 +248,8 @@ def _sampled(spec: RobotSpec, catalog: Catalog, sets: list[DriveSet], how: Sampl
     from drivesizer.tolerances.run import judged, subject_of, told, uncertainty
 
     sure = judged(spec, catalog, {n: subject_of(catalog, one) for n, one in enumerate(sets)}, how)
-    told_ = [told(sure, catalog, n, one, loop=one.status != "fail") for n, one in enumerate(sets)]
-    return Explanation(told_, uncertainty(sure))
+    standing = [n for n, one in enumerate(sets) if one.status != "fail"]
+    return Explanation([*told(sure, catalog, dict(enumerate(sets)), standing).values()], uncertainty(sure))
 
 
 def _pair(catalog: Catalog, motor: str, gearhead: str) -> tuple[int, int]:

@@ -15,7 +15,7 @@ from drivesizer.results import DriveSet, Explanation, SizingResult
 from drivesizer.terminal_tables import percent
 from drivesizer.tolerances.moved import moved
 from drivesizer.tolerances.records import Reliability, Uncertainty
-from drivesizer.tolerances.wording import asked_for, likely
+from drivesizer.tolerances.wording import asked_for, in_the_loop, likely
 
 __all__ = ["none_as_sure", "tolerances", "tolerances_of"]
 
@@ -95,9 +95,9 @@ def _chance(probability: float, error: float) -> str:
 
 def _weakest(found: Reliability) -> Text:
     """The weakest check, that of the closed loop where it fails, and what no sample can tell."""
-    loop = f"\nin closed loop: {found.loop.weakest}" if found.loop and found.loop.probability < 1.0 else ""
+    loop = in_the_loop(found)
     unknown = f"\nunknown: {'; '.join(found.unknown)}" if found.unknown else ""
-    return Text(found.weakest + loop) + Text(unknown, style="yellow")
+    return Text(found.weakest + (f"\n{loop}" if loop else "")) + Text(unknown, style="yellow")
 
 
 def _loop(found: Reliability) -> str:

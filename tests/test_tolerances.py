@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -252,6 +253,30 @@ def test_samples_are_what_the_plain_evaluation_says(plain: str, parts: Catalog) 
             if place < 5:
                 _lasts(spec, plainly, catalog, given, ready.values[row], got, int(row), block.size)
     assert seen >= 100
+
+
+CHOSEN_BY = {"encoders": {"counts_per_turn"}, "controllers": {"supply_min", "supply_max"}}  # else other parts are taken
+
+
+@pytest.mark.parametrize("section", ["motors", "gearheads", "encoders", "controllers"])
+def test_a_figure_that_the_catalogue_lacks_is_unknown_in_samples_as_in_the_plain_evaluation(
+    plain: str, parts: Catalog, section: str
+) -> None:
+    """Each figure of a set's parts hidden, one after the other."""
+    spec = _read(plain, MOVED)
+    given = assumptions(spec)
+    ready = prepared(spec, given, sample(given, 256, 3).values)
+    one = subject(_best(spec, parts, 1), 0).rows
+    table, row = parts.table(section), getattr(one, section.removesuffix("s"))
+    known = [name for name, column in table.columns.items() if column.dtype.kind == "f" and column[row] == column[row]]
+    hidden = sorted({*known} - CHOSEN_BY.get(section, set()))
+    assert len(hidden) > 5
+    for name in hidden:
+        lacking = replace(parts, **{section: _changed(table, row, {name: math.nan})})
+        (block,) = blocks(ready, lacking, [1.1])
+        got = checks_of(lacking, one, block)
+        plainly, _ = _plainly(spec, lacking, one, given, ready.values[200])
+        _alike(plainly, got, 200, block.size)
 
 
 def _alike(plainly: Evaluation, got: dict[str, Any], row: int, size: int) -> None:

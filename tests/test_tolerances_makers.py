@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,9 +13,10 @@ import jsonschema
 import numpy as np
 import pytest
 import yaml
+from rich.console import Console
 from scipy import stats
 
-from drivesizer import contract
+from drivesizer import contract, terminal_tolerances
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.cache import recall, store
 from drivesizer.catalog.inside import taken_apart
@@ -23,6 +25,7 @@ from drivesizer.catalog.reading import parse
 from drivesizer.catalog.schema import catalog_schema
 from drivesizer.catalog.stated import stated_of
 from drivesizer.errors import CatalogError
+from drivesizer.report import sure_rows, tolerance_rows
 from drivesizer.search import search
 from drivesizer.sizing import size
 from drivesizer.spec import RobotSpec, read_spec
@@ -185,10 +188,27 @@ def test_a_set_is_told_what_counts_for_it(makers: Catalog) -> None:
     best = size(_spec(), top=3, catalog=makers, sampling=Sampling(4096, 1, None)).sets
     for part, name in sets.items():
         one = next(each for each in best if each.motor.part == part)
-        for found in (one.reliability, told(result, makers, row[part], one).reliability):
+        for found in (one.reliability, told(result, makers, {row[part]: one})[row[part]].reliability):
             assert found and [driver.name for driver in found.drivers] == [name]
     drivers = {one.motor.part: one.reliability.drivers[0] for one in best if one.reliability}
     assert drivers["Acme-1"].low == "-4.5 %" and drivers["Coil-1"].low == "-9 %"
+
+
+def test_a_set_that_cannot_be_driven_in_closed_loop_says_why() -> None:
+    without = parse(YamlSource(MAKER.replace("resistance: 0.4 ohm,", "").replace("MASS", "320"), "name.yaml"), "n", "0")
+    sizing = size(_spec(), top=1, catalog=without, sampling=Sampling(256, 1, None, loop=8))
+    (one,) = sizing.sets
+    why = "motor NAME-1: resistance not in the catalogue; no closed loop without"
+    assert one.reliability and (one.reliability.loop, one.reliability.no_loop) == (None, why)
+    document = contract.drive_set(one)["reliability"]
+    assert (document["closed_loop"], document["closed_loop_refused"]) == (None, why)
+    (row,) = [row for row in sure_rows.reliability_rows(one) if row["name"] == "closed_loop"]
+    assert (row["status"], row["note"]) == ("unknown", why)
+    said = tolerance_rows.sure(sizing)
+    assert said and f"not driven in closed loop: {why}" in said["sets"][0]["more"]
+    page = io.StringIO()
+    terminal_tolerances.tolerances(Console(width=80, file=page), sizing)
+    assert "resistance not in" in " ".join(page.getvalue().split())
 
 
 def test_the_same_machine_whatever_else_is_compared(makers: Catalog) -> None:
@@ -239,6 +259,7 @@ def test_the_closed_loop_takes_the_same_factor(makers: Catalog, monkeypatch: pyt
         _, other = loop.off(sizing.spec, one, given, values[5])
         assert other.motor.torque_constant / one.motor.torque_constant == pytest.approx(values[5, 0])
         assert other.motor.resistance == one.motor.resistance
+    assert {one.reliability.no_loop for one in sizing.sets if one.reliability} == {""}
     one, given, values = seen["Acme-1"]
     both = [*given, *seen["Bolt-1"][1]]
     with pytest.raises(AssertionError, match=r"motor.torque_constant \(Bolt\): of another maker's part"):

@@ -160,7 +160,7 @@ def _reliability() -> _Schema:
     loop = _all_of(samples=_COUNT, probability=_FLOAT, error_95=_FLOAT, weakest_check=_STRING)
     return _all_of(
         probability=_FLOAT, error_95=_FLOAT, weakest_check=_STRING, unknown=_WORDS, smallest_margin=margin,
-        checks=_list(check), drivers=_list(driver), closed_loop=_or_null(loop),
+        checks=_list(check), drivers=_list(driver), closed_loop=_or_null(loop), closed_loop_refused=_or_null(_STRING),
     )  # fmt: skip
 
 

@@ -71,6 +71,9 @@ def reliability_rows(one: DriveSet) -> Iterator[Row]:
         yield _share("reliability", "closed_loop_error_95", "Error of that, 95 % to both sides", found.loop.error)
         yield {"section": "reliability", "name": "closed_loop_samples", "title": "Samples in closed loop",
                "value": found.loop.samples}  # fmt: skip
+    if found.no_loop:
+        yield {"section": "reliability", "name": "closed_loop", "title": "All checks pass in closed loop",
+               "status": "unknown", "note": found.no_loop}  # fmt: skip
     yield from (_check(spread, one) for spread in found.checks)
     yield from (row for driver in found.drivers for row in _driver(driver))
 

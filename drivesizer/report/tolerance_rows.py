@@ -9,7 +9,7 @@ from drivesizer.report.wording import margin, minus
 from drivesizer.results import DriveSet, SizingResult
 from drivesizer.tolerances.moved import moved
 from drivesizer.tolerances.records import Driver, Reliability, Spread
-from drivesizer.tolerances.wording import asked_for, likely
+from drivesizer.tolerances.wording import asked_for, in_the_loop, likely
 
 __all__ = ["error_and_weakest", "judged", "none_as_sure", "standing", "sure"]
 
@@ -70,7 +70,7 @@ def _set(one: DriveSet) -> dict[str, str]:
     found = one.reliability
     assert found is not None
     loop = found.loop
-    more = [f"in closed loop: {loop.weakest}"] if loop and loop.probability < 1.0 else []
+    more = [in_the_loop(found)] if in_the_loop(found) else []
     more += [f"unknown: {'; '.join(found.unknown)}"] if found.unknown else []
     return {
         "rank": str(one.rank),

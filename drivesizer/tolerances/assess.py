@@ -22,7 +22,7 @@ from drivesizer.tolerances.records import Driver, Reliability, Spread
 from drivesizer.tolerances.sampling import Sample, mean_and_error
 from drivesizer.tolerances.sensitivity import first_order, rank_correlations
 
-__all__ = ["Examined", "Subject", "counting", "drivers", "examined"]
+__all__ = ["Examined", "Subject", "at_ends", "counting", "drivers", "examined"]
 
 Array = NDArray[np.float64]
 _QUANTILES = (0.05, 0.5, 0.95)
@@ -186,51 +186,61 @@ def counting(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[As
     return [k for k, assumption in enumerate(given) if assumption.catalogue is None or assumption.catalogue in held]
 
 
-def drivers(
-    one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption], sample: Sample, smallest: Array
-) -> tuple[Driver, ...]:
+def at_ends(spec: RobotSpec, given: Sequence[Assumption]) -> Prepared:
+    """The nominal figures, then two samples an assumption, it alone off: at its 5 % and at its 95 % quantile."""
+    values = np.tile([assumption.nominal for assumption in given], (1 + 2 * len(given), 1))
+    for k, assumption in enumerate(given):
+        values[_ends(k), k] = assumption.distribution.at(np.array([0.05, 0.95]))
+    return prepared(spec, given, values, every=True)
+
+
+def _ends(k: int) -> slice:
+    """The rows in which the assumption of that number is off."""
+    return slice(1 + 2 * k, 3 + 2 * k)
+
+
+def drivers(one: Subject, catalog: Catalog, ends: Prepared, sample: Sample, smallest: Array) -> tuple[Driver, ...]:
     """What each assumption that counts does to the smallest margin of a set, the one that matters most first.
 
     Parameters
     ----------
-    one
-        The set.
-    catalog, spec, given
-        The parts, the machine as it is sized, and all that is uncertain.
+    one, catalog
+        The set, and the parts.
+    ends
+        The machine with one assumption off at a time.
     sample
         The samples.
     smallest
         Margin of each.
     """
-    known, own = np.isfinite(smallest), counting(one, catalog, spec, given)
+    known, own = np.isfinite(smallest), counting(one, catalog, ends.spec, ends.given)
     if not own:
         return ()
-    given, values = [given[k] for k in own], sample.values[known][:, own]
+    values = sample.values[known][:, own]
     shares = first_order(values, smallest[known])
     signs = rank_correlations(values, smallest[known])
-    ends = np.array([assumption.distribution.at(np.array([0.05, 0.95])) for assumption in given])
-    margins = _one_by_one(one, catalog, spec, given, ends)
-    found = [
-        Driver(
-            name=assumption.name, title=assumption.title, share=float(shares[k]), rank_correlation=float(signs[k]),
-            low_margin=float(margins[k, 0]), high_margin=float(margins[k, 1]),
-            low=assumption.shown(ends[k, 0]), high=assumption.shown(ends[k, 1]),
-        )
-        for k, assumption in enumerate(given)
-    ]  # fmt: skip
+    margins = _smallest(one, catalog, ends)
+    found = [_driver(ends, k, float(shares[n]), float(signs[n]), margins) for n, k in enumerate(own)]
     return tuple(sorted(found, key=lambda driver: (-driver.share, driver.name)))
 
 
-def _one_by_one(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption], ends: Array) -> Array:
-    """Smallest margin with one assumption at either end and all others nominal: (assumptions, 2)."""
-    values = np.tile([assumption.nominal for assumption in given], (2 * len(given), 1))
-    for k in range(len(given)):
-        values[2 * k : 2 * k + 2, k] = ends[k]
-    ready = prepared(spec, given, values)
-    tight = {check.name: np.full(len(values), _tightness(check)) for check in one.nominal}
-    for block in blocks(ready, catalog, [one.rows.belt]):  # so few that there is one
-        for name, column in checks_of(catalog, one.rows, block).items():
-            if name in tight or name in SAMPLED:
-                tight[name] = np.broadcast_to(column.tightness, block.size)
-    found: Array = np.min([*tight.values()], axis=0).reshape(-1, 2)
-    return found
+def _driver(ends: Prepared, k: int, share: float, sign: float, margins: Array) -> Driver:
+    """The assumption of that number."""
+    assumption = ends.given[k]
+    (low, high), (low_margin, high_margin) = ends.values[_ends(k), k], margins[_ends(k)]
+    return Driver(
+        name=assumption.name, title=assumption.title, share=share, rank_correlation=sign,
+        low_margin=float(low_margin), high_margin=float(high_margin),
+        low=assumption.shown(low), high=assumption.shown(high),
+    )  # fmt: skip
+
+
+def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
+    """The smallest margin of a set in each sample; what no sample changes is as at nominal figures."""
+    parts = []
+    for block in blocks(given, catalog, [one.rows.belt]):
+        tight = {check.name: np.asarray(_tightness(check)) for check in one.nominal}
+        found = checks_of(catalog, one.rows, block)
+        tight |= {name: found[name].tightness for name in found if name in tight or name in SAMPLED}
+        parts.append(np.min([np.broadcast_to(column, block.size) for column in tight.values()], axis=0))
+    return np.concatenate(parts)

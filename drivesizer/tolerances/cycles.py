@@ -61,7 +61,7 @@ class Cycles(NamedTuple):
         return int(self.duration.shape[1])
 
 
-def cycles_of(make: Make, nominal: Array, values: Array) -> Cycles:
+def cycles_of(make: Make, nominal: Array, values: Array, *, every: bool = False) -> Cycles:
     """The load cycles of samples.
 
     Parameters
@@ -73,9 +73,11 @@ def cycles_of(make: Make, nominal: Array, values: Array) -> Cycles:
     values
         (samples, figures), replicate after replicate. The cycles that come are as many; or 1, where no figure shapes
         it; or those of the first samples of each replicate.
+    every
+        Each by itself, and all of them: what is no sample of replicates.
     """
     like = make(nominal)
-    if len(values) <= _FEW:
+    if every or len(values) <= _FEW:
         return _side_by_side([make(row) for row in values], like)
     low, high = values.min(axis=0, initial=np.inf), values.max(axis=0, initial=-np.inf)
     shaping = [k for k in range(len(nominal)) if _shapes(make, like, nominal, k, (low[k], high[k]))]

@@ -59,7 +59,7 @@ class Prepared(NamedTuple):
         return sum(len(case.cycles.duration) * len(self.values) for case in self.cases)
 
 
-def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array) -> Prepared:
+def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array, *, every: bool = False) -> Prepared:
     """Samples of a spec, with their load cycles.
 
     Parameters
@@ -70,12 +70,15 @@ def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array) -> Pre
         All that is uncertain.
     values
         (samples, assumptions) [SI].
+    every
+        The load cycle of each by itself, and all of them; else fewer where the cycles are long.
     """
     cases = []
     for machine, case, paths, make in _cases(spec, given):
         own = sorted(paths)
         nominal = np.array([given[k].nominal for k in own])
-        cases.append(_Case(machine, case, paths, cycles_of(partial(_made, make, own), nominal, values[:, own])))
+        cycles = cycles_of(partial(_made, make, own), nominal, values[:, own], every=every)
+        cases.append(_Case(machine, case, paths, cycles))
     fewest = min((case.cycles.size for case in cases if case.cycles.size > 1), default=len(values))
     if fewest == len(values):
         return Prepared(spec, tuple(given), values, tuple(cases))

@@ -59,6 +59,7 @@ class Reliability:
     checks: tuple[Spread, ...]
     drivers: tuple[Driver, ...] = ()  # all of them, the one that matters most first
     loop: LoopShare | None = None
+    no_loop: str = ""  # why it was not put through the closed loop although that was wanted
 
     def reaches(self, confidence: float) -> bool:
         """Whether it is as sure as that."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -12,12 +12,12 @@ from drivesizer.evaluation import Evaluation
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
 from drivesizer.tolerances.asked import POOL, Sampling
-from drivesizer.tolerances.assess import Examined, Subject, counting, drivers, examined
+from drivesizer.tolerances.assess import Examined, Subject, at_ends, counting, drivers, examined
 from drivesizer.tolerances.assumptions import Assumption, assumptions
 from drivesizer.tolerances.evaluate import SetRows
 from drivesizer.tolerances.makers import used
 from drivesizer.tolerances.prepare import Prepared, prepared, unused
-from drivesizer.tolerances.records import LoopShare, Uncertain, Uncertainty
+from drivesizer.tolerances.records import Reliability, Uncertain, Uncertainty
 from drivesizer.tolerances.sampling import Sample, sample
 from drivesizer.wheel_load import WheelLoad
 
@@ -81,27 +81,44 @@ def subject_of(catalog: Catalog, one: DriveSet) -> Subject:
     return Subject(rows, tuple(check for check in (*one.checks, *one.beside) if check.method == "physics"))
 
 
-def told(judged_: Judged, catalog: Catalog, row: int, one: DriveSet, *, loop: bool = False) -> DriveSet:
-    """A set with how sure it is, and what matters most for it; in closed loop too, where that is wanted."""
-    what, found = judged_.found[row]
-    ready = judged_.ready
-    said = drivers(what, catalog, ready.spec, ready.given, judged_.drawn, found.smallest)
-    share = _in_the_loop(judged_, catalog, what, one) if loop and judged_.how.loop else None
-    return replace(one, reliability=replace(found.reliability, drivers=said, loop=share))
+def told(
+    judged_: Judged, catalog: Catalog, sets: Mapping[int, DriveSet], finalists: Collection[int] = ()
+) -> dict[int, DriveSet]:
+    """Sets with how sure they are, and what matters most for each.
+
+    Parameters
+    ----------
+    judged_
+        What was sampled.
+    catalog
+        The parts.
+    sets
+        By their rows.
+    finalists
+        Rows of those that are sampled in closed loop too.
+    """
+    ends, said = at_ends(judged_.ready.spec, judged_.ready.given), {}
+    for row, one in sets.items():
+        what, found = judged_.found[row]
+        matters = drivers(what, catalog, ends, judged_.drawn, found.smallest)
+        told_ = replace(found.reliability, drivers=matters)
+        looped = row in finalists and judged_.how.loop > 0
+        said[row] = replace(one, reliability=_in_the_loop(judged_, catalog, what, one, told_) if looped else told_)
+    return said
 
 
-def _in_the_loop(judged_: Judged, catalog: Catalog, what: Subject, one: DriveSet) -> LoopShare | None:
-    """None where the model of the loop lacks a figure."""
+def _in_the_loop(judged_: Judged, catalog: Catalog, what: Subject, one: DriveSet, found: Reliability) -> Reliability:
+    """With the share of samples that pass in closed loop, or why there is none: the model may lack a figure."""
     from drivesizer.tolerances.loop import loop_share
 
     ready = judged_.ready
     own = counting(what, catalog, ready.spec, ready.given)
+    values = judged_.drawn.values[:, own]
     try:
-        return loop_share(
-            ready.spec, one, [ready.given[k] for k in own], judged_.drawn.values[:, own], judged_.how.loop
-        )
-    except InputError:
-        return None
+        share = loop_share(ready.spec, one, [ready.given[k] for k in own], values, judged_.how.loop)
+    except InputError as error:
+        return replace(found, no_loop=str(error))
+    return replace(found, loop=share)
 
 
 def uncertainty(one: Judged) -> Uncertainty:

@@ -88,12 +88,16 @@ def _winding(spec: Any, at: AtSamples, current: Array, warm: Heat, motor: Any) -
     count = current.shape[-1]
     if not bodies.known.all() or np.isnan(warm.friction + warm.iron).any():
         return np.full(count, np.nan)
+    unknown = np.isnan(current).any(axis=(0, 1))
+    if unknown.any():
+        current = np.where(unknown, 0.0, current)  # any current, without effect
     pieces = _pieces(at, current, float(np.min(bodies.tau_w)), float(np.min(bodies.tau_h)))
     found = np.empty(count)
     size = max(_AT_ONCE // int(pieces.sum()), 256)
     for first in range(0, count, size):
         rows = slice(first, min(first + size, count))
         found[rows] = _block(spec, at, current[..., rows], warm, bodies, pieces, rows)
+    found[unknown] = np.nan
     return found
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from math import ceil, log10
 
-__all__ = ["asked_for", "likely"]
+from drivesizer.tolerances.records import Reliability
+
+__all__ = ["asked_for", "in_the_loop", "likely"]
 
 
 def likely(value: float) -> str:
@@ -17,6 +19,13 @@ def likely(value: float) -> str:
         return f"{100 * value:.0f} %"
     digits = 1 if 0.001 <= value <= 0.999 else max(3, ceil(-log10(min(value, 1.0 - value))) - 2)
     return f"{100 * value:.{digits}f} %"
+
+
+def in_the_loop(found: Reliability) -> str:
+    """What fails in closed loop, or why nothing was driven there; empty where all is well or nothing was asked."""
+    if found.no_loop:
+        return f"not driven in closed loop: {found.no_loop}"
+    return f"in closed loop: {found.loop.weakest}" if found.loop and found.loop.probability < 1.0 else ""
 
 
 def asked_for(value: float | None) -> str:
