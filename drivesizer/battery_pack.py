@@ -37,7 +37,7 @@ class Table:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pack:
-    """A whole battery; NaN is unknown."""
+    """A whole battery; NaN is unknown. Where a battery is sampled, some figures are columns."""
 
     name: str
     chemistry: str
@@ -76,11 +76,11 @@ class Pack:
         The nominal one; of lead-acid the mean of that and the end voltage: 2 V is a cell at rest, not in use. Held
         against the makers' tables of power and current in ``tests/test_battery_pack.py``.
         """
-        if self.chemistry != "lead-acid" or isnan(self.cutoff_voltage):
+        if self.chemistry != "lead-acid" or _unknown(self.cutoff_voltage):
             return self.nominal_voltage
         return 0.5 * (self.nominal_voltage + self.cutoff_voltage)
 
-    def emf(self, charge: float) -> float:
+    def emf(self, charge: Any) -> Any:
         """Voltage at rest with a share of the charge left [V]."""
         return self.emf_empty + (self.emf_full - self.emf_empty) * charge
 
@@ -89,9 +89,14 @@ class Pack:
         """What its run times come from, in words; empty where nothing says how they go with the load."""
         if self.table:
             return f"discharge table at constant {self.table.held}"
-        if isnan(self.peukert_exponent) or isnan(self.rated_time):
-            return "rated charge at any current" if self.chemistry in _LITHIUM else ""
-        return f"Peukert's law, exponent {self.peukert_exponent:g}"
+        if self.peukert:
+            return f"Peukert's law, exponent {self.peukert_exponent:g}"
+        return "rated charge at any current" if self.chemistry in _LITHIUM else ""
+
+    @property
+    def peukert(self) -> bool:
+        """Whether Peukert's law can be computed."""
+        return not _unknown(self.peukert_exponent) and not _unknown(self.rated_time)
 
 
 _LITHIUM = ("Li-ion", "LiFePO4")  # whose charge hardly depends on the current, as long as that is permitted
@@ -135,13 +140,18 @@ def pack_of(given: Battery, catalog: Catalog) -> Pack:
     )  # fmt: skip
 
 
-def _times(cells: int, volts: float) -> float:
+def _times(cells: int, volts: Any) -> Any:
     """Of cells in series, without what rounding adds: seven cells of 4.2 V are charged at 29.4 V."""
-    return float(f"{cells * volts:.12g}")
+    return np.round(cells * volts, 9)
 
 
-def _first(own: Any, listed: float) -> float:
-    return listed if own is None else float(own)
+def _first(own: Any, listed: float) -> Any:
+    return listed if own is None else own
+
+
+def _unknown(value: Any) -> bool:
+    """Of a figure, or of a column over samples."""
+    return bool(np.isnan(value).all())
 
 
 def _row(given: Battery, catalog: Catalog) -> int | None:
@@ -192,7 +202,7 @@ def run_time(pack: Pack, power: Any) -> Any:
     if pack.table:
         draw = power if pack.table.held == "power" else current
         found = table_time(np.maximum(draw, 0.0), pack.table.draw, pack.table.time)
-    elif pack.rule:
+    elif pack.peukert or pack.chemistry in _LITHIUM:
         found = peukert_time(current, pack.health * pack.capacity, *_law(pack))
     else:
         found = np.full_like(current, nan)
@@ -201,9 +211,7 @@ def run_time(pack: Pack, power: Any) -> Any:
 
 def _law(pack: Pack) -> tuple[float, float]:
     """Rated time [s] and exponent; with an exponent of 1 the time does not matter."""
-    if isnan(pack.peukert_exponent) or isnan(pack.rated_time):
-        return 3600.0, 1.0
-    return pack.rated_time, pack.peukert_exponent
+    return (pack.rated_time, pack.peukert_exponent) if pack.peukert else (3600.0, 1.0)
 
 
 def capacity_needed(pack: Pack, power: float, time: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from drivesizer.fields import (
@@ -133,6 +134,18 @@ class Consumer(Section):
             return 1.0 if self.duty is None else self.duty
         if mission is None:
             raise ValueError(f"expected mission.duration for the time of {self.name}; else give its duty")
-        if self.time > mission:
+        if np.all(self.time > mission):
             raise ValueError(f"expected the time of {self.name} not to be longer than the mission")
-        return self.time / mission
+        return np.minimum(self.time / mission, 1.0)  # type: ignore[no-any-return]  # a column where it is sampled
+
+    def drawn(self, mission: float | None) -> tuple[float, float]:
+        """Power out of the battery in the mean over a mission's time [s] and at most [W].
+
+        Raises
+        ------
+        ValueError
+            As ``share``.
+        """
+        each = self.number / self.efficiency
+        highest = self.power if self.peak_power is None else self.peak_power
+        return each * self.power * self.share(mission), each * highest

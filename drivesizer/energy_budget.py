@@ -123,12 +123,10 @@ def _of_the_equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[C
     found = []
     for one in equipment:
         try:
-            duty = one.share(mission)
+            mean, peak = one.drawn(mission)
         except ValueError as error:
             raise InputError(f"equipment: {error}") from None
-        each = one.number / one.efficiency
-        peak = one.peak_power or one.power
-        found.append(Consumption(one.name, one.number, each * one.power * duty, each * peak, duty, one.assumed))
+        found.append(Consumption(one.name, one.number, mean, peak, one.share(mission), one.assumed))
     return tuple(found)
 
 

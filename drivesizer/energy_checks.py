@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import isnan, nan
+from math import nan
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from drivesizer.battery import current_of_power, largest_power
 from drivesizer.battery_pack import Pack
@@ -29,12 +31,13 @@ class Load(NamedTuple):
     full: Any = nan  # s, until all of its charge is drawn
     required: float = nan  # s that it must last; also where nothing is required
     charge: Any = nan  # share left at the end
-    lowest: float = nan  # V at the terminals
+    lowest: Any = nan  # V at the terminals
 
 
-def required_autonomy(spec: RobotSpec, given: Battery) -> float:
+def required_autonomy(spec: RobotSpec, given: Battery) -> Any:
     """How long a battery must last [s]: as its section says, else the mission; NaN where neither is given."""
-    return float(given.autonomy or (spec.mission.duration if spec.mission else nan))
+    mission = spec.mission.duration if spec.mission else nan
+    return mission if given.autonomy is None else given.autonomy
 
 
 def battery_checks(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> tuple[Check, ...]:
@@ -61,7 +64,7 @@ def _lasting(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> list[Ch
     """Autonomy and range, where some is required."""
     lasts = load.full * pack.usable
     required, found = required_autonomy(spec, given), []
-    if not isnan(required):
+    if not np.isnan(required).all():
         found.append(at_least("battery_autonomy", required, lasts, "time", "h", needed=given.reserve))
     if given.range is not None:
         found.append(at_least("battery_range", given.range, load.way * lasts, "length", "km", needed=given.reserve))
@@ -83,7 +86,7 @@ def _voltages(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:
 def _doubted(check: CheckColumn) -> CheckColumn:
     """The check with the nominal voltage for that at rest, which is less in the end: it may fail but not pass."""
     note = "voltage at rest unknown: give open_circuit"
-    return replace(check, passed=check.passed & False, note="" if check.failed else note)
+    return replace(check, passed=check.passed & False, note="" if np.all(check.failed) else note)
 
 
 def _currents(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:

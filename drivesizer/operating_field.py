@@ -110,7 +110,7 @@ def _lines(spec: RobotSpec, drive_set: DriveSet, asked: Demands, hot: float, fas
     voltage, ambient = _voltage(spec, drive_set), spec.environment.ambient
     (cold_at_rest, cold_slope), (at_rest, slope) = (_line(asked, drive_set, voltage, T) for T in (ambient, hot))
     no_load = -cold_at_rest / cold_slope if cold_slope < 0.0 else 0.0
-    w = np.linspace(0.0, max(no_load, fastest), _POINTS)
+    w = np.linspace(0.0, np.fmax(no_load, fastest), _POINTS)  # as far as the cycle goes where friction is unknown
     continuous, thermal = _continuous(spec, asked, OneRow(drive_set.motor), w)
     return {
         "voltage": voltage,

@@ -26,7 +26,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if not hasattr(config, "workerinput"):
         folder = tempfile.mkdtemp(prefix="drivesizer-tests-")
         os.environ["DRIVESIZER_CACHE"] = folder
-        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every command that a test starts compiles the program anew
+        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else each command that a test starts compiles it all
         config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
 
 

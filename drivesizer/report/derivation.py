@@ -73,13 +73,13 @@ def quantity(value: float, unit: str, kind: str) -> str:
 
 
 def _with_unit(value: float, unit: str) -> str:
-    if math.isnan(value):
-        return '"unknown"'
-    return _number(value) if unit == "1" else f'{_number(value)} thin "{_unit(unit)}"'
+    return _number(value) if unit == "1" or math.isnan(value) else f'{_number(value)} thin "{_unit(unit)}"'
 
 
 def _number(value: float) -> str:
     """Four digits; powers of ten for what is very large or very small."""
+    if not math.isfinite(value):
+        return '"unknown"' if math.isnan(value) else "infinity"
     if value == 0.0 or 1e-3 <= abs(value) < 1e6:
         return f"{value:.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
     mantissa, _, exponent = f"{value:.3e}".partition("e")

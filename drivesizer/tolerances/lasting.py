@@ -1,19 +1,21 @@
-"""How long the battery lasts, sample by sample, and what it is asked for at most: autonomy, range, peak power.
+"""How long the battery lasts, sample by sample, and what it is asked for at most: autonomy, range, peak, voltage.
 
 As ``energy_budget`` has it for one set: the drive draws by its load cycle, the equipment by its share of the time, the
-run time is that of the mean power. Not here: voltages under load, which stay at nominal figures.
+run time is that of the mean power. Not here: continuous and charge currents, and what polarisation takes of a voltage.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.battery import current_of_power, terminal_voltage
 from drivesizer.battery_pack import Pack, pack_of, run_time
+from drivesizer.battery_schema import Battery
 from drivesizer.catalog import Catalog
 from drivesizer.checks import CheckColumn
 from drivesizer.energy_checks import Load, battery_columns, required_autonomy
@@ -22,13 +24,14 @@ from drivesizer.physics_limits import Parts
 from drivesizer.spec import RobotSpec
 from drivesizer.tolerances.behind import AtSamples
 from drivesizer.wheel_load import WheelLoad
-from drivesizer.yaml_source import Path_
 
 __all__ = ["SAMPLED", "Draw", "Feeding", "battery_limits", "feeding"]
 
 Array = NDArray[np.float64]
 _LASTING = ("battery_autonomy", "battery_range")
-SAMPLED = (*_LASTING, "battery_power", "battery_peak_current")
+_PEAKS = ("battery_power", "battery_peak_current")
+_VOLTAGES = ("battery_voltage", "battery_cutoff")
+SAMPLED = (*_LASTING, *_PEAKS, *_VOLTAGES)
 
 
 class Feeding(NamedTuple):
@@ -49,34 +52,33 @@ class Draw(NamedTuple):
     peak: Array
 
 
-def feeding(spec: RobotSpec, catalog: Catalog, ratios: Mapping[Path_, Array]) -> Feeding | None:
-    """The battery of a spec; None without one.
+def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
+    """The battery of a machine, and what the equipment draws from it.
 
     Parameters
     ----------
-    spec, catalog
-        The machine, and where the battery's part is listed.
-    ratios
-        Sampled figures over their nominal ones, by their place in the spec.
+    spec
+        The machine, with columns in place of what is sampled.
+    rated
+        Its battery at nominal figures.
+    catalog
+        Where the battery's part is listed.
     """
-    if spec.battery is None:
-        return None
-    pack = pack_of(spec.battery, catalog)
-    charge = ratios.get(("battery", "capacity"), 1.0) * ratios.get(("battery", "health"), 1.0)
+    given = spec.battery
+    assert given is not None
+    charge: Any = 1.0
+    for name in ("capacity", "health"):
+        if name in given.model_fields_set:
+            charge = charge * (getattr(given, name) / getattr(rated, name))
+            given = given.model_copy(update={name: getattr(rated, name)})
     mission = spec.mission.duration if spec.mission else None
-    mean: Any = 0.0
-    peak: Any = 0.0
-    for number, one in enumerate(spec.equipment):
-        each = one.number / one.efficiency / ratios.get(("equipment", number, "efficiency"), 1.0)
-        steady = one.power * ratios.get(("equipment", number, "power"), 1.0)
-        mean = mean + each * steady * one.share(mission)
-        most = one.peak_power * ratios.get(("equipment", number, "peak_power"), 1.0) if one.peak_power else steady
-        peak = peak + each * most
-    return Feeding(pack, charge, mean, peak, isinstance(spec.load, WheeledVehicle | WheelLoad))
+    drawn = [one.drawn(mission) for one in spec.equipment]
+    mean, peak = (sum(powers) for powers in zip(*drawn, strict=True)) if drawn else (0.0, 0.0)
+    return Feeding(pack_of(given, catalog), charge, mean, peak, isinstance(spec.load, WheeledVehicle | WheelLoad))
 
 
 def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Draw], parts: Parts) -> list[CheckColumn]:
-    """Autonomy, range and peak of the battery, as far as they are required.
+    """Autonomy, range, peak and voltage of the battery, as far as they are required.
 
     Parameters
     ----------
@@ -100,11 +102,14 @@ def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Dra
     full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # as so many strings side by side
     speed = _way(spec, at) / total if feeds.travels else np.full_like(total, nan)
     required, way = required_autonomy(spec, spec.battery), spec.battery.range
-    drawn_share = np.fmax(required, nan if way is None else way / speed) / full
-    left = 1.0 - np.minimum(np.where(np.isnan(drawn_share), feeds.pack.usable, drawn_share), feeds.pack.usable)
+    required = np.fmax(required, nan if way is None else way / speed)
+    drawn_share = np.where(np.isnan(required), feeds.pack.usable, required / full)
+    left = 1.0 - np.minimum(drawn_share, feeds.pack.usable)
     peak = np.maximum(draws[0].peak, 0.0) / loss + feeds.peak
-    load = Load(mean=mean, peak=peak, rms=nan, back=nan, way=speed, full=full, charge=left)
-    judged = SAMPLED if len(draws) == 1 else _LASTING
+    emf, resistance = feeds.pack.emf(left), feeds.pack.resistance
+    lowest = terminal_voltage(current_of_power(peak, emf, resistance), emf, resistance)
+    load = Load(mean=mean, peak=peak, rms=nan, back=nan, way=speed, full=full, charge=left, lowest=lowest)
+    judged = _LASTING if len(draws) > 1 else (*_LASTING, *_PEAKS, *(() if feeds.pack.polarisation else _VOLTAGES))
     return [check for check in battery_columns(spec, spec.battery, feeds.pack, load) if check.name in judged]
 
 

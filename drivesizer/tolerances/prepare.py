@@ -180,14 +180,17 @@ _COLUMNS = {
     "supply": {"nominal", "min", "max", "current", "power", "regeneration", "capacitance"},
     "environment": {"ambient"},
     "needs": {"radial_load"},
-    "battery": {"capacity", "health"},
-    "equipment": {"power", "peak_power", "efficiency"},
-}
+    "battery": {"nominal_voltage", "capacity", "rated_time", "peukert_exponent", "resistance", "open_circuit",
+                "peak_current", "usable", "health", "autonomy", "range"},
+    "mission": {"duration"},
+    "equipment": {"power", "peak_power", "efficiency", "duty", "time"},
+}  # fmt: skip
 
 
 def _has_column(path: Path_) -> bool:
     """Whether a figure is one that checks ask for beside the load cycle."""
-    return str(path[-1]) in _COLUMNS.get(str(path[0]), set()) or (path[0] == "transmission" and path[-1] in _BELT)
+    field = path[1] if path[0] == "battery" else path[-1]
+    return str(field) in _COLUMNS.get(str(path[0]), set()) or (path[0] == "transmission" and field in _BELT)
 
 
 _BELT = {"efficiency", "stiffness", "max_tension", "max_speed"}
@@ -223,24 +226,17 @@ def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequ
         specs.append(spec)
         ats.append({belt: AtSamples(sampled, belt) for belt in belts})
     return Block(
-        len(rows), tuple(specs), tuple(ats), tuple(_feeds(one, catalog, rows)), factors, one.spec.tolerances.given
+        len(rows), tuple(specs), tuple(ats), tuple(_feeds(one, catalog, specs)), factors, one.spec.tolerances.given
     )
 
 
-def _feeds(one: Prepared, catalog: Catalog, rows: NDArray[np.int64]) -> Iterator[tuple[Feeding, tuple[int, ...]]]:
+def _feeds(one: Prepared, catalog: Catalog, specs: Sequence[Any]) -> Iterator[tuple[Feeding, tuple[int, ...]]]:
     """The battery of each load case of the machine, and the numbers of the cases that draw from it together."""
     for machine in sorted({case.machine for case in one.cases}):
         numbers = tuple(n for n, case in enumerate(one.cases) if case.machine == machine)
-        case = one.cases[numbers[0]]
-        found = feeding(case.spec, catalog, _ratios(case, one, rows))
-        if found:
-            yield found, numbers
-
-
-def _ratios(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> dict[Path_, Array]:
-    """Sampled figures of battery and equipment over their nominal ones."""
-    fed = {k: path for k, path in case.paths.items() if path[0] in ("battery", "equipment")}
-    return {path: one.values[rows, k] / one.given[k].nominal for k, path in fed.items()}
+        rated = one.cases[numbers[0]].spec.battery
+        if rated:
+            yield feeding(specs[numbers[0]], rated, catalog), numbers
 
 
 def _some(cycles: Cycles, rows: NDArray[np.int64]) -> Cycles:
@@ -266,11 +262,16 @@ class _Seen:
 def _with_columns(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> tuple[Any, Any]:
     """A load case as limits see it, and the efficiency of its belt."""
     found: dict[str, dict[str, Any]] = {"supply": {}, "environment": {}, "needs": {}, "transmission": {}}
+    fed: dict[Path_, Any] = {}
     for k, path in case.paths.items():
-        if path[0] in found and _has_column(path):
-            moved = one.values[rows, k] - one.given[k].nominal
+        if not _has_column(path):
+            continue
+        moved = one.values[rows, k] - one.given[k].nominal
+        if path[0] in found:
             found[str(path[0])][str(path[-1])] = _at(case.spec, path) + moved
-    spec, supply = case.spec, found["supply"]
+        else:
+            fed[path] = moved
+    spec, supply = applied(case.spec, fed), found["supply"]
     nominal = supply.get("nominal", spec.supply.nominal)
     supply["lowest"] = supply.get("min", spec.supply.min or nominal)
     supply["highest"] = supply.get("max", spec.supply.max or nominal)

@@ -145,8 +145,8 @@ def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
     said = [
         "limits are the catalogue's, as printed; encoder and controller are those of the nominal set; all motor sets "
         "of the machine are off alike",
-        "the probability is that no check of the physics fails, nor the battery's autonomy, range and peak; other "
-        "budgets of the machine are at nominal figures",
+        "the probability is that no check of the physics fails, nor the battery's autonomy, range, peak and voltage; "
+        "other budgets of the machine are at nominal figures",
     ]
     if ready.spec.method == "paper":
         said.append("the paper's factors do not enter: the checks that are sampled are the physics beside it")
