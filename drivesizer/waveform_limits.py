@@ -227,10 +227,9 @@ def waveform_limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[Check
 
 def _bus_voltage(spec: RobotSpec, found: Moments) -> Array:
     """Highest voltage of the bus: the supply's where it takes energy back, else what its capacitance makes of it."""
-    supply = spec.supply
-    if supply.regeneration > 0.0:
-        return np.full_like(found.stored, supply.highest)
-    stored = found.stored * spec.load.motors
+    supply, stored = spec.supply, found.stored * spec.load.motors
     if supply.capacitance is None:
-        return np.where(stored > 0.0, np.nan, supply.highest)
-    return np.sqrt(supply.highest**2 + 2.0 * stored / supply.capacitance)
+        raised = np.where(stored > 0.0, np.nan, supply.highest)
+    else:
+        raised = np.sqrt(supply.highest**2 + 2.0 * stored / supply.capacitance)
+    return np.where(supply.regeneration > 0.0, supply.highest, raised)

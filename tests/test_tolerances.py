@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sampled_plainly import evaluated, held_alike, machine_of, scaled
 from scipy import stats
 
-from drivesizer.candidates import Candidates
 from drivesizer.catalog import Catalog
-from drivesizer.choices import ControllerChoice
 from drivesizer.energy_budget import energy_budget
-from drivesizer.evaluation import Evaluation, evaluate
+from drivesizer.evaluation import Evaluation
 from drivesizer.examine import problem
 from drivesizer.records import drive_set
 from drivesizer.search import search
@@ -24,7 +23,7 @@ from drivesizer.tolerances.asked import Sampling
 from drivesizer.tolerances.assess import examined
 from drivesizer.tolerances.assumptions import applied, assumptions, case_paths
 from drivesizer.tolerances.cycles import cycles_of
-from drivesizer.tolerances.evaluate import SetRows, checks_of
+from drivesizer.tolerances.evaluate import checks_of
 from drivesizer.tolerances.prepare import blocks, prepared, unused
 from drivesizer.tolerances.run import subject
 from drivesizer.tolerances.sampling import REPLICATES, mean_and_error, sample
@@ -169,11 +168,7 @@ def test_fitted_load_cycles_are_those_that_are_computed(plain: str) -> None:
 
 
 def _cycle(spec: RobotSpec, given: Any, values: Any) -> Any:
-    return problem(_moved(spec, given, values), load_parts(spec)).bases[0].cycle
-
-
-def _moved(spec: RobotSpec, given: Any, values: Any) -> RobotSpec:
-    return applied(spec, {path: values[k] - given[k].nominal for k, path in case_paths(spec, None).items()})
+    return problem(machine_of(spec, given, values), load_parts(spec)).bases[0].cycle
 
 
 def test_cycles_of_another_structure_are_each_computed() -> None:
@@ -200,39 +195,6 @@ def test_figures_that_shape_nothing_leave_one_cycle() -> None:
 # --- brute force -----------------------------------------------------------------------------------------------------
 
 
-def _changed(table: Any, row: int, factors: dict[str, float]) -> Any:
-    columns = dict(table.columns)
-    for name, factor in factors.items():
-        columns[name] = columns[name].copy()
-        columns[name][row] *= factor
-    return replace(table, columns=columns)
-
-
-def _plainly(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values: Any) -> tuple[Evaluation, Catalog]:
-    """One sample of a set by the plain evaluation: a spec and a catalogue of its own."""
-    v = {assumption.name: value for assumption, value in zip(given, values, strict=True)}
-    heats, rubs, k = v["motor.thermal_resistance"], v["motor.friction"], v["motor.torque_constant"]
-    e = parts.gearheads["efficiency"][one.gearhead]
-    catalog = replace(
-        parts,
-        motors=_changed(parts.motors, one.motor, {
-            "resistance": v["motor.resistance"], "torque_constant": k, "no_load_current": rubs / k,
-            "friction_torque": rubs, "viscous_friction": rubs, "rotor_inertia": v["motor.rotor_inertia"],
-            "thermal_resistance_winding": heats, "thermal_resistance_housing": heats,
-            "winding_time_constant": heats, "motor_time_constant": heats,
-        }),
-        gearheads=_changed(parts.gearheads, one.gearhead, {
-            "efficiency": 1.0 / (1.0 + (1.0 / e - 1.0) * v["gearhead.efficiency"]) / e,
-            "no_load_torque": v["gearhead.efficiency"], "inertia": v["gearhead.inertia"],
-        }),
-    )  # fmt: skip
-    moved = _moved(spec, given, values)
-    mine = ControllerChoice(part=[str(parts.controllers["part"][one.controller])])
-    moved = moved.model_copy(update={"select": moved.select.model_copy(update={"controller": mine})})
-    only = Candidates(np.array([one.motor]), np.array([one.gearhead]), np.array([one.belt]), np.array([True]))
-    return evaluate(moved, catalog, only), catalog
-
-
 def test_samples_are_what_the_plain_evaluation_says(plain: str, parts: Catalog) -> None:
     """200 samples of 100 sets, each check's demand, limit and verdict: the same to 1e-5, windings to 1e-3."""
     spec = _read(plain, MOVED)
@@ -247,8 +209,8 @@ def test_samples_are_what_the_plain_evaluation_says(plain: str, parts: Catalog) 
             continue  # an iron loss that is calibrated by the data sheet is not off because the resistance is
         got = checks_of(parts, one, block)
         for row in rng.integers(0, block.size, 2):
-            plainly, catalog = _plainly(spec, parts, one, given, ready.values[row])
-            _alike(plainly, got, int(row), block.size)
+            plainly, catalog = evaluated(spec, parts, one, given, ready.values[row])
+            held_alike(plainly, got, int(row), block.size)
             seen += 1
             if place < 5:
                 _lasts(spec, plainly, catalog, given, ready.values[row], got, int(row), block.size)
@@ -272,29 +234,11 @@ def test_a_figure_that_the_catalogue_lacks_is_unknown_in_samples_as_in_the_plain
     hidden = sorted({*known} - CHOSEN_BY.get(section, set()))
     assert len(hidden) > 5
     for name in hidden:
-        lacking = replace(parts, **{section: _changed(table, row, {name: math.nan})})
+        lacking = replace(parts, **{section: scaled(table, row, {name: math.nan})})
         (block,) = blocks(ready, lacking, [1.1])
         got = checks_of(lacking, one, block)
-        plainly, _ = _plainly(spec, lacking, one, given, ready.values[200])
-        _alike(plainly, got, 200, block.size)
-
-
-def _alike(plainly: Evaluation, got: dict[str, Any], row: int, size: int) -> None:
-    for check in plainly.checks:
-        if check.name not in got:
-            assert check.name in ("compatibility", "encoder_counts")
-            continue
-        mine = got[check.name]
-        near = 1e-3 if check.name == "winding_temperature" else 1e-5
-        for name in ("demand", "limit"):
-            column = np.broadcast_to(getattr(mine, name), size)
-            largest = np.abs(column[np.isfinite(column)]).max(initial=0.0)
-            np.testing.assert_allclose(
-                column[row], getattr(check, name)[0], rtol=near, atol=near * largest, err_msg=check.name
-            )
-        if not abs(check.margin[0]) < 10 * near:  # else rounding decides
-            for name in ("passed", "failed"):
-                assert np.broadcast_to(getattr(mine, name), size)[row] == getattr(check, name)[0], check.name
+        plainly, _ = evaluated(spec, lacking, one, given, ready.values[200])
+        held_alike(plainly, got, 200, block.size)
 
 
 VOLTAGES = ("battery_voltage", "battery_cutoff")
@@ -306,7 +250,7 @@ def _lasts(
     checks: tuple[str, ...] = PEAKS,
 ) -> None:  # fmt: skip
     """Autonomy and the battery's peaks against the energy budget of one set."""
-    moved = _moved(spec, given, values)
+    moved = machine_of(spec, given, values)
     assert moved.battery
     record = drive_set(plainly, 0, 1, "mass")
     budget = {
@@ -354,7 +298,7 @@ def test_a_battery_and_what_it_feeds_are_sampled_figure_by_figure(plain: str, pa
     for row in range(0, 512, 40):
         values = ready.values[row].copy()
         values[time] = min(values[time], values[mission])
-        plainly, catalog = _plainly(spec, parts, one, given, values)
+        plainly, catalog = evaluated(spec, parts, one, given, values)
         _lasts(spec, plainly, catalog, given, values, got, row, block.size, (*PEAKS, *VOLTAGES, "battery_range"))
 
 

@@ -179,7 +179,7 @@ def unused(one: Prepared) -> list[Assumption]:
 _COLUMNS = {
     "supply": {"nominal", "min", "max", "current", "power", "regeneration", "capacitance"},
     "environment": {"ambient"},
-    "needs": {"radial_load"},
+    "needs": {"radial_load", "backlash_at_load", "inertia_ratio", "resonance", "resolution_at_load"},
     "battery": {"nominal_voltage", "capacity", "rated_time", "peukert_exponent", "resistance", "open_circuit",
                 "peak_current", "usable", "health", "autonomy", "range"},
     "mission": {"duration"},

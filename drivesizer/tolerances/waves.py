@@ -53,7 +53,7 @@ def moments(
     power = when = stored = drawn = returned = nothing
     limit = np.broadcast_to(parts.controller["continuous_current"], nothing.shape)
     above = np.where(np.isnan(limit), np.nan, 0.0)
-    stores = not np.any(spec.supply.regeneration)
+    stores = not np.all(spec.supply.regeneration)
     limited = spec.supply.current is not None or spec.supply.power is not None
     if limited or stores or energies or (under.current.value > limit).any():
         volts = current * under.hot + at.speeds * (k_t * asked.total_ratio)
