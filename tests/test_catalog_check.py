@@ -256,7 +256,8 @@ def test_hiding_a_figure_adds_no_finding(before: dict[str, tuple[Catalog, list[F
         if column.kind != "text":
             columns = dict(table.columns) | {name: np.full(len(table), np.nan)}
             hidden = replace(some, **{section: replace(table, columns=columns)})  # type: ignore[arg-type]
-            assert {(f.part, f.identity) for f in held_to(hidden, laws_of(section)) if f.grade == "finding"} <= known, name
+            after = held_to(hidden, laws_of(section))
+            assert {(f.part, f.identity) for f in after if f.grade == "finding"} <= known, name
 
 
 def test_an_empty_catalogue_has_no_findings(catalog: Catalog) -> None:

@@ -159,9 +159,12 @@ def test_one_without_a_controller_takes_one_from_the_shelf(shop):
 
 
 def test_nobody_elses_motor_gets_the_controller_inside(shop):
-    spec = load_spec(shop / "robot.yaml")
-    result = size(spec, top=200)
+    path = shop / "robot.yaml"
+    families = "motor: {family: [XA 70, XM, EC-i 40, EC 45 flat]}"
+    path.write_text(path.read_text().replace("maxon]}", f"maxon], {families}}}"))
+    result = size(load_spec(path), top=100)
     assert any(s.actuator for s in result.sets)
+    assert {"EC-i 40", "EC 45 flat"} & {s.motor.family for s in result.sets}
     for s in (*result.sets, *result.misses):
         assert s.controller is None or s.controller.inside == (s.actuator.part if s.actuator else "")
         assert s.encoder is None or s.encoder.inside in ("", s.motor.inside)
