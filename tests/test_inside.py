@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from math import inf, isnan, pi
+from math import inf, isnan, nan, pi
 
 import numpy as np
 import pytest
@@ -158,7 +158,8 @@ def test_one_without_a_controller_takes_one_from_the_shelf(shop):
     assert list(found.parts) == ["actuator", "encoder", "controller"] and found.encoder is None
 
 
-def test_nobody_elses_motor_gets_the_controller_inside(shop):
+def test_nobody_elses_motor_gets_the_controller_inside(shop, monkeypatch):
+    monkeypatch.setattr("drivesizer.records.overload_time", lambda *_: nan)  # of hundreds of sets, and nobody asks
     path = shop / "robot.yaml"
     families = "motor: {family: [XA 70, XM, EC-i 40, EC 45 flat]}"
     path.write_text(path.read_text().replace("maxon]}", f"maxon], {families}}}"))
