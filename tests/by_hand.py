@@ -10,7 +10,6 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -71,8 +70,8 @@ def crossing(ends: Pair) -> list[float]:
 def between(ends: Pair, left: float, right: float) -> Pair:
     """A line between two shares of it; what is nothing but rounding beside its ends is zero."""
     size = 1e-13 * max(abs(ends[0]), abs(ends[1]))
-    a, b = ends[0] + left * (ends[1] - ends[0]), ends[0] + right * (ends[1] - ends[0])
-    return 0.0 if abs(a) < size else a, 0.0 if abs(b) < size else b
+    found = [ends[0] + s * (ends[1] - ends[0]) for s in (left, right)]
+    return tuple(0.0 if abs(x) < size else x for x in found)  # type: ignore[return-value]
 
 
 def drive(motor: Any, head: Any, more_inertia: float, belt: float, e_belt: float, cycle: list[Segment]) -> list[Piece]:
@@ -291,11 +290,11 @@ def periodic_peak(pieces: list[Piece], motor: Any, ambient: float, steady: float
     y, z = (1.0, 0.0), (0.0, 1.0)
     for p in pieces:
         square, loss = product(p.time, p.current, p.current) / p.time, housing(p, motor) / p.time
-        step = _Step(*_network(motor, ambient, square, loss), p.time)
+        step = _Step(*_network(motor, ambient, square, loss))
         if step.fast * p.time > 300 or step.slow * p.time > 300:
             return math.inf
-        steps.append(step)
-        x, y, z = step.after(x), step.after(y, 0.0), step.after(z, 0.0)
+        steps.append((step, p.time))
+        x, y, z = step.after(x, p.time), step.after(y, p.time, 0.0), step.after(z, p.time, 0.0)
     if not largest([*map(abs, y), *map(abs, z)]) < 1e100:
         return math.inf
     trace, det = y[0] + z[1], y[0] * z[1] - y[1] * z[0]
@@ -305,55 +304,45 @@ def periodic_peak(pieces: list[Piece], motor: Any, ambient: float, steady: float
     whole = a * d - b * c
     x = ((x[0] * d - b * x[1]) / whole, (a * x[1] - c * x[0]) / whole)
     peak = x[0]
-    for step in steps:
-        peak = max(peak, step.highest(x))
-        x = step.after(x)
+    for step, time in steps:
+        peak = max(peak, step.highest(x, time))
+        x = step.after(x, time)
         peak = max(peak, x[0])
     return ambient + peak
 
 
 class _Step:
-    """Winding and housing under constant losses for some time, in closed form."""
+    """Winding and housing under constant losses, in closed form."""
 
-    def __init__(self, matrix: tuple[float, ...], b: Pair, time: float) -> None:
-        self.time = time
+    def __init__(self, matrix: tuple[float, ...], b: Pair) -> None:
         m11, m12, m21, m22 = self.matrix = matrix
         root = math.sqrt((m11 - m22) ** 2 / 4 + m12 * m21)
         self.slow, self.fast = (m11 + m22) / 2 + root, (m11 + m22) / 2 - root
         det = m11 * m22 - m12 * m21
         self.rest = ((m12 * b[1] - m22 * b[0]) / det, (m21 * b[0] - m11 * b[1]) / det)
 
-    def exponential(self, time: float) -> tuple[float, ...]:
-        """Of the matrix, by Sylvester: (e^(s t) (A - f) + e^(f t) (s - A)) / (s - f)."""
+    def _modes(self, x: Pair, drive: float) -> tuple[Pair, Pair]:
         m11, m12, m21, m22 = self.matrix
+        d = x[0] - drive * self.rest[0], x[1] - drive * self.rest[1]
         span = self.slow - self.fast
-        s, f = math.exp(self.slow * time) / span, math.exp(self.fast * time) / span
-        e11 = (m11 - self.fast) * s + (self.slow - m11) * f
-        e22 = (m22 - self.fast) * s + (self.slow - m22) * f
-        return e11, m12 * (s - f), m21 * (s - f), e22
+        Md = m11 * d[0] + m12 * d[1], m21 * d[0] + m22 * d[1]
+        slow = tuple((Md[n] - self.fast * d[n]) / span for n in (0, 1))
+        fast = tuple((self.slow * d[n] - Md[n]) / span for n in (0, 1))
+        return slow, fast  # type: ignore[return-value]
 
-    @cached_property
-    def _whole(self) -> tuple[float, ...]:
-        return self.exponential(self.time)
+    def after(self, x: Pair, time: float, drive: float = 1.0) -> Pair:
+        slow, fast = self._modes(x, drive)
+        s, f = math.exp(self.slow * time), math.exp(self.fast * time)
+        return tuple(drive * self.rest[n] + slow[n] * s + fast[n] * f for n in (0, 1))  # type: ignore[return-value]
 
-    def after(self, x: Pair, drive: float = 1.0) -> Pair:
-        e11, e12, e21, e22 = self._whole
-        r1, r2 = drive * self.rest[0], drive * self.rest[1]
-        d1, d2 = x[0] - r1, x[1] - r2
-        return r1 + e11 * d1 + e12 * d2, r2 + e21 * d1 + e22 * d2
-
-    def highest(self, x: Pair) -> float:
+    def highest(self, x: Pair, time: float) -> float:
         """Where the winding's rate is zero, if that is within."""
-        d1, d2 = x[0] - self.rest[0], x[1] - self.rest[1]
-        rate, span = self.matrix[0] * d1 + self.matrix[1] * d2, self.slow - self.fast
-        rates = (rate - self.fast * d1) / span * self.slow, (rate - self.slow * d1) / span * self.fast
+        slow, fast = self._modes(x, 1.0)
+        rates = slow[0] * self.slow, -fast[0] * self.fast
         if rates[0] * rates[1] <= 0:
             return -math.inf
-        at = math.log(rates[0] / rates[1]) / -span
-        if not 0 < at < self.time:
-            return -math.inf
-        e11, e12, _, _ = self.exponential(at)
-        return self.rest[0] + e11 * d1 + e12 * d2
+        at = math.log(rates[0] / rates[1]) / (self.fast - self.slow)
+        return self.after(x, at)[0] if 0 < at < time else -math.inf
 
 
 def marched_peak(pieces: list[Piece], motor: Any, ambient: float, least_steps: int) -> float:
