@@ -223,15 +223,6 @@ def test_a_reader_that_goes_away_is_no_error(example):
     assert "Traceback" not in done.stderr
 
 
-def test_sizing_loads_nothing_slow(example):
-    code = (
-        "import sys; from drivesizer.cli import app; app(['size', sys.argv[1]], standalone_mode=False); "
-        "print([m for m in ('control', 'scipy.signal', 'matplotlib', 'typst', 'pint') if m in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", code, str(example)], capture_output=True, text=True, check=True)
-    assert done.stdout.rstrip().endswith("[]")
-
-
 def test_objectives_and_front_from_the_command_line(run, example, tmp_path):
     text = example.read_text(encoding="utf-8").replace("method: paper", "method: physics")
     spec = tmp_path / "robot.yaml"

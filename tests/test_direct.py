@@ -48,8 +48,9 @@ def direct(tmp_path):
 
 
 def test_the_motor_alone_is_a_set(direct):
-    spec = read_spec(YamlSource(FAN.replace("CATALOGS", f"{direct}/one.yaml, maxon"), "fan.yaml"))
-    result = size(spec, top=500)
+    among = FAN.replace("CATALOGS]", f"{direct}/one.yaml, maxon], motor: {{family: [D, EC-i 40, RE 40]}}")
+    result = size(read_spec(YamlSource(among, "fan.yaml")), top=500)
+    assert len({s.motor.family for s in result.sets}) > 1
     found = next(s for s in result.sets if s.gearhead.kind == "direct")
     assert found.label == "D one-90 without gearhead"
     assert found.total_ratio == 1.0

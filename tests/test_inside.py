@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from math import inf, isnan, pi
+from math import inf, isnan, nan, pi
 
 import numpy as np
 import pytest
@@ -158,10 +158,14 @@ def test_one_without_a_controller_takes_one_from_the_shelf(shop):
     assert list(found.parts) == ["actuator", "encoder", "controller"] and found.encoder is None
 
 
-def test_nobody_elses_motor_gets_the_controller_inside(shop):
-    spec = load_spec(shop / "robot.yaml")
-    result = size(spec, top=200)
+def test_nobody_elses_motor_gets_the_controller_inside(shop, monkeypatch):
+    monkeypatch.setattr("drivesizer.records.overload_time", lambda *_: nan)  # of hundreds of sets, and nobody asks
+    path = shop / "robot.yaml"
+    families = "motor: {family: [XA 70, XM, EC-i 40, EC 45 flat]}"
+    path.write_text(path.read_text().replace("maxon]}", f"maxon], {families}}}"))
+    result = size(load_spec(path), top=100)
     assert any(s.actuator for s in result.sets)
+    assert {"EC-i 40", "EC 45 flat"} & {s.motor.family for s in result.sets}
     for s in (*result.sets, *result.misses):
         assert s.controller is None or s.controller.inside == (s.actuator.part if s.actuator else "")
         assert s.encoder is None or s.encoder.inside in ("", s.motor.inside)

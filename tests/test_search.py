@@ -30,6 +30,12 @@ def spec_of(mass="30 kg", slope="2 deg", speed="1.1 m/s", belts="[1.3]", objecti
     return read_spec(YamlSource(text, "open.yaml"))
 
 
+@pytest.fixture(scope="module")
+def many(catalog):
+    """The first thousand by mass."""
+    return size(spec_of(), catalog=catalog, top=1000)
+
+
 def by_hand(spec, catalog):
     """Each pair's failed checks by the paper's rule, scalar by scalar; NaN compares false both ways."""
     load, motion, f = spec.load, spec.motion, spec.paper_factors
@@ -42,6 +48,7 @@ def by_hand(spec, catalog):
     motors = [catalog.motors.record(i) for i in range(len(catalog.motors))]
     gears = [catalog.gearheads.record(i) for i in range(len(catalog.gearheads))]
     sets, largest, doubtful = {}, {}, {}
+    belts, e_b = spec.belt_ratios, spec.belt_efficiency
     for m, gear in zip(catalog.motor_gearhead.left.tolist(), catalog.motor_gearhead.right.tolist(), strict=True):
         if catalog.motors.excluded[m] or catalog.gearheads.excluded[gear]:
             continue
@@ -52,8 +59,8 @@ def by_hand(spec, catalog):
         )
         rms = math.sqrt((t_acc * (M_nom + M_acc) ** 2 + t_nom * M_nom**2 + t_acc * (M_nom - M_acc) ** 2) / T) / N
         peak = (M_nom + M_acc) / N
-        for belt in spec.belt_ratios:
-            K, e_b = head.ratio * belt, spec.belt_efficiency
+        for belt in belts:
+            K = head.ratio * belt
             m_rms, m_peak = (x / (K * head.efficiency * e_b) for x in (rms, peak))
             V_0 = n * K + motor.speed_torque_gradient * m_peak
             gear_fails = {
@@ -92,7 +99,8 @@ def by_hand(spec, catalog):
     ],
     ids=["robot", "heavy with three belts", "downhill"],
 )
-def test_every_pair_of_the_catalogue(spec, catalog):
+def test_every_pair_of_the_catalogue(spec, catalog, monkeypatch):
+    monkeypatch.setattr("drivesizer.sizing.relaxations", lambda *_: ())  # sixty searches more, where nothing fits
     expected = by_hand(spec, catalog)
     result = size(spec, catalog=catalog, top=50)
     tally = Counter(name for fails in expected.values() for name, failed in fails.items() if failed)
@@ -105,8 +113,8 @@ def test_every_pair_of_the_catalogue(spec, catalog):
 
 
 @pytest.mark.parametrize("objective", ["mass", "price", "power", "length", "margin"])
-def test_objectives_rank(objective, catalog):
-    result = size(spec_of(objective=objective), catalog=catalog, top=200)
+def test_objectives_rank(objective, catalog, many):
+    result = many if objective == "mass" else size(spec_of(objective=objective), catalog=catalog, top=100)
     rows = [(s.status != "pass", -len(s.objective_of), s.objective) for s in result.sets]
     if objective == "margin":
         rows = [(a, -1, -c) for a, _, c in rows]
@@ -121,17 +129,15 @@ def test_price_and_mass_are_sums_of_the_datasheets(catalog):
     assert best.mass == pytest.approx(best.motor.mass + best.gearhead.mass)
 
 
-def test_one_reduction_remains_per_motor_and_family(catalog):
-    result = size(spec_of(), catalog=catalog, top=1000)
+def test_one_reduction_remains_per_motor_and_family(many):
     seen = {}
-    for s in result.sets:
+    for s in many.sets:
         seen.setdefault((s.motor.part, s.gearhead.family), set()).add(round(s.total_ratio, 9))
     assert all(len(ratios) == 1 for ratios in seen.values())
 
 
-def test_the_controller_is_the_smallest_that_suffices(catalog):
-    spec = spec_of()
-    for s in size(spec, catalog=catalog, top=30).sets:
+def test_the_controller_is_the_smallest_that_suffices(catalog, many):
+    for s in many.sets[:30]:
         need = {c.name: c.demand for c in s.checks}
         for row in range(len(catalog.controllers)):
             c = catalog.controllers.record(row)
@@ -145,7 +151,7 @@ def test_the_controller_is_the_smallest_that_suffices(catalog):
             assert not (fits and enough), f"{c.family} would do for {s.label}"
 
 
-def test_nothing_fits_says_what_to_relax(catalog):
+def test_nothing_fits_says_what_to_relax(catalog, monkeypatch):
     spec = spec_of(mass="900 kg", speed="3 m/s")
     result = size(spec, catalog=catalog)
     assert result.sets == ()
@@ -153,6 +159,7 @@ def test_nothing_fits_says_what_to_relax(catalog):
     fields = {r.field: r for r in result.relaxations}
     assert "load.mass" in fields
     lighter = size(spec_of(mass=fields["load.mass"].needed, speed="3 m/s"), catalog=catalog)
+    monkeypatch.setattr("drivesizer.sizing.relaxations", lambda *_: ())  # what would help this one, nobody asks
     still = size(
         spec_of(mass=f"{float(fields['load.mass'].needed.split()[0]) * 1.03} kg", speed="3 m/s"), catalog=catalog
     )

@@ -15,7 +15,10 @@ import pytest
 from studies import CHEAP, FEW, MANY, command, laid, ran, results, surroundings
 
 from drivesizer import cli
+from drivesizer.study import cluster
+from drivesizer.study.local import tasks
 from drivesizer.study.lock import locked
+from drivesizer.study.variant import rows_of
 
 WAIT = 120.0  # s, for a process to come so far
 
@@ -45,6 +48,16 @@ def run(monkeypatch, capsys, tmp_path):
         return end.value.code, out.out, out.err
 
     return call
+
+
+@pytest.fixture
+def here(monkeypatch):
+    """Variants in this process, of studies where it is not the processes that matter: each takes a second to start."""
+
+    def computed(plan, chunks, processes):
+        return ((chunk, rows_of(plan.job, variants, heads)) for chunk, variants, heads in tasks(plan, chunks))
+
+    monkeypatch.setattr("drivesizer.study.run.on_processes", computed)
 
 
 def until(condition, *, every=0.02):
@@ -175,8 +188,8 @@ def test_a_cluster_that_loses_a_worker_gives_the_same(whole, tmp_path):
     with subprocess.Popen(
         [sys.executable, "cluster.py"], cwd=tmp_path, env=surroundings(), stdin=subprocess.PIPE,
         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, encoding="utf-8",
-    ) as cluster:  # fmt: skip
-        address, worker, _ = cluster.stdout.readline().split()
+    ) as running:  # fmt: skip
+        address, worker, _ = running.stdout.readline().split()
         with subprocess.Popen(
             command("--scheduler", address, "--no-maps"), cwd=tmp_path, env=surroundings(), stdout=subprocess.PIPE,
             stderr=subprocess.PIPE, encoding="utf-8",
@@ -185,7 +198,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_same(whole, tmp_path):
             os.kill(int(worker), signal.SIGKILL)
             assert len(chunks(tmp_path)) < 167
             _, err = study.communicate(timeout=WAIT)
-        cluster.stdin.close()
+        running.stdin.close()
     assert (study.returncode, err) == (0, "")
     assert results(tmp_path / "study") == without_maps(whole)
 
@@ -198,9 +211,11 @@ def without_maps(files):
     ("address", "said"),
     [("tcp://127.0.0.1:9", "does not answer"), ("nonsense://x", "unknown address scheme"), ("here", "does not answer")],
 )
-def test_a_scheduler_that_is_not_there_is_one_line_within_seconds(run, tmp_path, address, said):
+def test_a_scheduler_that_is_not_there_is_one_line_within_seconds(run, tmp_path, monkeypatch, address, said):
     pytest.importorskip("distributed")
     laid(tmp_path, FEW)
+    assert cluster._PATIENCE <= 10.0  # s; here less of it: a port that nobody has is tried for as long
+    monkeypatch.setattr(cluster, "_PATIENCE", 1.0)
     start = time.monotonic()
     status, out, err = run("--scheduler", address)
     assert (status, out, err.count("\n")) == (2, "", 1)
@@ -223,6 +238,7 @@ def test_a_second_process_is_refused(run, tmp_path):
     assert run("--no-maps")[0] == 0  # what it leaves behind is in nobody's way
 
 
+@pytest.mark.usefixtures("here")
 def test_a_folder_of_another_study_is_refused_until_fresh(run, tmp_path):
     laid(tmp_path, FEW)
     assert run("--no-maps")[0] == 0
@@ -242,6 +258,7 @@ def test_a_folder_of_another_study_is_refused_until_fresh(run, tmp_path):
     assert run("--no-maps")[0] == 0
 
 
+@pytest.mark.usefixtures("here")
 def test_another_version_or_a_damaged_manifest_is_another_study(run, tmp_path):
     laid(tmp_path, FEW)
     assert run("--no-maps")[0] == 0
@@ -274,6 +291,7 @@ def test_a_folder_that_cannot_be_is_refused_before_anything_is_done(run, tmp_pat
     assert sorted(tmp_path.rglob("*")) == before
 
 
+@pytest.mark.usefixtures("here")
 def test_a_table_that_cannot_be_written_is_one_line_and_the_rows_are_kept(run, tmp_path):
     laid(tmp_path, FEW)
     assert run("--no-maps")[0] == 0
@@ -302,6 +320,7 @@ def test_wrong_studies_are_one_line_at_the_command(run, tmp_path):
     assert not (tmp_path / "study").exists()
 
 
+@pytest.mark.usefixtures("here")
 def test_a_study_where_nothing_stands_is_status_1(run, tmp_path):
     laid(tmp_path, "spec: robot.yaml\nvary: {load.mass: [450 kg, -5 kg]}\n")
     status, out, err = run()
@@ -309,6 +328,7 @@ def test_a_study_where_nothing_stands_is_status_1(run, tmp_path):
     assert out.splitlines()[0] == "2 variants: 1 fail, 1 error; 18 sets examined"
 
 
+@pytest.mark.usefixtures("here")
 def test_without_pyarrow_there_is_the_csv_and_a_note(run, tmp_path, monkeypatch):
     laid(tmp_path, FEW)
     monkeypatch.setattr("drivesizer.study.run.has_parquet", lambda: False)
