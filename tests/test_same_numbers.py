@@ -404,6 +404,12 @@ def starter(kind: str, *pairs: tuple[str, str]) -> RobotSpec:
     return read_spec(YamlSource(text, f"{kind}.yaml"))
 
 
+def driven(result: SizingResult) -> Validation:
+    """The closed loop of the best set, of whose samples, which nobody reads here, few are kept."""
+    proof = validate(result.spec, result.sets[0])
+    return replace(proof, series={name: values[::50] for name, values in proof.series.items()})
+
+
 @pytest.fixture(scope="module")
 def runs(spec: RobotSpec) -> dict[str, Run]:
     paper = size(spec, top=5)
@@ -412,9 +418,9 @@ def runs(spec: RobotSpec) -> dict[str, Run]:
     platform = size(load_spec(ROOT / "examples" / "sps_platform.yaml"), top=3)
     wide = arm.select.model_copy(update={"catalogs": ["cubemars", "robstride", "myactuator"]})
     return {
-        "paper": Run(paper, validate(paper.spec, paper.sets[0])),
+        "paper": Run(paper, driven(paper)),
         "fails": Run(hoist, None),
-        "platform": Run(platform, validate(platform.spec, platform.sets[0])),
+        "platform": Run(platform, driven(platform)),
         "actuators": Run(size(arm.model_copy(update={"select": wide}), top=3), None),
         "unsure": Run(size(paper.spec, top=2, sampling=Sampling(256, 1, 1.0)), None),
     }
