@@ -154,13 +154,10 @@ def test_a_response_without_end_or_nothing_at_all_does_not_stop_the_drawing():
     ElementTree.fromstring(loop_curves.step([replace(VELOCITY, settling_time=nan, step=np.full(20_000, 0.3))]))
 
 
-def test_figures_of_loops_have_units_and_the_same_bytes_each_time(proof):
+def test_figures_of_loops_have_units():
     assert {"frequency (Hz)", "(dB)", "phase", "(°)", "closed loop"} <= labels(loop_curves.bode(CASCADE))
     assert "velocity, braking: crossover" in " ".join(labels(loop_curves.bode(CASCADE)))
     assert {"answer to a step (%)", "time (ms)", "time (s)"} <= labels(loop_curves.step(CASCADE))
-    for draw in (loop_curves.bode, loop_curves.step):
-        assert draw(CASCADE) == draw(CASCADE) and draw(CASCADE, "png") == draw(CASCADE, "png")
-    assert figures.closed_loop(proof, "png") == figures.closed_loop(proof, "png")
 
 
 def test_the_closed_loop_shows_what_is_known_and_no_more(proof):
@@ -180,7 +177,7 @@ def test_the_closed_loop_shows_what_is_known_and_no_more(proof):
 # -- files
 
 
-def test_figures_go_into_a_folder_as_drawing_and_picture(proof, tmp_path):
+def test_figures_go_into_a_folder_as_drawing_and_picture_with_the_same_bytes_each_time(proof, tmp_path):
     folder = tmp_path / "loop"
     paths = write_loop_figures(proof, folder)
     names = [f"{name}.{form}" for name in ("closed_loop", "bode", "step") for form in ("svg", "png")]
