@@ -95,18 +95,41 @@ def until(page: Any, happened: Callable[[], bool], patience: int = 400) -> None:
     pytest.fail("did not happen within 20 s")
 
 
-@pytest.fixture(scope="module")
-def page(browser, report):
-    made, heard = opened(browser, report)
+def kept(browser: Any, path: Path, width: int = 1400, **more: Any) -> Iterator[Any]:
+    made, heard = opened(browser, path, width, **more)
     made.heard = heard
     yield made
     made.close()
 
 
 @pytest.fixture(scope="module")
+def page(browser, report):
+    yield from kept(browser, report)
+
+
+@pytest.fixture(scope="module")
 def wild(browser, hostile):
-    made, heard = opened(browser, hostile)
-    made.heard = heard
+    yield from kept(browser, hostile)
+
+
+@pytest.fixture(scope="module")
+def narrow(browser, report):
+    """The robot on a telephone with a dark screen."""
+    yield from kept(browser, report, 360, color_scheme="dark")
+
+
+@pytest.fixture(scope="module")
+def narrow_wild(browser, hostile):
+    yield from kept(browser, hostile, 360)
+
+
+@pytest.fixture(scope="module")
+def undrawn(browser, report):
+    """The robot in a browser that cannot unpack what draws the figures."""
+    made = browser.new_page()
+    made.add_init_script("delete window.DecompressionStream")
+    made.goto(report.as_uri())
+    made.wait_for_selector("html[data-drawn='0']")
     yield made
     made.close()
 
@@ -124,9 +147,8 @@ def test_markup_in_names_is_text(wild, hostile, hoist):
     assert [text.strip() for text in legend.all_inner_texts()] == ["as specified", CASE, "weak"]
 
 
-def test_its_own_policy_forbids_other_scripts_and_requests(browser, report):
-    page, _ = opened(browser, report)
-    found = page.evaluate("""async () => {
+def test_its_own_policy_forbids_other_scripts_and_requests(undrawn):
+    found = undrawn.evaluate("""async () => {
         const broken = [];
         document.addEventListener("securitypolicyviolation", (e) => broken.push(e.effectiveDirective));
         const script = document.createElement("script");
@@ -140,7 +162,6 @@ def test_its_own_policy_forbids_other_scripts_and_requests(browser, report):
         return [broken.sort(), window.ran ?? false];
     }""")
     assert found == [["connect-src", "img-src", "script-src-elem"], False]
-    page.close()
 
 
 # -- the table
@@ -298,38 +319,44 @@ def test_a_set_that_is_clicked_in_a_figure_is_marked_in_the_table(page):
 # -- screens and paper
 
 
-@pytest.mark.parametrize("width", [1400, 1000, 700, 420, 360])
-def test_no_page_is_wider_than_its_window(browser, report, hostile, width):
-    for path in (report, hostile):
-        page, heard = opened(browser, path, width)
-        assert page.evaluate("document.documentElement.scrollWidth") <= width, path
-        over = page.evaluate("""() => [...document.querySelectorAll("main *")].filter((e) =>
+FITTED = """() => [...document.querySelectorAll(".drawing")].every((d) =>
+    Math.abs(d._fullLayout.width - d.getBoundingClientRect().width) < 1.5)"""
+
+
+def resized(page: Any, width: int) -> None:
+    """Wait until every figure has found its new width: the page does that by itself, a moment later."""
+    page.set_viewport_size({"width": width, "height": 1000})
+    until(page, lambda: page.evaluate(FITTED))
+
+
+@pytest.mark.parametrize("width", [1400, 1000, 360, 420, 700])
+def test_no_page_is_wider_than_its_window(page, wild, narrow, narrow_wild, width):
+    """As it is opened, wide and narrow, and as its window is drawn to another width."""
+    for made in (page, wild) if width >= 1000 else (narrow, narrow_wild):
+        resized(made, width)
+        assert made.evaluate("document.documentElement.scrollWidth") <= width, made.url
+        over = made.evaluate("""() => [...document.querySelectorAll("main *")].filter((e) =>
             !e.closest(".scroll, .lines, dd, .js-plotly-plot") && e.getBoundingClientRect().right > innerWidth + 1)
             .map((e) => e.outerHTML.slice(0, 80))""")
-        assert over == [] and heard.console == []
-        page.close()
+        assert over == [] and made.heard.console == []
 
 
-def test_a_dark_screen_gets_a_dark_page_and_light_figures(browser, report):
-    page, _ = opened(browser, report, color_scheme="dark")
-
+def test_a_dark_screen_gets_a_dark_page_and_light_figures(narrow):
     def brightness(colour: str) -> float:
         return sum(map(int, re.findall(r"\d+", colour)[:3])) / 765.0
 
-    ground = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    ground = narrow.evaluate("getComputedStyle(document.body).backgroundColor")
     letters = "getComputedStyle(document.querySelector('[data-plot=cycle] .xtick text')).fill"
-    dark = page.evaluate(letters)
+    dark = narrow.evaluate(letters)
     assert brightness(ground) < 0.15 and brightness(dark) > 0.8
-    page.emulate_media(color_scheme="light")
-    until(page, lambda: page.evaluate(letters) != dark)
-    assert brightness(page.evaluate(letters)) < 0.2
-    page.close()
+    narrow.emulate_media(color_scheme="light")
+    until(narrow, lambda: narrow.evaluate(letters) != dark)
+    assert brightness(narrow.evaluate(letters)) < 0.2
 
 
-def test_it_prints(browser, report, result, tmp_path):
+def test_it_prints(page, result, tmp_path):
     import pypdf
 
-    page, heard = opened(browser, report)
     before = page.locator("[data-plot='loop'] .main-svg").first.bounding_box()["width"]
     page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True)
     text = " ".join(sheet.extract_text() for sheet in pypdf.PdfReader(tmp_path / "report.pdf").pages)
@@ -344,31 +371,26 @@ def test_it_prints(browser, report, result, tmp_path):
         assert said in text, said
     assert "Contents" not in text
     assert page.locator("[data-plot='loop'] .main-svg").first.bounding_box()["width"] == pytest.approx(before)
-    assert heard.console == []
-    page.close()
+    assert page.heard.console == []
 
 
-def test_nothing_is_clipped_on_paper(browser, report, hostile):
+def test_nothing_is_clipped_on_paper(narrow, narrow_wild):
     """The width of the text on A4, 176 mm: no table or figure is wider."""
-    for path in (report, hostile):
-        page, _ = opened(browser, path, 665)
-        page.emulate_media(media="print")
-        page.evaluate("dispatchEvent(new Event('beforeprint'))")
-        wide = page.evaluate("""() => [...document.querySelectorAll("table, .main-svg, pre, math")]
+    for made in (narrow, narrow_wild):
+        resized(made, 665)
+        made.emulate_media(media="print")
+        made.evaluate("dispatchEvent(new Event('beforeprint'))")
+        wide = made.evaluate("""() => [...document.querySelectorAll("table, .main-svg, pre, math")]
             .filter((e) => e.getBoundingClientRect().right > 666).map((e) => e.outerHTML.slice(0, 100))""")
-        assert wide == [], path
-        page.close()
+        made.evaluate("dispatchEvent(new Event('afterprint'))")
+        made.emulate_media(media="screen")
+        assert wide == [], made.url
 
 
-def test_a_browser_that_cannot_unpack_says_so_and_shows_the_rest(browser, report):
-    page = browser.new_page()
-    page.add_init_script("delete window.DecompressionStream")
-    page.goto(report.as_uri())
-    page.wait_for_selector("html[data-drawn='0']")
-    assert "cannot draw the figures" in page.locator("[data-plot='loop']").inner_text()
-    page.locator("#sets thead button").first.click()
-    assert page.locator("#sets th[aria-sort=ascending]").count() == 1
-    page.close()
+def test_a_browser_that_cannot_unpack_says_so_and_shows_the_rest(undrawn):
+    assert "cannot draw the figures" in undrawn.locator("[data-plot='loop']").inner_text()
+    undrawn.locator("#sets thead button").first.click()
+    assert undrawn.locator("#sets th[aria-sort=ascending]").count() == 1
 
 
 def test_without_javascript_the_text_is_there(browser, report):

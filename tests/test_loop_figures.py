@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from loops_by_hand import CASCADE, UNSTABLE, lag
 from matplotlib.figure import Figure
+from printed import blank_figures, text_of
 from rich.console import Console
 from test_figures import labels, synthetic_validation
 
@@ -153,13 +154,10 @@ def test_a_response_without_end_or_nothing_at_all_does_not_stop_the_drawing():
     ElementTree.fromstring(loop_curves.step([replace(VELOCITY, settling_time=nan, step=np.full(20_000, 0.3))]))
 
 
-def test_figures_of_loops_have_units_and_the_same_bytes_each_time(proof):
+def test_figures_of_loops_have_units():
     assert {"frequency (Hz)", "(dB)", "phase", "(°)", "closed loop"} <= labels(loop_curves.bode(CASCADE))
     assert "velocity, braking: crossover" in " ".join(labels(loop_curves.bode(CASCADE)))
     assert {"answer to a step (%)", "time (ms)", "time (s)"} <= labels(loop_curves.step(CASCADE))
-    for draw in (loop_curves.bode, loop_curves.step):
-        assert draw(CASCADE) == draw(CASCADE) and draw(CASCADE, "png") == draw(CASCADE, "png")
-    assert figures.closed_loop(proof, "png") == figures.closed_loop(proof, "png")
 
 
 def test_the_closed_loop_shows_what_is_known_and_no_more(proof):
@@ -179,7 +177,7 @@ def test_the_closed_loop_shows_what_is_known_and_no_more(proof):
 # -- files
 
 
-def test_figures_go_into_a_folder_as_drawing_and_picture(proof, tmp_path):
+def test_figures_go_into_a_folder_as_drawing_and_picture_with_the_same_bytes_each_time(proof, tmp_path):
     folder = tmp_path / "loop"
     paths = write_loop_figures(proof, folder)
     names = [f"{name}.{form}" for name in ("closed_loop", "bode", "step") for form in ("svg", "png")]
@@ -257,8 +255,6 @@ def test_the_terminal_prints_the_loops_of_a_validation(proof, capsys, monkeypatc
 
 
 def test_the_report_has_table_figures_and_the_controllers_own_units(result, proof):
-    from test_report import text_of
-
     own = ControllerGain(place="0x30A0:01", name="current controller P gain", value=250_000, unit="µV/A")
     content = pdf.report_pdf(result, replace(proof, loops=(*UNSTABLE, CASCADE[2]), controller_gains=(own,)))
     text = text_of(content)
@@ -267,7 +263,8 @@ def test_the_report_has_table_figures_and_the_controllers_own_units(result, proo
         "An unstable loop has no margins", "0x30A0:01", "250000 µV/A", "position error, current, voltage and winding",
     ):  # fmt: skip
         assert said in text, said
-    bare = text_of(pdf.report_pdf(result, replace(proof, loops=())))
+    with blank_figures():
+        bare = text_of(pdf.report_pdf(result, replace(proof, loops=())))
     assert "linear theory" not in bare and "Frequency response" not in bare and "0x30A0" not in bare
 
 

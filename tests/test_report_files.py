@@ -1,10 +1,13 @@
 """A report is whole or not there: whatever stops it, an older file keeps every byte, and nothing is left behind."""
 
 import os
+import select
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 
@@ -16,7 +19,7 @@ from drivesizer.report.files import put
 from drivesizer.sizing import size
 from drivesizer.spec import RobotSpec
 
-# Writes half of each file, says so, and waits: the moment at which it is stopped.
+# Writes half of each file, says so, and waits: the moment at which it is stopped. Then the same with the next file.
 WRITER = """
 import sys, time
 from pathlib import Path
@@ -35,7 +38,12 @@ class Slow:
 
 real = Path.open
 Path.open = lambda path, *a, **k: Slow(real(path, *a, **k)) if path.suffix == ".part" else real(path, *a, **k)
-write(size(load_spec(sys.argv[1]), top=1), None, [Path(sys.argv[2])])
+result = size(load_spec(sys.argv[1]), top=1)
+for target in sys.argv[2:]:
+    try:
+        write(result, None, [Path(target)])
+    except KeyboardInterrupt:
+        print("stopped", flush=True)
 """
 
 
@@ -48,37 +56,56 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-def stopped(example: Path, target: Path, with_signal: int) -> int:
-    """Stop a run while its file is half written; its status."""
-    command = [sys.executable, "-c", WRITER, str(example), str(target)]
+@contextmanager
+def writer(example: Path, *targets: Path) -> Iterator[subprocess.Popen[str]]:
+    """A run that writes reports one after the other; it is killed where it still runs at the end."""
+    command = [sys.executable, "-c", WRITER, str(example), *map(str, targets)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as run:
-        assert run.stdout is not None
-        assert run.stdout.readline() == "half\n"
-        assert [p for p in target.parent.iterdir() if p.suffix == ".part" and p.stat().st_size > 0]
-        for _ in range(3):  # Python loses an interruption that falls into its collection of garbage
-            run.send_signal(with_signal)
-            try:
-                return run.wait(15)
-            except subprocess.TimeoutExpired:
-                continue
-        return run.wait(0)
+        try:
+            yield run
+        finally:
+            run.kill()
+
+
+def half_written(run: subprocess.Popen[str], folder: Path) -> bool:
+    """Wait for the moment at which half of a file is on the disk."""
+    assert run.stdout is not None
+    said = run.stdout.readline()
+    return said == "half\n" and any(p.suffix == ".part" and p.stat().st_size > 0 for p in folder.iterdir())
+
+
+def interrupted(run: subprocess.Popen[str]) -> bool:
+    """Interrupt a run until it says that it was."""
+    assert run.stdout is not None
+    for _ in range(3):  # Python loses an interruption that falls into its collection of garbage
+        run.send_signal(signal.SIGINT)
+        if select.select([run.stdout], [], [], 15)[0]:
+            return run.stdout.readline() == "stopped\n"
+    return False
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
-@pytest.mark.parametrize("suffix", KNOWN)
-def test_an_interrupted_report_leaves_the_older_one_and_nothing_else(suffix, example, tmp_path):
-    target = tmp_path / f"report{suffix}"
-    target.write_bytes(b"older")
-    assert stopped(example, target, signal.SIGINT) != 0
-    assert target.read_bytes() == b"older"
-    assert names(tmp_path) == [target.name]
+def test_an_interrupted_report_leaves_the_older_one_and_nothing_else(example, tmp_path):
+    targets = [tmp_path / f"report{suffix}" for suffix in KNOWN]
+    for target in targets:
+        target.write_bytes(b"older")
+    with writer(example, *targets) as run:
+        for target in targets:
+            assert half_written(run, tmp_path), target
+            assert interrupted(run), target
+            assert target.read_bytes() == b"older"
+            assert names(tmp_path) == sorted(path.name for path in targets)
+        assert run.wait(60) == 0
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
 def test_a_killed_report_leaves_the_older_one_and_does_not_hinder_the_next(example, tmp_path, result):
     target = tmp_path / "report.xlsx"
     target.write_bytes(b"older")
-    assert stopped(example, target, signal.SIGKILL) == -signal.SIGKILL
+    with writer(example, target) as run:
+        assert half_written(run, tmp_path)
+        run.kill()
+        assert run.wait(60) == -signal.SIGKILL
     assert target.read_bytes() == b"older"
     write(result, None, [target])
     assert target.read_bytes().startswith(b"PK")

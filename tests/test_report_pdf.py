@@ -8,10 +8,9 @@ from math import nan
 import numpy as np
 import pypdf
 import pytest
-import typst
-from matplotlib.image import imread
+from printed import DOTS, Printed, printed, text_of
 from test_figures import synthetic_validation
-from test_report import HOSTILE, changed, starter, text_of
+from test_report import HOSTILE, changed, starter
 
 from drivesizer.errors import InputError
 from drivesizer.report import pdf
@@ -26,7 +25,6 @@ SECTIONS = (
     "Checks", "Over the cycle", "Heat", "Energy", "Parts list", "Data sheets", "Closed loop",
     "The loops by linear theory", "Assumptions and unknowns", "How to repeat this", "The spec file",
 )  # fmt: skip
-_DOTS = 40  # per inch, of a page as a picture
 _CLEAR = 17.0  # mm at the left and the right of every page
 _NARROW = 5.0  # mm above and below
 
@@ -41,29 +39,26 @@ def proof(result: SizingResult) -> Validation:
     return validate(result.spec, result.sets[0])
 
 
-@pytest.fixture
-def pictures(monkeypatch):
-    """The pages of a report as arrays of grey, 1 is white."""
+DATED = "1 March 2026"
 
-    def of(*given, **more) -> list[np.ndarray]:
-        kept = []
-        compile_it = typst.compile
-        with monkeypatch.context() as patch:
-            patch.setattr(typst, "compile", lambda source, **how: kept.append((source, how)) or b"")
-            pdf.report_pdf(*given, **more)
-        source, how = kept[0]
-        pages = compile_it(source, **(how | {"format": "png", "ppi": _DOTS}))
-        pages = pages if isinstance(pages, list) else [pages]
-        return [imread(io.BytesIO(page))[..., :3].min(axis=2) for page in pages]
 
-    return of
+@pytest.fixture(scope="module")
+def sheets(result, proof) -> dict[str, Printed]:
+    """The robot's report on each paper; on the last with a date."""
+    dates = dict.fromkeys(SHEETS) | {"us-letter": DATED}
+    return {paper: printed(result, proof, paper=paper, date=date) for paper, date in dates.items()}
+
+
+@pytest.fixture(scope="module")
+def text(sheets) -> str:
+    return text_of(sheets["a4"].content)
 
 
 def assert_within_margins(pages: list[np.ndarray], paper: str) -> None:
     """Nothing is printed beyond the text at either side, nor at the very top or bottom."""
-    side, ends = (round(room / 25.4 * _DOTS) for room in (_CLEAR, _NARROW))
+    side, ends = (round(room / 25.4 * DOTS) for room in (_CLEAR, _NARROW))
     for number, page in enumerate(pages, 1):
-        assert page.shape[1] == pytest.approx(SHEETS[paper][0] / 25.4 * _DOTS, abs=1.5)
+        assert page.shape[1] == pytest.approx(SHEETS[paper][0] / 25.4 * DOTS, abs=1.5)
         blank = (page[:, :side], page[:, -side:], page[:ends], page[-ends:])
         assert all(part.min() > 0.98 for part in blank), f"page {number}"
         assert page[:, side:-side].min() < 0.5, f"page {number} is empty"
@@ -73,23 +68,20 @@ def assert_within_margins(pages: list[np.ndarray], paper: str) -> None:
 
 
 @pytest.mark.parametrize("paper", SHEETS)
-def test_the_robots_report_has_six_to_twelve_pages_of_the_paper(result, proof, paper):
-    content = pdf.report_pdf(result, proof, paper=paper)
-    pages = pypdf.PdfReader(io.BytesIO(content)).pages
-    assert 6 <= len(pages) <= 12
+def test_the_robots_report_has_six_to_twelve_pages_of_the_paper(sheets, paper):
+    pages = pypdf.PdfReader(io.BytesIO(sheets[paper].content)).pages
+    assert 6 <= len(pages) == len(sheets[paper].pictures) <= 12
     for page in pages:
         sheet = [float(x) * 25.4 / 72.0 for x in page.mediabox[2:]]
         assert sheet == pytest.approx(SHEETS[paper], abs=0.2)
-    assert pdf.report_pdf(result, proof, paper=paper) == content
 
 
 @pytest.mark.parametrize("paper", SHEETS)
-def test_nothing_of_the_robots_report_leaves_the_page(result, proof, paper, pictures):
-    assert_within_margins(pictures(result, proof, paper=paper, date="2026-03-01"), paper)
+def test_nothing_of_the_robots_report_leaves_the_page(sheets, paper):
+    assert_within_margins(sheets[paper].pictures, paper)
 
 
-def test_every_section_figure_and_table_is_there_and_numbered(result, proof):
-    text = text_of(pdf.report_pdf(result, proof))
+def test_every_section_figure_and_table_is_there_and_numbered(sheets, text):
     for section in SECTIONS:
         assert len(re.findall(re.escape(section), text)) >= 2, section  # in the contents as well
     captions = [int(n) for n in re.findall(r"Figure (\d+): ", text)]
@@ -98,19 +90,17 @@ def test_every_section_figure_and_table_is_there_and_numbered(result, proof):
         assert len(re.findall(rf"Figure {n}\b", text)) >= 2, f"figure {n} is not referred to"
     tables = [int(n) for n in re.findall(r"Table (\d+): ", text)]
     assert sorted(tables) == list(range(1, len(tables) + 1))
-    last = len(pypdf.PdfReader(io.BytesIO(pdf.report_pdf(result, proof))).pages)
+    last = len(sheets["a4"].pictures)
     assert f"page {last} of {last}" in text
 
 
-def test_what_figures_say_can_be_searched_and_copied(result, proof):
-    text = text_of(pdf.report_pdf(result, proof))
+def test_what_figures_say_can_be_searched_and_copied(text):
     for said in ("torque at the motor's shaft", "energy of a cycle (J)", "speed there (rpm)", "current (A)",
                  "friction and iron of the motor", "frequency (Hz)"):  # fmt: skip
         assert said in text, said
 
 
-def test_energy_heat_parts_and_what_is_not_known_are_told(result, proof):
-    text = text_of(pdf.report_pdf(result, proof))
+def test_energy_heat_parts_and_what_is_not_known_are_told(text):
     for said in (
         "Energy per cycle 5088 J", "drawn less what comes back and is kept (70 %", "Copper loss, mean 0.3658 W",
         "Winding in the long run, mean 38.23 °C", "winding time constant, motor time constant of the motor not known",
@@ -120,12 +110,11 @@ def test_energy_heat_parts_and_what_is_not_known_are_told(result, proof):
         assert said in text, said
 
 
-def test_a_date_is_printed_where_it_is_given_and_nowhere_else(result):
-    proof = synthetic_validation(result)
-    plain, dated = pdf.report_pdf(result, proof), pdf.report_pdf(result, proof, date="1 March 2026")
+def test_a_date_is_printed_where_it_is_given_and_nowhere_else(sheets, text):
+    plain, dated = (sheets[paper].content for paper in ("a4", "us-letter"))
     pages = pypdf.PdfReader(io.BytesIO(dated)).pages
-    assert all("1 March 2026" in page.extract_text() for page in pages)
-    assert "1 March 2026" not in text_of(plain)
+    assert all(DATED in page.extract_text() for page in pages)
+    assert DATED not in text
     assert b"CreationDate" not in plain + dated and b"ModDate" not in plain + dated
 
 
@@ -137,6 +126,7 @@ def test_an_unknown_paper_is_refused_in_a_line(result):
 # -- other machines, long names, other scripts, markup
 
 
+FAMILY = '#eval("1+1") `raw` $x$ @ref'
 LONG = "A hoist with a name of remarkable length " * 2 + "W" * 90
 CASES = f"""
 margins: {{torque: 20 %, temperature: 0.15}}
@@ -151,39 +141,48 @@ cases:
 @pytest.mark.parametrize(
     ("name", "paper"), [(LONG, "a4"), (HOSTILE + " робот Ω", "us-letter")], ids=["long", "hostile"]
 )
-def test_long_and_hostile_names_stay_within_the_page_and_are_printed(name, paper, tmp_path, catalog, pictures):
+def test_long_and_hostile_names_stay_within_the_page_and_are_printed(name, paper, tmp_path, catalog):
     spec = starter("hoist", tmp_path, ("name: my hoist", f"name: '{name}'"), more=CASES)
     found = size(spec, catalog=catalog, top=3, pareto=("mass", "price", "energy"))
+    best = found.sets[0]
+    named = replace(best, motor=replace(best.motor, family=FAMILY))
+    found = replace(found, sets=(named, *found.sets[1:]))
     proof = synthetic_validation(found) if hasattr(found.spec.motion, "cruise_time") else None
-    assert_within_margins(pictures(found, proof, paper=paper, date=HOSTILE), paper)
-    text = text_of(pdf.report_pdf(found, proof, paper=paper)).replace(" ", "")
-    assert name.replace(" ", "") in text and text.count(HOSTILE.replace(" ", "")) >= 2
+    made = printed(found, proof, paper=paper, date=HOSTILE)
+    assert_within_margins(made.pictures, paper)
+    text = text_of(made.content).replace(" ", "")
+    assert name.replace(" ", "") in text and FAMILY.replace(" ", "") in text
+    assert text.count(HOSTILE.replace(" ", "")) >= 2 + len(made.pictures)  # as the date on every page
     assert "тяжёлыйгруз" in text and "X" * 60 in text
 
 
-def test_sixty_candidates_run_over_pages_with_their_head_repeated(tmp_path, catalog, pictures):
+def test_sixty_candidates_run_over_pages_with_their_head_repeated(tmp_path, catalog):
     found = size(starter("conveyor", tmp_path), catalog=catalog, top=60)
-    assert_within_margins(pictures(found, None, paper="us-letter"), "us-letter")
-    text = text_of(pdf.report_pdf(found, None))
+    made = printed(found, None, paper="us-letter")
+    assert_within_margins(made.pictures, "us-letter")
+    text = text_of(made.content)
     assert all(
         f"{s.rank} {s.motor_name}" in text for s in found.sets if " " not in s.motor.part and len(s.motor.part) < 15
     )
     assert text.count("price (EUR)") >= 2
 
 
-def test_a_set_of_unknown_figures_says_which_and_draws_the_rest(result, pictures):
+def test_a_set_of_unknown_figures_says_which_and_draws_the_rest(result):
     best = result.sets[0]
     bare = replace(best, gearhead=replace(best.gearhead, inertia=nan, price=nan), encoder=None)
-    some = replace(result, sets=(bare,))
-    assert_within_margins(pictures(some, None), "a4")
-    text = text_of(pdf.report_pdf(some, None))
+    made = printed(replace(result, sets=(bare,)), None)
+    assert_within_margins(made.pictures, "a4")
+    text = text_of(made.content)
     assert "Energy per cycle unknown" in text and "current over time is unknown" in text
     assert "sum of the known prices unknown" in text and not re.search(r"\bnan\b", text)
 
 
-def test_misses_are_reported_with_bars_and_what_would_have_to_move(example_text, tmp_path, pictures):
-    found = size(changed(example_text, tmp_path, ("speed: 1.5 m/s", "speed: 9 m/s")))
+def test_misses_are_reported_with_bars_and_what_would_have_to_move(example_text, tmp_path):
+    pairs = ("speed: 1.5 m/s", "speed: 9 m/s"), ("name: SPS surveillance robot", f"name: {LONG}")
+    found = size(changed(example_text, tmp_path, *pairs))
     assert not found.sets
-    assert_within_margins(pictures(found, None), "a4")
-    text = text_of(pdf.report_pdf(found, None))
+    made = printed(found, None)
+    assert_within_margins(made.pictures, "a4")
+    text = text_of(made.content)
+    assert "No set." in text and "; it falls by:" in text and found.misses[0].motor.part in text
     assert "The nearest miss" in text and "What would have to move" in text and re.search(r"and \d+ more", text)

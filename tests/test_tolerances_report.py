@@ -11,12 +11,13 @@ from pathlib import Path
 import jsonschema
 import openpyxl
 import pytest
-from pypdf import PdfReader
+from printed import blank_figures, text_of
 from typer.testing import CliRunner
 
 from drivesizer import contract
 from drivesizer.cli import app
-from drivesizer.report import tables, workbook, write, write_figures
+from drivesizer.report import tables, workbook, write
+from drivesizer.report.drawings import report_drawings
 from drivesizer.report.json_schema import report_schema
 from drivesizer.report.tolerance_rows import judged, sure
 from drivesizer.report.tornado_figure import swings, tornado
@@ -61,23 +62,23 @@ def test_without_tolerances_the_keys_are_there_and_null(spec, catalog) -> None: 
 
 
 def test_the_pdf_and_the_page_tell_the_same_rows(result: SizingResult, tmp_path: Path) -> None:
-    write(result, None, [tmp_path / "report.pdf", tmp_path / "report.html"])
-    text = " ".join(page.extract_text() for page in PdfReader(tmp_path / "report.pdf").pages)
+    with blank_figures():
+        write(result, None, [tmp_path / "report.pdf", tmp_path / "report.html"])
+    text = text_of((tmp_path / "report.pdf").read_bytes())
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     rows = sure(result)
     assert rows
     assert "How sure the sets are" in text and "How sure the sets are" in page
-    line = " ".join(text.split())
     for row in (*rows["sets"], *rows["unsure"]):
         assert row["chance"] in text and row["chance"] in page
     told = f"all checks pass with a probability of {rows['chance']} {rows['beside']}"
-    assert told in line and told in page.replace("<strong>", "").replace("</strong>", "")
-    assert "as sure as 50 %" in line and "Sets that stand, but less surely than 50 %" in line
+    assert told in text and told in page.replace("<strong>", "").replace("</strong>", "")
+    assert "as sure as 50 %" in text and "Sets that stand, but less surely than 50 %" in text
     for title, words, _ in rows["assumptions"]:
         assert title in page and words in page
 
 
-def test_the_tornado_is_drawn_of_what_moves_the_margin(result: SizingResult, tmp_path: Path) -> None:
+def test_the_tornado_is_drawn_of_what_moves_the_margin(result: SizingResult) -> None:
     best = judged(result)
     assert best and best.reliability
     drawn = swings(best.reliability.drivers)
@@ -87,8 +88,7 @@ def test_the_tornado_is_drawn_of_what_moves_the_margin(result: SizingResult, tmp
     assert tornado(best.reliability.drivers) == tornado(best.reliability.drivers)
     printed = [round(100.0 * one.share) for one in drawn]
     assert printed == sorted(printed, reverse=True)
-    names = {path.name for path in write_figures(result, None, tmp_path / "figures")}
-    assert {"tornado.svg", "tornado.png"} <= names
+    assert report_drawings(result, None)["tornado"]("png").startswith(b"\x89PNG")
 
 
 def test_the_terminal_names_the_three_that_matter_most(
@@ -141,8 +141,9 @@ def unsure(result: SizingResult) -> SizingResult:
 
 def test_every_report_says_that_no_set_is_as_sure_and_shows_the_surest(unsure: SizingResult, tmp_path: Path) -> None:
     assert not unsure.sets and len(unsure.unsure) == 2 and unsure.shown is unsure.unsure[0]
-    write(unsure, None, [tmp_path / f"report.{kind}" for kind in ("pdf", "html", "xlsx", "csv")])
-    text = " ".join(" ".join(page.extract_text() for page in PdfReader(tmp_path / "report.pdf").pages).split())
+    with blank_figures():
+        write(unsure, None, [tmp_path / f"report.{kind}" for kind in ("pdf", "html", "xlsx", "csv")])
+    text = text_of((tmp_path / "report.pdf").read_bytes())
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     for said in (text, page):
         assert "No set is as sure as 100 %." in said and "The surest set: it is less sure than was asked for" in said
