@@ -8,6 +8,8 @@ Symbols: T temperature [K], P_h loss at the housing [W], w winding and h housing
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +21,7 @@ from drivesizer.thermal import TwoBodies, steady_winding_temperature
 __all__ = ["State", "cold", "overload_time", "steady_state"]
 
 _DOUBLINGS = 128  # of the fast time constant: 1e38 of them is for ever
+_NEAR = 16  # of them: housings are seldom a thousand times slower
 _GRID, _ROUNDS = 65, 9  # a time is narrowed down by 64 each round: by 2^54 in all, the digits of a float
 
 
@@ -132,12 +135,21 @@ def _crossing(span: Modes, slope: Array, pull: Array, climb: float) -> float:
         return math.inf
     times = np.minimum(first + np.ldexp(-1.0 / span.fast[0], np.arange(_DOUBLINGS)), last)
     times = np.concatenate(([first], times))
-    hits = np.flatnonzero(reached(times))
-    if hits.size == 0:
+    hit = _first(reached, times)
+    if hit is None:
         return math.inf
-    low, high = float(times[max(int(hits[0]) - 1, 0)]), float(times[hits[0]])
+    low, high = float(times[max(hit - 1, 0)]), float(times[hit])
     for _ in range(_ROUNDS):
         grid = np.linspace(low, high, _GRID)
         n = int(np.append(reached(grid[:-1]), True).argmax())
         low, high = float(grid[max(n - 1, 0)]), float(grid[n])
     return high
+
+
+def _first(reached: Callable[[Array], NDArray[np.bool_]], times: Array) -> int | None:
+    """The place of the first time at which it is so: first among near times, for far ones cost many doublings each."""
+    for start, end in pairwise((0, _NEAR, len(times))):
+        hits = np.flatnonzero(reached(times[start:end]))
+        if hits.size:
+            return start + int(hits[0])
+    return None

@@ -220,8 +220,7 @@ def _inertias(spec: RobotSpec, at: AtGearhead, asked: Demands, parts: Parts) -> 
     if needs.inertia_ratio is not None:
         found.append(at_most("inertia_ratio", at.cycle.inertia / own, needs.inertia_ratio, "dimensionless", "1"))
     if needs.resonance is not None:
-        known = spec.belt is not None and spec.belt.stiffness is not None
-        stiffness = spec.belt.stiffness if known else np.nan
+        stiffness = spec.belt.stiffness if spec.belt and spec.belt.stiffness is not None else np.nan
         found_at = np.sqrt(stiffness * (1 / own + 1 / at.cycle.inertia)) / (2 * np.pi)
         found.append(at_least("first_resonance", needs.resonance, found_at, "frequency", "Hz"))
     return found

@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from drivesizer.export import FORMATS, export_of, files
+from drivesizer.loads import load_cycle
 from drivesizer.sizing import size
 from drivesizer.spec import load_spec
+from drivesizer.wheel_load import WheelLoad
 
 ROOT = Path(__file__).resolve().parent.parent
 STARTERS = sorted(p.name for p in (resources.files("drivesizer") / "starters").iterdir() if p.name.endswith(".yaml"))
@@ -20,9 +23,16 @@ def test_every_starter_finds_a_drive(name, tmp_path, catalog):
     path.write_text(text, encoding="utf-8")
     rows = "".join(f"{t / 10},{60 * math.sin(t / 20) ** 2:.4f},{1.2 + math.cos(t / 20):.4f}\n" for t in range(63))
     (tmp_path / "cycle.csv").write_text(f"time,speed,torque\ns,rpm,N*m\n{rows}", encoding="utf-8")
-    result = size(load_spec(path), catalog=catalog, top=3)
+    spec = load_spec(path)
+    result = size(spec, catalog=catalog, top=3)
     assert result.sets, result.counts
     assert result.method == "physics"
+    record = export_of(spec, result.sets[0])
+    for form, about in FORMATS.items():
+        assert all(files(record, form, tmp_path / f"set{about.suffixes[0]}").values()), form
+    assert record.cycle.time[-1] == pytest.approx(load_cycle(result.spec).total)
+    whose = [said for said in record.said if "the other wheels have their own" in said]
+    assert bool(whose) == isinstance(result.spec.load, WheelLoad)
 
 
 @pytest.mark.parametrize("name", sorted(p.name for p in (ROOT / "examples").glob("*.yaml") if p.name != "study.yaml"))

@@ -25,10 +25,12 @@ from drivesizer.export.limits import Limits, limits
 from drivesizer.loop_set_up import designed
 from drivesizer.physics_limits import housing_loss
 from drivesizer.plant import DriveTrain, within_reach
+from drivesizer.platform_cases import on_wheels
 from drivesizer.results import DriveSet, Gains
 from drivesizer.shaft_load import asked_of, at_shaft, remaining_torque
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import TwoBodies, two_bodies
+from drivesizer.wheel_load import WheelLoad
 
 __all__ = ["Cycle", "Export", "export_of"]
 
@@ -110,7 +112,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
     Parameters
     ----------
     spec
-        The machine.
+        The machine; of a platform on its way the first of its load cases, a wheel.
     found
         The set.
 
@@ -119,6 +121,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
     InputError
         When a figure is unknown without which nothing moves, or ``control`` asks for what no controller can do.
     """
+    spec = on_wheels(spec)
     train, controller, said = designed(spec, found)
     usable, motor = usable_in(spec, found.controller), asdict(found.motor)
     voltage = spec.supply.lowest if isnan(usable) else usable
@@ -142,8 +145,15 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
         ambient=spec.environment.ambient,
         elastic=spec.plant.model != "rigid",
         cycle=_cycle(spec, train),
-        said=tuple(said),
+        said=(*said, *_whose(spec)),
     )
+
+
+def _whose(spec: RobotSpec) -> list[str]:
+    """Which wheel's motion and load these are, where wheels have their own."""
+    if not isinstance(spec.load, WheelLoad):
+        return []
+    return [f"motion and load are those of {spec.load_cases[0][0]}; the other wheels have their own"]
 
 
 def _named(part: Any) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-import zlib
 from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
@@ -62,6 +61,8 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs
 
+    from drivesizer.report.html.kept import packed
+
     shown = result.shown
     does = Behaviour(result.spec, shown) if shown else None
     told = document(result, validation, does, date=date)
@@ -79,7 +80,7 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
         style=Markup(_text("style.css")),  # noqa: S704 - our own file
         script=Markup(script),  # noqa: S704 - our own file
         # Packed, 2 MB in place of 4.8: a page goes through the mail, and text and tables are there before the figures.
-        library=base64.b64encode(zlib.compress(library.encode(), 9)).decode(),
+        library=base64.b64encode(packed(library)).decode(),
         digests=[_digest(script), _digest(library)],
     )
     made: bytes = filled.encode()
@@ -119,9 +120,11 @@ def _template(math: Any) -> Any:
     import jinja2
     from markupsafe import Markup
 
+    from drivesizer.report.html.kept import Compiled
+
     environment = jinja2.Environment(
         loader=jinja2.FunctionLoader(_text), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True,
+        lstrip_blocks=True, bytecode_cache=Compiled(),
     )  # fmt: skip
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "ensure_ascii": False, "separators": (",", ":")}
     environment.filters["math"] = lambda source: Markup(math[source])  # noqa: S704 - set by typst from our own source
