@@ -21,6 +21,7 @@ from drivesizer.platform_cases import cycles_of, dynamics_of, ground_of, traject
 from drivesizer.requirements import requirements
 from drivesizer.results import Requirement
 from drivesizer.spec import RobotSpec
+from drivesizer.textfile import missing
 
 __all__ = ["Driving", "Wheel", "driving", "on_the_way", "over_time"]
 
@@ -72,6 +73,8 @@ def on_the_way(spec: RobotSpec, file: Path | None, failed: Sequence[int] = ()) -
         raise InputError(
             "TRAJECTORY.CSV is missing and the spec's motion is none; expected e.g. drivesizer drive robot.yaml way.csv"
         )
+    if file is not None and (reason := missing(file)):
+        raise InputError(f"{file}: cannot be read ({reason})")
     motion = spec.motion if file is None else Track(profile="trajectory", trajectory=_beside(spec, file))
     platform = spec.platform
     if failed:

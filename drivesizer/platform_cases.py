@@ -55,7 +55,8 @@ def trajectory_of(spec: RobotSpec) -> Trajectory | None:
     """
     motion = spec.motion
     if isinstance(motion, Track):
-        return read_track(beside(spec.file, motion.trajectory), limits_of(spec), motion.smoothing)
+        path = beside(spec.file, motion.trajectory, spec.where(("motion", "trajectory")))
+        return read_track(path, limits_of(spec), motion.smoothing)
     if isinstance(motion, Waypoints):
         limits = limits_of(spec)
         if limits is None:

@@ -255,7 +255,8 @@ def profile_of(spec: RobotSpec) -> Profile:
     if motion is None:
         raise InputError(f"motion: a {spec.load.kind} load brings its own; there is no profile of it")
     if isinstance(motion, Csv):
-        return replace(from_csv(beside(spec.file, motion.file), _kind(spec)), name=motion.file)
+        path = beside(spec.file, motion.file, spec.where(("motion", "file")))
+        return replace(from_csv(path, _kind(spec)), name=motion.file)
     return _MADE[motion.profile](motion)
 
 

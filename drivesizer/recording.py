@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.textfile import read_text
+from drivesizer.textfile import missing, read_text
 from drivesizer.units import KINDS, scale
 
 __all__ = ["Form", "beside", "columns"]
@@ -23,9 +23,19 @@ _NUMBERS = ("0.5", "1.2", "0.3", "4.5")  # of a row that is shown as an example
 _MOST_ROWS = 1_000_000
 
 
-def beside(spec_file: str, name: str) -> Path:
-    """The path to a file that a spec names: relative ones count from the spec's folder."""
-    return Path(spec_file).parent / name if spec_file else Path(name)
+def beside(spec_file: str, name: str, where: str) -> Path:
+    """The path to a file that a spec names: relative ones count from the spec's folder.
+
+    Raises
+    ------
+    InputError
+        When there is none: says where the spec names it.
+    """
+    path = Path(spec_file).parent / name if spec_file else Path(name)
+    if reason := missing(path):
+        said = "expected a CSV file, its path from the spec's folder, e.g. cycle.csv"
+        raise InputError(f"{where}: {quoted(name)} cannot be read ({reason}); {said}")
+    return path
 
 
 def columns(path: Path, *forms: Form) -> dict[str, NDArray[np.float64]]:

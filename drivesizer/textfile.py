@@ -6,7 +6,7 @@ from pathlib import Path
 
 from drivesizer.errors import InputError
 
-__all__ = ["decoded", "read_bytes", "read_text"]
+__all__ = ["decoded", "missing", "read_bytes", "read_text"]
 
 
 def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
@@ -27,8 +27,20 @@ def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         if isinstance(error, InputError):
             raise
-        reason = getattr(error, "strerror", "") or str(error)
-        raise InputError(f"{path}: cannot be read ({reason.lower()})") from None
+        raise InputError(f"{path}: cannot be read ({_reason(error)})") from None
+
+
+def _reason(error: OSError | ValueError) -> str:
+    return (getattr(error, "strerror", "") or str(error)).lower()
+
+
+def missing(path: Path) -> str:
+    """Why nothing can be read at a path, as ``no such file or directory``; empty where something lies there."""
+    try:
+        path.stat()
+    except (OSError, ValueError) as error:
+        return _reason(error)
+    return ""
 
 
 def decoded(raw: bytes, path: Path) -> str:

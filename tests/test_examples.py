@@ -1,11 +1,13 @@
 """The machines in examples/ and the starters: each is sized, and the arm is worked out again from its trajectory."""
 
 import math
+import re
 from importlib import resources
 from pathlib import Path
 
 import pytest
 
+from drivesizer.errors import InputError
 from drivesizer.export import FORMATS, export_of, files
 from drivesizer.loads import load_cycle
 from drivesizer.sizing import size
@@ -70,3 +72,26 @@ def test_the_arm_of_cords(catalog):
         assert rms == pytest.approx(arm_in_closed_form(s), rel=1e-4)
         warmer = s.objective / (s.motor.resistance * rms**2)  # by the resistance that grows with the winding's warmth
         assert 1.0 < warmer < 1.0 + 0.0039 * 100
+
+
+NAMED = {  # what a starter says in place of its motion
+    "recorded.yaml": ("load.file", ""),
+    "hoist.yaml": ("motion.file", "motion: {profile: csv, file: cycle.csv}\n"),
+    "mecanum_platform.yaml": ("motion.trajectory", "motion: {profile: trajectory, trajectory: cycle.csv}\n"),
+}
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_a_file_that_a_spec_names_and_that_is_not_there(name, tmp_path):
+    field, motion = NAMED[name]
+    text = (resources.files("drivesizer") / "starters" / name).read_text(encoding="utf-8")
+    path = tmp_path / "robot.yaml"
+    path.write_text(re.sub(r"^motion:.*\n(?:[ #].*\n)*", motion, text, flags=re.MULTILINE), encoding="utf-8")
+    rows = enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+    line = next(n for n, row in rows if re.search(r"(file|trajectory): cycle\.csv", row))
+    with pytest.raises(InputError) as told:
+        size(load_spec(path))
+    assert str(told.value) == (
+        f'{path}:{line}: {field}: "cycle.csv" cannot be read (no such file or directory); '
+        "expected a CSV file, its path from the spec's folder, e.g. cycle.csv"
+    )

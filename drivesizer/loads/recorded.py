@@ -60,7 +60,7 @@ def recorded(spec: RobotSpec) -> LoadCycle:
     """
     load = spec.load
     assert isinstance(load, Recorded)
-    path = beside(spec.file, load.file)
+    path = beside(spec.file, load.file, spec.where(("load", "file")))
     found = columns(path, *_FORMS)
     with np.errstate(all="ignore"):  # a figure beyond numbers is told by the load cycle
         speed = _speed(path, found, load.smoothing, spec.where(("load", "smoothing")))
