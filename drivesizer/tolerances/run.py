@@ -155,7 +155,7 @@ def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
     if len(ready.values) < how.samples:
         said.append(f"each sample's load cycle is computed by itself: {len(ready.values)} samples, not {how.samples}")
     if isinstance(ready.spec.load, WheelLoad):
-        said.append("on its way a platform is not sampled in closed loop; its battery's peaks are at nominal figures")
+        said.append("on its way a platform is not sampled in closed loop; peaks and voltage of its battery are nominal")
     idle = [one.name for one in unused(ready)]
     if idle:
         said.append(f"no check that is sampled asks for {', '.join(idle)}: that tolerance changes nothing here")
