@@ -91,7 +91,12 @@ class Pack:
             return f"discharge table at constant {self.table.held}"
         if self.peukert:
             return f"Peukert's law, exponent {self.peukert_exponent:g}"
-        return "rated charge at any current" if self.chemistry in _LITHIUM else ""
+        return "rated charge at any current" if self.by_charge else ""
+
+    @property
+    def by_charge(self) -> bool:
+        """Whether a run time follows from the rated charge: by Peukert's law, or at any current."""
+        return self.peukert or self.chemistry in _LITHIUM
 
     @property
     def peukert(self) -> bool:
@@ -202,7 +207,7 @@ def run_time(pack: Pack, power: Any) -> Any:
     if pack.table:
         draw = power if pack.table.held == "power" else current
         found = table_time(np.maximum(draw, 0.0), pack.table.draw, pack.table.time)
-    elif pack.peukert or pack.chemistry in _LITHIUM:
+    elif pack.by_charge:
         found = peukert_time(current, pack.health * pack.capacity, *_law(pack))
     else:
         found = np.full_like(current, nan)
@@ -233,7 +238,7 @@ def capacity_needed(pack: Pack, power: float, time: float) -> float:
     if pack.table:
         draw = power if pack.table.held == "power" else current
         return float(pack.capacity * draw / table_draw(whole, pack.table.draw, pack.table.time))
-    return float(capacity_for(whole, current, *_law(pack)) / pack.health) if pack.rule else nan
+    return float(capacity_for(whole, current, *_law(pack)) / pack.health) if pack.by_charge else nan
 
 
 def strings_needed(pack: Pack, needed: float) -> float:

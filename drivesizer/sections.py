@@ -64,12 +64,12 @@ class Supply(Section):
     @property
     def lowest(self) -> float:
         """Lowest supply voltage [V]."""
-        return float(self.min or self.nominal)
+        return self.nominal if self.min is None else self.min
 
     @property
     def highest(self) -> float:
         """Highest supply voltage [V]."""
-        return float(self.max or self.nominal)
+        return self.nominal if self.max is None else self.max
 
 
 class Environment(Section):

@@ -102,15 +102,15 @@ def _replaced(case: Mapping[str, Any], path: Path_) -> bool:
     return path[1] in section or "kind" in section or "profile" in section
 
 
-def applied(spec: RobotSpec, changes: Mapping[Path_, float]) -> RobotSpec:
-    """A spec with some figures moved by differences from their nominal values [SI]; nothing is checked again."""
+def applied(spec: RobotSpec, changes: Mapping[Path_, Any]) -> RobotSpec:
+    """A spec with some figures moved by differences from their nominal values [SI], figures or columns; unchecked."""
     changed: Any = spec
     for path, difference in changes.items():
         changed = _moved(changed, path, difference)
     return changed  # type: ignore[no-any-return]
 
 
-def _moved(place: Any, path: Sequence[str | int], difference: float) -> Any:
+def _moved(place: Any, path: Sequence[str | int], difference: Any) -> Any:
     if not path:
         return place + difference
     first, rest = path[0], path[1:]

@@ -49,7 +49,7 @@ class Sampled(NamedTuple):
         )  # fmt: skip
 
 
-def at_samples(cycles: Cycles, efficiency: Array) -> Sampled:
+def at_samples(cycles: Cycles, efficiency: Array | float) -> Sampled:
     """Cycles through a belt, as ``physics.at_gearhead`` takes one.
 
     Parameters

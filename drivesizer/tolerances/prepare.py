@@ -221,8 +221,8 @@ def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequ
     }
     specs, ats = [], []
     for case in one.cases:
-        spec, efficiency = _with_columns(case, one, rows)
-        sampled = at_samples(case.cycles if case.cycles.size == 1 else _some(case.cycles, rows), efficiency)
+        spec = _with_columns(case, one, rows)
+        sampled = at_samples(case.cycles if case.cycles.size == 1 else _some(case.cycles, rows), spec.belt_efficiency)
         specs.append(spec)
         ats.append({belt: AtSamples(sampled, belt) for belt in belts})
     return Block(
@@ -249,41 +249,7 @@ def _some(cycles: Cycles, rows: NDArray[np.int64]) -> Cycles:
     )  # fmt: skip
 
 
-class _Seen:
-    """A section of a spec with columns in place of some figures."""
-
-    def __init__(self, section: Any, columns: Mapping[str, Any]) -> None:
-        self._section, self._columns = section, columns
-
-    def __getattr__(self, name: str) -> Any:
-        return self._columns[name] if name in self._columns else getattr(self._section, name)
-
-
-def _with_columns(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> tuple[Any, Any]:
-    """A load case as limits see it, and the efficiency of its belt."""
-    found: dict[str, dict[str, Any]] = {"supply": {}, "environment": {}, "needs": {}, "transmission": {}}
-    fed: dict[Path_, Any] = {}
-    for k, path in case.paths.items():
-        if not _has_column(path):
-            continue
-        moved = one.values[rows, k] - one.given[k].nominal
-        if path[0] in found:
-            found[str(path[0])][str(path[-1])] = _at(case.spec, path) + moved
-        else:
-            fed[path] = moved
-    spec, supply = applied(case.spec, fed), found["supply"]
-    nominal = supply.get("nominal", spec.supply.nominal)
-    supply["lowest"] = supply.get("min", spec.supply.min or nominal)
-    supply["highest"] = supply.get("max", spec.supply.max or nominal)
-    columns: dict[str, Any] = {
-        name: _Seen(getattr(spec, name), found[name]) for name in ("supply", "environment", "needs")
-    }
-    columns["belt"] = _Seen(spec.belt, found["transmission"]) if spec.belt else None
-    return _Seen(spec, columns), found["transmission"].get("efficiency", spec.belt_efficiency)
-
-
-def _at(spec: Any, path: Path_) -> float:
-    """A figure of a spec by its place."""
-    for step in path:
-        spec = spec[step] if isinstance(step, int) else getattr(spec, step)
-    return float(spec)
+def _with_columns(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> RobotSpec:
+    """A load case as limits see it: columns in place of the figures that they ask for."""
+    asked = {k: path for k, path in case.paths.items() if _has_column(path)}
+    return applied(case.spec, {path: one.values[rows, k] - one.given[k].nominal for k, path in asked.items()})
