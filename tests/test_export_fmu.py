@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import builtins
 import io
+import json
 import math
+import subprocess
 import sys
 import zipfile
 from dataclasses import replace
@@ -23,7 +25,7 @@ from drivesizer.errors import InputError
 from drivesizer.export import export_of
 from drivesizer.export.fmu import _UNITS, parameters, render
 from drivesizer.export.fmu_motor import FIGURES, INPUTS, OUTPUTS, Drive
-from drivesizer.sizing import size
+from drivesizer.sizing import explain, size
 
 K_T, R, L = 23.4e-3, 2.32, 0.238e-3  # RE 25 118752
 K, E = 3249 / 121 * 1.1, 0.76
@@ -87,6 +89,49 @@ def test_the_answer_to_a_step_of_voltage(fmu, export):
     assert out["load_speed"] == pytest.approx(out["shaft_speed"] * 0.0762)
     turned = np.concatenate([[0.0], np.cumsum((out["shaft_speed"][1:] + out["shaft_speed"][:-1]) / 2 * 1e-3)])
     assert np.abs(out["shaft_angle"] - turned).max() < 1e-4  # rad
+
+
+TOGETHER = """
+import json, sys
+import fmpy
+from fmpy.fmi2 import FMU2Slave
+
+class Running:
+    def __init__(self, path):
+        told = fmpy.read_model_description(path)
+        self.at = {v.name: v.valueReference for v in told.modelVariables}
+        self.fmu = FMU2Slave(guid=told.guid, unzipDirectory=fmpy.extract(path),
+                             modelIdentifier=told.coSimulation.modelIdentifier, instanceName=told.modelName)
+        self.fmu.instantiate()
+        self.fmu.setupExperiment(startTime=0.0)
+        self.fmu.enterInitializationMode()
+        free = {"voltage": 12.0, "load_inertia": 0.0, "forward_torque": 0.0, "backward_torque": 0.0}
+        self.fmu.setReal([self.at[name] for name in free], list(free.values()))
+        self.fmu.exitInitializationMode()
+
+both = [Running(path) for path in sys.argv[1:]]
+for n in range(100):
+    for one in both:
+        one.fmu.doStep(n * 2e-3, 2e-3)
+print(json.dumps([one.fmu.getReal([one.at["motor_speed"]])[0] for one in both]))
+"""
+
+
+def test_two_sets_in_one_process(spec, fmu, tmp_path):
+    """RE 25 118752 and RE 30 310009 side by side, unloaded at 12 V: (U - R I_0) / k_t of each data sheet."""
+    other = tmp_path / "drive.fmu"
+    (heavy, *_) = explain(spec, "310009", "166936")
+    other.write_bytes(render(export_of(spec, heavy)))
+    free = {fmu: (12.0 - 2.32 * 0.0369) / 23.4e-3, other: (12.0 - 2.45 * 0.0786) / 53.8e-3}  # rad/s: 509.2, 219.5
+    for order in ((fmu, other), (other, fmu)):
+        ran = subprocess.run([sys.executable, "-c", TOGETHER, *order], capture_output=True, text=True, check=True)
+        assert json.loads(ran.stdout) == pytest.approx([free[path] for path in order], rel=2e-3)
+    names = [set(zipfile.ZipFile(path).namelist()) for path in (fmu, other)]
+    shared = {name for name in names[0] & names[1] if not name.startswith("resources/pythonfmu/")}
+    assert shared == {"modelDescription.xml", "resources/slavemodule.txt"}
+    told = [fmpy.read_model_description(str(path)) for path in (fmu, other)]
+    for of_each in ("guid", "modelName"):
+        assert len({getattr(one, of_each) for one in told}) == 2
 
 
 def test_parameters_are_the_fmu_s_own(fmu):
@@ -180,7 +225,8 @@ def test_what_is_in_the_archive(fmu, export):
     with zipfile.ZipFile(fmu) as archive:
         assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
         assert archive.namelist() == sorted(archive.namelist())
-        code = archive.read("resources/fmu_motor.py").decode()
+        (motor,) = (name for name in archive.namelist() if name.endswith("_motor.py"))
+        code = archive.read(motor).decode()
     assert (
         "import"
         not in code.replace("from __future__ import annotations", "").replace("import math", "").split('"""')[2]
@@ -214,7 +260,7 @@ def test_nothing_of_the_packing_stays(export):
     path, modules = list(sys.path), set(sys.modules)
     render(export)
     assert sys.path == path
-    assert not {"drive_slave", "fmu_motor"} & (set(sys.modules) - modules)
+    assert not {name for name in set(sys.modules) - modules if name.split(".")[0] != "pythonfmu"}
 
 
 def test_without_pythonfmu_it_is_one_line(export, monkeypatch):

@@ -3,6 +3,9 @@
 Made by PythonFMU, whose loader runs ``fmu_motor`` in the Python of the simulator's computer: a Python 3 must be there,
 nothing else; the loader is built for Linux and Windows on x86-64. All figures are parameters of the FMU. Dates are
 fixed and the GUID is that of the content, so that the same set gives the same bytes.
+
+All FMUs of a process share one Python, which keeps modules by their names: a second FMU would run with the code and
+figures of the first that has the same. So model and modules are named by a digest of what they hold.
 """
 
 from __future__ import annotations
@@ -23,10 +26,10 @@ from drivesizer.export import fmu_motor
 from drivesizer.export.common import Export
 from drivesizer.export.markup import document, text
 
-__all__ = ["MODEL", "parameters", "render"]
+__all__ = ["parameters", "render"]
 
-MODEL = "Drive"
 _DATE = (1980, 1, 1, 0, 0, 0)  # the first that a zip can tell
+_DIGITS = 16  # of the digest in a name: 64 bits
 _SPACE = uuid.UUID("9c4b7d1e-1a44-5d0e-8a1b-2f0f3a6f5b10")  # of GUIDs of this program
 _UNITS: dict[str, dict[str, str]] = {
     "1": {},
@@ -78,10 +81,7 @@ def render(of: Export) -> bytes:
     except ImportError:
         raise InputError("--format: fmu needs PythonFMU; pip install 'drivesizer[fmu]'") from None
     with tempfile.TemporaryDirectory(prefix="drivesizer-") as folder:
-        script = Path(folder) / "drive_slave.py"
-        script.write_text(_slave(of), encoding="utf-8")
-        motor = Path(folder) / "fmu_motor.py"
-        motor.write_bytes(Path(fmu_motor.__file__).read_bytes())
+        script, motor = _modules(of, Path(folder))
         with _tidy():
             made = FmuBuilder.build_FMU(script, dest=folder, project_files=[motor])
         return _settled(made.read_bytes(), of)
@@ -90,18 +90,27 @@ def render(of: Export) -> bytes:
 @contextmanager
 def _tidy() -> Iterator[None]:
     """PythonFMU imports what it packs, from where it lies; here nothing of that stays."""
-    path = list(sys.path)
+    path, modules = list(sys.path), set(sys.modules)
     try:
         yield
     finally:
         sys.path[:] = path
-        for name in ("drive_slave", "fmu_motor"):
-            sys.modules.pop(name, None)
+        for name in set(sys.modules) - modules:
+            if name.startswith("drive_"):
+                del sys.modules[name]
 
 
-def _slave(of: Export) -> str:
-    """The class that PythonFMU calls, with the set's figures in it."""
-    return _SLAVE.format(figures=repr(parameters(of)), said=repr(text(f"{of.name}: {of.label}; {of.program}")))
+def _modules(of: Export, folder: Path) -> tuple[Path, Path]:
+    """Write the class that PythonFMU calls, with the set's figures in it, and the motor, named by what is in both."""
+    motor = Path(fmu_motor.__file__).read_bytes()
+    figures, said = repr(parameters(of)), repr(text(f"{of.name}: {of.label}; {of.program}"))
+    content = "\0".join((_SLAVE, figures, said)).encode() + motor
+    digest = hashlib.sha256(content).hexdigest()[:_DIGITS]
+    slave = _SLAVE.format(figures=figures, said=said, digest=digest)
+    written = folder / f"drive_{digest}.py", folder / f"drive_{digest}_motor.py"
+    for path, code in zip(written, (slave.encode(), motor), strict=True):
+        path.write_bytes(code)
+    return written
 
 
 def _settled(archive: bytes, of: Export) -> bytes:
@@ -158,7 +167,7 @@ def _units(described: Element, of: Export) -> None:
 _SLAVE = '''"""The FMU's side of the drive: its variables by name."""
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
-from fmu_motor import FIGURES, INPUTS, OUTPUTS, Drive
+from drive_{digest}_motor import FIGURES, INPUTS, OUTPUTS, Drive
 
 SET = {figures}
 
@@ -169,7 +178,7 @@ class Drive_(Drive, Fmi2Slave):
     def __init__(self, **kwargs):
         Fmi2Slave.__init__(self, **kwargs)
         Drive.__init__(self, SET)
-        self.modelName = "Drive"
+        self.modelName = "Drive_{digest}"
         for name, (_, said) in FIGURES.items():
             kind = {{"causality": Fmi2Causality.parameter, "variability": Fmi2Variability.tunable}}
             self.register_variable(Real(name, description=said, **kind))
