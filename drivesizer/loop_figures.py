@@ -36,22 +36,41 @@ def quantum(case: Case) -> float:
 
 
 def _tracking(case: Case) -> list[_Row]:
-    per_speed, time, top = case.train.motor_per_speed, case.figure("time"), case.profile.top_speed
+    """How far the load strays from what is asked for; of two masses also how far the motor does, as at the load."""
+    radius, time, top = case.train.radius, case.figure("time"), case.profile.top_speed
     speed, way, of_top = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis], 1.0 / top if top else math.nan
-    peak, when = case.figure("speed_error") / per_speed, case.figure("speed_error_time")
-    rms = math.sqrt(case.figure("speed_error_square") / time) / per_speed
-    left = case.profile.distance * case.task.cycles - case.figure("angle") / per_speed
+    peak, when = case.figure("load_speed_error") * radius, case.figure("load_speed_error_time")
+    rms = math.sqrt(case.figure("load_speed_error_square") / time) * radius
+    left = case.profile.distance * case.task.cycles - case.figure("load_angle") * radius
     return [
         ("tracking_error_peak", "Tracking error, peak", peak, speed, when),
         ("tracking_error_peak_share", "Tracking error, peak, of top speed", peak * of_top, _SHARE, when),
         ("tracking_error_rms", "Tracking error, RMS", rms, speed, None),
         ("tracking_error_rms_share", "Tracking error, RMS, of top speed", rms * of_top, _SHARE, None),
-        ("position_error_peak", "Position error at the load, peak", case.figure("angle_error") / per_speed, way,
-         case.figure("angle_error_time")),
-        ("distance_error", "Way left at the end", left, way, None),
+        ("position_error_peak", "Position error at the load, peak", case.figure("load_angle_error") * radius, way,
+         case.figure("load_angle_error_time")),
+        ("distance_error", "Way left at the end, load", left, way, None),
+        *(_of_the_motor(case) if case.shaft else ()),
         ("voltage_saturation", "Time at the voltage limit", case.figure("time_at_voltage_limit") / time, _SHARE, None),
         ("current_limitation", "Time at the current limit", case.figure("time_at_current_limit") / time, _SHARE, None),
-        ("speed_quantum", "One encoder count per period, at the load", quantum(case) / per_speed, speed, None),
+        ("speed_quantum", "One encoder count per period, at the load", quantum(case) / case.train.motor_per_speed, speed,
+         None),
+    ]  # fmt: skip
+
+
+def _of_the_motor(case: Case) -> list[_Row]:
+    """The same errors of the motor's shaft, through the whole reduction as if the shaft were stiff."""
+    per_speed, time = case.train.motor_per_speed, case.figure("time")
+    speed, way = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis]
+    left = case.profile.distance * case.task.cycles - case.figure("angle") / per_speed
+    return [
+        ("motor_tracking_error_peak", "Tracking error of the motor, as at the load, peak",
+         case.figure("speed_error") / per_speed, speed, case.figure("speed_error_time")),
+        ("motor_tracking_error_rms", "Tracking error of the motor, as at the load, RMS",
+         math.sqrt(case.figure("speed_error_square") / time) / per_speed, speed, None),
+        ("motor_position_error_peak", "Position error of the motor, as at the load, peak",
+         case.figure("angle_error") / per_speed, way, case.figure("angle_error_time")),
+        ("motor_distance_error", "Way left at the end, motor, as at the load", left, way, None),
     ]  # fmt: skip
 
 
@@ -93,7 +112,9 @@ def series_units(case: Case) -> dict[str, tuple[str, str]]:
         "speed_reference": speed,
         "speed": speed,
         "error": speed,
+        "motor_error": speed,
         "position_error": way,
+        "motor_position_error": way,
         "motor_speed": ("rotary_speed", "rpm"),
         "current": _CURRENT,
         "voltage": _VOLTAGE,
@@ -115,7 +136,9 @@ def series(case: Case) -> dict[str, NDArray[np.float64]]:
         "speed_reference": reference,
         "speed": speed,
         "error": reference - speed,
-        "position_error": rows["position_error"] / per_speed,
+        "motor_error": reference - rows["motor_speed"] / per_speed,
+        "position_error": rows["load_position_error"] * case.train.radius,
+        "motor_position_error": rows["position_error"] / per_speed,
         "motor_speed": rows["motor_speed"],
         "current": rows["current"],
         "voltage": rows["voltage"],
@@ -126,4 +149,6 @@ def series(case: Case) -> dict[str, NDArray[np.float64]]:
     }
     if not case.periodic:
         del found["winding_temperature"]  # it is held at 25 degC
+    if not case.shaft:  # rigid, the motor's errors are the load's
+        del found["motor_error"], found["motor_position_error"]
     return found

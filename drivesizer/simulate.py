@@ -212,7 +212,7 @@ def _kept_at_rest(case: Case) -> list[str]:
 
 def _does_not_follow(case: Case) -> str:
     """How far a drive is off, and what keeps it from following, where it is a limit."""
-    error = case.figure("speed_error") / case.train.motor_per_speed
+    error = case.figure("load_speed_error") * case.train.radius
     kind, unit = SPEED[case.spec.load.axis]
     share = f", {error / case.profile.top_speed:.0%} of its top speed" if case.profile.top_speed else ""
     limits = {"time_at_voltage_limit": "voltage", "time_at_current_limit": "current"}

@@ -52,10 +52,10 @@ def _loop(case: Case) -> Iterator[Check]:
         fits("stability", all(loop.stable for loop in loops), True), "Stability of the linear loops",
         note=f"phase margin: {margins}; largest pole {worst.pole_radius:.4g}, stable inside 1",
     )  # fmt: skip
-    error = case.figure("speed_error") / case.train.motor_per_speed
+    error = case.figure("load_speed_error") * case.train.radius
     yield _check(
         at_most("tracking_error", error, FOLLOWS * top if top else math.nan, *SPEED[case.spec.load.axis]),
-        "Tracking error", case.figure("speed_error_time"),
+        "Tracking error", case.figure("load_speed_error_time"),
         f"to follow is to stay within {FOLLOWS:.0%} of the top speed, a convention of this program",
     )  # fmt: skip
     if case.spec.needs.bandwidth is not None:

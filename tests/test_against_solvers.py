@@ -257,3 +257,33 @@ def test_copper_loss_under_a_voltage_that_leaps_every_few_periods(spec, catalog)
         assert found == pytest.approx(np.array((run.series["current"], run.series["motor_speed"])), abs=1e-9)
         assert net(run) == pytest.approx(electrical, rel=1e-9)  # 0.95 J
         assert 0.0 < run.figures["copper_heat"][0] / copper - 1.0 < share
+
+
+def test_errors_of_the_load_are_not_those_of_the_motor(spec, catalog):
+    """Speed and angle of either mass against what is asked for: the load's angle is the motor's through the gears, less
+    the twist of the shaft since the start."""
+    train, drive = driven(spec, catalog, 4.0, RUBS | SHAFT | {"gap": 0.01})
+    task = task_of(train, *STEEP)
+    run, m = march(drive, task), drive.machine
+    s, asked, samples = run.series, np.array(task.speed), round(STEEP[0][-1] / PERIOD)
+    assert len(s["time"]) == samples + 1
+    own, rows = textbook(m, s["current"][0], s["motor_speed"][0]), []
+    start = own.y[2]
+    for u in s["voltage"][:-1]:
+        rows.append((own.angle / m.ratio, own.angle / m.ratio - (own.y[2] - start), own.y[1] / m.ratio, own.y[3]))
+        own.advance(u, PERIOD)
+    time = np.arange(samples) * PERIOD
+    speed = np.interp(time, task.time, asked)
+    turned = np.concatenate(([0.0], np.cumsum(np.diff(task.time) * (asked[1:] + asked[:-1]) / 2.0)))
+    piece = np.clip(np.searchsorted(task.time, time + 1e-9) - 1, 0, None)
+    angle = turned[piece] + (asked[piece] + speed) / 2.0 * (time - np.array(task.time)[piece])
+    motor_way, way, motor, load = np.array(rows).T
+    told = {name: float(column[0]) for name, column in run.figures.items()}
+    assert told["angle_error"] / m.ratio == pytest.approx(np.abs(angle - motor_way).max(), rel=1e-3)
+    assert told["load_angle_error"] == pytest.approx(np.abs(angle - way).max(), rel=1e-3)
+    assert told["speed_error"] / m.ratio == pytest.approx(np.abs(speed - motor).max(), rel=1e-3)
+    assert told["load_speed_error"] == pytest.approx(np.abs(speed - load).max(), rel=1e-3)
+    squares = (np.square(angle - way).sum() * PERIOD, np.square(speed - load).sum() * PERIOD)
+    assert (told["load_angle_error_square"], told["load_speed_error_square"]) == pytest.approx(squares, rel=2e-3)
+    assert s["load_position_error"][:-1] == pytest.approx(angle - way, abs=2e-4)  # rad
+    assert np.abs(way - motor_way).max() > 5e-3  # rad: beyond the tolerances above

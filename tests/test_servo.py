@@ -131,6 +131,26 @@ def test_two_masses_swing_at_their_resonance():
     assert "two masses" in " ".join(found.assumptions)
 
 
+def test_errors_are_those_of_the_mass_that_they_are_named_for():
+    """The figures against the kept course: of the load as it moves, of the motor's shaft through the whole reduction."""
+    found = proof(spec_of(plant="plant: {model: two_mass, stiffness: 3000 N*m/rad, damping_ratio: 0.1}"))
+    told, s, radius = {f.name: f.value for f in found.figures}, found.series, 0.08
+    per_speed = found.drive_set.gearhead.ratio * found.drive_set.belt_ratio / radius
+    of_the_motor = s["speed_reference"] - s["motor_speed"] / per_speed
+    np.testing.assert_allclose(s["error"], s["speed_reference"] - s["speed"], atol=1e-12)
+    np.testing.assert_allclose(s["motor_error"], of_the_motor, atol=1e-12)
+    for name, column in (("tracking_error", "error"), ("position_error", "position_error")):
+        for whose in ("", "motor_"):
+            kept = np.abs(s[f"{whose}{column}"]).max()  # the course is thinned: a peak may lie between its rows
+            assert told[f"{whose}{name}_peak"] == pytest.approx(kept, rel=0.02), (whose, name)
+            assert told[f"{whose}{name}_peak"] >= kept * (1 - 1e-9)
+    assert told["motor_tracking_error_peak"] != pytest.approx(told["tracking_error_peak"], rel=0.02)
+    check = next(check for check in found.checks if check.name == "tracking_error")
+    assert check.demand == pytest.approx(told["tracking_error_peak"])
+    ends = told["distance_error"], told["motor_distance_error"]
+    assert ends == pytest.approx((s["position_error"][-1], s["motor_position_error"][-1]), abs=1e-9)
+
+
 def _profile(spec: RobotSpec):
     from drivesizer.profile import profile_of
 

@@ -132,11 +132,10 @@ def _added(run: Run, before: Array, lap: Lap, times: int, turned: float) -> Call
     s, budget, heat = run.s, float(run.p[at.BUDGET]), _warmed(run, lap, times)
     grows = float(s[at.I2T] - before[at.I2T])
     s[at.I2T] = min(max(0.0, s[at.I2T] + times * grows), budget)
-    s[at.Y] += times * (s[at.Y] - before[at.Y])
     lags = _lags(run, before, lap, turned)
-    _turn(run, times * (turned - lags))
+    s[at.Y] += _turn(run, times * (turned - lags)) / run.p[at.RATIO]  # a lap ends with the twist that it began with
     highest = min(lap.g[at.G_I2T] + times * max(grows, 0.0), budget)
-    return lambda then: grown(lap, then, times, heat, highest, lags)
+    return lambda then: grown(lap, then, times, heat, highest, lags, float(run.p[at.RATIO]))
 
 
 def _warmed(run: Run, lap: Lap, times: int) -> float:
@@ -160,10 +159,11 @@ def _lags(run: Run, before: Array, lap: Lap, turned: float) -> float:
     return 0.0 if run.p[at.PKP] and abs(found) < kept else found
 
 
-def _turn(run: Run, angle: float) -> None:
-    """Turn the motor on, where it is counted by whole counts: those of the periods before go with it."""
+def _turn(run: Run, angle: float) -> float:
+    """Turn the motor on, where it is counted by whole counts: those of the periods before go with it; by how much."""
     if run.p[at.EDGES]:
         counts = round(angle * run.p[at.EDGES] / (2.0 * math.pi))
         angle = counts * 2.0 * math.pi / run.p[at.EDGES]
         run.ring += counts
     run.s[at.X] += angle
+    return angle

@@ -70,7 +70,7 @@ def joined(first: Lap | None, then: Lap, later: float = 0.0) -> Lap:
     )  # fmt: skip
 
 
-def grown(lap: Lap, then: Lap | None, times: int, heat: float, highest: float, lags: float) -> Lap:
+def grown(lap: Lap, then: Lap | None, times: int, heat: float, highest: float, lags: float, ratio: float) -> Lap:
     """A lap many times over, its heat known; the sums go with the heat from it to a lap after those, if there is one.
 
     Parameters
@@ -85,6 +85,8 @@ def grown(lap: Lap, then: Lap | None, times: int, heat: float, highest: float, l
         Of the I2t integral [A^2 s].
     lags
         By what the position's error grows in a lap, and where it does is taken to have grown so far [rad].
+    ratio
+        Turns of the motor per turn of the driven shaft.
     """
     g, time = lap.g.copy(), times * lap.time
     mean = lap.g[SUMS] / lap.time
@@ -93,11 +95,11 @@ def grown(lap: Lap, then: Lap | None, times: int, heat: float, highest: float, l
         share = min(max((heat / time - lap.heat / lap.time) / more, 0.0), 1.0) if more else 0.0
         mean = mean + share * (then.g[SUMS] / then.time - mean)
     g[SUMS] = time * mean
-    lag, grown_by = math.sqrt(lap.g[at.G_E2_X] / lap.time), abs(lags)
-    if grown_by:
-        g[at.G_E2_X] = times * lap.g[at.G_E2_X]
-    g[at.G_E2_X] += lap.time * times * (times + 1) * grown_by * (lag + grown_by * (2 * times + 1) / 6.0)
-    if grown_by:
-        g[at.G_E_X], g[at.G_E_X + 1] = g[at.G_E_X] + times * grown_by, g[at.G_E_X + 1] + times * lap.time
+    for square, peak, by in ((at.G_E2_X, at.G_E_X, abs(lags)), (at.G_E2_Y, at.G_E_Y, abs(lags) / ratio)):
+        if by:
+            lag = math.sqrt(lap.g[square] / lap.time)
+            more = times * (times + 1) * by * (lag + by * (2 * times + 1) / 6.0)
+            g[square] = times * lap.g[square] + lap.time * more
+            g[peak], g[peak + 1] = g[peak] + times * by, g[peak + 1] + times * lap.time
     g[at.G_I2T] = max(g[at.G_I2T], highest)
     return Lap(g, np.linalg.matrix_power(lap.A, times), heat, time, 0.0, times * lap.count)

@@ -23,7 +23,8 @@ def note(p: Array, s: Array, rows: Array, kept: Any, size: Any, asked: Any, k: i
     t, speed, angle, l, u = asked
     torque = gear_torque(p, int(s[at.CODE]), s[at.I], s[at.W], s[at.F], s[at.V], l)
     winding = s[at.T_W] + p[at.AMBIENT]
-    row = (t, speed, s[at.W], s[at.I], u, torque, s[at.V], angle - s[at.X], s[at.I_ASK], winding)
+    lag, behind = angle - s[at.X], angle / p[at.RATIO] - s[at.Y]
+    row = (t, speed, s[at.W], s[at.I], u, torque, s[at.V], lag, behind, s[at.I_ASK], winding)
     record(rows, kept, size, near, k, row)
 
 
@@ -57,7 +58,8 @@ def rest(p: Array, s: Array, g: Array, mind: Array, piece: Array, k: int, u: flo
     lag = s[at.TURN] + piece[5] + speed * ((k - 1) * h - piece[2]) + speed * h - s[at.X]
     carry = carried(p, s, int(piece[1]) - k) if steady(p, s, mind, lag) else 0
     if carry > 0:
-        remain(p, s, g, speed - s[at.W], lag, carry * h)
+        behind = (lag + s[at.X]) / p[at.RATIO] - s[at.Y]
+        remain(p, s, g, speed - s[at.W], lag, behind, carry * h)
         hold(p, s, g, u, piece[6], k * h, carry * h)
     return carry
 

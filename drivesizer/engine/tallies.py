@@ -8,7 +8,7 @@ import drivesizer.engine.places as at
 from drivesizer.engine.modes import gear_torque
 from drivesizer.engine.places import Array
 
-__all__ = ["count", "record", "remain", "see", "square_of", "strain", "watch"]
+__all__ = ["count", "record", "remain", "see", "square_of", "strain", "strayed", "watch"]
 
 
 def see(g: Array, place: int, value: float, t: float) -> None:
@@ -45,19 +45,28 @@ def strain(p: Array, s: Array, g: Array, code: int, l: float, t: float, dt: floa
 
 
 def watch(p: Array, s: Array, g: Array, speed: float, angle: float, u: float, t: float, weight: float) -> None:
-    """Errors and voltage at a sample."""
+    """Errors of motor and load, and voltage, at a sample."""
     error, lag = speed - s[at.W], angle - s[at.X]
+    slow, behind = speed / p[at.RATIO] - s[at.V], angle / p[at.RATIO] - s[at.Y]
     see(g, at.G_E_W, error, t)
     see(g, at.G_E_X, lag, t)
+    see(g, at.G_E_V, slow, t)
+    see(g, at.G_E_Y, behind, t)
     see(g, at.G_U, u, t)
-    g[at.G_E2_W] += error * error * weight
-    g[at.G_E2_X] += lag * lag * weight
+    strayed(g, error, lag, slow, behind, weight)
 
 
-def remain(p: Array, s: Array, g: Array, error: float, lag: float, time: float) -> None:
-    """Add what a steady stretch holds: errors, limits."""
+def strayed(g: Array, error: float, lag: float, slow: float, behind: float, time: float) -> None:
+    """Add squares of errors: the motor's speed and angle, the load's speed and angle."""
     g[at.G_E2_W] += error * error * time
     g[at.G_E2_X] += lag * lag * time
+    g[at.G_E2_V] += slow * slow * time
+    g[at.G_E2_Y] += behind * behind * time
+
+
+def remain(p: Array, s: Array, g: Array, error: float, lag: float, behind: float, time: float) -> None:
+    """Add what a steady stretch holds: errors, limits; behind: the load's angle."""
+    strayed(g, error, lag, error / p[at.RATIO], behind, time)
     g[at.G_SATURATED] += time if s[at.U_CUT] != 0.0 else 0.0
     g[at.G_LIMITED] += time if s[at.I_CUT] != 0.0 else 0.0
 
