@@ -132,7 +132,7 @@ def test_two_masses_swing_at_their_resonance():
 
 
 def test_errors_are_those_of_the_mass_that_they_are_named_for():
-    """The figures against the kept course: of the load as it moves, of the motor's shaft through the whole reduction."""
+    """The figures against the kept course: of the load, and of the motor through the whole reduction."""
     found = proof(spec_of(plant="plant: {model: two_mass, stiffness: 3000 N*m/rad, damping_ratio: 0.1}"))
     told, s, radius = {f.name: f.value for f in found.figures}, found.series, 0.08
     per_speed = found.drive_set.gearhead.ratio * found.drive_set.belt_ratio / radius
