@@ -53,8 +53,8 @@ def _tracking(case: Case) -> list[_Row]:
         *(_of_the_motor(case) if case.shaft else ()),
         ("voltage_saturation", "Time at the voltage limit", case.figure("time_at_voltage_limit") / time, _SHARE, None),
         ("current_limitation", "Time at the current limit", case.figure("time_at_current_limit") / time, _SHARE, None),
-        ("speed_quantum", "One encoder count per period, at the load", quantum(case) / case.train.motor_per_speed, speed,
-         None),
+        ("speed_quantum", "One encoder count per period, at the load",
+         quantum(case) / case.train.motor_per_speed, speed, None),
     ]  # fmt: skip
 
 
