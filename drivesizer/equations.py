@@ -18,6 +18,7 @@ from drivesizer.declare import Value, equation
 __all__ = [
     "acceleration",
     "acceleration_torque",
+    "braking_torque_per_motor",
     "cylinder_inertia",
     "cylinder_mass",
     "deceleration_torque",
@@ -32,6 +33,7 @@ __all__ = [
     "nominal_speed",
     "nominal_torque",
     "nominal_torque_per_motor",
+    "rest_torque",
     "rms_power_per_motor",
     "rms_speed",
     "rms_torque",
@@ -161,7 +163,8 @@ def acceleration(V_nom: Value, t_acc: Value) -> Value:
     7, "P_nom/m", "power", "W",
     printed="PF * m_R * V_nom * (a + g * sin(theta)) / (2 * pi * kappa * N)",
     note="The units agree, the physics does not: 2π has no place in force times velocity, and rolling resistance is "
-    "missing. Computed as printed; the mechanical power at the end of the acceleration is shown beside it.",
+    "missing. Computed as printed; the mechanical power at the end of the acceleration is shown beside it. On a steep "
+    "slope downhill it is below 0: no power that a motor could be chosen by.",
 )  # fmt: skip
 def nominal_power_per_motor(
     PF: Value, m_R: Value, V_nom: Value, a: Value, g: Value, theta: Value, kappa: Value, N: Value
@@ -317,7 +320,12 @@ def maximum_torque(M_nom: Value, M_acc: Value) -> Value:
     return M_nom + M_acc
 
 
-@equation(11, "M_max/m", "torque", "N*m", printed="(M_nom + M_acc) / N")
+@equation(
+    11, "M_max/m", "torque", "N*m",
+    printed="(M_nom + M_acc) / N",
+    note="The largest torque on level ground and uphill. Downhill, where M_nom is below 0, it is not: M_dec of (12) is "
+    "larger by magnitude and is what gearhead, motor and controller are compared with.",
+)  # fmt: skip
 def maximum_torque_per_motor(M_max: Value, N: Value) -> Value:
     """Maximum torque per motor set.
 
@@ -350,10 +358,51 @@ def deceleration_torque(M_nom: Value, M_acc: Value) -> Value:
 
 
 @equation(
+    None, "M_brake/m", "torque", "N*m",
+    note="Not in the paper; downhill in place of M_max/m of (11), which is less by magnitude there.",
+)  # fmt: skip
+def braking_torque_per_motor(M_dec: Value, N: Value) -> Value:
+    """Largest torque per motor set downhill, while it brakes.
+
+    Parameters
+    ----------
+    M_dec: deceleration torque, whole vehicle [N*m]
+    N: driven wheels [1]
+
+    Returns
+    -------
+    M_brake_m: torque against the motion at one wheel [N*m]
+    """
+    return -M_dec / N
+
+
+@equation(
+    None, "M_rest", "torque", "N*m",
+    note="The paper has M_rest = 0, on level ground. On a slope the motors hold the vehicle, without help of friction.",
+)  # fmt: skip
+def rest_torque(m_R: Value, g: Value, theta: Value, d: Value) -> Value:
+    """Torque that holds the vehicle at rest on a slope.
+
+    Parameters
+    ----------
+    m_R: mass of the vehicle [kg]
+    g: gravity [m/s^2]
+    theta: slope, uphill positive [rad]
+    d: wheel diameter [m]
+
+    Returns
+    -------
+    M_rest: torque at the wheels while at rest, whole vehicle [N*m]
+    """
+    return m_R * g * np.sin(theta) * d / 2
+
+
+@equation(
     13, "M_rms", "torque", "N*m",
     printed="((t_acc * M_max**2 + t_nom * M_nom**2 + t_dec * M_dec**2 + t_rest * M_rest**2) / "
     "(t_acc + t_nom + t_dec + t_rest)) ** (1 / 2)",
-    note="t_total is the sum of the four times; the paper has t_rest = 0 and M_rest = 0.",
+    note="t_total is the sum of the four times; the paper has t_rest = 0 and M_rest = 0. At rest on a slope M_rest "
+    "holds the vehicle.",
 )  # fmt: skip
 def rms_torque(
     t_acc: Value, M_max: Value, t_nom: Value, M_nom: Value, t_dec: Value, M_dec: Value, t_rest: Value, M_rest: Value
@@ -399,7 +448,8 @@ def rms_torque_per_motor(M_rms: Value, N: Value) -> Value:
 @equation(
     15, "P_max/m", "power", "W",
     printed="M_max_m * n_nom * pi / 30",
-    note="Numerical-value equation: π/30 converts from rpm.",
+    note="Numerical-value equation: π/30 converts from rpm. Downhill it follows the sign of M_max, and is compared "
+    "with nothing.",
 )  # fmt: skip
 def maximum_power_per_motor(M_max_m: Value, n_nom: Value) -> Value:
     """Maximum power per motor set.
@@ -525,7 +575,8 @@ def speed_constant(V_0: Value, U: Value) -> Value:
     printed="V_nom + tau * M_max_m0",
     printed_units={"V_nom": "m/s"},
     note="Printed with V_nom, a velocity is added to a rotary speed. The term is the motor's speed at nominal "
-    "velocity: n_nom times the whole reduction.",
+    "velocity: n_nom times the whole reduction. Downhill a braking torque in place of M_max lowers it; the larger "
+    "magnitude is compared.",
 )  # fmt: skip
 def no_load_speed(n_nom: Value, K: Value, tau: Value, M_max_m0: Value) -> Value:
     """Required no-load speed.

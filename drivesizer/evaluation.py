@@ -27,7 +27,7 @@ class Evaluation(NamedTuple):
     spec: RobotSpec
     catalog: Catalog
     candidates: Candidates
-    wheel: dict[str, Requirement]  # (1)-(16), columns where they depend on the motor; empty where there are none
+    wheel: dict[str, Requirement]  # (1)-(16), columns where they depend on the motor; by the paper's method
     shaft: dict[str, Requirement]  # (17)-(20)
     checks: list[CheckColumn]
     encoder: NDArray[np.int64]
@@ -60,7 +60,7 @@ class Evaluation(NamedTuple):
 def evaluate(
     spec: RobotSpec, catalog: Catalog, given: Candidates, asked: Problem | None = None, *, exact: bool = True
 ) -> Evaluation:
-    """The paper's requirements of every candidate, where it treats the machine, and its checks by the spec's method.
+    """Every candidate's checks by the spec's method; by the paper's, with its requirements.
 
     Parameters
     ----------
@@ -71,15 +71,12 @@ def evaluate(
     exact
         Compute what needs the waveform from it; else by bounds where they decide.
     """
-    wheel: dict[str, Requirement] = {}
-    shaft: dict[str, Requirement] = {}
+    if spec.method == "physics":
+        return _by_physics(asked or problem(spec, catalog), given, exact)
     motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
-    if spec.paper_applies:
-        wheel = paper.vehicle(spec, motor["rotor_inertia"]).steps
-        shaft = paper.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
-    if spec.method == "paper":
-        return _by_the_paper(spec, catalog, given, wheel, shaft)
-    return _by_physics(asked or problem(spec, catalog), given, wheel, shaft, exact)
+    wheel = paper.vehicle(spec, motor["rotor_inertia"]).steps
+    shaft = paper.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
+    return _by_the_paper(spec, catalog, given, wheel, shaft)
 
 
 def _by_the_paper(
@@ -91,18 +88,14 @@ def _by_the_paper(
     gear = [check for check in checks if check.name.startswith("gearhead")]
     total = gearhead["ratio"] * given.belt
     checks.append(paper.largest_allowed(catalog, given.motor, given.gearhead, total, gear))
-    currents = (
-        shaft[f"{which}_torque_at_motor"].value / motor["torque_constant"] + motor["no_load_current"]
-        for which in ("rms", "maximum")
-    )
+    torques = shaft["rms_torque_at_motor"].value, paper.largest_torque_at_motor(shaft)
+    currents = (torque / motor["torque_constant"] + motor["no_load_current"] for torque in torques)
     controller, encoder = controllers(spec, catalog, given.motor, *currents), encoders(spec, catalog, given.motor)
     checks = [fits("compatibility", True, given.listed), *checks, *controller.checks, *encoder.checks]
     return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder.row, controller.row, {}, ("",))
 
 
-def _by_physics(
-    asked: Problem, given: Candidates, wheel: dict[str, Requirement], shaft: dict[str, Requirement], exact: bool
-) -> Evaluation:
+def _by_physics(asked: Problem, given: Candidates, exact: bool) -> Evaluation:
     """Every limit against the whole load cycle, a belt at a time."""
     spec, catalog = asked.spec, asked.catalog
     belts = [np.flatnonzero(given.belt == belt) for belt in np.unique(given.belt)]
@@ -115,7 +108,7 @@ def _by_physics(
     controller = _scattered([(rows, one.controller) for rows, one in found], count, np.int64)
     encoder = asked.encoder.row[given.motor]
     checks = _in_order(found, count)
-    return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder, controller, figures, asked.names, asked)
+    return Evaluation(spec, catalog, given, {}, {}, checks, encoder, controller, figures, asked.names, asked)
 
 
 def _scattered(parts: list[tuple[NDArray[Any], NDArray[Any]]], count: int, dtype: Any = np.float64) -> NDArray[Any]:

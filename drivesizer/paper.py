@@ -20,7 +20,7 @@ from drivesizer.motions import Trapezoid
 from drivesizer.results import Requirement
 from drivesizer.spec import RobotSpec
 
-__all__ = ["Derivation", "at_the_motor", "largest_allowed", "rule", "vehicle"]
+__all__ = ["Derivation", "at_the_motor", "largest_allowed", "largest_torque_at_motor", "rule", "vehicle"]
 
 
 class Derivation:
@@ -92,8 +92,11 @@ def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
     M_max = d.step(eq.maximum_torque, M_nom=M_nom, M_acc=M_acc)
     M_max_m = d.step(eq.maximum_torque_per_motor, M_max=M_max, N=N)
     M_dec = d.step(eq.deceleration_torque, M_nom=M_nom, M_acc=M_acc)
+    if M_nom < 0.0:  # downhill
+        d.step(eq.braking_torque_per_motor, M_dec=M_dec, N=N)
     times: dict[str, Any] = {"t_acc": t_acc, "t_nom": t_nom, "t_dec": t_acc, "t_rest": t_rest}
-    M_rms = d.step(eq.rms_torque, M_max=M_max, M_nom=M_nom, M_dec=M_dec, M_rest=0.0, **times)
+    M_rest = d.step(eq.rest_torque, m_R=m_R, g=g, theta=load.slope, d=wheel) if load.slope else 0.0
+    M_rms = d.step(eq.rms_torque, M_max=M_max, M_nom=M_nom, M_dec=M_dec, M_rest=M_rest, **times)
     M_rms_m = d.step(eq.rms_torque_per_motor, M_rms=M_rms, N=N)
     d.step(eq.maximum_power_per_motor, M_max_m=M_max_m, n_nom=n_nom)
     n_rms = d.step(eq.rms_speed, n_nom=n_nom, **times)
@@ -143,24 +146,57 @@ def at_the_motor(spec: RobotSpec, wheel: dict[str, Requirement], motor: Any, gea
         Belt ratio of each candidate.
     """
     d = Derivation()
-    K_g, eta = gearhead["ratio"], gearhead["efficiency"]
-    K, eta_b = K_g * belt, spec.belt_efficiency
-    torques = {"M_rms_m": wheel["rms_torque_per_motor"].value, "M_max_m": wheel["maximum_torque_per_motor"].value}
-    d.step(eq.rms_torque_at_motor, M_rms_m=torques["M_rms_m"], K_g=K_g, eta_gear=eta, i_b=belt, eta_b=eta_b)
-    M_max_m0 = d.step(
-        eq.maximum_torque_at_motor, M_max_m=torques["M_max_m"], K_g=K_g, eta_gear=eta, i_b=belt, eta_b=eta_b
+    geared = {"K_g": gearhead["ratio"], "eta_gear": gearhead["efficiency"]}
+    chain = geared | {"i_b": belt, "eta_b": spec.belt_efficiency}
+    K, M_rms_m = gearhead["ratio"] * belt, wheel["rms_torque_per_motor"].value
+    M_max_m = wheel["maximum_torque_per_motor"].value
+    d.step(eq.rms_torque_at_motor, M_rms_m=M_rms_m, **chain)
+    M_max_m0 = d.step(eq.maximum_torque_at_motor, M_max_m=M_max_m, **chain)
+    if _BRAKING in wheel:
+        d.step(
+            eq.maximum_torque_at_motor, name=f"{_BRAKING}_at_motor", symbol="M_brake/m0",
+            title="Largest torque at the motor downhill, while it brakes", M_max_m=wheel[_BRAKING].value, **chain,
+        )  # fmt: skip
+    V_0 = d.step(
+        eq.no_load_speed, n_nom=wheel["nominal_speed"].value, K=K, tau=motor["speed_torque_gradient"], M_max_m0=M_max_m0
     )
-    n_nom = wheel["nominal_speed"].value
-    V_0 = d.step(eq.no_load_speed, n_nom=n_nom, K=K, tau=motor["speed_torque_gradient"], M_max_m0=M_max_m0)
     d.step(eq.speed_constant, V_0=V_0, U=motor["nominal_voltage"])
     d.step(eq.rotor_inertia_at_wheel, J_m=motor["rotor_inertia"], K=K)
-    for declared, load in ((eq.rms_torque_at_motor, "M_rms_m"), (eq.maximum_torque_at_motor, "M_max_m")):
-        if spec.belt:
-            d.step(
-                declared, name=f"{declared.name}_as_printed", title=f"{declared.title}, as printed (no belt)",
-                **{load: torques[load]}, K_g=K_g, eta_gear=eta,
-            )  # fmt: skip
+    if spec.belt:
+        _as_printed(d, eq.rms_torque_at_motor, M_rms_m=M_rms_m, **geared)
+        _as_printed(d, eq.maximum_torque_at_motor, M_max_m=M_max_m, **geared)
     return d
+
+
+def _as_printed(d: Derivation, declared: Equation, **inputs: Any) -> None:
+    d.step(
+        declared, name=f"{declared.name}_as_printed", title=f"{declared.title}, as printed (no belt)", **inputs
+    )  # fmt: skip
+
+
+_BRAKING = eq.braking_torque_per_motor.name
+
+
+def largest_torque(wheel: dict[str, Requirement]) -> Any:
+    """The largest torque at one wheel by magnitude [N*m]: (11), or downhill that of braking."""
+    return wheel.get(_BRAKING, wheel["maximum_torque_per_motor"]).value
+
+
+def largest_torque_at_motor(shaft: dict[str, Requirement]) -> Any:
+    """The same at the motor, by (18) [N*m]."""
+    return shaft.get(f"{_BRAKING}_at_motor", shaft["maximum_torque_at_motor"]).value
+
+
+def _speed_constant(shaft: dict[str, Requirement], motor: Any) -> Any:
+    """What the speed constant must be at least, by (19) and (20): at the end of acceleration or where braking begins.
+
+    Uphill and on level ground it is the first, as printed.
+    """
+    printed, first = shaft["speed_constant"].value, shaft["no_load_speed"].inputs
+    if f"{_BRAKING}_at_motor" not in shaft:
+        return printed
+    braked = eq.no_load_speed(**first | {"M_max_m0": -largest_torque_at_motor(shaft)})
+    return np.maximum(np.abs(printed), np.abs(eq.speed_constant(braked, motor["nominal_voltage"])))
 
 
 def rule(
@@ -169,9 +205,9 @@ def rule(
     """The paper's conditions on gearhead and motor (section 3.1.3), as columns over the candidates."""
     at_gearhead = belt * spec.belt_efficiency
     n_motor = wheel["nominal_speed"].value * gearhead["ratio"] * belt
-    torque = wheel["rms_torque_per_motor"].value / at_gearhead, wheel["maximum_torque_per_motor"].value / at_gearhead
+    torque = wheel["rms_torque_per_motor"].value / at_gearhead, largest_torque(wheel) / at_gearhead
     rotary, nm, mnm = ("rotary_speed", "rpm"), ("torque", "N*m"), ("torque", "mN*m")
-    rms, peak = shaft["rms_torque_at_motor"].value, shaft["maximum_torque_at_motor"].value
+    rms, peak = shaft["rms_torque_at_motor"].value, largest_torque_at_motor(shaft)
     checks = [
         at_most("gearhead_continuous_torque", torque[0], gearhead["continuous_torque"], *nm),
         at_most("gearhead_intermittent_torque", torque[1], gearhead["intermittent_torque"], *nm),
@@ -180,7 +216,7 @@ def rule(
         at_most("motor_continuous_torque", rms, motor["nominal_torque"], *mnm),
         at_most("motor_maximum_torque", peak, motor["stall_torque"], *mnm),
         at_most("motor_power", wheel["rms_power_per_motor"].value, motor["assigned_power"], "power", "W"),
-        at_least("speed_constant", shaft["speed_constant"].value, motor["speed_constant"], "speed_constant", "rpm/V"),
+        at_least("speed_constant", _speed_constant(shaft, motor), motor["speed_constant"], "speed_constant", "rpm/V"),
     ]
     if spec.needs.backlash_at_load is not None:
         lost = gearhead["backlash"] / belt

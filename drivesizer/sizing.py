@@ -111,9 +111,11 @@ def size(
 
 
 def _requirements(found: Found, spec: RobotSpec, row: int) -> tuple[Requirement, ...]:
-    """(1)-(16) with the rotor inertia of the candidate that is shown; without candidates, with none."""
-    if not spec.paper_applies:
-        assert found.evaluation.asked  # such a spec is sized by physics
+    """What the load asks for, by the method: the load cycle's figures, or (1)-(16).
+
+    The latter are with the rotor inertia of the candidate that is shown; without candidates, with none.
+    """
+    if found.evaluation.asked:
         return tuple(requirements([base.cycle for base in found.evaluation.asked.bases]))
     if len(found.evaluation.candidates.motor):
         return tuple(r.at(row) for r in found.evaluation.wheel.values())
@@ -136,7 +138,7 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
             "an encoder's unknown inertia is left out; sustained speed is the highest at which the profile stays",
         ]
         if spec.paper_applies:
-            said.append("requirements (1)-(20) are the paper's, for comparison; its factors do not enter the checks")
+            said.append("the paper's method is shown beside it; its factors enter neither requirements nor checks")
         return tuple(said)
     said = [
         "J_m of (10) is each candidate's own rotor inertia at the motor shaft, without K², as the paper has it",

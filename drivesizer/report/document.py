@@ -78,7 +78,7 @@ def _content(
         "method": result.method,
         "objective": result.objective.replace("_", " "),
         "place": "wheel" if result.spec.whole.load.kind == "wheeled_vehicle" else "load's shaft",
-        "paper": result.spec.paper_applies,
+        "paper": result.method == "paper",
         "wheel": first_wheel(result.spec),
         "cases": [name for name, _ in result.spec.load_cases if name],
         "catalogs": [[name, digest] for name, digest in result.catalog.digests.items()],
