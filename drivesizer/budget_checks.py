@@ -21,7 +21,7 @@ from drivesizer.platform.dynamics import Dynamics
 from drivesizer.platform.envelope import corner_width, turning_circle, width_at
 from drivesizer.platform.grip import grip_acceleration, grip_slope, translations, worst_friction
 from drivesizer.platform.passing import Clearance, clearances
-from drivesizer.platform.stability import support_polygon, used_footing
+from drivesizer.platform.stability import carrying, support_polygon, used_footing
 from drivesizer.platform.stability_moments import Moment, least_margin_share, least_share
 from drivesizer.platform.standing import Ground, contact_loads
 from drivesizer.platform.trajectory import Trajectory
@@ -196,7 +196,7 @@ def stability_checks(s: Standing) -> tuple[Check, ...]:
     if not s.upright:
         return _told([replace(fits("centre_of_mass", False, False), note=_NO_CASTERS)])
     at_rest = contact_loads(s.d.platform, ground=Ground(gravity=s.gravity))
-    found = [fits("centre_of_mass", bool((at_rest > 0.0).all()), True), _limit(s, "lift_off"), _limit(s, "tipping")]
+    found = [fits("centre_of_mass", bool(carrying(at_rest).all()), True), _limit(s, "lift_off"), _limit(s, "tipping")]
     if s.trajectory is not None:
         found.append(_off(s, "wheel_unloading", least_share(s.d.platform, s.trajectory, s.ground)))
         found.append(_off(s, "tipping_motion", least_margin_share(s.d.platform, s.trajectory, s.ground)))

@@ -70,6 +70,7 @@ __all__ = [
 ]
 
 Axis = Literal["linear", "rotary"]
+_WRITTEN = 1e-5  # relative: how far five digits are off
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +87,7 @@ class Quantity:
         """The SI value of a text; a value outside the range is a ValueError."""
         turns = bool(self.rotary) and (info.context or {}).get("axis") == "rotary"
         kind = KINDS[self.rotary if turns else self.kind]
-        value = to_si(text, self.rotary if turns else self.kind)
+        value = self._rounded(to_si(text, self.rotary if turns else self.kind))
         for bad, words in (
             (not value > self.above, f"above {self.above:g}"),
             (not value >= self.least, f"at least {self.least:g}"),
@@ -94,6 +95,14 @@ class Quantity:
         ):
             if bad:
                 raise ValueError(f"must be {words} {label(kind.si)}".rstrip() + f", e.g. {kind.example}")
+        return value
+
+    def _rounded(self, value: float) -> float:
+        """An angle as its limit where it is written as that: 1.5708 rad is 90 deg, no more."""
+        if self.kind == "angle":
+            for limit in (self.least, self.most):
+                if abs(value) > abs(limit) and math.isclose(value, limit, rel_tol=_WRITTEN):
+                    return limit
         return value
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:

@@ -38,17 +38,25 @@ _NAMES = {
 }
 
 
+_ROUNDING = 1e-12  # of the largest torque times the highest speed: a smaller power is none
+
+
+def _above(power: float, least: float) -> float:
+    return power if power > least else 0.0
+
+
 def _figures(cycle: LoadCycle) -> dict[str, float]:
     power, duration = cycle.power, cycle.duration
     mean = float(duration @ mean_product(cycle.torque, cycle.speed)) / cycle.total
+    least = _ROUNDING * float(np.abs(cycle.torque).max() * np.abs(cycle.speed).max())
     return {
         "nominal_speed": float(np.abs(cycle.speed).max()),
         "rms_speed": rms(duration, cycle.speed),
         "maximum_torque_per_motor": float(np.abs(cycle.torque).max()),
         "rms_torque_per_motor": rms(duration, cycle.torque),
-        "maximum_power_per_motor": max(0.0, float(power.max())),
-        "returned_power_per_motor": max(0.0, -float(power.min())),
-        "mean_power_per_motor": mean if abs(mean) > 1e-12 * np.abs(power).max() else 0.0,  # else it is rounding
+        "maximum_power_per_motor": _above(float(power.max()), least),
+        "returned_power_per_motor": _above(-float(power.min()), least),
+        "mean_power_per_motor": mean if abs(mean) > least else 0.0,
         "load_inertia_per_motor": cycle.inertia,
         "cycle_time": cycle.total,
     }

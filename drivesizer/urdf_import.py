@@ -138,8 +138,8 @@ def _arm(robot: Robot, joint: Joint) -> str:
     text = _ARM if load.lever > _CENTRED else _TABLE
     return text.format(
         name=_name(robot), file=_yaml(Path(robot.file).name), joint=_yaml(joint.name), mass=_shown(load.mass),
-        length=_shown(load.lever), inertia=_shown(load.inertia), tilt=_shown(load.tilt), speed=_shown(velocity),
-        ramp=_shown(span / 2), cruise=_shown(span / 2), effort=_shown(effort),
+        length=_shown(load.lever), inertia=_shown(load.inertia), tilt=f"{math.degrees(load.tilt):.9g}",
+        speed=_shown(velocity), ramp=_shown(span / 2), cruise=_shown(span / 2), effort=_shown(effort),
     )  # fmt: skip
 
 
@@ -254,7 +254,7 @@ _ARM = (
   length: {length} m               # from the axis to their centre of mass
   inertia: {inertia} kg*m^2        # about the axis, the joints beyond it at 0
   start_angle: 0 deg               # not in the URDF: above the level line, when the cycle starts
-  tilt: {tilt} rad                 # of the axis from level
+  tilt: {tilt} deg                 # of the axis from level
   friction_torque: 0 N*m           # not in the URDF
 """
     + _TURNING

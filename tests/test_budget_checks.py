@@ -183,6 +183,19 @@ def test_what_keeps_it_up_is_not_known():
     assert outside["centre_of_mass"].status == outside["lift_off"].status == "fail"
 
 
+@pytest.mark.parametrize(("track", "axle"), [(0.5, 0.0), (0.613, 0.1), (0.7, -0.23), (0.331, 0.07), (0.9, 0.3)])
+def test_a_centre_of_mass_over_the_axle_is_on_the_edge_whatever_rounding_says(track, axle):
+    """The caster behind carries nothing: the robot stands on the line between its wheels, and that is not inside."""
+    two = {"layout": {"kind": "differential", "track": f"{track} m", "x": f"{axle} m"}}
+    caster = {"casters": [{"x": f"{axle - 0.317} m", "y": "0 m"}]}
+    edge = standing({"driven_wheels": 2}, **two, **caster, centre_of_mass={"x": f"{axle} m", "height": "0.2 m"})
+    assert of(footing(edge))["centre_of_mass"].status == "fail"
+    inside = standing(
+        {"driven_wheels": 2}, **two, **caster, centre_of_mass={"x": f"{axle - 0.01} m", "height": "0.2 m"}
+    )
+    assert of(footing(inside))["centre_of_mass"].status == "pass"
+
+
 # --- grip -------------------------------------------------------------------------------------------------------------
 
 

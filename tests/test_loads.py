@@ -509,6 +509,27 @@ def test_a_joint_upright_feels_no_gravity():
     assert c.torque == pytest.approx(np.repeat([[2.4] * 2, [-2.4] * 2], len(c.duration) // 2, axis=0))
 
 
+@pytest.mark.parametrize("tilt", ["90 deg", "-90 deg", "1.5708 rad", "1.570796 rad"])
+def test_a_joint_upright_may_turn_for_ever(tilt):
+    """No weight acts on it, so its turns need not be followed; 1.5708 rad is 90 deg as most files have it."""
+    load = f"kind: arm, mass: 7 kg, length: 0.5 m, friction_torque: 2 N*m, tilt: {tilt}"
+    c = cycle_of(load, (0, 0.0), (1, 6.0), (2001, 6.0), (2002, 0.0))
+    assert len(c.duration) == 3
+    assert c.torque[1] == pytest.approx([2.0, 2.0], rel=1e-12)
+
+
+@pytest.mark.parametrize("mass", ["0.7 kg", "1.3 kg", "12.1 kg"])
+def test_a_load_that_falls_freely_pulls_with_nothing(mass):
+    """Its rope is neither pulled nor pushed, whatever 16.671305 m/s in 1.7 s is as a number; faster, it goes slack."""
+    for load in (
+        f"kind: hoist, mass: {mass}, drum_diameter: 0.2 m",
+        f"kind: hoist, mass: {mass}, counterweight: 2 kg, drum_diameter: 0.2 m",
+    ):
+        cycle_of(load, (0, 0.0), (1.7, -1.7 * G), (2.0, -1.7 * G), (6.0, 0.0))
+        with pytest.raises(InputError, match="goes slack"):
+            cycle_of(load, (0, 0.0), (1.7, -1.70001 * G), (2.0, -1.70001 * G))
+
+
 def test_a_table_on_its_side_is_an_arm():
     table = (
         "kind: rotary_table, inertia: 1.2 kg*m^2, mass: 6 kg, eccentricity: 400 mm, tilt: 90 deg, start_angle: 1 rad"

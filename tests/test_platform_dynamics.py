@@ -257,6 +257,44 @@ def test_rollers_make_the_way_to_the_side_harder():
     assert aside == pytest.approx((0.02 + 0.03 * math.sqrt(2)) * MASS * G)
 
 
+HARD = {"rolling_resistance": 0.02, "roller_resistance": 0.03}
+ROLLING = MASS * G / 4 * RADIUS  # N*m per unit of resistance, of one wheel
+ROOT = math.sqrt(2.0)
+BY_HAND = {  # torques of the four wheels: wheels that turn and rollers that do, (54) transposed of forces on the floor
+    0.0: ROLLING * 0.02 * np.array([1.0, 1.0, 1.0, 1.0]),  # rollers stand
+    180.0: ROLLING * 0.02 * np.array([-1.0, -1.0, -1.0, -1.0]),
+    90.0: ROLLING * (0.02 + 0.03 * ROOT) * np.array([1.0, -1.0, 1.0, -1.0]),  # wheels at V/r, rollers at sqrt(2) V
+    -90.0: ROLLING * (0.02 + 0.03 * ROOT) * np.array([-1.0, 1.0, -1.0, 1.0]),
+    45.0: ROLLING * np.array([0.02 + 0.03 * ROOT, -0.03 * ROOT, 0.02 + 0.03 * ROOT, -0.03 * ROOT]),  # 2 and 4 stand
+    -45.0: ROLLING * np.array([-0.03 * ROOT, 0.02 + 0.03 * ROOT, -0.03 * ROOT, 0.02 + 0.03 * ROOT]),
+}
+
+
+@pytest.mark.parametrize("residue", [0.0, 1e-13, -1e-13])
+@pytest.mark.parametrize("heading", BY_HAND)
+def test_rollers_that_stand_do_not_resist(heading, residue):
+    """What is left of a sine of 180 deg, or of places of Table 1, has no direction: C_rr m g r / 4 straight ahead."""
+    angle = math.radians(heading) + residue
+    d = dynamics(mecanum(**HARD))
+    found = wheel_torques(d, [math.cos(angle), math.sin(angle), 0.0], [0.0] * 3)
+    assert found == pytest.approx(BY_HAND[heading], rel=1e-9)
+    assert wheel_torques(d, [0.0] * 3, [0.0] * 3, towards=[math.cos(angle), math.sin(angle), 0.0]) == pytest.approx(
+        found
+    )
+
+
+def test_straight_ahead_on_the_papers_robot_each_wheel_takes_0_168():
+    """0.02 of 45 kg at 9.80665 m/s² on four wheels of 152.4 mm, (3) and (5) with bearing factor 1, rollers or none."""
+    d = dynamics(mecanum(rolling_resistance=0.02, roller_resistance=0.01))
+    assert wheel_torques(d, [1.5, 0.0, 0.0], [0.0] * 3) == pytest.approx([0.168135] * 4, rel=1e-5)
+
+
+def test_a_caster_in_the_centre_of_a_turn_does_not_roll():
+    """On a circle of 3 · 0.1 m about a caster its contact point stands, whatever 3 · 0.1 - 0.3 is."""
+    p = replace(mecanum(), casters=(Caster(x=0.0, y=0.3, rolling_resistance=0.5),))
+    assert resistance(dynamics(p), np.array([3 * 0.1, 0.0, 1.0])) == pytest.approx([0.0] * 3, abs=1e-12)
+
+
 # --- sharing the torque -----------------------------------------------------------------------------------------------
 
 

@@ -11,6 +11,7 @@ from drivesizer.errors import InputError
 from drivesizer.loadcycle import integral, rms
 from drivesizer.loads import load_cycle
 from drivesizer.loads.recorded import local_parabola
+from drivesizer.physics import AT_REST, at_gearhead
 from drivesizer.spec import load_spec
 
 
@@ -167,6 +168,21 @@ def test_noise_of_a_position_does_not_grow_with_the_rate(shaft, rate):
     assert cycle.acceleration[inside].std() < 1.1 * 8.5 * SIGMA / window**2
     plain = np.diff(noise, 2) * rate**2  # what two differences of two samples would make of it
     assert plain.std() > 100 * cycle.acceleration[inside].std()
+
+
+@pytest.mark.parametrize(("name", "window"), [("speed", 0.5), ("position", 0.05), ("position", 2.0)])
+def test_what_stands_in_a_recording_stands_when_it_is_smoothed(shaft, name, window):
+    """Sums over windows leave 1e-12 rad/s: as a motion it would have a direction, friction and a gear's efficiency."""
+    time = np.arange(0.0, 6.0, 0.002)
+    place = 5.0 * np.where(time < 2.0, time / 2.0 - np.sin(math.pi * time) / (2.0 * math.pi), 1.0) + 1.234567
+    column = np.where(time < 2.0, 2.5 * (1.0 - np.cos(math.pi * time)), 0.0) if name == "speed" else place
+    held = np.full_like(time, 3.0)
+    cycle = shaft(SPEED if name == "speed" else POSITION, time, column, held, smoothing=f"{window} s")
+    stands = cycle.time[:, 0] > 2.0 + window / 2 + 0.002
+    assert not cycle.speed[stands].any() and cycle.speed[~stands].any()
+    at = at_gearhead(cycle, 0.8).behind(1.0)
+    assert at.functions[stands][:, :, AT_REST] == pytest.approx(3.0)  # held, not driven through 80 %
+    assert at.standing_torque == pytest.approx(3.0)
 
 
 def test_noise_through_three_points(shaft):

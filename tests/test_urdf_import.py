@@ -12,6 +12,7 @@ from test_export_cli import run
 
 from drivesizer.errors import InputError
 from drivesizer.export import export_of, write
+from drivesizer.loads import load_cycle
 from drivesizer.sizing import size
 from drivesizer.spec import read_spec
 from drivesizer.urdf_import import carried, spec_of
@@ -125,6 +126,18 @@ def test_the_tilt_is_that_of_the_axis(at):
     )
     assert spec_from(at(tilted)).load.tilt == pytest.approx(0.3)
     assert spec_from(at(tilted), "shoulder").load.tilt == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("turned", ["0 0 0", "1.5708 0 0", "3.14159 0 0"])
+def test_an_upright_joint_can_be_sized(at, turned):
+    """A SCARA robot's: what comes out is read again, with no weight about an axis that files round to 1.5708 rad."""
+    axis = "0 1 0" if turned.startswith("1.5") else "0 0 1"
+    origin, limit = f'<origin xyz="0 0 0.3" rpy="{turned}"/>', 'effort="10" velocity="3"'
+    arm = link("body", 5.0) + link("arm", 2.0, origin='<origin xyz="0.2 0 0"/>')
+    path = at(ROBOT % (arm + joint("first", "arm", "revolute", limit, axis, origin)))
+    spec = read_spec(YamlSource(spec_of(path, None), "x.yaml"))
+    assert spec.load.kind == "arm" and spec.load.tilt == pytest.approx(math.pi / 2, abs=1e-5)
+    assert len(load_cycle(spec).duration) < 10  # nothing that depends on the angle
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -46,7 +46,7 @@ def arm(spec: RobotSpec, course: Course) -> LoadCycle:
     load, g = spec.load, spec.environment.gravity
     assert isinstance(load, Arm)
     inertia = load.mass * load.length * load.length if load.inertia is None else load.inertia
-    moment = load.mass * g * load.length * math.cos(load.tilt)
-    course, weight = weight_on_lever(spec, course, moment, load.start_angle)
+    moment = load.mass * g * load.length
+    course, weight = weight_on_lever(spec, course, moment, math.cos(load.tilt), load.start_angle)
     torque = inertia * course.acceleration + weight + load.friction_torque * course.direction
     return course.cycle(torque / load.motors, inertia=inertia / load.motors)

@@ -3,7 +3,8 @@ r"""Torques that are no straight lines within a segment of the motion: cut finer
 Weight on a lever: :math:`T = M \cos(φ_0 + φ)`. A chord over the time Δt is off by at most
 :math:`M (ω^2 + |α|) Δt^2 / 8`; pieces with :math:`\sqrt{ω^2 + |α|} \, Δt \le` half a degree keep that to 1e-5 of M.
 No cycle is cut into more than some 10 000 pieces: beyond 13 turns they grow longer and the error with their square, to
-4e-3 of M at 10 degrees (some 270 turns); a cycle of more turns than that is refused.
+4e-3 of M at 10 degrees (some 270 turns); a cycle of more turns than that is refused. A lever that turns level to within
+1e-5 rad, which is nearer than files that round 90 degrees to 1.5708 rad tell, feels no weight.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ __all__ = ["capped", "weight_on_lever"]
 _MOST = 10_000  # pieces of a cycle
 _STEP = math.radians(0.5)
 _LONGEST_STEP = math.radians(10.0)
+_LEVEL = 1e-5  # of the weight: what gets through a smaller share of it is none
 
 
 def capped(pieces: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -35,7 +37,7 @@ def capped(pieces: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.maximum(np.ceil(pieces * share), 1.0).astype(np.int64)
 
 
-def weight_on_lever(spec: RobotSpec, course: Course, moment: float, start: float) -> tuple[Course, Ends]:
+def weight_on_lever(spec: RobotSpec, course: Course, moment: float, share: float, start: float) -> tuple[Course, Ends]:
     """The course in pieces that are fine enough, and the torque of a weight about the axis.
 
     Parameters
@@ -45,7 +47,9 @@ def weight_on_lever(spec: RobotSpec, course: Course, moment: float, start: float
     course
         How the lever turns.
     moment
-        Torque when the lever lies level, M [N*m].
+        Weight times the lever's length [N*m].
+    share
+        Of it that the tilt of the axis leaves when the lever lies level, so that M is their product [1].
     start
         Angle of the lever above the level line when the cycle starts [rad].
 
@@ -54,7 +58,7 @@ def weight_on_lever(spec: RobotSpec, course: Course, moment: float, start: float
     InputError
         When the cycle has too many turns to follow.
     """
-    if moment == 0.0:
+    if moment == 0.0 or abs(share) <= _LEVEL:
         return course, np.zeros_like(course.speed)
     rate = np.abs(course.speed).max(axis=1)
     slope = np.abs(np.diff(course.speed, axis=1)[:, 0]) / course.duration
@@ -65,4 +69,4 @@ def weight_on_lever(spec: RobotSpec, course: Course, moment: float, start: float
             "expected a shorter cycle, or a balanced load"
         )
     course = course.finer(capped(pieces))
-    return course, moment * np.cos(start + course.position)
+    return course, moment * share * np.cos(start + course.position)

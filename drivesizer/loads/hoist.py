@@ -57,8 +57,11 @@ def hoist(spec: RobotSpec, course: Course) -> LoadCycle:
     return through_stage(course, force, radius, losses, mass=moved, turning=load.inertia, motors=load.motors)
 
 
+_ROUNDING = 1e-9  # of gravity: a load that falls freely pulls with nothing, whatever its figures are rounded to
+
+
 def _slack(load: Hoist, g: float, course: Course, force: Ends) -> bool:
     """Whether a rope would have to push: on the load, or on the counterweight where there is one."""
     if load.counterweight == 0.0:
-        return bool((force < 0.0).any())
-    return bool((abs(course.acceleration) > g).any())
+        return bool((force < -_ROUNDING * load.mass * g).any())
+    return bool((abs(course.acceleration) > g * (1.0 + _ROUNDING)).any())

@@ -42,6 +42,7 @@ _FORMS = tuple(
     for name, kind in (("speed", "rotary_speed"), ("position", "angle"), ("angle", "angle"))
 )
 _SLACK = 1e-9  # of a window: a sample on its edge is in it, whatever rounding makes of its time
+_ROUNDING = 1e-9  # of the largest speed: less is what sums over windows leave where the load stands
 _LEAST_BEND = 0.01  # share of the fourth moment that the times' bend must keep; below it, they stand in two bunches
 
 
@@ -84,6 +85,7 @@ def _speed(path: Path, found: dict[str, Column], smoothing: float, where: str) -
     if fitted:
         value, slope = local_parabola(time, speed, smoothing)
         speed = value if name == "speed" else slope
+        speed = np.where(np.abs(speed) <= _ROUNDING * np.abs(speed).max(), 0.0, speed)
     if not speed.any():
         raise InputError(f"{path}: {name}: nothing moves; expected a recording of a motion")
     return speed

@@ -45,7 +45,7 @@ def rotary_table(spec: RobotSpec, course: Course) -> LoadCycle:
     """
     load, g = spec.load, spec.environment.gravity
     assert isinstance(load, RotaryTable)
-    moment = load.mass * g * load.eccentricity * math.sin(load.tilt)
-    course, weight = weight_on_lever(spec, course, moment, load.start_angle)
+    moment = load.mass * g * load.eccentricity
+    course, weight = weight_on_lever(spec, course, moment, math.sin(load.tilt), load.start_angle)
     torque = load.inertia * course.acceleration + load.friction_torque * course.direction + load.torque + weight
     return course.cycle(torque / load.motors, inertia=load.inertia / load.motors)

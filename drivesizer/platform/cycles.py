@@ -33,7 +33,7 @@ from drivesizer.platform.trajectory import Trajectory
 
 __all__ = ["contact_forces", "effective_inertia", "wheel_cycles", "wheel_loads"]
 
-_ROUNDING = 1e-12  # of the largest speed or torque of all wheels: below it there is none
+_ROUNDING = 1e-9  # of the largest speed or torque of all wheels: below it there is none
 _NOTHING = 1e-9  # of the largest inertia: below it the wheels make no motion
 _TAKES_PART = 1e-3  # of the wheel that turns most
 

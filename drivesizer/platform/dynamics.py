@@ -13,11 +13,13 @@ sum of squares are given (or of squares over weights), :math:`τ = D (\bar M \do
 Moore-Penrose inverse :math:`D = (S^T E^T)^+ S^T`. In the wheels' own space this is (57)-(59).
 
 Rolling resistance is against each wheel's turning and nothing at rest, C_rr N r; N is what the wheel carries at rest.
-Its direction at a start is that of ``towards``. No efficiency is in here: that is the drive's.
+Its direction at a start is that of ``towards``; what turns no faster than a billionth of the platform's speed stands.
+No efficiency is in here: that is the drive's.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -26,7 +28,7 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.platform import equations_dynamics as eq
-from drivesizer.platform.kinematics import Kinematics, check_allowed, columns, kinematics, map_columns
+from drivesizer.platform.kinematics import Kinematics, check_allowed, columns, kinematics, map_columns, row_sizes
 from drivesizer.platform.notation import Array
 from drivesizer.platform.standing import LEVEL, Ground, contact_loads, weight_along
 from drivesizer.platform.wheels import Platform
@@ -43,7 +45,7 @@ __all__ = [
     "wheel_torques",
 ]
 
-_ROUNDING = 1e-12  # of what is added up to a speed: below it the sum is 0
+_ROUNDING = 1e-9  # of the platform's speed: what turns or rolls no faster stands
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,12 +91,27 @@ def _distribution(k: Kinematics, weights: Sequence[float] | None) -> Array:
     return np.asarray(root * (np.linalg.pinv((root * (k.E[list(k.driven)] @ k.motions)).T) @ k.motions.T))
 
 
-def signs(rows: Array, eta: Array) -> Array:
-    """Signs of rows times velocities; 0 where the sum is 0 but for rounding."""
+def signs(rows: Array, eta: Array, reach: float) -> Array:
+    """Signs of rows times velocities; 0 where that is nothing beside what so fast a motion makes in other directions.
+
+    Parameters
+    ----------
+    rows
+        Speeds of wheels or rollers over velocity, shape (n, 3).
+    eta
+        Velocity in the robot's frame [m/s, m/s, rad/s], shape (3, ...).
+    reach
+        Of the platform [m].
+    """
     flat = eta.reshape(3, -1)
-    value, least = rows @ flat, _ROUNDING * np.abs(rows) @ np.abs(flat)
+    value, least = rows @ flat, np.outer(_ROUNDING * row_sizes(rows, reach), _speed(flat, reach))
     value[np.abs(value) <= least] = 0.0
     return np.sign(value, out=value).reshape(-1, *eta.shape[1:])
+
+
+def _speed(eta: Array, reach: float) -> Array:
+    """Of the platform, of its driving and its turning together [m/s]."""
+    return np.asarray(np.hypot(eta[0], eta[1]) + reach * np.abs(eta[2]))
 
 
 def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = LEVEL) -> Array:
@@ -118,14 +135,15 @@ def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = L
         return np.zeros_like(towards)
     loads = np.maximum(contact_loads(d.platform, theta, ground, samples=towards.shape[1:]), 0.0)
     carried, across = loads[: len(wheels)], (slice(None),) + (None,) * (towards.ndim - 1)
-    torque = ((C_rr * r)[across] * carried + friction[across]) * signs(k.E, towards)
+    torque = ((C_rr * r)[across] * carried + friction[across]) * signs(k.E, towards, k.reach)
     total = map_columns(k.E.T, torque)
     if C_roller.any():
-        total = total + map_columns(k.rollers.T, C_roller[across] * carried * signs(k.rollers, towards))
+        total = total + map_columns(k.rollers.T, C_roller[across] * carried * signs(k.rollers, towards, k.reach))
     for c, load in zip(casters, loads[len(wheels) :], strict=True):
         x, y = towards[0] - c.y * towards[2], towards[1] + c.x * towards[2]
         size = np.hypot(x, y)
-        pull = c.rolling_resistance * load / np.where(size > 0.0, size, 1.0)
+        rolls = size > _ROUNDING * _speed(towards, k.reach + math.hypot(c.x, c.y))
+        pull = c.rolling_resistance * load * rolls / np.where(rolls, size, 1.0)
         total = total + pull * np.array([x, y, c.x * y - c.y * x])
     return np.asarray(total)
 

@@ -85,7 +85,7 @@ def _rolling(d: Dynamics, towards: Array, theta: Any, ground: Ground) -> Array:
         np.array([getattr(w, name) for w in wheels])[across] for name in ("rolling_resistance", "radius", "friction")
     )
     carried = np.maximum(contact_loads(d.platform, theta, ground, samples=towards.shape[1:])[: len(wheels)], 0.0)
-    return np.asarray((C_rr * carried * r + friction) * signs(d.kinematics.E, towards))
+    return np.asarray((C_rr * carried * r + friction) * signs(d.kinematics.E, towards, d.kinematics.reach))
 
 
 def needed_friction(

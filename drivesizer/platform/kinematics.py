@@ -33,12 +33,14 @@ __all__ = [
     "map_columns",
     "mismatch",
     "over_all_headings",
+    "row_sizes",
     "to_robot",
     "to_world",
     "velocity",
     "wheel_speeds",
 ]
 
+_ROUNDING = 1e-12  # of what a row makes of a motion in any direction: an entry below it is 0
 _NOTHING = 1e-9  # a singular value below it, with lengths in units of the platform, is rounding
 _LEAST = 1e-6  # of the largest: below it a motion takes a million times the wheel speed or torque of another
 _ALLOWED = 1e-6  # of the speed: a motion that slides a wheel by less is taken as allowed
@@ -57,6 +59,11 @@ class Kinematics:
     held: Array  # (k, 3): what must be 0, sideways at wheels without rollers and rolling at blocked ones
     motions: Array  # (3, m): S; the velocities that the set allows are their sums
     K_plus: Array  # (3, n), (54): velocity over the speeds of the driven wheels
+
+    @property
+    def reach(self) -> float:
+        """Distance of the farthest wheel [m]: what turning is compared with driving by."""
+        return _reach(self.wheels)
 
     @property
     def mobility(self) -> int:
@@ -87,11 +94,12 @@ def kinematics(wheels: Sequence[Wheel]) -> Kinematics:
     L, alpha, beta, gamma, r = np.array([(w.L, w.alpha, w.beta, w.roller_angle, w.radius) for w in wheels]).T
     phi, delta = alpha + beta + gamma, beta + gamma
     J1, J2 = eq.rolling_rows(phi, delta, L), eq.wheel_matrix(r, gamma)
-    E = eq.wheel_map(J1, J2)
+    reach = _reach(wheels)
+    E = _exact(eq.wheel_map(J1, J2), reach)
     _, across = np.moveaxis(eq.roller_frame_rows(phi, delta, L), -1, 1)
     sideways, turning = _holders(wheels)
-    held = np.concatenate([across[sideways], r[turning, None] * E[turning]])
-    scale = np.array([1.0, 1.0, 1.0 / (L.max() or r.max())])
+    held = _exact(np.concatenate([across[sideways], r[turning, None] * E[turning]]), reach)
+    scale = np.array([1.0, 1.0, 1.0 / reach])
     motions = scale[:, None] * _null_space(held * scale)
     motions /= motions[(motions != 0.0).argmax(axis=0), range(motions.shape[1])]  # the first entry of each is 1
     driven = tuple(i for i, w in enumerate(wheels) if w.drive == "motor")
@@ -99,8 +107,32 @@ def kinematics(wheels: Sequence[Wheel]) -> Kinematics:
         raise InputError("platform: its wheels hold one another, no motion is left; check headings and places")
     _seen(E[list(driven)] * r[list(driven), None], motions, scale)
     K_plus = motions @ np.linalg.pinv(E[list(driven)] @ motions)
-    rollers = across + (r * np.sin(gamma))[:, None] * E
+    rollers = _exact(across + (r * np.sin(gamma))[:, None] * E, reach)
     return Kinematics(tuple(wheels), driven, J1, J2, E, rollers, held, motions, K_plus)
+
+
+def _reach(wheels: Sequence[Wheel]) -> float:
+    """Distance of the farthest wheel, or the largest radius where all stand in the reference point [m]."""
+    return max(w.L for w in wheels) or max(w.radius for w in wheels)
+
+
+def row_sizes(rows: Array, reach: float) -> Array:
+    """What rows over velocity make at most of a motion of 1 m/s in any direction, shape (n,).
+
+    Parameters
+    ----------
+    rows
+        Such as E of a set of wheels, shape (n, 3).
+    reach
+        Of the platform [m]: turning by 1/reach rad/s is a motion of 1 m/s.
+    """
+    return np.asarray(np.hypot(np.hypot(rows[:, 0], rows[:, 1]), rows[:, 2] / reach))
+
+
+def _exact(rows: Array, reach: float) -> Array:
+    """Rows over velocity without what the sine of a right angle leaves where there is nothing."""
+    entries = np.abs(rows * np.array([1.0, 1.0, 1.0 / reach]))
+    return np.where(entries <= _ROUNDING * row_sizes(rows, reach)[:, None], 0.0, rows)
 
 
 def _holders(wheels: Sequence[Wheel]) -> tuple[list[int], list[int]]:
@@ -134,7 +166,8 @@ def _seen(rolling: Array, motions: Array, scale: Array) -> None:
     _, values, vectors = np.linalg.svd(rolling * scale @ plain)
     if len(values) == plain.shape[1] and values[-1] > _LEAST * values[0]:
         return
-    x, y, turn = scale * (plain @ vectors[-1])
+    found = scale * (plain @ vectors[-1])
+    x, y, turn = found * np.sign(found[np.abs(found).argmax()])
     way = {"forwards": x, "to the left": y}
     words = [f"{v:.3g} m/s {name}" for name, v in way.items() if abs(v) > _LEAST]
     words += [f"{turn:.3g} rad/s turning"] if abs(turn) > _LEAST else []

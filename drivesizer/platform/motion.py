@@ -16,16 +16,16 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.platform.dynamics import Dynamics
-from drivesizer.platform.kinematics import Kinematics, check_allowed, map_columns
+from drivesizer.platform.kinematics import Kinematics, check_allowed, map_columns, row_sizes
 from drivesizer.platform.notation import Array
 from drivesizer.platform.standing import LEVEL, Ground
 from drivesizer.platform.trajectory import Trajectory
 
 __all__ = ["Motion", "allowed", "blocks", "largest", "motion", "seen"]
 
-_ROUNDING = 1e-12  # of the largest speed of a wheel: below it there is none
+_ROUNDING = 1e-9  # of the largest speed: below it there is none
 _SHORT = 1e-9  # of a piece: none is cut shorter
-_TOWARDS = 1e-6  # how far a direction of rolling goes from that at an end of a piece to that of its middle
+_TOWARDS = 1e-3  # how far a direction of rolling goes from that at an end of a piece to that of its middle
 _BLOCK = 8192  # pieces
 
 
@@ -112,9 +112,11 @@ def seen(d: Dynamics, trajectory: Trajectory, ground: Ground, top: Array) -> Mot
     if len(k.held):
         made = k.K_plus @ k.E[list(k.driven)]  # the motion of wheels that turn as in one that slides
         eta, eta_dot = map_columns(made, eta), map_columns(made, eta_dot)
+    still = _ROUNDING * (top[0] + k.reach * top[2])  # m/s
+    eta = np.where(np.abs(eta) <= still / np.array([1.0, 1.0, k.reach])[:, None, None], 0.0, eta)
     rows = _resisting(k)
     turning = map_columns(rows, eta)
-    turning[np.abs(turning) <= (_ROUNDING * np.abs(rows) @ top)[:, None, None]] = 0.0
+    turning[np.abs(turning) <= (still * row_sizes(rows, k.reach))[:, None, None]] = 0.0
     owner, start, end = _cuts(turning)
     if len(owner) == len(trajectory.duration):
         return Motion(trajectory.duration, trajectory.posture[2], eta, eta_dot, ground, _towards(eta))

@@ -23,6 +23,7 @@ from drivesizer.platform.wheels import Platform
 
 __all__ = [
     "TippingEdge",
+    "carrying",
     "edge_distances",
     "lift_off_acceleration",
     "lift_off_slope",
@@ -196,6 +197,17 @@ def _falls(change: Array, direction: float | None) -> Array:
     return np.asarray(-change @ np.array([math.cos(direction), math.sin(direction)]))
 
 
+def carrying(at_rest: Array) -> Array:
+    """Whether each contact carries, or each edge of the footing lies outside the centre of mass, and not by rounding.
+
+    Parameters
+    ----------
+    at_rest
+        Loads [N], or distances inside the edges [m], at rest on a level floor.
+    """
+    return np.asarray(at_rest > _FLAT * np.abs(at_rest).max())
+
+
 def used_footing(
     platform: Platform,
     together: Sequence[tuple[float, float | None]],
@@ -224,7 +236,7 @@ def used_footing(
     """
     at_rest, change = (_tipping if tips else _lifting)(platform, gravity)
     taken = sum((size * _falls(change, direction) for size, direction in together), 0.0 * at_rest)
-    if (at_rest <= _FLAT * np.abs(at_rest).max()).any():
+    if not carrying(at_rest).all():
         return math.inf
     return max(float((taken / at_rest).max()), 0.0)
 

@@ -9,14 +9,12 @@ import numpy as np
 
 from drivesizer.platform.between import finer
 from drivesizer.platform.notation import Array
-from drivesizer.platform.stability import edge_distances, support_polygon, zero_moment_point
+from drivesizer.platform.stability import carrying, edge_distances, support_polygon, zero_moment_point
 from drivesizer.platform.standing import LEVEL, Ground, centre_acceleration, contact_loads
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.platform.wheels import Platform
 
 __all__ = ["Moment", "least_load", "least_margin", "least_margin_share", "least_share", "of_centre"]
-
-_NOTHING = 1e-6  # of the largest load: a contact that carries less at rest carries nothing
 
 
 class Moment(NamedTuple):
@@ -105,7 +103,7 @@ def least_margin_share(platform: Platform, trajectory: Trajectory, ground: Groun
 
 def _share(found: Array, at_rest: Array) -> Array:
     """Figures over (row, piece, end) as shares of those at rest."""
-    standing = (at_rest > _NOTHING * at_rest.max())[:, None, None]
+    standing = carrying(at_rest)[:, None, None]
     return np.where(standing, found / np.where(standing, at_rest[:, None, None], 1.0), -math.inf)
 
 
