@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from drivesizer.cli_common import DEFAULT, Json, More, Profile, Spec, Top, load, progress, tell, working
-from drivesizer.errors import InputError, quoted
+from drivesizer.errors import InputError, NoLoopError, quoted
 
 __all__ = ["explain", "report", "size"]
 
@@ -57,7 +58,7 @@ def size(
         write_sets(result, csv)
     if pdf:
         with working("writing the report"):
-            write(result, _proof(result, None), [pdf])
+            write(*_proven(result, None), [pdf])
     if json:
         from drivesizer import contract
 
@@ -124,7 +125,7 @@ def report(
             robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=told, sampling=sampling
         )
     with working("driving the set in closed loop"):
-        proof = _proof(result, profile)
+        result, proof = _proven(result, profile)
     with working("writing the report"):
         written = write(result, proof, output, paper=paper, date=date)
         if drawings:
@@ -163,8 +164,16 @@ def explain(
     raise typer.Exit(0 if any(s.status != "fail" for s in found.sets) else 1)
 
 
-def _proof(result: Any, profile: str | None) -> Any:
-    """The closed-loop validation of the best set, None when there is no set."""
+def _proven(result: Any, profile: str | None) -> tuple[Any, Any]:
+    """A sizing and its best set in closed loop, in its hardest load case; without, and why, where that cannot be."""
+    from drivesizer.simulate import hardest_case
     from drivesizer.simulate import validate as validated
 
-    return validated(result.spec, result.sets[0], profile=profile) if result.sets else None
+    if not result.sets:
+        return result, None
+    best = result.sets[0]
+    try:
+        return result, validated(result.spec, best, profile=profile, load_case=hardest_case(result.spec, best))
+    except NoLoopError as error:
+        tell((str(error),))
+        return replace(result, warnings=(*result.warnings, f"not simulated in closed loop: {error}")), None

@@ -35,24 +35,25 @@ def validate(
         Path | None, typer.Option("--figures", metavar="FOLDER", help="Also draw the loop, Bode and step: SVG and PNG.")
     ] = None,
     case: Annotated[
-        str | None, typer.Option(metavar="NAME", help="The load case to drive; else the spec itself.")
+        str | None, typer.Option(metavar="NAME", help="The load case to drive; else the set's hardest.")
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="The best sets of the search, ranked anew.")] = False,
     top: Annotated[int, typer.Option(min=1, max=100, help="How many, with --all.")] = 5,
     catalogs: More = None,
 ) -> None:
     """Drive a set through the profile in closed loop: every demand against its limit."""
+    from drivesizer.simulate import hardest_case
     from drivesizer.simulate import validate as validated
 
     robot = load(spec, catalogs)
-    driven = _case(robot, case)
+    _known(robot, case)
     if everything:
         if chosen or csv or drawings:
             raise InputError("--all: it takes the sets of the search; --set, --csv and --figures are for one of them")
-        raise typer.Exit(_all_of(robot, driven, profile, top, json))
+        raise typer.Exit(_all_of(robot, case, profile, top, json))
     found = pick(robot, chosen)
     with working("driving the set in closed loop"):
-        proof = validated(driven, found, profile=profile)
+        proof = validated(robot, found, profile=profile, load_case=case or hardest_case(robot, found))
     if drawings:
         from drivesizer.report import write_loop_figures
 
@@ -74,17 +75,16 @@ def validate(
     raise typer.Exit(0 if proof.status == "pass" else 1)
 
 
-def _case(robot: Any, name: str | None) -> Any:
-    """The load case of a spec that a name stands for; the spec itself without one."""
+def _known(robot: Any, name: str | None) -> None:
+    """Refuse a name that none of the spec's load cases has."""
     from drivesizer.platform_cases import on_wheels
 
-    found = {case or "": spec for case, spec in on_wheels(robot).load_cases}
+    found = [case for case, _ in on_wheels(robot).load_cases]
     if name is not None and name not in found:
         raise InputError(f"--case: {quoted(name)} is not known; expected {', '.join(filter(None, found)) or 'none'}")
-    return robot if name is None else found[name]
 
 
-def _all_of(robot: Any, driven: Any, profile: str | None, top: int, json: bool) -> int:
+def _all_of(robot: Any, case: str | None, profile: str | None, top: int, json: bool) -> int:
     """The best sets of the search in closed loop, those that pass first; the exit status."""
     from drivesizer.simulate import validate_all
     from drivesizer.sizing import size as sized
@@ -94,7 +94,7 @@ def _all_of(robot: Any, driven: Any, profile: str | None, top: int, json: bool) 
     if not result.sets:
         raise NothingFitsError("no set stands; `drivesizer size` shows the nearest misses")
     with working("driving the sets in closed loop"):
-        proofs, said = validate_all(result, spec=driven, profile=profile)
+        proofs, said = validate_all(result, profile=profile, load_case=case)
     if json:
         from drivesizer import contract
 

@@ -211,6 +211,7 @@ def validation(proof: Validation) -> dict[str, Any]:
         "schema_version": SCHEMA_VERSION,
         "drivesizer": __version__,
         "spec": proof.spec.entered,
+        "case": proof.case,
         "profile": proof.profile,
         "status": proof.status,
         "set": drive_set(proof.drive_set),

@@ -2,6 +2,7 @@
 
     DrivesizerError
     ├── InputError      the user's text, file or option is wrong (also a ValueError)
+    │   └── NoLoopError     this set cannot be driven in closed loop; everything else about it can be reported
     └── CatalogError    a catalogue file is wrong (also a ValueError)
 
 Every message is one line: where, what was found, what is expected.
@@ -12,7 +13,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
-__all__ = ["CatalogError", "DrivesizerError", "InputError", "nearest", "quoted"]
+__all__ = ["CatalogError", "DrivesizerError", "InputError", "NoLoopError", "nearest", "quoted"]
 
 
 class DrivesizerError(Exception):
@@ -21,6 +22,10 @@ class DrivesizerError(Exception):
 
 class InputError(DrivesizerError, ValueError):
     """Something that the user gave cannot be used."""
+
+
+class NoLoopError(InputError):
+    """A drive that cannot be simulated in closed loop: a figure without which nothing moves is unknown."""
 
 
 class CatalogError(DrivesizerError, ValueError):

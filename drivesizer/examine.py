@@ -226,7 +226,7 @@ def _last(
     args = [(s, at, *c, u, parts) for s, at, c, u in zip(given.specs, ats, cases, under, strict=True)]
     found = [wave.exact(*a) if exact else _by_bounds(*a, ~dead) for a in args]
     checks = _each(given, lambda k: doubted(wave.waveform_limits(given.specs[k], found[k], parts), cases[k].asked.sure))
-    return _Found([*electrical, *checks], dead, _figures(given, found, under, cases))
+    return _Found([*electrical, *checks], dead, _where_known(_figures(given, found, under, cases), cases))
 
 
 def _by_bounds(
@@ -290,6 +290,12 @@ def _put(column: Array, mask: NDArray[np.bool_], some: Array | None) -> Array:
     changed = column.copy()
     changed[mask] = some
     return changed
+
+
+def _where_known(figures: dict[str, Array], cases: list[_Moving]) -> dict[str, Array]:
+    """The figures of sets whose current is known in every case: a least one may fail a check, but is no figure."""
+    sure = np.logical_and.reduce([case.asked.sure for case in cases])
+    return {name: np.where(sure, column, np.nan) for name, column in figures.items()}
 
 
 def _figures(given: Problem, found: list[wave.Moments], under: list[Stress], cases: list[_Moving]) -> dict[str, Array]:

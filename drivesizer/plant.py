@@ -16,7 +16,7 @@ from math import inf, isfinite, isnan
 
 import numpy as np
 
-from drivesizer.errors import InputError
+from drivesizer.errors import InputError, NoLoopError
 from drivesizer.physics import friction, gear_loss
 from drivesizer.profile import Profile
 from drivesizer.results import DriveSet
@@ -130,14 +130,16 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
 
     Raises
     ------
-    InputError
+    NoLoopError
         When the catalogue lacks a figure without which nothing moves.
+    InputError
+        When the load's figures leave the range of numbers that can be computed with.
     """
     for name, needed in _NEEDED.items():
         part = getattr(drive_set, name)
         missing = [figure.replace("_", " ") for figure in needed if not getattr(part, figure) > 0.0]
         if missing:
-            raise InputError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; no closed loop without")
+            raise NoLoopError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; no closed loop without")
     said: list[str] = []
     motor, gearhead, shaft = drive_set.motor, drive_set.gearhead, at_shaft(spec)
     encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0

@@ -285,6 +285,7 @@ class Validation:
 
     spec: RobotSpec
     drive_set: DriveSet
+    case: str = ""  # the load case that was driven, where there are several
     profile: str
     status: Status  # fail when a check fails; unknown figures leave a pass a pass, and are told
     checks: tuple[Check, ...]  # with the time of the worst moment
@@ -296,3 +297,8 @@ class Validation:
     warnings: tuple[str, ...]
     controller_gains: tuple[ControllerGain, ...] = ()  # the same in the controller's own units, where known
     loops: tuple[Loop, ...] = ()  # what linear theory says of each, from the inside out
+
+    @property
+    def over(self) -> str:
+        """The profile that was driven, and the load case where there are several and it does not name the profile."""
+        return f"{self.profile}, {self.case}" if self.case and self.case not in self.profile else self.profile

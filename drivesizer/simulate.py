@@ -8,6 +8,7 @@ and ``loop_figures`` what it means. This module makes the record of it, with all
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -28,12 +29,42 @@ from drivesizer.units import show
 from drivesizer.verdict import checks
 from drivesizer.wheel_load import WheelLoad
 
-__all__ = ["validate", "validate_all"]
+__all__ = ["hardest_case", "validate", "validate_all"]
 
 _KEPT = 0.5  # of the RMS current: less at rest is not told
 
 
-def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | None = None) -> Validation:
+def hardest_case(spec: RobotSpec, drive_set: DriveSet) -> str:
+    """The load case that asks most of a set: that of its tightest limit, of those that a closed loop meets too.
+
+    Parameters
+    ----------
+    spec
+        The machine with its load cases.
+    drive_set
+        A set with its checks by physics, each of which names its worst case.
+
+    Returns
+    -------
+    str
+        The name of the case as in ``spec.load_cases``; the first where no check decides.
+    """
+    names = [name for name, _ in on_wheels(spec).load_cases]
+    met = [c for c in drive_set.every_check if c.name in _MET_BY_THE_LOOP and c.case in names]
+    order = {"fail": 0, "unknown": 1, "pass": 1}
+    known = [c for c in met if not math.isnan(c.margin)]
+    return min(known, key=lambda c: (order[c.status], c.margin)).case if known else names[0]
+
+
+_MET_BY_THE_LOOP = {
+    "gearhead_intermittent_torque", "motor_speed", "motor_nominal_current", "motor_peak_torque", "winding_temperature",
+    "supply_voltage", "controller_peak_current", "controller_peak_time", "supply_current", "supply_power",
+}  # fmt: skip
+
+
+def validate(
+    spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | None = None, load_case: str | None = None
+) -> Validation:
     """Drive a set through a profile in closed loop.
 
     Parameters
@@ -44,6 +75,9 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
         The parts of one motor set.
     profile
         A name such as ``trapezoid``, a CSV file, or a profile; the spec's own motion when not given.
+    load_case
+        The load case that is driven, by its name in ``spec.load_cases``, such as that of :func:`hardest_case`; the spec
+        as it is when not given.
 
     Returns
     -------
@@ -56,7 +90,9 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
         When the profile is wrong or too long, the catalogue lacks what the motor's motion needs, or
         ``control`` asks for what no controller can do.
     """
-    spec = on_wheels(spec)
+    whole = on_wheels(spec)
+    driven = whole.load_cases[0][0] if load_case is None else load_case
+    spec = dict(whole.load_cases)[driven]
     if profile is not None and isinstance(spec.load, Recorded):
         what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else "a recorded load"
         raise InputError(f"--profile: {what} brings its own motion, from which its torque is; leave the option out")
@@ -68,6 +104,7 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
     return Validation(
         spec=spec,
         drive_set=drive_set,
+        case=driven if len(whole.load_cases) > 1 else "",
         profile=asked.name,
         status=status,
         checks=found,
@@ -75,7 +112,7 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
         gains=case.controller,
         series=series(case),
         series_units=series_units(case),
-        assumptions=(*case.said, *_assumptions(case)),
+        assumptions=(*case.said, *_assumptions(case), *_one_of(whole.load_cases, driven)),
         warnings=(*_warnings(case, found), *lacking),
         controller_gains=own,
         loops=case.loops.all,
@@ -83,7 +120,7 @@ def validate(spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | N
 
 
 def validate_all(
-    result: SizingResult, *, spec: RobotSpec | None = None, profile: str | Profile | None = None
+    result: SizingResult, *, profile: str | Profile | None = None, load_case: str | None = None
 ) -> tuple[list[Validation], list[str]]:
     """The sets of a sizing in closed loop: those that pass first, each group in the order of the sizing.
 
@@ -91,10 +128,10 @@ def validate_all(
     ----------
     result
         The sizing.
-    spec
-        The load case that is driven; the sizing's own spec when not given.
     profile
         As :func:`validate`.
+    load_case
+        The load case that is driven, by name; for each set its hardest when not given.
 
     Returns
     -------
@@ -110,7 +147,8 @@ def validate_all(
     said: list[str] = []
     for one in result.sets:
         try:
-            found.append(validate(spec or result.spec, one, profile=profile))
+            driven = hardest_case(result.spec, one) if load_case is None else load_case
+            found.append(validate(result.spec, one, profile=profile, load_case=driven))
         except InputError as error:
             said.append(f"{one.label}: {error}")
     if not found:
@@ -150,9 +188,16 @@ def _assumptions(case: Case) -> list[str]:
         said.append("what the load takes beyond inertia and friction comes at its time, however the drive lags")
     if shaft:
         said.append(f"motor and load are two masses on {shaft.stiffness:.4g} N·m/rad at the load's shaft")
-    if spec.cases:
-        said.append(f"the spec as it stands is driven; its {len(spec.cases)} further cases are not")
     return said
+
+
+def _one_of(cases: Sequence[tuple[str, RobotSpec]], name: str) -> list[str]:
+    """Which of several load cases is driven."""
+    others = len(cases) - 1
+    if not others:
+        return []
+    left = "1 further case is" if others == 1 else f"{others} further cases are"
+    return [f"the load case simulated is {name}; {left} not"]
 
 
 def _of_the_controller(case: Case) -> list[str]:

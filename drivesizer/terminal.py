@@ -251,7 +251,7 @@ def _changes(console: Console, found: DriveSet) -> None:
 def validation(proof: Validation) -> None:
     """Print a closed-loop verdict."""
     console = tables.console()
-    tables.heading(console, f"{proof.spec.name}: {proof.profile}", MARK[proof.status], STYLE[proof.status])
+    tables.heading(console, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])
     console.print(Text(proof.drive_set.label))
     console.print(tables.gains(proof))
     console.print(tables.checks(proof.checks, "Demand against limit"))

@@ -29,7 +29,7 @@ def candidates(result: SizingResult) -> dict[str, Any]:
             {"title": TITLES[result.method][name], "count": n, "share": n / counts.considered} for name, n in fell
         ],
         "relaxations": moves(result.relaxations),
-        "unrestricted": set_row(other) if other else None,
+        "unrestricted": set_row(other, result.catalog) if other else None,
     }
 
 

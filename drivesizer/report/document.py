@@ -107,7 +107,7 @@ def _of_set(best: DriveSet | None, does: Behaviour | None, result: SizingResult)
         return {"best": None, "motor_steps": []}
     catalog = result.catalog
     return {
-        "best": set_row(best) | {"energy": does.cost, "energy_of": _energy_of(result)},
+        "best": set_row(best, catalog) | {"energy": does.cost, "energy_of": _energy_of(result)},
         "heat": does.heat,
         "heat_lacks": does.heat_lacks,
         "hottest": does.hottest[0] if does.hottest and len(does.cycles) > 1 else "",

@@ -124,6 +124,8 @@ def _trace(axes: Axes, found: OperatingField, unit: str, colour: str, dashes: An
     rows = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
     axes.plot(from_si(torque[rows].ravel(), unit, "torque"), from_si(speed[rows].ravel(), "rpm", "rotary_speed"),
               color=COLOURS[colour], linestyle=dashes, zorder=4, label=name)  # fmt: skip
+    if np.isnan(found.rms_torque):  # a motor whose friction is unknown: the line is drawn, its RMS current is not known
+        return
     rms = found.rms_torque, found.rms_speed, unit
     axes.plot(*_at(*rms), marker="o", markersize=5.5, color=COLOURS[colour], linestyle="none", zorder=5,
               label=_told("RMS current and speed", *rms))  # fmt: skip

@@ -184,7 +184,8 @@ def _validation() -> _Schema:
     gain = _all_of(place=_STRING, name=_STRING, value={"type": "integer"}, unit=_STRING)
     series = _curve(units=_named(_STRING), columns=_named(_list(_NUMBER)))
     return _all_of(
-        schema_version={"const": SCHEMA_VERSION}, drivesizer=_STRING, spec=_OPEN, profile=_STRING, status=_STATUS,
+        schema_version={"const": SCHEMA_VERSION}, drivesizer=_STRING, spec=_OPEN, case=_TEXT, profile=_STRING,
+        status=_STATUS,
         set=_to("set"), gains=_OPEN, controller_gains=_list(gain), figures=_named(_to("figure")),
         checks=_list(_to("check")), loops=_list(_to("loop")), assumptions=_WORDS, warnings=_WORDS, series=series,
     )  # fmt: skip

@@ -53,7 +53,7 @@ def first_wheel(spec: RobotSpec) -> str:
 def driven_over(v: Validation) -> str:
     """What a closed loop was driven over, in words: the profile, or the cycle of a wheel."""
     wheel = isinstance(v.spec.load, WheelLoad) and v.profile == v.spec.load.file
-    return f"the cycle of {v.profile}" if wheel else v.profile
+    return f"the cycle of {v.profile}" if wheel else v.over
 
 
 def machine_words(spec: RobotSpec) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isnan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,7 +75,7 @@ def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> 
     }
     chain = {"K_g": drive_set.gearhead.ratio, "eta_gear": drive_set.gearhead.efficiency,
              "i_b": drive_set.belt_ratio, "eta_b": drive_set.belt_efficiency}  # fmt: skip
-    return tuple(
+    points = (
         OperatingPoint(
             name=name,
             torque=float(eq.maximum_torque_at_motor(torque, **chain)),
@@ -82,6 +83,7 @@ def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> 
         )
         for name, (torque, speed) in torques.items()
     )
+    return tuple(point for point in points if not isnan(point.torque + point.speed))  # unknown is nowhere to be marked
 
 
 def signed(found: OperatingField) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

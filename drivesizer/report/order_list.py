@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import isnan
 from typing import Any
 
-from drivesizer.report.parts import PartLine, totals
+from drivesizer.report.parts import PartLine, ordered_as, totals
 
 __all__ = ["order_list"]
 
@@ -30,7 +30,7 @@ def order_list(lines: Sequence[PartLine]) -> dict[str, Any]:
 
 def _row(line: PartLine) -> dict[str, str]:
     maker = line.family if line.maker in line.family else f"{line.maker} {line.family}"
-    named = f"{line.part}, no order number known" if line.part and not line.order_number else line.part
+    named = ordered_as(line.part, line.order_number)
     return {
         "count": f"{line.quantity} ×", "role": line.role, "family": maker or line.said or "unknown", "part": named,
         "each": _money(line.price, line.currency), "all": _money(line.quantity * line.price, line.currency),

@@ -16,7 +16,7 @@ from drivesizer.catalog.query import Hit
 from drivesizer.results import DriveSet, made_by, section_of
 from drivesizer.units import show
 
-__all__ = ["PartLine", "Total", "parts", "parts_list", "totals"]
+__all__ = ["PartLine", "Total", "ordered_as", "parts", "parts_list", "totals"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,11 +81,21 @@ def _line(role: str, part: Any, catalog: Catalog, quantity: int) -> PartLine:
     notes, source = _remarks(catalog, part), known["part"]
     return PartLine(
         role=role, maker=part.manufacturer, family=part.family, part=part.part,
-        order_number="" if any(_MADE_UP in note.text for note in notes) else part.part,
+        order_number=_number(catalog, part),
         said=_SAID[role](part), quantity=quantity, mass=part.mass, **_priced(part, quantity, known),
         document=source.document, date=source.date, confidence=source.confidence, url=source.url,
         note="; ".join(dict.fromkeys(map(_said_of, notes))),
     )  # fmt: skip
+
+
+def _number(catalog: Catalog, part: Any) -> str:
+    """The order number of a part; empty where the name in the catalogue is the catalogue's own."""
+    return "" if any(_MADE_UP in note.text for note in _remarks(catalog, part)) else str(part.part)
+
+
+def ordered_as(part: str, order_number: str) -> str:
+    """A part as a buyer reads it: its order number, or its name and that no order number is known."""
+    return f"{part}, {_MADE_UP}" if part and not order_number else part
 
 
 _MADE_UP = "no order number known"  # so a catalogue says that the name of a part is its own
@@ -136,9 +146,9 @@ def _total(name: str, unit: str, values: dict[str, float]) -> Total:
     return Total(name=name, value=sum(values[role] for role in over), unit=unit, over=over, lacks=lacks)
 
 
-def parts(found: DriveSet) -> list[dict[str, str]]:
+def parts(found: DriveSet, catalog: Catalog) -> list[dict[str, str]]:
     """A row for each part, and one for a belt of which only the ratio is known."""
-    rows = [_row(role, part, found) for role, part in found.parts.items()]
+    rows = [_row(role, part, found, catalog) for role, part in found.parts.items()]
     if _bare_belt(found):
         rows.insert(_behind_gearhead(found), {"role": "Belt", "family": "", "part": "", "said": _ratio(found)})
     return rows
@@ -157,11 +167,16 @@ def _ratio(found: DriveSet) -> str:
     return f"{found.belt_ratio:g} : 1, efficiency {100 * found.belt_efficiency:.4g} %"
 
 
-def _row(role: str, part: Any, found: DriveSet) -> dict[str, str]:
+def _row(role: str, part: Any, found: DriveSet, catalog: Catalog) -> dict[str, str]:
     if part is None:
         return {"role": role.capitalize(), "family": "unknown", "part": "", "said": ""}
     said = [_SAID[role](part), *(found.belt_running if role == "belt" else ())]
-    return {"role": role.capitalize(), "family": made_by(part), "part": part.part, "said": ", ".join(said)}
+    return {
+        "role": role.capitalize(),
+        "family": made_by(part),
+        "part": ordered_as(part.part, _number(catalog, part)),
+        "said": ", ".join(said),
+    }
 
 
 def _figures_of(*names: str) -> Callable[[Any], str]:

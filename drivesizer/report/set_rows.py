@@ -6,8 +6,9 @@ import re
 from math import isnan
 from typing import Any
 
+from drivesizer.catalog import Catalog
 from drivesizer.report.parts import parts
-from drivesizer.report.sums import price_of, unknown_of
+from drivesizer.report.sums import not_in_mass, price_of, unknown_of
 from drivesizer.report.wording import margin, use
 from drivesizer.results import Check, Comparison, DriveSet, Figure, Relaxation
 from drivesizer.spec import AS_SPECIFIED
@@ -16,20 +17,20 @@ from drivesizer.units import show
 __all__ = ["case_of", "check_row", "compared", "figure_row", "moves", "set_row"]
 
 
-def set_row(best: DriveSet) -> dict[str, Any]:
-    """What the summary says of a set."""
+def set_row(best: DriveSet, catalog: Catalog) -> dict[str, Any]:
+    """What the summary says of a set of parts of a catalogue."""
     price, price_over = price_of(best)
     failed = [c for c in best.deciding if c.status == "fail" and isnan(c.margin)]
     return {
         "label": best.label,
-        "parts": parts(best),
+        "parts": parts(best, catalog),
         "total_ratio": f"{best.total_ratio:.4g}",
         "mass": show(best.mass, "g", "mass"),
         "mass_of": " + ".join(best.mass_of),
-        "mass_lacks": ", ".join(unknown_of(best, best.mass_of)),
+        "mass_lacks": ", ".join(not_in_mass(best)),
         "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
         "price_of": " + ".join(price_over),
-        "price_lacks": ", ".join(unknown_of(best, price_over)),
+        "price_lacks": ", ".join(f"{name} not known" for name in unknown_of(best, price_over)),
         "tight": _tight(best, failed),
         "tightest": [check_row(c) for c in [*failed, *_tightest(best)][:5]],
         "failed": [c.title for c in best.deciding if c.status == "fail"],

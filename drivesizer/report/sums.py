@@ -5,8 +5,9 @@ from __future__ import annotations
 from math import isnan, nan
 
 from drivesizer.results import DriveSet
+from drivesizer.units import show
 
-__all__ = ["price_of", "unknown_of"]
+__all__ = ["not_in_mass", "price_of", "unknown_of"]
 
 
 def price_of(drive_set: DriveSet) -> tuple[float, tuple[str, ...]]:
@@ -18,3 +19,10 @@ def price_of(drive_set: DriveSet) -> tuple[float, tuple[str, ...]]:
 def unknown_of(drive_set: DriveSet, known: tuple[str, ...]) -> tuple[str, ...]:
     """The parts of a set that a sum does not cover."""
     return tuple(name for name in drive_set.parts if name not in known)
+
+
+def not_in_mass(drive_set: DriveSet) -> tuple[str, ...]:
+    """What the mass of motor and gearhead leaves out, in words: with its figure where a data sheet has one."""
+    left = {name: drive_set.parts[name] for name in unknown_of(drive_set, drive_set.mass_of)}
+    masses = {name: getattr(part, "mass", nan) for name, part in left.items()}
+    return tuple(f"{name} {'not known' if isnan(m) else show(m, 'g', 'mass')}" for name, m in masses.items())
