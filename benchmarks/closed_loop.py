@@ -22,7 +22,8 @@ from drivesizer.results import Gains
 PERIOD = 1e-3
 SAW = Task(time=tuple(0.5 * n for n in range(21)), speed=tuple(40.0 * (n % 2) + 5.0 for n in range(21)))
 MACHINE = Machine(
-    resistance=2.0, inductance=1e-3, torque_constant=0.05, motor_inertia=2e-5, ratio=7.0, efficiency=0.8,
+    resistance=2.0, inductance=1e-3, torque_constant=0.05, back_emf_constant=0.05, motor_inertia=2e-5, ratio=7.0,
+    efficiency=0.8,
     load_inertia=2e-3, friction=2e-3, forward_torque=0.1, backward_torque=-0.1,
 )  # fmt: skip
 GAINS = Gains(kp=0.15, ki=3.0, kd=0.0, filter_time=0.0, period=PERIOD, rule="benchmark", source="")

@@ -12,9 +12,9 @@ from measured_figures import Curve, Panel, panels
 from measured_models import DC, driver_loss, hot, idle_current, part, saturating, signed_line
 from measured_tables import Array, Findings, Row, percent, rms, span
 
+from drivesizer.back_emf import back_emf_constant
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE
 
-PRINTED_K_T = 0.120  # N*m/A, as the maker prints it; the catalogue's is this one by 1.2247
 OWN = "resistance and a loss by current fitted"
 
 
@@ -47,17 +47,20 @@ def _torque(steps: list[Held]) -> tuple[list[Row], dict[str, str]]:
     I, M = DC * np.array([x.I for x in driven]), np.array([x.M for x in driven])
     k_t, off = signed_line(I, M)
     through_zero = float(I @ M / (I @ I))
-    sheet, emf = part("cubemars", "RI50 KV100")["torque_constant"], sqrt(3.0) * V_PER_HZ[0] / (2.0 * pi)
+    motor, emf = part("cubemars", "RI50 KV100"), sqrt(3.0) * V_PER_HZ[0] / (2.0 * pi)
+    sheet, k_e = motor["torque_constant"], float(back_emf_constant(motor))
     rows = [
         Row("RI50, torque per ampere (stall, slope)", f"{1e3 * sheet:.1f} mN·m/A", f"{1e3 * k_t:.1f} mN·m/A",
-            percent(sheet / k_t - 1.0), percent(PRINTED_K_T / k_t - 1.0), "the printed 120 mN·m/A not taken as rms"),
-        Row("RI50, voltage per speed (the drive's calibration)", f"{1e3 * sheet:.1f} mV·s", f"{1e3 * emf:.1f} mV·s",
-            percent(sheet / emf - 1.0), percent(PRINTED_K_T / emf - 1.0), "the same"),
+            percent(sheet / k_t - 1.0)),
+        Row("RI50, voltage per speed (the drive's calibration)", f"{1e3 * k_e:.1f} mV·s", f"{1e3 * emf:.1f} mV·s",
+            percent(k_e / emf - 1.0)),
     ]  # fmt: skip
     return rows, {"k_t": f"{1e3 * k_t:.1f}", "k_t_q": f"{1e3 * k_t * DC:.1f}", "k_t_off": f"{1e3 * off:.0f}",
                   "k_t_zero": f"{1e3 * through_zero:.1f}", "emf": f"{1e3 * emf:.1f}",
                   "emf_other": f"{1e3 * sqrt(3.0) * V_PER_HZ[1] / (2.0 * pi):.1f}",
-                  "sheet_k_t": f"{1e3 * sheet:.1f}"}  # fmt: skip
+                  "sheet_k_t": f"{1e3 * sheet:.0f}", "sheet_k_e": f"{1e3 * k_e:.1f}",
+                  "rms_k_t": f"{1e3 * sheet / sqrt(1.5):.0f}",
+                  "rms_error": percent(sheet / sqrt(1.5) / k_t - 1.0)}  # fmt: skip
 
 
 def _stalled(steps: list[Held]) -> Stall:
@@ -146,17 +149,16 @@ def _running(steps: list[Held], stall: Stall) -> tuple[list[Row], dict[str, str]
     I2 = DC**2 * np.array([m.I2 for m in moving])
     measured = np.array([m.P_1 - m.P_2 for m in moving]) - (rest.P_1 - rest.P_2)
     sheet = hot(motor["resistance"], T) * I2 + motor["torque_constant"] * I * w
-    printed = hot(motor["resistance"], T) * I2 + PRINTED_K_T * I * w
     R_own, by_current = driver_loss(stall.I, stall.P, _warmth(stall.T))
-    own = hot(R_own, T) * I2 + PRINTED_K_T * I * w + by_current * I
-    share = "printed k_t, and the loss by current of the stall"
+    own = hot(R_own, T) * I2 + motor["torque_constant"] * I * w + by_current * I
+    share = "resistance and loss by current of the stall"
     rows = [Row("RI50, power without load, 16 to 94 rad/s", f"{sheet[0]:.2f} to {sheet[-1]:.2f} W",
                 f"{measured[0]:.2f} to {measured[-1]:.2f} W", span(sheet / measured - 1.0),
                 span(own / measured - 1.0), share)]  # fmt: skip
     return rows, {
         "running_standby": f"{rest.P_1 - rest.P_2:.2f}", "running_off": f"{rest.P_2:.2f}",
         "running_both": f"{rest.P_1:.2f}", "running_sheet": span(sheet / measured - 1.0),
-        "running_printed": span(printed / measured - 1.0), "running_own": span(own / measured - 1.0),
+        "running_own": span(own / measured - 1.0),
         "running_rms": f"{100 * rms(sheet / measured - 1.0):.0f}",
         "running_rms_own": f"{100 * rms(own / measured - 1.0):.0f}",
     }  # fmt: skip

@@ -49,10 +49,10 @@ def effective_delay(train: DriveTrain, mode: Mode, period: float) -> tuple[float
 
     Notes
     -----
-    :math:`T_1 + T_2 = R J/k^2` and :math:`T_1 T_2 = (R J/k^2)(L/R)`; where they are complex (a light rotor behind a
-    large inductance) their real part is taken. Half rule: [1].
+    :math:`T_1 + T_2 = R J/(k_t k_e)` and :math:`T_1 T_2 = (T_1 + T_2) L/R`; where they are complex (a light rotor
+    behind a large inductance) their real part is taken. Half rule: [1].
     """
-    mechanical = train.resistance * mode.inertia / train.torque_constant**2
+    mechanical = train.resistance * mode.inertia / (train.torque_constant * train.back_emf_constant)
     electrical = train.inductance / train.resistance
     spread = math.sqrt(max(0.0, 1.0 - 4.0 * electrical / mechanical))
     slow = mechanical / 2 * (1.0 + spread)
@@ -85,7 +85,7 @@ def design(spec: RobotSpec, train: DriveTrain, period: float) -> Gains:
     # braking, the gears' losses help and the loop is faster: even there tau_c is no shorter than the delay
     tight = tau_1 / lightest * 2.0 * theta - theta
     tau_c = _asked(spec, tight)
-    kp = train.torque_constant * tau_1 / (tau_c + theta)
+    kp = train.back_emf_constant * tau_1 / (tau_c + theta)
     tau_i = min(tau_1, 4.0 * (tau_c + theta))
     rule = f"{RULE}, tau_c = {show(tau_c, 'ms', 'time', 3)}{' (tight)' if tau_c == tight else ''}"
     return Gains(kp=kp, ki=kp / tau_i, kd=0.0, filter_time=0.0, period=period, rule=rule, source=SOURCE)

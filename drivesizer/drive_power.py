@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from drivesizer.loadcycle import LoadCycle
 from drivesizer.machines import WheeledVehicle
 from drivesizer.results import DriveSet
-from drivesizer.set_cycle import set_cycle, waveform
+from drivesizer.set_cycle import set_cycle, supplied
 from drivesizer.spec import RobotSpec
 from drivesizer.waveform import Wave, energy, largest_power
 from drivesizer.wheel_load import WheelLoad
@@ -65,7 +65,7 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
     found = set_cycle(spec, drive_set)
-    duration, current, voltage = _pieces(waveform(found))
+    duration, current, voltage = _pieces(supplied(found))
     one = Wave(np.ones(1), current[:, None], voltage[:, None])  # every piece as a candidate of its own
     sums = energy(one, storing=False)
     back = largest_power(one._replace(voltage=-one.voltage))[0]

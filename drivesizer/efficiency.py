@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from drivesizer.physics import BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.set_cycle import SetCycle
-from drivesizer.waveform import wave
+from drivesizer.waveform import balanced, wave
 
 __all__ = ["Operation", "operation"]
 
@@ -56,12 +56,15 @@ def operation(found: SetCycle, torque: Array, speed: Array) -> Operation:
     functions[:, 0, BRAKING] = np.minimum(torque, 0.0).ravel()
     functions[:, 0, DIRECTION] = np.sign(speed).ravel()
     functions[:, 0, SPEED] = speed.ravel()
+    k_t = found.motor["torque_constant"]
     ends = wave(
-        np.ones(torque.size), np.repeat(functions, 2, axis=1), found.asked.coefficients, found.volts,
-        found.motor["torque_constant"],
+        np.ones(torque.size), np.repeat(functions, 2, axis=1), found.asked.coefficients, found.volts, k_t
     )  # fmt: skip
     current, voltage = (x[0, :, 0].reshape(torque.shape) for x in (ends.current, ends.voltage))
-    electrical, mechanical = current * voltage, torque * speed
+    taken = balanced(ends, found.asked.surplus(k_t), speed.reshape(-1, 1))
+    every = taken.current.shape[1] // torque.size
+    electrical = (taken.current * taken.voltage)[0, ::every, 0].reshape(torque.shape)
+    mechanical = torque * speed
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(mechanical > 0.0, mechanical / electrical, np.maximum(electrical / mechanical, 0.0))
     return Operation(current, voltage, np.where(mechanical == 0.0, np.nan, share))

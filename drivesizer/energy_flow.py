@@ -3,7 +3,9 @@ r"""Where the energy of a cycle goes: from the supply through winding, motor, ge
 .. math:: E_{drawn} = E_{load} + E_{belt} + E_{gearhead} + E_{friction} + E_{copper} + E_{rotor} + E_{returned}
 
 Each is the integral of a product of straight lines, exact; those at the motor's shaft are a coefficient of the drive
-model times a moment of its functions (see ``physics``).
+model times a moment of its functions (see ``physics``). Where the makers' k_e and k_t differ, so do the electrical and
+the mechanical power of the winding: the difference is counted with the motor's friction and iron, as a loss whichever
+way the power goes (see ``waveform.balanced``).
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ import numpy as np
 
 from drivesizer.loadcycle import integral
 from drivesizer.physics import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED, friction, gear_loss
-from drivesizer.set_cycle import SetCycle, waveform
+from drivesizer.set_cycle import SetCycle, lost_in_winding, supplied
 from drivesizer.waveform import energy
 
 __all__ = ["EnergyFlow", "energy_flow"]
@@ -26,7 +28,7 @@ class EnergyFlow(NamedTuple):
 
     drawn: float  # out of the supply
     copper: float
-    friction: float  # of the motor, iron losses included
+    friction: float  # of the motor, iron losses included, and what its two constants differ by
     gearhead: float
     belt: float
     load: float  # work on it, below 0 where it gives more than it takes
@@ -69,7 +71,7 @@ _OF_THE_LOAD = {"gearhead", "belt", "load"}
 
 def _at_the_supply(found: SetCycle) -> dict[str, float]:
     """Electrical power, means over the cycle [W]."""
-    sums, total = energy(waveform(found), storing=False), found.at.cycle.total
+    sums, total = energy(supplied(found), storing=False), found.at.cycle.total
     returned = float(sums.returned[0]) / total
     return {
         "drawn": float(sums.drawn[0]) / total,
@@ -89,7 +91,8 @@ def _at_the_shaft(found: SetCycle) -> dict[str, float]:
     turned = moments[DIRECTION, SPEED] * i  # rad/s, of the motor, absolute
     work = integral(cycle.duration, cycle.torque, cycle.speed) / cycle.total
     return {
-        "friction": float(coulomb * turned + c[SPEED] * i * moments[SPEED, SPEED]),
+        "friction": float(coulomb * turned + c[SPEED] * i * moments[SPEED, SPEED])
+        + lost_in_winding(found) / cycle.total,
         "gearhead": float(driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * turned),
         "belt": float(driving + braking - work),
         "load": work,

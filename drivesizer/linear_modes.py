@@ -3,7 +3,7 @@ r"""A motor set and its load as linear modes, discretised exactly for a voltage 
 Two plants: a rigid one (states i, w), and two masses with a twisting shaft between them (i, w, twist, v). Between
 changes of mode - a mass stops or starts, the power turns round, the shaft goes through its backlash - each is linear:
 
-.. math:: L \dot i = u - R i - k w, \quad J_m \dot w = k i - b_m w + m - s\,T, \quad
+.. math:: L \dot i = u - R i - k_e w, \quad J_m \dot w = k i - b_m w + m - s\,T, \quad
           \dot\varphi = w / K - v, \quad J_l \dot v = T - b_l v - l, \quad T = c\,\delta + d\,\dot\varphi
 
 with the share s = 1/(K e) of the shaft's torque T where the motor drives the load and e/K where the load drives the
@@ -40,7 +40,8 @@ class Machine:
 
     resistance: float  # ohm, winding at 25 degC
     inductance: float  # H
-    torque_constant: float  # N*m/A, equal to V*s/rad
+    torque_constant: float  # N*m/A
+    back_emf_constant: float  # V*s/rad
     motor_inertia: float  # kg*m^2 at the motor shaft: rotor, encoder, gear input
     friction: float = 0.0  # N*m at the motor, Coulomb
     stiction: float = 0.0  # N*m at the motor, at rest; the Coulomb friction where that is larger
@@ -70,6 +71,7 @@ def machine_of(train: DriveTrain) -> Machine:
         resistance=train.resistance,
         inductance=train.inductance,
         torque_constant=train.torque_constant,
+        back_emf_constant=train.back_emf_constant,
         motor_inertia=train.motor_inertia,
         friction=train.friction,
         viscous=train.viscous,
@@ -119,7 +121,7 @@ def _winding(G: Array, machine: dict[str, Array], resistance: Array, u: int) -> 
     L = machine["inductance"][:, None]
     q = u - 2
     G[..., 0, 0] = (-resistance / L)[..., None]
-    G[..., 0, 1] = (-machine["torque_constant"][:, None] / L)[..., None]
+    G[..., 0, 1] = (-machine["back_emf_constant"][:, None] / L)[..., None]
     G[..., 0, u] = (1.0 / L)[..., None]
     G[..., q, 0] = G[..., q + 1, 1] = G[..., u + 2, u + 3] = 1.0
 

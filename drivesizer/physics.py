@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.back_emf import back_emf_constant
 from drivesizer.extremes import Extremes, extremes
 from drivesizer.loadcycle import Ends, LoadCycle, integral, mean_product, rms
 
@@ -145,7 +146,13 @@ class Demands(NamedTuple):
     peak_speed: Array  # rad/s
     coefficients: Array  # (candidates, 6): motor torque from the functions
     total_ratio: Array  # of the gearhead
+    back_emf: Array  # V*s/rad, of the motor
     sure: NDArray[np.bool_]  # False: least ones, as an inertia or friction is unknown that would ask for more
+
+    def surplus(self, k_t: Array) -> Array:
+        """What the back-EMF constant is above the torque constant, by the speed at the gearhead's output [V*s/rad]."""
+        found: Array = (self.back_emf - k_t) * self.total_ratio
+        return found
 
 
 class Peak(NamedTuple):
@@ -267,7 +274,7 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
         c[unknown & (slope[:, place] < 0.0), place] = np.nan
     sure = ~np.logical_or.reduce(list(left_out.values()))
     rms_torque = np.sqrt(np.maximum((slope * c).sum(1), 0.0))
-    return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, sure)
+    return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, back_emf_constant(motor), sure)
 
 
 def friction(motor: Any) -> tuple[Array, Array]:

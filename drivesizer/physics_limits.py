@@ -249,7 +249,7 @@ def stress(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, motor: A
 def volts_of(asked: Demands, k_t: Array, resistance: Array) -> Array:
     r"""Coefficients of the motor's voltage from the six functions, :math:`V = R I + k_e K w`."""
     c = asked.coefficients * (resistance / k_t)[:, None]
-    c[:, SPEED] += k_t * asked.total_ratio
+    c[:, SPEED] += asked.back_emf * asked.total_ratio
     return c
 
 

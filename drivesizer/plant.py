@@ -16,6 +16,7 @@ from math import inf, isfinite, isnan
 
 import numpy as np
 
+from drivesizer.back_emf import back_emf_constant
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.physics import friction, gear_loss
 from drivesizer.profile import Profile
@@ -49,7 +50,8 @@ class DriveTrain:
 
     resistance: float  # ohm
     inductance: float  # H
-    torque_constant: float  # N*m/A, equal to V*s/rad
+    torque_constant: float  # N*m/A
+    back_emf_constant: float  # V*s/rad
     friction: float  # N*m at the motor, against the motion: the motor's and the idle gearhead's
     viscous: float = 0.0  # N*m*s/rad at the motor
     motor_inertia: float  # kg*m^2 at the motor shaft: rotor, encoder, gearhead input
@@ -114,8 +116,9 @@ def matrices(train: DriveTrain, mode: Mode) -> tuple[np.ndarray, np.ndarray]:
         A (2x2) and B (2x1) of dx/dt = A x + B u; Krause, Wasynczuk, Sudhoff, *Analysis of Electric Machinery*, the
         permanent-magnet DC machine.
     """
-    R, L, k, J = train.resistance, train.inductance, train.torque_constant, mode.inertia
-    return np.array([[-R / L, -k / L], [k / J, -train.viscous / J]]), np.array([[1 / L], [0.0]])
+    R, L, J = train.resistance, train.inductance, mode.inertia
+    A = [[-R / L, -train.back_emf_constant / L], [train.torque_constant / J, -train.viscous / J]]
+    return np.array(A), np.array([[1 / L], [0.0]])
 
 
 def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[DriveTrain, list[str]]:
@@ -149,6 +152,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
         resistance=motor.resistance,
         inductance=motor.inductance,
         torque_constant=motor.torque_constant,
+        back_emf_constant=float(back_emf_constant(asdict(motor))),
         friction=_known(coulomb, "friction of the motor", said) + float(idle),
         viscous=_known(viscous, "viscous friction of the motor", said),
         motor_inertia=motor.rotor_inertia

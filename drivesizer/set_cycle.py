@@ -19,9 +19,9 @@ from drivesizer.physics import SPEED, AtGearhead, Demands, at_gearhead, demands
 from drivesizer.physics_limits import Heat, Stress, heat, stress, volts_of
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
-from drivesizer.waveform import Wave, mean_square, wave
+from drivesizer.waveform import Wave, balanced, lost, mean_square, wave
 
-__all__ = ["SetCycle", "Warming", "set_cycle", "warming", "waveform"]
+__all__ = ["SetCycle", "Warming", "lost_in_winding", "set_cycle", "supplied", "warming", "waveform"]
 
 Array = NDArray[np.float64]
 
@@ -84,6 +84,21 @@ def waveform(found: SetCycle) -> Wave:
     """Current and voltage over the segments of the cycle, of one candidate."""
     at = found.at
     return wave(at.cycle.duration, at.functions, found.asked.coefficients, found.volts, found.motor["torque_constant"])
+
+
+def supplied(found: SetCycle) -> Wave:
+    """Current, and the voltage that makes of it the power that the motor takes, over the cycle's pieces."""
+    taken = balanced(waveform(found), *_surplus(found))
+    return taken if taken.duration.ndim == 1 else taken._replace(duration=taken.duration[0])
+
+
+def lost_in_winding(found: SetCycle) -> float:
+    """What is lost over the cycle as the winding's two constants differ [J]."""
+    return float(lost(waveform(found), *_surplus(found))[0])
+
+
+def _surplus(found: SetCycle) -> tuple[Array, Array]:
+    return found.asked.surplus(found.motor["torque_constant"]), found.at.functions[:, :, SPEED]
 
 
 def warming(found: SetCycle) -> Warming:

@@ -75,6 +75,7 @@ resistance           | 2.32 ohm    | ohm Ohm ohms; mohm mOhm; kohm kOhm
 inductance           | 0.238 mH    | H; mH; uH
 torque_constant      | 23.4 mN*m/A | N*m/A; mN*m/A; N*cm/A; ozf*in/A oz*in/A; lbf*in/A lb*in/A; V*s/rad V*s
 .                    |             | V/rpm; mV/rpm; V/krpm
+back_emf_constant    | 2.45 mV/rpm | V*s/rad V*s; mV*s/rad mV*s; V/rpm; mV/rpm mV/min-1; V/krpm; N*m/A; mN*m/A
 speed_constant       | 408 rpm/V   | rad/s/V rad/(V*s) rad/(s*V); rpm/V 1/min/V min-1/V
 speed_torque_gradient | 40.5 rpm/mN*m | rad/s/(N*m); rpm/(mN*m) 1/min/mNm min-1/mNm; rpm/(N*m); rpm/(ozf*in) rpm/oz*in
 thermal_resistance   | 3.1 K/W     | K/W degC/W
@@ -92,6 +93,7 @@ price                | 46.55 EUR   | EUR €
 price_chf            | 51.20 CHF   | CHF
 """
 _NOUNS = {
+    "back_emf_constant": "back-EMF constant",
     "speed_torque_gradient": "speed/torque gradient",
     "dimensionless": "plain number",
     "price": "price in EUR",

@@ -16,10 +16,12 @@ from numpy.typing import NDArray
 __all__ = [
     "Energy",
     "Wave",
+    "balanced",
     "energy",
     "largest_power",
     "longest_above",
     "longest_run",
+    "lost",
     "mean_square",
     "share_above",
     "wave",
@@ -61,6 +63,55 @@ def wave(duration: Array, functions: Array, torque: Array, volts: Array, k_t: Ar
     flat = functions.reshape(-1, 6).T
     shape = (len(torque), len(duration), 2)
     return Wave(duration, (torque / k_t[:, None] @ flat).reshape(shape), (volts @ flat).reshape(shape))
+
+
+def balanced(found: Wave, surplus: Array, speed: Array) -> Wave:
+    r"""The waveform whose V I is the power that windings take whose two constants differ.
+
+    k_e w is the voltage, k_t I the torque, so that of the power k_e w I only k_t w I turns the motor. What they differ
+    by is lost whichever way the power goes, for no figure makes energy of nothing:
+
+    .. math:: P = R I^2 + k_t w I + |k_e - k_t|\,|w I| = V I + \max(0,\ 2 (k_t - k_e) w I)
+
+    Parameters
+    ----------
+    found
+        Current and terminal voltage.
+    surplus
+        k_e - k_t of each candidate, by the speed that is given [V*s/rad].
+    speed
+        At both ends of each segment [rad/s], of one sign in each: (segments, 2), or of each candidate.
+
+    Returns
+    -------
+    Wave
+        Cut where the current changes its sign; the same where no constants differ.
+    """
+    if not (np.abs(surplus) > 0.0).any():
+        return found
+    duration, current, voltage, emf = _cut(found, surplus, speed)
+    against = (current.sum(-1) * emf.sum(-1) < 0.0)[..., None]
+    return Wave(duration, current, np.where(against, voltage - 2.0 * emf, voltage))
+
+
+def lost(found: Wave, surplus: Array, speed: Array) -> Array:
+    """What windings whose constants differ lose by that over the cycle [J]; figures as ``balanced`` takes them."""
+    duration, current, _, emf = _cut(found, surplus, speed)
+    heat: Array = np.abs(duration * _work(current, emf, np.ones(1))[..., 0]).sum(axis=1)
+    return heat
+
+
+def _cut(found: Wave, surplus: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
+    """Duration, current, voltage and what the back-EMF is above k_t w, in halves that meet where no current flows."""
+    share = _crossing(found.current)
+    emf = np.broadcast_to(surplus[:, None, None] * speed, found.current.shape)
+    duration = np.stack([found.duration * share, found.duration * (1.0 - share)], axis=2).reshape(len(share), -1)
+    halves = []
+    for ends in (found.current, found.voltage, emf):
+        middle = ends[..., 0] + share * (ends[..., 1] - ends[..., 0])
+        points = np.stack([ends[..., 0], middle, middle, ends[..., 1]], axis=2)
+        halves.append(points.reshape(len(share), -1, 2))
+    return duration, halves[0], halves[1], halves[2]
 
 
 def mean_square(found: Wave) -> Array:

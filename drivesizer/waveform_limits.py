@@ -20,7 +20,7 @@ from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands
 from drivesizer.physics_limits import Heat, Parts, Stress, on, volts_of, winding_limit
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import two_bodies
-from drivesizer.waveform import energy, largest_power, longest_above, longest_run, mean_square, wave
+from drivesizer.waveform import balanced, energy, largest_power, longest_above, longest_run, mean_square, wave
 
 __all__ = ["Moments", "above_bounds", "bounds", "bracketed", "exact", "peak_winding", "waveform_limits"]
 
@@ -92,8 +92,9 @@ def _slices(at: AtGearhead, count: int) -> list[slice]:
 def _block(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, hot: Array, parts: Parts) -> Moments:
     k_t, cycle = parts.motor["torque_constant"], at.cycle
     found = wave(cycle.duration, at.functions, asked.coefficients, volts_of(asked, k_t, hot), k_t)
-    power, when = largest_power(found)
-    sums = energy(found, storing=spec.supply.regeneration == 0.0)
+    taken = balanced(found, asked.surplus(k_t), at.functions[:, :, SPEED])
+    power, when = largest_power(taken)
+    sums = energy(taken, storing=spec.supply.regeneration == 0.0)
     winding, time = _peak_winding(spec, at, asked.coefficients, warm, parts.motor)
     return Moments(
         winding=winding,
@@ -130,6 +131,7 @@ def bounds(
     stored_low = stored_high = nothing  # where the supply takes all back nobody asks
     if not spec.supply.regeneration:
         braked = braking_torque(at, asked.coefficients)
+        least = np.where(asked.surplus(k_t) == 0.0, least, np.nan)  # power is not V I where two constants differ
         stored_low, stored_high = np.where(least < 0.0, _SOME, 0.0), np.where(braked, np.inf, 0.0)
     heat_low, heat_high = _winding_bounds(spec, at, asked, warm, under, parts.motor)
     shortest, longest = above_bounds(at, asked, under, parts)
@@ -137,6 +139,7 @@ def bounds(
     power = nothing
     if spec.supply.current or spec.supply.power:
         power = np.minimum(_power_bound(at, asked, under.hot, k_t), current * under.hot_voltage)
+        power = np.where(asked.surplus(k_t) == 0.0, power, np.inf)
     high = Moments(heat_high, nothing, power, nothing, nothing, nothing, stored_high, longest)
     return low, high
 

@@ -41,7 +41,7 @@ from drivesizer.profile import Profile
 from drivesizer.results import Gains
 
 EPOS4 = Rates(4e-5, 4e-4, 4e-4)
-R, L, K_T, J_M = 2.3, 2.4e-4, 0.0234, 1.3e-6
+R, L, K_T, K_E, J_M = 2.3, 2.4e-4, 0.0234, 0.0271, 1.3e-6
 K, E = 27.0 * 1.1, 0.8 * 0.95
 J_L = 1e-3 + 11.0 * 0.0762**2
 S = control.tf("s")
@@ -50,8 +50,8 @@ S = control.tf("s")
 def train_of(**figures):
     """A small brushed motor behind a gearhead and a belt."""
     given = {
-        "resistance": R, "inductance": L, "torque_constant": K_T, "friction": 9e-4, "motor_inertia": J_M,
-        "gear_ratio": 27.0, "gear_efficiency": 0.8, "belt_ratio": 1.1, "belt_efficiency": 0.95,
+        "resistance": R, "inductance": L, "torque_constant": K_T, "back_emf_constant": K_E, "friction": 9e-4,
+        "motor_inertia": J_M, "gear_ratio": 27.0, "gear_efficiency": 0.8, "belt_ratio": 1.1, "belt_efficiency": 0.95,
         "load_inertia": J_L, "radius": 0.0762, "forward_torque": 0.3, "backward_torque": -0.1, "rest_torque": 0.1,
     }  # fmt: skip
     return DriveTrain(**(given | figures))
@@ -194,7 +194,7 @@ def by_hand(train, cascade, shaft, samples):
     twist = np.array([[0, 1 / K, -1, 0, 0]]), np.array([[0, 0, 0, 1 / K, -1]])  # of speeds, of angles, at the wheel
     torque = d * twist[0] + c * twist[1]
     A = np.zeros((5, 5))  # i, w motor, w wheel, angle motor, angle wheel
-    A[0, :2] = -R / L, -K_T / L
+    A[0, :2] = -R / L, -K_E / L
     A[1] = -share * torque / J_M
     A[1, 0] = K_T / J_M
     A[2] = torque / J_L
@@ -258,8 +258,8 @@ def test_the_sampled_current_loop_is_the_magnitude_optimum():
 
 def continuous_velocity_loop(cascade, inertia, train=TRAIN):
     """The same cascade with dead times, back-EMF and all, put together from transfer functions."""
-    r, l_, k = train.resistance, train.inductance, train.torque_constant
-    winding = inertia * S / (l_ * inertia * S**2 + r * inertia * S + k * k)
+    r, l_, k, k_e = train.resistance, train.inductance, train.torque_constant, train.back_emf_constant
+    winding = inertia * S / (l_ * inertia * S**2 + r * inertia * S + k * k_e)
     # a sampled integral is that of the sample that is just taken: half a period of it ahead
     voltage = cascade.current_kp + cascade.current_ki * (1 / S + cascade.current_period / 2)
     # the demand changes on a current period's beginning: only what is fed back is late by half of one more

@@ -28,8 +28,9 @@ MOTOR = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)
 def machine(**figures):
     """A set with ratio and efficiencies far from 1."""
     given = {
-        "resistance": 2.32, "inductance": 0.24e-3, "torque_constant": 0.0234, "motor_inertia": 1.2e-6, "ratio": 9.1,
-        "efficiency": 0.72, "belt_ratio": 1.3, "belt_efficiency": 0.9, "load_inertia": 4e-4,
+        "resistance": 2.32, "inductance": 0.24e-3, "torque_constant": 0.0234, "back_emf_constant": 0.026,
+        "motor_inertia": 1.2e-6, "ratio": 9.1, "efficiency": 0.72, "belt_ratio": 1.3, "belt_efficiency": 0.9,
+        "load_inertia": 4e-4,
     }  # fmt: skip
     return Machine(**(given | figures))
 
@@ -71,7 +72,7 @@ def test_modes_are_the_matrix_exponential(more):
 def test_speed_at_a_held_voltage_rises_like_first_order():
     m = machine(inductance=1e-9, load_inertia=8e-3)
     J = m.motor_inertia + m.load_inertia / (m.ratio**2 * m.efficiency)
-    tau, k = m.resistance * J / m.torque_constant**2, m.torque_constant
+    tau, k = m.resistance * J / (m.torque_constant * m.back_emf_constant), m.back_emf_constant
     run = march(open_drive(m, 10.0), replace(FAR, time=(0.0, 1e-3, 1.5)))
     t, w = run.series["time"], run.series["motor_speed"]
     late = (t > 0.01) & (run.series["voltage"] == 10.0)
@@ -156,20 +157,20 @@ def saturated_by_solver(m, g, volts, task, n):
 
     i = (m.friction + resists(0.0) * share) / m.torque_constant
     x = np.array([i, w, resists(0.0) / m.stiffness, w / K] if two else [i, w])
-    pending = integral = m.resistance * i + m.torque_constant * w
+    pending = integral = m.resistance * i + m.back_emf_constant * w
 
     def rigid(t, x, u):
         net = m.torque_constant * x[0] - m.friction
         drives = resists(t) * K * m.motor_inertia + m.load_inertia * net > 0.0
         s = 1 / (K * m.efficiency) if drives else m.efficiency / K
         dw = (net - resists(t) * s) / (m.motor_inertia + m.load_inertia * s / K)
-        return (u - m.resistance * x[0] - m.torque_constant * x[1]) / m.inductance, dw
+        return (u - m.resistance * x[0] - m.back_emf_constant * x[1]) / m.inductance, dw
 
     def flexible(t, x, u):
         T = m.stiffness * x[2] + m.damping * (x[1] / K - x[3])
         s = 1 / (K * m.efficiency) if T > 0.0 else m.efficiency / K
         return (
-            (u - m.resistance * x[0] - m.torque_constant * x[1]) / m.inductance,
+            (u - m.resistance * x[0] - m.back_emf_constant * x[1]) / m.inductance,
             (m.torque_constant * x[0] - m.friction - s * T) / m.motor_inertia,
             x[1] / K - x[3],
             (T - resists(t)) / m.load_inertia,
@@ -231,7 +232,7 @@ def test_linear_loop_against_python_control(robot):
 
 @pytest.mark.parametrize("more", [{}, {"stiffness": 60.0, "damping": 0.05, "gap": 4e-3}])
 def test_energy_balance(more):
-    """Electrical work = copper + friction + gears + load + shaft, from rest to rest, to 0.2 %."""
+    """Electrical work = copper + friction + gears + load + shaft + (k_e - k_t) w I, from rest to rest, to 0.2 %."""
     m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1, **more)
     g = gains(kp=0.02, ki=0.3, period=1e-4)
     task = Task(time=(0.0, 0.4, 0.8, 1.2, 1.6), speed=(0.0, 40.0, 40.0, 0.0, 0.0))
@@ -244,6 +245,7 @@ def test_energy_balance(more):
     shaft = at_shaft * (s["motor_speed"] / m.ratio - s["load_speed"])  # what twists it, and what its damping takes
     taken = np.trapezoid(1e-3 * np.abs(s["motor_speed"]) + gears + 0.1 * np.abs(s["load_speed"]) + shaft, s["time"])
     electrical = figure(run, "energy_in") - figure(run, "energy_back")
+    taken += np.trapezoid((m.back_emf_constant - m.torque_constant) * s["motor_speed"] * s["current"], s["time"])
     assert electrical == pytest.approx(taken + figure(run, "copper_heat"), rel=2e-3)
     assert s["motor_speed"].max() > 350.0
 

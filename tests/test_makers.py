@@ -231,7 +231,7 @@ ROWS: list[tuple[str, str, str, Figures]] = [
     ("cubemars", "actuators", "AK70-10 KV100", {"nominal_torque": "8.3 N*m", "peak_torque": "24.8 N*m", "ratio": "10",
      "nominal_speed": "310 rpm", "no_load_speed": "480 rpm", "backlash": "12 arcmin", "pole_pairs": "21"}),
     ("cubemars", "motors", "RI50 KV100", {"resistance": "1.42 ohm", "inductance": "1500 uH",
-     "speed_constant": "100 rpm/V", "mass": "0.1808 kg"}),
+     "torque_constant": "120 mN*m/A", "nominal_current": "4.8 A", "mass": "0.1808 kg"}),
     ("damiao", "actuators", "DM-J8009-2EC", {"nominal_torque": "20 N*m", "peak_torque": "40 N*m", "mass": "896 g",
      "rotor_inertia": "1950 g*cm^2", "ratio": "9"}),
     ("damiao", "actuators", "DM-J4310-2EC V1.1 (48V)", {"peak_torque": "7 N*m", "no_load_speed": "400 rpm",

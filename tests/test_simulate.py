@@ -54,8 +54,9 @@ def finite(proof):
 def train_of(**figures):
     """A drive train with ratio and efficiencies far from 1."""
     given = {
-        "resistance": 2.0, "inductance": 1e-9, "torque_constant": 0.05, "friction": 0.0, "motor_inertia": 2e-5,
-        "gear_ratio": 7.0, "gear_efficiency": 0.8, "belt_ratio": 1.3, "belt_efficiency": 0.9, "load_inertia": 0.081,
+        "resistance": 2.0, "inductance": 1e-9, "torque_constant": 0.05, "back_emf_constant": 0.058, "friction": 0.0,
+        "motor_inertia": 2e-5, "gear_ratio": 7.0, "gear_efficiency": 0.8, "belt_ratio": 1.3, "belt_efficiency": 0.9,
+        "load_inertia": 0.081,
         "radius": 0.1, "forward_torque": 0.0, "backward_torque": 0.0, "rest_torque": 0.0,
     }  # fmt: skip
     return DriveTrain(**(given | figures))
@@ -140,7 +141,7 @@ def test_gains_by_the_rule(spec, chosen):
 def test_half_rule_of_complex_roots_keeps_their_sum():
     train = train_of(inductance=1.0)
     lag, delay = effective_delay(train, modes(train)[Regime.FORWARD_DRIVING], PERIOD)
-    mechanical = 2.0 * modes(train)[Regime.FORWARD_DRIVING].inertia / 0.05**2
+    mechanical = 2.0 * modes(train)[Regime.FORWARD_DRIVING].inertia / (0.05 * 0.058)
     assert (lag, delay) == pytest.approx((0.75 * mechanical, 0.25 * mechanical + 1.5 * PERIOD))
 
 

@@ -43,7 +43,8 @@ def _at_output(a: Table[Any]) -> Numbers:
 
 def _idle_speed(a: Table[Any], current: Any) -> Numbers:
     """Speed of the output at nominal voltage with some current."""
-    return np.asarray((a["nominal_voltage"] - current * a["resistance"]) / (a["ratio"] * a["motor_torque_constant"]))
+    k_e = np.where(np.isnan(a["motor_back_emf_constant"]), a["motor_torque_constant"], a["motor_back_emf_constant"])
+    return np.asarray((a["nominal_voltage"] - current * a["resistance"]) / (a["ratio"] * k_e))
 
 
 _GEARED = ("ratio", "efficiency", "motor_torque_constant")

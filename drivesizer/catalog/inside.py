@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.back_emf import ELECTRONICS
 from drivesizer.catalog.parts import EDGES, RELATIONS, columns_of, one_of
 from drivesizer.catalog.tables import Catalog, Pairs, Table
 from drivesizer.errors import CatalogError, quoted
@@ -101,6 +102,8 @@ def _motor(whole: Table[Any]) -> _Inside:
     figures |= {name: whole[name] / (i * e) for name in ("nominal_torque", "stall_torque")}
     figures["max_speed"] = i * _top_speed(whole)
     figures["torque_constant"] = k_t
+    figures["back_emf_constant"] = whole["motor_back_emf_constant"]
+    figures["commutation"] = np.where(whole["controller"] != "", ELECTRONICS, "")
     figures["rotor_inertia"] = np.where(
         np.isnan(whole["rotor_inertia"]), whole["output_inertia"] / i**2, whole["rotor_inertia"]
     )

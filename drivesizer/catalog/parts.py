@@ -33,7 +33,7 @@ class Motor:
     family: str = text()
     manufacturer: str = text()
     kind: str = text()  # brushed or brushless
-    commutation: str = text()  # graphite, precious metal CLL, Hall sensors ...
+    commutation: str = text()  # graphite, precious metal CLL, Hall sensors, integrated electronics ...
     bearing: str = text()
     assigned_power: float = figure("power", "W")
     nominal_voltage: float = figure("voltage", "V")
@@ -52,6 +52,7 @@ class Motor:
     inductance: float = figure("inductance", "mH")
     torque_constant: float = figure("torque_constant", "mN*m/A")
     speed_constant: float = figure("speed_constant", "rpm/V")
+    back_emf_constant: float = figure("back_emf_constant", "mV*s/rad")  # where it is not torque_constant
     speed_torque_gradient: float = figure("speed_torque_gradient", "rpm/(mN*m)")
     mechanical_time_constant: float = figure("time", "ms")
     rotor_inertia: float = figure("inertia", "g*cm^2")

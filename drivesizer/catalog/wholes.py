@@ -40,6 +40,7 @@ class Actuator:
     max_speed: float = figure("rotary_speed", "rpm")
     torque_constant: float = figure("torque_constant", "N*m/A")  # at the output, losses of the gear included
     motor_torque_constant: float = figure("torque_constant", "mN*m/A")  # of the motor inside
+    motor_back_emf_constant: float = figure("back_emf_constant", "mV*s/rad")  # where it is not that
     resistance: float = figure("resistance", "ohm")  # terminal to terminal
     inductance: float = figure("inductance", "mH")
     rotor_inertia: float = figure("inertia", "g*cm^2")  # of the motor inside, the gear's input included

@@ -41,16 +41,17 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
 def parameters(drive: Drive, top: float, most: int) -> dict[str, float]:
     """A set in the march's names, its thermal figures and controller apart."""
     m, supply, limit = drive.machine, drive.supply, drive.current
-    volts = supply.voltage if supply.voltage < math.inf else 2.0 * m.torque_constant * m.ratio * max(top, 1.0)
-    full_i, full_w = volts / m.resistance, volts / m.torque_constant
+    volts = supply.voltage if supply.voltage < math.inf else 2.0 * m.back_emf_constant * m.ratio * max(top, 1.0)
+    full_i, full_w = volts / m.resistance, volts / m.back_emf_constant
     tight = STILL if drive.heat is None else STILL_WARM
     square = limit.continuous**2
     budget = (limit.peak**2 - square) * limit.peak_time if math.isfinite(square) else math.inf
     return {
-        "R25": m.resistance, "K_T": m.torque_constant, "J_M": m.motor_inertia, "F_M": m.friction,
-        "F_S": max(m.friction, m.stiction), "B_M": m.viscous, "RATIO": m.ratio,
-        "DRIVE": 1.0 / (m.ratio * m.efficiency), "BRAKE": m.efficiency / m.ratio, "J_L": m.load_inertia,
-        "B_L": m.load_viscous, "T_F": m.forward_torque, "T_B": m.backward_torque, "T_0": m.rest_torque,
+        "R25": m.resistance, "K_T": m.torque_constant, "K_E": m.back_emf_constant,
+        "J_M": m.motor_inertia, "F_M": m.friction, "F_S": max(m.friction, m.stiction), "B_M": m.viscous,
+        "RATIO": m.ratio, "DRIVE": 1.0 / (m.ratio * m.efficiency), "BRAKE": m.efficiency / m.ratio,
+        "J_L": m.load_inertia, "B_L": m.load_viscous, "T_F": m.forward_torque, "T_B": m.backward_torque,
+        "T_0": m.rest_torque,
         "C": m.stiffness if m.flexible else 0.0, "DAMP": m.damping, "GAP": m.gap, "G_0": 1.0 / m.belt_ratio,
         "G_D": 1.0 / (m.belt_ratio * m.belt_efficiency), "G_B": m.belt_efficiency / m.belt_ratio,
         "TWO": float(m.flexible), "EDGES": drive.encoder.edges, "WINDOW": max(drive.encoder.periods, 1),

@@ -27,15 +27,16 @@ def _places(names: list[str]) -> Iterable[int]:
 # the machine; the controller (kp, integral gain per sample, share of the derivative that is kept, derivative gain per
 # sample; current and position loop, feedforwards); limits; heat; what is small enough to be at rest
 _PARAMETERS = """
-    H R25 K_T J_M F_M F_S B_M RATIO DRIVE BRAKE J_L B_L T_F T_B T_0 C DAMP GAP G_0 G_D G_B TWO
+    H R25 K_T K_E J_M F_M F_S B_M RATIO DRIVE BRAKE J_L B_L T_F T_B T_0 C DAMP GAP G_0 G_D G_B TWO
     CASCADE N_V N_P KP KI KEEP KD CKP CKI PKP FFV FFF FFA DELAY EDGES WINDOW V_0 R_S SETS DUTY DROP
     RAISES PEAK CONT2 BUDGET HEAT R_1 R_2 C_W C_H R_A ALPHA AMBIENT P_0 P_1 P_2 NODE_0 NODE_D NODES
     MOST SENSE TOL_I TOL_W TOL_U TOL_F TOL_X
 """
 PARAMETERS = _PARAMETERS.split()
 (
-    H, R25, K_T, J_M, F_M, F_S, B_M, RATIO, DRIVE, BRAKE, J_L, B_L, T_F, T_B, T_0, C, DAMP, GAP, G_0, G_D, G_B, TWO,
-    CASCADE, N_V, N_P, KP, KI, KEEP, KD, CKP, CKI, PKP, FFV, FFF, FFA, DELAY, EDGES, WINDOW, V_0, R_S, SETS, DUTY, DROP,
+    H, R25, K_T, K_E, J_M, F_M, F_S, B_M, RATIO, DRIVE, BRAKE, J_L, B_L, T_F, T_B, T_0, C, DAMP, GAP, G_0, G_D, G_B,
+    TWO, CASCADE, N_V, N_P, KP, KI, KEEP, KD, CKP, CKI, PKP, FFV, FFF, FFA, DELAY, EDGES, WINDOW, V_0, R_S, SETS, DUTY,
+    DROP,
     RAISES, PEAK, CONT2, BUDGET, HEAT, R_1, R_2, C_W, C_H, R_A, ALPHA, AMBIENT, P_0, P_1, P_2, NODE_0, NODE_D, NODES,
     MOST, SENSE, TOL_I, TOL_W, TOL_U, TOL_F, TOL_X,
 ) = _places(PARAMETERS)  # fmt: skip

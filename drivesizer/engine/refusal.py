@@ -32,8 +32,8 @@ def checked(drives: Sequence[Drive], task: Task) -> None:
 
 def _checked_drive(drive: Drive) -> None:
     m = drive.machine
-    above = ("resistance", "inductance", "torque_constant", "motor_inertia", "ratio", "efficiency", "belt_ratio")
-    above += ("belt_efficiency", *(("stiffness", "load_inertia") if m.flexible else ()))
+    above = ("resistance", "inductance", "torque_constant", "back_emf_constant", "motor_inertia", "ratio", "efficiency")
+    above += ("belt_ratio", "belt_efficiency", *(("stiffness", "load_inertia") if m.flexible else ()))
     for f in fields(Machine):
         value = getattr(m, f.name)
         signed = f.name in ("forward_torque", "backward_torque", "rest_torque")

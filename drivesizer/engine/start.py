@@ -34,7 +34,7 @@ def _start(p: Array, pieces: Array, heat: Heat | None, ki: tuple[bool, bool]) ->
         s[at.T_W], s[at.T_H] = (0.0 if math.isnan(x) else x - heat.ambient for x in (heat.winding, heat.housing))
     s[at.RES] = p[at.R_A] + p[at.ALPHA] * s[at.T_W] if p[at.HEAT] else p[at.R25]
     s[at.CODE] = mode_of(p, i, w, s[at.F], s[at.V], l)
-    volts = s[at.RES] * i + p[at.K_T] * w  # what the integral holds is what was asked for last
+    volts = s[at.RES] * i + p[at.K_E] * w  # what the integral holds is what was asked for last
     if p[at.CASCADE]:
         known = ahead(p, w, 0.0)
         s[at.OUTER], s[at.INNER] = (i - known) * ki[0], volts * ki[1]

@@ -36,6 +36,7 @@ _UNITS: dict[str, dict[str, str]] = {
     "ohm": {"kg": "1", "m": "2", "s": "-3", "A": "-2"},
     "H": {"kg": "1", "m": "2", "s": "-2", "A": "-2"},
     "N.m/A": {"kg": "1", "m": "2", "s": "-2", "A": "-1"},
+    "V.s/rad": {"kg": "1", "m": "2", "s": "-2", "A": "-1", "rad": "-1"},
     "kg.m2": {"kg": "1", "m": "2"},
     "N.m": {"kg": "1", "m": "2", "s": "-2"},
     "N.m.s/rad": {"kg": "1", "m": "2", "s": "-1", "rad": "-1"},
@@ -58,8 +59,9 @@ def parameters(of: Export) -> dict[str, float]:
     names = ("winding_to_housing", "housing_to_ambient", "winding_capacity", "housing_capacity")
     return {
         "resistance": train.resistance, "inductance": train.inductance if of.inductance_known else 0.0,
-        "torque_constant": train.torque_constant, "motor_inertia": train.motor_inertia,
-        "motor_friction": train.friction, "motor_viscous": train.viscous, "ratio": train.ratio,
+        "torque_constant": train.torque_constant, "back_emf_constant": train.back_emf_constant,
+        "motor_inertia": train.motor_inertia, "motor_friction": train.friction, "motor_viscous": train.viscous,
+        "ratio": train.ratio,
         "efficiency": train.efficiency, "load_inertia": train.load_inertia, "forward_torque": train.forward_torque,
         "backward_torque": train.backward_torque, "rest_torque": train.rest_torque, "radius": train.radius,
         "ambient": of.ambient, **{name: float(x) for name, x in zip(names, thermal, strict=True)},

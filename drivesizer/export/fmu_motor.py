@@ -1,6 +1,6 @@
 r"""A motor set and its load as a simulator of its own: nothing but Python's library, so that an FMU can carry it.
 
-.. math:: L \dot i = u - R i - k w, \quad
+.. math:: L \dot i = u - R i - k_e w, \quad
           \left(J_m + s \frac{J_l}{K}\right) \dot w = k i - M_f\,\mathrm{sgn}\,w - b w - s T(\mathrm{sgn}\,w)
 
 with s = 1/(K e) where the motor drives the load and e/K where the load drives the motor; at rest friction holds. The
@@ -18,7 +18,8 @@ __all__ = ["FIGURES", "INPUTS", "OUTPUTS", "Drive"]
 FIGURES = {  # parameters: unit and meaning
     "resistance": ("ohm", "winding at 25 degC"),
     "inductance": ("H", "winding; 0: the current follows the voltage at once"),
-    "torque_constant": ("N.m/A", "equal to V.s/rad"),
+    "torque_constant": ("N.m/A", "torque of the motor's magnets by current"),
+    "back_emf_constant": ("V.s/rad", "voltage of the turning motor by speed"),
     "motor_inertia": ("kg.m2", "rotor, encoder and gearhead input"),
     "motor_friction": ("N.m", "dry friction at the motor"),
     "motor_viscous": ("N.m.s/rad", "viscous friction at the motor"),
@@ -70,6 +71,7 @@ class Drive:
     resistance: float
     inductance: float
     torque_constant: float
+    back_emf_constant: float
     motor_inertia: float
     motor_friction: float
     motor_viscous: float
@@ -115,7 +117,7 @@ class Drive:
         """Shortest time constant: electrical, or of the rotor with what braking leaves of the load [s]."""
         R, k = self._hot(), self.torque_constant
         inertia = self.motor_inertia + self.load_inertia * self.efficiency / self.ratio**2
-        mechanical = R * inertia / (k * k + R * self.motor_viscous)
+        mechanical = R * inertia / (k * self.back_emf_constant + R * self.motor_viscous)
         return min(self.inductance / R, mechanical) if self.inductance > 0.0 else mechanical
 
     def _step(self, h: float) -> None:
@@ -151,7 +153,7 @@ class Drive:
 
     def _flowing(self, i: float, w: float) -> float:
         """The current: of the winding, or what the voltage makes at once where there is no inductance."""
-        return i if self.inductance > 0.0 else self._cut((self.voltage - self.torque_constant * w) / self._hot())
+        return i if self.inductance > 0.0 else self._cut((self.voltage - self.back_emf_constant * w) / self._hot())
 
     def _cut(self, i: float) -> float:
         most = self.most_current
@@ -169,7 +171,7 @@ class Drive:
     def _rates(self, i: float, w: float, way: int) -> tuple[float, float]:
         flows, slope = self._cut(self._flowing(i, w)), 0.0
         if self.inductance > 0.0:
-            slope = (self.voltage - self._hot() * flows - self.torque_constant * w) / self.inductance
+            slope = (self.voltage - self._hot() * flows - self.back_emf_constant * w) / self.inductance
             if self.most_current > 0.0 and abs(i) >= self.most_current and slope * i > 0.0:
                 slope = 0.0  # the controller holds it there
         return slope, self._acceleration(flows, w, way) if way else 0.0

@@ -10,9 +10,9 @@ current taken to be there at once,
           \tau_f = k_t (f_w w_r + f_a \dot w_r + f_c\,\mathrm{sgn}\,w_r)
 
 Of the voltage PI :math:`u = P (w_r - w) + Q \int (w_r - w)` behind a drive that compensates the back-EMF, so that its
-voltage is :math:`R \tau / k_t + k_t w`,
+voltage is :math:`R \tau / k_t + k_e w`,
 
-.. math:: k_d = \frac{k_t}{R} (P + k_t), \quad k_p = \frac{k_t}{R} Q, \quad \tau_f = -\frac{k_t^2}{R} w_r
+.. math:: k_d = \frac{k_t}{R} (P + k_e), \quad k_p = \frac{k_t}{R} Q, \quad \tau_f = -\frac{k_t k_e}{R} w_r
 """
 
 from __future__ import annotations
@@ -46,7 +46,8 @@ def torque_law(of: Export) -> TorqueLaw:
             kp=k * (p * v + q), ki=k * q * v, kd=k * p, per_speed=k * c.feedforward_velocity,
             per_acceleration=k * c.feedforward_acceleration, per_direction=k * c.feedforward_friction,
         )  # fmt: skip
-    return TorqueLaw(kp=k / R * c.ki, ki=0.0, kd=k / R * (c.kp + k), per_speed=-k * k / R)
+    k_e = of.train.back_emf_constant
+    return TorqueLaw(kp=k / R * c.ki, ki=0.0, kd=k / R * (c.kp + k_e), per_speed=-k * k_e / R)
 
 
 def lacking(of: Export) -> list[str]:

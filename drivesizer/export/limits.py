@@ -85,9 +85,10 @@ def _continuous_currents(spec: RobotSpec, found: DriveSet) -> dict[str, float]:
 
 def _speeds(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, float]:
     """Highest speeds of the motor [rad/s]; the gears' idle friction is counted in that at no load."""
-    k, R, motor, controller = train.torque_constant, train.resistance, found.motor, found.controller
+    k, k_e, R = train.torque_constant, train.back_emf_constant, train.resistance
+    motor, controller = found.motor, found.controller
     named = {
-        "motor at no load": (k * voltage - R * train.friction) / (k * k + R * train.viscous),
+        "motor at no load": (k * voltage - R * train.friction) / (k * k_e + R * train.viscous),
         "motor, permissible speed": motor.max_speed,
         "gearhead, intermittent input speed": found.gearhead.intermittent_input_speed,
         "encoder, permissible speed": found.encoder.max_speed if found.encoder else nan,

@@ -102,11 +102,10 @@ def _world(root: Element, of: Export) -> None:
 def _actuators(root: Element, of: Export, law: TorqueLaw) -> None:
     train = of.train
     actuator = SubElement(root, "actuator")
-    k = number(train.torque_constant)
     figures = {
         "name": MOTOR, "joint": SHAFT, "gear": number(train.ratio), "resistance": number(train.resistance),
-        "motorconst": f"{k} {k}", "armature": number(train.motor_inertia), "damping": number(train.viscous),
-        "input": "pos vel ff",
+        "motorconst": f"{number(train.torque_constant)} {number(train.back_emf_constant)}",
+        "armature": number(train.motor_inertia), "damping": number(train.viscous), "input": "pos vel ff",
         "controller": " ".join(number(x) for x in (law.kp, law.ki, law.kd, 0.0, 0.0, of.voltage)),
     }  # fmt: skip
     if of.inductance_known:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.back_emf import back_emf_constant
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.tables import Table
 from drivesizer.checks import CheckColumn, fits, worst_case
@@ -91,6 +92,9 @@ class _Figures:
 def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
     """By what each figure of a motor is multiplied; heat capacities stay what they are.
 
+    Torque and voltage constant have one factor: what is off is the magnets' flux, which both are made of. What they
+    differ by, saturation and losses, is the type's and no tolerance of the single motor.
+
     Parameters
     ----------
     given
@@ -98,7 +102,7 @@ def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
     """
     rubs, heats, k = (given.get(name, 1.0) for name in ("friction", "thermal_resistance", "torque_constant"))
     return {
-        "resistance": given.get("resistance", 1.0), "torque_constant": k,
+        "resistance": given.get("resistance", 1.0), "torque_constant": k, "back_emf_constant": k,
         "rotor_inertia": given.get("rotor_inertia", 1.0),
         "no_load_current": rubs / k, "friction_torque": rubs, "viscous_friction": rubs,
         "thermal_resistance_winding": heats, "thermal_resistance_housing": heats,
@@ -114,12 +118,14 @@ def with_losses(efficiency: Any, factor: Any) -> Any:
 def _motor(catalog: Catalog, row: int, block: Block, factors: Mapping[str, Array]) -> _Figures:
     """A motor's figures, each times its factor."""
     times = motor_factors(factors)
-    printed, whole = _Figures(catalog.motors, row, block.size, {}).nominal, np.ones(block.size)
+    bought, whole = _Figures(catalog.motors, row, block.size, {}), np.ones(block.size)
+    printed = bought.nominal
     changed = {
         name: printed(name) * factor * (whole if name in _WHOLE else 1.0)
         for name, factor in times.items()
         if np.ndim(factor) or name in _WHOLE
     }
+    changed["back_emf_constant"] = back_emf_constant(bought) * times["back_emf_constant"]
     return _Figures(catalog.motors, row, block.size, changed)
 
 

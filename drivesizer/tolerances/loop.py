@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.back_emf import back_emf_constant
 from drivesizer.closed_loop import Case, run, without_limits
 from drivesizer.engine import Marched, Task, march_many
 from drivesizer.errors import InputError
@@ -78,7 +79,8 @@ def off(spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Arr
             of_part, figure = factors[assumption.catalogue.part], assumption.catalogue.figure
             assert figure not in of_part, f"{assumption.name}: of another maker's part"
             of_part[figure] = float(values[k])
-    motor = replace(one.motor, **_times(one.motor, motor_factors(factors["motor"])))
+    bought = replace(one.motor, back_emf_constant=float(back_emf_constant(asdict(one.motor))))
+    motor = replace(bought, **_times(bought, motor_factors(factors["motor"])))
     losses, gains = (factors["gearhead"].get(name, 1.0) for name in ("efficiency", "inertia"))
     gearhead = replace(
         one.gearhead, **_times(one.gearhead, {"inertia": gains, "no_load_torque": losses}),

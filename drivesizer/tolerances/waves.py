@@ -16,7 +16,7 @@ from drivesizer.physics import Demands
 from drivesizer.physics_limits import Heat, Parts, Stress
 from drivesizer.thermal import TwoBodies, two_bodies
 from drivesizer.tolerances.behind import AtSamples, mean_product
-from drivesizer.waveform import Wave, energy, largest_power, longest_above
+from drivesizer.waveform import Wave, balanced, energy, largest_power, longest_above
 from drivesizer.waveform_limits import Moments
 
 __all__ = ["moments"]
@@ -56,13 +56,15 @@ def moments(
     stores = not np.all(spec.supply.regeneration)
     limited = spec.supply.current is not None or spec.supply.power is not None
     if limited or stores or energies or (under.current.value > limit).any():
-        volts = current * under.hot + at.speeds * (k_t * asked.total_ratio)
+        volts = current * under.hot + at.speeds * (asked.back_emf * asked.total_ratio)
         duration = np.broadcast_to(at.sampled.duration, (len(volts), len(nothing))).T
         wave = Wave(duration, np.moveaxis(current, -1, 0), np.moveaxis(volts, -1, 0))
-        power, when = largest_power(wave)
         above = longest_above(wave, limit)
-        if stores:
-            drawn, returned, stored = energy(wave)
+        surplus = np.broadcast_to(asked.surplus(k_t), nothing.shape)
+        taken = balanced(wave, surplus, np.moveaxis(np.broadcast_to(at.speeds, current.shape), -1, 0))
+        power, when = largest_power(taken)
+        if stores or (energies and taken is not wave):
+            drawn, returned, stored = energy(taken)
         elif energies:
             drawn, returned = _energies(wave, at.sampled.duration, current, volts)
     winding = _winding(spec, at, current, warm, parts.motor)

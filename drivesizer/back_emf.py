@@ -1,0 +1,58 @@
+r"""The voltage that a winding makes by turning: the back-EMF constant k_e, as far as catalogues tell it from k_t.
+
+In an ideal machine k_e and k_t are one figure, for power is one. Makers' figures are not: the torque per ampere is
+mostly that of stall, where iron saturates and brushes take their share (brushed motors 13 to 33 % below k_e), or rests
+on a stall current that a controller cut (k_t above k_e). What a voltage turns a motor to tells k_e itself:
+
+.. math:: k_e = \frac{V - R I_0}{w_0}
+
+Symbols: V nominal voltage [V], R resistance [ohm], I_0 no-load current [A], w_0 no-load speed [rad/s].
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["ELECTRONICS", "back_emf_constant", "with_electronics"]
+
+Array = NDArray[np.float64]
+
+ELECTRONICS = "integrated electronics"  # the commutation of a motor that has its controller inside
+_SAME = 0.0101  # two figures of three digits each, each off by half of its last one: 0.5 %, and 1 % between them
+_OTHER = 2.0  # times k_t or a part of it: then w_0 and V are not of one winding
+
+
+def back_emf_constant(motor: Any) -> Array:
+    """Voltage per speed of motors [V*s/rad]; what follows is the first of it that is known.
+
+    1. The maker's ``back_emf_constant``, or 1 over its ``speed_constant``.
+    2. (V - R I_0)/w_0. Not of a motor with its controller inside, whose no-load speed is as fast as that lets it run;
+       and not beyond half to twice k_t, where the two figures are of different windings or voltages. An unknown I_0
+       leaves the bound V/w_0: k_e is k_t then, and no more than that.
+    3. k_t.
+
+    What agrees with k_t within the rounding of three digits is k_t: one constant, printed twice.
+
+    Parameters
+    ----------
+    motor
+        Figures of motors by field name: columns.
+    """
+    k_t, voltage = np.asarray(motor["torque_constant"]), np.asarray(motor["nominal_voltage"])
+    no_load = np.asarray(motor["no_load_speed"])
+    lost = np.asarray(motor["resistance"] * motor["no_load_current"])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        idle = np.where(np.isnan(lost), np.fmin(k_t, voltage / no_load), (voltage - lost) / no_load)
+        likely = (idle > k_t / _OTHER) & (idle < k_t * _OTHER) & np.logical_not(with_electronics(motor))
+        own = np.asarray(motor["back_emf_constant"])
+        printed = np.where(np.isnan(own), np.divide(1.0, motor["speed_constant"]), own)
+        found = np.where(np.isnan(printed), np.where(likely, idle, k_t), printed)
+        return np.where(np.abs(found / k_t - 1.0) < _SAME, k_t, found)
+
+
+def with_electronics(motor: Any) -> NDArray[np.bool_]:
+    """Whether motors have their controller inside."""
+    return np.asarray(motor["commutation"] == ELECTRONICS)
