@@ -2,11 +2,12 @@ r"""The torque-speed field of a set's motor, winding cold and hot, and the load 
 
 Torque is that at the motor's shaft, its own friction taken off, the rotor's acceleration included:
 
-.. math:: M_V(w) = \frac{k_t (V - k_t w)}{R(T)} - M_f(w), \qquad M_c(w) = k_t I_c(w) - M_f(w),
+.. math:: M_V(w) = \frac{k_t (V - k_e w)}{R(T)} - M_f(w), \qquad M_c(w) = k_t I_c(w) - M_f(w),
 
 with the usable voltage V, the continuous current I_c at the motor's own loss at that speed, and the friction M_f of
 the drive model in ``physics``, whose coefficients all of this is made of.
-Symbols: w speed of the motor [rad/s], M torque [N*m], R resistance [ohm], k_t torque constant [N*m/A], i ratio.
+Symbols: w speed of the motor [rad/s], M torque [N*m], R resistance [ohm], k_t torque constant [N*m/A],
+k_e back-EMF constant [V*s/rad], i ratio.
 """
 
 from __future__ import annotations

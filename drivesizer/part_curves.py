@@ -5,7 +5,7 @@ maker's; one that is unknown follows from
 
 .. math:: \omega_0 = \frac{V - R I_0}{k_e}, \qquad M_H = \frac{k_t k_e}{R} \omega_0,
 
-with k_e the same as k_t but for an actuator, whose k_t at the output has the losses of its gear in it.
+with k_e that of ``back_emf``; that of an actuator is its motor's at the output, where k_t has the gear's losses in it.
 Symbols: w speed [rad/s], M torque [N*m], V voltage [V], I current [A], R resistance [ohm], k_t torque constant
 [N*m/A], k_e voltage per speed [V*s/rad].
 """
@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drivesizer.back_emf import back_emf_constant
 from drivesizer.catalog.query import Hit
 from drivesizer.overload import State, cold, overload_time, steady_state
 from drivesizer.physics_limits import housing_loss
@@ -38,10 +39,12 @@ class Line(NamedTuple):
 def line(hit: Hit) -> Line:
     """No load and stall of a motor, or of an actuator's output, with a cold winding."""
     voltage, R, k_t = hit["nominal_voltage"], hit["resistance"], hit["torque_constant"]
-    k_e = k_t
     if hit.section == "actuators":
-        k_e = hit["motor_torque_constant"] * hit["ratio"]
-        k_t = k_e * hit["efficiency"] if isnan(k_t) else k_t
+        inside, own = hit["motor_torque_constant"], hit["motor_back_emf_constant"]
+        k_t = inside * hit["ratio"] * hit["efficiency"] if isnan(k_t) else k_t
+        k_e = (inside if isnan(own) else own) * hit["ratio"]
+    else:
+        k_e = float(back_emf_constant(hit))
     speed, torque = hit["no_load_speed"], hit["stall_torque"]
     computed = isnan(speed) or isnan(torque)
     if isnan(speed) and k_e > 0.0:
