@@ -30,7 +30,13 @@ class Check:
     status: Status
     at_time: float | None = None  # s, of the worst moment
     by_choice: bool = False  # the smallest sufficient part was taken: its margin says nothing of the load
+    advice: bool = False  # of a part that nobody asked for: told, but nothing stands or falls by it
     note: str = ""
+
+    @property
+    def tells(self) -> bool:
+        """Whether its margin tells of the load: not where it is unknown, passed by choice or mere advice."""
+        return not (isnan(self.margin) or (self.by_choice and self.status == "pass") or self.advice)
 
     def shown(self, figure: float) -> str:
         """Demand or limit as it is printed."""
@@ -55,15 +61,14 @@ class Figure:
 
 
 def verdict(checks: tuple[Check, ...]) -> Status:
-    """What checks amount to: one that fails fails all, one that is unknown leaves all unknown."""
-    found = {check.status for check in checks}
+    """What checks amount to: one that fails fails all, one that is unknown leaves all unknown; advice does neither."""
+    found = {check.status for check in checks if not check.advice}
     return "fail" if "fail" in found else "unknown" if "unknown" in found else "pass"
 
 
 def worst(checks: tuple[Check, ...]) -> Check | None:
     """The check with the smallest margin, None when no check has one.
 
-    Those where the smallest sufficient part was taken on purpose count only when they fail.
+    Those that do not tell of the load are left out.
     """
-    known = [c for c in checks if not isnan(c.margin) and not (c.by_choice and c.status == "pass")]
-    return min(known, key=lambda check: check.margin, default=None)
+    return min((c for c in checks if c.tells), default=None, key=lambda check: check.margin)

@@ -126,6 +126,7 @@ class CheckColumn:
     zero: float | NDArray[np.float64] = 0.0  # from where the margin counts; NaN where there is none
     needed: float = 0.0  # margin that the spec asks for
     by_choice: bool = False
+    advice: bool = False  # of what nobody asked for: told, but a set neither stands nor falls nor ranks by it
     time: NDArray[np.float64] | None = None  # s, of the worst moment
     case: NDArray[np.int64] | None = None  # the load case that is worst, by number
     note: str = ""
@@ -139,9 +140,9 @@ class CheckColumn:
 
     @property
     def tightness(self) -> NDArray[np.float64]:
-        """The margin as far as it tells of the load; infinite where unknown, without demand or passed by choice."""
+        """The margin as far as it tells of the load; infinite where unknown, without demand, by choice or advice."""
         margin = self.margin
-        return np.where(np.isnan(margin) | (self.by_choice & self.passed), np.inf, margin)
+        return np.where(np.isnan(margin) | (self.by_choice & self.passed) | self.advice, np.inf, margin)
 
     def at(
         self,
@@ -158,7 +159,7 @@ class CheckColumn:
         time = at_time if self.time is None else float(self.time[index])
         return Check(
             name=self.name,
-            title=title or TITLES[method][self.name],
+            title=(title or TITLES[method][self.name]) + (" (advice)" if self.advice else ""),
             method=method,
             case=cases[0 if self.case is None else int(self.case[index])],
             demand=float(self.demand[index]),
@@ -170,6 +171,7 @@ class CheckColumn:
             status=status,
             at_time=None if time is None or time != time else time,
             by_choice=self.by_choice,
+            advice=self.advice,
             note=note or self.note,
         )
 
@@ -177,6 +179,16 @@ class CheckColumn:
         """The same check of some of the candidates."""
         taken = {n: getattr(self, n)[rows] for n in _COLUMNS if getattr(self, n) is not None}
         return replace(self, **taken, zero=self.zero[rows] if isinstance(self.zero, np.ndarray) else self.zero)
+
+    def with_rows(self, rows: NDArray[np.bool_], some: CheckColumn) -> CheckColumn:
+        """The same check with some of the candidates as another column has them."""
+        changed: dict[str, Any] = {}
+        for name in (*_COLUMNS, "zero"):
+            old, new = getattr(self, name), getattr(some, name)
+            if isinstance(old, np.ndarray):
+                changed[name] = old.copy()
+                changed[name][rows] = new
+        return replace(self, **changed)
 
     def on_all(self, rows: NDArray[np.int64]) -> CheckColumn:
         """A check of one figure, the same for all candidates."""

@@ -1,8 +1,8 @@
-"""Encoder and controller for every candidate at once, out of small tables.
+"""A controller for every candidate at once, out of small tables.
 
-Encoder: of those that fit the motor and are allowed, the fewest sufficient counts. Controller: of those with the
-bus, the voltage and the kind of motor, the smallest sufficient current. Ties go by part number. Where nothing
-suffices the nearest is named, so that its check can say by how much it falls short.
+Of those with the bus, the voltage and the kind of motor that do what is asked the smallest, by continuous current; one
+of which all of that is known before one of which something is not. Ties go by part number. Where nothing suffices the
+nearest is named, so that its check can say by how much it falls short.
 """
 
 from __future__ import annotations
@@ -13,19 +13,22 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog, Controller, Table, lines
-from drivesizer.checks import CheckColumn, at_least, at_most, fits
+from drivesizer.catalog import Catalog, Controller, Table
+from drivesizer.checks import CheckColumn, at_most, fits
 from drivesizer.choices import Choice
 from drivesizer.spec import RobotSpec
 
 __all__ = [
     "Chosen",
+    "Speeds",
+    "Usable",
     "controllers",
-    "encoders",
+    "in_order",
     "most_voltage",
     "offered_buses",
     "offers",
     "selected",
+    "usable_controllers",
     "usable_in",
     "usable_voltage",
 ]
@@ -38,6 +41,13 @@ class Chosen(NamedTuple):
     checks: list[CheckColumn]
 
 
+class Speeds(NamedTuple):
+    """What candidates ask of a controller beside current and voltage, by its figures' names; 0 where it has no part."""
+
+    max_speed_sine: NDArray[np.float64]  # rad/s, speed times pole pairs
+    max_encoder_frequency: NDArray[np.float64]  # Hz, of the encoder's lines
+
+
 def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
     """Which rows a choice of families and part numbers leaves."""
     keep = ~table.excluded
@@ -48,40 +58,9 @@ def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
     return keep
 
 
-def _order(table: Table[Any], figure: NDArray[np.float64]) -> NDArray[np.int64]:
+def in_order(table: Table[Any], figure: NDArray[np.float64]) -> NDArray[np.int64]:
     """Rows by a figure, then by part number; unknown figures last."""
     return np.lexsort((table["part"], figure))
-
-
-def encoders(spec: RobotSpec, catalog: Catalog, motor: NDArray[Any]) -> Chosen:
-    """The encoder of each candidate.
-
-    Parameters
-    ----------
-    spec, catalog
-        What is asked for, and what there is.
-    motor
-        Row of each candidate's motor.
-
-    Notes
-    -----
-    Tables of what fits are partial: a motor without any listed encoder has an unknown one, which is a reason to
-    fall only when the spec asks for an encoder.
-    """
-    table, choice = catalog.encoders, spec.select.encoder
-    required = max(spec.needs.encoder_counts or 0, choice.min_counts or 0)
-    counted = lines(table)
-    order = _order(table, counted)
-    listed = np.zeros((len(catalog.motors), len(table)), bool)
-    listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
-    fitting = (listed & selected(table, choice))[:, order]
-    enough = fitting & (counted[order] >= required)
-    row = _first(order, [enough], _last(fitting, order))[motor]
-    asked = bool(required or choice.family or choice.part)
-    if not asked:
-        return Chosen(row, [])
-    counts = np.where(row >= 0, np.append(counted, np.nan)[row], 0.0)
-    return Chosen(row, [at_least("encoder_counts", float(required or 1), counts, "dimensionless", "1", by_choice=True)])
 
 
 def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -114,6 +93,34 @@ def usable_in(spec: RobotSpec, controller: Controller | None) -> float:
     return float(usable_voltage(spec.supply.lowest, controller.max_duty, controller.voltage_drop))
 
 
+class Usable(NamedTuple):
+    """Controllers for the spec's supply and bus, by rising current."""
+
+    order: NDArray[np.int64]  # their rows
+    allowed: NDArray[np.bool_]  # which of them may drive which motor: (motors, controllers)
+    lowest: float  # V, of the supply
+
+
+def usable_controllers(spec: RobotSpec, catalog: Catalog, supply: tuple[float, float] | None = None) -> Usable:
+    """Which controllers there are for each motor, whatever it is asked for.
+
+    Parameters
+    ----------
+    spec, catalog
+        What is asked for, and what there is.
+    supply
+        Lowest and highest voltage of the supply in all load cases [V]; the spec's own when not given.
+    """
+    table, (lowest, highest) = catalog.controllers, supply or (spec.supply.lowest, spec.supply.highest)
+    order = in_order(table, table["continuous_current"])
+    order = order[_usable(spec, table, lowest, highest)[order]]  # few are left: what is made of them stays narrow
+    texts, kind = table["drives"][order], catalog.motors["kind"]
+    drives = np.array([[_can_drive(t, kind) for t in texts] for kind in ("brushed", "brushless")], bool)
+    can = np.vstack([drives, drives.any(0)])  # rows: brushed, brushless, motor kind unknown
+    allowed = can[np.where(kind == "brushed", 0, np.where(kind == "brushless", 1, 2))]
+    return Usable(order, allowed & _belongs(catalog, order).T, lowest)
+
+
 def controllers(
     spec: RobotSpec,
     catalog: Catalog,
@@ -121,7 +128,8 @@ def controllers(
     rms_current: NDArray[Any],
     peak_current: NDArray[Any],
     voltage: NDArray[Any] | None = None,
-    supply: tuple[float, float] | None = None,
+    speeds: Speeds | None = None,
+    usable: Usable | None = None,
 ) -> Chosen:
     """The controller of each candidate.
 
@@ -135,27 +143,30 @@ def controllers(
         Motor currents of each candidate [A]; NaN unknown.
     voltage
         Motor voltage of each candidate [V], where the method looks at it.
-    supply
-        Lowest and highest voltage of the supply in all load cases [V]; the spec's own when not given.
+    speeds
+        What each candidate's controller has to keep up with, where the method looks at it.
+    usable
+        Which there are for each motor, where that is at hand; it knows the supply in all load cases.
     """
-    table, (lowest, highest) = catalog.controllers, supply or (spec.supply.lowest, spec.supply.highest)
-    order = _order(table, table["continuous_current"])
-    order = order[_usable(spec, table, lowest, highest)[order]]  # few are left: the columns below stay narrow
-    figure = {name: table[name][order] for name in ("continuous_current", "peak_current", "max_duty", "voltage_drop")}
-    texts = table["drives"][order]
-    drives = np.array([[_can_drive(t, kind) for t in texts] for kind in ("brushed", "brushless")], bool)
-    can = np.vstack([drives, drives.any(0)])  # rows: brushed, brushless, motor kind unknown
-    kind = catalog.motors["kind"][motor]
-    allowed = can[np.where(kind == "brushed", 0, np.where(kind == "brushless", 1, 2))]
-    allowed &= _belongs(catalog, order)[:, motor].T
+    table = catalog.controllers
+    order, allowed, lowest = usable or usable_controllers(spec, catalog)
+    allowed = allowed[motor]
+    names = ("continuous_current", "peak_current", "peak_time", "max_duty", "voltage_drop")
+    figure = {name: table[name][order] for name in names}
     enough = allowed & ~(figure["continuous_current"] < rms_current[:, None])
     enough &= ~(figure["peak_current"] < peak_current[:, None])
-    sure = ~np.isnan(figure["continuous_current"]) & ~np.isnan(figure["peak_current"])
+    lacking = np.isnan(figure["continuous_current"]).astype(np.int8) + np.isnan(figure["peak_current"])
     if voltage is not None:
-        usable = usable_voltage(lowest, figure["max_duty"], figure["voltage_drop"])
-        enough &= ~(np.fmin(usable, lowest) < voltage[:, None])
-        sure &= ~np.isnan(usable)
-    row = _first(order, [enough & sure, enough], _last(allowed, order))
+        given = usable_voltage(lowest, figure["max_duty"], figure["voltage_drop"])
+        enough &= ~(np.fmin(given, lowest) < voltage[:, None])
+        timed = figure["continuous_current"] < peak_current[:, None]
+        lacking = lacking + np.isnan(given) + (np.isnan(figure["peak_time"]) & timed)
+    if speeds is not None:
+        for name, asked in speeds._asdict().items():
+            limit, asked = table[name][order], asked[:, None]
+            enough &= ~(limit < asked)
+            lacking = lacking + (np.isnan(limit) & (asked != 0.0))
+    row = _first(order, enough, lacking, _last(allowed, order))
     found = {name: np.append(table[name], np.nan)[row] for name in ("continuous_current", "peak_current")}
     return Chosen(row, [
         fits("controller_available", row >= 0, len(table) > 0),  # catalogues without controllers do not tell
@@ -173,14 +184,14 @@ def _belongs(catalog: Catalog, order: NDArray[np.int64]) -> NDArray[np.bool_]:
     return found
 
 
-def _first(order: NDArray[np.int64], masks: list[NDArray[np.bool_]], otherwise: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The first in order that a mask allows, the earlier masks before the later ones."""
+def _first(
+    order: NDArray[np.int64], mask: NDArray[np.bool_], lacking: NDArray[np.int8], otherwise: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Of those that a mask allows one of which the fewest figures are lacking: of them the first in order."""
     if not len(order):
         return otherwise
-    row = otherwise
-    for mask in reversed(masks):
-        row = np.where(mask.any(1), order[mask.argmax(1)], row)
-    return row
+    best = np.where(mask, lacking, np.int8(99)).argmin(axis=1)
+    return np.where(mask.any(axis=1), order[best], otherwise)
 
 
 def _usable(spec: RobotSpec, table: Table[Any], lowest: float, highest: float) -> NDArray[np.bool_]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from drivesizer.candidates import candidates
-from drivesizer.catalog import Catalog
+from drivesizer.catalog import Catalog, Table
 from drivesizer.choices import Choice
 from drivesizer.evaluation import evaluate
 from drivesizer.results import Check, Comparison, DriveSet
@@ -62,16 +63,23 @@ def _other(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> tuple[Check, ...
     fixed = {
         "motor": Choice(part=[one.motor.part]),
         "gearhead": Choice(family=[one.gearhead.family]),
-        "encoder": spec.select.encoder.model_copy(update={"part": [one.encoder.part]} if one.encoder else {}),
-        "controller": spec.select.controller.model_copy(
-            update={"part": [one.controller.part]} if one.controller else {}
-        ),
     }
     method = "physics" if spec.method == "paper" else "paper"
     select = spec.select.model_copy(update=fixed)
     narrowed = spec.model_copy(update={"select": select, "method": method})
+    catalog = _with_only(catalog, {"encoders": one.encoder, "controllers": one.controller})
     rows = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
     given = candidates(narrowed, catalog, also=rows)
     evaluation = evaluate(narrowed, catalog, given)
     found = (given.motor == rows[0]) & (given.gearhead == rows[1]) & (given.belt == one.belt_ratio)
     return evaluation.checks_of(int(np.flatnonzero(found)[0]))
+
+
+def _with_only(catalog: Catalog, kept: dict[str, Any]) -> Catalog:
+    """The catalogue in which of some sections one part alone may be chosen; where none is named, any."""
+    tables: dict[str, Table[Any]] = {}
+    for section, part in kept.items():
+        if part is not None:
+            table = catalog.table(section)
+            tables[section] = Table(section, table.columns, table.source, table["part"] != part.part)
+    return catalog.with_tables(tables, {})

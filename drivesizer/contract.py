@@ -72,6 +72,7 @@ def _check(check: Check) -> dict[str, Any]:
         "margin": number(check.margin),
         "needed_margin": check.needed,
         "status": check.status,
+        "advice": check.advice,
         "at_time_s": check.at_time,
         "note": check.note,
     }
@@ -88,8 +89,8 @@ def _result(checks: tuple[Check, ...]) -> dict[str, Any]:
         "status": verdict(checks),
         "smallest_margin": number(tightest.margin) if tightest else None,
         "tightest_check": tightest.name if tightest else None,
-        "failed": [c.name for c in checks if c.status == "fail"],
-        "unknown": [c.name for c in checks if c.status == "unknown"],
+        "failed": [c.name for c in checks if c.status == "fail" and not c.advice],
+        "unknown": [c.name for c in checks if c.status == "unknown" and not c.advice],
     }
 
 

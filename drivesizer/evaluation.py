@@ -13,7 +13,8 @@ from drivesizer import paper
 from drivesizer.candidates import Candidates, Rows
 from drivesizer.catalog import Catalog
 from drivesizer.checks import TITLES, CheckColumn, fits
-from drivesizer.choose import controllers, encoders
+from drivesizer.choose import controllers
+from drivesizer.encoder_choice import counts_check, encoders_for, offered_encoders
 from drivesizer.examine import Examined, Problem, examine, problem
 from drivesizer.results import Check, Requirement
 from drivesizer.spec import RobotSpec
@@ -38,14 +39,14 @@ class Evaluation(NamedTuple):
 
     @property
     def failed(self) -> NDArray[np.bool_]:
-        """Which candidates fail a check."""
-        found: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in self.checks])
+        """Which candidates fail a check that is not mere advice."""
+        found: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in self.checks if not check.advice])
         return found
 
     @property
     def unknown(self) -> NDArray[np.bool_]:
         """Which have a check that is unknown, and fail none."""
-        passed: NDArray[np.bool_] = np.logical_and.reduce([check.passed for check in self.checks])
+        passed: NDArray[np.bool_] = np.logical_and.reduce([c.passed for c in self.checks if not c.advice])
         return ~self.failed & ~passed
 
     def checks_of(self, index: int) -> tuple[Check, ...]:
@@ -90,9 +91,12 @@ def _by_the_paper(
     checks.append(paper.largest_allowed(catalog, given.motor, given.gearhead, total, gear))
     torques = shaft["rms_torque_at_motor"].value, paper.largest_torque_at_motor(shaft)
     currents = (torque / motor["torque_constant"] + motor["no_load_current"] for torque in torques)
-    controller, encoder = controllers(spec, catalog, given.motor, *currents), encoders(spec, catalog, given.motor)
-    checks = [fits("compatibility", True, given.listed), *checks, *controller.checks, *encoder.checks]
-    return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder.row, controller.row, {}, ("",))
+    controller = controllers(spec, catalog, given.motor, *currents)
+    speed = wheel["nominal_speed"].value * total  # of (1), as the paper's other limits of speed take it
+    encoder = encoders_for(spec, offered_encoders(spec, catalog), given.motor, speed, total)
+    counted = counts_check(spec, catalog, encoder)
+    checks = [fits("compatibility", True, given.listed), *checks, *controller.checks, *counted]
+    return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder, controller.row, {}, ("",))
 
 
 def _by_physics(asked: Problem, given: Candidates, exact: bool) -> Evaluation:
@@ -106,7 +110,7 @@ def _by_physics(asked: Problem, given: Candidates, exact: bool) -> Evaluation:
     names = found[0][1].figures if found else {}
     figures = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}
     controller = _scattered([(rows, one.controller) for rows, one in found], count, np.int64)
-    encoder = asked.encoder.row[given.motor]
+    encoder = _scattered([(rows, one.encoder) for rows, one in found], count, np.int64)
     checks = _in_order(found, count)
     return Evaluation(spec, catalog, given, {}, {}, checks, encoder, controller, figures, asked.names, asked)
 

@@ -19,7 +19,8 @@ from drivesizer import waveform_limits as wave
 from drivesizer.candidates import Candidates, Rows
 from drivesizer.catalog import Catalog
 from drivesizer.checks import CheckColumn, fits, worst_case
-from drivesizer.choose import Chosen, controllers, encoders
+from drivesizer.choose import Chosen, Speeds, Usable, controllers, usable_controllers
+from drivesizer.encoder_choice import Offered, counts_check, encoders_for, offered_encoders
 from drivesizer.loads import load_cycle
 from drivesizer.physics import AtGearhead, Demands, at_gearhead, demands
 from drivesizer.physics_limits import (
@@ -27,8 +28,10 @@ from drivesizer.physics_limits import (
     Parts,
     Stress,
     electrical_limits,
+    electrical_speed,
     gearhead_limits,
     heat,
+    line_frequency,
     load_limits,
     motor_limits,
     moving_limits,
@@ -45,7 +48,7 @@ __all__ = ["Examined", "Problem", "doubted", "examine", "problem"]
 Array = NDArray[np.float64]
 _LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
 _BLOCKS = (64, 1024)
-_PIECES = 8192
+_PIECES = (1024, 8192)
 
 
 class Problem(NamedTuple):
@@ -56,16 +59,19 @@ class Problem(NamedTuple):
     names: tuple[str, ...]  # of the load cases
     specs: tuple[RobotSpec, ...]
     bases: tuple[Any, ...]  # their cycles, behind a belt of no ratio
-    encoder: Chosen  # per motor
+    offered: Offered  # encoders of every motor
+    usable: Usable  # controllers of every motor
 
 
 def problem(spec: RobotSpec, catalog: Catalog) -> Problem:
-    """The load cycle of every case, and the encoder of every motor."""
+    """The load cycle of every case, and the encoders and controllers of every motor."""
     names, specs = zip(*spec.load_cases, strict=True)
     constants = catalog.motors["winding_time_constant"]
     quickest = float(np.nanmin(constants, initial=np.inf))
     bases = tuple(at_gearhead(load_cycle(case), case.belt_efficiency, quickest) for case in specs)
-    return Problem(spec, catalog, names, specs, bases, encoders(spec, catalog, np.arange(len(catalog.motors))))
+    supply = min(s.supply.lowest for s in specs), max(s.supply.highest for s in specs)
+    usable = usable_controllers(spec, catalog, supply)
+    return Problem(spec, catalog, names, specs, bases, offered_encoders(spec, catalog), usable)
 
 
 class Examined(NamedTuple):
@@ -75,6 +81,7 @@ class Examined(NamedTuple):
     checks: list[CheckColumn]  # theirs; in stages none are kept
     doubtful: NDArray[np.bool_]  # a check is unknown
     margin: Array  # the smallest; NaN where it was not asked for
+    encoder: NDArray[np.int64]
     controller: NDArray[np.int64]
     figures: dict[str, Array]  # what objectives count, SI
     failed_by: Counter[str]  # of all candidates, as far as they were examined
@@ -111,12 +118,16 @@ def examine(
     """
     ats = [base.behind(belt) for base in given.bases]
     sieve = Sieve(sets, staged, margins)
-    sieve.parts(_alone(given, ats))
+    sieve.parts(_alone(given, ats, staged))
     motor = Rows(given.catalog.motors, sets.motor[sieve.rows])
     gearhead = Rows(given.catalog.gearheads, sets.gearhead[sieve.rows])
-    parts = Parts(motor, gearhead, Rows(given.catalog.encoders, given.encoder.row[motor.rows]), None)
     listed = fits("compatibility", True, sets.listed[sieve.rows])
-    parts = parts.on(sieve.through([listed, *size_limits(given.spec, motor, gearhead)]))
+    keep = sieve.through([listed, *size_limits(given.spec, motor, gearhead)])
+    motor, gearhead = motor.on(keep), gearhead.on(keep)
+    encoder = _encoders(given, ats, motor.rows, gearhead["ratio"])
+    if not staged:  # in stages each motor was judged by what there is for it
+        sieve.through(counts_check(given.spec, given.catalog, encoder))
+    parts = Parts(motor, gearhead, Rows(given.catalog.encoders, encoder), None)
     cases = [_moving(spec, at, parts) for spec, at in zip(given.specs, ats, strict=True)]
     keep = sieve.through(
         _each(given, lambda k: doubted(moving_limits(given.specs[k], ats[k], *cases[k], parts), cases[k].asked.sure))
@@ -153,13 +164,23 @@ def _moving(spec: RobotSpec, at: AtGearhead, parts: Parts) -> _Moving:
     return _Moving(asked, heat(spec, at, asked, parts.motor))
 
 
-def _alone(given: Problem, ats: Sequence[AtGearhead]) -> Alone:
-    """What concerns the load, a gearhead or a motor alone: once per part, not per pair."""
+def _encoders(given: Problem, ats: Sequence[AtGearhead], motor: NDArray[np.int64], ratio: Array) -> NDArray[np.int64]:
+    """An encoder for each candidate that does in the fastest of all cases."""
+    fastest = max(at.peak_speed * (1.0 + spec.margins.speed) for spec, at in zip(given.specs, ats, strict=True))
+    return encoders_for(given.spec, given.offered, motor, fastest * ratio, ratio * ats[0].belt)
+
+
+def _alone(given: Problem, ats: Sequence[AtGearhead], staged: bool) -> Alone:
+    """What concerns the load, a gearhead or a motor alone: once per part, not per pair.
+
+    In stages that a motor has an encoder with the counts asked for is among it: of those enough, or of all, the most.
+    """
     motors, gearheads = given.catalog.motors, given.catalog.gearheads
+    counted = counts_check(given.spec, given.catalog, given.offered.last) if staged else []
     return Alone(
         _each(given, lambda k: load_limits(given.specs[k], ats[k])),
         _each(given, lambda k: gearhead_limits(given.specs[k], ats[k], gearheads)),
-        [*_each(given, lambda k: motor_limits(given.specs[k], motors)), *given.encoder.checks],
+        [*_each(given, lambda k: motor_limits(given.specs[k], motors)), *counted],
     )
 
 
@@ -168,65 +189,74 @@ def _powered(
 ) -> Examined:
     """Current, voltage and what needs the waveform, with the smallest controller that does for all cases."""
     under = [stress(s, at, *c, parts.motor) for s, at, c in zip(given.specs, ats, cases, strict=True)]
-    chosen = _controllers(given, cases, under, parts, np.zeros(len(sieve.rows), bool))
-    parts = parts._replace(controller=Rows(given.catalog.controllers, chosen.row))
-    found = _last(given, ats, cases, under, parts, exact)
+    found = _controlled(given, ats, cases, under, parts, exact)
     short = next(check for check in found.checks if check.name == "controller_peak_time").failed & ~found.dead
     if short.any():  # one that carries the peak for ever may do where a smaller one gives out
-        chosen = _controllers(given, cases, under, parts, short)
-        parts = parts._replace(controller=Rows(given.catalog.controllers, chosen.row))
-        found = _last(given, ats, cases, under, parts, exact)
+        some = [on(c, short) for c in cases], [on(u, short) for u in under], parts.on(short)
+        found = _replaced(found, short, _controlled(given, ats, *some, exact, for_ever=True))
     sieve.checks = [check for check in sieve.checks if check.name != "winding_temperature"]
     sieve.failed_by["winding_temperature"] = sieve.failed_by["winding_temperature"] if sieve.staged else 0
-    keep = sieve.through([chosen.checks[0], *found.checks])
+    keep = sieve.through(found.checks)
     figures = {name: value[keep] for name, value in found.figures.items()}
     fallen = np.concatenate([sieve.rows[:0], *(rows for rows, _ in sieve.fallen)])
     bound = np.concatenate([sieve.margin[:0], *(bound for _, bound in sieve.fallen)])
     return Examined(
-        sieve.rows, sieve.checks, sieve.doubtful, sieve.margin, chosen.row[keep], figures, sieve.failed_by,
-        fallen, bound,
+        sieve.rows, sieve.checks, sieve.doubtful, sieve.margin, parts.encoder.on(keep).rows, found.controller[keep],
+        figures, sieve.failed_by, fallen, bound,
     )  # fmt: skip
 
 
-def _controllers(
-    given: Problem, cases: list[_Moving], under: list[Stress], parts: Parts, for_ever: NDArray[np.bool_]
-) -> Chosen:
+def _controllers(given: Problem, cases: list[_Moving], under: list[Stress], parts: Parts, for_ever: bool) -> Chosen:
     """The smallest that does in the worst of all cases, with the margins that the spec asks for."""
     more, faster = 1.0 + given.spec.margins.torque, 1.0 + given.spec.margins.speed
     rms = more * np.maximum.reduce([c.asked.rms_current for c in cases])
     largest = more * np.maximum.reduce([u.current.value for u in under])
     volts = faster * np.maximum.reduce([u.voltage.value for u in under])
-    carried = np.where(for_ever, largest, rms)
-    lowest, highest = min(s.supply.lowest for s in given.specs), max(s.supply.highest for s in given.specs)
-    return controllers(given.spec, given.catalog, parts.motor.rows, carried, largest, volts, (lowest, highest))
+    electrical = faster * np.maximum.reduce([electrical_speed(c.asked, parts.motor) for c in cases])
+    lines = faster * np.maximum.reduce([line_frequency(c.asked, parts.encoder) for c in cases])
+    speeds = Speeds(electrical, lines if given.spec.wants_encoder else np.zeros_like(lines))
+    carried = largest if for_ever else rms
+    return controllers(given.spec, given.catalog, parts.motor.rows, carried, largest, volts, speeds, given.usable)
 
 
 class _Found(NamedTuple):
+    controller: NDArray[np.int64]
     checks: list[CheckColumn]
     dead: NDArray[np.bool_]  # by the electrical limits already
     figures: dict[str, Array]
 
 
-def _last(
+def _controlled(
     given: Problem,
     ats: Sequence[AtGearhead],
     cases: list[_Moving],
     under: list[Stress],
     parts: Parts,
     exact: bool,
+    for_ever: bool = False,
 ) -> _Found:
-    """The electrical limits, and those of the waveform by bounds or exactly."""
+    """With the smallest controller the electrical limits, and those of the waveform by bounds or exactly."""
+    chosen = _controllers(given, cases, under, parts, for_ever)
+    parts = parts._replace(controller=Rows(given.catalog.controllers, chosen.row))
     electrical = _each(
         given,
         lambda k: doubted(
             electrical_limits(given.specs[k], ats[k], cases[k].asked, under[k], parts), cases[k].asked.sure
         ),
     )
-    dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in electrical])
+    dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in electrical if not check.advice])
     args = [(s, at, *c, u, parts) for s, at, c, u in zip(given.specs, ats, cases, under, strict=True)]
     found = [wave.exact(*a) if exact else _by_bounds(*a, ~dead) for a in args]
     checks = _each(given, lambda k: doubted(wave.waveform_limits(given.specs[k], found[k], parts), cases[k].asked.sure))
-    return _Found([*electrical, *checks], dead, _where_known(_figures(given, found, under, cases), cases))
+    figures = _where_known(_figures(given, found, under, cases), cases)
+    return _Found(chosen.row, [chosen.checks[0], *electrical, *checks], dead, figures)
+
+
+def _replaced(found: _Found, rows: NDArray[np.bool_], again: _Found) -> _Found:
+    """What was found, of some rows what was found again."""
+    checks = [old.with_rows(rows, new) for old, new in zip(found.checks, again.checks, strict=True)]
+    figures = {name: _put(column, rows, again.figures[name]) for name, column in found.figures.items()}
+    return _Found(_put(found.controller, rows, again.controller), checks, _put(found.dead, rows, again.dead), figures)
 
 
 def _by_bounds(
@@ -241,8 +271,9 @@ def _by_bounds(
     low, high = wave.bounds(spec, at, asked, warm, under, parts)
     if len(at.base.warming.duration) > _LONG:
         low, high = _closer(spec, at, asked, warm, under, parts, alive, low, high)
-    winding, *others = _undecided(spec, low, high, parts, alive)
-    for compute, mask in ((wave.peak_winding, winding), (wave.exact, np.logical_or.reduce(others))):
+    winding, above, *others = _undecided(spec, low, high, parts, alive)
+    every = np.logical_or.reduce(others)
+    for compute, mask in ((wave.peak_winding, winding), (wave.time_above, above & ~every), (wave.exact, every)):
         if mask.any():
             some = on(asked, mask), on(warm, mask), on(under, mask), parts.on(mask)
             few: tuple[Array | None, ...] = compute(spec, at, *some)
@@ -276,14 +307,15 @@ def _closer(
             some = on(asked, mask), on(warm, mask), parts.on(mask)
             found = wave.bracketed(at, *some, spec.environment.ambient, count)
             low, high = (m._replace(winding=_put(m.winding, mask, b)) for m, b in zip((low, high), found, strict=True))
-    mask = _undecided(spec, low, high, parts, alive)[1]
-    if mask.any():
-        found = wave.above_bounds(at, on(asked, mask), on(under, mask), parts.on(mask), _PIECES)
-        low, high = (m._replace(above=_put(m.above, mask, b)) for m, b in zip((low, high), found, strict=True))
+    for count in _PIECES:
+        mask = _undecided(spec, low, high, parts, alive)[1]
+        if mask.any():
+            found = wave.above_bounds(at, on(asked, mask), on(under, mask), parts.on(mask), count)
+            low, high = (m._replace(above=_put(m.above, mask, b)) for m, b in zip((low, high), found, strict=True))
     return low, high
 
 
-def _put(column: Array, mask: NDArray[np.bool_], some: Array | None) -> Array:
+def _put(column: NDArray[Any], mask: NDArray[np.bool_], some: NDArray[Any] | None) -> NDArray[Any]:
     """A column with some of its rows replaced."""
     if some is None:
         return column

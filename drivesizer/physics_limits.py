@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.belts import LEAST_IN_MESH
-from drivesizer.catalog import EDGES, lines
+from drivesizer.catalog import lines
 from drivesizer.checks import CheckColumn, at_least, at_most
 from drivesizer.choose import most_voltage
+from drivesizer.encoder_choice import NOT_ASKED, angle_per_edge
 from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE, current_derating, steady_winding_temperature
@@ -26,9 +27,11 @@ __all__ = [
     "Parts",
     "Stress",
     "electrical_limits",
+    "electrical_speed",
     "gearhead_limits",
     "heat",
     "housing_loss",
+    "line_frequency",
     "load_limits",
     "motor_limits",
     "moving_limits",
@@ -281,26 +284,35 @@ def electrical_limits(
     ]  # fmt: skip
 
 
+def electrical_speed(asked: Demands, motor: Any) -> Array:
+    """Speed times pole pairs [rad/s], where the controller commutates; 0 of a brushed motor, which does so itself."""
+    return np.where(motor["kind"] == "brushed", 0.0, asked.peak_speed * motor["pole_pairs"])
+
+
+def line_frequency(asked: Demands, encoder: Any) -> Array:
+    """Lines of the encoder per second at the highest speed [Hz]."""
+    return np.asarray(lines(encoder) * asked.peak_speed / (2 * np.pi))
+
+
 def _counting(spec: RobotSpec, belt: float, asked: Demands, parts: Parts) -> list[CheckColumn]:
     """Encoder by speed and frequency, its own and the controller's, and by resolution."""
-    encoder, turning = parts.encoder, asked.peak_speed
-    speed: dict[str, Any] = {"needed": spec.margins.speed}
-    counts = lines(encoder)
+    encoder = parts.encoder
+    speed: dict[str, Any] = {"needed": spec.margins.speed} | ({} if spec.wants_encoder else NOT_ASKED)
     rate = np.fmin(encoder["max_frequency"], parts.controller["max_encoder_frequency"])
     found = [
-        at_most("encoder_speed", turning, encoder["max_speed"], *_ROTARY, **speed),
-        at_most("encoder_frequency", counts * turning / (2 * np.pi), rate, "frequency", "kHz", **speed),
+        at_most("encoder_speed", asked.peak_speed, encoder["max_speed"], *_ROTARY, **speed),
+        at_most("encoder_frequency", line_frequency(asked, encoder), rate, "frequency", "kHz", **speed),
     ]
     need = spec.needs.resolution_at_load
     if need is not None:
-        edge = 2 * np.pi / (EDGES * counts * asked.total_ratio * belt)
+        edge = angle_per_edge(lines(encoder), asked.total_ratio * belt)
         found.append(at_most("encoder_resolution", edge, need, "angle", "deg"))
     return found
 
 
 def _commutation(spec: RobotSpec, asked: Demands, parts: Parts) -> list[CheckColumn]:
-    """Speed times pole pairs, where the controller commutates; a brushed motor does so itself."""
+    """Electrical speed against what the controller commutates."""
     brushed = parts.motor["kind"] == "brushed"
-    electrical = np.where(brushed, 0.0, asked.peak_speed * parts.motor["pole_pairs"])
+    electrical = electrical_speed(asked, parts.motor)
     limit = np.where(brushed, np.inf, parts.controller["max_speed_sine"])
     return [at_most("controller_speed", electrical, limit, *_ROTARY, needed=spec.margins.speed)]

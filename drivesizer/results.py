@@ -146,9 +146,14 @@ class DriveSet:
     reliability: Reliability | None = None  # how sure it is, where tolerances were sampled
 
     @property
-    def deciding(self) -> tuple[Check, ...]:
-        """The checks that a set stands or falls by."""
+    def own_checks(self) -> tuple[Check, ...]:
+        """The checks of the method that ranked and of the machine."""
         return (*self.checks, *self.budget)
+
+    @property
+    def deciding(self) -> tuple[Check, ...]:
+        """Of those what a set stands or falls by: not mere advice."""
+        return tuple(check for check in self.own_checks if not check.advice)
 
     @property
     def every_check(self) -> tuple[Check, ...]:

@@ -105,7 +105,7 @@ def _nearest(given: Problem, fallen: Candidates) -> NDArray[np.int64]:
     if not count:
         return np.zeros(0, np.int64)
     checks = evaluate(given.spec, given.catalog, fallen, given, exact=False).checks
-    fails = np.sum([check.failed for check in checks], axis=0)
+    fails = np.sum([check.failed for check in checks if not check.advice], axis=0)
     value = np.zeros(count), np.zeros(count, np.int64)
     return ranking.order(given.catalog, fallen, *value, before=[-smallest_margin(checks), fails])
 

@@ -68,7 +68,12 @@ class Sieve:
         self.doubtful, self.margin = self.doubtful[self.rows], self.margin[self.rows]
 
     def through(self, found: Sequence[CheckColumn]) -> NDArray[np.bool_] | slice:
-        """Keep what does not fail; which of the rows these are: a mask, or a slice of all of them."""
+        """Keep what does not fail; which of the rows these are: a mask, or a slice of all of them.
+
+        In stages advice is not looked at.
+        """
+        if self.staged:
+            found = [check for check in found if not check.advice]
         for check in found:
             self.failed_by[check.name] += int(np.count_nonzero(check.failed))
         if not self.staged or not found:

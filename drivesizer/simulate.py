@@ -99,7 +99,7 @@ def validate(
     asked = asked_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
     case = run(spec, drive_set, asked)
     found = checks(case)
-    status: Status = "fail" if any(check.status == "fail" for check in found) else "pass"
+    status: Status = "fail" if any(c.status == "fail" and not c.advice for c in found) else "pass"
     own, lacking = _own_units(case)
     return Validation(
         spec=spec,
@@ -217,14 +217,14 @@ def _warnings(case: Case, found: tuple[Check, ...]) -> list[str]:
     if case.shaft:
         said += resonance_warning(case.loops, case.shaft)
     said += [*_resolution(case), *_kept_at_rest(case)]
-    failed = {check.name for check in found if check.status == "fail"}
+    failed = {check.name for check in found if check.status == "fail" and not check.advice}
     if "stability" in failed:
         said.append("the loop is unstable with these gains: lower them, or leave them out to have them designed")
     if "tracking_error" in failed:
         said.append(_does_not_follow(case))
     if math.isinf(next(check.demand for check in found if check.name == "winding_temperature")):
         said.append("the winding runs away thermally at this current")
-    unknown = [check.title for check in found if check.status == "unknown"]
+    unknown = [check.title for check in found if check.status == "unknown" and not check.advice]
     if unknown:
         said.append(f"unknown: {', '.join(unknown)}")
     return said

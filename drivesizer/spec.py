@@ -146,6 +146,12 @@ class RobotSpec(Section):
         )
 
     @property
+    def wants_encoder(self) -> bool:
+        """Whether counts, a resolution, a family or a part of an encoder are asked for; else it is a proposal."""
+        needs, choice = self.needs, self.select.encoder
+        return any((needs.encoder_counts, needs.resolution_at_load, choice.min_counts, choice.family, choice.part))
+
+    @property
     def load_cases(self) -> tuple[tuple[str, RobotSpec], ...]:
         """The spec itself and its further cases, by name."""
         first = self._first if self._cases or self._whole else ""

@@ -93,7 +93,7 @@ def checks(checks: Iterable[Check], title: str) -> Table:
     columns = [("check", "left"), ("demand", "right"), ("limit", "right"), ("margin", "right"), ("", "left")]
     table = bare(*columns, *([("at", "right")] if timed else []), title=title)
     for check in checks:
-        status = Text(MARK[check.status], style=STYLE[check.status])
+        status = Text(MARK[check.status], style="dim" if check.advice else STYLE[check.status])
         figures = [plain(check, check.demand), plain(check, check.limit)]
         when = [f"{check.at_time:.3g} s" if check.at_time is not None else ""] if timed else []
         where = f" ({check.case})" if check.case in worst_in and check.case else ""

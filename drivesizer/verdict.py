@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from drivesizer.catalog import Controller, Encoder
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
 from drivesizer.closed_loop import Case
+from drivesizer.encoder_choice import NOT_ASKED
 from drivesizer.loop_set_up import FOLLOWS
 from drivesizer.machines import WheeledVehicle
 from drivesizer.profile import SPEED
@@ -158,12 +159,14 @@ def _speed(case: Case) -> Iterator[Check]:
     speed, when = case.figure("speed"), case.figure("speed_time")
     lines = encoder.lines * speed / (2 * math.pi)
     yield _check(at_most("motor_speed", speed, motor.max_speed, *_ROTARY), "Motor permissible speed", when)
-    yield _check(at_most("encoder_speed", speed, encoder.max_speed, *_ROTARY), "Encoder speed", when)
+    asked = {} if case.spec.wants_encoder else NOT_ASKED
+    yield _check(at_most("encoder_speed", speed, encoder.max_speed, *_ROTARY, **asked), "Encoder speed", when)
     for name, part, limit in (("encoder", "Encoder", encoder.max_frequency),
                               ("controller", "Controller", controller.max_encoder_frequency)):  # fmt: skip
         yield _check(
-            at_most(f"{name}_frequency", lines, limit, "frequency", "kHz"), f"{part} frequency of encoder lines", when
-        )
+            at_most(f"{name}_frequency", lines, limit, "frequency", "kHz", **asked),
+            f"{part} frequency of encoder lines", when,
+        )  # fmt: skip
     if motor.kind == "brushless":
         electrical = speed * motor.pole_pairs
         yield _check(

@@ -22,7 +22,7 @@ from drivesizer.spec import RobotSpec
 from drivesizer.thermal import two_bodies
 from drivesizer.waveform import balanced, energy, largest_power, longest_above, longest_run, mean_square, wave
 
-__all__ = ["Moments", "above_bounds", "bounds", "bracketed", "exact", "peak_winding", "waveform_limits"]
+__all__ = ["Moments", "above_bounds", "bounds", "bracketed", "exact", "peak_winding", "time_above", "waveform_limits"]
 
 Array = NDArray[np.float64]
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
@@ -82,6 +82,20 @@ def peak_winding(
     ]
     winding, time = (np.concatenate(columns) for columns in zip(*found, strict=True))
     return (winding, time, *[None] * (len(Moments._fields) - 2))
+
+
+def time_above(
+    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts
+) -> tuple[Array | None, ...]:
+    """The exact time on end above the continuous current alone, in the place that it has in :class:`Moments`."""
+    found = [
+        longest_above(
+            wave(at.cycle.duration, at.functions, c := asked.coefficients[k], c, parts.motor["torque_constant"][k]),
+            parts.controller["continuous_current"][k],
+        )
+        for k in _slices(at, len(under.hot))
+    ]
+    return (*[None] * (len(Moments._fields) - 1), np.concatenate(found))
 
 
 def _slices(at: AtGearhead, count: int) -> list[slice]:

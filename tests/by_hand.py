@@ -408,20 +408,36 @@ def within(value: float, least: float, most: float) -> Verdict:
     return Verdict(value, NAN, "fail" if value < least or value > most else "pass", NAN)
 
 
-def controller_for(spec: Any, offered: list[Any], kind: str, rms: float, peak: float, volts: float) -> Any | None:
-    """The smallest controller that does: by continuous current, then part number; a known one before an unknown."""
+class Wanted(NamedTuple):
+    """What a controller has to do, with the margins that the spec asks for."""
+
+    carried: float  # A, for ever
+    peak: float  # A
+    volts: float
+    turning: float  # rad/s, of the commutation; 0 of a brushed motor
+    lines: float  # Hz, of the encoder; 0 where none is asked for
+
+
+def controller_for(spec: Any, offered: list[Any], kind: str, wanted: Wanted) -> Any | None:
+    """Of those that do what is asked one of which the fewest figures are lacking, of them the smallest."""
     usable = [c for c in offered if c.supply_min <= spec.supply.lowest and c.supply_max >= spec.supply.highest]
     usable = [c for c in usable if c.drives in ("", "both", kind) or (kind == "" and c.drives)]
     usable.sort(key=lambda c: (math.isnan(c.continuous_current), c.continuous_current, c.part))
-    found = None
+    does = []
     for c in usable:
         given = voltage_of(spec, c)
-        if c.continuous_current < rms or c.peak_current < peak or given < volts or spec.supply.lowest < volts:
-            continue  # nothing gives more than its supply, known or not
-        if not math.isnan(c.continuous_current + c.peak_current + given):
-            return c
-        found = found or c
-    return found or (usable[-1] if usable else None)
+        if c.continuous_current < wanted.carried or c.peak_current < wanted.peak or given < wanted.volts:
+            continue
+        if c.max_speed_sine < wanted.turning or c.max_encoder_frequency < wanted.lines:
+            continue
+        if spec.supply.lowest < wanted.volts:  # nothing gives more than its supply, known or not
+            continue
+        figures = [c.continuous_current, c.peak_current, given]
+        figures += [c.max_speed_sine] if wanted.turning != 0.0 else []
+        figures += [c.max_encoder_frequency] if wanted.lines != 0.0 else []
+        figures += [c.peak_time] if c.continuous_current < wanted.peak else []
+        does.append((sum(math.isnan(f) for f in figures), usable.index(c)))
+    return usable[min(does)[1]] if does else usable[-1] if usable else None
 
 
 def voltage_of(spec: Any, controller: Any) -> float:
@@ -430,12 +446,30 @@ def voltage_of(spec: Any, controller: Any) -> float:
     return given if math.isnan(given) else max(given, 0.0)
 
 
-def encoder_for(spec: Any, fitting: list[Any]) -> Any | None:
-    """The fewest sufficient counts, or the most that there are."""
+def encoder_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -> Any | None:
+    """Of those with counts enough one that is known to bear the speed, else one that may; of them the fewest counts."""
     required = max(spec.needs.encoder_counts or 0, spec.select.encoder.min_counts or 0)
     ordered = sorted(fitting, key=lambda c: (math.isnan(c.counts_per_turn), c.counts_per_turn, c.part))
     enough = [c for c in ordered if c.counts_per_turn >= required]
-    return enough[0] if enough else ordered[-1] if ordered else None
+    if spec.needs.resolution_at_load is not None:
+        enough = [
+            c for c in enough if 2 * math.pi / (4 * c.counts_per_turn * reduction) <= spec.needs.resolution_at_load
+        ]
+    if not enough:
+        return ordered[-1] if ordered else None
+    fast = speed * (1 + spec.margins.speed)
+
+    def standing(c: Any) -> int:
+        limits = [c.max_speed, c.max_frequency * 2 * math.pi / c.counts_per_turn]
+        return 2 if any(limit < fast for limit in limits) else 1 if any(map(math.isnan, limits)) else 0
+
+    return min(enough, key=lambda c: (standing(c), enough.index(c)))
+
+
+def encoder_asked(spec: Any) -> bool:
+    """Whether the spec says anything of an encoder."""
+    needs, choice = spec.needs, spec.select.encoder
+    return any((needs.encoder_counts, needs.resolution_at_load, choice.min_counts, choice.family, choice.part))
 
 
 def figure(part: Any | None, name: str) -> float:
@@ -485,7 +519,7 @@ def checks(
         found.winding, motor.max_winding_temperature, spec.margins.temperature, zero=ambient
     )
     _wishes(spec, cycle, motor, head, encoder, belt, out)
-    controller, held = _controller(spec, pieces, found, motor, offered)
+    controller, held = _controller(spec, pieces, found, (motor, encoder), offered)
     out["controller_available"] = Verdict(NAN, NAN, "fail" if controller is None else "pass", NAN)
     usable = NAN if controller is None else voltage_of(spec, controller)
     if math.isnan(usable) and found.V_peak * (1 + fast) > spec.supply.lowest:
@@ -506,14 +540,21 @@ def checks(
     return out, controller
 
 
-def _controller(spec: Any, pieces: list[Piece], found: Asked, motor: Any, offered: list[Any]) -> tuple[Any, float]:
+def _controller(
+    spec: Any, pieces: list[Piece], found: Asked, parts: tuple[Any, Any], offered: list[Any]
+) -> tuple[Any, float]:
     """The controller and the longest time above what it bears; where that is too long, one that bears the peak."""
+    motor, encoder = parts
     more, fast = 1 + spec.margins.torque, 1 + spec.margins.speed
-    wanted = more * found.I_peak, fast * found.V_peak
-    controller = controller_for(spec, offered, motor.kind, more * found.I_rms, *wanted)
+    wanted = Wanted(
+        more * found.I_rms, more * found.I_peak, fast * found.V_peak,
+        0.0 if motor.kind == "brushed" else fast * found.speed * motor.pole_pairs,
+        fast * figure(encoder, "counts_per_turn") * found.speed / (2 * math.pi) if encoder_asked(spec) else 0.0,
+    )  # fmt: skip
+    controller = controller_for(spec, offered, motor.kind, wanted)
     held = above(pieces, figure(controller, "continuous_current"))
     if at_most(held, figure(controller, "peak_time")).status == "fail":
-        controller = controller_for(spec, offered, motor.kind, more * found.I_peak, *wanted)
+        controller = controller_for(spec, offered, motor.kind, wanted._replace(carried=wanted.peak))
         held = above(pieces, figure(controller, "continuous_current"))
     return controller, held
 

@@ -16,7 +16,8 @@ import pytest
 from drivesizer import waveform_limits as wave
 from drivesizer.candidates import Candidates, Rows, candidates
 from drivesizer.catalog import load
-from drivesizer.choose import controllers, encoders
+from drivesizer.choose import controllers
+from drivesizer.encoder_choice import encoders_for, offered_encoders
 from drivesizer.evaluation import evaluate
 from drivesizer.loads import load_cycle
 from drivesizer.physics import at_gearhead, demands
@@ -146,7 +147,8 @@ def all_by_hand(spec, catalog, sets):
     found = []
     for m, g, belt in zip(sets.motor.tolist(), sets.gearhead.tolist(), sets.belt.tolist(), strict=True):
         motor, head = records("motors")[m], records("gearheads")[g]
-        encoder = by_hand.encoder_for(spec, encoders_of().get(m, []))
+        speed = head.ratio * belt * max(abs(w) for segment in segments for w in segment.speed)
+        encoder = by_hand.encoder_for(spec, encoders_of().get(m, []), speed, head.ratio * belt)
         extra = by_hand.figure(encoder, "inertia")
         extra = 0.0 if math.isnan(extra) else extra
         pieces = by_hand.drive(motor, head, extra, belt, spec.belt_efficiency, segments)
@@ -236,8 +238,9 @@ def test_the_peak_of_the_winding_by_a_march_in_small_steps(name, worked, catalog
 
 def ranked(spec, sets, mine, objective):
     """Rows of the sets that stand: pass before unknown, then what is known of all parts, then the better one."""
-    rows = []
-    for row, (checks, _, asked, _) in enumerate(mine):
+    rows, idle = [], () if by_hand.encoder_asked(spec) else ("encoder_speed", "encoder_frequency")
+    for row, (every, _, asked, _) in enumerate(mine):
+        checks = {name: verdict for name, verdict in every.items() if name not in idle}
         status = {v.status for v in checks.values()}
         if "fail" in status:
             continue
@@ -331,9 +334,10 @@ def test_bounds_hold_and_decide_nothing_wrongly(name, folder, catalog):
     spec = spec_of(name, folder)
     pairs = some_pairs(catalog, 600, f"bounds {name}")
     at = at_gearhead(load_cycle(spec), spec.belt_efficiency).behind(spec.belt_ratios[0])
-    chosen = encoders(spec, catalog, pairs.motor)
     motor, head = Rows(catalog.motors, pairs.motor), Rows(catalog.gearheads, pairs.gearhead)
-    encoder = Rows(catalog.encoders, chosen.row)
+    speed = at.peak_speed * head["ratio"]
+    chosen = encoders_for(spec, offered_encoders(spec, catalog), pairs.motor, speed, head["ratio"] * at.belt)
+    encoder = Rows(catalog.encoders, chosen)
     asked = demands(at, motor, head, encoder)
     warm = heat(spec, at, asked, motor)
     under = stress(spec, at, asked, warm, motor)

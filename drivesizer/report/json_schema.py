@@ -102,7 +102,8 @@ _REQUIREMENT = _all_of(
 )  # fmt: skip
 _CHECK = _all_of(
     name=_STRING, method=_STRING, case=_TEXT, demand=_NUMBER, limit=_NUMBER, unit=_STRING, margin=_NUMBER,
-    needed_margin=_FLOAT, status=_STATUS, at_time_s=_NUMBER, note=_STRING,
+    needed_margin=_FLOAT, status=_STATUS, advice={"type": "boolean"}, at_time_s=_NUMBER,
+    note=_STRING,
 )  # fmt: skip
 _RELAXATION = _all_of(
     field=_STRING, now=_STRING, needed=_STRING, set=_STRING, si_now=_FLOAT, si_needed=_FLOAT, si_unit=_STRING

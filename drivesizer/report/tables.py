@@ -133,7 +133,7 @@ def sets_csv(result: SizingResult) -> bytes:
     How sure they are is told behind all other columns.
     """
     sets = every_list(result)
-    checks = list(dict.fromkeys(c.name for _, s in sets for c in s.deciding))
+    checks = list(dict.fromkeys(c.name for _, s in sets for c in s.own_checks))
     figures = {f.name: f.kind for _, s in sets for f in s.figures}
     objective = f"objective_{_slug(result.objective)}_si"
     heads = [*_SET_HEADS, "price_of", objective, "smallest_margin", "smallest_margin_check"]
@@ -162,7 +162,7 @@ _SET_HEADS = (
 
 def _set_row(s: DriveSet, checks: list[str], figures: list[str]) -> list[Any]:
     tightest, (price, price_over) = worst(s.deciding), price_of(s)
-    margins, does = {c.name: c.margin for c in s.deciding}, {f.name: f.value for f in s.figures}
+    margins, does = {c.name: c.margin for c in s.own_checks}, {f.name: f.value for f in s.figures}
     chosen = [text for part in (s.encoder, s.controller) for text in ((part.family, part.part) if part else ("", ""))]
     return [
         s.rank, s.status, s.motor.family, s.motor.part, s.gearhead.family, s.gearhead.part, s.gearhead.ratio,

@@ -137,7 +137,7 @@ _CANDIDATE = (
 def candidates(result: SizingResult) -> Sheet:
     """Sets, those less sure than asked for, nearest misses and the Pareto front, one in a row, with their margins."""
     sets = every_list(result)
-    checks = {c.name: c.title for _, s in sets for c in s.deciding}
+    checks = {c.name: c.title for _, s in sets for c in s.own_checks}
     figures = {f.name: f for _, s in sets for f in s.figures}
     aims = tuple(Column(headed(f.title, f.unit), f"aim_{f.name}") for f in _aims(result, sets))
     does = tuple(Column(headed(f.title, f.unit), f"figure_{name}") for name, f in figures.items())
@@ -170,7 +170,7 @@ def _candidate(s: DriveSet, result: SizingResult) -> Row:
         "unknown": "; ".join(c.title for c in s.deciding if c.status == "unknown"),
         **{f"aim_{f.name}": from_si(f.value, f.unit, f.kind) for f in aims},
         **{f"figure_{f.name}": from_si(f.value, f.unit, f.kind) for f in s.figures},
-        **{f"margin_{c.name}": c.margin for c in s.deciding if not isnan(c.margin)},
+        **{f"margin_{c.name}": c.margin for c in s.own_checks if not isnan(c.margin)},
     }  # fmt: skip
 
 

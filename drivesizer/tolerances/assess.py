@@ -118,9 +118,10 @@ def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
         parts[0] if len(parts) == 1 else {name: _one_after_the_other([p[name] for p in parts]) for name in parts[0]}
     )
     count = len(next(iter(joined.values())).passed)
-    every = {check.name: joined.get(check.name) or _constant(check, count) for check in one.nominal}
+    decide = [check for check in one.nominal if not check.advice]
+    every = {check.name: joined.get(check.name) or _constant(check, count) for check in decide}
     every |= {name: joined[name] for name in SAMPLED if name in joined}
-    titles = {check.name: check.title for check in one.nominal} | {name: TITLES["budget"][name] for name in SAMPLED}
+    titles = {check.name: check.title for check in decide} | {name: TITLES["budget"][name] for name in SAMPLED}
     failed, smallest, place = np.zeros(count, bool), np.full(count, np.inf), np.full(count, -1)
     for number, over in enumerate(every.values()):
         failed |= over.failed
