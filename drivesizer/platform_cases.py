@@ -16,9 +16,9 @@ from drivesizer.loadcycle import Ends, LoadCycle, OwnLimit, rms
 from drivesizer.machines import WheeledVehicle
 from drivesizer.motions import Track, Waypoints
 from drivesizer.platform.cycles import wheel_cycles
-from drivesizer.platform.dynamics import Dynamics, dynamics
+from drivesizer.platform.dynamics import Dynamics, dynamics, own_rolling
 from drivesizer.platform.planner import Limits, Waypoint, plan
-from drivesizer.platform.standing import Ground
+from drivesizer.platform.standing import Ground, contact_loads
 from drivesizer.platform.track import read_track
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.platform_record import platform_of
@@ -103,10 +103,12 @@ def _wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
     d, way = dynamics_of(case), trajectory_of(case)
     assert way is not None and isinstance(case.load, WheeledVehicle)
     cycles, driven = cycles_of(case, d, way), d.kinematics.driven
+    rolling = own_rolling(d, contact_loads(d.platform, ground=Ground(gravity=case.environment.gravity)))
     for alike in sorted(_groups(cycles), key=lambda group: -rms(cycles[group[0]].duration, cycles[group[0]].torque)):
         said = _listed([driven[i] + 1 for i in alike])
         cycle = _with_the_worst_limits([cycles[i] for i in alike])
-        load = wheel_load(cycle, case.load.driven_wheels, alike, way.length, name)
+        own = float(rolling[driven[alike[0]]])
+        load = wheel_load(cycle, case.load.driven_wheels, alike, way.length, name, own)
         one = case.model_copy(update={"load": load, "motion": None})
         yield (said if name in ("", AS_SPECIFIED) else f"{name}, {said}"), one
 

@@ -27,6 +27,7 @@ from drivesizer.loads import load_cycle, of_course
 from drivesizer.machines import Hoist, Recorded
 from drivesizer.profile import Profile, profile_of
 from drivesizer.spec import RobotSpec
+from drivesizer.wheel_load import WheelLoad
 
 __all__ = ["AtShaft", "asked_of", "at_shaft", "remaining_torque"]
 
@@ -55,7 +56,8 @@ def at_shaft(spec: RobotSpec) -> AtShaft:
     """
     load, added = spec.load, spec.belt.inertia if spec.belt else 0.0
     if isinstance(load, Recorded):
-        return AtShaft(load.shaft_inertia + added, 1.0, 0.0, 0.0, 0.0)
+        rolling = load.rolling_torque if isinstance(load, WheelLoad) else 0.0
+        return AtShaft(load.shaft_inertia + added, 1.0, rolling, -rolling, 0.0)
     forward, rest = _creeping(spec, _CREEP), _creeping(spec, 0.0)
     found = (_first(forward), _backward(spec), _first(rest))
     return AtShaft(forward.inertia + added, forward.radius, *found)

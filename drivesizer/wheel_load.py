@@ -19,6 +19,7 @@ class WheelLoad(Recorded):
     _numbers: tuple[int, ...] = PrivateAttr(default=())
     _way: float = PrivateAttr(default=0.0)
     _of: str = PrivateAttr(default="")
+    _rolling: float = PrivateAttr(default=0.0)
 
     @property
     def cycle(self) -> LoadCycle:
@@ -46,12 +47,17 @@ class WheelLoad(Recorded):
         return self._of
 
     @property
+    def rolling_torque(self) -> float:
+        """That the wheel itself takes to roll on, on a level floor, either way [N*m]."""
+        return self._rolling
+
+    @property
     def shaft_inertia(self) -> float:
         """Of all that one motor set moves, at the wheel's shaft [kg*m^2]."""
         return self._cycle.inertia
 
 
-def wheel_load(cycle: LoadCycle, wheels: int, numbers: Iterable[int], way: float, of: str) -> WheelLoad:
+def wheel_load(cycle: LoadCycle, wheels: int, numbers: Iterable[int], way: float, of: str, rolling: float) -> WheelLoad:
     """The load of one wheel, or of several alike.
 
     Parameters
@@ -64,9 +70,11 @@ def wheel_load(cycle: LoadCycle, wheels: int, numbers: Iterable[int], way: float
         Which of them are asked for this, from 0.
     way, of
         How far the platform goes in the cycle [m], and the load case that this is.
+    rolling
+        Torque that the wheel itself takes to roll on, on a level floor [N*m].
     """
     made = WheelLoad.model_construct(kind="recorded", file=cycle.name, motors=wheels, smoothing=0.0, inertia=0.0)
-    made._cycle, made._numbers, made._way, made._of = cycle, tuple(numbers), way, of
+    made._cycle, made._numbers, made._way, made._of, made._rolling = cycle, tuple(numbers), way, of, rolling
     return made
 
 

@@ -174,6 +174,25 @@ def test_it_runs_out_and_stays(export):
     assert (np.diff(speeds) <= 0.0).all() and 0.1 < np.argmin(speeds) * 1e-3 < 0.4
 
 
+def test_a_lever_swings_as_its_angle_says(export):
+    """Shorted and let go level: SciPy's motion of a weight M cos(angle) that falls through gears, which it drives."""
+    moment = 3.0  # N*m
+    figures = {"lever_torque": moment, "lever_angle": 0.4, "inductance": 0.0, "load_inertia": 0.05}
+    figures |= {"forward_torque": moment * math.cos(0.4), "backward_torque": moment * math.cos(0.4)}
+    drive = Drive(parameters(export) | figures)
+    drive.advance(0.3)
+    inertia = ROTOR + 0.05 * E / K**2
+
+    def slopes(_, x):
+        angle, w = x
+        falls = moment * math.cos(0.4 + angle) * E / K
+        return w / K, (-K_T * K_T * w / R + FRICTION - falls) / inertia
+
+    exact = solve_ivp(slopes, (0.0, 0.3), (0.0, 0.0), rtol=1e-10, atol=1e-12).y[:, -1]
+    assert -1.9 < exact[0] < -0.5 and exact[1] < 0.0  # rad: still falling
+    assert [drive.shaft_angle, drive.motor_speed] == pytest.approx(exact, rel=1e-4)
+
+
 def test_length_of_a_call_does_not_count(export):
     """One call of half a second and 500 of a millisecond: the same motion."""
     once, often = Drive(parameters(export)), Drive(parameters(export))

@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ET
 from dataclasses import fields, replace
 
 import jsonschema
+import numpy as np
 import pytest
 import yaml
 import yourdfpy
@@ -19,7 +20,7 @@ from drivesizer.export import FORMATS, accept, export_of, files, mjcf, ros2_cont
 from drivesizer.export.gains import torque_law
 from drivesizer.export.json_document import document, export_schema, render
 from drivesizer.sizing import explain, size
-from drivesizer.spec import read_spec
+from drivesizer.spec import load_spec, read_spec
 from drivesizer.yaml_source import YamlSource
 
 # RE 25 118752, GP 26 A 406764, EPOS4 Compact 50/5, belt 1.1, of the data sheets and the spec
@@ -235,8 +236,33 @@ def test_gains_of_ros2_control_close_the_loop_that_was_designed(export):
         ours = gains["p"] * (w_r - w) + gains["i"] * angle + gains["feedforward_gain"] * w_r
         assert ours == pytest.approx(torque)
     assert made["controller_manager"]["ros__parameters"]["update_rate"] == 2500
-    assert gains["u_clamp_max"] == -gains["u_clamp_min"] == pytest.approx(3.344)
+    feedforward = K_T**2 / R * K**2 * E  # N*m*s/rad, which what p and i make must carry beside the effort
+    held = 3.344 + feedforward * export.limits.peak_speed.value
+    assert gains["u_clamp_max"] == -gains["u_clamp_min"] == gains["i_clamp_max"] == pytest.approx(held)
     assert all(isinstance(gains[name], float) for name in ("p", "i", "d", "feedforward_gain", "u_clamp_max"))
+
+
+# ros2_controllers, pid_controller/src/pid_controller.yaml at these tags: what a joint's gains are called
+HUMBLE = {"p", "i", "d", "antiwindup", "i_clamp_max", "i_clamp_min", "feedforward_gain", "angle_wraparound"}
+SINCE = HUMBLE - {"antiwindup"} | {
+    "u_clamp_max", "u_clamp_min", "antiwindup_strategy", "tracking_time_constant", "error_deadband", "save_i_term",
+}  # fmt: skip
+DECLARED = {"2.54.0": HUMBLE, "4.42.1": SINCE | {"antiwindup"}, "5.17.0": SINCE, "6.9.0": SINCE}
+
+
+@pytest.mark.parametrize("version", DECLARED)
+def test_every_version_of_ros2_controllers_finds_its_names(export, version):
+    """What a version does not declare it passes over; what it needs for the integral to work and be held is there."""
+    made = yaml.safe_load(ros2_control.controllers(export))
+    own = made["velocity_controller"]["ros__parameters"]
+    gains = set(own["gains"]["shaft"])
+    assert gains <= set().union(*DECLARED.values())
+    held = {"i_clamp_max", "i_clamp_min"} if version.startswith("2.") else {"u_clamp_max", "antiwindup_strategy"}
+    assert {"p", "i", "feedforward_gain"} | held <= gains & DECLARED[version]
+    assert own["enable_feedforward"] is True  # 4.x: off by default
+    assert own["gains"]["shaft"]["antiwindup_strategy"] == "conditional_integration"
+    manager = made["controller_manager"]["ros__parameters"]
+    assert own["update_rate"] == manager["update_rate"] == round(1 / export.period)
 
 
 def test_the_block_of_ros2_control(export):
@@ -359,7 +385,7 @@ def test_every_format_takes_loads_that_hang(kind):
     assert export.weight > 0.5  # N*m
     for make in (mjcf.render, urdf.render, sdf.render, ros2_control.render):
         ET.fromstring(make(export))
-    assert (len(export.cycle.load_time) > 0) == (kind == "arm")
+    assert not export.cycle.load_time and (export.lever is not None) == (kind == "arm")
     if kind == "hoist":
         assert export.weight == pytest.approx(20.0 * 9.80665 * 0.03)
 
@@ -368,3 +394,49 @@ def test_a_figure_without_which_nothing_moves_is_named(spec):
     (one, *_) = explain(spec, "118752", "406764")
     with pytest.raises(InputError, match="rotor inertia not in the catalogue"):
         export_of(spec, fitted(one, motor={"rotor_inertia": math.nan}))
+
+
+def test_a_platform_s_joint_has_the_friction_of_its_wheel(example):
+    """C_rr m g / 4 r of a wheel that carries a quarter of 45 kg, and the motor's; the rest of the way is over time."""
+    spec = load_spec(example.with_name("sps_platform.yaml"))
+    export = export_of(spec, size(spec, top=1).sets[0])
+    assert export.load_friction == pytest.approx(ROLLING)
+    dynamics = ET.fromstring(urdf.render(export)).find("joint/dynamics")
+    train = export.train
+    assert float(dynamics.get("friction")) == pytest.approx(ROLLING + train.friction * train.ratio * train.efficiency)
+
+
+TABLE = """name: table
+load: {kind: rotary_table, inertia: 0.4 kg*m^2, mass: 6 kg, eccentricity: 150 mm, tilt: 20 deg, start_angle: 50 deg,
+       motors: 2, friction_torque: 0.3 N*m}
+motion: {speed: 40 deg/s, acceleration_time: 0.5 s, cruise_time: 3 s}
+supply: {nominal: 24 V}
+select: {catalogs: [maxon]}
+"""
+
+
+def test_a_lever_hangs_in_urdf_and_sdf_as_it_does_in_the_machine():
+    """MuJoCo reads the URDF and makes the torque: half of 6 kg at 150 mm, on an axis 20 degrees off the vertical."""
+    mujoco = pytest.importorskip("mujoco")
+    spec = read_spec(YamlSource(TABLE, "x.yaml"))
+    export = export_of(spec, size(spec, top=1).sets[0])
+    model = mujoco.MjModel.from_xml_string(urdf.render(export).decode())
+    model.opt.gravity[2] = -9.80665  # its own has two digits after the point
+    data = mujoco.MjData(model)
+    for angle in (0.0, 0.7, 2.0, -1.2):
+        data.qpos[0] = angle
+        mujoco.mj_forward(model, data)
+        weight = 3.0 * 9.80665 * 0.15 * math.sin(math.radians(20.0)) * math.cos(math.radians(50.0) + angle)
+        assert data.qfrc_bias[0] == pytest.approx(weight)
+    about = np.empty((1, 1))
+    mujoco.mj_fullM(model, data, about)
+    assert about[0, 0] == pytest.approx(0.2 + export.reflected_inertia)
+    link = ET.fromstring(sdf.render(export)).find("model/link[@name='load']/inertial")
+    high = 0.15 * math.sin(math.radians(50.0))
+    centre = (
+        0.15 * math.cos(math.radians(50.0)),
+        high * math.cos(math.radians(20.0)),
+        high * math.sin(math.radians(20.0)),
+    )
+    assert [float(x) for x in link.find("pose").text.split()] == pytest.approx([*centre, 0.0, 0.0, 0.0])
+    assert float(link.find("mass").text) == 3.0

@@ -13,7 +13,7 @@ J_l, T_f, T_0 inertia, friction and weight of the load; J_m, M_f, b_m inertia, d
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from math import isfinite, isnan
+from math import cos, isfinite, isnan, nan
 from typing import Any
 
 import numpy as np
@@ -22,11 +22,14 @@ from drivesizer import __version__
 from drivesizer.cascade import Cascade
 from drivesizer.choose import usable_in
 from drivesizer.export.limits import Limits, limits
+from drivesizer.heat_cycle import periodic_heat
+from drivesizer.loads.lever import Lever, lever_of
 from drivesizer.loop_set_up import designed
 from drivesizer.physics_limits import housing_loss
 from drivesizer.plant import DriveTrain, within_reach
 from drivesizer.platform_cases import on_wheels
 from drivesizer.results import DriveSet, Gains
+from drivesizer.set_cycle import set_cycle, warming
 from drivesizer.shaft_load import asked_of, at_shaft, remaining_torque
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import TwoBodies, two_bodies
@@ -42,7 +45,7 @@ class Cycle:
     time: tuple[float, ...]  # s
     speed: tuple[float, ...]  # rad/s
     load_time: tuple[float, ...]  # s
-    load_torque: tuple[float, ...]  # N*m, what the load takes beyond inertia, friction and weight
+    load_torque: tuple[float, ...]  # N*m, what the load takes beyond inertia, friction and a weight on its lever
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,9 +66,12 @@ class Export:
     continuous_current: float
     limits: Limits
     heat: TwoBodies | None  # None: a figure is unknown
+    housing: float  # K, mean over the cycle repeated for ever; NaN unknown
     rotor_loss: tuple[float, float]  # N*m and N*m*s/rad, what warms the housing; 0 where unknown
     ambient: float  # K
     elastic: bool  # the spec has two masses
+    lever: Lever | None  # this motor set's share of a load that gravity turns
+    gravity: float  # m/s^2
     cycle: Cycle
     said: tuple[str, ...]  # what was assumed on the way
 
@@ -84,6 +90,16 @@ class Export:
     def weight(self) -> float:
         """Torque of the load without friction, at the start of the motion [N*m]."""
         return (self.train.forward_torque + self.train.backward_torque) / 2
+
+    @property
+    def moment(self) -> float:
+        """Torque of the weight on its lever, lying level [N*m]; 0 without a lever."""
+        return self.lever.moment(self.gravity) if self.lever else 0.0
+
+    @property
+    def constant_weight(self) -> float:
+        """Torque of the load without friction and lever: the same at every angle [N*m]."""
+        return self.weight - (self.moment * cos(self.lever.start) if self.lever else 0.0)
 
     @property
     def damping(self) -> float:
@@ -125,7 +141,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
     train, controller, said = designed(spec, found)
     usable, motor = usable_in(spec, found.controller), asdict(found.motor)
     voltage = spec.supply.lowest if isnan(usable) else usable
-    own, bodies = found.controller, two_bodies(motor)
+    own, bodies, lever = found.controller, two_bodies(motor), _lever(spec)
     return Export(
         name=spec.name,
         label=found.label,
@@ -141,10 +157,13 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
         continuous_current=own.continuous_current if own else float("nan"),
         limits=limits(spec, found, train, voltage),
         heat=bodies if bodies.known else None,
+        housing=_housing(spec, found, bodies),
         rotor_loss=_loss(motor),
         ambient=spec.environment.ambient,
         elastic=spec.plant.model != "rigid",
-        cycle=_cycle(spec, train),
+        lever=lever,
+        gravity=spec.environment.gravity,
+        cycle=_cycle(spec, train, lever),
         said=(*said, *_whose(spec)),
     )
 
@@ -166,10 +185,28 @@ def _loss(motor: dict[str, Any]) -> tuple[float, float]:
     return (coulomb if isfinite(coulomb) else 0.0), (viscous if isfinite(viscous) else 0.0)
 
 
-def _cycle(spec: RobotSpec, train: DriveTrain) -> Cycle:
+def _housing(spec: RobotSpec, found: DriveSet, bodies: TwoBodies) -> float:
+    """Mean temperature of the housing where the cycle repeats for ever [K]; NaN where it is unknown or runs away."""
+    cycle = set_cycle(spec, found)
+    if not (bodies.known and cycle.known):
+        return nan
+    heat = periodic_heat(bodies, spec.environment.ambient, *warming(cycle))
+    return heat.housing_mean if isfinite(heat.housing_mean) else nan
+
+
+def _lever(spec: RobotSpec) -> Lever | None:
+    """One motor set's share of a lever that feels its weight."""
+    lever = lever_of(spec.load)
+    if lever is None or lever.moment(spec.environment.gravity) == 0.0:
+        return None
+    return lever._replace(mass=lever.mass / spec.load.motors)
+
+
+def _cycle(spec: RobotSpec, train: DriveTrain, lever: Lever | None) -> Cycle:
+    """What is asked, and what the load takes over time: of a lever nothing, its weight goes with its angle."""
     asked = asked_of(spec)
     within_reach(train, asked)
-    left = remaining_torque(spec, asked, at_shaft(spec))
+    left = np.empty((0, 2)) if lever else remaining_torque(spec, asked, at_shaft(spec))
     return Cycle(
         time=asked.time,
         speed=tuple((np.array(asked.speed) / train.radius).tolist()),

@@ -29,6 +29,8 @@ FIGURES = {  # parameters: unit and meaning
     "forward_torque": ("N.m", "resistance of the load when it moves forward"),
     "backward_torque": ("N.m", "the same backward: below the forward one by twice the friction"),
     "rest_torque": ("N.m", "of the load without friction: weight"),
+    "lever_torque": ("N.m", "of a weight on a lever that lies level; the three above have it at the shaft's angle 0"),
+    "lever_angle": ("rad", "of the lever above the level line at the shaft's angle 0"),
     "radius": ("m", "way of the load per angle of the driven shaft; 1 where it turns with it"),
     "ambient": ("K", "temperature around the motor"),
     "winding_to_housing": ("K/W", "thermal resistance; 0: the winding stays at 25 degC"),
@@ -81,6 +83,8 @@ class Drive:
     forward_torque: float
     backward_torque: float
     rest_torque: float
+    lever_torque: float
+    lever_angle: float
     radius: float
     ambient: float
     winding_to_housing: float
@@ -147,7 +151,7 @@ class Drive:
         if w:
             return 1 if w > 0.0 else -1
         for way in (1, -1):
-            if self._acceleration(self._flowing(self.current, 0.0), 0.0, way) * way > 0.0:
+            if self._acceleration(self._flowing(self.current, 0.0), 0.0, self.shaft_angle, way) * way > 0.0:
                 return way
         return 0
 
@@ -159,33 +163,40 @@ class Drive:
         most = self.most_current
         return min(max(i, -most), most) if most > 0.0 else i
 
-    def _acceleration(self, i: float, w: float, way: int) -> float:
+    def _lifted(self, angle: float) -> float:
+        """What the lever's weight has changed by since the shaft's angle 0 [N*m]."""
+        if not self.lever_torque:
+            return 0.0
+        return self.lever_torque * (math.cos(self.lever_angle + angle) - math.cos(self.lever_angle))
+
+    def _acceleration(self, i: float, w: float, angle: float, way: int) -> float:
         """Of the motor [rad/s^2], moving forward (1) or backward (-1)."""
         K, e = self.ratio, self.efficiency
         motor = self.torque_constant * i - self.motor_friction * way - self.motor_viscous * w
-        load = (self.forward_torque if way > 0 else self.backward_torque) + self.load_torque
+        load = (self.forward_torque if way > 0 else self.backward_torque) + self.load_torque + self._lifted(angle)
         through = self.load_inertia * motor / K + self.motor_inertia * load  # has the sign of what the gears transmit
         share = (1.0 / e if through * way > 0.0 else e) / K
         return (motor - share * load) / (self.motor_inertia + share * self.load_inertia / K)
 
-    def _rates(self, i: float, w: float, way: int) -> tuple[float, float]:
+    def _rates(self, i: float, w: float, angle: float, way: int) -> tuple[float, float]:
         flows, slope = self._cut(self._flowing(i, w)), 0.0
         if self.inductance > 0.0:
             slope = (self.voltage - self._hot() * flows - self.back_emf_constant * w) / self.inductance
             if self.most_current > 0.0 and abs(i) >= self.most_current and slope * i > 0.0:
                 slope = 0.0  # the controller holds it there
-        return slope, self._acceleration(flows, w, way) if way else 0.0
+        return slope, self._acceleration(flows, w, angle, way) if way else 0.0
 
     def _moved(self, h: float, way: int) -> tuple[float, float, float]:
         """Current, speed and angle of the shaft after a step."""
         i, w = self.current, self.motor_speed if way else 0.0
-        a = self._rates(i, w, way)
-        b = self._rates(i + 0.5 * h * a[0], w + 0.5 * h * a[1], way)
-        c = self._rates(i + 0.5 * h * b[0], w + 0.5 * h * b[1], way)
-        d = self._rates(i + h * c[0], w + h * c[1], way)
+        angle, turn = self.shaft_angle, h / self.ratio
+        a = self._rates(i, w, angle, way)
+        b = self._rates(i + 0.5 * h * a[0], w + 0.5 * h * a[1], angle + 0.5 * turn * w, way)
+        c = self._rates(i + 0.5 * h * b[0], w + 0.5 * h * b[1], angle + 0.5 * turn * (w + 0.5 * h * a[1]), way)
+        d = self._rates(i + h * c[0], w + h * c[1], angle + turn * (w + 0.5 * h * b[1]), way)
         di, dw = (h / 6.0 * (a[n] + 2.0 * b[n] + 2.0 * c[n] + d[n]) for n in (0, 1))
         turned = h * w + h * h / 6.0 * (a[1] + b[1] + c[1])
-        return i + di, w + dw, self.shaft_angle + turned / self.ratio
+        return i + di, w + dw, angle + turned / self.ratio
 
     def _settle(self, i: float, w: float, angle: float, h: float) -> None:
         before = self.current

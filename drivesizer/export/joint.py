@@ -6,12 +6,12 @@ from xml.etree.ElementTree import Element, SubElement
 
 from drivesizer.export.common import Export
 from drivesizer.export.limits import Limit
-from drivesizer.export.markup import brief, number
+from drivesizer.export.link import Link
+from drivesizer.export.markup import brief, number, remark, vector
 
 __all__ = ["BASE", "JOINT", "LINK", "inertial", "limited", "remarks"]
 
 BASE, LINK, JOINT = "base", "load", "shaft"
-_LEAST_INERTIA = 1e-12  # kg*m^2: no simulator takes a moving link without any
 
 
 def remarks(of: Export) -> list[str]:
@@ -32,8 +32,12 @@ def remarks(of: Export) -> list[str]:
         f"{brief(of.reflected_inertia)} kg*m^2, for which the format has no place of its own.",
         *(f"Taken for granted: {line}." for line in of.said),
     ]  # fmt: skip
-    if of.weight:
-        said.append(f"Left out: a torque of {brief(of.weight)} N*m against forward motion, the load's weight.")
+    if of.constant_weight:
+        said.append(f"Left out: a torque of {brief(of.constant_weight)} N*m against forward motion, the load's weight.")
+    if of.lever:
+        said.append(
+            f"The weight of the lever, up to {brief(abs(of.moment))} N*m, is that of the link: leave gravity on."
+        )
     if of.cycle.load_time:
         said.append("Left out: torque of the load over time, such as wind or a changing weight.")
     if of.elastic:
@@ -54,16 +58,20 @@ def limited(of: Export) -> dict[str, str]:
     return {name: number(limit.value) for name, limit in named.items() if limit.by}
 
 
-def inertial(parent: Element, of: Export, *, nested: bool) -> None:
-    """The link's inertia about its axis z; as attributes, or each in an element of its own."""
-    about = number(max(of.inertia, _LEAST_INERTIA))
-    found = SubElement(parent, "inertial")
+def inertial(parent: Element, found: Link, *, nested: bool) -> None:
+    """Mass, centre and inertia of a link; as attributes, or each in an element of its own."""
+    remark(parent, found.said)
+    element, about = SubElement(parent, "inertial"), number(found.inertia)
     moments = {"ixx": about, "ixy": "0", "ixz": "0", "iyy": about, "iyz": "0", "izz": about}
     if nested:
-        SubElement(found, "mass").text = "1"
-        inertia = SubElement(found, "inertia")
+        if any(found.centre):
+            SubElement(element, "pose").text = f"{vector(found.centre)} 0 0 0"
+        SubElement(element, "mass").text = number(found.mass)
+        inertia = SubElement(element, "inertia")
         for name, value in moments.items():
             SubElement(inertia, name).text = value
         return
-    SubElement(found, "mass", value="1")
-    SubElement(found, "inertia", moments)
+    if any(found.centre):
+        SubElement(element, "origin", xyz=vector(found.centre), rpy="0 0 0")
+    SubElement(element, "mass", value=number(found.mass))
+    SubElement(element, "inertia", moments)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from xml.etree.ElementTree import Comment, Element, indent, tostring
 
-__all__ = ["brief", "document", "identifier", "number", "remark", "text"]
+__all__ = ["brief", "document", "identifier", "number", "remark", "text", "vector"]
 
 _NO_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # XML 1.0, production 2
 
@@ -17,6 +18,11 @@ def number(value: float) -> str:
     ('0.3', '3')
     """
     return f"{value:.12g}"
+
+
+def vector(values: Iterable[float]) -> str:
+    """Figures in a row."""
+    return " ".join(number(value + 0.0) for value in values)  # + 0.0: no -0
 
 
 def brief(value: float) -> str:

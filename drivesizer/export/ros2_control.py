@@ -5,7 +5,18 @@ The pid_controller of ros2_controllers takes reference and state of velocity and
 
 .. math:: p = K^2 e\, k_d, \qquad i = K^2 e\, k_p
 
-With feedforward its output is p (w_r - w) + i \int (w_r - w) + f w_r.
+With feedforward its output is p (w_r - w) + i \int (w_r - w) + f w_r. Its clamps hold the first two terms alone, which
+carry the effort and what feedforward takes away: they are the joint's effort and f times its velocity.
+
+Names of parameters by version of ros2_controllers, as its pid_controller/src/pid_controller.yaml declares them (tags
+2.54.0, 4.42.1, 5.17.0, 6.9.0); those that a version does not declare it passes over:
+
+- u_clamp_max, u_clamp_min, antiwindup_strategy: from 4.27 (Jazzy) and 5.2 on. Before, as in all 2.x (Humble), the
+  integral alone is held, by i_clamp_max and i_clamp_min, whose default there, 0, leaves none of it.
+- enable_feedforward: 4.x and 5.0, off by default. From 5.1 on feedforward is always on; in 2.x it takes a call of the
+  service set_feedforward_control.
+
+The controller manager's update_rate is a whole number of hertz, 100 where none is given.
 """
 
 from __future__ import annotations
@@ -64,18 +75,33 @@ def controllers(of: Export) -> bytes:
     if law.ki:
         raise InputError("--format: ros2_control gets a velocity loop; leave control.position out of the spec")
     at_shaft = train.ratio**2 * train.efficiency
-    rate = max(1, round(1.0 / of.period))
-    most = of.limits.peak_torque.value
-    said = [of.label, of.program, *lacking(of), *_REMARKS,
-            f"the loop was designed for {1.0 / of.period:.6g} Hz; at a lower update_rate design it anew"]  # fmt: skip
+    most, feedforward = of.limits.peak_torque.value, law.per_speed * at_shaft
+    held = most + abs(feedforward) * of.limits.peak_speed.value
+    said = [of.label, of.program, *lacking(of), *_REMARKS, *_rates_told(of)]
     if law.per_acceleration or law.per_direction:
         said.append("feedforward of acceleration and friction is left out")
     head = "".join(f"# {_line(line)}\n" for line in said)
     body = _PARAMETERS.format(
-        rate=rate, name=CONTROLLER, joint=JOINT, p=_yaml(law.kd * at_shaft), i=_yaml(law.kp * at_shaft),
-        ff=_yaml(law.per_speed * at_shaft), most=_yaml(most), least=_yaml(-most),
+        rate=_rate(of), name=CONTROLLER, joint=JOINT, p=_yaml(law.kd * at_shaft), i=_yaml(law.kp * at_shaft),
+        ff=_yaml(feedforward), most=_yaml(held), least=_yaml(-held),
     )  # fmt: skip
     return (head + body).encode()
+
+
+def _rate(of: Export) -> int:
+    """Of the controller manager [Hz]."""
+    return max(1, round(1.0 / of.period))
+
+
+def _rates_told(of: Export) -> list[str]:
+    designed = 1.0 / of.period
+    said = [
+        f"p and i belong to a loop at {designed:.6g} Hz: where the controller manager does not run at update_rate they "
+        "do not hold; for a loop at another rate give control: {rate: 1 kHz} in the spec and export anew"
+    ]
+    if abs(_rate(of) - designed) > _NEAR * designed:
+        said.append(f"update_rate is a whole number: {_rate(of)} Hz for {designed:.6g} Hz")
+    return said
 
 
 def _line(said: str) -> str:
@@ -88,9 +114,12 @@ def _yaml(value: float) -> str:
     return shown if set(shown) & {".", "e", "n"} else f"{shown}.0"
 
 
+_NEAR = 1e-6  # of a rate: what is no whole number
 _REMARKS = (
-    "feedforward is off until it is switched on: enable_feedforward, or the service set_feedforward_control",
-    "u_clamp and antiwindup_strategy as the newer control_toolbox has them; an older one has i_clamp and antiwindup",
+    "u_clamp_max, u_clamp_min and antiwindup_strategy are of ros2_controllers 4.27 and 5.2 or later; older ones, "
+    "such as Humble's 2.x, pass over them and hold the integral by i_clamp_max and i_clamp_min",
+    "enable_feedforward is of 4.x and 5.0; later feedforward is always on; 2.x: the service set_feedforward_control",
+    "the clamps hold what p and i make: the joint's effort, and what feedforward takes from it at the joint's velocity",
 )
 _PARAMETERS = """controller_manager:
   ros__parameters:
@@ -102,16 +131,20 @@ _PARAMETERS = """controller_manager:
 
 {name}:
   ros__parameters:
+    update_rate: {rate}  # Hz, that of the controller manager
     dof_names: [{joint}]
     command_interface: effort
     reference_and_state_interfaces: [velocity]
+    enable_feedforward: true
     gains:
       {joint}:
         p: {p}  # N*m*s/rad at the driven shaft
         i: {i}  # N*m/rad
         d: 0.0
         feedforward_gain: {ff}  # N*m*s/rad
-        u_clamp_max: {most}  # N*m, the joint's effort
+        u_clamp_max: {most}  # N*m
         u_clamp_min: {least}
+        i_clamp_max: {most}  # N*m
+        i_clamp_min: {least}
         antiwindup_strategy: conditional_integration
 """

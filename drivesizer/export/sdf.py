@@ -6,7 +6,8 @@ from xml.etree.ElementTree import Element, SubElement
 
 from drivesizer.export.common import Export
 from drivesizer.export.joint import BASE, JOINT, LINK, inertial, limited, remarks
-from drivesizer.export.markup import document, identifier, number, remark
+from drivesizer.export.link import Link, link_of
+from drivesizer.export.markup import document, identifier, number, remark, vector
 
 __all__ = ["VERSION", "render"]
 
@@ -23,19 +24,18 @@ def render(of: Export) -> bytes:
     fixed = SubElement(model, "joint", name="stand", type="fixed")
     SubElement(fixed, "parent").text = "world"
     SubElement(fixed, "child").text = BASE
-    link = SubElement(model, "link", name=LINK)
-    remark(link, "The mass does not count: the link turns about its own axis. All of the load is in its inertia.")
-    inertial(link, of, nested=True)
+    moved = link_of(of, of.inertia)
+    inertial(SubElement(model, "link", name=LINK), moved, nested=True)
     joint = SubElement(model, "joint", name=JOINT, type="revolute")
     SubElement(joint, "parent").text = BASE
     SubElement(joint, "child").text = LINK
-    _axis(joint, of)
+    _axis(joint, of, moved)
     return document(root)
 
 
-def _axis(joint: Element, of: Export) -> None:
+def _axis(joint: Element, of: Export, moved: Link) -> None:
     axis = SubElement(joint, "axis")
-    SubElement(axis, "xyz").text = "0 0 1"
+    SubElement(axis, "xyz").text = vector(moved.axis)
     limit = SubElement(axis, "limit")
     for name, value in {"lower": "-1e16", "upper": "1e16", **limited(of)}.items():
         SubElement(limit, name).text = value

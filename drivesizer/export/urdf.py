@@ -10,7 +10,8 @@ from xml.etree.ElementTree import Element, SubElement
 from drivesizer.errors import InputError
 from drivesizer.export.common import Export
 from drivesizer.export.joint import BASE, JOINT, LINK, inertial, limited, remarks
-from drivesizer.export.markup import document, identifier, number, remark
+from drivesizer.export.link import link_of
+from drivesizer.export.markup import document, identifier, number, remark, vector
 
 __all__ = ["render", "robot"]
 
@@ -33,13 +34,12 @@ def robot(of: Export) -> Element:
     root = Element("robot", name=identifier(of.name))
     remark(root, *remarks(of))
     SubElement(root, "link", name=BASE)
-    link = SubElement(root, "link", name=LINK)
-    remark(link, "The mass does not count: the link turns about its own axis. All of the load is in its inertia.")
-    inertial(link, of, nested=False)
+    moved = link_of(of, of.inertia)
+    inertial(SubElement(root, "link", name=LINK), moved, nested=False)
     joint = SubElement(root, "joint", name=JOINT, type="continuous")
     SubElement(joint, "parent", link=BASE)
     SubElement(joint, "child", link=LINK)
-    SubElement(joint, "axis", xyz="0 0 1")
+    SubElement(joint, "axis", xyz=vector(moved.axis))
     SubElement(joint, "limit", _both(of))
     SubElement(joint, "dynamics", damping=number(of.damping), friction=number(of.friction))
     return root

@@ -13,8 +13,6 @@ rigid body, exercise on the athlete with a steel ball).
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from drivesizer.course import Course
@@ -43,10 +41,9 @@ def arm(spec: RobotSpec, course: Course) -> LoadCycle:
         When the arm turns round too often in one cycle, or a figure leaves the range of numbers that can be computed
         with.
     """
-    load, g = spec.load, spec.environment.gravity
+    load = spec.load
     assert isinstance(load, Arm)
     inertia = load.mass * load.length * load.length if load.inertia is None else load.inertia
-    moment = load.mass * g * load.length
-    course, weight = weight_on_lever(spec, course, moment, math.cos(load.tilt), load.start_angle)
+    course, weight = weight_on_lever(spec, course)
     torque = inertia * course.acceleration + weight + load.friction_torque * course.direction
     return course.cycle(torque / load.motors, inertia=inertia / load.motors)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from drivesizer.course import Course
 from drivesizer.errors import InputError
 from drivesizer.loadcycle import Ends
+from drivesizer.loads.lever import lever_of
 from drivesizer.spec import RobotSpec
 
 __all__ = ["capped", "weight_on_lever"]
@@ -24,7 +25,6 @@ __all__ = ["capped", "weight_on_lever"]
 _MOST = 10_000  # pieces of a cycle
 _STEP = math.radians(0.5)
 _LONGEST_STEP = math.radians(10.0)
-_LEVEL = 1e-5  # of the weight: what gets through a smaller share of it is none
 
 
 def capped(pieces: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -37,28 +37,25 @@ def capped(pieces: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.maximum(np.ceil(pieces * share), 1.0).astype(np.int64)
 
 
-def weight_on_lever(spec: RobotSpec, course: Course, moment: float, share: float, start: float) -> tuple[Course, Ends]:
+def weight_on_lever(spec: RobotSpec, course: Course) -> tuple[Course, Ends]:
     """The course in pieces that are fine enough, and the torque of a weight about the axis.
 
     Parameters
     ----------
     spec
-        The machine, for a message.
+        The machine: its load is a lever.
     course
         How the lever turns.
-    moment
-        Weight times the lever's length [N*m].
-    share
-        Of it that the tilt of the axis leaves when the lever lies level, so that M is their product [1].
-    start
-        Angle of the lever above the level line when the cycle starts [rad].
 
     Raises
     ------
     InputError
         When the cycle has too many turns to follow.
     """
-    if moment == 0.0 or abs(share) <= _LEVEL:
+    lever = lever_of(spec.load)
+    assert lever is not None
+    moment = lever.moment(spec.environment.gravity)
+    if moment == 0.0:
         return course, np.zeros_like(course.speed)
     rate = np.abs(course.speed).max(axis=1)
     slope = np.abs(np.diff(course.speed, axis=1)[:, 0]) / course.duration
@@ -69,4 +66,4 @@ def weight_on_lever(spec: RobotSpec, course: Course, moment: float, share: float
             "expected a shorter cycle, or a balanced load"
         )
     course = course.finer(capped(pieces))
-    return course, moment * share * np.cos(start + course.position)
+    return course, moment * np.cos(lever.start + course.position)

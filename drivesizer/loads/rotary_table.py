@@ -13,8 +13,6 @@ rotational motion).
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from drivesizer.course import Course
@@ -43,9 +41,8 @@ def rotary_table(spec: RobotSpec, course: Course) -> LoadCycle:
         When an unbalanced table turns round too often in one cycle, or a figure leaves the range of numbers that can
         be computed with.
     """
-    load, g = spec.load, spec.environment.gravity
+    load = spec.load
     assert isinstance(load, RotaryTable)
-    moment = load.mass * g * load.eccentricity
-    course, weight = weight_on_lever(spec, course, moment, math.sin(load.tilt), load.start_angle)
+    course, weight = weight_on_lever(spec, course)
     torque = load.inertia * course.acceleration + load.friction_torque * course.direction + load.torque + weight
     return course.cycle(torque / load.motors, inertia=load.inertia / load.motors)

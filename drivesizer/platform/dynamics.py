@@ -38,6 +38,7 @@ __all__ = [
     "acceleration",
     "dynamics",
     "energy",
+    "own_rolling",
     "required_force",
     "resistance",
     "signs",
@@ -114,6 +115,22 @@ def _speed(eta: Array, reach: float) -> Array:
     return np.asarray(np.hypot(eta[0], eta[1]) + reach * np.abs(eta[2]))
 
 
+def own_rolling(d: Dynamics, loads: Array) -> Array:
+    """Torque that each wheel itself takes to roll on, about its own axis [N*m], shape (wheels, ...).
+
+    Parameters
+    ----------
+    d
+        The platform.
+    loads
+        What wheels, then casters, carry [N], shape (wheels and casters, ...).
+    """
+    wheels = d.platform.wheels
+    C_rr, r, friction = np.array([(w.rolling_resistance, w.radius, w.friction) for w in wheels]).T
+    across = (slice(None),) + (None,) * (loads.ndim - 1)
+    return np.asarray((C_rr * r)[across] * np.maximum(loads[: len(wheels)], 0.0) + friction[across])
+
+
 def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = LEVEL) -> Array:
     """Force and moment that wheels, rollers and casters need to roll on [N, N, N*m]; shape (3, ...).
 
@@ -127,15 +144,13 @@ def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = L
         Heading in the world [rad], and the floor. A wheel that would lift off carries nothing and resists nothing.
     """
     wheels, casters, k = d.platform.wheels, d.platform.casters, d.kinematics
-    C_rr, C_roller, r, friction = np.array(
-        [(w.rolling_resistance, w.roller_resistance, w.radius, w.friction) for w in wheels]
-    ).T
+    C_rr, C_roller, friction = np.array([(w.rolling_resistance, w.roller_resistance, w.friction) for w in wheels]).T
     crawl = np.array([c.rolling_resistance for c in casters])
     if not (C_rr.any() or C_roller.any() or friction.any() or crawl.any()):
         return np.zeros_like(towards)
     loads = np.maximum(contact_loads(d.platform, theta, ground, samples=towards.shape[1:]), 0.0)
     carried, across = loads[: len(wheels)], (slice(None),) + (None,) * (towards.ndim - 1)
-    torque = ((C_rr * r)[across] * carried + friction[across]) * signs(k.E, towards, k.reach)
+    torque = own_rolling(d, loads) * signs(k.E, towards, k.reach)
     total = map_columns(k.E.T, torque)
     if C_roller.any():
         total = total + map_columns(k.rollers.T, C_roller[across] * carried * signs(k.rollers, towards, k.reach))
