@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from drivesizer.back_emf import back_emf_constant
 from drivesizer.extremes import Extremes, extremes
+from drivesizer.lasting_speed import lasting_speeds
 from drivesizer.loadcycle import Ends, LoadCycle, integral, mean_product, rms
 
 __all__ = [
@@ -54,7 +55,8 @@ class AtGearhead:
         self.rms_torque = base.rms_torque / ratio  # N*m, while running
         self.peak_torque = base.peak_torque / ratio  # N*m
         self.peak_speed = base.peak_speed * ratio  # rad/s
-        self.sustained_speed = base.sustained_speed * ratio  # rad/s, the highest at which it stays
+        self.mean_speed = base.mean_speed * ratio  # rad/s, while running; where more, what it exceeds for long
+        self.sustained_speed = base.sustained_speed * ratio  # rad/s, what it exceeds for longer than shortly
         self.mean_power = base.mean_power  # W, transmitted in either direction while running
         self.peak_power = base.peak_power  # W
 
@@ -129,6 +131,7 @@ class _Base(NamedTuple):
     rms_torque: float
     peak_torque: float
     peak_speed: float
+    mean_speed: float
     sustained_speed: float
     mean_power: float
     peak_power: float
@@ -225,14 +228,13 @@ def _moments(cycle: LoadCycle, functions: Array) -> Array:
 
 def _scalars(cycle: LoadCycle, torque: Ends, speed: Ends, running: NDArray[np.bool_]) -> dict[str, float]:
     time = cycle.duration[running]
-    level = running & (speed[:, 0] == speed[:, 1])
     fastest = np.abs(speed).max()
     worked = float(np.sum(time * np.abs(mean_product(torque, speed)[running])))
     return {
         "rms_torque": rms(time, torque[running]),
         "peak_torque": float(np.abs(torque).max()),
         "peak_speed": float(fastest),
-        "sustained_speed": float(np.abs(speed[level]).max() if level.any() else fastest),
+        **{name: float(one) for name, one in lasting_speeds(cycle.duration, speed).items()},
         "mean_power": worked / time.sum() if time.sum() else 0.0,
         "peak_power": float(np.abs(torque * speed).max()),
     }

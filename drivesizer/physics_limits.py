@@ -17,6 +17,7 @@ from drivesizer.catalog import lines
 from drivesizer.checks import CheckColumn, at_least, at_most
 from drivesizer.choose import most_voltage
 from drivesizer.encoder_choice import NOT_ASKED, angle_per_edge
+from drivesizer.lasting_speed import asked_of_the_gearhead
 from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE, current_derating, steady_winding_temperature
@@ -114,11 +115,11 @@ def gearhead_limits(spec: RobotSpec, at: AtGearhead, gearhead: Any) -> list[Chec
     torque: dict[str, Any] = {"needed": spec.margins.torque}
     speed: dict[str, Any] = {"needed": spec.margins.speed}
     power = ("power", "W")
+    lasting = asked_of_the_gearhead(gearhead["manufacturer"], at.mean_speed, at.sustained_speed)
     found = [
         at_most("gearhead_continuous_torque", at.rms_torque, gearhead["continuous_torque"], *_TORQUE, **torque),
         at_most("gearhead_intermittent_torque", at.peak_torque, gearhead["intermittent_torque"], *_TORQUE, **torque),
-        at_most("gearhead_continuous_speed", at.sustained_speed * i, gearhead["continuous_input_speed"], *_ROTARY,
-                **speed),
+        at_most("gearhead_continuous_speed", lasting * i, gearhead["continuous_input_speed"], *_ROTARY, **speed),
         at_most("gearhead_intermittent_speed", at.peak_speed * i, gearhead["intermittent_input_speed"], *_ROTARY,
                 **speed),
         at_most("gearhead_continuous_power", at.mean_power, gearhead["continuous_power"], *power, **torque),

@@ -135,7 +135,9 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
             "at rest the motor holds what the load asks for, without help of friction",
             "an unknown inertia of the gearhead or friction of the motor is left out where more could only ask for "
             "more: what fails then fails, what passes is unknown",
-            "an encoder's unknown inertia is left out; sustained speed is the highest at which the profile stays",
+            "an encoder's unknown inertia is left out",
+            "a gearhead's continuous input speed may be exceeded for 1 s on end and 10 % of the time, but not by the "
+            "mean while running; Apex Dynamics, Harmonic Drive and Wittenstein limit that mean alone",
         ]
         if spec.paper_applies:
             said.append("the paper's method is shown beside it; its factors enter neither requirements nor checks")

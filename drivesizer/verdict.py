@@ -9,10 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from drivesizer.catalog import Controller, Encoder
 from drivesizer.checks import CheckColumn, at_least, at_most, fits
 from drivesizer.closed_loop import Case
+from drivesizer.course import course
 from drivesizer.encoder_choice import NOT_ASKED
+from drivesizer.lasting_speed import asked_of_the_gearhead, lasting_speeds
 from drivesizer.loop_set_up import FOLLOWS
 from drivesizer.machines import WheeledVehicle
 from drivesizer.profile import SPEED
@@ -140,12 +144,12 @@ def _gearhead(case: Case) -> Iterator[Check]:
         at_most("gearhead_intermittent_torque", case.figure("gear_torque"), gearhead.intermittent_torque, "torque",
                 "N*m"), "Gearhead intermittent torque", case.figure("gear_torque_time"),
     )  # fmt: skip
-    constant = [abs(v0) for _, _, v0, v1 in case.profile.pieces() if v0 == v1 != 0.0]
-    sustained = max(constant) * case.train.motor_per_speed if constant else speed
+    moved = course(case.profile)
+    lasting = lasting_speeds(moved.duration, moved.speed)
+    asked = asked_of_the_gearhead(np.array(gearhead.manufacturer), **lasting) * case.train.motor_per_speed
     yield _check(
-        at_most("gearhead_continuous_speed", sustained, gearhead.continuous_input_speed, *_ROTARY),
-        "Gearhead continuous input speed", None if constant else when,
-        "highest constant reference" if constant else "the profile has no constant stretch: the peak",
+        at_most("gearhead_continuous_speed", asked, gearhead.continuous_input_speed, *_ROTARY),
+        "Gearhead continuous input speed", note="of the reference: what lasts by the maker's rule, or the mean",
     )  # fmt: skip
     yield _check(
         at_most("gearhead_intermittent_speed", speed, gearhead.intermittent_input_speed, *_ROTARY),

@@ -129,12 +129,37 @@ class Asked:
     stored: float
 
 
+def lasting(pieces: list[tuple[float, Pair]], on_end: float, share: float) -> float:
+    """The speed that a repeating cycle exceeds for longer than so long on end or so much of the time: by bisection."""
+    total = sum(time for time, _ in pieces)
+
+    def too_long(v: float) -> bool:
+        if min(abs(w) for _, ends in pieces for w in ends) > v:  # for ever
+            return True
+        above, run, longest = 0.0, 0.0, 0.0
+        for time, ends in pieces * 2:
+            a, b = abs(ends[0]), abs(ends[1])
+            part = time * (1.0 if min(a, b) > v else 0.0 if max(a, b) <= v else (max(a, b) - v) / abs(a - b))
+            above += part / 2
+            run = run + part if a > v else part
+            longest = max(longest, run)
+            run = run if b > v else 0.0
+        return longest > on_end * (1 + 1e-9) or above > share * total * (1 + 1e-9)
+
+    low, high = 0.0, max(abs(w) for _, ends in pieces for w in ends)
+    if not too_long(low):
+        return 0.0
+    for _ in range(200):
+        low, high = ((low + high) / 2, high) if too_long((low + high) / 2) else (low, (low + high) / 2)
+    return high
+
+
 def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float) -> Asked:
     """Every demand of one set, the time above a current apart."""
     total = sum(p.time for p in pieces)
     running = [p for p in pieces if p.way]
     ran = sum(p.time for p in running)
-    level = [abs(p.gear_speed[0]) for p in running if math.isclose(*p.gear_speed, rel_tol=1e-12)]
+    mean = sum(p.time * abs(p.gear_speed[0] + p.gear_speed[1]) / 2 for p in running) / ran if ran else 0.0
     fastest = max(abs(w) for p in pieces for w in p.gear_speed)
     I_rms = math.sqrt(sum(product(p.time, p.current, p.current) for p in pieces) / total)
     steady = settled(motor, ambient, I_rms, sum(housing(p, motor) for p in pieces) / total)
@@ -145,7 +170,7 @@ def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float) -> Asked:
         gear_rms=math.sqrt(sum(product(p.time, p.gear_torque, p.gear_torque) for p in running) / ran),
         gear_peak=max(abs(T) for p in pieces for T in p.gear_torque),
         gear_speed=fastest,
-        gear_sustained=max(level) if level else fastest,
+        gear_sustained=max(mean, lasting([(p.time, p.gear_speed) for p in pieces], 1.0, 0.1)),
         gear_mean_power=sum(abs(product(p.time, p.gear_torque, p.gear_speed)) for p in running) / ran,
         gear_peak_power=max(abs(p.gear_torque[n] * p.gear_speed[n]) for p in pieces for n in (0, 1)),
         speed=fastest * head.ratio,

@@ -142,7 +142,7 @@ def asked_of(cycle, catalog, belt=1.6):
     at = at_gearhead(cycle.split(), 0.93).behind(belt)
     found = demands(at, motor, head, Rows(catalog.encoders, np.full(3, -1)))
     highest = peak(at, found.coefficients)
-    gear = [at.rms_torque, at.peak_torque, at.peak_speed, at.sustained_speed, at.mean_power, at.peak_power]
+    gear = [at.rms_torque, at.peak_torque, at.peak_speed, at.mean_speed, at.mean_power, at.peak_power]
     return np.array(gear), np.stack([found.rms_current, highest.value, found.peak_speed])
 
 

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.lasting_speed import lasting_speeds
 from drivesizer.loadcycle import OwnLimit
 from drivesizer.physics import AT_REST, SPEED, AtGearhead, Peak
 from drivesizer.tolerances.cycles import Cycles
@@ -105,16 +106,14 @@ def _scalars(cycles: Cycles, torque: Array, running: NDArray[np.bool_]) -> dict[
     time = np.where(running, duration, 0.0)
     total = time.sum(axis=0)
     lasting = np.where(total > 0.0, total, 1.0)
-    level = running & (speed[:, 0] == speed[:, 1]) & (duration > 0.0)
     fastest = np.abs(speed).max(axis=(0, 1))
-    kept = np.where(level, np.abs(speed[:, 0]), -1.0).max(axis=0)
     resting = (speed == 0.0).all(axis=1) & (duration > 0.0)
     standing = np.where(resting[:, None], np.abs(torque), -1.0).max(axis=(0, 1))
     return {
         "rms_torque": np.sqrt((time * mean_product(torque, torque)).sum(axis=0) / lasting),
         "peak_torque": np.abs(torque).max(axis=(0, 1)),
         "peak_speed": fastest,
-        "sustained_speed": np.where(kept >= 0.0, kept, fastest),
+        **lasting_speeds(duration, speed),
         "mean_power": (time * np.abs(mean_product(torque, np.broadcast_to(speed, torque.shape)))).sum(axis=0) / lasting,
         "peak_power": np.abs(torque * speed).max(axis=(0, 1)),
         "load_torque": np.abs(cycles.torque).max(axis=(0, 1)),
@@ -133,6 +132,7 @@ class AtSamples(AtGearhead):
         one = sampled.scalars
         self.rms_torque, self.peak_torque = one["rms_torque"] / ratio, one["peak_torque"] / ratio  # type: ignore[assignment]
         self.peak_speed, self.sustained_speed = one["peak_speed"] * ratio, one["sustained_speed"] * ratio  # type: ignore[assignment]
+        self.mean_speed = one["mean_speed"] * ratio  # type: ignore[assignment]
         self.mean_power, self.peak_power = one["mean_power"], one["peak_power"]  # type: ignore[assignment]
         self.active = [k for k in range(6) if sampled.functions[k].any()]
         there = {k: np.flatnonzero(sampled.functions[k].any(axis=(1, 2))) for k in self.active}
