@@ -33,8 +33,16 @@ SCHEMA_VERSION = 1
 
 
 def as_text(document: dict[str, Any]) -> str:
-    """A document as JSON text."""
-    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=2)
+    """A document as JSON text; what is unknown or without end is null."""
+    return json.dumps(_known(document), allow_nan=False, ensure_ascii=False, indent=2)
+
+
+def _known(value: Any) -> Any:
+    if isinstance(value, float):
+        return number(value)
+    if isinstance(value, dict):
+        return {key: _known(inner) for key, inner in value.items()}
+    return [_known(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 def requirement(r: Requirement) -> dict[str, Any]:

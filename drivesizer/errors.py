@@ -13,7 +13,18 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
-__all__ = ["CatalogError", "DrivesizerError", "InputError", "NoLoopError", "nearest", "quoted"]
+__all__ = [
+    "CatalogError",
+    "DrivesizerError",
+    "InputError",
+    "NoLoopError",
+    "nearest",
+    "printable",
+    "quoted",
+    "reason_of",
+]
+
+_LONG = 200  # characters, from which on a text is no misspelt name
 
 
 class DrivesizerError(Exception):
@@ -41,7 +52,21 @@ def quoted(found: object, longest: int = 60) -> str:
     text = str(found)
     if len(text) > longest:
         text = text[: longest - 1] + "…"
-    return '"' + "".join(c if c.isprintable() else repr(c)[1:-1] for c in text) + '"'
+    return f'"{printable(text)}"'
+
+
+def printable(text: str) -> str:
+    r"""A text with what is no printable character written out, so that none reaches a terminal.
+
+    >>> printable("a\x1b[31m\x85b")
+    'a\\x1b[31m\\x85b'
+    """
+    return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+def reason_of(error: Exception) -> str:
+    """Why the operating system refused, as it stands in a message: ``no such file or directory``."""
+    return (getattr(error, "strerror", "") or str(error)).lower()
 
 
 def nearest(name: str, known: Iterable[str], most: int = 3) -> str:
@@ -50,5 +75,5 @@ def nearest(name: str, known: Iterable[str], most: int = 3) -> str:
     >>> nearest("EPOS5", ["EPOS4", "GP 26 A"])
     '; the nearest is EPOS4'
     """
-    close = difflib.get_close_matches(name, sorted(known), most, 0.5)
+    close = difflib.get_close_matches(name, sorted(known), most, 0.5) if len(name) < _LONG else []
     return f"; the nearest {'is' if len(close) == 1 else 'are'} {', '.join(close)}" if close else ""

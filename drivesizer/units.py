@@ -16,6 +16,7 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.ranges import RANGES, outside
 
 if TYPE_CHECKING:
     import pint
@@ -28,6 +29,7 @@ __all__ = [
     "label",
     "noun",
     "number",
+    "possible",
     "registry",
     "scale",
     "show",
@@ -232,7 +234,19 @@ def to_si(text: object, kind: str) -> float:
         raise InputError(f"{quoted(text)} is outside the range of numbers that can be computed with; {hint}")
     if kind == "temperature" and result < 0.0:
         raise InputError(f"{quoted(text)} is below absolute zero; {hint}")
+    if outside(result, kind):
+        raise InputError(f"{quoted(text)} is no {noun(kind)} of a machine; {possible(kind)}")
     return result
+
+
+def possible(kind: str) -> str:
+    """What a figure of a kind can be, as it stands at the end of a message.
+
+    >>> possible("inertia")
+    'expected 1e-15 to 1e+09 kg·m², e.g. 142 g*cm^2'
+    """
+    least, most = RANGES[kind]
+    return f"expected {f'{least:g} to {most:g} {label(KINDS[kind].si)}'.rstrip()}, e.g. {KINDS[kind].example}"
 
 
 def scale(unit: str, kind: str) -> tuple[float, float]:

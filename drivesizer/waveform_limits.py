@@ -99,8 +99,9 @@ def time_above(
 
 
 def _slices(at: AtGearhead, count: int) -> list[slice]:
+    """Pieces of so many candidates; of none one piece without any, so that columns stay columns."""
     size = max(1, _AT_ONCE // len(at.base.warming.duration))
-    return [slice(start, start + size) for start in range(0, count, size)]
+    return [slice(start, start + size) for start in range(0, max(count, 1), size)]
 
 
 def _block(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, hot: Array, parts: Parts) -> Moments:

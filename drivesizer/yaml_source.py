@@ -1,7 +1,8 @@
 """YAML text to plain data, strictly, and back from a field's path to its line.
 
 YAML 1.2 core scalars only (``on`` is text, ``27:1`` is text), unique keys, no anchors, aliases, tags or second
-documents, bounded size and depth: what a hostile or careless file can do is a one-line error. The parsing is
+documents, no characters that steer a terminal, bounded size, depth and number of keys: what a hostile or careless file
+can do is a one-line error. The parsing is
 libyaml's; only the building of the data is ours, because positions and strictness are what PyYAML's
 constructor does not keep.
 """
@@ -16,7 +17,7 @@ from typing import Any
 
 import yaml
 
-from drivesizer.errors import InputError, quoted
+from drivesizer.errors import InputError, printable, quoted
 from drivesizer.textfile import read_text
 
 __all__ = ["Path_", "YamlSource", "read"]
@@ -25,10 +26,16 @@ Path_ = tuple[str | int, ...]  # keys and indices from the top of the document t
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _DEEPEST = 20
+_MOST_KEYS = 10_000  # of one group of fields
+_LARGEST = 2_000_000  # bytes: what is long stands in a CSV file beside it
 _NULL = {"", "~", "null", "Null", "NULL"}
 _BOOL = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
 _INT = re.compile(r"[-+]?[0-9]+", re.ASCII)
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?", re.ASCII)
+# controls but tab and line feed, ends of line of other scripts, and what turns the direction of writing
+_UNSEEN = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ufff9-\ufffb\ud800-\udfff]"
+)
 
 
 class YamlSource:
@@ -38,14 +45,15 @@ class YamlSource:
         self.text = text
         self.name = name
         self.data = _build(text, name, lambda path, line: None)
+        self._lines: dict[Path_, int] = {}
 
     def line(self, path: Path_) -> int | None:
-        """Line of the field at a path, or of the nearest field above it that exists (read again when asked)."""
-        lines: dict[Path_, int] = {}
-        _build(self.text, self.name, lambda p, line: lines.setdefault(p, line))
+        """Line of the field at a path, or of the nearest field above it that exists (read again when first asked)."""
+        if not self._lines:
+            _build(self.text, self.name, self._lines.setdefault)
         for length in range(len(path), 0, -1):
-            if path[:length] in lines:
-                return lines[path[:length]]
+            if path[:length] in self._lines:
+                return self._lines[path[:length]]
         return None
 
     def where(self, path: Path_) -> str:
@@ -53,18 +61,18 @@ class YamlSource:
         line = self.line(path)
         place = f"{self.name}:{line}" if line else self.name
         field = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{p}" for p in path).lstrip(".")
-        return f"{place}: {field}" if field else place
+        return f"{place}: {printable(field)}" if field else place
 
 
-def read(path: Path) -> YamlSource:
-    """Read a YAML file.
+def read(path: Path, largest: int = _LARGEST) -> YamlSource:
+    """Read a YAML file of at most `largest` bytes.
 
     Raises
     ------
     InputError
         When the file cannot be read, is too large, is not UTF-8, or is not the YAML that is accepted here.
     """
-    return YamlSource(read_text(path), str(path))
+    return YamlSource(read_text(path, largest), str(path))
 
 
 def _scalar(event: Any) -> Any:
@@ -89,12 +97,19 @@ def _events(text: str, name: str) -> Iterator[Any]:
         line = text.encode()[: error.position].count(b"\n") + 1  # libyaml counts bytes
         raise InputError(f"{name}:{line}: the character {error.character!r} is not allowed in YAML") from None
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = mark.line + 1 if mark else 1
-        problem = error.problem or "unreadable"
-        tab = "\t" in (text.splitlines() or [""])[min(line, text.count("\n") + 1) - 1]
-        hint = "; indent with blanks, not tabs" if tab else ""
-        raise InputError(f"{name}:{line}: not YAML: {problem}{hint}") from None
+        raise InputError(f"{name}:{_not_yaml(error, text)}") from None
+
+
+def _not_yaml(error: yaml.MarkedYAMLError, text: str) -> str:
+    """Line and reason of what is no YAML; of a quote or bracket that is left open, the line that opens it."""
+    lines = text.splitlines()
+    here = error.problem_mark or error.context_mark
+    problem, at = error.problem or "unreadable", here.line if here else 0
+    if at >= len(lines) and error.context_mark:  # the file ends in the middle of something
+        at, problem = error.context_mark.line, f"{problem} {error.context or ''}, which begins here".replace(" ,", ",")
+    at = min(at, max(len(lines) - 1, 0))
+    hint = "; indent with blanks, not tabs" if lines and "\t" in lines[at] else ""
+    return f"{at + 1}: not YAML: {problem}{hint}"
 
 
 def _build(text: str, name: str, note: Callable[[Path_, int], object]) -> Any:
@@ -146,6 +161,8 @@ class _Builder:
             raise self.fail(event, "anchors and aliases (& and *) are not used here; quote text that starts with them")
         if getattr(event, "tag", None) and event.tag != "!":
             raise self.fail(event, f"the tag {quoted(event.tag)} is not used here")
+        if unseen := _UNSEEN.search(getattr(event, "value", "")):
+            raise self.fail(event, f"the character {unseen[0]!r} is not used here; expected text as it is printed")
 
     def start(self, container: Any, event: Any) -> None:
         if len(self.open) >= _DEEPEST:
@@ -161,6 +178,8 @@ class _Builder:
             raise self.fail(event, "merge keys (<<) are not used here; write the fields out")
         if key in container:
             raise self.fail(event, f"the key {quoted(key)} is given twice")
+        if len(container) == _MOST_KEYS:
+            raise self.fail(event, f"more than {_MOST_KEYS} keys in one group of fields; expected fewer")
         self.note((*path, key), event.start_mark.line + 1)
         return key
 

@@ -31,6 +31,7 @@ from drivesizer.catalog.parts import (
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
 from drivesizer.catalog.wholes import Actuator, Battery, Belt, Brake, Pulley, Stepper
 from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.ranges import AT_MOST, MAY_BE_ZERO, RANGES
 from drivesizer.textfile import decoded, read_bytes
 
 __all__ = [
@@ -107,7 +108,7 @@ def _key(raw: bytes) -> str:
 
 @functools.cache
 def _schema() -> bytes:
-    return repr([columns_of(section) for section in PARTS]).encode()
+    return repr(([columns_of(section) for section in PARTS], RANGES, sorted(MAY_BE_ZERO), AT_MOST)).encode()
 
 
 def _one(path: Path, raw: bytes, key: str) -> Catalog:

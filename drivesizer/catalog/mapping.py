@@ -113,7 +113,7 @@ def _columns(file: YamlSource, section: str, value: Any) -> dict[str, str | None
     known = columns_of(section)
     found: dict[str, str | None] = {}
     for theirs, ours in _mapping(file, value, ("columns",)).items():
-        if ours is not None and ours not in known:
+        if ours is not None and (not isinstance(ours, str) or ours not in known):
             hint = nearest(str(ours), known) or f"; expected one such as {', '.join(list(known)[:4])}"
             raise InputError(f"{file.where(('columns', theirs))}: {section} have no column {quoted(ours)}{hint}")
         found[theirs] = ours

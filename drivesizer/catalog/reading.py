@@ -24,7 +24,8 @@ from drivesizer.catalog.stated import STATED
 from drivesizer.catalog.stated_reading import read_stated
 from drivesizer.catalog.tables import CONFIDENCE, Catalog, Note, Source, Table
 from drivesizer.errors import InputError, quoted
-from drivesizer.units import scale, to_si
+from drivesizer.ranges import AT_MOST, MAY_BE_ZERO, outside
+from drivesizer.units import label, noun, possible, scale, show, to_si
 from drivesizer.yaml_source import Path_, YamlSource
 
 __all__ = ["SCHEMA", "parse"]
@@ -88,7 +89,7 @@ def _names(tables: dict[str, Any], section: str) -> set[str]:
 def _read_sources(reader: Reader, given: Any) -> None:
     if not given:
         raise reader.fail(("sources",), "expected at least one, e.g. sheet: {document: ..., confidence: quoted}")
-    for key, entry in reader.mapping(given, ("sources",), given).items():
+    for key, entry in reader.mapping(given, ("sources",), given if isinstance(given, dict) else ("sheet",)).items():
         path: Path_ = ("sources", key)
         entry = reader.mapping(entry, path, _SOURCE, {"document", "confidence"})
         _known_confidence(reader, entry["confidence"], path)
@@ -221,11 +222,25 @@ def _column(
     factor, offset = factors
     values = np.array([_cell(reader, column, cell, at(row)) for row, cell in enumerate(cells)], float)
     values = values * factor + offset
-    bad = np.flatnonzero(values <= 0.0 if column.kind == "ratio" else values < column.least)
-    if len(bad):
-        least = "not above 0" if column.kind == "ratio" else f"below {column.least:g}"
-        raise reader.fail(at(int(bad[0])), f"{column.name} {quoted(cells[bad[0]])} is {least}")
+    if wrong := _impossible(column, values):
+        row, words = wrong
+        raise reader.fail(at(row), f"{column.name} {quoted(cells[row])} {words}")
     return values
+
+
+def _impossible(column: Column, values: NDArray[Any]) -> tuple[int, str] | None:
+    """The first of some SI figures that no part can have, and why; None where all can be."""
+    most, zero = AT_MOST.get(column.name, np.inf), column.name in MAY_BE_ZERO
+    example = f"expected {label(column.unit) or 'a plain number'} above 0, ~ where it is unknown"
+    for bad, words in (
+        (values < column.least, f"is below {column.least:g}"),
+        ((values <= 0.0) & ((column.kind == "ratio") | (values == 0.0)) & (not zero), f"is not above 0; {example}"),
+        (values > most, f"is above {show(most, column.unit, column.kind)}"),
+        (outside(values, column.kind), f"is no {noun(column.kind)} of a machine; {possible(column.kind)}"),
+    ):
+        if bad.any():
+            return int(np.flatnonzero(bad)[0]), words
+    return None
 
 
 def _cell(reader: Reader, column: Column, cell: Any, path: Path_) -> float:
@@ -250,8 +265,8 @@ def _figure(reader: Reader, column: Column, value: Any, path: Path_) -> Any:
         figure = to_si(value, column.kind)
     except InputError as error:
         raise reader.fail(path, str(error)) from None
-    if figure < column.least:
-        raise reader.fail(path, f"{quoted(value)} is below {column.least:g}")
+    if wrong := _impossible(column, np.array([figure])):
+        raise reader.fail(path, f"{quoted(value)} {wrong[1]}")
     return figure
 
 
