@@ -12,8 +12,7 @@ Names are loaded on first use, so that importing the package costs nothing.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+TYPE_CHECKING = False  # as of typing, whose import is not waited for here
 
 __version__ = "0.1.0"
 
@@ -30,6 +29,8 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from typing import Any
+
     from drivesizer.catalog import load as load_catalog
     from drivesizer.errors import CatalogError, DrivesizerError, InputError
     from drivesizer.results import SizingResult
@@ -53,6 +54,8 @@ _HOME = {
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'drivesizer' has no attribute {name!r}")
+    from importlib import import_module
+
     module, _, attribute = _HOME[name].partition(":")
     return getattr(import_module(f"drivesizer.{module}"), attribute or name)
 

@@ -1,6 +1,26 @@
-"""``python -m drivesizer``."""
+"""``drivesizer`` and ``python -m drivesizer``: the command line, with Ctrl-C quiet from the first moment on."""
 
-from drivesizer.cli import main
+from __future__ import annotations
+
+import os
+import signal
+
+__all__ = ["main"]
+
+_STOPPED = 130  # exit status after Ctrl-C, as shells have it
+
+
+def main() -> None:
+    """Import the command line and run it; until it is there nothing is open that an interruption could spoil."""
+    asked = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # not where a shell lets it be ignored
+    if asked:
+        signal.signal(signal.SIGINT, lambda *_: os._exit(_STOPPED))
+    from drivesizer.cli import main as run
+
+    if asked:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    run()
+
 
 if __name__ == "__main__":
     main()

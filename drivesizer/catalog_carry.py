@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -110,6 +111,7 @@ def take_in(
     from drivesizer import terminal_findings
     from drivesizer.catalog.mapping import plan
     from drivesizer.catalog.taking import take
+    from drivesizer.report.files import new
     from drivesizer.textfile import read_text
 
     target = _target(output, dry_run)
@@ -118,7 +120,7 @@ def take_in(
     told = take(read_text(file), file, plan(section, map_, said), target)
     terminal_findings.taken(told)
     if not dry_run:
-        _write_new(target, told.text)
+        new(target, told.text.encode())
         typer.echo(f"{target} written; it states no compatibility yet: add it at its end")
 
 
@@ -130,19 +132,8 @@ def _target(output: Path | None, dry_run: bool) -> Path:
     target = output or Path("parts.yaml")
     if target.suffix not in (".yaml", ".yml"):
         raise InputError(f"{target}: the suffix {quoted(target.suffix)} is not known; expected .yaml")
+    if output is not None and os.path.lexists(target):
+        raise InputError(f"{target}: the file exists and is left alone; name another with -o")
     if output is not None:
         ready(target)
-        if target.exists():
-            raise InputError(f"{target}: the file exists and is left alone; name another with -o")
     return target
-
-
-def _write_new(target: Path, text: str) -> None:
-    try:
-        with target.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise InputError(f"{target}: the file exists and is left alone; name another with -o") from None
-    except OSError as error:
-        target.unlink(missing_ok=True)
-        raise InputError(f"{target}: cannot be written ({(error.strerror or str(error)).lower()})") from None

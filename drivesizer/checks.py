@@ -133,10 +133,10 @@ class CheckColumn:
 
     @property
     def margin(self) -> NDArray[np.float64]:
-        """Share by which the limit exceeds the demand; NaN where unknown or without demand."""
-        with np.errstate(divide="ignore", invalid="ignore"):
+        """Share by which the limit exceeds the demand; NaN where unknown, without demand or without end."""
+        with np.errstate(all="ignore"):
             found = (self.limit - self.zero) / (self.demand - self.zero) - 1.0
-        return np.where(self.demand == self.zero, nan, found)
+        return np.where((self.demand == self.zero) | np.isinf(found), nan, found)
 
     @property
     def tightness(self) -> NDArray[np.float64]:

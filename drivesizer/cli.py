@@ -1,7 +1,8 @@
 """The command line: parse, call, print.
 
-Exit status: 0 a set was found or the set passes, 1 none does, 2 the input is wrong (one line says where and
-what). Results go to stdout, warnings and errors to stderr.
+Exit status: 0 a set was found or the set passes, 1 none does, 2 the input is wrong or an output cannot be written (one
+line says where and what), 70 drivesizer itself is at fault, 130 it was interrupted. Results go to stdout, warnings and
+errors to stderr; whatever fails ends in `cli_ends`.
 """
 
 from __future__ import annotations
@@ -16,14 +17,14 @@ import typer
 
 from drivesizer import __version__
 from drivesizer.catalog_cli import app as catalog_commands
-from drivesizer.cli_common import NothingFitsError
 from drivesizer.cli_drive import drive
+from drivesizer.cli_ends import ended
 from drivesizer.cli_export import export
 from drivesizer.cli_setup import doctor, equations, init, schema
 from drivesizer.cli_sizing import explain, report, size
 from drivesizer.cli_study import study
 from drivesizer.cli_validate import validate
-from drivesizer.errors import DrivesizerError
+from drivesizer.errors import printable
 
 __all__ = ["app", "main"]
 
@@ -75,30 +76,10 @@ for _command, _short, _example in _COMMANDS:
     app.command(short_help=_short, epilog=f"Example: drivesizer {_example}")(_command)
 app.add_typer(catalog_commands, name="catalog", short_help="Look into the catalogues, check them, carry parts.")
 
-# typer brings its own click or uses the installed one; this is that click's root of what a user can get wrong.
-_Usage: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
-
 
 def main() -> None:
-    """Run the command line; every expected failure ends in one line and a status."""
+    """Run the command line; every failure ends in one line and a status."""
     gc.set_threshold(200_000, 20, 20)  # in a process of seconds, looking for cycles costs more than it frees
-    warnings.showwarning = lambda message, *_, **__: print(f"note: {message}", file=sys.stderr)
-    try:
-        status = app(standalone_mode=False)
-    except NothingFitsError as error:
-        status = _fail(str(error), 1)
-    except DrivesizerError as error:
-        status = _fail(str(error), 2)
-    except typer.Abort:
-        status = 130
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader of our output went away: nothing left to say
-        status = 0
-    except _Usage as error:
-        status = _fail(f"{error.format_message()} (try drivesizer --help)", 2)  # type: ignore[attr-defined]
-    sys.exit(status or 0)
-
-
-def _fail(message: str, status: int) -> int:
-    print(f"drivesizer: {' '.join(message.split())}", file=sys.stderr)
-    return status
+    warnings.showwarning = lambda message, *_, **__: print(f"note: {printable(str(message))}", file=sys.stderr)
+    warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is told as unknown
+    sys.exit(ended(lambda: app(standalone_mode=False)))

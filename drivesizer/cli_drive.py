@@ -34,10 +34,12 @@ def drive(
 ) -> None:
     """Drive a platform along a trajectory: what each wheel is asked for, and whether a set does it."""
     from drivesizer.driving import driving, on_the_way
+    from drivesizer.report import accept
 
     if drawings and not follow:
         raise InputError("--figures: it draws what --follow simulates; expected both, or none")
     robot = load(spec, catalogs)
+    accept([], tables=[csv] if csv else [])
     way = on_the_way(robot, trajectory, failed or ())
     found = driving(way)
     one = _on_the_way(robot, way, chosen)

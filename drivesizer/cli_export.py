@@ -23,8 +23,8 @@ def export(
     """Write a set for a simulator: MuJoCo, URDF, Gazebo, ros2_control, an FMU, or plain JSON."""
     from drivesizer.export import accept, export_of, write
 
-    accept(form, output)
     robot = load(spec, catalogs)
+    accept(form, output)
     found = pick(robot, chosen)
     with working("designing the controller"):
         record = export_of(robot, found)

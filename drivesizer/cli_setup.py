@@ -74,13 +74,9 @@ def _start(text: str, output: Path) -> None:
     if str(output) == "-":
         typer.echo(text, nl=False)
         return
-    try:
-        with output.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise InputError(f"{output}: the file exists and is left alone; name another with -o") from None
-    except OSError as error:
-        raise InputError(f"{output}: cannot be written ({(error.strerror or str(error)).lower()})") from None
+    from drivesizer.report.files import new
+
+    new(output, text.encode())
     typer.echo(f"{output} written; now: drivesizer size{'' if output == DEFAULT else f' {output}'}")
 
 

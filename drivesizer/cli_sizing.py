@@ -47,8 +47,8 @@ def size(
     from drivesizer.sizing import size as sized
     from drivesizer.tolerances.asked import asked
 
-    accept([pdf] if pdf else [], tables=[csv] if csv else [])
     robot = load(spec, catalogs)
+    accept([pdf] if pdf else [], tables=[csv] if csv else [])
     sampling = asked(robot, confidence, samples, seed, processes, loop_samples)
     with progress() as told:
         result = sized(
@@ -117,8 +117,8 @@ def report(
     from drivesizer.sizing import size as sized
     from drivesizer.tolerances.asked import asked
 
-    accept(output)
     robot = load(spec, catalogs)
+    accept(output)
     sampling = asked(robot, confidence, samples, seed, processes, loop_samples)
     with progress() as told:
         result = sized(

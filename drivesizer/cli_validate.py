@@ -42,10 +42,12 @@ def validate(
     catalogs: More = None,
 ) -> None:
     """Drive a set through the profile in closed loop: every demand against its limit."""
+    from drivesizer.report import accept
     from drivesizer.simulate import hardest_case
     from drivesizer.simulate import validate as validated
 
     robot = load(spec, catalogs)
+    accept([], tables=[csv] if csv else [])
     _known(robot, case)
     if everything:
         if chosen or csv or drawings:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drivesizer import __version__
-from drivesizer.errors import DrivesizerError
+from drivesizer.errors import DrivesizerError, reason_of
 
 __all__ = ["Finding", "examined"]
 
@@ -93,7 +93,7 @@ def _cache() -> Iterator[Finding]:
         with tempfile.TemporaryFile(dir=place):
             pass
     except OSError as error:
-        said = f"{place} cannot be written ({(error.strerror or str(error)).lower()})"
+        said = f"{place} cannot be written ({reason_of(error)})"
         yield Finding("cache", said, False, "every start is slower; name another folder with DRIVESIZER_CACHE")
         return
     files = [path for path in place.rglob("*") if path.is_file()]

@@ -12,15 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.ranges import RANGES
 from drivesizer.textfile import missing, read_text
-from drivesizer.units import KINDS, scale
+from drivesizer.units import KINDS, noun, possible, scale
 
-__all__ = ["Form", "beside", "columns"]
+__all__ = ["Form", "beside", "columns", "refuse_impossible"]
 
 Form = Mapping[str, str]  # name of each column -> kind of its quantity
 
 _NUMBERS = ("0.5", "1.2", "0.3", "4.5")  # of a row that is shown as an example
 _MOST_ROWS = 1_000_000
+_ABOVE = 3  # line of the first row of numbers
 
 
 def beside(spec_file: str, name: str, where: str) -> Path:
@@ -63,7 +65,26 @@ def columns(path: Path, *forms: Form) -> dict[str, NDArray[np.float64]]:
     header, form = _header(path, next(rows, None), forms)
     factors = _factors(path, header, form, next(rows, None))
     values = _values(path, rows, header, factors, float if text.isascii() and "_" not in text else _strict)
+    refuse_impossible(path, values, header, form, factors)
     return {name: values[:, header.index(name)].copy() for name in form}
+
+
+def refuse_impossible(
+    path: Path, values: NDArray[np.float64], header: list[str], form: Form, factors: list[float]
+) -> None:
+    """Refuse a figure beyond what machines have; however small ones are steps towards 0.
+
+    Raises
+    ------
+    InputError
+        File, line, column, what was found and what is expected.
+    """
+    most = np.array([RANGES[form[name]][1] for name in header])
+    if not (np.abs(values) <= most).all():
+        row, place = (int(k[0]) for k in np.nonzero(np.abs(values) > most))
+        kind, found = form[header[place]], values[row, place] / factors[place]
+        said = f'"{found:g}" is no {noun(kind)} of a machine; {possible(kind)}'
+        raise InputError(f"{path}:{row + _ABOVE}: {header[place]}: {said}")
 
 
 def _example(width: int) -> str:

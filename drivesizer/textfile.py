@@ -16,7 +16,7 @@ __all__ = ["decoded", "missing", "read_bytes", "read_text", "was_read"]
 
 _PATIENCE = 2.0  # s that somebody has to begin to write into a named pipe
 _PIECE = 1 << 20  # bytes read at once
-_read: dict[str, None] = {}  # absolute paths of what was read
+_read: dict[Path, None] = {}  # absolute paths of what was read
 
 
 def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
@@ -35,7 +35,7 @@ def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
         raise InputError(f"{path}: cannot be read ({reason_of(error)})") from None
     if len(raw) > largest:
         raise InputError(f"{path}: the file is larger than {largest // 1_000_000} MB")
-    _read[os.path.abspath(path)] = None
+    _read[path.absolute()] = None
     return raw
 
 
@@ -67,15 +67,15 @@ def _from_pipe(path: Path, largest: int) -> bytes:
         os.close(pipe)
 
 
-def was_read(path: Path) -> str:
-    """The name under which the file at a path was read in this process, through whatever link; empty where it was not."""
+def was_read(path: Path) -> Path | None:
+    """The path under which a file was read in this process, through whatever link; None where it was not."""
     for name in _read:
         try:
-            if os.path.samefile(name, path):
+            if name.samefile(path):
                 return name
         except (OSError, ValueError):  # one of them is no longer there, or not yet
             continue
-    return ""
+    return None
 
 
 def missing(path: Path) -> str:

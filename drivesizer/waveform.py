@@ -158,7 +158,9 @@ def energy(found: Wave, *, storing: bool = True) -> Energy:
     taken, back = drawn.sum((1, 2)), returned.sum((1, 2))
     if not storing:
         return Energy(taken, back, np.full_like(back, np.nan))
-    stored = np.where(back > taken, np.inf, _most_stored(-parts.reshape(len(parts), prod(parts.shape[1:]))))  # more with every cycle
+    stored = np.where(
+        back > taken, np.inf, _most_stored(-parts.reshape(len(parts), prod(parts.shape[1:])))
+    )  # more with every cycle
     return Energy(taken, back, stored)
 
 

@@ -201,7 +201,7 @@ LARGE = (
         ("spec: robot.yaml\nspecs: [robot.yaml]\n", "give spec or specs, exactly one of them; both are given"),
         ("specs: [robot.yaml]\nvary: {load.mass: [1 kg]}\n", "expected spec, the one that is varied, not specs"),
         ("specs: [robot.yaml, robot.yaml]\n", '"robot.yaml" is given twice'),
-        ("spec: nowhere.yaml\n", "nowhere.yaml: cannot be read (no such file or directory)"),
+        ("spec: nowhere.yaml\n", 'study.yaml:1: spec: "nowhere.yaml" cannot be read (no such file or directory)'),
         ("spec: robot.yaml\nobjectives: [mas]\n", 'objectives[1]: objective "mas" is not known; expected mass, price'),
         ("spec: robot.yaml\nobjectives: [mass, mass=0]\n", 'weight "0" is not a number above 0'),
         ("spec: robot.yaml\nobjectives: [mass, mass]\n", '"mass" is given twice'),

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from drivesizer import units
 from drivesizer.errors import InputError
+from drivesizer.ranges import outside
 from drivesizer.units import KINDS, from_si, label, scale, show, to_si
 
 PINT = pint.UnitRegistry()  # pint's full definitions: the authority for our short ones
@@ -124,7 +125,29 @@ def test_any_text_gives_a_finite_number_or_an_input_error(text, kind):
 def test_round_trip(value, kind_unit):
     kind, unit = kind_unit
     text = f"{value!r} {unit if unit != '1' else ''}"
+    if outside(value * scale(unit, kind)[0], kind):
+        with pytest.raises(InputError, match="of a machine; expected"):
+            to_si(text, kind)
+        return
     assert from_si(to_si(text, kind), unit, kind) == pytest.approx(value, rel=1e-14, abs=1e-300)
+
+
+@pytest.mark.parametrize(
+    ("figure", "kind"),  # among the smallest and the largest that are built, out of makers' and museums' own pages
+    [
+        ("0.0004 g*cm^2", "inertia"),  # rotor of a motor of 6 mm
+        ("0.25 mN*m", "torque"),  # and what it gives
+        ("14200 t", "mass"),  # Bagger 293, bucket-wheel excavator
+        ("7600000 N*m", "torque"),  # shaft of a ship's diesel, 80 MW at 102 rpm
+        ("80080 kW", "power"),
+        ("1200000 rpm", "rotary_speed"),  # a spindle of the ETH Zurich
+        ("1.16e-5 turn/s", "rotary_speed"),  # a telescope that follows the stars
+        ("0.6 mohm", "resistance"),
+        ("1e9", "dimensionless"),  # counts of a 30-bit encoder
+    ],
+)
+def test_what_is_built_is_not_refused(figure, kind):
+    assert to_si(figure, kind) > 0.0
 
 
 @given(st.floats(-200, 2000), st.sampled_from(["K", "degC", "degF"]))

@@ -28,6 +28,7 @@ from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.stated import Stated
 from drivesizer.catalog.tables import Across, Catalog, Note, Pairs, Source, Table, empty
+from drivesizer.errors import reason_of
 
 __all__ = ["CacheWarning", "digest_of", "folder", "keep", "kept", "recall", "store"]
 
@@ -84,7 +85,7 @@ def store(path: Path, catalog: Catalog) -> None:
     try:
         keep(path, buffer.getvalue())
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         warnings.warn(f"the compiled catalogue is not kept in {path.parent} ({reason})", CacheWarning, stacklevel=2)
 
 

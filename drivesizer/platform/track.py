@@ -36,7 +36,7 @@ from drivesizer.platform.curve import spline, thinned
 from drivesizer.platform.notation import Array
 from drivesizer.platform.planner import Limits, Waypoint, plan
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.recording import _factors, _miscount, _number, _rows, _strict, _values
+from drivesizer.recording import _factors, _miscount, _number, _rows, _strict, _values, refuse_impossible
 from drivesizer.textfile import read_text
 
 __all__ = ["read_track", "read_waypoints"]
@@ -82,6 +82,7 @@ def read_track(path: str | Path, limits: Limits | None = None, smoothing: float 
         return _planned(file, _waypoints(file, rows, header, factors), limits)
     convert = float if text.isascii() and "_" not in text else _strict
     found = _values(file, rows, header, factors, convert)
+    refuse_impossible(file, found, header, _KINDS, factors)
     time, *posture = (found[:, header.index(name)] for name in _KINDS if name in _TIMED)
     if len(time) < _FEWEST:
         raise InputError(f"{file}: rows: {len(time)} found; expected at least {_FEWEST} below the units")
@@ -90,7 +91,7 @@ def read_track(path: str | Path, limits: Limits | None = None, smoothing: float 
         raise InputError(f"{file}: rows: nothing moves; expected a track of a motion")
     span = float(time[-1] - time[0])
     if not 0.0 <= smoothing <= span / _FEWEST:
-        raise InputError(f"smoothing: must lie between 0 and {span / _FEWEST:.4g} s, a quarter of the track's time")
+        raise InputError(f"{file}: smoothing: must lie between 0 and {span / _FEWEST:.4g} s, a quarter of its time")
     _no_jumps(file, time, made, limits, thinned(time, smoothing))
     _at_rest(file, time, made, thinned(time, smoothing))
     if smoothing == 0.0:

@@ -104,16 +104,15 @@ def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
     Raises
     ------
     InputError
-        When a suffix is none of the known ones, or a path is no place for a file.
+        When a suffix is none of the known ones, a path is no place for a file or what was read, or two are one file.
     """
-    from drivesizer.report.files import ready
+    from drivesizer.report.files import ready_all
 
     for path in paths:
         if path.suffix.lower() not in _RENDERERS:
             known = f"{', '.join(KNOWN[:-1])} or {KNOWN[-1]}"
             raise InputError(f"{quoted(path.name)} does not say which kind of report; expected {known}")
-    for path in (*paths, *tables):
-        ready(path)
+    ready_all((*paths, *tables))
 
 
 def write_sets(result: SizingResult, path: Path) -> list[Path]:

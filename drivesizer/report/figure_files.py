@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from drivesizer.errors import InputError
+from drivesizer.errors import InputError, reason_of
 from drivesizer.report.drawings import Drawing
 from drivesizer.report.files import put, ready
 from drivesizer.report.style import FILES
@@ -21,7 +21,7 @@ def figures_into(made: Mapping[str, Drawing], folder: Path) -> list[Path]:
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
-        raise InputError(f"{folder}: cannot be made ({(error.strerror or str(error)).lower()})") from None
+        raise InputError(f"{folder}: cannot be made ({reason_of(error)})") from None
     return put(files)
 
 

@@ -159,6 +159,9 @@ def _range(place: Place, axis: Axis, given: dict[str, Any], grid: bool) -> Axis:
             raise place.wrong(f"{key} is missing; expected a range, {_RANGE}")
     if not axis.kind:
         raise place.wrong("is no quantity; expected a list of values")
+    for key in ("from", "to"):
+        if has_tolerance(str(given[key])):
+            raise place.wrong(f"{quoted(given[key])} has a tolerance; expected a plain quantity, {_RANGE}", key)
     low, high = (_checked(place, given[key], axis.kind, key) for key in ("from", "to"))
     if not low < high:
         raise place.wrong(f"{quoted(given['from'])} is not below {quoted(given['to'])}; expected from below to")

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from drivesizer.errors import InputError
+from drivesizer.errors import InputError, reason_of
 
 __all__ = ["locked"]
 
@@ -36,7 +36,7 @@ def locked(folder: Path) -> Iterator[None]:
     try:
         file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({(error.strerror or str(error)).lower()})") from None
+        raise InputError(f"{path}: cannot be written ({reason_of(error)})") from None
     try:
         try:
             _take(file)
@@ -64,6 +64,6 @@ def _take(file: int) -> None:
 
 def _refusal(folder: Path, file: int, error: OSError) -> str:
     if error.errno not in _TAKEN:
-        return f"{folder}: cannot be held against a second process ({(error.strerror or str(error)).lower()})"
+        return f"{folder}: cannot be held against a second process ({reason_of(error)})"
     who = os.read(file, 200).decode(errors="replace") or "another process"
     return f"{folder}: {who} is at work on this study; wait until it is done, or choose another folder with -o"

@@ -15,11 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.errors import InputError
+from drivesizer.errors import InputError, quoted
 from drivesizer.ranking import objective_of, title_of
 from drivesizer.study.axes import Axis, Place, axes_of, once
 from drivesizer.study.schema import Hypercube, StudyFile, schema_of
-from drivesizer.yaml_source import YamlSource, read
+from drivesizer.textfile import missing
+from drivesizer.yaml_source import Path_, YamlSource, read
 
 __all__ = ["MOST", "Job", "Plan", "Variant", "read_study"]
 
@@ -150,7 +151,8 @@ def read_study(path: str | Path) -> Plan:
     names = tuple(study.specs or [study.spec or ""])
     if study.specs:
         once(Place(source, ("specs",)), names)
-    specs = [_spec(source, Path(path).parent / name) for name in names]
+    places: list[Path_] = [("specs", n) for n in range(len(names))] if study.specs else [("spec",)]
+    specs = [_spec(Place(source, place), name, Path(path).parent) for place, name in zip(places, names, strict=True)]
     hypercube = study.sampling if isinstance(study.sampling, Hypercube) else None
     axes = axes_of(source, specs[0], study.vary or {}, hypercube is None)
     catalogs = _catalogs(source, study, Path(path).parent)
@@ -171,8 +173,12 @@ def read_study(path: str | Path) -> Plan:
     return _sampled(plan, hypercube) if hypercube else _few_enough(plan, plan.total)
 
 
-def _spec(source: YamlSource, path: Path) -> YamlSource:
-    found = read(path)
+def _spec(place: Place, name: str, folder: Path) -> YamlSource:
+    if reason := missing(folder / name):
+        raise place.wrong(
+            f"{quoted(name)} cannot be read ({reason}); expected a spec, its path from the study's folder"
+        )
+    found = read(folder / name)
     if not isinstance(found.data, dict):
         raise InputError(f"{found.name}: expected fields such as name, load, motion; see `drivesizer init`")
     return found

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from drivesizer.errors import InputError
+from drivesizer.errors import InputError, reason_of
 from drivesizer.report.figure_files import figures_into
 from drivesizer.study.columns import Column, Row, columns_of
 from drivesizer.study.local import cores, on_processes
@@ -101,7 +101,7 @@ def _usable(folder: Path) -> None:
         if folder.exists() and not folder.is_dir():
             raise InputError(f"{folder}: is a file; expected a folder for the results, -o names another")
     except OSError as error:
-        raise InputError(f"{folder}: cannot be read ({(error.strerror or str(error)).lower()})") from None
+        raise InputError(f"{folder}: cannot be read ({reason_of(error)})") from None
     if not folder.parent.is_dir():
         raise InputError(f"{folder}: cannot be made, there is no folder {folder.parent}")
     foreign = sorted(there - _OWN)
@@ -115,7 +115,7 @@ def _made(folder: Path) -> None:
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
-        raise InputError(f"{folder}: cannot be made ({(error.strerror or str(error)).lower()})") from None
+        raise InputError(f"{folder}: cannot be made ({reason_of(error)})") from None
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drivesizer.errors import InputError
+from drivesizer.errors import InputError, reason_of
 from drivesizer.report.files import put
 from drivesizer.study.columns import Row
 from drivesizer.study.plan import Plan
@@ -138,7 +138,7 @@ def opened(folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool 
         for half in folder.glob("results.*.part"):
             half.unlink()
     except OSError as error:
-        raise InputError(f"{folder}: cannot be written ({(error.strerror or str(error)).lower()})") from None
+        raise InputError(f"{folder}: cannot be written ({reason_of(error)})") from None
     if fresh or before is None:
         put({folder / _MANIFEST: (json.dumps(manifest, indent=2) + "\n").encode()})
     return store
@@ -175,4 +175,4 @@ def _cleared(store: Store) -> None:
         try:
             path.unlink(missing_ok=True)
         except OSError as error:
-            raise InputError(f"{path}: cannot be removed ({(error.strerror or str(error)).lower()})") from None
+            raise InputError(f"{path}: cannot be removed ({reason_of(error)})") from None

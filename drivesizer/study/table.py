@@ -15,7 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from drivesizer.errors import InputError
+from drivesizer.errors import InputError, reason_of
 from drivesizer.report.cells import csv_cell
 from drivesizer.report.files import ready
 from drivesizer.study.columns import Column, Row
@@ -93,12 +93,14 @@ def _turned(rows: Sequence[Row], columns: Sequence[Column]) -> list[list[Any]]:
 def _whole(path: Path) -> Iterator[BinaryIO]:
     """A file that takes its place when all of it is written; there may be more of it than memory holds."""
     ready(path)
-    half = path.with_name(f"{path.name}.part")
+    target = path.resolve()
+    half = target.with_name(f"{target.name}.part")
     try:
-        with half.open("wb") as stream:
+        half.unlink(missing_ok=True)
+        with half.open("xb") as stream:
             yield stream
-        half.replace(path)
+        half.replace(target)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({(error.strerror or str(error)).lower()})") from None
+        raise InputError(f"{path}: cannot be written ({reason_of(error)})") from None
     finally:
         half.unlink(missing_ok=True)
