@@ -2,13 +2,16 @@
 
 import re
 
+import numpy as np
 import pytest
 from lxml import etree
 from studies import CHEAP, laid
 
 from drivesizer.errors import InputError
 from drivesizer.sizing import size
-from drivesizer.study.map_panel import _edges, _face, _text
+from drivesizer.study.map_figure import draw
+from drivesizer.study.map_panel import Dimension, Panel, Scene, _edges, _face, _text
+from drivesizer.study.map_sets import OTHERS, look_of, numbered
 from drivesizer.study.maps import MAPS, chosen, drawings, points
 from drivesizer.study.plan import read_study
 from drivesizer.study.variant import rows_of, spec_of
@@ -46,7 +49,62 @@ def test_a_map_of_sets_numbers_them_and_tells_what_they_are(tmp_path):
         assert seen.count(str(number)) == sum(row["set"] == name for row in found[()])
     assert seen.count("×") == 2  # of -5 kg at both speeds
     assert "load.mass (kg)" in seen and "motion.speed (m/s)" in seen
-    assert any("hatched: no set stands" in text and "×: not a machine" in text for text in seen)
+    assert any("slanting lines: no set stands" in text and "×: not a machine" in text for text in seen)
+
+
+def many(sets):
+    """A grid of ten by ten with so many sets in turn, and one price."""
+    across, up = (Dimension(name, f"{name} (kg)", tuple(float(n) for n in range(10)), True) for name in "ab")
+    rows = [
+        {"a (kg)": float(n // 10), "b (kg)": float(n % 10), "status": "pass", "set": f"set {n % sets}",
+         "price_EUR": 123.4, "price_lacks": ""}
+        for n in range(100)
+    ]  # fmt: skip
+    return across, up, rows
+
+
+@pytest.mark.parametrize("sets", [9, 30, 80])
+def test_no_two_sets_look_alike_however_many_there_are(sets):
+    """Colour and pattern of cells, colour and shape of points; those without a number have a look of their own."""
+    across, up, rows = many(sets)
+    numbers = numbered(rows)
+    scene = Scene(MAPS[0], across, up, True, None, numbers)
+    looks = {row["set"]: _face(scene, row) for row in rows}
+    with_number = [looks[name] for name in numbers]
+    assert len(set(with_number)) == len(numbers) == min(sets, 56)
+    assert {looks[name] for name in set(looks) - set(numbers)} <= {(OTHERS.face, OTHERS.hatch)} - set(with_number)
+    assert len({(look_of(n).face, look_of(n).marker) for n in numbers.values()}) == len(numbers)
+    seen = texts(draw(MAPS[0], [Panel("", rows)], across, up, True, "typeset"))
+    assert all(f"{number}  {name}" in seen for name, number in numbers.items())
+    assert (f"…  {sets - 56} other sets" in seen) == (sets > 56)
+
+
+def test_colours_of_sets_are_told_apart_by_the_colour_blind():
+    """As seen without red or green cones (Viénot, Brettel, Mollon 1999): CIE 1976 differences above 10 throughout."""
+    short = {
+        "protan": [[0.11238, 0.88762, 0.0], [0.11238, 0.88762, 0.0], [0.00401, -0.00401, 1.0]],
+        "deutan": [[0.29275, 0.70725, 0.0], [0.29275, 0.70725, 0.0], [-0.02234, 0.02234, 1.0]],
+    }
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    rgb = np.array(
+        [[int(face[n : n + 2], 16) / 255 for n in (1, 3, 5)] for face in {look_of(n).face for n in range(1, 9)}]
+    )
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    for seen in (np.eye(3), *map(np.array, short.values())):
+        xyz = np.cbrt(np.clip(linear @ seen.T, 0.0, 1.0) @ to_xyz.T / to_xyz.sum(axis=1))
+        lab = np.stack([116 * xyz[:, 1] - 16, 500 * (xyz[:, 0] - xyz[:, 1]), 200 * (xyz[:, 1] - xyz[:, 2])], axis=1)
+        apart = np.linalg.norm(lab[:, None] - lab, axis=2) + 1e3 * np.eye(8)
+        assert apart.min() > 10.0
+
+
+def test_one_value_has_no_scale_of_colours():
+    across, up, rows = many(3)
+    seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True, "typeset"))
+    assert "123.4 wherever it is known: one value, so no scale of colours" in seen
+    assert not {"100", "120", "140"} & set(seen)  # marks of a scale
+    rows[7]["price_EUR"] = 150.0
+    seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True, "typeset"))
+    assert "130" in seen and not any("one value" in text for text in seen)
 
 
 def test_figures_stand_in_the_cells_as_in_the_table(tmp_path):
@@ -165,7 +223,5 @@ def test_an_unknown_figure_is_no_colour_of_the_scale(tmp_path):
     rows = [row | {"mass_kg": None} for row in found[()] if row["set"]]
     known = next(row for row in found[()] if row["set"])
     drawings(over, {(): [*rows, known]})[0]["mass"]("svg")
-    from drivesizer.study.map_panel import Scene
-
     scene = Scene(next(one for one in MAPS if one.name == "mass"), over.across, over.up, True, (None, None), {})
     assert _face(scene, rows[0]) == ("#F4F4F4", "") and _text(scene, rows[0]) == ""

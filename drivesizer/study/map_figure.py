@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from math import ceil
 from typing import TYPE_CHECKING, Any
@@ -11,7 +10,8 @@ import numpy as np
 
 from drivesizer.report.style import Form, drawn, placed
 from drivesizer.report.wording import clean, short
-from drivesizer.study.map_panel import Dimension, Map, Panel, Scene, face_of, panel_into, words
+from drivesizer.study.map_panel import Dimension, Map, Panel, Scene, panel_into, words
+from drivesizer.study.map_sets import LINE, listed, numbered, rows_of_list
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,10 +20,9 @@ if TYPE_CHECKING:
 __all__ = ["draw"]
 
 _HEIGHT, _SINGLE = 1.75, 2.7  # in, of a panel among several, and alone
-_LINE = 0.145  # in, of a line of text
 _WIDTH = 6.5  # in, of the figure
+_NO_SCALE = "#DDDDDD"  # of cells that all have one value
 _WORD = 0.058  # in, of a letter along an axis
-_SETS = 14  # with a line of their own
 
 
 def draw(
@@ -45,13 +44,15 @@ def draw(
         Of the drawing.
     """
     rows = [row for panel in panels for row in panel.rows]
-    numbers = _numbered(rows) if shown.name == "best_set" else {}
-    below = _below(shown, rows, numbers, grid and up is not None)
+    numbers = numbered(rows) if shown.name == "best_set" else {}
+    others = len({row["set"] for row in rows if row["set"]} - set(numbers)) if numbers else 0
+    same = None if numbers else _one_value(shown, rows)
+    signs = _signs(shown, rows, numbers, same, grid and up is not None)
     count = 2 if len(panels) == 4 else min(len(panels), 3)
     lines = ceil(len(panels) / count)
-    left, right = _left(up), 0.95 if not numbers and up else 0.2
+    left, right = _left(up), 0.95 if not numbers and up and same is None else 0.2
     upright = _upright(across, (_WIDTH - left - right) / count)
-    bottom = 0.45 + upright + _LINE * (len(below) + 0.5)
+    bottom = 0.45 + upright + LINE * (rows_of_list(numbers, others) + len(signs) + 0.5)
     height = 0.3 + (_SINGLE if len(panels) == 1 else lines * _HEIGHT) + bottom
 
     def put(figure: Figure) -> None:
@@ -69,7 +70,11 @@ def draw(
         for axes in flat[len(panels) :]:
             axes.set_visible(False)
         _labelled(figure, places, scene, len(panels))
-        _told_below(figure, below, numbers)
+        if same is None and not numbers and up is not None:
+            _scaled(figure, places, scene)
+        listed(figure, numbers, others, 0.06 + LINE * len(signs), cells=grid and up is not None)
+        for n, line in enumerate(reversed(signs)):
+            figure.text(0.75 / _WIDTH, (0.06 + LINE * n) / height, line, va="bottom", fontsize=6.5)
 
     return drawn(put, height, form)
 
@@ -89,29 +94,32 @@ def _upright(across: Dimension, room: float) -> float:
     return _WORD * (longest - 1) if _WORD * (longest + 1) > room / len(told) else 0.0
 
 
-def _numbered(rows: Sequence[dict[str, Any]]) -> dict[str, int]:
-    """The sets that are best most often, numbered from 1."""
-    often = Counter(row["set"] for row in rows if row["set"])
-    first = sorted(often, key=lambda name: (-often[name], name))[:_SETS]
-    return {name: number for number, name in enumerate(first, 1)}
+def _known(shown: Map, rows: Sequence[dict[str, Any]]) -> list[float]:
+    known = [row[shown.column] * shown.scale for row in rows if row[shown.column] is not None]
+    return [value for value in known if np.isfinite(value)]
+
+
+def _one_value(shown: Map, rows: Sequence[dict[str, Any]]) -> float | None:
+    """The figure, where there is only one: a scale would tell of none."""
+    known = set(_known(shown, rows))
+    return known.pop() if len(known) == 1 else None
 
 
 def _coloured(shown: Map, rows: Sequence[dict[str, Any]]) -> Any:
     import matplotlib
-    from matplotlib.colors import Normalize, TwoSlopeNorm
+    from matplotlib.colors import ListedColormap, Normalize, TwoSlopeNorm
 
-    known = [row[shown.column] * shown.scale for row in rows if row[shown.column] is not None]
-    known = [value for value in known if np.isfinite(value)] or [0.0]
+    known = _known(shown, rows) or [0.0]
     low, high = min(known), max(known)
     if low == high:
-        low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+        return ListedColormap([_NO_SCALE]), Normalize(low - 1.0, high + 1.0)
     if shown.signed and low < 0.0 < high:
         return matplotlib.colormaps["PuOr"], TwoSlopeNorm(0.0, low, high)
     return matplotlib.colormaps["cividis"], Normalize(low, high)
 
 
 def _labelled(figure: Figure, places: list[list[Axes]], scene: Scene, count: int) -> None:
-    """Names of the axes at the edges, the title, the scale of colours."""
+    """Names of the axes at the edges, and the title."""
     columns = len(places[0])
     for n in range(count):
         axes = places[n // columns][n % columns]
@@ -123,26 +131,29 @@ def _labelled(figure: Figure, places: list[list[Axes]], scene: Scene, count: int
             axes.set_ylabel(short(clean(scene.up.head if scene.up else own), 40))
     width, height = figure.get_size_inches()
     figure.text(0.05 / width, 1.0 - 0.04 / height, scene.shown.title, va="top", fontsize=8, fontweight="bold")
-    if scene.colours and scene.up is not None:
-        from matplotlib.cm import ScalarMappable
-
-        first, last = places[-1][0].get_position(), places[0][0].get_position()
-        box = figure.add_axes((1.0 - 0.8 / width, first.y0, 0.13 / width, last.y1 - first.y0))
-        bar: Any = figure.colorbar(ScalarMappable(scene.colours[1], scene.colours[0]), cax=box)
-        bar.outline.set_linewidth(0.5)
-        box.grid(visible=False)
 
 
-def _below(shown: Map, rows: Sequence[dict[str, Any]], numbers: dict[str, int], cells: bool) -> list[str]:
-    """The lines below: the sets by number, and what the signs mean."""
-    lines = [f"{number}  {short(clean(name), 96)}" for name, number in numbers.items()]
-    others = {row["set"] for row in rows if row["set"]} - set(numbers) if numbers else set()
-    if others:
-        lines.append(f"…  {len(others)} other sets")
+def _scaled(figure: Figure, places: list[list[Axes]], scene: Scene) -> None:
+    """The scale of colours, beside the panels."""
+    from matplotlib.cm import ScalarMappable
+
+    width = figure.get_size_inches()[0]
+    first, last = places[-1][0].get_position(), places[0][0].get_position()
+    box = figure.add_axes((1.0 - 0.8 / width, first.y0, 0.13 / width, last.y1 - first.y0))
+    bar: Any = figure.colorbar(ScalarMappable(scene.colours[1], scene.colours[0]), cax=box)
+    bar.outline.set_linewidth(0.5)
+    box.grid(visible=False)
+
+
+def _signs(
+    shown: Map, rows: Sequence[dict[str, Any]], numbers: dict[str, int], same: float | None, cells: bool
+) -> list[str]:
+    """The lines below: that there is one value alone, and what the signs mean."""
+    lines = [f"{same:.4g} wherever it is known: one value, so no scale of colours"] if same is not None else []
     statuses = {row["status"] for row in rows}
     signs = []
     if "fail" in statuses:
-        signs.append("hatched: no set stands" if cells else "×: no set stands, or no machine")
+        signs.append("slanting lines: no set stands" if cells else "×: no set stands, or no machine")
     if "error" in statuses and cells:
         signs.append("×: not a machine")
     if numbers and "unknown" in statuses:
@@ -150,19 +161,3 @@ def _below(shown: Map, rows: Sequence[dict[str, Any]], numbers: dict[str, int], 
     if shown.lacks and any(row[shown.lacks] for row in rows):
         signs.append("≥: not known of all parts, so at least" if cells else "some are not known of all parts: at least")
     return lines + ([";  ".join(signs)] if signs else [])
-
-
-def _told_below(figure: Figure, lines: Sequence[str], numbers: dict[str, int]) -> None:
-    width, height = figure.get_size_inches()
-    for n, line in enumerate(reversed(lines)):
-        at = (0.06 + _LINE * n) / height
-        figure.text(0.75 / width, at, line, va="bottom", fontsize=6.5)
-        known = [number for number in numbers.values() if line.startswith(f"{number} ")]
-        if known:
-            from matplotlib.patches import Rectangle
-
-            face = face_of(known[0])
-            figure.add_artist(
-                Rectangle((0.55 / width, at), 0.13 / width, 0.09 / height, facecolor=face, edgecolor="#777777",
-                          linewidth=0.3, transform=figure.transFigure)
-            )  # fmt: skip

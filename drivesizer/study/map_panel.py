@@ -1,13 +1,13 @@
 """One map: cells of a grid, points of a sample, or a figure over one thing that varies.
 
-The numbers stand in the cells where there is room for them; where no set stands a cell is hatched. Colours are of one
-scale of brightness, and sets are numbered, so that a grey print tells the same.
+The numbers stand in the cells where there is room for them; where no set stands a cell is hatched. Colours of figures
+are of one scale of brightness, and sets are numbered, so that a grey print tells the same.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import nan
+from math import ceil, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 
 from drivesizer.report.style import COLOURS
 from drivesizer.report.wording import clean, short
+from drivesizer.study.map_sets import OTHERS, Look, look_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Dimension", "Map", "Panel", "Scene", "face_of", "panel_into", "words"]
+__all__ = ["Dimension", "Map", "Panel", "Scene", "panel_into", "words"]
 
 
 class Map(NamedTuple):
@@ -64,9 +65,9 @@ Box = tuple[float, float, float, float]  # left, width, low, height of a cell
 
 _WIDE = 6.5  # in, of a figure
 _LETTER, _TALL = 0.055, 0.11  # in, of a letter in a cell
-_HATCH = "//////"
+_HATCH = "//////"  # no set's
+_MOST_TICKS = 20  # numbers of sets along an axis
 _MOST_LINES, _MOST_TEXTS = 2500, 700  # cells of a panel with lines between them, and with numbers in them
-_FACES = [COLOURS[name] for name in ("sky", "orange", "green", "purple", "vermillion", "blue")] + ["#F0E442", "#BBBBBB"]
 
 
 def panel_into(axes: Axes, scene: Scene, panel: Panel) -> None:
@@ -98,13 +99,17 @@ def _cells(axes: Axes, scene: Scene, up: Dimension, rows: Sequence[dict[str, Any
     boxes = [(*_within(x, across), *_within(y, high)) for across, high in places]
     faces = [_face(scene, row) for row in rows]
     _filled(axes, boxes, [face for face, _ in faces])
-    _hatched(axes, [box for box, (_, hatch) in zip(boxes, faces, strict=True) if hatch])
+    for pattern in sorted({hatch for _, hatch in faces if hatch}):
+        _hatched(axes, [box for box, (_, hatch) in zip(boxes, faces, strict=True) if hatch == pattern], pattern)
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     told = [_text(scene, row) for row in rows] if len(rows) <= _MOST_TEXTS else []
     whole = x[-1] - x[0], y[-1] - y[0]
     if all(_fits(axes, text, (w / whole[0], h / whole[1])) for text, (_, w, _, h) in zip(told, boxes, strict=False)):
-        for text, (left, width, low, height), (face, _) in zip(told, boxes, faces, strict=False):
-            axes.text(left + width / 2, low + height / 2, text, ha="center", va="center", fontsize=6, color=_ink(face))
+        for text, (left, width, low, height), (face, hatch) in zip(told, boxes, faces, strict=False):
+            put = axes.text(left + width / 2, low + height / 2, text, ha="center", va="center", fontsize=6)
+            put.set_color(_ink(face))
+            if hatch and text:
+                put.set_bbox({"boxstyle": "round,pad=0.12", "facecolor": face, "edgecolor": "none"})
 
 
 def _corners(boxes: Sequence[Box]) -> list[list[tuple[float, float]]]:
@@ -121,12 +126,12 @@ def _filled(axes: Axes, boxes: Sequence[Box], faces: Sequence[Any]) -> None:
     axes.add_collection(PolyCollection(_corners(boxes), facecolors=faces, **lines))
 
 
-def _hatched(axes: Axes, boxes: Sequence[Box]) -> None:
+def _hatched(axes: Axes, boxes: Sequence[Box], pattern: str) -> None:
     from matplotlib.collections import PolyCollection
 
-    if boxes:
-        look: dict[str, Any] = {"facecolors": "none", "edgecolors": "#999999", "linewidths": 0.0, "hatch": _HATCH}
-        axes.add_collection(PolyCollection(_corners(boxes), **look))
+    colour = "#999999" if pattern == _HATCH else "#777777"
+    look: dict[str, Any] = {"facecolors": "none", "edgecolors": colour, "linewidths": 0.0, "hatch": pattern}
+    axes.add_collection(PolyCollection(_corners(boxes), **look))
 
 
 def _within(edges: NDArray[np.float64], value: float) -> tuple[float, float]:
@@ -148,10 +153,10 @@ def _face(scene: Scene, row: dict[str, Any]) -> tuple[Any, str]:
     if row["status"] == "error":
         return "white", ""
     if scene.numbers:
-        number = scene.numbers.get(value)
-        if row["status"] == "fail":
-            return "#F4F4F4", _HATCH
-        return (face_of(number) if number else "#E2E2E2"), ""
+        if row["status"] == "fail" or not value:
+            return "#F4F4F4", _HATCH if row["status"] == "fail" else ""
+        look = _look(scene, value)
+        return look.face, look.hatch
     hatch = _HATCH if row["status"] == "fail" else ""
     if value is None:
         return "#F4F4F4", hatch
@@ -159,11 +164,9 @@ def _face(scene: Scene, row: dict[str, Any]) -> tuple[Any, str]:
     return colours(norm(value * scene.shown.scale)), hatch
 
 
-def face_of(number: int) -> Any:
-    """The colour of a set by its number: light, for a number to stand on it."""
-    from matplotlib.colors import to_rgb
-
-    return tuple(1.0 - 0.55 * (1.0 - part) for part in to_rgb(_FACES[(number - 1) % len(_FACES)]))
+def _look(scene: Scene, name: str) -> Look:
+    number = scene.numbers.get(name)
+    return look_of(number) if number else OTHERS
 
 
 def _ink(face: Any) -> str:
@@ -201,7 +204,11 @@ def _points(axes: Axes, scene: Scene, up: Dimension, rows: Sequence[dict[str, An
     axes.scatter(x[fell], y[fell], marker="x", s=9, linewidths=0.6, color="#999999")
     faces = [_face(scene, row)[0] for row in rows]
     kept = [n for n in range(len(rows)) if not fell[n]]
-    axes.scatter(x[kept], y[kept], c=[faces[n] for n in kept], s=16, linewidths=0.3, edgecolors="#555555")
+    looks = [_look(scene, rows[n]["set"]).marker if scene.numbers else "o" for n in kept]
+    for marker in sorted(set(looks)):
+        some = [n for n, look in zip(kept, looks, strict=True) if look == marker]
+        axes.scatter(x[some], y[some], c=[faces[n] for n in some], s=16, linewidths=0.3, edgecolors="#555555",
+                     marker=marker)  # fmt: skip
     if scene.numbers and len(kept) <= 150:
         for n in kept:
             axes.annotate(_text(scene, rows[n]).rstrip("?"), (x[n], y[n]), xytext=(2.4, 1.6),
@@ -213,7 +220,8 @@ def _line(axes: Axes, scene: Scene, rows: Sequence[dict[str, Any]]) -> None:
     x = _places(scene.across, rows)
     if scene.numbers:
         y = np.array([float(scene.numbers.get(row["set"]) or nan) for row in rows])
-        axes.set(ylim=(0.0, len(scene.numbers) + 1.0), yticks=range(1, len(scene.numbers) + 1))
+        every = ceil(len(scene.numbers) / _MOST_TICKS)
+        axes.set(ylim=(0.0, len(scene.numbers) + 1.0), yticks=range(1, len(scene.numbers) + 1, every))
     else:
         values = [row[scene.shown.column] for row in rows]
         y = np.array([nan if value is None else value * scene.shown.scale for value in values])
