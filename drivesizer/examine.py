@@ -139,7 +139,7 @@ def examine(
 _OF_THE_CURRENT = {
     "motor_nominal_current", "winding_temperature", "inertia_ratio", "first_resonance", "motor_peak_torque",
     "supply_voltage", "controller_continuous_current", "controller_peak_current", "controller_peak_time",
-    "supply_current", "supply_power", "bus_voltage",
+    "supply_current", "supply_power",
 }  # fmt: skip
 
 
@@ -247,6 +247,7 @@ def _controlled(
     dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in electrical if not check.advice])
     args = [(s, at, *c, u, parts) for s, at, c, u in zip(given.specs, ats, cases, under, strict=True)]
     found = [wave.exact(*a) if exact else _by_bounds(*a, ~dead) for a in args]
+    found = [one.least(case.asked.sure, case.warm.winding) for one, case in zip(found, cases, strict=True)]
     checks = _each(given, lambda k: doubted(wave.waveform_limits(given.specs[k], found[k], parts), cases[k].asked.sure))
     figures = _where_known(_figures(given, found, under, cases), cases)
     return _Found(chosen.row, [chosen.checks[0], *electrical, *checks], dead, figures)

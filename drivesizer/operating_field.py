@@ -23,7 +23,6 @@ from drivesizer.loadcycle import Ends
 from drivesizer.loads import load_cycle
 from drivesizer.one_row import OneRow
 from drivesizer.physics import (
-    ACCELERATION,
     DIRECTION,
     DRIVING,
     SPEED,
@@ -81,7 +80,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     """
     motor, gearhead, encoder = (OneRow(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     at = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
-    asked = _as_far_as_known(demands(at, motor, gearhead, encoder), motor, gearhead)
+    asked = _as_far_as_known(demands(at, motor, gearhead, encoder), motor)
     cycle_speed, cycle_torque = _cycle(at, asked)
     rms_speed, rms_torque = _rms(at, asked, drive_set)
     return OperatingField(
@@ -94,14 +93,13 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     )
 
 
-def _as_far_as_known(asked: Demands, motor: Any, gearhead: Any) -> Demands:
-    """What the motor is asked for; least demands are not drawn as if they were all."""
-    if asked.sure.all():
-        return asked
-    coulomb, viscous = friction(motor)
-    c = asked.coefficients.copy()
-    for place, figure in ((ACCELERATION, gearhead["inertia"]), (DIRECTION, coulomb), (SPEED, viscous)):
+def _as_far_as_known(asked: Demands, motor: Any) -> Demands:
+    """What the motor is asked for; least demands are not drawn as if they were all, nor a motor that stands still."""
+    c = np.where(asked.left_out, np.nan, asked.coefficients)
+    for place, figure in zip((DIRECTION, SPEED), friction(motor), strict=True):
         c[np.isnan(figure), place] = np.nan
+    if asked.sure.all():
+        return asked._replace(coefficients=c)
     unknown = np.full_like(asked.rms_current, np.nan)
     return asked._replace(coefficients=c, rms_torque=unknown, rms_current=unknown)
 

@@ -34,6 +34,7 @@ __all__ = [
     "Peak",
     "Pieces",
     "at_gearhead",
+    "bounded",
     "demands",
     "friction",
     "gear_loss",
@@ -97,13 +98,22 @@ class AtGearhead:
         found: Array = c @ self.moments
         return found
 
-    def peak(self, coefficients: Array) -> Peak:
-        """Largest absolute value of what is linear in the functions, with coefficients of 0 or more."""
+    @property
+    def acts(self) -> NDArray[np.bool_]:
+        """Which of the functions are ever more than nothing."""
+        found: NDArray[np.bool_] = self.base.acts
+        return found
+
+    def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
+        """Largest absolute value of what is linear in the functions, as ``peak`` takes it."""
         high, low = (points * self.scale for points in (self.extremes.high, self.extremes.low))
         values = np.concatenate([coefficients @ high.T, -(coefficients @ low.T)], axis=1)
+        if left_out is not None and len(rows := np.flatnonzero(left_out.any(axis=1))):
+            against = np.concatenate([high < 0.0, low > 0.0]).astype(float)
+            values[rows] = np.where(left_out[rows] @ against.T > 0.0, -np.inf, values[rows])
         worst = values.argmax(axis=1)
         time = np.concatenate([self.extremes.high_time, self.extremes.low_time])
-        return Peak(values[np.arange(len(values)), worst], time[worst])
+        return bounded(values[np.arange(len(values)), worst], time[worst], left_out)
 
     @property
     def warming(self) -> Pieces:
@@ -124,6 +134,7 @@ class _Base(NamedTuple):
 
     cycle: LoadCycle
     functions: Array
+    acts: NDArray[np.bool_]
     moments: Array
     extremes: Extremes
     warming: Pieces
@@ -150,7 +161,12 @@ class Demands(NamedTuple):
     coefficients: Array  # (candidates, 6): motor torque from the functions
     total_ratio: Array  # of the gearhead
     back_emf: Array  # V*s/rad, of the motor
-    sure: NDArray[np.bool_]  # False: least ones, as an inertia or friction is unknown that would ask for more
+    left_out: NDArray[np.bool_]  # (candidates, 6): of which coefficient a part is unknown, that is left out
+
+    @property
+    def sure(self) -> NDArray[np.bool_]:
+        """False: least ones, as an inertia or friction is unknown that would ask for more."""
+        return np.asarray(~self.left_out.any(axis=1))
 
     def surplus(self, k_t: Array) -> Array:
         """What the back-EMF constant is above the torque constant, by the speed at the gearhead's output [V*s/rad]."""
@@ -193,8 +209,8 @@ def at_gearhead(cycle: LoadCycle, efficiency: float, quickest: float = inf) -> _
         speed,
     ], axis=2)  # fmt: skip
     return _Base(
-        cycle, functions, _moments(cycle, functions), extremes(functions, cycle.time),
-        _warming(cycle.duration, functions, quickest), {},
+        cycle, functions, np.asarray(functions.any(axis=(0, 1))), _moments(cycle, functions),
+        extremes(functions, cycle.time), _warming(cycle.duration, functions, quickest), {},
         **_scalars(cycle, torque, speed, running),
     )  # fmt: skip
 
@@ -250,10 +266,10 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     at
         The load cycle at the gearhead's output.
     motor, gearhead, encoder
-        Figures of the candidates' parts by field name: columns. An unknown inertia of the gearhead and an unknown
+        Figures of the candidates' parts by field name: columns. An unknown inertia of rotor or gearhead and an unknown
         friction of the motor are left out where more of them could only ask for more RMS torque, and the demands are
-        then least ones; else they are unknown. The inertia of an encoder, thousands of times smaller than the load's,
-        is left out.
+        then least ones; else they are unknown. A figure whose function is nothing over the whole cycle has no part in
+        it, and need not be known. The inertia of an encoder, thousands of times smaller than the load's, is left out.
 
     Notes
     -----
@@ -262,21 +278,23 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     i, k_t = gearhead["ratio"], motor["torque_constant"]
     e, idle = gear_loss(gearhead)
     coulomb, viscous = friction(motor)
-    left_out = {ACCELERATION: np.isnan(gearhead["inertia"]), DIRECTION: np.isnan(coulomb), SPEED: np.isnan(viscous)}
     c = np.empty((len(i), 6))
+    left_out = np.zeros(c.shape, np.bool_)
+    left_out[:, ACCELERATION] = np.isnan(gearhead["inertia"] + motor["rotor_inertia"])
+    left_out[:, DIRECTION], left_out[:, SPEED] = np.isnan(coulomb), np.isnan(viscous)
+    left_out &= at.acts
     c[:, DRIVING] = 1 / (i * e)
     c[:, BRAKING] = e / i
     c[:, AT_REST] = 1 / i
-    known = np.nan_to_num(gearhead["inertia"]) + np.nan_to_num(encoder["inertia"])
-    c[:, ACCELERATION] = (motor["rotor_inertia"] + known) * i
+    c[:, ACCELERATION] = sum(np.nan_to_num(part["inertia"]) for part in (gearhead, encoder)) * i
+    c[:, ACCELERATION] += np.nan_to_num(motor["rotor_inertia"]) * i
     c[:, DIRECTION] = np.nan_to_num(coulomb) + idle
     c[:, SPEED] = np.nan_to_num(viscous) * i
+    c[np.isnan(c) & ~at.acts] = 0.0
     slope = at.slope(c)
-    for place, unknown in left_out.items():
-        c[unknown & (slope[:, place] < 0.0), place] = np.nan
-    sure = ~np.logical_or.reduce(list(left_out.values()))
+    c[left_out & (slope < 0.0)] = np.nan
     rms_torque = np.sqrt(np.maximum((slope * c).sum(1), 0.0))
-    return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, back_emf_constant(motor), sure)
+    return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, back_emf_constant(motor), left_out)
 
 
 def friction(motor: Any) -> tuple[Array, Array]:
@@ -307,7 +325,7 @@ def gear_loss(gearhead: Any) -> tuple[Array, Array]:
     return np.where(told, 1 / np.maximum(share, 1.0), e), np.where(told, idle, 0.0)
 
 
-def peak(at: AtGearhead, coefficients: Array) -> Peak:
+def peak(at: AtGearhead, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
     """Largest absolute value over the cycle of what is linear in the functions, with coefficients of 0 or more.
 
     Parameters
@@ -316,5 +334,15 @@ def peak(at: AtGearhead, coefficients: Array) -> Peak:
         The load cycle at the gearhead's output.
     coefficients
         Of the six functions for each candidate; NaN unknown: the peak is then unknown.
+    left_out
+        Coefficients that are too small by something unknown, if any. The peak is then a least one: of the moments at
+        which more of them makes it no smaller; unknown where there are none.
     """
-    return at.peak(coefficients)
+    return at.peak(coefficients, left_out)
+
+
+def bounded(value: Array, time: Array, left_out: NDArray[np.bool_] | None) -> Peak:
+    """A peak; unknown where something was left out and no moment is a bound."""
+    if left_out is None:
+        return Peak(value, time)
+    return Peak(np.where(left_out.any(axis=1) & ~(value > 0.0), np.nan, value), time)

@@ -189,6 +189,8 @@ def heat(
 ) -> Heat:
     """Mean temperature of the winding in the long run; with what ``housing_loss`` tells, where that is at hand."""
     rubbing, iron = losses or housing_loss(motor, asked.total_ratio)
+    if not at.acts[SPEED]:  # nothing rubs in what stands
+        rubbing, iron = np.zeros_like(rubbing), np.zeros_like(iron)
     mean = rubbing * at.moments[DIRECTION, SPEED] + iron * at.moments[SPEED, SPEED]
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     winding = steady_winding_temperature(spec.environment.ambient, motor["resistance"], *R_th, asked.rms_current, mean)
@@ -243,8 +245,8 @@ def stress(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, motor: A
     ambient, k_t = spec.environment.ambient, motor["torque_constant"]
     known = np.where(np.isfinite(warm.winding), warm.winding, ambient)
     cold, hot = (motor["resistance"] * (1.0 + COPPER * (T - DATA_TEMPERATURE)) for T in (ambient, known))
-    torque = peak(at, asked.coefficients)
-    volts = [peak(at, volts_of(asked, k_t, R)) for R in (cold, hot)]
+    torque = peak(at, asked.coefficients, asked.left_out)
+    volts = [peak(at, volts_of(asked, k_t, R), asked.left_out) for R in (cold, hot)]
     colder = volts[0].value > volts[1].value
     voltage = Peak(*(np.where(colder, a, b) for a, b in zip(*volts, strict=True)))
     return Stress(Peak(torque.value / k_t, torque.time), voltage, volts[1].value, hot)

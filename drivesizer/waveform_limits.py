@@ -42,6 +42,13 @@ class Moments(NamedTuple):
     stored: Array  # J, the most that is back and not drawn again
     above: Array  # s, longest time on end above the controller's continuous current
 
+    def least(self, sure: NDArray[np.bool_], mean: Array) -> Moments:
+        """The same; where demands are least ones the winding's steady mean, no more, and what they leave open."""
+        if sure.all():
+            return self
+        open_ = {name: np.where(sure, column, np.nan) for name, column in self._asdict().items()}
+        return Moments(**(open_ | {"winding": np.where(sure, self.winding, mean)}))
+
 
 def exact(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts) -> Moments:
     """From the current and voltage of each moment; some candidates at a time."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from drivesizer.back_emf import back_emf_constant
 from drivesizer.candidates import Candidates
 from drivesizer.catalog import Catalog
 from drivesizer.choices import ControllerChoice
@@ -39,13 +40,15 @@ def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values:
     v |= {assumption.name: value for assumption, value in zip(given, values, strict=True)}
     heats, rubs, k = v["motor.thermal_resistance"], v["motor.friction"], v["motor.torque_constant"]
     e = parts.gearheads["efficiency"][one.gearhead]
+    told = np.where(np.arange(len(parts.motors)) == one.motor, back_emf_constant(parts.motors.columns), np.nan)
+    motors = replace(parts.motors, columns=parts.motors.columns | {"back_emf_constant": told})
     catalog = replace(
         parts,
-        motors=scaled(parts.motors, one.motor, {
-            "resistance": v["motor.resistance"], "torque_constant": k, "no_load_current": rubs / k,
-            "friction_torque": rubs, "viscous_friction": rubs, "rotor_inertia": v["motor.rotor_inertia"],
-            "thermal_resistance_winding": heats, "thermal_resistance_housing": heats,
-            "winding_time_constant": heats, "motor_time_constant": heats,
+        motors=scaled(motors, one.motor, {
+            "back_emf_constant": k, "resistance": v["motor.resistance"], "torque_constant": k,
+            "no_load_current": rubs / k, "friction_torque": rubs, "viscous_friction": rubs,
+            "rotor_inertia": v["motor.rotor_inertia"], "thermal_resistance_winding": heats,
+            "thermal_resistance_housing": heats, "winding_time_constant": heats, "motor_time_constant": heats,
         }),
         gearheads=scaled(parts.gearheads, one.gearhead, {
             "efficiency": 1.0 / (1.0 + (1.0 / e - 1.0) * v["gearhead.efficiency"]) / e,

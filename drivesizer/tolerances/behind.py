@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drivesizer.lasting_speed import lasting_speeds
 from drivesizer.loadcycle import OwnLimit
-from drivesizer.physics import AT_REST, SPEED, AtGearhead, Peak
+from drivesizer.physics import AT_REST, SPEED, AtGearhead, Peak, bounded
 from drivesizer.tolerances.cycles import Cycles
 
 __all__ = ["AtSamples", "Sampled", "Seen", "at_samples", "mean_product"]
@@ -184,12 +184,24 @@ class AtSamples(AtGearhead):
         self.kept = None
         self.kept = c, self.line(c)
 
-    def peak(self, coefficients: Array) -> Peak:
+    @property
+    def acts(self) -> NDArray[np.bool_]:
+        """Which of the functions are ever more than nothing, in any of the samples."""
+        return np.isin(np.arange(6), self.active)
+
+    def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
         """Largest absolute value of what is linear in the functions."""
-        found = np.abs(self.line(coefficients)).reshape(-1, len(coefficients))
+        line = self.line(coefficients)
+        found = np.abs(line)
+        if left_out is not None:
+            for k in np.flatnonzero(left_out.any(axis=0)):
+                against = left_out[:, k] & (line * self.sampled.functions[k] < 0.0)
+                found = np.where(against, -np.inf, found)
+        found = found.reshape(-1, len(coefficients))
         worst = found.argmax(axis=0)[None]
         time = np.broadcast_to(self.sampled.time.reshape(len(found), -1), found.shape)
-        return Peak(*(np.take_along_axis(x, worst, axis=0)[0] for x in (found, time)))
+        value, when = (np.take_along_axis(x, worst, axis=0)[0] for x in (found, time))
+        return bounded(value, when, left_out)
 
     @cached_property
     def speeds(self) -> Array:

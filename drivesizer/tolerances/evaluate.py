@@ -173,7 +173,7 @@ def _of_a_case(
     at.keep(asked.coefficients)
     warm = heat(spec, at, asked, parts.motor, _losses(parts.motor, asked, rubs))
     under = stress(spec, at, asked, warm, parts.motor)
-    found = moments(spec, at, asked, warm, under, parts, energies=energies)
+    found = moments(spec, at, asked, warm, under, parts, energies=energies).least(asked.sure, warm.winding)
     moving = [c for c in moving_limits(spec, at, asked, warm, parts) if c.name != "winding_temperature"]
     electrical = [*moving, *electrical_limits(spec, at, asked, under, parts), *waveform_limits(spec, found, parts)]
     sets = spec.load.alike if asked.sure.all() else np.nan  # least demands are not told as if they were all
