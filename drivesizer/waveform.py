@@ -9,7 +9,7 @@ Symbols: I current [A], V voltage [V], t time [s], E energy [J].
 from __future__ import annotations
 
 from math import prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,13 +140,15 @@ def largest_power(found: Wave) -> tuple[Array, Array]:
     return power[rows, worst], start[rows, worst] + at[rows, worst] * duration[rows, worst]
 
 
-def energy(found: Wave, *, storing: bool = True) -> Energy:
+def energy(found: Wave, kept: Any = 1.0, *, storing: bool = True) -> Energy:
     """Energy drawn and returned over the cycle, each where power has that sign.
 
     Parameters
     ----------
     found
         Current and voltage over the segments.
+    kept
+        Share of what comes back that is stored, and drawn first: one, or one of each candidate.
     storing
         Tell what is stored as well; else that is NaN.
     """
@@ -158,9 +160,9 @@ def energy(found: Wave, *, storing: bool = True) -> Energy:
     taken, back = drawn.sum((1, 2)), returned.sum((1, 2))
     if not storing:
         return Energy(taken, back, np.full_like(back, np.nan))
-    stored = np.where(
-        back > taken, np.inf, _most_stored(-parts.reshape(len(parts), prod(parts.shape[1:])))
-    )  # more with every cycle
+    share = np.broadcast_to(kept, back.shape)
+    steps = (returned * share[:, None, None] - drawn).reshape(len(parts), prod(parts.shape[1:]))
+    stored = np.where(share * back > taken, np.inf, _most_stored(steps))  # more with every cycle
     return Energy(taken, back, stored)
 
 

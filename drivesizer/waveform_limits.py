@@ -22,11 +22,23 @@ from drivesizer.spec import RobotSpec
 from drivesizer.thermal import two_bodies
 from drivesizer.waveform import balanced, energy, largest_power, longest_above, longest_run, mean_square, wave
 
-__all__ = ["Moments", "above_bounds", "bounds", "bracketed", "exact", "peak_winding", "time_above", "waveform_limits"]
+__all__ = [
+    "Moments",
+    "above_bounds",
+    "bounds",
+    "bracketed",
+    "exact",
+    "kept_on_the_bus",
+    "peak_winding",
+    "time_above",
+    "waveform_limits",
+]
 
 Array = NDArray[np.float64]
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
 _PIECES = 256  # of a cycle, that bound the time of overload at first
+_FASTEST_CHOPPING = 100e3  # Hz, of controllers for small motors
+_RIPPLE = 0.1  # of the supply's voltage, at most
 _SOME = 1e-300  # more than nothing, of an amount that is not known yet
 
 
@@ -116,7 +128,8 @@ def _block(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, hot: Arr
     found = wave(cycle.duration, at.functions, asked.coefficients, volts_of(asked, k_t, hot), k_t)
     taken = balanced(found, asked.surplus(k_t), at.functions[:, :, SPEED])
     power, when = largest_power(taken)
-    sums = energy(taken, storing=spec.supply.regeneration == 0.0)
+    kept = kept_on_the_bus(spec.supply)
+    sums = energy(taken, kept, storing=kept > 0.0)
     winding, time = _peak_winding(spec, at, asked.coefficients, warm, parts.motor)
     return Moments(
         winding=winding,
@@ -125,7 +138,7 @@ def _block(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, hot: Arr
         power_time=when,
         drawn=sums.drawn,
         returned=sums.returned,
-        stored=sums.stored,
+        stored=sums.stored if kept > 0.0 else np.zeros_like(sums.drawn),
         above=longest_above(found, parts.controller["continuous_current"]),
     )
 
@@ -148,10 +161,11 @@ def bounds(
     current, k_t = under.current.value, parts.motor["torque_constant"]
     nothing = np.full_like(current, np.nan)
     most = least = nothing
-    if spec.supply.current or spec.supply.power or not spec.supply.regeneration:
+    keeps = kept_on_the_bus(spec.supply) > 0.0
+    if spec.supply.current or spec.supply.power or keeps:
         most, least = _corner_power(at, asked, under.hot, k_t)
-    stored_low = stored_high = nothing  # where the supply takes all back nobody asks
-    if not spec.supply.regeneration:
+    stored_low = stored_high = np.zeros_like(current)
+    if keeps:
         braked = braking_torque(at, asked.coefficients)
         least = np.where(asked.surplus(k_t) == 0.0, least, np.nan)  # power is not V I where two constants differ
         stored_low, stored_high = np.where(least < 0.0, _SOME, 0.0), np.where(braked, np.inf, 0.0)
@@ -239,7 +253,7 @@ def waveform_limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[Check
     checks = [
         winding_limit(spec, found.winding, parts.motor, found.winding_time),
         at_most("controller_peak_time", found.above, controller["peak_time"], "time", "s"),
-        at_most("bus_voltage", _bus_voltage(spec, found), controller["supply_max"], "voltage", "V"),
+        at_most("bus_voltage", _bus_voltage(spec, found, controller), controller["supply_max"], "voltage", "V"),
     ]
     if supply.current is not None:
         drawn = power / supply.lowest
@@ -250,11 +264,30 @@ def waveform_limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[Check
     return checks
 
 
-def _bus_voltage(spec: RobotSpec, found: Moments) -> Array:
-    """Highest voltage of the bus: the supply's where it takes energy back, else what its capacitance makes of it."""
-    supply, stored = spec.supply, found.stored * spec.load.motors
+def kept_on_the_bus(supply: Any) -> Any:
+    """Share of the returned energy that the supply does not take, as far as it is judged.
+
+    Without a capacitance a supply that takes a share is taken to lose the rest, as a battery does inside.
+    """
     if supply.capacitance is None:
-        raised = np.where(stored > 0.0, np.nan, supply.highest)
-    else:
-        raised = np.sqrt(supply.highest**2 + 2.0 * stored / supply.capacitance)
-    return np.where(supply.regeneration > 0.0, supply.highest, raised)
+        return np.where(np.asarray(supply.regeneration) > 0.0, 0.0, 1.0)
+    return 1.0 - np.asarray(supply.regeneration)
+
+
+def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
+    r"""Highest voltage of the bus: what its capacitance makes of the energy that the supply does not take [V].
+
+    Where the capacitance is unknown it is no less than the controller's own: a power stage that chops its continuous
+    current I at a frequency f holds the ripple of its supply U within a share s by :math:`C \ge I / (4 f s U)` (buck
+    converter at half duty; D. W. Hart, *Power Electronics*, 2011, chapter 6). That bound passes what even so little
+    bears, such as 1 mJ; what it does not bear is unknown.
+    """
+    supply = spec.supply
+    if supply.capacitance is not None:
+        raised: Array = np.sqrt(supply.highest**2 + 2.0 * found.stored * spec.load.motors / supply.capacitance)
+        return raised
+    least = controller["continuous_current"] / (4.0 * _FASTEST_CHOPPING * _RIPPLE * supply.highest)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bound = np.sqrt(supply.highest**2 + 2.0 * found.stored / least)  # each controller bears its own motor's return
+    bound = np.where(found.stored == 0.0, supply.highest, bound)
+    return np.where((bound <= controller["supply_max"]) | (found.stored == 0.0), bound, np.nan)

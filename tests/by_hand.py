@@ -590,10 +590,15 @@ def _supply(spec: Any, found: Asked, controller: Any, out: dict[str, Verdict]) -
         out["supply_current"] = at_most(found.power * sets / supply.lowest, supply.current, more)
     if supply.power is not None:
         out["supply_power"] = at_most(found.power * sets, supply.power, more)
-    if supply.regeneration > 0.0:
+    if supply.regeneration > 0.0 and supply.capacitance is None:
         bus = supply.highest
     elif supply.capacitance is None:
-        bus = NAN if found.stored != 0.0 else supply.highest
+        most = figure(controller, "supply_max")
+        ripple = figure(controller, "continuous_current") / (
+            4 * 100e3 * 0.1 * supply.highest
+        )  # holds a tenth at 100 kHz
+        bus = math.sqrt(supply.highest**2 + 2 * found.stored / ripple) if found.stored else supply.highest
+        bus = bus if bus <= most or not found.stored else NAN
     else:  # C/2 (U^2 - U_0^2) is what stays
         bus = math.sqrt(supply.highest**2 + 2 * found.stored * sets / supply.capacitance)
     out["bus_voltage"] = at_most(bus, figure(controller, "supply_max"))

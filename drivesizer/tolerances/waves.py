@@ -17,7 +17,7 @@ from drivesizer.physics_limits import Heat, Parts, Stress
 from drivesizer.thermal import TwoBodies, two_bodies
 from drivesizer.tolerances.behind import AtSamples, mean_product
 from drivesizer.waveform import Wave, balanced, energy, largest_power, longest_above
-from drivesizer.waveform_limits import Moments
+from drivesizer.waveform_limits import Moments, kept_on_the_bus
 
 __all__ = ["moments"]
 
@@ -50,10 +50,12 @@ def moments(
     k_t = parts.motor["torque_constant"]
     current = at.line(asked.coefficients) / k_t
     nothing = np.full(current.shape[-1], np.nan)
-    power = when = stored = drawn = returned = nothing
+    power = when = drawn = returned = nothing
     limit = np.broadcast_to(parts.controller["continuous_current"], nothing.shape)
     above = np.where(np.isnan(limit), np.nan, 0.0)
-    stores = not np.all(spec.supply.regeneration)
+    kept = kept_on_the_bus(spec.supply)
+    stores = bool(np.any(kept > 0.0))
+    stored = nothing if stores else np.zeros_like(nothing)
     limited = spec.supply.current is not None or spec.supply.power is not None
     if limited or stores or energies or (under.current.value > limit).any():
         volts = current * under.hot + at.speeds * (asked.back_emf * asked.total_ratio)
@@ -64,7 +66,7 @@ def moments(
         taken = balanced(wave, surplus, np.moveaxis(np.broadcast_to(at.speeds, current.shape), -1, 0))
         power, when = largest_power(taken)
         if stores or (energies and taken is not wave):
-            drawn, returned, stored = energy(taken)
+            drawn, returned, stored = energy(taken, kept)
         elif energies:
             drawn, returned = _energies(wave, at.sampled.duration, current, volts)
     winding = _winding(spec, at, current, warm, parts.motor)
