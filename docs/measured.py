@@ -14,7 +14,7 @@ from pathlib import Path
 import measured_heat
 import measured_motor
 import measured_servo
-from measured_tables import Findings, table
+from measured_tables import Findings, misses, table
 
 HERE = Path(__file__).resolve().parent
 
@@ -24,7 +24,8 @@ def main(folder: Path) -> None:
     parts: list[Findings] = [module.findings(folder) for module in (measured_servo, measured_motor, measured_heat)]
     values = {name: value for part in parts for name, value in part.values.items()}
     text = (HERE / "measured.txt").read_text(encoding="utf-8")
-    page = text.format(table=table([row for part in parts for row in part.rows]), **values)
+    rows = [row for part in parts for row in part.rows]
+    page = text.format(table=table(rows), misses=misses(rows), **values)
     (HERE / "measured.md").write_text(page, encoding="utf-8")
     (HERE / "figures").mkdir(exist_ok=True)
     for part in parts:
