@@ -91,6 +91,11 @@ class WheeledVehicle(Section):
     rolling_resistance: Coefficient | None = Field(default=None, description="C_rr; or give sinkage")
     sinkage: Thickness | None = Field(default=None, description="sinking depth z of (4); or give rolling_resistance")
     friction_coefficient: Coefficient | None = Field(default=None, description="between wheel and floor, for traction")
+    driven_share: Share | None = Field(
+        default=None,
+        description="of the weight that the driven wheels carry, for traction; all of it where not given. Casters and "
+        "other wheels carry the rest. A platform tells it by its places",
+    )
     slope: Slope = default("0 deg", description="uphill positive")
     drag_area: Area = default("0 m^2", description="drag coefficient times frontal area")
     headwind: SignedSpeed = default("0 m/s", description="against the forward motion positive")

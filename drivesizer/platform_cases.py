@@ -6,6 +6,7 @@ checks of the supply take every wheel as the one of the case, the battery's add 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.loadcycle import Ends, LoadCycle, OwnLimit, rms
+from drivesizer.loads.wheeled_vehicle import held_by_a_wheel
 from drivesizer.machines import WheeledVehicle
 from drivesizer.motions import Track, Waypoints
 from drivesizer.platform.cycles import wheel_cycles
@@ -26,7 +28,7 @@ from drivesizer.recording import beside
 from drivesizer.spec import AS_SPECIFIED, RobotSpec
 from drivesizer.wheel_load import wheel_load
 
-__all__ = ["cycles_of", "dynamics_of", "ground_of", "limits_of", "on_wheels", "trajectory_of"]
+__all__ = ["cycles_of", "dynamics_of", "ground_of", "held_by_the_floor", "limits_of", "on_wheels", "trajectory_of"]
 
 _SAME = 1e-9  # of the largest figure
 
@@ -93,6 +95,30 @@ def ground_of(spec: RobotSpec) -> Ground:
     """The floor that a spec's platform stands on."""
     assert spec.platform is not None and isinstance(spec.load, WheeledVehicle)
     return Ground(slope=spec.load.slope, uphill=spec.platform.uphill, gravity=spec.environment.gravity)
+
+
+def held_by_the_floor(spec: RobotSpec, force: float) -> float:
+    """Force that friction transmits at a driven wheel of a vehicle straight on, of a platform at its worst [N].
+
+    Parameters
+    ----------
+    spec
+        The vehicle, with or without a platform; its slope is along its way.
+    force
+        With which each driven wheel pushes or brakes [N]: what it does to the floor moves the weight to and fro.
+    """
+    load, section, g = spec.load, spec.platform, spec.environment.gravity
+    assert isinstance(load, WheeledVehicle)
+    if section is None:
+        return held_by_a_wheel(load, g)
+    if load.friction_coefficient is None or not section.height_known:
+        return math.nan
+    p = platform_of(section, load)
+    gains = np.array([1.0, -1.0]) * load.driven_wheels * force / p.mass - g * math.sin(load.slope)
+    ground = Ground(slope=load.slope, gravity=g)
+    carried = contact_loads(p, 0.0, ground, (gains, 0.0 * gains))[: len(p.wheels)].min(axis=1)
+    held = [n * math.cos(w.roller_angle) for n, w in zip(carried, p.wheels, strict=True) if w.drive == "motor"]
+    return load.friction_coefficient * max(float(min(held)), 0.0)
 
 
 def _wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:

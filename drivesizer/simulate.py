@@ -16,6 +16,7 @@ from drivesizer.cascade import Cascade, ControllerGain, controller_gains
 from drivesizer.closed_loop import Case, run
 from drivesizer.control_design import COMPUTING
 from drivesizer.errors import InputError
+from drivesizer.loads.wheeled_vehicle import grip_warning
 from drivesizer.loop_figures import figures, series, series_units
 from drivesizer.loop_warnings import loop_warnings, resolution_warning, resonance_warning
 from drivesizer.machines import Recorded, WheeledVehicle
@@ -216,7 +217,7 @@ def _warnings(case: Case, found: tuple[Check, ...]) -> list[str]:
     said = loop_warnings(case.loops.all, case.profile)
     if case.shaft:
         said += resonance_warning(case.loops, case.shaft)
-    said += [*_resolution(case), *_kept_at_rest(case)]
+    said += [*_resolution(case), *_kept_at_rest(case), *grip_warning(case.spec)]
     failed = {check.name for check in found if check.status == "fail" and not check.advice}
     if "stability" in failed:
         said.append("the loop is unstable with these gains: lower them, or leave them out to have them designed")

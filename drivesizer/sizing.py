@@ -17,6 +17,7 @@ from drivesizer.choices import Choice, ControllerChoice, EncoderChoice
 from drivesizer.compare import with_both_methods
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.evaluation import evaluate
+from drivesizer.loads.wheeled_vehicle import grip_warning
 from drivesizer.platform_cases import on_wheels
 from drivesizer.ranking import Objective, title_of
 from drivesizer.records import drive_set
@@ -157,7 +158,7 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
 
 def _warnings(spec: RobotSpec, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """What the method does not look at and the reader should know."""
-    said = []
+    said = list(dict.fromkeys(line for _, case in spec.load_cases for line in grip_warning(case)))
     if spec.method == "paper":
         said.append(
             "the paper's rule does not look at heat, permissible motor speed or supply sag; the physics beside it does"

@@ -117,6 +117,8 @@ class RobotSpec(Section):
             raise ValueError(
                 f"platform: {driven} of its wheels are driven; expected as many as load.driven_wheels, {wanted}"
             )
+        if self.load.driven_share is not None:
+            raise ValueError("load.driven_share: the platform's places tell what each wheel carries; leave it out")
         if not sum(payload.mass for payload in self.platform.payloads) < self.load.mass:
             raise ValueError("platform: expected payloads that leave some of load.mass, which includes them")
         return self

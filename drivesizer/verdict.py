@@ -19,6 +19,7 @@ from drivesizer.encoder_choice import NOT_ASKED
 from drivesizer.lasting_speed import asked_of_the_gearhead, lasting_speeds
 from drivesizer.loop_set_up import FOLLOWS
 from drivesizer.machines import WheeledVehicle
+from drivesizer.platform_cases import held_by_the_floor
 from drivesizer.profile import SPEED
 from drivesizer.results import Check
 from drivesizer.thermal import current_derating, steady_winding_temperature
@@ -184,10 +185,9 @@ def _load(case: Case) -> Iterator[Check]:
     load = case.spec.load
     if not isinstance(load, WheeledVehicle) or load.friction_coefficient is None:
         return
-    weight = load.mass / load.driven_wheels * case.spec.environment.gravity * math.cos(load.slope)
     belt = case.drive_set.belt_ratio * case.drive_set.belt_efficiency
     force = case.figure("gear_torque") * belt / case.train.radius
     yield _check(
-        at_most("traction", force, load.friction_coefficient * weight, "force", "N"), "Traction per wheel",
-        case.figure("gear_torque_time"), "what turns the wheel itself counted in; each carries the same weight",
+        at_most("traction", force, held_by_the_floor(case.spec, force), "force", "N"), "Traction per wheel",
+        case.figure("gear_torque_time"), "what turns the wheel itself counted in",
     )  # fmt: skip

@@ -13,7 +13,9 @@ from hypothesis import strategies as st
 from drivesizer.errors import InputError
 from drivesizer.loadcycle import integral, rms
 from drivesizer.loads import load_cycle
+from drivesizer.loads.wheeled_vehicle import grip_warning
 from drivesizer.machines import AXES
+from drivesizer.platform_cases import held_by_the_floor
 from drivesizer.profile import Profile
 from drivesizer.spec import load_spec, read_spec
 from drivesizer.yaml_source import YamlSource
@@ -146,6 +148,47 @@ def test_flywheel_of_verma():
     assert work(c) == pytest.approx(
         9.0e3 + 300.0
     )  # 9.0 kJ that friction takes on the way down, and 300 J on the way up
+
+
+VEHICLE = (
+    "kind: wheeled_vehicle, mass: 40 kg, driven_wheels: 2, wheel_diameter: 200 mm, rolling_resistance: 0.01, "
+    "inertia: 0 kg*m^2, friction_coefficient: 0.5"
+)
+
+
+@pytest.mark.parametrize(("said", "limit"), [("", 98.0665), (", driven_share: 60 %", 58.8399)])
+def test_casters_that_carry_take_grip_away(said, limit):
+    """Two driven wheels and casters with 40 % of the weight: 0.5 · 0.6 · 40 · 9.80665 / 2 N of each wheel."""
+    spec = spec_of(VEHICLE + said)
+    (own,) = load_cycle(spec).own
+    assert (own.name, own.limit) == ("traction", pytest.approx(limit, rel=1e-6))
+    assert own.demand == pytest.approx((0.01 * 40.0 * G + 40.0 * 1.0) / 2)
+    assert [w.split(":")[0] for w in grip_warning(spec)] == ["traction"] * (not said)
+    assert not grip_warning(spec_of(VEHICLE.replace("driven_wheels: 2", "driven_wheels: 3")))  # they stand alone
+
+
+CASTERS = """
+name: x
+load: {%s}
+platform:
+  layout: {kind: differential, track: 500 mm}
+  casters: [{x: -0.4 m, y: 0 m}]
+  inertia: 2 kg*m^2
+  centre_of_mass: {x: -0.16 m, height: 0.3 m}
+motion: {speed: 1 m/s, acceleration_time: 1 s, cruise_time: 1 s}
+supply: {nominal: 24 V}
+"""
+
+
+def test_the_places_of_a_platform_tell_what_its_wheels_carry():
+    """40 kg, their centre 0.16 of 0.4 m behind the axle: 60 % on the axle; 2 · 20 N ahead at 0.3 m take 30 N off it."""
+    spec = read_spec(YamlSource(CASTERS % VEHICLE, "x.yaml"))
+    assert held_by_the_floor(spec, 0.0) == pytest.approx(0.5 * 0.6 * 40.0 * G / 2)
+    assert held_by_the_floor(spec, 20.0) == pytest.approx(0.5 * (0.6 * 40.0 * G - 2 * 20.0 * 0.3 / 0.4) / 2)
+    low = read_spec(YamlSource((CASTERS % VEHICLE).replace(", height: 0.3 m", ""), "x.yaml"))
+    assert math.isnan(held_by_the_floor(low, 20.0))
+    with pytest.raises(InputError, match=r"x\.yaml.*load\.driven_share: the platform's places tell"):
+        read_spec(YamlSource(CASTERS % f"{VEHICLE}, driven_share: 60 %", "x.yaml"))
 
 
 # --- the same physics, walked -----------------------------------------------------------------------------------------

@@ -5,7 +5,8 @@ r"""A vehicle on driven wheels, seen from the shaft of one of them.
 
 Rolling resistance is against the motion and nothing at rest; the slope pulls always, and so does the wind. All driven
 wheels share alike. The paper's factors (speed reserve, bearing, oversize) are no physics and not in here. Grip: a wheel
-transmits what is left of the torque after it has turned itself, and carries the same share of the weight as the others.
+transmits what is left of the torque after it has turned itself, and each of the N driven ones carries an N-th of their
+share s of the weight, :math:`F \le μ s m g \cos θ / N`; casters carry the rest.
 
 Worked example: 45 kg on 4 wheels of 152.4 mm, C_rr 0.02, level, at 1.5 m/s: 0.02 · 45 · 9.80665 · 0.0762 / 4
 = 0.168 N·m at 19.69 rad/s (equations (3), (5) of Appl. Sci. 2021, 11, 6631, with bearing factor 1).
@@ -23,8 +24,9 @@ from drivesizer.loadcycle import Ends, LoadCycle, OwnLimit
 from drivesizer.machines import Cylinder, WheeledVehicle
 from drivesizer.spec import RobotSpec
 
-__all__ = ["rolling_resistance", "turning_inertia", "wheeled_vehicle"]
+__all__ = ["grip_warning", "held_by_a_wheel", "rolling_resistance", "turning_inertia", "wheeled_vehicle"]
 
+_STANDS = 3  # wheels at least
 _PIECES = 64  # of a ramp in wind: the straight lines are off by 1/4 of 1/64² of the drag at its end, 6e-5 of it
 
 
@@ -86,6 +88,35 @@ def _grip(load: WheeledVehicle, g: float, course: Course, force: Ends, turning: 
     worst = int(np.abs(force).argmax())
     end = np.cumsum(course.duration)
     time = np.stack([end - course.duration, end], axis=1).reshape(-1)[worst]
-    limit = load.friction_coefficient * load.mass * g * math.cos(load.slope) / load.driven_wheels
+    limit = held_by_a_wheel(load, g)
     most = float(np.abs(force).reshape(-1)[worst])
     return (OwnLimit("traction", most, limit, "force", "N", float(time), turning),)
+
+
+def held_by_a_wheel(load: WheeledVehicle, g: float) -> float:
+    """Force that friction transmits at a driven wheel [N]; unknown without a coefficient.
+
+    Parameters
+    ----------
+    load
+        The vehicle; where its driven wheels stand is not known.
+    g
+        Gravity [m/s^2].
+    """
+    friction = math.nan if load.friction_coefficient is None else load.friction_coefficient
+    share = 1.0 if load.driven_share is None else load.driven_share
+    return friction * share * load.mass * g * math.cos(load.slope) / load.driven_wheels
+
+
+def grip_warning(spec: RobotSpec) -> tuple[str, ...]:
+    """That casters may carry, where traction takes the driven wheels to carry all; nothing where that is clear."""
+    load = spec.load
+    if not isinstance(load, WheeledVehicle) or spec.platform or load.friction_coefficient is None:
+        return ()
+    if load.driven_share is not None or load.driven_wheels >= _STANDS:
+        return ()
+    wheels = "1 driven wheel" if load.driven_wheels == 1 else f"{load.driven_wheels} driven wheels"
+    return (
+        f"traction: all of the weight is taken to be on {wheels}, which cannot stand alone; give load.driven_share, "
+        "such as 60 %, where casters or other wheels carry the rest",
+    )
