@@ -9,14 +9,20 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from drivesizer import load_spec
+from drivesizer.driving import Driving, driving, on_the_way
+from drivesizer.following_runs import Case, follow_case
 from drivesizer.platform import following, march_loop
-from drivesizer.platform.following import Followed, Model, follow
-from drivesizer.platform.following_example import FLOOR, OFF, paper_robot, paper_route
+from drivesizer.platform.following import Followed, Model
 from drivesizer.platform.trajectory import Trajectory
+
+EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "sps_following.yaml"
 
 
 def timed(act: Callable[[], Any], runs: int) -> tuple[float, Any]:
@@ -28,13 +34,14 @@ def timed(act: Callable[[], Any], runs: int) -> tuple[float, Any]:
     return best, found
 
 
-def driven(way: Trajectory, model: Model) -> Followed:
-    return follow(way, paper_robot(), model=model, misjudged=OFF, contact=FLOOR)
+def driven(found: Driving, model: Model) -> Followed:
+    return follow_case(found, None, Case(model, integral=True, poses=False, exact=False))
 
 
-def beginning(way: Trajectory, pieces: int) -> Trajectory:
+def beginning(found: Driving, pieces: int) -> Driving:
+    way = found.trajectory
     parts = (way.posture[:, :pieces], way.velocity[:, :pieces], way.acceleration[:, :pieces])
-    return Trajectory(way.duration[:pieces], *parts)
+    return replace(found, trajectory=Trajectory(way.duration[:pieces], *parts))
 
 
 def main() -> None:
@@ -42,7 +49,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--pieces", type=int, default=50, help="of the way, in plain Python")
     options = parser.parse_args()
-    way = paper_route()
+    way = driving(on_the_way(load_spec(EXAMPLE), None))
     first, found = timed(lambda: driven(way, "kinematic"), 1)
     print(f"{'first call, machine code made or read':40}{first:10.2f} s")
     for model in ("kinematic", "dynamic"):
@@ -53,7 +60,10 @@ def main() -> None:
     following.compiled = lambda: march_loop.follow_one
     slow, plain = timed(lambda: driven(part, "kinematic"), 1)
     off = np.abs(mine.posture - plain.posture).max()
-    print(f"{f'plain Python / machine code, {part.total:g} s':40}{slow / fast:10.0f}      they differ by {off:.0e}")
+    print(
+        f"{f'plain Python / machine code, {part.trajectory.total:g} s':40}{slow / fast:10.0f}"
+        f"      they differ by {off:.0e}"
+    )
 
 
 if __name__ == "__main__":

@@ -2,9 +2,9 @@
 
     python docs/blocks.py [PAGE ...]      writes into the pages what their commands print now
 
-Commands of a ``bash`` block run one after the other in a folder of the page's own, which starts empty; a ``text``
-block after it is what they print, a line ``...`` stands for lines left out. A ``yaml`` or ``csv`` block with a title is
-that file from there on. tests/test_docs.py runs all of it.
+Commands of a ``bash`` block run one after the other in a folder of the page's own, which starts empty; ``examples/``
+that it has not are the project's. A ``text`` block after it is what they print, a line ``...`` stands for lines left
+out. A ``yaml`` or ``csv`` block with a title is that file from there on. tests/test_docs.py runs all of it.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class Shell:
             self.folder = (self.folder / words[1]).resolve()
             return Said("", 0)
         if words[0] == "drivesizer":
-            said = _drivesizer(words[1:-2] if target else words[1:], self.folder)
+            said = _drivesizer([self._found(word) for word in (words[1:-2] if target else words[1:])], self.folder)
         elif words[0] in _PLAIN:
             words = words[:-2] if target else words
             done = subprocess.run(words, cwd=self.folder, capture_output=True, encoding="utf-8", check=False)  # noqa: S603
@@ -116,6 +116,11 @@ class Shell:
             self.write(target, said.text)
             return Said("", said.status)
         return Said("".join(f"{line.rstrip()}\n" for line in said.text.splitlines()), said.status)
+
+    def _found(self, word: str) -> str:
+        """An example of the project by its path."""
+        own = word.startswith("examples/") and not (self.folder / word).exists()
+        return str(ROOT / word) if own else word
 
 
 def _elsewhere(command: str) -> bool:

@@ -62,14 +62,14 @@ def drive(
 
 def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
     """The runs along the way, drawn where that is asked for."""
-    from drivesizer.following_runs import follow_all
+    from drivesizer.following_runs import drawn, follow_all
 
     with working("driving the platform along its way"):
         runs = follow_all(found, one)
     if drawings:
         from drivesizer.report import write_path
 
-        for path in write_path(runs, drawings):
+        for path in write_path(drawn(runs), drawings):
             typer.echo(f"{path} written", err=True)
     return runs
 

@@ -28,8 +28,16 @@ def driving(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed
         "time_s": found.trajectory.total,
         "wheels": [_wheel(wheel) for wheel in found.wheels],
         "set": drive_set(chosen) if chosen else None,
+        "measured": _measured(found),
         "following": {name: _run(run) for name, run in runs.items()},
     }
+
+
+def _measured(found: Driving) -> list[dict[str, Any]]:
+    """Errors that the spec says were measured on the way."""
+    section = found.spec.platform
+    told = section.following.measured if section else []
+    return [{"name": one.name, "position_m": one.position, "heading_rad": one.heading} for one in told]
 
 
 def _run(run: Followed) -> dict[str, Any]:

@@ -2,59 +2,145 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from math import inf
-from typing import Any
+from typing import NamedTuple
 
 from drivesizer.driving import Driving
+from drivesizer.following_schema import Following
 from drivesizer.machines import WheeledVehicle
-from drivesizer.platform.following import Followed, follow
-from drivesizer.platform.following_control import is_unicycle, pose_loop, speed_loop
+from drivesizer.platform.dynamics import Dynamics
+from drivesizer.platform.following import Followed, Model, follow
+from drivesizer.platform.following_control import SpeedLoop, is_unicycle, pose_loop, speed_loop
+from drivesizer.platform.misjudged import EXACT, Misjudged
 from drivesizer.platform.slip import Contact
 from drivesizer.platform_cases import dynamics_of, ground_of
+from drivesizer.platform_schema import Platform
 from drivesizer.results import DriveSet
+from drivesizer.units import show
 
-__all__ = ["ASSUMED", "follow_all"]
+__all__ = ["Case", "assumed", "drawn", "follow_all", "follow_case"]
+
+
+class Case(NamedTuple):
+    """One way to drive a platform along its way."""
+
+    model: Model
+    integral: bool  # speed loops PI, or plain P
+    poses: bool  # fed back
+    exact: bool  # the model knows the platform
+
+    @property
+    def words(self) -> tuple[str, str, str, str]:
+        """Robot model, speed loops, poses, and what the model knows."""
+        loop, poses = "PI" if self.integral else "P", "fed back" if self.poses else "open loop"
+        return self.model, loop, poses, "all" if self.exact else "not all"
+
+
+_COMPARED = (
+    *(Case(model, integral, False, exact) for exact in (True, False) for integral in (True, False)
+      for model in ("kinematic", "dynamic")),
+    *(Case(model, True, True, False) for model in ("kinematic", "dynamic")),
+)  # fmt: skip
 
 
 def follow_all(found: Driving, chosen: DriveSet | None) -> dict[str, Followed]:
     """The runs by name: kinematic and dynamic model, open-loop, and the dynamic one with poses fed back where it can.
+
+    Where the spec compares, both models with either loop as well, with and without what is misjudged.
 
     Parameters
     ----------
     found
         The platform on its way.
     chosen
-        Whose rotors turn with the wheels and whose torque is the limit; without a set there are neither.
+        Whose rotors turn with the wheels and whose torque is the limit, where the spec gives neither; without a set
+        there are none.
 
     Raises
     ------
     InputError
         When the wheels have no inertia, or a figure cannot be computed with.
     """
-    d = dynamics_of(found.spec, _rotor(chosen))
-    load, section = found.spec.load, found.spec.platform
-    assert isinstance(load, WheeledVehicle) and section is not None
-    floor = Contact() if load.friction_coefficient is None else Contact(friction=load.friction_coefficient)
-    speeds = speed_loop(d, limit=_strongest(chosen))
-    more: dict[str, Any] = {
-        "misjudged": section.misjudged.record,
-        "contact": floor,
-        "speeds": speeds,
-        "ground": ground_of(found.spec),
-    }
-    way, platform = found.trajectory, d.platform
-    runs = {
-        "kinematic model": follow(way, platform, model="kinematic", **more),
-        "dynamic model": follow(way, platform, model="dynamic", **more),
-    }
-    if d.kinematics.mobility == 3 or is_unicycle(d.kinematics):
-        poses = pose_loop(d, speeds, speed=_fastest(found))
-        runs["poses fed back"] = follow(way, platform, model="dynamic", poses=poses, **more)
-    return runs
+    return {name: follow_case(found, chosen, case) for name, case in _cases(found).items()}
 
 
-def _rotor(chosen: DriveSet | None) -> float:
-    """Inertia of a motor set at its wheel [kg*m^2], as far as it is known."""
+def _cases(found: Driving) -> dict[str, Case]:
+    """What is driven, by name."""
+    given, k = _section(found).following, dynamics_of(found.spec).kinematics
+    steered = k.mobility == 3 or is_unicycle(k)
+    if given.compare:
+        cases = (case for case in _COMPARED if steered or not case.poses)
+        return {", ".join(case.words): case for case in cases}
+    integral = given.speed_loop == "PI"
+    runs = {f"{model} model": Case(model, integral, False, False) for model in ("kinematic", "dynamic")}
+    return runs | ({"poses fed back": Case("dynamic", integral, True, False)} if steered else {})
+
+
+def follow_case(found: Driving, chosen: DriveSet | None, case: Case, misjudged: Misjudged | None = None) -> Followed:
+    """One run; parameters of ``follow_all``.
+
+    Parameters
+    ----------
+    found, chosen
+        The platform on its way, and its motor sets.
+    case
+        How it is driven.
+    misjudged
+        What the model does not know; that of the spec where not given.
+    """
+    section = _section(found)
+    d = dynamics_of(found.spec, _rotor(section.following, chosen))
+    speeds = _speeds(d, section.following, chosen, case.integral)
+    poses = pose_loop(d, speeds, period=section.following.pose_period, speed=_fastest(found)) if case.poses else None
+    off = EXACT if case.exact else misjudged or section.misjudged.record
+    return follow(
+        found.trajectory,
+        d.platform,
+        model=case.model,
+        misjudged=off,
+        contact=_floor(found),
+        speeds=speeds,
+        poses=poses,
+        ground=ground_of(found.spec),
+    )
+
+
+def drawn(runs: Mapping[str, Followed]) -> dict[str, Followed]:
+    """The runs that one figure shows: four at most, plain speed loops before others, as they differ most."""
+    names = sorted(runs, key=lambda name: ("fed back" in name, ", PI," in name)) if len(runs) > 4 else list(runs)
+    return {name: runs[name] for name in names[:4]}
+
+
+def _section(found: Driving) -> Platform:
+    section = found.spec.platform
+    assert section is not None
+    return section
+
+
+def _floor(found: Driving) -> Contact:
+    load, given = found.spec.load, _section(found).following
+    assert isinstance(load, WheeledVehicle)
+    floor = Contact(slip_speed=given.slip_speed, creep=given.creep)
+    return floor if load.friction_coefficient is None else replace(floor, friction=load.friction_coefficient)
+
+
+def _speeds(d: Dynamics, given: Following, chosen: DriveSet | None, integral: bool) -> SpeedLoop:
+    """The speed loops: as designed, with the gains that the spec gives."""
+    limit = _strongest(chosen) if given.torque_limit is None else given.torque_limit
+    made = speed_loop(d, period=given.period, limit=limit, integral=integral)
+    if given.speed_gain is not None:
+        made = replace(made, proportional=(given.speed_gain,) * len(made.proportional))
+    if given.speed_integral is not None and integral:
+        made = replace(made, integral=(given.speed_integral,) * len(made.integral))
+    return made
+
+
+def _rotor(given: Following, chosen: DriveSet | None) -> float:
+    """Inertia of a motor set at its wheel [kg*m^2]: given, or as far as it is known."""
+    if given.rotor_inertia is not None:
+        return given.rotor_inertia
     if chosen is None:
         return 0.0
     parts = (chosen.motor.rotor_inertia, chosen.gearhead.inertia)
@@ -75,9 +161,17 @@ def _fastest(found: Driving) -> float:
     return float((x**2 + y**2).max() ** 0.5)
 
 
-ASSUMED = (
-    "slip, resistances and the controllers of the wheels are simulated; stiction, roller gaps, noise of encoders and "
-    "poses, the voltage limit and the lag of the current loops are not",
-    "speed loops of 1 ms by the symmetrical optimum, poses every 50 ms; slip meets the grip at 10 mm/s",
-    "the platform differs from its model as platform.misjudged says, and by slip and resistance",
-)
+def assumed(found: Driving) -> tuple[str, ...]:
+    """What the runs rest on, as sentences."""
+    given = _section(found).following
+    period, poses = (show(value, "ms", "time") for value in (given.period, given.pose_period))
+    slip = show(given.slip_speed, "mm/s", "speed") + (
+        f" and {given.creep:g} of the rolling speed" * (given.creep > 0.0)
+    )
+    return (
+        "slip, resistances and the controllers of the wheels are simulated; stiction, roller gaps, noise of encoders "
+        "and poses, the voltage limit and the lag of the current loops are not",
+        f"speed loops of {period} by the symmetrical optimum where no gain is given, poses every {poses}; slip meets "
+        f"the grip at {slip}",
+        "the platform differs from its model as platform.misjudged says, and by slip and resistance",
+    )

@@ -58,7 +58,7 @@ def trajectory_of(spec: RobotSpec) -> Trajectory | None:
     motion = spec.motion
     if isinstance(motion, Track):
         path = beside(spec.file, motion.trajectory, spec.where(("motion", "trajectory")))
-        return read_track(path, limits_of(spec), motion.smoothing)
+        return read_track(path, limits_of(spec), motion.smoothing, spec.where(("motion", "smoothing")))
     if isinstance(motion, Waypoints):
         limits = limits_of(spec)
         if limits is None:

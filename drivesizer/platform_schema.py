@@ -26,6 +26,7 @@ from drivesizer.fields import (
     Turning,
     default,
 )
+from drivesizer.following_schema import Following
 from drivesizer.platform.envelope import Passage, Size
 from drivesizer.platform.wheels import Platform as Record
 from drivesizer.unknown_schema import Unknown
@@ -165,6 +166,7 @@ class Platform(Section):
         default=False, description="whether those are held by brake or gear; they turn freely otherwise"
     )
     misjudged: Unknown = Field(default_factory=Unknown, description="for `drivesizer drive --follow`")
+    following: Following = Field(default_factory=Following, description="for `drivesizer drive --follow`")
 
     @model_validator(mode="after")
     def _moves(self) -> Platform:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from rich.console import Console
@@ -10,7 +11,8 @@ from rich.text import Text
 
 from drivesizer import terminal_tables as tables
 from drivesizer.driving import Driving
-from drivesizer.following_runs import ASSUMED
+from drivesizer.following_runs import assumed
+from drivesizer.loadcycle import OwnLimit
 from drivesizer.platform.deviation import extremes
 from drivesizer.platform.following import Followed
 from drivesizer.results import DriveSet
@@ -25,6 +27,9 @@ _ASKED = (  # of a wheel: requirement, head
 )  # fmt: skip
 
 
+_BESIDE = 4  # runs that stand side by side
+
+
 def driven(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]) -> None:
     """Print what each wheel is asked for, and the checks of a set on the way; without a set the former alone."""
     console = tables.console()
@@ -37,8 +42,8 @@ def driven(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]
         console.print(tables.checks(chosen.checks, "The set on this way"))
         _machine(console, chosen)
     if runs:
-        console.print(_followed(runs))
-        for said in ASSUMED:
+        console.print(_compared(runs, found) if len(runs) > _BESIDE else _followed(runs))
+        for said in assumed(found):
             console.print(Text(said, style="dim"))
 
 
@@ -53,6 +58,25 @@ def _followed(runs: Mapping[str, Followed]) -> Table:
     limited = (show(float(run.limited.max()), "%", "dimensionless", 3) for run in runs.values())
     table.add_row("Time of a wheel at its torque limit", *limited)
     return table
+
+
+def _compared(runs: Mapping[str, Followed], found: Driving) -> Table:
+    """A row for each run, below those that were measured."""
+    heads = [(head, "left") for head in ("model", "loops", "poses", "it knows")]
+    figures = [(head, "right") for head in ("position", "heading", "at limit")]
+    table = tables.bare(*heads, *figures, title="How it follows: largest along the way")
+    section = found.spec.platform
+    for one in section.following.measured if section else ():
+        table.add_row(one.name, "measured", "", "", *_errors(one.position, one.heading), "")
+    for name, run in runs.items():
+        by = {one.title: abs(one.value) for one in extremes(run)}
+        limited = show(float(run.limited.max()), "%", "dimensionless", 3)
+        table.add_row(*name.split(", "), *_errors(by["position"], by["heading"]), limited)
+    return table
+
+
+def _errors(position: float, heading: float) -> tuple[str, str]:
+    return show(position, "m", "length", 3), show(heading, "deg", "angle", 3)
 
 
 def _status(chosen: DriveSet | None) -> tuple[str, str]:
@@ -73,8 +97,11 @@ def _wheels(found: Driving) -> Table:
     return table
 
 
-def _friction(grip: object, found: Driving) -> str:
+def _friction(grip: OwnLimit | None, found: Driving) -> str:
     """Coefficient at the worst moment, where the wheel's load is known."""
-    demand, limit = getattr(grip, "demand", float("nan")), getattr(grip, "limit", float("nan"))
     mu = getattr(found.spec.load, "friction_coefficient", None)
-    return show(demand / limit * mu, "1", "dimensionless") if mu and limit == limit else "unknown"
+    if grip is None or not mu or math.isnan(grip.limit):
+        return "unknown"
+    if grip.limit <= 0.0:
+        return "lifts off"
+    return show(grip.demand / grip.limit * mu, "1", "dimensionless")

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 from platforms import ALPHA, LENGTH, differential, mecanum
+from routes import route
 
-from drivesizer.platform.route import route
 from drivesizer.platform.slip import Contact
 from drivesizer.platform.trajectory import Trajectory
 

@@ -13,6 +13,7 @@ from drivesizer.cli import main
 from drivesizer.drive_power import drive_power, together
 from drivesizer.driving import driving, on_the_way, over_time
 from drivesizer.errors import InputError
+from drivesizer.following_runs import follow_all
 from drivesizer.loads import load_cycle
 from drivesizer.platform_cases import on_wheels
 from drivesizer.sizing import explain, size
@@ -343,3 +344,27 @@ def test_omni_wheels_that_all_roll_ahead_hold_no_platform():
     with pytest.raises(InputError, match="driven wheels at rest") as told:
         spec_of(VEHICLE, text, AHEAD)
     assert str(told.value).count("\n") == 0
+
+
+def test_a_wheel_that_lifts_off_is_told(drive, folder):
+    """The centre of mass lies before the front axle: the rear wheels carry nothing, and no friction holds them."""
+    text = (folder / "robot.yaml").read_text().replace("centre_of_mass: {", "centre_of_mass: {x: 300 mm, ")
+    (folder / "robot.yaml").write_text(text)
+    status, out, _ = drive()
+    assert status == 1 and out.count("lifts off") == 2
+    found = json.loads(drive("--json")[1])
+    assert [w["grip_N"] for w in found["wheels"][2:]] == [0.0, 0.0]
+
+
+def test_the_spec_says_how_soft_the_loops_are(folder):
+    """A proportional loop lags by torque over gain, 0.168 N·m over 2 N·m·s/rad, for 12 s; an integral takes it away."""
+    level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg")
+    soft = "  following: {speed_loop: P, speed_gain: 2 N*m*s/rad, slip_speed: 0.1 mm/s}\n"
+    lag = 0.02 * 45.0 * 9.80665 * 0.0762 / 4 / 2.0 * 0.0762 * 12.0
+    for more, behind in ((soft, lag), (soft.replace("P,", "PI,"), 0.0)):
+        found = driving(on_the_way(spec_of(level, PLATFORM, more, AHEAD), None))
+        assert found.trajectory.total == pytest.approx(12.0)
+        run = follow_all(found, None)["kinematic model"]
+        assert run.planned.posture[0, -1] - run.posture[0, -1] == pytest.approx(behind, rel=0.02, abs=lag / 10)
+    with pytest.raises(InputError, match="speed_integral: a speed_loop P has none"):
+        spec_of(level, PLATFORM, soft.replace("P,", "P, speed_integral: 1 N*m/rad,"), AHEAD)

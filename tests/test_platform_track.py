@@ -169,8 +169,23 @@ def test_rounded_figures_need_smoothing(file):
     assert smooth.at(time) == pytest.approx(exact, abs=1e-4)
     assert (smooth.velocity[:, 0, 0] == 0.0).all() and (smooth.velocity[:, -1, 1] == 0.0).all()
     assert smooth.velocity[2, :, 0] == pytest.approx(rate[np.searchsorted(time, smooth.time[:, 0] - 1e-9)], abs=1e-3)
-    with pytest.raises(InputError, match=r"smoothing: must lie between 0 and 2\.5 s"):
+    with pytest.raises(
+        InputError, match=r"smoothing: 3 s; expected between 0 and 2\.5 s, a quarter of the time of .*csv"
+    ):
         read_track(path, smoothing=3.0)
+
+
+@pytest.mark.parametrize(("row", "column", "value"), [(33, 1, 1e6), (500, 2, 1e5), (737, 1, 300.0)])
+def test_a_sample_far_off_between_knots_is_a_jump(file, row, column, value):
+    """In 0.4 s, the longest between two knots, nothing on wheels gets farther than 20 m: that is no motion."""
+    time = np.arange(0.0, 10.001, 0.01)
+    x, y, heading = circle(time, angle=3.0)[0]
+    columns = [time, x, y, heading]
+    columns[column][row] = value
+    with pytest.raises(
+        InputError, match=rf"run\.csv:{row + 3}: x, y: a jump, .* m off the way .*; expected 20 m at most"
+    ):
+        read_track(file("t,x,y,theta\ns,m,m,rad", *columns), smoothing=0.3)
 
 
 def test_a_smoothed_cubic_is_itself(file):

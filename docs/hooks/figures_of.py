@@ -21,7 +21,7 @@ def followed(_: Path) -> bytes:
     """The simulated path beside the paper's with soft speed loops, and errors along the way."""
     from following_page import ran
 
-    from drivesizer.platform.following_example import Case
+    from drivesizer.following_runs import Case
     from drivesizer.report.path_figure import path_and_errors
 
     shown = {"kinematic": ("kinematic", True), "dynamic": ("dynamic", True), "dynamic, misjudged": ("dynamic", False)}

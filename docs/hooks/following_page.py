@@ -1,49 +1,57 @@
-"""Following as tables: the paper's measured errors beside simulated ones, each misjudged figure alone, what is assumed.
-
-Every run is a simulation of the program's own; each way to drive is run once for tables and figure.
-"""
+"""Following as a table: what each misjudged figure of examples/sps_following.yaml alone comes to."""
 
 from __future__ import annotations
 
 import re
 from functools import cache
+from pathlib import Path
 
-from drivesizer.platform import following_example, following_table
+from drivesizer import load_spec
+from drivesizer.driving import Driving, driving, on_the_way
+from drivesizer.following_runs import Case, follow_case
+from drivesizer.platform.deviation import extremes
 from drivesizer.platform.following import Followed
-from drivesizer.platform.following_example import Case
-from drivesizer.platform.following_table import Table
+from drivesizer.platform.misjudged import EXACT, Misjudged
+from drivesizer.platform.wheels import Payload
+from drivesizer.units import show
 
-__all__ = ["following", "ran", "sensitivities", "taken"]
+__all__ = ["ran", "sensitivities"]
 
-
+ROOT = Path(__file__).resolve().parents[2]
 _VALUE, _TOGETHER = re.compile(r"^([\d.]+) (m|°|%)$"), "\\1\u00a0\\2"  # on one line
+_HEADS = ("misjudged", "position, PI", "heading, PI", "position, P", "heading, P")
+_ONE: tuple[tuple[str, Misjudged], ...] = (
+    ("none: slip and controllers alone", EXACT),
+    ("all radii 1 % larger", Misjudged(radius=0.01)),
+    ("one radius 0.1 % larger", Misjudged(radius=(0.001, 0.0, 0.0, 0.0))),
+    ("wheels 1 % farther out", Misjudged(lever=0.01)),
+    ("mass and inertia 10 % more", Misjudged(mass=0.1, inertia=0.1)),
+    ("payload of 5 kg in front", Misjudged(payload=Payload(mass=5.0, x=0.2, height=0.3))),
+    ("rolling resistance 0.005 more", Misjudged(rolling_resistance=0.005)),
+    ("one motor 5 % weak", Misjudged(motor=(0.0, -0.05, 0.0, 0.0))),
+)
 
 
 @cache
+def _example() -> Driving:
+    return driving(on_the_way(load_spec(ROOT / "examples" / "sps_following.yaml"), None))
+
+
 def ran(case: Case) -> Followed:
     """The path of the example, driven in one way."""
-    return following_example.run(case)
-
-
-def following() -> str:
-    """The paper's two measured errors, and what the simulated path gives; without a column where no limit was met."""
-    table = following_table.beside_the_paper()
-    if {row[-1] for row in table.rows} != {"–", "0 %"}:
-        return _markdown(table)
-    rows = tuple(row[:-1] for row in table.rows)
-    return f"{_markdown(table._replace(heads=table.heads[:-1], rows=rows))}\n\nNo wheel stood at its torque limit."
+    return follow_case(_example(), None, case)
 
 
 def sensitivities() -> str:
-    """What each misjudged figure alone comes to."""
-    return _markdown(following_table.one_at_a_time())
+    """What each misjudged figure alone comes to, driven by the dynamic model without poses."""
+    rows = [_HEADS, ("---",) * len(_HEADS), *(_row(name, off) for name, off in _ONE)]
+    return "\n".join(f"| {' | '.join(_VALUE.sub(_TOGETHER, cell) for cell in row)} |" for row in rows)
 
 
-def taken() -> str:
-    """What is assumed."""
-    return _markdown(following_table.assumed())
-
-
-def _markdown(table: Table) -> str:
-    lines = [table.heads, ("---",) * len(table.heads), *table.rows]
-    return "\n".join(f"| {' | '.join(_VALUE.sub(_TOGETHER, cell) for cell in row)} |" for row in lines)
+def _row(name: str, off: Misjudged) -> tuple[str, ...]:
+    cells = [name]
+    for integral in (True, False):
+        found = follow_case(_example(), None, Case("dynamic", integral, False, False), off)
+        by = {e.title: abs(e.value) for e in extremes(found)}
+        cells += [show(by["position"], "m", "length", 3), show(by["heading"], "deg", "angle", 3)]
+    return tuple(cells)

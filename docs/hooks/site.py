@@ -11,7 +11,7 @@ import mathematics
 from command_page import commands
 from equation_page import equations
 from figures_of import closed_loop, followed
-from following_page import following, sensitivities, taken
+from following_page import sensitivities
 from load_page import loads
 from mkdocs.structure.files import File
 from platform_page import platform_equations
@@ -20,8 +20,8 @@ from spec_tables import sections
 ROOT = Path(__file__).resolve().parents[2]
 _PROJECT = {"ARCHITECTURE.md": "architecture.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
 _GENERATED: dict[str, Callable[[], str]] = {
-    "commands": commands, "equations": equations, "following": following, "loads": loads,
-    "platform_equations": platform_equations, "sensitivities": sensitivities, "spec": sections, "taken": taken,
+    "commands": commands, "equations": equations, "loads": loads, "platform_equations": platform_equations,
+    "sensitivities": sensitivities, "spec": sections,
 }  # fmt: skip
 _PLACE = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
 _LINK = re.compile(r"\[([^\]]+)\]\(([^)#]+)(#[^)]*)?\)")

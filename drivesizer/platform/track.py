@@ -14,7 +14,8 @@ likewise at its end.
 
 A spline through jumps is no motion. Speed from sample to sample, and acceleration from step to step, may be up to twice
 the limits where they are given; else up to 50 m/s and 10 g, turning 100 rad/s and 1000 rad/s², more than any wheel on a
-floor makes of a platform.
+floor makes of a platform. With smoothing that holds from knot to knot, and no sample between may be off by more than is
+driven at that speed from one to the next.
 
 Nor is a spline through rounded figures: 0.01 mm every 10 ms is up to 0.6 m/s² of acceleration that nobody asked for,
 6 q/h² of the last digit q. Where that is more than a fifth of the largest acceleration the track needs more digits, or
@@ -55,7 +56,9 @@ _EXACT, _MOST_NOISE = 1e-3, 0.2  # m or rad; of the largest acceleration
 _SLOW, _CREEP = 0.25, 0.01  # what is at rest: of the mean speed of two steps; of the largest of all
 
 
-def read_track(path: str | Path, limits: Limits | None = None, smoothing: float = 0.0) -> Trajectory:
+def read_track(
+    path: str | Path, limits: Limits | None = None, smoothing: float = 0.0, where: str = "smoothing"
+) -> Trajectory:
     """The trajectory in a file.
 
     Parameters
@@ -66,6 +69,8 @@ def read_track(path: str | Path, limits: Limits | None = None, smoothing: float 
         Of the platform: waypoints are planned within them, and a timed track that leaves them far behind has jumps.
     smoothing
         Least time between the knots of a timed track's spline [s]; 0 goes through all samples.
+    where
+        What a message calls it: where a spec has it.
 
     Raises
     ------
@@ -91,8 +96,10 @@ def read_track(path: str | Path, limits: Limits | None = None, smoothing: float 
         raise InputError(f"{file}: rows: nothing moves; expected a track of a motion")
     span = float(time[-1] - time[0])
     if not 0.0 <= smoothing <= span / _FEWEST:
-        raise InputError(f"{file}: smoothing: must lie between 0 and {span / _FEWEST:.4g} s, a quarter of its time")
+        most = f"{span / _FEWEST:.4g} s, a quarter of the time of {file}"
+        raise InputError(f"{where}: {smoothing:g} s; expected between 0 and {most}")
     _no_jumps(file, time, made, limits, thinned(time, smoothing))
+    _no_outliers(file, time, made, limits, thinned(time, smoothing))
     _at_rest(file, time, made, thinned(time, smoothing))
     if smoothing == 0.0:
         known = dict(zip(header, factors, strict=True))
@@ -173,6 +180,17 @@ def _no_jumps(path: Path, time: Array, posture: Array, limits: Limits | None, ke
                 raise InputError(
                     f"{path}:{kept[at + 1] + _ABOVE}: {column}: {word}; expected {bound:.4g} {unit} at most"
                 )
+
+
+def _no_outliers(path: Path, time: Array, posture: Array, limits: Limits | None, kept: Any) -> None:
+    """Refuse rows between the knots that are farther from the way than a platform gets between two of them."""
+    off = posture - np.array([np.interp(time, time[kept], row[kept]) for row in posture])
+    for column, (rows, (fastest, _)) in _most(limits).items():
+        size, bound = np.hypot.reduce(off[rows], axis=0), fastest * float(np.diff(time[kept]).max())
+        if not (size <= bound).all():
+            at, unit = int(np.argmin(size <= bound)), _UNITS[column][0].removesuffix("/s")
+            word = f"a jump, {size[at]:.4g} {unit} off the way between its neighbours"
+            raise InputError(f"{path}:{at + _ABOVE}: {column}: {word}; expected {bound:.4g} {unit} at most")
 
 
 def _most(limits: Limits | None) -> dict[str, tuple[slice, tuple[float, float]]]:

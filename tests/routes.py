@@ -11,7 +11,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from drivesizer.errors import InputError
 from drivesizer.platform.notation import Array
 from drivesizer.platform.trajectory import Trajectory
 
@@ -39,24 +38,12 @@ def route(
     step
         Longest piece of time [s].
 
-    Raises
-    ------
-    InputError
-        When a figure is not above 0.
-
     Examples
     --------
     >>> there = route([(3.0, 0.0)], speed=1.0, acceleration=1.0)
     >>> there.total, float(there.posture[0, -1, 1])
     (4.0, 3.0)
     """
-    for name, value in (("speed", speed), ("acceleration", acceleration), ("step", step)):
-        if not 0.0 < value < math.inf:
-            raise InputError(f"route: {name} must be above 0, got {value!r}")
-    if not legs or not all(0.0 < length < math.inf and math.isfinite(bend) for length, bend in legs):
-        raise InputError("route: expected legs of a length above 0")
-    if not all(start < end for start, end, _ in turns):
-        raise InputError("route: a turn must end after it begins")
     ends = np.cumsum([length for length, _ in legs])
     time, rate = _times(ends, turns, speed, acceleration, step)
     both = np.stack([time[:-1], time[1:]], axis=-1)
