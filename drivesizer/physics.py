@@ -108,7 +108,7 @@ class AtGearhead:
         """Largest absolute value of what is linear in the functions, as ``peak`` takes it."""
         high, low = (points * self.scale for points in (self.extremes.high, self.extremes.low))
         values = np.concatenate([coefficients @ high.T, -(coefficients @ low.T)], axis=1)
-        if left_out is not None and len(rows := np.flatnonzero(left_out.any(axis=1))):
+        if left_out is not None and len(rows := np.flatnonzero(_any(left_out))):
             against = np.concatenate([high < 0.0, low > 0.0]).astype(float)
             values[rows] = np.where(left_out[rows] @ against.T > 0.0, -np.inf, values[rows])
         worst = values.argmax(axis=1)
@@ -166,7 +166,7 @@ class Demands(NamedTuple):
     @property
     def sure(self) -> NDArray[np.bool_]:
         """False: least ones, as an inertia or friction is unknown that would ask for more."""
-        return np.asarray(~self.left_out.any(axis=1))
+        return ~_any(self.left_out)
 
     def surplus(self, k_t: Array) -> Array:
         """What the back-EMF constant is above the torque constant, by the speed at the gearhead's output [V*s/rad]."""
@@ -280,9 +280,9 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     coulomb, viscous = friction(motor)
     c = np.empty((len(i), 6))
     left_out = np.zeros(c.shape, np.bool_)
-    left_out[:, ACCELERATION] = np.isnan(gearhead["inertia"] + motor["rotor_inertia"])
-    left_out[:, DIRECTION], left_out[:, SPEED] = np.isnan(coulomb), np.isnan(viscous)
-    left_out &= at.acts
+    lacking = {ACCELERATION: gearhead["inertia"] + motor["rotor_inertia"], DIRECTION: coulomb, SPEED: viscous}
+    for place, figure in lacking.items():
+        left_out[:, place] = np.isnan(figure) & at.acts[place]
     c[:, DRIVING] = 1 / (i * e)
     c[:, BRAKING] = e / i
     c[:, AT_REST] = 1 / i
@@ -290,9 +290,11 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     c[:, ACCELERATION] += np.nan_to_num(motor["rotor_inertia"]) * i
     c[:, DIRECTION] = np.nan_to_num(coulomb) + idle
     c[:, SPEED] = np.nan_to_num(viscous) * i
-    c[np.isnan(c) & ~at.acts] = 0.0
+    for place in np.flatnonzero(~at.acts).tolist():
+        c[np.isnan(c[:, place]), place] = 0.0
     slope = at.slope(c)
-    c[left_out & (slope < 0.0)] = np.nan
+    for place in (ACCELERATION, DIRECTION, SPEED):
+        c[left_out[:, place] & (slope[:, place] < 0.0), place] = np.nan
     rms_torque = np.sqrt(np.maximum((slope * c).sum(1), 0.0))
     return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, back_emf_constant(motor), left_out)
 
@@ -345,4 +347,10 @@ def bounded(value: Array, time: Array, left_out: NDArray[np.bool_] | None) -> Pe
     """A peak; unknown where something was left out and no moment is a bound."""
     if left_out is None:
         return Peak(value, time)
-    return Peak(np.where(left_out.any(axis=1) & ~(value > 0.0), np.nan, value), time)
+    return Peak(np.where(_any(left_out) & ~(value > 0.0), np.nan, value), time)
+
+
+def _any(left_out: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether anything was left out of a candidate's coefficients: of the three that may lack a part."""
+    found: NDArray[np.bool_] = left_out[:, ACCELERATION] | left_out[:, DIRECTION] | left_out[:, SPEED]
+    return found

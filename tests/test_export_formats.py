@@ -392,8 +392,8 @@ def test_every_format_takes_loads_that_hang(kind):
 
 def test_a_figure_without_which_nothing_moves_is_named(spec):
     (one, *_) = explain(spec, "118752", "406764")
-    with pytest.raises(InputError, match="rotor inertia not in the catalogue"):
-        export_of(spec, fitted(one, motor={"rotor_inertia": math.nan}))
+    with pytest.raises(InputError, match="resistance not in the catalogue"):
+        export_of(spec, fitted(one, motor={"resistance": math.nan}))
 
 
 def test_a_platform_s_joint_has_the_friction_of_its_wheel(example):

@@ -2,12 +2,16 @@
 
 from dataclasses import replace
 from math import isnan
+from xml.etree.ElementTree import fromstring
 
+import jsonschema
 import numpy as np
 import pytest
 
 from drivesizer.energy_flow import energy_flow
 from drivesizer.errors import InputError
+from drivesizer.export import export_of, files
+from drivesizer.export.json_document import document, export_schema
 from drivesizer.set_cycle import set_cycle
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain, explained
@@ -124,6 +128,30 @@ def test_samples_wait_for_what_has_a_part_alone(shop):
         spec.write_text(spec.read_text(encoding="utf-8") + "tolerances: {samples: 256}\n", encoding="utf-8")
         told = explained(load_spec(spec), "M-unknown", "direct").sets[0].reliability
         assert titles & set(told.unknown) == (titles if waits else set())
+
+
+def test_what_can_be_exported_is_and_names_what_is_left_out(shop):
+    """The load's 2 kg cm^2 and 0.05 N*m/A x 20 A at the shaft; gains and an FMU have no figures without a rotor."""
+    spec = load_spec(shop / "shaped.yaml")
+    (one,) = explain(spec, "M-unknown", "direct")
+    record = export_of(spec, one)
+    for form in ("urdf", "sdf"):
+        (text,) = (found.decode() for found in files(record, form, shop / f"drive.{form}").values())
+        assert "rotor with gearhead input UNKNOWN and left out" in text
+        root = fromstring(text)
+        inertia = root.find(".//inertial/inertia")
+        assert inertia is not None
+        ixx = float(inertia.get("ixx") or inertia.findtext("ixx"))
+        assert ixx == pytest.approx(2e-4)
+    told = document(record)
+    jsonschema.validate(told, export_schema())
+    assert told["drive"]["motor_inertia"]["value"] is None and told["controller"] is None
+    assert told["at_shaft"]["inertia"]["value"] is None
+    assert told["limits_at_shaft"]["peak_torque"]["value"] == pytest.approx(0.05 * 20)
+    for form, suffix in (("mjcf", "xml"), ("ros2_control", "urdf"), ("fmu", "fmu")):
+        with pytest.raises(InputError, match="rotor's inertia is not in the catalogue") as refused:
+            files(record, form, shop / f"drive.{suffix}")
+        assert "\n" not in str(refused.value)
 
 
 def test_no_closed_loop_without_an_inertia_in_one_line(shop):

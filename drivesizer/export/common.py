@@ -12,7 +12,7 @@ J_l, T_f, T_0 inertia, friction and weight of the load; J_m, M_f, b_m inertia, d
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import cos, isfinite, isnan, nan
 from typing import Any
 
@@ -21,12 +21,13 @@ import numpy as np
 from drivesizer import __version__
 from drivesizer.cascade import Cascade
 from drivesizer.choose import usable_in
+from drivesizer.errors import InputError
 from drivesizer.export.limits import Limits, limits
 from drivesizer.heat_cycle import periodic_heat
 from drivesizer.loads.lever import Lever, lever_of
 from drivesizer.loop_set_up import designed
 from drivesizer.physics_limits import housing_loss
-from drivesizer.plant import DriveTrain, within_reach
+from drivesizer.plant import DriveTrain, drive_train, within_reach
 from drivesizer.platform_cases import on_wheels
 from drivesizer.results import DriveSet, Gains
 from drivesizer.set_cycle import set_cycle, warming
@@ -59,7 +60,7 @@ class Export:
     motor_sets: int  # of the machine
     train: DriveTrain
     inductance_known: bool
-    controller: Gains | Cascade
+    controller: Gains | Cascade | None  # None: it cannot be designed, for the rotor's inertia is unknown
     voltage: float  # V, what the motor can get at the lowest supply voltage
     voltage_known: bool  # else it is the lowest supply voltage
     peak_current: float  # A, of the controller
@@ -117,9 +118,31 @@ class Export:
         return self.train.load_inertia + self.reflected_inertia
 
     @property
+    def known_inertia(self) -> float:
+        """The inertia seen at the driven shaft, without that of the rotor where it is unknown [kg*m^2]."""
+        return self.train.load_inertia if isnan(self.inertia) else self.inertia
+
+    @property
     def period(self) -> float:
         """Period of the velocity loop [s]."""
-        return self.controller.period if isinstance(self.controller, Gains) else self.controller.velocity_period
+        c = self.designed
+        return c.period if isinstance(c, Gains) else c.velocity_period
+
+    @property
+    def designed(self) -> Gains | Cascade:
+        """The controller.
+
+        Raises
+        ------
+        InputError
+            When it could not be designed.
+        """
+        if self.controller is None:
+            raise InputError(
+                f"{self.label}: the rotor's inertia is not in the catalogue, and a controller is designed for it; "
+                "expected --format urdf, sdf or json, which do without"
+            )
+        return self.controller
 
 
 def export_of(spec: RobotSpec, found: DriveSet) -> Export:
@@ -138,7 +161,8 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
         When a figure is unknown without which nothing moves, or ``control`` asks for what no controller can do.
     """
     spec = on_wheels(spec)
-    train, controller, said = designed(spec, found)
+    known = found.motor.rotor_inertia > 0.0
+    train, controller, said = designed(spec, found) if known else _without_rotor(spec, found)
     usable, motor = usable_in(spec, found.controller), asdict(found.motor)
     voltage = spec.supply.lowest if isnan(usable) else usable
     own, bodies, lever = found.controller, two_bodies(motor), _lever(spec)
@@ -166,6 +190,14 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
         cycle=_cycle(spec, train, lever),
         said=(*said, *_whose(spec)),
     )
+
+
+def _without_rotor(spec: RobotSpec, found: DriveSet) -> tuple[DriveTrain, None, list[str]]:
+    """The machine of a set whose rotor's inertia is unknown; no controller can be designed for it."""
+    any_rotor = replace(found, motor=replace(found.motor, rotor_inertia=1.0))
+    train, said = drive_train(spec, any_rotor, 1e-3)
+    lacking = "the rotor's inertia is unknown and left out; no controller is designed"
+    return replace(train, motor_inertia=nan), None, [*said, lacking]
 
 
 def _whose(spec: RobotSpec) -> list[str]:

@@ -18,6 +18,7 @@ import uuid
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import isnan
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
@@ -77,8 +78,13 @@ def render(of: Export) -> bytes:
     Raises
     ------
     InputError
-        When PythonFMU is not installed.
+        When PythonFMU is not installed, or the rotor's inertia is unknown.
     """
+    if isnan(of.train.motor_inertia):
+        raise InputError(
+            f"{of.label}: the rotor's inertia is not in the catalogue, and an FMU moves by it; expected --format urdf, "
+            "sdf or json, which do without"
+        )
     try:
         from pythonfmu.builder import FmuBuilder  # type: ignore[import-untyped, unused-ignore]
     except ImportError:

@@ -39,7 +39,7 @@ class TorqueLaw(NamedTuple):
 
 def torque_law(of: Export) -> TorqueLaw:
     """The controller of a set as one law."""
-    c, k, R = of.controller, of.train.torque_constant, of.train.resistance
+    c, k, R = of.designed, of.train.torque_constant, of.train.resistance
     if isinstance(c, Cascade):
         p, q, v = c.velocity_kp, c.velocity_ki, c.position_kp
         return TorqueLaw(
@@ -52,7 +52,7 @@ def torque_law(of: Export) -> TorqueLaw:
 
 def lacking(of: Export) -> list[str]:
     """What of the designed controller the law has no place for, as sentences; its sampling is left to the format."""
-    c = of.controller
+    c = of.designed
     kd = c.kd if isinstance(c, Gains) else c.velocity_kd
     said = []
     if kd:

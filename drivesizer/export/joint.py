@@ -29,7 +29,7 @@ def remarks(of: Export) -> list[str]:
         "motor has no torque left: the corner of the two limits is not reached.",
         f"Gears: effort counts behind them, driving at an efficiency of {brief(train.efficiency)}. Braking, they help.",
         f"inertia, all seen at the shaft: load {brief(train.load_inertia)}, and rotor with gearhead input "
-        f"{brief(of.reflected_inertia)} kg*m^2, for which the format has no place of its own.",
+        f"{_rotor(of)}.",
         *(f"Taken for granted: {line}." for line in of.said),
     ]  # fmt: skip
     if of.constant_weight:
@@ -43,6 +43,12 @@ def remarks(of: Export) -> list[str]:
     if of.elastic:
         said.append("Left out: the elastic shaft between motor and load.")
     return said
+
+
+def _rotor(of: Export) -> str:
+    if of.reflected_inertia == of.reflected_inertia:
+        return f"{brief(of.reflected_inertia)} kg*m^2, for which the format has no place of its own"
+    return "UNKNOWN and left out: what accelerates here needs less torque than the drive does"
 
 
 def _told(limit: Limit, unit: str) -> str:

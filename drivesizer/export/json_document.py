@@ -6,7 +6,7 @@ SI throughout; null is unknown.
 from __future__ import annotations
 
 from dataclasses import asdict
-from math import isfinite
+from math import isfinite, nan
 from typing import Any
 
 from drivesizer.contract import as_text
@@ -62,7 +62,7 @@ def document(of: Export) -> dict[str, Any]:
         "at_shaft": {name: _figure(getattr(of, name), *what) for name, what in _AT_SHAFT.items()},
         "limits_at_shaft": {n: _limit(x, _LIMITS[n]) for n, x in of.limits._asdict().items()},
         "controller": _controller(of),
-        "torque_law": {name: _figure(x, _LAW[name]) for name, x in torque_law(of)._asdict().items()},
+        "torque_law": {name: _figure(x, _LAW[name]) for name, x in _law(of).items()},
         "cycle": {name: {"unit": unit, "values": list(getattr(of.cycle, name))} for name, unit in _CYCLE.items()},
         "assumptions": list(of.said),
     }
@@ -89,8 +89,15 @@ def _limit(limit: Limit, unit: str) -> dict[str, Any]:
     return _figure(limit.value, unit) | {"by": limit.by or None, "unknown": list(limit.unknown)}
 
 
-def _controller(of: Export) -> dict[str, Any]:
-    """Structure, rule and gains, at the motor shaft."""
+def _law(of: Export) -> dict[str, float]:
+    """The controller as one law; unknown without one."""
+    return dict.fromkeys(_LAW, nan) if of.controller is None else torque_law(of)._asdict()
+
+
+def _controller(of: Export) -> dict[str, Any] | None:
+    """Structure, rule and gains, at the motor shaft; null where none is designed."""
+    if of.controller is None:
+        return None
     figures = asdict(of.controller)
     rule, source = figures.pop("rule"), figures.pop("source")
     structure = "voltage_pid" if isinstance(of.controller, Gains) else "cascade"
@@ -115,8 +122,11 @@ def export_schema() -> dict[str, Any]:
             motor_sets={"type": "integer", "minimum": 1}, drive=_alike(set(FIGURES) - {"most_current"}, figure),
             controller_limits=_alike(_ELECTRICAL, figure), at_shaft=_alike(_AT_SHAFT, figure),
             limits_at_shaft=_alike(_LIMITS, {"$ref": "#/$defs/limit"}),
-            controller=_all_of(structure={"enum": ["voltage_pid", "cascade"]}, rule={"type": "string"},
-                               source={"type": "string"}, gains={"type": "object", "additionalProperties": figure}),
+            controller={"description": "null: none is designed, for the rotor's inertia is unknown", "anyOf": [
+                _all_of(structure={"enum": ["voltage_pid", "cascade"]}, rule={"type": "string"},
+                        source={"type": "string"}, gains={"type": "object", "additionalProperties": figure}),
+                {"type": "null"},
+            ]},
             torque_law=_alike(_LAW, figure), cycle=_alike(_CYCLE, column), assumptions=texts,
         ),
         "$defs": {"figure": _FIGURE, "limit": _LIMIT},

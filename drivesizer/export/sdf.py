@@ -24,7 +24,7 @@ def render(of: Export) -> bytes:
     fixed = SubElement(model, "joint", name="stand", type="fixed")
     SubElement(fixed, "parent").text = "world"
     SubElement(fixed, "child").text = BASE
-    moved = link_of(of, of.inertia)
+    moved = link_of(of, of.known_inertia)
     inertial(SubElement(model, "link", name=LINK), moved, nested=True)
     joint = SubElement(model, "joint", name=JOINT, type="revolute")
     SubElement(joint, "parent").text = BASE

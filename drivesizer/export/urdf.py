@@ -34,7 +34,7 @@ def robot(of: Export) -> Element:
     root = Element("robot", name=identifier(of.name))
     remark(root, *remarks(of))
     SubElement(root, "link", name=BASE)
-    moved = link_of(of, of.inertia)
+    moved = link_of(of, of.known_inertia)
     inertial(SubElement(root, "link", name=LINK), moved, nested=False)
     joint = SubElement(root, "joint", name=JOINT, type="continuous")
     SubElement(joint, "parent", link=BASE)
