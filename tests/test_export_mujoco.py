@@ -243,6 +243,30 @@ def test_a_free_motor_runs_up_as_its_time_constant_says(sps):
     assert K * data.qvel[0] == pytest.approx(12.0 / 0.0234 * (1.0 - np.exp(-1.0)), rel=2e-3)
 
 
+def test_torque_by_current_and_voltage_by_speed_may_differ(sps):
+    """NEO, by its maker: 19.8 mN*m/A and 25 mV*s. Unloaded it runs at V / k_e; held it pulls with k_t V / R."""
+    spec, found = sps
+    export = export_of(spec, found)
+    k_t, k_e = 19.8e-3, 25e-3
+    train = replace(export.train, torque_constant=k_t, back_emf_constant=k_e, friction=0.0, load_inertia=1e-3,
+                    forward_torque=0.0, backward_torque=0.0, rest_torque=0.0)  # fmt: skip
+    root = ET.fromstring(render(replace(export, train=train)).decode())
+    motor = root.find("actuator/dcmotor")
+    limit = float(motor.get("controller").split()[-1]) / export.voltage
+    motor.attrib.pop("controller")
+    motor.set("input", "voltage")
+    model = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 12.0 * limit  # the file's volts, by its own limit
+    mujoco.mj_step(model, data, 5000)
+    assert train.ratio * data.qvel[0] == pytest.approx(12.0 / k_e, rel=1e-3)
+    data.qvel[0] = 0.0
+    data.ctrl[0], data.act[-1] = limit * 2.32 * 3.0, limit * 3.0  # V, A: held, they stay what they are
+    mujoco.mj_forward(model, data)
+    assert data.actuator("motor").force[0] == pytest.approx(3.0 * k_t)
+    assert model.actuator("motor").forcerange[1] == pytest.approx(15.0 * k_t)
+
+
 def test_a_weight_and_the_load_over_time_pull(sps):
     spec, found = sps
     export = export_of(spec, found)

@@ -17,13 +17,14 @@ repeated for ever. That is right for cycles that are short beside the housing's 
 
 from __future__ import annotations
 
-from math import isnan
+from math import isnan, sqrt
 from xml.etree.ElementTree import Element, SubElement
 
 from drivesizer.export.common import Export
 from drivesizer.export.gains import TorqueLaw, lacking, torque_law
 from drivesizer.export.link import LEAST_INERTIA, Link, Vector, far_above, link_of
 from drivesizer.export.markup import brief, document, number, remark, text, vector
+from drivesizer.plant import DriveTrain
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE
 
 __all__ = ["LOAD", "MOTOR", "PLUMB", "SHAFT", "render"]
@@ -68,6 +69,7 @@ def _remarks(of: Export, law: TorqueLaw) -> list[str]:
         "is continuous and its integral does not rest.",
         *(f"Controller: {line}." for line in lacking(of)),
         "act: the current [A], the last; before it the winding's rise over the ambient [K], where its heat is known.",
+        *_unlike_told(of.train),
         "A current beyond its limit is cut as torque; the winding's own current goes on.",
         *(f"Taken for granted: {line}." for line in of.said),
     ]  # fmt: skip
@@ -75,6 +77,18 @@ def _remarks(of: Export, law: TorqueLaw) -> list[str]:
         said.append("The spec's elastic shaft is left out: motor and load are one body here.")
     said.append(_heat_told(of))
     return said
+
+
+def _unlike_told(train: DriveTrain) -> list[str]:
+    """What becomes of two constants that differ."""
+    s = _unlike(train)
+    if s == 1.0:
+        return []
+    return [
+        f"MuJoCo has one motor constant, and this motor {brief(train.torque_constant)} N*m/A and "
+        f"{brief(train.back_emf_constant)} V*s/rad: current and voltage of this file are s = {number(s)} times the "
+        "motor's, with its voltage limit, current limit and thermal figures. Speed and torque are the motor's own."
+    ]
 
 
 def _gears_told(of: Export) -> list[str]:
@@ -170,16 +184,17 @@ def _hard(of: Export) -> dict[str, str]:
 def _actuators(root: Element, of: Export, law: TorqueLaw) -> None:
     train = of.train
     actuator = SubElement(root, "actuator")
+    s = _unlike(train)
     figures = {
         "name": MOTOR, "joint": SHAFT, "gear": number(train.ratio), "resistance": number(train.resistance),
         "motorconst": f"{number(train.torque_constant)} {number(train.back_emf_constant)}",
         "armature": number(train.motor_inertia), "damping": number(train.viscous), "input": "pos vel ff",
-        "controller": " ".join(number(x) for x in (law.kp, law.ki, law.kd, 0.0, 0.0, of.voltage)),
+        "controller": " ".join(number(x) for x in (law.kp, law.ki, law.kd, 0.0, 0.0, s * of.voltage)),
     }  # fmt: skip
     if of.inductance_known:
         figures["inductance"] = f"{number(train.inductance)} 0"
     if of.peak_current == of.peak_current:
-        figures["saturation"] = f"0 {number(of.peak_current)} 0"
+        figures["saturation"] = f"0 {number(s * of.peak_current)} 0"
     if of.heat is not None:
         figures["thermal"] = _thermal(of)
     SubElement(actuator, "dcmotor", figures)
@@ -197,7 +212,16 @@ def _thermal(of: Export) -> str:
     bodies = of.heat
     assert bodies is not None
     celsius = [_celsius(T) for T in (DATA_TEMPERATURE, of.ambient if isnan(of.housing) else of.housing)]
-    return vector((float(bodies.R_th1), float(bodies.capacity_w), 0.0, COPPER, *celsius))
+    square = _unlike(of.train) ** 2
+    return vector((float(bodies.R_th1) / square, float(bodies.capacity_w) * square, 0.0, COPPER, *celsius))
+
+
+def _unlike(train: DriveTrain) -> float:
+    """s = sqrt(k_t / k_e) [1]: MuJoCo has one constant, sqrt(k_t k_e), under which current and voltage are s times.
+
+    Then torque and speed are those of both constants: sqrt(k_t k_e) s I = k_t I, s V = R s I + sqrt(k_t k_e) w.
+    """
+    return sqrt(train.torque_constant / train.back_emf_constant)
 
 
 def _celsius(kelvin: float) -> float:
