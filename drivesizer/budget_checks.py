@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import cos, inf, nan, tan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from drivesizer.checks import CheckColumn, at_most, fits
 from drivesizer.errors import InputError
 from drivesizer.machines import WheeledVehicle
 from drivesizer.mass_budget import MassBudget, drive_rows, mass_budget
+from drivesizer.mass_rows import MassRow
 from drivesizer.platform.dynamics import Dynamics
 from drivesizer.platform.envelope import corner_width, turning_circle, width_at
 from drivesizer.platform.grip import grip_acceleration, grip_slope, translations, worst_friction
@@ -34,6 +35,8 @@ __all__ = [
     "grip_checks",
     "machine_mass",
     "mass_checks",
+    "mass_columns",
+    "rest_of_machine",
     "stability_checks",
 ]
 
@@ -107,11 +110,17 @@ def machine_mass(
     battery
         Mass of it [kg]; NaN where it is unknown, None where there is none or ``others`` has it.
     """
+    return rest_of_machine(budget, drive_rows(drive_set, sets), platform=platform, battery=battery)
+
+
+def rest_of_machine(
+    budget: Budget, drive: Sequence[MassRow], *, platform: Platform | None = None, battery: float | None = None
+) -> MassBudget:
+    """The same with the rows of the motor sets at hand; without any it is what the machine is beside its drive."""
     carried = [(item.name if item.number == 1 else f"{item.number} x {item.name}", item.mass * item.number)
                for item in budget.others]  # fmt: skip
     carried += [(payload.name, payload.mass) for payload in (platform.payloads if platform else ())]
-    rows = drive_rows(drive_set, sets)
-    return mass_budget(rows, structure=budget.structure, battery=battery, others=carried, limit=budget.mass)
+    return mass_budget(drive, structure=budget.structure, battery=battery, others=carried, limit=budget.mass)
 
 
 def mass_checks(found: MassBudget, sized_for: float | None = None) -> tuple[Check, ...]:
@@ -124,12 +133,18 @@ def mass_checks(found: MassBudget, sized_for: float | None = None) -> tuple[Chec
     sized_for
         The load's mass [kg], where the load is the machine itself.
     """
-    limits = {"mass": found.limit, "mass_sized_for": nan if sized_for is None else sized_for}
-    columns = [at_most(n, found.known, limit, "mass", "kg") for n, limit in limits.items() if limit == limit]
+    columns = mass_columns(found.known, bool(found.unknown), found.limit, sized_for)
     if not found.unknown:
         return _told(columns)
     note = f"unknown: {', '.join(dict.fromkeys(found.unknown))}"
     return _told([_unknown(column, note) for column in columns])
+
+
+def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
+    """Masses as far as they are known [kg], and whether some are not, against the limits that there are: columns."""
+    limits = {"mass": nan if limit is None else limit, "mass_sized_for": nan if sized_for is None else sized_for}
+    columns = [at_most(name, known, most, "mass", "kg") for name, most in limits.items() if most == most]
+    return [replace(column, passed=column.passed & ~np.asarray(lacking, bool)) for column in columns]
 
 
 # --- room -------------------------------------------------------------------------------------------------------------

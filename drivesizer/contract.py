@@ -192,6 +192,8 @@ def sizing(result: SizingResult) -> dict[str, Any]:
             "considered": result.counts.considered,
             "feasible": result.counts.feasible,
             "failed_by": result.counts.failed_by,
+            "judged": result.counts.judged,
+            "failed_by_budget": result.counts.failed_by_budget,
         },
         "assumptions": list(result.assumptions),
         "warnings": list(result.warnings),

@@ -21,7 +21,7 @@ from drivesizer.spec import RobotSpec
 from drivesizer.waveform import Wave, energy, largest_power
 from drivesizer.wheel_load import WheelLoad
 
-__all__ = ["DrivePower", "drive_power", "together"]
+__all__ = ["DrivePower", "drive_power", "together", "way_of"]
 
 Array = NDArray[np.float64]
 _MOST = 4096  # pieces of a cycle
@@ -77,11 +77,11 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
         returned=sums.returned * sets,
         peak=np.maximum(peak, 0.0) * sets,
         returned_peak=np.maximum(back, 0.0) * sets,
-        way=_way(spec, found.at.cycle),
+        way=way_of(spec, found.at.cycle),
     )
 
 
-def _way(spec: RobotSpec, cycle: LoadCycle) -> float:
+def way_of(spec: RobotSpec, cycle: LoadCycle) -> float:
     """How far a vehicle goes in a cycle [m]."""
     if isinstance(spec.load, WheelLoad):
         return spec.load.way

@@ -19,7 +19,7 @@ from drivesizer.examine import Examined, Problem, examine, problem
 from drivesizer.results import Check, Requirement
 from drivesizer.spec import RobotSpec
 
-__all__ = ["Evaluation", "evaluate"]
+__all__ = ["Evaluation", "by_physics", "evaluate"]
 
 
 class Evaluation(NamedTuple):
@@ -73,7 +73,7 @@ def evaluate(
         Compute what needs the waveform from it; else by bounds where they decide.
     """
     if spec.method == "physics":
-        return _by_physics(asked or problem(spec, catalog), given, exact)
+        return by_physics(asked or problem(spec, catalog), given, exact)
     motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
     wheel = paper.vehicle(spec, motor["rotor_inertia"]).steps
     shaft = paper.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
@@ -99,7 +99,7 @@ def _by_the_paper(
     return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder, controller.row, {}, ("",))
 
 
-def _by_physics(asked: Problem, given: Candidates, exact: bool) -> Evaluation:
+def by_physics(asked: Problem, given: Candidates, exact: bool) -> Evaluation:
     """Every limit against the whole load cycle, a belt at a time."""
     spec, catalog = asked.spec, asked.catalog
     belts = [np.flatnonzero(given.belt == belt) for belt in np.unique(given.belt)]

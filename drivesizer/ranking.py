@@ -96,7 +96,7 @@ def _single(
     catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name: str
 ) -> tuple[Array, NDArray[np.int64]]:
     if name not in SUMS:
-        value = -figures["margin"] if name == "margin" else figures[name]
+        value = np.where(np.isinf(figures["margin"]), np.nan, -figures["margin"]) if name == "margin" else figures[name]
         return np.nan_to_num(value, nan=0.0), np.isnan(value).astype(np.int64)
     figure, over = SUMS[name]
     tables: dict[str, Table[Any]] = {"motor": catalog.motors, "gearhead": catalog.gearheads}

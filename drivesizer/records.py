@@ -54,12 +54,14 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objectiv
 
 
 def _summed(parts: dict[str, Any], figure: str, over: tuple[str, ...]) -> tuple[float, tuple[str, ...]]:
-    """The sum of what is known, and of which parts."""
+    """The sum of what is known, and of which parts; unknown where no part of it is that there is."""
     if parts["motor"].inside:  # whose figures are those of the whole actuator
         value = getattr(parts["motor"], figure)
         return value, () if math.isnan(value) else ("actuator",)
     known = {p: getattr(parts[p], figure) for p in over if not math.isnan(getattr(parts[p], figure))}
-    return (sum(known.values()) if known else math.nan), tuple(known)
+    if all(parts[p].part == DIRECT for p in known):
+        return math.nan, ()
+    return sum(known.values()), tuple(known)
 
 
 def _objective(
@@ -67,12 +69,15 @@ def _objective(
 ) -> tuple[float, tuple[str, ...]]:
     """What it is ranked by, as it is shown: the margin itself, not what makes less of it better."""
     if objective == "margin":
-        return float(smallest_margin(evaluation.checks)[index]), ("smallest margin of all checks",)
+        least = float(smallest_margin(evaluation.checks)[index])
+        return (math.nan if math.isinf(least) else least), ("smallest margin of all checks",)
     if not isinstance(objective, str):
         figures = dict(evaluation.figures) | {"margin": smallest_margin(evaluation.checks)}
         value, missing = ranking.values(evaluation.catalog, evaluation.candidates, figures, objective)
         lacking = f", {missing[index]} figures unknown" if missing[index] else ""
-        return float(value[index]), (f"shares of the best shown: {ranking.title_of(objective)}{lacking}",)
+        return math.nan if missing[index] else float(value[index]), (
+            f"shares of the best shown: {ranking.title_of(objective)}{lacking}",
+        )
     if objective in SUMS:
         return _summed({"motor": motor, "gearhead": gearhead}, *SUMS[objective])
     return float(evaluation.figures[objective][index]), (_COUNTED[objective],)

@@ -225,6 +225,8 @@ class Counts:
     considered: int
     feasible: int
     failed_by: dict[str, int]
+    judged: int = 0  # of those that no check of the drive makes fall, the best that were held against the machine
+    failed_by_budget: dict[str, int] = field(default_factory=dict)  # of these, how many fell by which budget
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,17 +19,18 @@ from drivesizer import ranking
 from drivesizer.candidates import Candidates, candidates, joined, pairs
 from drivesizer.catalog import Catalog
 from drivesizer.checks import CheckColumn
-from drivesizer.evaluation import Evaluation, evaluate
+from drivesizer.evaluation import Evaluation, by_physics, evaluate
 from drivesizer.examine import Examined, Problem, examine, problem
 from drivesizer.ranking import Objective
 from drivesizer.results import Counts
 from drivesizer.spec import RobotSpec
 
-__all__ = ["Found", "search", "smallest_margin"]
+__all__ = ["Found", "Judge", "Kept", "search", "smallest_margin"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]  # sets examined, sets in all
 
+_FIRST = 4  # times as many sets as are wanted are judged at first
 _CHUNK = 1 << 16  # pairs at a time
 _NEAREST = 32  # of those that fell, kept until all are known
 _COUNTED = ("energy", "joule_heat", "peak_current", "winding_temperature")  # figures that objectives count
@@ -42,6 +44,20 @@ class Found(NamedTuple):
     standing: int  # how many of the evaluation's rows stand
     counts: Counts
     front: tuple[int, ...]  # rows on the Pareto front, where one was asked for
+    short: tuple[int, ...] = ()  # rows of the best that a budget of the machine makes fall
+    better: int = 0  # sets that do, before the first that stands
+
+
+class Kept(NamedTuple):
+    """Of the sets that no check makes fall those that stand in their machine, as far as they were judged."""
+
+    best: NDArray[np.int64]  # which of them, in order
+    fallen: NDArray[np.int64]  # which of them fall by a budget, in order
+    judged: int
+    by: Counter[str]  # how many by each budget
+
+
+Judge = Callable[[Evaluation, int], Kept]  # sets in order, and how many that stand are wanted
 
 
 class _Kept(NamedTuple):
@@ -62,6 +78,7 @@ def search(
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
     given: Problem | None = None,
+    judge: Judge | None = None,
 ) -> Found:
     """Search all candidates.
 
@@ -81,22 +98,62 @@ def search(
         Called after each chunk.
     given
         The spec with its load cycles, where they are at hand.
+    judge
+        Which of those that no check makes fall stand in the machine as well; all of them where not given.
     """
     if spec.method == "paper":
-        return _by_the_paper(spec, catalog, top, objective, misses, pareto)
+        return _by_the_paper(spec, catalog, top, objective, misses, pareto, judge)
     names = {*ranking.names_of(objective), *pareto}
     given = given or problem(spec, catalog)
     kept, fallen, counts = _sifted(given, bool(names & _WAVEFORM), progress)
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
     order = ranking.order(catalog, kept.sets, *value, before=[kept.doubtful])
-    best = order[: min(top, counts.feasible)]
+    stood = _stood(
+        judge, lambda rows: by_physics(given, kept.sets.on(rows), True), order, len(order) if pareto else top
+    )
+    best, short = stood.best[:top], stood.fallen[:top]
     nearest = fallen.on(_nearest(given, fallen)[: misses if len(best) else top])
-    on_front = ranking.front(catalog, kept.sets, kept.figures, pareto) if pareto else best[:0]
-    extra = on_front[~np.isin(on_front, best)]
+    on_front = best[:0]
+    if pareto:
+        figures = {name: column[stood.best] for name, column in kept.figures.items()}
+        on_front = stood.best[ranking.front(catalog, kept.sets.on(stood.best), figures, pareto)]
+    extra = np.concatenate([on_front[~np.isin(on_front, best)], short])
     shown = evaluate(spec, catalog, joined([kept.sets.on(best), nearest, kept.sets.on(extra)]), given)
     places = {int(row): n for n, row in enumerate(best)}
     places |= {int(row): len(best) + len(nearest.motor) + n for n, row in enumerate(extra)}
-    return Found(shown, len(best), counts, tuple(places[int(row)] for row in on_front))
+    front, fell = (tuple(places[int(row)] for row in rows) for rows in (on_front, short))
+    return Found(shown, len(best), _without(counts, stood), front, fell, _before(stood, order))
+
+
+def _stood(
+    judge: Judge | None, evaluated: Callable[[NDArray[np.int64]], Evaluation], order: NDArray[np.int64], wanted: int
+) -> Kept:
+    """Of sets in order those that stand in the machine, until so many are found or none is left."""
+    if judge is None:
+        return Kept(order, order[:0], 0, Counter())
+    best, fallen, by, start, size = [order[:0]], [order[:0]], Counter[str](), 0, _FIRST * wanted
+    while start < len(order) and sum(map(len, best)) < wanted:
+        rows = order[start : start + size]
+        found = judge(evaluated(rows), wanted - sum(map(len, best)))
+        best.append(rows[found.best])
+        fallen.append(rows[found.fallen])
+        by.update(found.by)
+        start, size = start + found.judged, min(16 * size, _CHUNK)
+    return Kept(np.concatenate(best), np.concatenate(fallen), start, by)
+
+
+def _without(counts: Counts, stood: Kept) -> Counts:
+    """The counts without those that were judged to fall by a budget of the machine."""
+    by = {name: count for name, count in stood.by.items() if count}
+    left = counts.feasible - len(stood.fallen)
+    return replace(counts, feasible=left, judged=stood.judged, failed_by_budget=by)
+
+
+def _before(stood: Kept, order: NDArray[np.int64]) -> int:
+    """How many fall by a budget before the first that stands."""
+    if not len(stood.best):
+        return len(stood.fallen)
+    return int(np.argmax(order == stood.best[0]))  # all before it were judged
 
 
 def _nearest(given: Problem, fallen: Candidates) -> NDArray[np.int64]:
@@ -189,7 +246,13 @@ def _joined(kept: list[_Kept], every: Candidates) -> _Kept:
 
 
 def _by_the_paper(
-    spec: RobotSpec, catalog: Catalog, top: int, objective: Objective, misses: int, pareto: tuple[str, ...]
+    spec: RobotSpec,
+    catalog: Catalog,
+    top: int,
+    objective: Objective,
+    misses: int,
+    pareto: tuple[str, ...],
+    judge: Judge | None,
 ) -> Found:
     """The paper's rule over all candidates: it compares the reductions of a family, so all of them are at hand."""
     found = evaluate(spec, catalog, candidates(spec, catalog))
@@ -205,14 +268,15 @@ def _by_the_paper(
     stands = ~found.failed if spec.select.unknown == "allow" else ~found.failed & ~found.unknown
     tally = {check.name: int(check.failed.sum()) for check in found.checks if check.failed.any()}
     counts = Counts(considered=len(stands), feasible=int(stands.sum()), failed_by=tally)
-    standing = min(top, counts.feasible)
-    few = order[: standing + (min(misses, max(top - standing, 0)) if counts.feasible else top)]
-    on_front: tuple[int, ...] = ()
+    standing, fell = order[stands[order]], order[~stands[order]]
+    stood = _stood(judge, lambda rows: _on(found, rows), standing, len(order) if pareto else top)
+    sets, best, short = found.candidates, stood.best[:top], stood.fallen[:top]
+    near = fell[: min(misses, max(top - len(best), 0)) if counts.feasible else top]
+    on_front = best[:0]
     if pareto:
-        rows = np.flatnonzero(stands)
-        best = rows[ranking.front(catalog, found.candidates.on(rows), {"margin": margin[rows]}, pareto)]
-        extra = best[~np.isin(best, few[:standing])]
-        few = np.concatenate([few, extra])
-        places = {int(row): n for n, row in enumerate(few)}
-        on_front = tuple(places[int(row)] for row in best)
-    return Found(_on(found, few), standing, counts, on_front)
+        of_all = ranking.front(catalog, sets.on(stood.best), {"margin": margin[stood.best]}, pareto)
+        on_front = stood.best[of_all]
+    few = np.concatenate([best, near, on_front[~np.isin(on_front, best)], short])
+    places = {int(row): n for n, row in enumerate(few)}
+    front, below = (tuple(places[int(row)] for row in rows) for rows in (on_front, short))
+    return Found(_on(found, few), len(best), _without(counts, stood), front, below, _before(stood, standing))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 from drivesizer import belt_choice
@@ -15,6 +16,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.choose import offered_buses, offers
 from drivesizer.compare import with_both_methods
 from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.examine import problem
 from drivesizer.mechanical_budget import MechanicalBudget
 from drivesizer.own_mass import at_its_own_mass
 from drivesizer.platform_cases import on_wheels
@@ -23,7 +25,7 @@ from drivesizer.records import drive_set
 from drivesizer.results import DriveSet
 from drivesizer.search import Found, Progress, search
 from drivesizer.spec import RobotSpec
-from drivesizer.standing_sets import FURTHER, divided
+from drivesizer.standing_sets import Weigh, divided, in_machine, weighing
 from drivesizer.tolerances.asked import FINALISTS, POOL, Sampling, asked
 from drivesizer.tolerances.records import Uncertainty
 
@@ -40,6 +42,7 @@ class Shortlist:
     spec: RobotSpec  # as it was sized: wheels of a platform as load cases, pulleys known
     found: Found
     machine: MechanicalBudget | None  # what is the same for every set
+    weigh: Weigh  # makes records of sets in their machine
     best: dict[int, DriveSet]  # that stand, in order
     short: dict[int, DriveSet]  # that would, but for a budget of the machine
     unsure: dict[int, DriveSet]  # that would, but less surely than asked for; the surest first
@@ -103,19 +106,25 @@ def shortlist(
     _known_to(spec, {*names_of(objective), *pareto})
     sampling = sampling or asked(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
-    most = max(top * FURTHER if spec.battery or spec.budget else top, pool)
-    found = search(spec, catalog, top=most, objective=objective, misses=misses, pareto=pareto, progress=progress)
-    machine = of_the_platform(spec.whole)
+    machine, asked_of = of_the_platform(spec.whole), cache(lambda: problem(spec, catalog))
+    weigh = weighing(spec, machine, objective)
+    judge = in_machine(spec, machine, asked_of, weigh)
+    found = search(
+        spec, catalog, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress,
+        given=asked_of() if spec.method == "physics" else None, judge=judge,
+    )  # fmt: skip
     rows: Sequence[int] = range(found.standing)
     sure = _judged(found, spec, catalog, objective, rows[:pool], sampling) if sampling and pool else None
-    best, short = divided(found, spec, machine, objective, top, sure.good if sure else rows)
+    best, _ = divided(found, spec, weigh, top, sure.good if sure else rows)
+    short = divided(found, spec, weigh, top, found.short)[1]
     if sampling and not sure and best:
         sure = _judged(found, spec, catalog, objective, [*best], sampling)
-    unsure = divided(found, spec, machine, objective, top, sure.bad)[0] if sure else {}
+    unsure = divided(found, spec, weigh, top, sure.bad)[0] if sure else {}
     return Shortlist(
         spec=spec,
         found=found,
         machine=machine,
+        weigh=weigh,
         best=_told(sure, catalog, best, FINALISTS, brief),
         short=short,
         unsure=_told(sure, catalog, unsure, 0, brief),

@@ -2,24 +2,106 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
+import numpy as np
+
+from drivesizer.budget_columns import surely_fallen
 from drivesizer.budgets import with_budget
+from drivesizer.evaluation import Evaluation
+from drivesizer.examine import Problem
 from drivesizer.mechanical_budget import MechanicalBudget
 from drivesizer.ranking import Objective
 from drivesizer.records import drive_set
-from drivesizer.results import DriveSet, verdict
-from drivesizer.search import Found
+from drivesizer.results import Check, DriveSet, verdict
+from drivesizer.search import Found, Judge, Kept
 from drivesizer.spec import RobotSpec
 
-__all__ = ["FURTHER", "divided", "on_the_front", "ranked", "shortfall"]
+__all__ = ["Weigh", "divided", "in_machine", "on_the_front", "ranked", "shortfall", "weighing"]
 
-FURTHER = 4  # times as many sets are looked at where some may fall by the machine's budgets
+
+Weigh = Callable[[Evaluation, int], DriveSet]  # a row of an evaluation as a record, with the machine's budgets
+
+
+def weighing(spec: RobotSpec, machine: MechanicalBudget | None, objective: Objective) -> Weigh:
+    """What makes records of sets in their machine, of each but once.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    machine
+        What is the same for every set, of ``budgets.of_the_platform``.
+    objective
+        That sets are ranked by.
+    """
+    made: dict[tuple[int, int, float], DriveSet] = {}
+
+    def weigh(sets: Evaluation, row: int) -> DriveSet:
+        given = sets.candidates
+        key = int(given.motor[row]), int(given.gearhead[row]), float(given.belt[row])
+        if key not in made or not isinstance(objective, str):  # several objectives are shares of the best shown
+            made[key] = with_budget(spec, sets.catalog, drive_set(sets, row, 0, objective), machine)
+        return made[key]
+
+    return weigh
+
+
+def in_machine(
+    spec: RobotSpec, machine: MechanicalBudget | None, given: Callable[[], Problem], weigh: Weigh
+) -> Judge | None:
+    """What tells the sets that stand in their machine from those that a budget of it makes fall; None without any.
+
+    Parameters
+    ----------
+    spec, machine
+        As for ``weighing``.
+    given
+        Makes the spec's load cycles, where they are needed.
+    weigh
+        Of ``weighing``.
+    """
+    if not (spec.battery or spec.budget or machine):
+        return None
+
+    def judge(sets: Evaluation, wanted: int) -> Kept:
+        count = len(sets.candidates.motor)
+        if machine and _falls(spec, machine.checks):
+            return Kept(np.arange(0), np.arange(count), count, Counter(dict.fromkeys(_failed(machine.checks), count)))
+        surely = surely_fallen(spec, given(), sets) if spec.battery or spec.budget else {}
+        fallen = np.logical_or.reduce([np.zeros(count, bool), *surely.values()])
+        best: list[int] = []
+        by: Counter[str] = Counter()
+        for row in np.flatnonzero(~fallen).tolist():
+            one = weigh(sets, row)
+            if _falls(spec, one.budget):
+                fallen[row] = True
+                by.update(_failed(one.budget))
+            else:
+                best.append(row)
+            if len(best) == wanted:
+                break
+        judged = best[-1] + 1 if len(best) == wanted else count
+        by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in surely.items()})
+        return Kept(np.array(best, np.int64), np.flatnonzero(fallen[:judged]), judged, by)
+
+    return judge
+
+
+def _falls(spec: RobotSpec, checks: tuple[Check, ...]) -> bool:
+    """Whether a machine's checks make its set fall: one that fails, or where the spec rejects that, is unknown."""
+    said = verdict(checks)
+    return said == "fail" or (said == "unknown" and spec.select.unknown != "allow")
+
+
+def _failed(checks: tuple[Check, ...]) -> set[str]:
+    return {check.name for check in checks if check.status == "fail"}
 
 
 def divided(
-    found: Found, spec: RobotSpec, machine: MechanicalBudget | None, objective: Objective, top: int, rows: Iterable[int]
+    found: Found, spec: RobotSpec, weigh: Weigh, top: int, rows: Iterable[int]
 ) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
     """Of some rows the best sets that stand with the machine's budgets, and the better ones that fall by those.
 
@@ -29,34 +111,26 @@ def divided(
         Of the search.
     spec
         The machine.
-    machine
-        What is the same for every set, of ``budgets.of_the_platform``.
-    objective
-        That they were ranked by.
+    weigh
+        Of ``weighing``.
     top
         How many of each.
     rows
         Of sets that no check makes fall, in order.
     """
-    catalog = found.evaluation.catalog
     best: dict[int, DriveSet] = {}
     short: dict[int, DriveSet] = {}
     for row in rows:
-        one = with_budget(spec, catalog, drive_set(found.evaluation, row, 0, objective), machine)
-        falls = one.status == "fail" or (verdict(one.budget) == "unknown" and spec.select.unknown != "allow")
-        (short if falls else best)[row] = one
+        one = weigh(found.evaluation, row)
+        (short if one.status == "fail" or _falls(spec, one.budget) else best)[row] = one
         if len(best) == top:
             break
     return best, dict(list(short.items())[:top])
 
 
-def on_the_front(
-    found: Found, spec: RobotSpec, machine: MechanicalBudget | None, objective: Objective
-) -> tuple[DriveSet, ...]:
-    """The sets of a Pareto front that stand with the machine's budgets, in its order; see ``divided``."""
-    catalog = found.evaluation.catalog
-    sets = (with_budget(spec, catalog, drive_set(found.evaluation, row, 0, objective), machine) for row in found.front)
-    return ranked(one for one in sets if one.status != "fail")
+def on_the_front(found: Found, weigh: Weigh) -> tuple[DriveSet, ...]:
+    """The sets of the Pareto front of those that stand with the machine's budgets, in its order."""
+    return ranked(weigh(found.evaluation, row) for row in found.front)
 
 
 def ranked(sets: Iterable[DriveSet], before: int = 0) -> tuple[DriveSet, ...]:
@@ -64,11 +138,10 @@ def ranked(sets: Iterable[DriveSet], before: int = 0) -> tuple[DriveSet, ...]:
     return tuple(replace(one, rank=rank) for rank, one in enumerate(sets, before + 1))
 
 
-def shortfall(best: dict[int, DriveSet], short: dict[int, DriveSet]) -> list[str]:
-    """That better sets fell by a budget."""
+def shortfall(short: dict[int, DriveSet], better: int) -> list[str]:
+    """That better sets fell by a budget: some of them, and how many there are."""
     names = sorted({check.title.lower() for one in short.values() for check in one.budget if check.status == "fail"})
-    better = [row for row in short if not best or row < min(best)]
     if not better or not names:
         return []
-    sets = "1 set that stands" if len(better) == 1 else f"{len(better)} sets that stand"
+    sets = "1 set that stands" if better == 1 else f"{better} sets that stand"
     return [f"{sets} by method and objective before these: not enough for the machine ({', '.join(names)})"]

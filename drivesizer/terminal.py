@@ -208,6 +208,10 @@ def _tally(console: Console, result: SizingResult) -> None:
             console.print(f"  {count:>8,}  {words}")
     else:
         console.print()
+    if counts.failed_by_budget:
+        console.print(f"Of {counts.judged:,} held against the machine, the best first, some fell by:")
+        for name, count in sorted(counts.failed_by_budget.items(), key=lambda item: -item[1]):
+            console.print(f"  {count:>8,}  {TITLES['budget'][name].lower()}")
     other = result.unrestricted
     if other:
         encoder = f", encoder {other.encoder.part}" if other.encoder else ""

@@ -2,6 +2,7 @@
 
 import pytest
 
+from drivesizer.contract import sizing
 from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec import read_spec
 from drivesizer.yaml_source import YamlSource
@@ -124,3 +125,14 @@ def test_both_say_the_same_of_a_set(fan):
     assert repr((again.status, again.checks, again.encoder, again.controller)) == repr((
         best.status, best.checks, best.encoder, best.controller
     ))  # fmt: skip
+
+
+def test_a_mass_that_nobody_knows_is_not_nothing(fan):
+    """Without a gearhead the motor is all there is: unknown, and ranked behind what is known."""
+    unknown = PARTS.replace("25, 700, 300]", "25, 700, null]")
+    result = size(fan(catalog=unknown))
+    assert [one.motor.part for one in result.sets] == ["heavy", "light"]
+    told = [sizing(result)["sets"][n] for n in (0, 1)]
+    assert [one["mass_kg"] for one in told] == [0.4, None]
+    assert [one["objective"] for one in told] == [0.4, None]
+    assert [one["objective"] for one in sizing(size(fan(catalog=unknown), objective="price"))["sets"]] == [None, None]

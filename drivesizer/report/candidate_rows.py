@@ -19,15 +19,15 @@ __all__ = ["candidates", "front"]
 def candidates(result: SizingResult) -> dict[str, Any]:
     """How many there were, the best of them, and why the rest fell."""
     counts, other = result.counts, result.unrestricted
-    fell = sorted(counts.failed_by.items(), key=lambda item: (-item[1], item[0]))
+    titles = TITLES[result.method]
+    fell = [(titles[name], n) for name, n in sorted(counts.failed_by.items(), key=lambda item: (-item[1], item[0]))]
+    fell += [(TITLES["budget"][name], n) for name, n in sorted(counts.failed_by_budget.items())]
     return {
         "considered": counts.considered,
         "feasible": counts.feasible,
         "sets": [_row(s) for s in (*result.sets, *result.misses)],
         "fallen": len(result.misses),
-        "fell": [
-            {"title": TITLES[result.method][name], "count": n, "share": n / counts.considered} for name, n in fell
-        ],
+        "fell": [{"title": title, "count": n, "share": n / counts.considered} for title, n in fell],
         "relaxations": moves(result.relaxations),
         "unrestricted": set_row(other, result.catalog) if other else None,
     }

@@ -111,6 +111,9 @@ def count_rows(result: SizingResult) -> Iterator[Row]:
     yield {"section": "count", "name": "feasible", "title": "Sets that stand", "value": counts.feasible}
     for name, count in counts.failed_by.items():
         yield {"section": "count", "name": f"failed_{name}", "title": f"Fell by: {titles[name]}", "value": count}
+    for name, count in counts.failed_by_budget.items():
+        title = f"Fell in the machine by: {TITLES['budget'][name]}"
+        yield {"section": "count", "name": f"failed_budget_{name}", "title": title, "value": count}
 
 
 def front_rows(s: DriveSet, objectives: Iterable[str]) -> Iterator[Row]:

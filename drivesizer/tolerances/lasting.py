@@ -25,7 +25,7 @@ from drivesizer.spec import RobotSpec
 from drivesizer.tolerances.behind import AtSamples
 from drivesizer.wheel_load import WheelLoad
 
-__all__ = ["SAMPLED", "Draw", "Feeding", "battery_limits", "feeding"]
+__all__ = ["SAMPLED", "Draw", "Feeding", "battery_limits", "columns_of", "feeding"]
 
 Array = NDArray[np.float64]
 _LASTING = ("battery_autonomy", "battery_range")
@@ -94,13 +94,19 @@ def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Dra
     parts
         The set's.
     """
-    share, known = spec.supply.regeneration, parts.controller["max_efficiency"]
-    loss = np.where(np.isnan(known), 1.0, known)
     total = at.sampled.duration.sum(axis=0)
+    speed = _way(spec, at) / total if feeds.travels else np.full_like(total, nan)
+    return columns_of(spec, feeds, total, speed, draws, parts.controller["max_efficiency"])
+
+
+def columns_of(
+    spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequence[Draw], efficiency: Any
+) -> list[CheckColumn]:
+    """The same of a cycle's length [s], its mean speed [m/s], and the controllers' greatest efficiency."""
+    share, loss = spec.supply.regeneration, np.where(np.isnan(efficiency), 1.0, efficiency)
     drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
     mean = (drawn / loss - share * returned * loss) / total + feeds.mean
     full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # as so many strings side by side
-    speed = _way(spec, at) / total if feeds.travels else np.full_like(total, nan)
     required, way = required_autonomy(spec, spec.battery), spec.battery.range
     required = np.fmax(required, nan if way is None else way / speed)
     drawn_share = np.where(np.isnan(required), feeds.pack.usable, required / full)

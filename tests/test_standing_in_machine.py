@@ -1,0 +1,112 @@
+"""Every set that a search finds is held against the machine's budgets until enough stand, whatever their rank.
+
+Forty motors alike, the lighter the more they lose: by hand each draws at 1200 rpm, with its winding at 25 degC,
+    I = M / k_t + I_0,  P = (R I + k_t w) I,  M = 0.3 N*m (1200/1500)^2,  I_0 = 3 A - 0.07 A n
+and a battery that gives its rated charge at any current lasts for C U / P.
+"""
+
+import math
+
+import pytest
+
+from drivesizer.sizing import load_parts, size
+from drivesizer.spec import read_spec
+from drivesizer.study.best import best
+from drivesizer.yaml_source import YamlSource
+
+PARTS = """
+catalog: 1
+manufacturer: maker
+sources: {sheet: {document: a sheet, confidence: quoted}}
+motors:
+  - family: D
+    source: sheet
+    common: {kind: brushed, nominal_voltage: 24 V, max_winding_temperature: 155 degC, ambient_min: -20 degC,
+      ambient_max: 100 degC, max_speed: 6000 rpm, nominal_speed: 1500 rpm, nominal_current: 8 A, resistance: 0.35 ohm,
+      torque_constant: 98 mN*m/A, rotor_inertia: 900 g*cm^2, winding_time_constant: 25 s,
+      thermal_resistance_winding: 0.001 K/W, thermal_resistance_housing: 0.001 K/W, motor_time_constant: 700 s}
+    columns: [part, no_load_current (A), no_load_speed (rpm), mass (g)]
+    rows:
+ROWS
+controllers:
+  - family: C
+    source: sheet
+    common: {drives: both, supply_min: 10 V, supply_max: 50 V, max_duty: 95 %, voltage_drop: 0 V, peak_time: 10 s,
+      buses: CANopen}
+    columns: [part, continuous_current (A), peak_current (A)]
+    rows:
+      - [only, 8, 20]
+compatibility:
+  motor_gearhead:
+    - {source: sheet, motors: [D], gearheads: [direct]}
+"""
+SPEC = """
+name: a fan on the shaft
+load: {kind: fan, inertia: 20 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}
+motion: {speed: 1200 rpm, acceleration_time: 10 s, cruise_time: 100000 s}
+supply: {nominal: 24 V, min: 22 V, max: 26 V}
+select: {catalogs: [parts.yaml], objective: OBJECTIVE}
+"""
+BATTERY = """
+battery: {chemistry: LiFePO4, nominal_voltage: 24 V, capacity: 20 A*h, autonomy: HOURS h, charge_voltage: 26 V,
+  cutoff_voltage: 20 V, resistance: 10 mohm, open_circuit: {full: 24.5 V, empty: 23 V}, continuous_current: 20 A,
+  peak_current: 50 A, max_charge_current: 5 A}
+"""
+MOTORS = 40
+
+
+def lasts(n):
+    """How long the battery feeds a motor [h]."""
+    current = 0.3 * (1200 / 1500) ** 2 / 0.098 + 3.0 - 0.07 * n
+    return 20 * 24 / ((0.35 * current + 0.098 * 1200 * math.pi / 30) * current)
+
+
+@pytest.fixture
+def machine(tmp_path):
+    """The fan with something beside it, ranked by an objective."""
+    idle = [(24 - 0.35 * (3.0 - 0.07 * n)) / 0.098 * 30 / math.pi for n in range(MOTORS)]  # rpm, of that k_t
+    rows = "\n".join(f"      - [m{n:02}, {3.0 - 0.07 * n:.2f}, {idle[n]:.6f}, {300 + n}]" for n in range(MOTORS))
+    (tmp_path / "parts.yaml").write_text(PARTS.replace("ROWS", rows), encoding="utf-8")
+
+    def of(more, objective="mass"):
+        return read_spec(YamlSource(SPEC.replace("OBJECTIVE", objective) + more, str(tmp_path / "fan.yaml")))
+
+    return of
+
+
+@pytest.mark.parametrize("hours", [5, 9, 10, 15.5])
+def test_the_lightest_of_those_that_the_battery_feeds_long_enough(machine, hours):
+    spec = machine(BATTERY.replace("HOURS", str(hours)))
+    first = next(n for n in range(MOTORS) if lasts(n) >= hours)
+    assert abs(lasts(first) / hours - 1) > 1e-3 and abs(lasts(first - 1) / hours - 1) > 1e-3  # not by rounding
+    assert first in (0, 16, 21, 38)  # more than four times as many as are asked for fall before, two times
+    found = size(spec, top=2)
+    assert [one.motor.part for one in found.sets] == [f"m{first:02}", f"m{first + 1:02}"]
+    assert found.sets[0].energy.autonomy / 3600 == pytest.approx(lasts(first), rel=2e-3)
+    counts = found.counts
+    assert (counts.considered, counts.feasible, counts.judged) == (MOTORS, MOTORS - first, first + 2)
+    assert counts.failed_by_budget == ({"battery_autonomy": first} if first else {})
+    assert any(f"{first} sets that stand by method" in said for said in found.warnings) == (first > 0)
+    (alone,) = best(spec, load_parts(spec)).sets
+    assert alone.motor.part == f"m{first:02}"
+
+
+def test_none_is_left(machine):
+    found = size(machine(BATTERY.replace("HOURS", "17")))
+    assert not found.sets and max(map(lasts, range(MOTORS))) < 17
+    assert (found.counts.feasible, found.counts.judged) == (0, MOTORS)
+    assert found.misses[0].motor.part == "m00"
+    assert found.misses[0].status == "fail"
+
+
+def test_the_front_is_that_of_the_sets_that_stand_in_the_machine(machine):
+    """The lightest draws the most: of all the front is all of them; of those that stand it has no hole."""
+    found = size(machine(BATTERY.replace("HOURS", "15.5")), pareto=("mass", "peak_current"))
+    assert [one.motor.part for one in found.front] == [f"m{n}" for n in range(38, MOTORS)]
+
+
+def test_a_limit_of_mass(machine):
+    """1 kg of structure; 1.3205 kg are met by 320 g of motor, as far as masses are known, not by 321."""
+    found = size(machine("budget: {mass: 1.3205 kg, structure: 1 kg}\n", "peak_current"), top=1)
+    assert found.sets[0].motor.part == "m20"
+    assert found.counts.failed_by_budget == {"mass": MOTORS - 21}
