@@ -83,7 +83,7 @@ def progress() -> Iterator[Callable[[int, int], None]]:
             from rich.progress import Progress
 
             looked, console = True, Console(stderr=True)
-            if console.is_terminal:
+            if console.is_terminal and not console.is_dumb_terminal:
                 bar = Progress(console=console, transient=True)
                 bar.add_task("sets examined", total=total)
                 bar.start()
@@ -105,7 +105,11 @@ def working(on: str) -> Iterator[None]:
         return
     from rich.console import Console
 
-    line = Console(stderr=True).status(f"{on} ...")
+    console = Console(stderr=True)
+    if console.is_dumb_terminal:  # which cannot take a line back
+        yield
+        return
+    line = console.status(f"{on} ...")
     late = threading.Timer(_PATIENCE, line.start)
     late.start()
     try:

@@ -58,8 +58,8 @@ def _told(error: BaseException) -> tuple[str, int]:
     if isinstance(error, MemoryError):
         return "more memory is needed than there is", 2
     if isinstance(error, OSError):
-        what = f"{error.filename}: the file" if error.filename else "the output"
-        return f"{what} cannot be read or written ({reason_of(error)})", 2
+        what = f"{error.filename}: cannot be read or written" if error.filename else "the output cannot be written"
+        return f"{what} ({reason_of(error)})", 2
     found = f"{type(error).__name__}: {error}"[:300]
     return f"a fault of drivesizer itself ({found}); please report it; {TRACEBACK}=1 shows where it arose", FAULT
 

@@ -15,7 +15,8 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, NamedTuple
 
-from drivesizer.catalog.cache import digest_of, folder
+from drivesizer.catalog.cache import CacheWarning, digest_of, folder
+from drivesizer.errors import reason_of
 
 __all__ = ["Kernel", "SlowWarning", "defined_in", "files_of", "machine_code", "translated"]
 
@@ -75,6 +76,8 @@ def machine_code(kernel: Kernel) -> Callable[..., int]:
     -----
     SlowWarning
         When numba is not installed.
+    CacheWarning
+        Once it is compiled, when it cannot be kept.
     """
     try:
         import numba
@@ -86,10 +89,26 @@ def machine_code(kernel: Kernel) -> Callable[..., int]:
     place, before = kernel.folder(numba.__version__), config.CACHE_DIR
     try:
         config.CACHE_DIR = str(place or before)
-        made: Callable[..., int] = translated(kernel, numba.njit, keep=place is not None)
-        return made
+        made = translated(kernel, numba.njit, keep=place is not None)
     finally:
         config.CACHE_DIR = before
+    if place is not None:
+        _goes_on_without(made._cache, place)
+    compiled: Callable[..., int] = made
+    return compiled
+
+
+def _goes_on_without(cache: Any, place: Path) -> None:
+    """Let what numba cannot keep, such as on a full disk, be told and not stop what it compiled for."""
+    save = cache.save_overload
+
+    def kept_or_told(*given: Any) -> None:
+        try:
+            save(*given)
+        except OSError as error:
+            warnings.warn(f"the compiled march is not kept in {place} ({reason_of(error)})", CacheWarning, stacklevel=2)
+
+    cache.save_overload = kept_or_told
 
 
 def translated(kernel: Kernel, njit: Any, keep: bool) -> Any:

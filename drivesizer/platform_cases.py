@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -65,8 +66,18 @@ def trajectory_of(spec: RobotSpec) -> Trajectory | None:
             where = spec.where(("platform", "limits"))
             raise InputError(f"{where}: expected speed and acceleration to plan the waypoints with, e.g. speed: 1 m/s")
         points = [Waypoint(x=p.x, y=p.y, heading=p.heading, pause=p.pause) for p in motion.waypoints]
-        return plan(points, limits)
+        with _told_at(spec, "motion", "waypoints"):
+            return plan(points, limits)
     return None
+
+
+@contextmanager
+def _told_at(spec: RobotSpec, *path: str | int) -> Iterator[None]:
+    """Say of what is wrong inside where the spec has it."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{spec.where(path)}: {str(error).removeprefix(f'{path[-1]}: ')}") from None
 
 
 def limits_of(spec: RobotSpec) -> Limits | None:
@@ -88,7 +99,8 @@ def dynamics_of(spec: RobotSpec, rotor_inertia: float = 0.0) -> Dynamics:
         Of a motor set at its wheel [kg*m^2].
     """
     assert spec.platform is not None and isinstance(spec.load, WheeledVehicle)
-    return dynamics(platform_of(spec.platform, spec.load, rotor_inertia))
+    with _told_at(spec, "platform"):
+        return dynamics(platform_of(spec.platform, spec.load, rotor_inertia))
 
 
 def ground_of(spec: RobotSpec) -> Ground:
@@ -155,7 +167,8 @@ def cycles_of(case: RobotSpec, d: Dynamics, way: Trajectory) -> tuple[LoadCycle,
     assert isinstance(load, WheeledVehicle)
     known = case.platform is not None and case.platform.height_known  # else nobody knows what a wheel carries
     friction = load.friction_coefficient if known else None
-    found = wheel_cycles(d, way, ground_of(case), friction=friction)
+    with _told_at(case, "motion"):
+        found = wheel_cycles(d, way, ground_of(case), friction=friction)
     return tuple(replace(cycle, own=tuple(own for own in cycle.own if own.name == "traction")) for cycle in found)
 
 

@@ -42,8 +42,11 @@ def locked(folder: Path) -> Iterator[None]:
             _take(file)
         except OSError as error:
             raise InputError(_refusal(folder, file, error)) from None
-        os.ftruncate(file, 0)
-        os.write(file, f"process {os.getpid()} on {socket.gethostname()}".encode())
+        try:
+            os.ftruncate(file, 0)
+            os.write(file, f"process {os.getpid()} on {socket.gethostname()}".encode())
+        except OSError as error:
+            raise InputError(f"{path}: cannot be written ({reason_of(error)})") from None
         yield
     finally:
         os.close(file)  # which lets go of it
