@@ -8,6 +8,7 @@ from math import inf
 from typing import NamedTuple
 
 from drivesizer.driving import Driving
+from drivesizer.errors import InputError
 from drivesizer.following_schema import Following
 from drivesizer.machines import WheeledVehicle
 from drivesizer.platform.dynamics import Dynamics
@@ -15,6 +16,7 @@ from drivesizer.platform.following import Followed, Model, follow
 from drivesizer.platform.following_control import SpeedLoop, is_unicycle, pose_loop, speed_loop
 from drivesizer.platform.misjudged import EXACT, Misjudged
 from drivesizer.platform.slip import Contact
+from drivesizer.platform.stability_moments import least_margin
 from drivesizer.platform_cases import dynamics_of, ground_of
 from drivesizer.platform_schema import Platform
 from drivesizer.results import DriveSet
@@ -61,9 +63,24 @@ def follow_all(found: Driving, chosen: DriveSet | None) -> dict[str, Followed]:
     Raises
     ------
     InputError
-        When the wheels have no inertia, or a figure cannot be computed with.
+        When the platform tips over on its way, the wheels have no inertia, or a figure cannot be computed with.
     """
+    _upright(found)
     return {name: follow_case(found, chosen, case) for name, case in _cases(found).items()}
+
+
+def _upright(found: Driving) -> None:
+    """Refuse a way on which the platform tips over: contact is simulated on wheels that stand."""
+    d, section = dynamics_of(found.spec), _section(found)
+    if not section.height_known:
+        return
+    least = least_margin(d.platform, found.trajectory, ground_of(found.spec))
+    if least.value < 0.0:
+        raise InputError(
+            f"{found.spec.where(('platform', 'centre_of_mass'))}: the platform tips over at "
+            f"{show(least.time, 's', 'time')} of its way, {show(-least.value, 'mm', 'length')} beyond its wheels; "
+            "expected one that can be followed: a lower centre of mass, or smaller platform.limits"
+        )
 
 
 def _cases(found: Driving) -> dict[str, Case]:

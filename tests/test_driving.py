@@ -368,3 +368,11 @@ def test_the_spec_says_how_soft_the_loops_are(folder):
         assert run.planned.posture[0, -1] - run.posture[0, -1] == pytest.approx(behind, rel=0.02, abs=lag / 10)
     with pytest.raises(InputError, match="speed_integral: a speed_loop P has none"):
         spec_of(level, PLATFORM, soft.replace("P,", "P, speed_integral: 1 N*m/rad,"), AHEAD)
+
+
+def test_a_platform_that_tips_over_is_not_followed():
+    """By hand: 0.7 m/s² · 3.5 m / 9.80665 m/s² = 249.83 mm, where the wheels stand 238.5 mm from the centre."""
+    tall = PLATFORM.replace("height: 0 mm", "height: 3.5 m")
+    spec = spec_of(VEHICLE.replace("slope: 2 deg", "slope: 0 deg"), tall, AHEAD)
+    with pytest.raises(InputError, match=r"platform\.centre_of_mass: the platform tips over .* 11\.33 mm beyond its"):
+        follow_all(driving(spec), None)
