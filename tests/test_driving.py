@@ -72,7 +72,8 @@ def test_the_same_sets_stand_for_the_way_and_for_the_trapezoid():
     """Straight ahead and all wheels alike: every check that both have is the same, but for traction."""
     one, other = (size(spec_of(VEHICLE, *parts)) for parts in ((STRAIGHT,), (PLATFORM, AHEAD)))
     assert [s.label for s in one.sets] == [s.label for s in other.sets] and len(one.sets) > 2
-    assert one.counts == other.counts
+    fell = [(found.counts.considered, found.counts.feasible, found.counts.failed_by) for found in (one, other)]
+    assert fell[0] == fell[1]
     for a, b in zip(one.sets, other.sets, strict=True):
         mine, theirs = ({c.name: c for c in s.checks if c.name != "traction"} for s in (a, b))
         assert mine.keys() == theirs.keys()
@@ -260,7 +261,7 @@ def test_a_drive_that_carries_itself():
 
 
 def test_a_drive_that_is_too_heavy_fails_by_the_budget():
-    result = size(spec_of(VEHICLE, PLATFORM, AHEAD, "budget: {structure: 44.5 kg, mass: 45 kg}\n"), top=1)
+    result = size(spec_of(VEHICLE, PLATFORM, AHEAD, "budget: {structure: 44.99 kg, mass: 45 kg}\n"), top=1)
     assert not result.sets
     failed = {c.name for c in result.misses[0].budget if c.status == "fail"}
     assert {"mass", "mass_sized_for"} <= failed

@@ -191,7 +191,8 @@ def test_masses_are_told_one_by_one_with_their_sum_and_what_it_lacks(result):
     best = result.sets[0]
     told = machine_rows(best)
     rows = {row["name"]: row for row in told["masses"]}
-    assert rows["motor"] == {"name": "motor", "number": "4 ×", "each": "0.3 kg", "all": "1.2 kg"}
+    each = best.motor.mass
+    assert rows["motor"] == {"name": "motor", "number": "4 ×", "each": f"{each:.4g} kg", "all": f"{4 * each:.4g} kg"}
     assert rows["controller"]["all"] == "unknown" and rows["structure"]["number"] == ""
     known = sum(row.number * row.each for row in best.masses if not isnan(row.each))
     assert told["mass_sums"][0]["text"] == f"{known:.4g} kg"
@@ -214,7 +215,7 @@ def test_what_nobody_knows_of_a_consumer_is_said_and_not_summed(result):
 
 def test_unknown_masses_are_named_where_unknown_checks_are(result):
     lacks = dict(unknown_figures(result.sets[0]))
-    assert lacks["Mass of the machine"] == "controller, belt and pulleys"
+    assert lacks["Mass of the machine"] == "encoder, controller, belt and pulleys"  # maxon gives no mass of either
 
 
 def test_the_workbook_has_masses_and_says_what_the_machine_is(result):
