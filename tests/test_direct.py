@@ -116,3 +116,17 @@ def test_a_catalogue_may_be_named_at_the_command_line(direct, monkeypatch, capsy
         assert end.value.code == 0
         document = json.loads(capsys.readouterr().out)
         assert {s["motor"]["part"] for s in document["sets"]} == parts
+
+
+def test_a_partner_of_a_catalogue_that_is_not_loaded_is_left_out_alone(direct):
+    """The motor still drives the load directly, as the same row says; what is left out is told."""
+    path = direct / "one.yaml"
+    text = path.read_text(encoding="utf-8").replace("gearheads: [direct]", "gearheads: [direct, {maxon: GP 42 C}]")
+    path.write_text(text, encoding="utf-8")
+    alone = size(read_spec(YamlSource(FAN.replace("CATALOGS", str(path)), "fan.yaml")))
+    assert [one.label for one in alone.sets] == ["D one-90 without gearhead"]
+    assert any("GP 42 C of maxon, which is not among the catalogues" in said for said in alone.warnings)
+    among = FAN.replace("CATALOGS]", f"{path}, maxon], motor: {{family: D}}")
+    both = size(read_spec(YamlSource(among, "fan.yaml")), top=1)
+    assert not any("not among the catalogues" in said for said in both.warnings)
+    assert both.counts.considered > 1

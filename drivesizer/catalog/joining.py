@@ -25,9 +25,9 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
     CatalogError
         When a part is in two of them and the later one does not say that it overrides.
     """
-    if len(catalogs) == 1:
+    if len(catalogs) == 1 and not catalogs[0].across:
         return catalogs[0]
-    replaced = _replaced(catalogs)
+    replaced = (*_replaced(catalogs), *_not_loaded(catalogs))
     first_source = np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]
     tables = {name: _joined_tables([c.table(name) for c in catalogs], first_source) for name in PARTS}
     places = {name: _places(table) for name, table in tables.items()}
@@ -69,6 +69,19 @@ def _replaced(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
                         "`overrides: true` in the second makes its row count"
                     )
                 said.append(f"{one_of(section)} {part}: {name} in place of {first}")
+    return tuple(said)
+
+
+def _not_loaded(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
+    """Which catalogues are named by others for parts that go together, and are not among them."""
+    loaded = {name for c in catalogs for name in c.digests}
+    said: dict[str, None] = {}
+    for catalog in catalogs:
+        for given in catalog.across:
+            for other, part in (*given.motors, *given.others):
+                if other and other not in loaded:
+                    own = ", ".join(catalog.digests)
+                    said[f"{own} lists {part} of {other}, which is not among the catalogues: left out"] = None
     return tuple(said)
 
 
