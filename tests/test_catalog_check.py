@@ -199,6 +199,9 @@ def test_every_law_finds_what_breaks_it(before: dict[str, tuple[Catalog, list[Fi
     """In a part that kept it before, with sisters enough that it is not its own measure."""
     some, findings = before[law.section]
     table, broke_it = some.table(law.section), {f.part for f in findings if f.identity == law.name}
+    if law.name == "no-load speed without its current":
+        table = replace(table, columns=dict(table.columns) | {"no_load_current": np.full(len(table), np.nan)})
+        some = replace(some, motors=table)
     for row in np.flatnonzero(~table.excluded).tolist():
         cells = broken(law, table, row)
         part = str(table["part"][row])

@@ -18,6 +18,7 @@ __all__ = ["marked_figures", "rests_on", "unknown_figures"]
 _GEAR = ("gearhead.ratio", "gearhead.efficiency", "gearhead.inertia", "motor.rotor_inertia", "motor.torque_constant")
 _LOSSES = ("motor.resistance", "motor.thermal_resistance_winding", "motor.thermal_resistance_housing")
 _HOT = ("CURRENT", *_LOSSES, "HOUSING")  # the winding at its mean temperature
+_EMF = ("motor.back_emf_constant", "motor.speed_constant")  # where the maker prints one
 _SPEED = ("gearhead.ratio",)
 _WHOLE = {name: (f"motor.{name}", f"gearhead.{name}") for name in ("diameter", "length", "mass", "price")}
 _RESTS: dict[str, dict[str, tuple[str, ...]]] = {  # words in capitals stand for what depends on the motor, see _OF
@@ -41,14 +42,14 @@ _RESTS: dict[str, dict[str, tuple[str, ...]]] = {  # words in capitals stand for
         "first_resonance": (*_SPEED, "gearhead.inertia", "motor.rotor_inertia"),
         "holding": (*_SPEED, "gearhead.efficiency"),
         "controller_available": ("controller.supply_min", "controller.supply_max"),
-        "supply_voltage": (*_HOT, "controller.max_duty", "controller.voltage_drop"),
+        "supply_voltage": (*_HOT, *_EMF, "controller.max_duty", "controller.voltage_drop"),
         "controller_continuous_current": ("CURRENT", "controller.continuous_current"),
         "controller_peak_current": ("CURRENT", "controller.peak_current"),
         "controller_peak_time": ("CURRENT", "controller.continuous_current", "controller.peak_time"),
         "controller_speed": (*_SPEED, "motor.pole_pairs", "controller.max_speed_sine"),
-        "supply_current": _HOT,
-        "supply_power": _HOT,
-        "bus_voltage": (*_HOT, "controller.supply_max"),
+        "supply_current": (*_HOT, *_EMF),
+        "supply_power": (*_HOT, *_EMF),
+        "bus_voltage": (*_HOT, *_EMF, "controller.supply_max"),
         "encoder_counts": ("COUNTS",),
         "encoder_speed": (*_SPEED, "encoder.max_speed"),
         "encoder_frequency": (*_SPEED, "COUNTS", "encoder.max_frequency", "controller.max_encoder_frequency"),
@@ -58,7 +59,7 @@ _RESTS: dict[str, dict[str, tuple[str, ...]]] = {  # words in capitals stand for
     "budget": dict.fromkeys(  # all that hangs on the power which the drive draws
         ("battery_autonomy", "battery_range", "battery_power", "battery_voltage", "battery_cutoff",
          "battery_continuous_current", "battery_peak_current", "battery_charge_current"),
-        (*_HOT, "controller.max_efficiency"),
+        (*_HOT, *_EMF, "controller.max_efficiency"),
     ),
     "paper": {
         "gearhead_continuous_torque": ("motor.rotor_inertia", "gearhead.continuous_torque"),
