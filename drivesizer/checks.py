@@ -133,10 +133,14 @@ class CheckColumn:
 
     @property
     def margin(self) -> NDArray[np.float64]:
-        """Share by which the limit exceeds the demand; NaN where unknown, without demand or without end."""
+        """Share by which the limit exceeds the demand; NaN where unknown, without demand or without end.
+
+        What neither passes nor fails has none, whatever its figures: they may be least ones.
+        """
         with np.errstate(all="ignore"):
             found = (self.limit - self.zero) / (self.demand - self.zero) - 1.0
-        return np.where((self.demand == self.zero) | np.isinf(found), nan, found)
+        known = (self.passed | self.failed) & (self.demand != self.zero)
+        return np.where(known & ~np.isinf(found), found, nan)
 
     @property
     def tightness(self) -> NDArray[np.float64]:

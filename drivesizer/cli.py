@@ -1,8 +1,8 @@
 """The command line: parse, call, print.
 
-Exit status: 0 a set was found or the set passes, 1 none does, 2 the input is wrong or an output cannot be written (one
-line says where and what), 70 drivesizer itself is at fault, 130 it was interrupted. Results go to stdout, warnings and
-errors to stderr; whatever fails ends in `cli_ends`.
+Exit status: 0 a set was found or the set passes, also where that is unknown for want of a figure, 1 none does, 2 the
+input is wrong or an output cannot be written (one line says where and what), 70 drivesizer itself is at fault, 130 it
+was interrupted. Results go to stdout, warnings and errors to stderr; whatever fails ends in `cli_ends`.
 """
 
 from __future__ import annotations

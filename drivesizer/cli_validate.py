@@ -74,7 +74,7 @@ def validate(
 
         terminal.validation(proof)
         tell(proof.warnings)
-    raise typer.Exit(0 if proof.status == "pass" else 1)
+    raise typer.Exit(1 if proof.status == "fail" else 0)
 
 
 def _known(robot: Any, name: str | None) -> None:
@@ -107,7 +107,7 @@ def _all_of(robot: Any, case: str | None, profile: str | None, top: int, json: b
 
         terminal.validations(proofs, result.objective)
     tell(tuple(said))
-    return 0 if any(proof.status == "pass" for proof in proofs) else 1
+    return 1 if all(proof.status == "fail" for proof in proofs) else 0
 
 
 def pick(robot: Any, chosen: str | None) -> Any:

@@ -15,7 +15,8 @@ def reliability(found: Reliability | None) -> dict[str, Any] | None:
     if found is None:
         return None
     return {
-        "probability": found.probability,
+        "probability": number(found.passing),
+        "none_fails": found.probability,
         "error_95": found.error,
         "weakest_check": found.weakest,
         "unknown": list(found.unknown),

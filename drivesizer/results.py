@@ -294,7 +294,7 @@ class Validation:
     drive_set: DriveSet
     case: str = ""  # the load case that was driven, where there are several
     profile: str
-    status: Status  # fail when a check fails; unknown figures leave a pass a pass, and are told
+    status: Status  # what its checks amount to
     checks: tuple[Check, ...]  # with the time of the worst moment
     figures: tuple[Figure, ...]  # tracking error, bandwidth, margins of stability ...
     gains: Gains | Cascade

@@ -23,7 +23,7 @@ from drivesizer.machines import Recorded, WheeledVehicle
 from drivesizer.platform_cases import on_wheels
 from drivesizer.profile import SPEED, Profile
 from drivesizer.profile import profile as named
-from drivesizer.results import Check, DriveSet, Gains, SizingResult, Status, Validation
+from drivesizer.results import Check, DriveSet, Gains, SizingResult, Validation, verdict
 from drivesizer.shaft_load import asked_of
 from drivesizer.spec import RobotSpec
 from drivesizer.units import show
@@ -83,7 +83,7 @@ def validate(
     Returns
     -------
     Validation
-        ``fail`` when a check fails; unknown ones are told among the warnings.
+        ``fail`` when a check fails, ``unknown`` when a missing figure leaves one open, which is told as well.
 
     Raises
     ------
@@ -100,14 +100,13 @@ def validate(
     asked = asked_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
     case = run(spec, drive_set, asked)
     found = checks(case)
-    status: Status = "fail" if any(c.status == "fail" and not c.advice for c in found) else "pass"
     own, lacking = _own_units(case)
     return Validation(
         spec=spec,
         drive_set=drive_set,
         case=driven if len(whole.load_cases) > 1 else "",
         profile=asked.name,
-        status=status,
+        status=verdict(found),
         checks=found,
         figures=figures(case),
         gains=case.controller,
@@ -154,7 +153,7 @@ def validate_all(
             said.append(f"{one.label}: {error}")
     if not found:
         raise InputError(said[0])
-    return sorted(found, key=lambda proof: proof.status != "pass"), said
+    return sorted(found, key=lambda proof: ("pass", "unknown", "fail").index(proof.status)), said
 
 
 def _own_units(case: Case) -> tuple[tuple[ControllerGain, ...], list[str]]:

@@ -24,6 +24,7 @@ from drivesizer.records import drive_set
 from drivesizer.relax import changes_for, relaxations
 from drivesizer.requirements import requirements
 from drivesizer.results import DriveSet, Explanation, Requirement, SizingResult, verdict
+from drivesizer.returning import not_returning
 from drivesizer.search import Found, Progress, search
 from drivesizer.shortlist import shortlist
 from drivesizer.spec import RobotSpec
@@ -163,6 +164,7 @@ def _warnings(spec: RobotSpec, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
         said.append(
             "the paper's rule does not look at heat, permissible motor speed or supply sag; the physics beside it does"
         )
+    said += not_returning(spec)
     if not sets:
         return tuple(said)
     best = sets[0]

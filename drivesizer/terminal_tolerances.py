@@ -71,7 +71,7 @@ def _table(sets: Sequence[DriveSet], title: str) -> Table:
         if found is None:
             continue
         table.add_row(
-            str(one.rank), _named(one), _chance(found.probability, found.error), _weakest(found),
+            str(one.rank), _named(one), _all_pass(found), _weakest(found),
             _margin(found.low), _margin(found.middle), *[_loop(found)][: len(loops)],
         )  # fmt: skip
     return table
@@ -87,6 +87,13 @@ def _named(one: DriveSet) -> Text:
     """Motor and gearhead, with the belt where there is one."""
     belt = f" × {one.belt_name}" if one.belt_name else ""
     return Text(f"{one.motor_name}\n{one.gearhead_name}{belt}")
+
+
+def _all_pass(found: Reliability) -> str:
+    """How probable it is that all checks pass; where that is unknown, that none of the known ones fails."""
+    if found.unknown:
+        return f"unknown; none\nfails: {likely(found.probability)}"
+    return _chance(found.probability, found.error)
 
 
 def _chance(probability: float, error: float) -> str:

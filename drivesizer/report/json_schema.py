@@ -161,7 +161,8 @@ def _reliability() -> _Schema:
     driver = _all_of(name=_STRING, share_of_variance=_FLOAT, rank_correlation=_FLOAT, at_p5=end, at_p95=end)
     loop = _all_of(samples=_COUNT, probability=_FLOAT, error_95=_FLOAT, weakest_check=_STRING)
     return _all_of(
-        probability=_FLOAT, error_95=_FLOAT, weakest_check=_STRING, unknown=_WORDS, smallest_margin=margin,
+        probability=_NUMBER, none_fails=_FLOAT, error_95=_FLOAT, weakest_check=_STRING, unknown=_WORDS,
+        smallest_margin=margin,
         checks=_list(check), drivers=_list(driver), closed_loop=_or_null(loop), closed_loop_refused=_or_null(_STRING),
     )  # fmt: skip
 

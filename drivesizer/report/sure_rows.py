@@ -61,7 +61,8 @@ def reliability_rows(one: DriveSet) -> Iterator[Row]:
     if found is None:
         return
     margins = (found.low, found.middle, found.high)
-    yield _share("reliability", "all_checks", "All checks pass", found.probability) | _quantiles(*margins)
+    yield _share("reliability", "all_checks", "All checks pass", found.passing) | _quantiles(*margins)
+    yield _share("reliability", "none_fails", "No check fails", found.probability)
     yield _share("reliability", "error_95", "Error of that, 95 % to both sides", found.error)
     yield {"section": "reliability", "name": "weakest_check", "title": "Weakest check", "value": _weakest(found),
            "note": found.weakest}  # fmt: skip
@@ -143,7 +144,7 @@ def chances(one: DriveSet, heads: Sequence[str]) -> list[Any]:
 
 
 def _cells(found: Reliability) -> dict[str, Any]:
-    whole = (found.probability, found.error, _weakest(found), "; ".join(found.unknown), found.low, found.middle,
+    whole = (found.passing, found.error, _weakest(found), "; ".join(found.unknown), found.low, found.middle,
              found.high)  # fmt: skip
     loop = found.loop
     driven = (loop.probability, loop.error, loop.weakest, loop.samples) if loop else ("", nan, "", "")

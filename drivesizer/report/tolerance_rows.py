@@ -53,7 +53,7 @@ def sure(result: SizingResult) -> dict[str, Any] | None:
         "examined": told.examined,
         "reached": told.reached,
         "none": none_as_sure(result),
-        "chance": likely(best.reliability.probability),
+        "chance": likely(best.reliability.passing),
         "beside": error_and_weakest(best.reliability),
         "label": best.label,
         "sets": [_set(one) for one in result.sets[:_SETS] if one.reliability],
@@ -75,7 +75,7 @@ def _set(one: DriveSet) -> dict[str, str]:
     return {
         "rank": str(one.rank),
         "label": one.label,
-        "chance": likely(found.probability),
+        "chance": likely(found.passing),
         "error": _error(found.error),
         "weakest": found.weakest,
         "more": "; ".join(more),

@@ -73,7 +73,7 @@ def _set(one: DriveSet) -> Row:
     found = one.reliability
     assert found is not None
     row: Row = {
-        "rank": one.rank, "label": one.label, "probability": found.probability, "error": found.error,
+        "rank": one.rank, "label": one.label, "probability": found.passing, "error": found.error,
         "weakest": found.weakest, "low": found.low, "middle": found.middle, "high": found.high,
         "unknown": "; ".join(found.unknown),
     }  # fmt: skip

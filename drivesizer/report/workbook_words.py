@@ -85,7 +85,7 @@ def _set(best: DriveSet, result: SizingResult) -> Iterator[Row]:
     shown = ("total_ratio", "mass", "price", "verdict")
     yield from (_priced(row) for row in set_rows(best, "") if row["name"] in shown)
     if best.reliability:
-        yield {"title": "All checks pass, with tolerances", "value": Told(best.reliability.probability, "share"),
+        yield {"title": "All checks pass, with tolerances", "value": Told(best.reliability.passing, "share"),
                "unit": "of samples", "note": error_and_weakest(best.reliability)}  # fmt: skip
 
 

@@ -10,11 +10,13 @@ __all__ = ["asked_for", "in_the_loop", "likely"]
 
 
 def likely(value: float) -> str:
-    """A probability as a text: never 100 % where a sample fails.
+    """A probability as a text: never 100 % where a sample fails; NaN is unknown.
 
     >>> likely(0.95432), likely(0.99996), likely(0.999999), likely(1.0)
     ('95.4 %', '99.996 %', '99.9999 %', '100 %')
     """
+    if value != value:
+        return "unknown"
     if value in (0.0, 1.0):
         return f"{100 * value:.0f} %"
     digits = 1 if 0.001 <= value <= 0.999 else max(3, ceil(-log10(min(value, 1.0 - value))) - 2)
