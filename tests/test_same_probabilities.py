@@ -67,7 +67,7 @@ def recorded(result: SizingResult) -> Numbers:
     found: Numbers = {}
     for one in sampled(result):
         sure = of(one)
-        found |= {(one.rank, "probability"): sure.probability, (one.rank, "error"): sure.error}
+        found |= {(one.rank, "probability"): sure.passing, (one.rank, "error"): sure.error}
         found |= {(one.rank, "5"): sure.low, (one.rank, "50"): sure.middle}
         if sure.loop:
             found |= {(one.rank, "loop"): sure.loop.probability, (one.rank, "loop error"): sure.loop.error}

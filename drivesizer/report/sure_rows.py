@@ -121,7 +121,7 @@ def _weakest(found: Reliability) -> str:
     return next((check.name for check in found.checks if check.title == found.weakest), found.weakest)
 
 
-_WHOLE = ("probability", "probability_error_95", "weakest_check", "unknown_checks", "smallest_margin_5",
+_WHOLE = ("probability", "none_fails", "probability_error_95", "weakest_check", "unknown_checks", "smallest_margin_5",
           "smallest_margin_50", "smallest_margin_95")  # fmt: skip
 _LOOP = ("closed_loop_probability", "closed_loop_error_95", "closed_loop_weakest_check", "closed_loop_samples")
 
@@ -144,8 +144,8 @@ def chances(one: DriveSet, heads: Sequence[str]) -> list[Any]:
 
 
 def _cells(found: Reliability) -> dict[str, Any]:
-    whole = (found.passing, found.error, _weakest(found), "; ".join(found.unknown), found.low, found.middle,
-             found.high)  # fmt: skip
+    margins = (found.low, found.middle, found.high)
+    whole = (found.passing, found.probability, found.error, _weakest(found), "; ".join(found.unknown), *margins)
     loop = found.loop
     driven = (loop.probability, loop.error, loop.weakest, loop.samples) if loop else ("", nan, "", "")
     cells = dict(zip((*_WHOLE, *_LOOP), (*whole, *driven), strict=True))
