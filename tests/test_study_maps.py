@@ -195,9 +195,9 @@ def test_probabilities_are_drawn_where_the_spec_has_tolerances(tmp_path):
     spec = CHEAP.replace("mass: 45 kg", "mass: 45 kg +- 3 kg") + "tolerances: {samples: 256}\n"
     study = "spec: robot.yaml\nvary:\n  motion.speed: [1.2 m/s, 1.5 m/s]\n  supply.current: [5 A, 8 A]\n"
     over, found, plan = mapped(tmp_path, study, spec=spec)
-    told = [row["probability"] for row in found[()]]
+    told = [row["none_fails"] for row in found[()]]
     assert 0.0 < min(told) < 0.95 < max(told)
-    seen = texts(drawings(over, found)[0]["probability"]("typeset"))
+    seen = texts(drawings(over, found)[0]["none_fails"]("typeset"))
     assert all(f"{100 * share:.3g}" in seen for share in told)
     for number, share in enumerate(told, 1):
         alone = size(spec_of(plan.job, plan.variant(number))).sets[0].reliability
@@ -211,7 +211,7 @@ def test_tolerances_vary_as_they_are_written(tmp_path):
     over, found, plan = mapped(tmp_path, study, spec=spec)
     assert [axis.head for axis in plan.job.axes] == ["load.mass", "supply.current (A)"]
     assert over.across.values == ("45 kg +- 1 kg", "45 kg +- 20 kg")
-    narrow, wide = ([r["probability"] for r in found[()] if r["load.mass"] == m] for m in over.across.values)
+    narrow, wide = ([r["none_fails"] for r in found[()] if r["load.mass"] == m] for m in over.across.values)
     assert narrow[0] < wide[0] < 0.5 < wide[1] < narrow[1]
     with pytest.raises(InputError, match=r'vary\.load\.mass\[1\]: "45 kg .- 3 m"'):
         read_study(laid(tmp_path, study.replace("45 kg +- 1 kg", "45 kg +- 3 m")))

@@ -81,7 +81,8 @@ _SET: tuple[_Of, ...] = (
     _text("price_lacks", _price_lacks),
     _number("objective_si", lambda one: one.objective),
     _number("energy_J", _figure("energy"), "J"),
-    _number("probability", lambda one: one.reliability.passing if one.reliability else nan, "1"),
+    _number("probability", lambda one: one.reliability.passing if one.reliability else nan, "1"),  # that all pass
+    _number("none_fails", lambda one: one.reliability.probability if one.reliability else nan, "1"),
     _number(
         "probability_error", lambda one: one.reliability.error if one.reliability else nan, "1"
     ),  # of sampling, 95 %

@@ -29,7 +29,7 @@ MAPS: tuple[Map, ...] = (
     Map("mass", "mass_kg", "Mass of motor and gearhead (kg)", lacks="mass_lacks"),
     Map("price", "price_EUR", "Price of the parts (EUR)", lacks="price_lacks"),
     Map("smallest_margin", "smallest_margin", "Smallest margin (%)", scale=100.0, signed=True),
-    Map("probability", "probability", "Probability that all limits hold (%)", scale=100.0),
+    Map("none_fails", "none_fails", "Probability that no check fails (%)", scale=100.0),
 )
 
 
