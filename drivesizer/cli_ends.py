@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-import traceback
 from collections.abc import Callable
 from pathlib import Path
 
@@ -36,6 +35,8 @@ def ended(command: Callable[[], int | None]) -> int:
         sys.stdout.flush()  # what cannot be written shows here, and not when Python ends
     except BaseException as error:
         if os.environ.get(TRACEBACK):
+            import traceback
+
             traceback.print_exc()
         message, status = _told(error)
         _say(message)
