@@ -109,7 +109,7 @@ def test_a_slope_tells_wheels_apart_that_are_alike_on_the_level() -> None:
     ready = prepared(spec, given, np.array([[0.0], [0.05]]))
     squares = [(case.cycles.torque**2).sum(axis=(0, 1)) for case in ready.cases]
     level, steep = ({f"{square[k]:.6g}" for square in squares} for k in (0, 1))
-    assert len(squares) == 4 and len(level) == 1 and len(steep) == 2
+    assert len(squares) == 4 and len(level) == 1 and len(steep) == 4
 
 
 def test_long_ways_are_sampled_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
