@@ -43,6 +43,7 @@ class Cascade:
     current_period: float  # s
     velocity_period: float  # s, a whole multiple of the current loop's
     position_period: float = 0.0  # s, a whole multiple of the velocity loop's; 0: no position loop
+    counted_over: int = 0  # velocity periods, over which counts are taken for a speed; 0: it is measured exactly
     rule: str = ""  # how the gains came about
     source: str = ""
 
@@ -65,13 +66,22 @@ class Rates(NamedTuple):
     position: float
 
 
-def rates(controller: Controller | None) -> tuple[Rates, list[str]]:
+def rates(controller: Controller | None, asked: float | None = None) -> tuple[Rates, list[str]]:
     """The periods of a controller's loops, and what was assumed where the catalogue has none.
 
     Velocity and position periods are rounded to whole multiples of the loop inside; that is told where it moves them.
+
+    Parameters
+    ----------
+    controller
+        With its rates, where they are known.
+    asked
+        Rate of the velocity loop that is wanted in place of the controller's [Hz]; the position loop is no faster.
     """
     named = {"current": "current_loop", "velocity": "speed_loop", "position": "position_loop"}
     rate = {name: getattr(controller, figure) if controller else math.nan for name, figure in named.items()}
+    if asked:
+        rate |= {"velocity": asked, "position": min(rate["position"], asked) if rate["position"] > 0.0 else asked}
     known = {name: 1.0 / f if f > 0.0 else math.nan for name, f in rate.items()}
     inner, middle, outer = known.values()
     if not inner > 0.0:

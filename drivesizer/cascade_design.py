@@ -10,6 +10,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 
+import numpy as np
+
 from drivesizer.cascade import Cascade, Rates
 from drivesizer.cascade_rules import (
     FILTER,
@@ -26,6 +28,7 @@ from drivesizer.cascade_rules import (
     spread_of,
     symmetrical_optimum,
 )
+from drivesizer.counted_speed import Counts, lags, most_gain, shortest
 from drivesizer.errors import InputError
 from drivesizer.plant import DriveTrain, Regime, modes
 from drivesizer.units import show
@@ -62,6 +65,8 @@ def design_cascade(
     wanted: Wanted,
     *,
     where: Callable[[str], str] = "control.{}".format,
+    counts: Counts | None = None,
+    slower: float = 1.0,
 ) -> tuple[Cascade, list[str]]:
     """All gains of a cascade: those that are given, and the rest designed around them.
 
@@ -77,6 +82,10 @@ def design_cascade(
         What the user gives.
     where
         From a field of :class:`Wanted` to its place in the user's text.
+    counts
+        The encoder by which speed is measured; none: it is measured exactly.
+    slower
+        Factor on the lag that the symmetrical optimum is made for.
 
     Returns
     -------
@@ -91,7 +100,8 @@ def design_cascade(
     _look(wanted, where)
     current, current_rule = _current(train, every, wanted, where)
     lag = current_lag(train, *current, every.current) + LATE * every.velocity
-    velocity, velocity_rule = _velocity(train, lag, wanted, where)
+    over, lag = _late(train, lag, every.velocity, wanted, counts)
+    velocity, velocity_rule = _velocity(train, lag * slower, wanted, where)
     outer, outer_rule = _position(train, lag + LATE * every.position, velocity, wanted)
     rules = [rule for rule in (current_rule, velocity_rule, outer_rule) if rule]
     kd = wanted.velocity_kd or 0.0
@@ -109,6 +119,7 @@ def design_cascade(
         current_period=every.current,
         velocity_period=every.velocity,
         position_period=every.position if outer else 0.0,
+        counted_over=over,
         rule="; ".join(rules),
         source="; ".join(source for name, source in SOURCES.items() if any(name in rule for rule in rules)),
     )
@@ -157,6 +168,31 @@ def _current(
         return (kp, kp * train.resistance / train.inductance), f"current: kp given, {cancels}"
     assert ki is not None
     return (ki * train.inductance / train.resistance, ki), f"current: ki given, {cancels}"
+
+
+def _late(train: DriveTrain, lag: float, period: float, wanted: Wanted, counts: Counts | None) -> tuple[int, float]:
+    """Periods over which counts are taken, and all that the velocity loop is late by [s].
+
+    The symmetrical optimum is as fast as the lag or the answer to one count lets it be; a gain that is known is counted
+    as long as it asks for. Gains that are given are taken as they are, with counts of one period.
+    """
+    periods, late = lags(counts, period)
+    every = lag + late
+    if counts is None or counts.periods:
+        return int(periods[0]), float(every[0])
+    most = most_gain(counts, periods, period)
+    if _pair(wanted) != (None, None):
+        return 1, float(every[0])
+    inertia = modes(train)[Regime.FORWARD_DRIVING].inertia
+    if wanted.bandwidth is not None:
+        w = natural_frequency(wanted.bandwidth, wanted.damping or _DAMPING)
+        kp, _ = pole_placement(inertia, train.torque_constant, w, wanted.damping or _DAMPING, train.viscous)
+        n = int(np.argmax(kp <= most))  # the first, where there is one
+        return int(periods[n]), float(every[n])
+    a = SPREAD if wanted.phase_margin is None else spread_of(wanted.phase_margin)
+    least = np.maximum(every, inertia / (train.torque_constant * a * most))
+    n = shortest(least, float(least.min()))
+    return int(periods[n]), float(least[n])
 
 
 def _velocity(

@@ -24,8 +24,8 @@ from drivesizer.control_design import COMPUTING
 from drivesizer.plant import DriveTrain, Regime, modes
 
 __all__ = [
-    "FILTER", "LATE", "SOURCES", "SPREAD", "current_lag", "feedforward", "magnitude_optimum", "most_bandwidth",
-    "natural_frequency", "pole_placement", "position_gain", "spread_of", "symmetrical_optimum",
+    "FILTER", "LATE", "SOURCES", "SPREAD", "current_lag", "feedforward", "magnitude_optimum", "margin_of",
+    "most_bandwidth", "natural_frequency", "pole_placement", "position_gain", "spread_of", "symmetrical_optimum",
 ]  # fmt: skip
 
 LATE = COMPUTING + 0.5  # periods: computing, and the half by which a held value is late on average
@@ -69,6 +69,11 @@ def spread_of(phase_margin: float) -> float:
     2.0
     """
     return (1.0 + math.sin(phase_margin)) / math.cos(phase_margin)
+
+
+def margin_of(a: float) -> float:
+    """The phase margin [rad] that the symmetrical optimum has with a spread, the inverse of :func:`spread_of`."""
+    return math.atan(a) - math.atan(1.0 / a)
 
 
 def symmetrical_optimum(inertia: float, torque_constant: float, lag: float, a: float = SPREAD) -> tuple[float, float]:

@@ -1,6 +1,8 @@
 """Gains of the velocity loop that acts on the voltage: the spec's, or PI gains by the SIMC rule [1].
 
 The rule works on the speed response of the motor with its reflected load, friction that grows with speed left out.
+A speed that is counted is late by half the time of its counts, and one count may be answered with a tenth of what there
+is: of all times over which counts may be taken that one is best with which the closed loop is fastest.
 
 .. [1] S. Skogestad, "Simple analytic rules for model reduction and PID controller tuning", J. Process Control 13
    (2003) 291-309: the half rule, the PI settings, and tau_c = theta for tight control.
@@ -12,6 +14,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.counted_speed import Counts, lags, most_gain, shortest
 from drivesizer.errors import InputError
 from drivesizer.plant import DriveTrain, Mode, Regime, modes
 from drivesizer.results import Gains
@@ -60,7 +66,9 @@ def effective_delay(train: DriveTrain, mode: Mode, period: float) -> tuple[float
     return slow + fast / 2, fast / 2 + (COMPUTING + _HOLDING) * period
 
 
-def design(spec: RobotSpec, train: DriveTrain, period: float) -> Gains:
+def design(
+    spec: RobotSpec, train: DriveTrain, period: float, counts: Counts | None = None, slower: float = 1.0
+) -> Gains:
     """The gains that a spec gives, or those of the SIMC rule.
 
     Parameters
@@ -71,6 +79,10 @@ def design(spec: RobotSpec, train: DriveTrain, period: float) -> Gains:
         The machine.
     period
         Control period [s].
+    counts
+        The encoder by which speed is measured; none: it is measured exactly.
+    slower
+        Factor on the time constant of the closed loop.
 
     Raises
     ------
@@ -78,28 +90,48 @@ def design(spec: RobotSpec, train: DriveTrain, period: float) -> Gains:
         When ``control.bandwidth`` is faster than the delay of the loop allows, or a gain is no use.
     """
     if spec.control.kp is not None:
-        return _given(spec, spec.control.kp, period)
+        return _given(spec, spec.control.kp, period, counts)
+    tau_1, theta = effective_delay(train, modes(train)[Regime.FORWARD_DRIVING], period)
+    periods, late = lags(counts, period)
+    least = _least(train, period, counts)
+    tau_c = slower * _asked(spec, float(least.min()), counts)
+    n = shortest(least, tau_c)
+    theta += float(late[n])
+    kp = train.back_emf_constant * tau_1 / (tau_c + theta)
+    tau_i = min(tau_1, 4.0 * (tau_c + theta))
+    rule = f"{RULE}, tau_c = {show(tau_c, 'ms', 'time', 3)}{' (tight)' if tau_c == least.min() else ''}"
+    return Gains(
+        kp=kp, ki=kp / tau_i, kd=0.0, filter_time=0.0, period=period, counted_over=int(periods[n]), rule=rule,
+        source=SOURCE,
+    )  # fmt: skip
+
+
+def _least(train: DriveTrain, period: float, counts: Counts | None) -> NDArray[np.float64]:
+    """Shortest time constant of the closed loop, for every time over which counts may be taken [s]."""
     every = modes(train)
     tau_1, theta = effective_delay(train, every[Regime.FORWARD_DRIVING], period)
     lightest, _ = effective_delay(train, every[Regime.FORWARD_BRAKING], period)
+    periods, late = lags(counts, period)
+    delay = theta + late
     # braking, the gears' losses help and the loop is faster: even there tau_c is no shorter than the delay
-    tight = tau_1 / lightest * 2.0 * theta - theta
-    tau_c = _asked(spec, tight)
-    kp = train.back_emf_constant * tau_1 / (tau_c + theta)
-    tau_i = min(tau_1, 4.0 * (tau_c + theta))
-    rule = f"{RULE}, tau_c = {show(tau_c, 'ms', 'time', 3)}{' (tight)' if tau_c == tight else ''}"
-    return Gains(kp=kp, ki=kp / tau_i, kd=0.0, filter_time=0.0, period=period, rule=rule, source=SOURCE)
+    tight = tau_1 / lightest * 2.0 * delay - delay
+    if counts is None:
+        return tight
+    return np.maximum(tight, train.back_emf_constant * tau_1 / most_gain(counts, periods, period) - delay)
 
 
-def _asked(spec: RobotSpec, tight: float) -> float:
+def _asked(spec: RobotSpec, tight: float, counts: Counts | None) -> float:
     """Time constant of the closed loop: that of the bandwidth asked for, else the tight one [s]."""
     if spec.control.bandwidth is not None:
         tau_c = 1.0 / (2.0 * math.pi * spec.control.bandwidth)
         if tau_c < tight:
             most = show(1.0 / (2.0 * math.pi * tight), "Hz", "frequency", 3)
+            why = (
+                "the delay of the loop allows" if counts is None else "the loop's delay and the encoder's counts allow"
+            )
             raise InputError(
                 f"{spec.where(('control', 'bandwidth'))}: {show(spec.control.bandwidth, 'Hz', 'frequency')} is faster "
-                f"than the delay of the loop allows; expected at most {most}"
+                f"than {why}; expected at most {most}"
             )
         return tau_c
     if spec.needs.bandwidth is not None:  # a need that cannot be met fails its check
@@ -107,11 +139,14 @@ def _asked(spec: RobotSpec, tight: float) -> float:
     return tight
 
 
-def _given(spec: RobotSpec, kp: float, period: float) -> Gains:
+def _given(spec: RobotSpec, kp: float, period: float, counts: Counts | None) -> Gains:
     ki, kd = spec.control.ki, spec.control.kd
     for name, gain in (("kp", kp), ("ki", ki), ("kd", kd)):
         if gain > _LARGEST_GAIN:
             where = spec.where(("control", name))
             raise InputError(f"{where}: {gain:g} is no gain of a real controller; expected at most {_LARGEST_GAIN:g}")
     filter_time = max(period, kd / kp / _FILTER) if kp and kd else period if kd else 0.0
-    return Gains(kp=kp, ki=ki, kd=kd, filter_time=filter_time, period=period, rule=GIVEN, source="")
+    over = max(counts.periods, 1) if counts else 0
+    return Gains(
+        kp=kp, ki=ki, kd=kd, filter_time=filter_time, period=period, counted_over=over, rule=GIVEN, source=""
+    )  # fmt: skip

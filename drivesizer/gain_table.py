@@ -25,6 +25,7 @@ _VOLTAGE = (
     ("kd", "Derivative gain", "V*s^2/rad"),
     ("filter_time", "Filter of the derivative", "s"),
     ("period", "Period of the controller", "s"),
+    ("counted_over", "Periods over which counts are taken for a speed", "1"),
 )
 _CASCADE = (
     ("current_kp", "Current loop, proportional gain", "V/A"),
@@ -40,12 +41,16 @@ _CASCADE = (
     ("current_period", "Period of the current loop", "s"),
     ("velocity_period", "Period of the velocity loop", "s"),
     ("position_period", "Period of the position loop", "s"),
+    ("counted_over", "Velocity periods over which counts are taken for a speed", "1"),
 )
-_MAY_BE_OFF = {"velocity_kd", "filter_time", "position_kp", "position_period"}  # 0: there is no such path
+_MAY_BE_OFF: dict[type, set[str]] = {  # 0: there is no such path
+    Gains: {"counted_over"},
+    Cascade: {"velocity_kd", "filter_time", "position_kp", "position_period", "counted_over"},
+}
 
 
 def gain_rows(gains: Gains | Cascade) -> list[GainRow]:
-    """All gains and periods of a controller; of a cascade without the paths that it does not have."""
+    """All gains and periods of a controller, without the paths that it does not have."""
     table = _VOLTAGE if isinstance(gains, Gains) else _CASCADE
     rows = [GainRow(name, title, float(getattr(gains, name)), unit) for name, title, unit in table]
-    return [row for row in rows if isinstance(gains, Gains) or row.value or row.name not in _MAY_BE_OFF]
+    return [row for row in rows if row.value or row.name not in _MAY_BE_OFF[type(gains)]]

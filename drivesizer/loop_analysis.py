@@ -32,8 +32,9 @@ from drivesizer.loops import Bode, Loop, Loops
 from drivesizer.plant import DriveTrain, Mode, Regime, modes
 from drivesizer.results import Gains
 
-__all__ = ["analyse", "loop_of"]
+__all__ = ["analyse", "loop_of", "margin_and_bandwidth"]
 
+_Response = Callable[[NDArray[np.float64]], NDArray[np.complex128]]  # of angular frequencies [rad/s]
 _POINTS = 1500
 _DECADES = 6.0  # below the Nyquist frequency
 _MOST_SAMPLES = 20_000  # of a step response
@@ -99,17 +100,17 @@ def loop_of(name: str, opened: Any, direction: str = "") -> Loop:
     name, direction
         What the record is called.
     opened
-        The open loop: a sampled python-control system with one input and one output.
+        The open loop: a sampled python-control system with one input and one output, or two of which the second is fed
+        back.
     """
-    import control
-
-    closed = control.feedback(opened, 1)
+    opened, closed = _closed(opened)
     poles = tuple(complex(p) for p in closed.poles())
     radius = max((abs(p) for p in poles), default=0.0)
     w = _grid([*poles, *opened.poles()], opened.dt)
-    L = _response(opened, w)
+    response, whole = _response(opened), _response(closed)
+    L, T = response(w), whole(w)
     stable = radius < 1.0
-    margins = _margins(opened, w, L) if stable else (math.nan,) * 4
+    margins = _margins(response, w, L) if stable else (math.nan,) * 4
     step = _step(closed, radius) if stable else np.empty(0)
     rise, over, settling = _answer(step, closed)
     return Loop(
@@ -124,13 +125,35 @@ def loop_of(name: str, opened: Any, direction: str = "") -> Loop:
         phase_margin=margins[2],
         crossover=margins[3],
         sensitivity=float(np.max(1.0 / np.abs(1.0 + L))),
-        bandwidth=_bandwidth(opened, closed, w, L) if stable else math.nan,
+        bandwidth=_bandwidth(closed, whole, w, T) if stable else math.nan,
         rise_time=rise,
         overshoot=over,
         settling_time=settling,
         step=step,
-        bode=_bode(w, L),
+        bode=_bode(w, L, T),
     )
+
+
+def _closed(opened: Any) -> tuple[Any, Any]:
+    """The loop from error to what is fed back, and the closed one from the reference to the first output."""
+    import control
+
+    if opened.noutputs == 1:
+        return opened, control.feedback(opened, 1)
+    back = control.ss([], [], [], [[0.0, 1.0]], opened.dt)
+    return opened[1, 0], control.feedback(opened, back)[0, 0]
+
+
+def margin_and_bandwidth(opened: Any) -> tuple[float, float]:
+    """Phase margin [rad] and bandwidth [Hz] alone: NaN of an unstable loop, infinite where the gain never reaches 1."""
+    opened, closed = _closed(opened)
+    poles = closed.poles()
+    if max(abs(poles), default=0.0) >= 1.0:
+        return math.nan, math.nan
+    w = _grid([*poles, *opened.poles()], opened.dt)
+    response, whole = _response(opened), _response(closed)
+    phase = _margins(response, w, response(w))[2]
+    return math.inf if math.isnan(phase) else phase, _bandwidth(closed, whole, w, whole(w))
 
 
 def _least(figures: Iterable[float]) -> float:
@@ -149,48 +172,60 @@ def _grid(poles: Iterable[complex], period: float) -> NDArray[np.float64]:
     return inside
 
 
-def _response(system: Any, w: NDArray[np.float64]) -> NDArray[np.complex128]:
-    z = np.exp(1j * w * system.dt)[:, None, None]
-    through = system.C @ np.linalg.solve(z * np.eye(system.nstates) - system.A, system.B + 0j) + system.D
-    found: NDArray[np.complex128] = through[:, 0, 0]
-    return found
+def _response(system: Any) -> _Response:
+    """The frequency response of a system: by its Schur form, whose triangle is solved for all frequencies at once."""
+    from scipy.linalg import schur
+
+    n, period, through = system.nstates, system.dt, complex(system.D[0, 0])
+    T, Q = schur(system.A + 0j, output="complex") if n else (np.zeros((0, 0)), np.zeros((0, 0)))
+    b, c = Q.conj().T @ system.B[:, 0], system.C[0] @ Q
+
+    def response(w: NDArray[np.float64]) -> NDArray[np.complex128]:
+        z = np.exp(1j * w * period)
+        x = np.zeros((n, len(z)), complex)
+        for k in range(n - 1, -1, -1):
+            x[k] = (b[k] + T[k, k + 1 :] @ x[k + 1 :]) / (z - T[k, k])
+        return np.asarray(c @ x + through)
+
+    return response
 
 
 def _crossings(
-    system: Any, w: NDArray[np.float64], sampled: NDArray[np.float64], figure: Callable[[complex], float]
+    response: _Response, w: NDArray[np.float64], sampled: NDArray[np.float64], figure: Callable[[complex], float]
 ) -> Iterator[tuple[float, complex]]:
     """Angular frequency [rad/s] and response wherever a figure of the response changes sign."""
     from scipy.optimize import brentq
 
-    def response(x: float) -> complex:
-        return complex(_response(system, np.array([x]))[0])
+    def one(x: float) -> complex:
+        return complex(response(np.array([x]))[0])
 
     for n in np.flatnonzero(np.sign(sampled[:-1]) * np.sign(sampled[1:]) < 0.0):
-        at = float(brentq(lambda x: figure(response(x)), w[n], w[n + 1], xtol=1e-12 * w[n]))
-        yield at, response(at)
+        ends = dict(zip(w[n : n + 2].tolist(), sampled[n : n + 2].tolist(), strict=True))
+        at = float(brentq(lambda x, ends=ends: ends.get(x, figure(one(x))), *ends, xtol=1e-12 * w[n]))
+        yield at, one(at)
 
 
-def _margins(opened: Any, w: NDArray[np.float64], L: NDArray[np.complex128]) -> tuple[float, float, float, float]:
+def _margins(response: _Response, w: NDArray[np.float64], L: NDArray[np.complex128]) -> tuple[float, ...]:
     """Gain margin up and down [factors], phase margin in either sense [rad], and its frequency [Hz]; NaN: none."""
-    real = [z.real for _, z in _crossings(opened, w, L.imag, lambda z: z.imag)]
+    real = [z.real for _, z in _crossings(response, w, L.imag, lambda z: z.imag)]
     real.append(float(L[-1].real))  # at the Nyquist frequency the response is real
     factors = [-1.0 / x for x in real if x < 0.0]
     phases = [
         (abs(math.remainder(math.pi + math.atan2(z.imag, z.real), 2.0 * math.pi)), at / (2.0 * math.pi))
-        for at, z in _crossings(opened, w, np.abs(L) - 1.0, lambda z: abs(z) - 1.0)
+        for at, z in _crossings(response, w, np.abs(L) - 1.0, lambda z: abs(z) - 1.0)
     ]
     up = min((f for f in factors if f > 1.0), default=math.nan)
     down = max((f for f in factors if f < 1.0), default=math.nan)
     return up, down, *min(phases, default=(math.nan, math.nan))
 
 
-def _bandwidth(opened: Any, closed: Any, w: NDArray[np.float64], L: NDArray[np.complex128]) -> float:
+def _bandwidth(closed: Any, whole: _Response, w: NDArray[np.float64], T: NDArray[np.complex128]) -> float:
     """Where the closed loop first falls 3 dB below its value at rest [Hz]; NaN where it does not."""
     level = abs(complex(closed(1.0 + 0j))) / math.sqrt(2.0)
     if not (math.isfinite(level) and level > 0.0):
         return math.nan
-    above = np.abs(L / (1.0 + L)) - level
-    found = _crossings(opened, w, above, lambda z: abs(z / (1.0 + z)) - level)
+    above = np.abs(T) - level
+    found = _crossings(whole, w, above, lambda z: abs(z) - level)
     return next(found, (math.nan, 0j))[0] / (2.0 * math.pi) if above[0] > 0.0 else math.nan
 
 
@@ -224,8 +259,7 @@ def _reached(y: NDArray[np.float64], level: float) -> float:
     return n - float((y[n] - level) / (y[n] - y[n - 1])) if n else 0.0
 
 
-def _bode(w: NDArray[np.float64], L: NDArray[np.complex128]) -> Bode:
-    closed = L / (1.0 + L)
+def _bode(w: NDArray[np.float64], L: NDArray[np.complex128], closed: NDArray[np.complex128]) -> Bode:
     return Bode(
         frequency=w / (2.0 * math.pi),
         open_magnitude=np.abs(L),

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.closed_loop import Case
-from drivesizer.loop_warnings import speed_quantum
+from drivesizer.counted_speed import speed_quantum
 from drivesizer.profile import SPEED
 from drivesizer.results import Figure
 
@@ -30,9 +30,9 @@ def figures(case: Case) -> tuple[Figure, ...]:
 
 
 def quantum(case: Case) -> float:
-    """Smallest step of a speed that is counted over one control period [rad/s]; NaN unknown."""
-    encoder = case.drive_set.encoder
-    return speed_quantum(encoder.lines, case.velocity_period) if encoder else math.nan
+    """Smallest step of a speed that is counted, over as many periods as it is [rad/s]; NaN unknown."""
+    encoder, periods = case.drive_set.encoder, max(case.controller.counted_over, 1)
+    return speed_quantum(encoder.lines, case.velocity_period, periods) if encoder else math.nan
 
 
 def _tracking(case: Case) -> list[_Row]:
@@ -53,7 +53,7 @@ def _tracking(case: Case) -> list[_Row]:
         *(_of_the_motor(case) if case.shaft else ()),
         ("voltage_saturation", "Time at the voltage limit", case.figure("time_at_voltage_limit") / time, _SHARE, None),
         ("current_limitation", "Time at the current limit", case.figure("time_at_current_limit") / time, _SHARE, None),
-        ("speed_quantum", "One encoder count per period, at the load",
+        ("speed_quantum", "One encoder count, at the load",
          quantum(case) / case.train.motor_per_speed, speed, None),
     ]  # fmt: skip
 

@@ -7,7 +7,12 @@ loop holds its demand over n current periods, n of its steps make exactly one of
 .. math:: x_{k+1} = \Phi^n x_k + \Bigl(\sum_{m=0}^{n-1} \Phi^m\Bigr) \Gamma\, r_k
 
 and the same again from the velocity to the position loop. Nothing is neglected but the limits; each loop computes for
-one of its own periods. Symbols: i current [A], w motor speed [rad/s], u voltage [V], e efficiency, K reduction [1].
+one of its own periods.
+
+A speed that is counted is the mean over the last n periods of the velocity loop: what the angle grew by, exactly, in
+each of them. Loops around it have two outputs, the speed and what is counted of it; the second is fed back.
+
+Symbols: i current [A], w motor speed [rad/s], u voltage [V], e efficiency, K reduction [1].
 
 .. [1] K. J. Åström, B. Wittenmark, *Computer-Controlled Systems*, 3rd ed., Prentice Hall 1997, ch. 2: sampled systems.
 .. [2] D. Schröder, *Elektrische Antriebe - Regelung von Antriebssystemen*, Springer: the elastic two-mass system.
@@ -141,9 +146,38 @@ def _lifted(fast: Any, steps: int) -> Any:
     return control.ss(many[:n, :n], many[:n, n:], fast.C, fast.D, fast.dt * steps)
 
 
+def _counted(held: Any, periods: int, row: int, *, angle: bool = False) -> Any:
+    """Of a sampled machine whose last state is its angle: one output, and the mean speed over the last periods.
+
+    Parameters
+    ----------
+    held
+        The machine, sampled once in a period of the velocity loop.
+    periods
+        Over which counts are taken.
+    row
+        The output that is kept.
+    angle
+        Whether the angle is kept as a state; a speed needs none, and would have a pole more that nothing moves.
+    """
+    import control
+
+    n = held.nstates if angle else held.nstates - 1
+    grows = (held.A[-1] - np.eye(1, held.nstates, held.nstates - 1)[0])[:n] / held.dt
+    first, shift = np.eye(periods, 1), np.eye(periods, k=-1)
+    A = np.block([[held.A[:n, :n], np.zeros((n, periods))], [first * grows, shift]])
+    B = np.vstack([held.B[:n], first * held.B[-1] / held.dt])
+    C = np.vstack(
+        [np.append(held.C[row, :n], np.zeros(periods)), np.append(np.zeros(n), np.full(periods, 1 / periods))]
+    )
+    return control.ss(A, B, C, np.zeros((2, 1)), held.dt)
+
+
 def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains, shaft: Shaft | None = None) -> Any:
-    """The velocity loop that acts on the voltage, open: from the speed error to the motor's speed."""
-    forward = plant(train, mode, shaft).sample(gains.period, "zoh")[1, 0]
+    """The velocity loop that acts on the voltage, open: from the speed error to the motor's speed (and as counted)."""
+    counted = gains.counted_over
+    held = plant(train, mode, shaft, angle=counted > 0).sample(gains.period, "zoh")
+    forward = _counted(held, counted, 1) if counted else held[1, 0]
     return forward * _pid(gains.kp, gains.ki, gains.period, gains.kd, gains.filter_time)
 
 
@@ -168,8 +202,10 @@ def _current_closed(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: Shaf
 
 
 def velocity_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: Shaft | None = None) -> Any:
-    """The velocity loop, open, around the closed current loop: from the speed error to the motor's speed."""
-    return _current_closed(train, mode, cascade, shaft, angle=False)[1, 0] * _velocity_pid(cascade)
+    """The velocity loop, open, around the closed current loop: from the speed error to the speed (and as counted)."""
+    counted = cascade.counted_over
+    held = _current_closed(train, mode, cascade, shaft, angle=counted > 0)
+    return (_counted(held, counted, 1) if counted else held[1, 0]) * _velocity_pid(cascade)
 
 
 def _velocity_pid(cascade: Cascade) -> Any:
@@ -181,7 +217,9 @@ def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: S
     """The position loop, open, around the closed velocity loop: from the missing angle to the motor's angle."""
     import control
 
-    forward = _current_closed(train, mode, cascade, shaft, angle=True) * _velocity_pid(cascade)
-    speed = control.ss([], [], [], [[0.0, 1.0, 0.0]], cascade.velocity_period)
-    closed = _lifted(control.feedback(forward, speed), cascade.velocity_steps)[2, 0]
+    held = _current_closed(train, mode, cascade, shaft, angle=True)
+    # outputs: angle, and the speed that is fed back
+    forward = _counted(held, cascade.counted_over, 2, angle=True) if cascade.counted_over else held[[2, 1], 0]
+    speed = control.ss([], [], [], [[0.0, 1.0]], cascade.velocity_period)
+    closed = _lifted(control.feedback(forward * _velocity_pid(cascade), speed), cascade.velocity_steps)[0, 0]
     return closed * _pid(cascade.position_kp, 0.0, cascade.position_period)

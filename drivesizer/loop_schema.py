@@ -58,14 +58,22 @@ class Control(Section):
     velocity: VelocityLoop = Field(default_factory=VelocityLoop)
     position: PositionLoop | None = None
     feedforward: Feedforward = Field(default_factory=Feedforward)
+    rate: Frequency | None = Field(
+        default=None, description="at which the velocity loop runs; the controller's own where not given"
+    )
     speed_from: Literal["exact", "counts"] = Field(
-        default="exact", description="how speed is measured: exactly, or by the encoder's counts"
+        default="counts", description="how speed is measured: by the encoder's counts where it has one, or exactly"
+    )
+    count_time: Duration | None = Field(
+        default=None, description="over which counts are taken for a speed; designed where not given"
     )
 
     @model_validator(mode="after")
     def _whole(self) -> Control:
         if self.kp is None and (self.ki or self.kd):
             raise ValueError("ki and kd need kp")
+        if self.count_time is not None and self.speed_from == "exact":
+            raise ValueError("count_time belongs to speed_from: counts")
         if self.kp is not None and self.bandwidth is not None:
             raise ValueError("give kp or bandwidth, not both")
         own = {"current", "velocity", "position", "feedforward"} & self.model_fields_set

@@ -1,6 +1,6 @@
 """A set put together for the march: its controller designed, its machine, its heat, and what it is asked for.
 
-Gains are those of ``control_design`` or ``cascade_design``. What is taken for granted on the way is kept with the
+Gains are those of ``loop_design``. What is taken for granted on the way is kept with the
 result.
 """
 
@@ -8,32 +8,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.cascade import Cascade, rates
-from drivesizer.cascade_design import Wanted, design_cascade
-from drivesizer.catalog import EDGES, Controller
+from drivesizer.cascade import Cascade
 from drivesizer.choose import usable_in
-from drivesizer.control_design import design
 from drivesizer.engine import CurrentLimit, Drive, Encoder, Heat, Supply, Task
 from drivesizer.errors import InputError
 from drivesizer.linear_modes import Machine, machine_of
+from drivesizer.loop_design import designed, edges_of, gap_of, shaft_of
 from drivesizer.loop_plant import Shaft
 from drivesizer.physics_limits import housing_loss
-from drivesizer.plant import DriveTrain, drive_train, within_reach
+from drivesizer.plant import DriveTrain, within_reach
 from drivesizer.profile import Profile
 from drivesizer.results import DriveSet, Gains
 from drivesizer.shaft_load import at_shaft, remaining_torque
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import TwoBodies, two_bodies
-from drivesizer.units import show
 
-__all__ = ["FOLLOWS", "Ready", "designed", "ready"]
+__all__ = ["FOLLOWS", "Ready", "ready"]
 
 FOLLOWS = 0.1  # of the top speed: a drive whose error grows beyond a tenth is not said to follow (our convention)
-_PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's is unknown
 _WHOLE = 1e-9  # share of a cycle that is none
 
 
@@ -61,58 +57,11 @@ def ready(spec: RobotSpec, drive_set: DriveSet, asked: Profile, controller: Gain
     controller = controller or own
     within_reach(train, asked)
     _sampled(controller, asked)
-    shaft = _shaft(spec, train)
+    shaft = shaft_of(spec, train)
     usable = usable_in(spec, drive_set.controller)
     heat, lacks = _heat(spec, drive_set)
     drive = _drive(spec, drive_set, _machine(spec, drive_set, train, shaft), controller, heat, usable)
     return Ready(train, controller, shaft, usable, drive, _task(spec, asked, train), (*said, *lacks))
-
-
-# --- the controller
-
-
-def designed(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
-    """The machine of a set, the controller that is designed for it, and what was assumed of both.
-
-    Raises
-    ------
-    InputError
-        When the catalogue lacks a figure without which nothing moves, or ``control`` asks for what cannot be.
-    """
-    if spec.control.structure == "voltage_pid":
-        period, said = _period(drive_set.controller)
-        train, assumed = drive_train(spec, drive_set, period)
-        return train, design(spec, train, period), [*said, *assumed]
-    every, said = rates(drive_set.controller)
-    train, assumed = drive_train(spec, drive_set, every.current)
-    cascade, rules = design_cascade(train, every, _wanted(spec), where=lambda field: spec.where(_path(field)))
-    return train, cascade, [*said, *assumed, *rules]
-
-
-def _period(controller: Controller | None) -> tuple[float, list[str]]:
-    """The period of a controller's velocity loop [s]."""
-    rate = controller.speed_loop if controller else math.nan
-    if rate > 0.0:
-        return 1.0 / rate, []
-    return _PERIOD, [f"the controller's rate is unknown: it runs every {show(_PERIOD, 'ms', 'time')}"]
-
-
-def _wanted(spec: RobotSpec) -> Wanted:
-    """What the spec gives of the cascade."""
-    c = spec.control
-    given: dict[str, Any] = {f"current_{name}": getattr(c.current, name) for name in ("kp", "ki")}
-    given |= {f"velocity_{name}": getattr(c.velocity, name) for name in ("kp", "ki", "kd")}
-    given |= {name: getattr(c.velocity, name) for name in ("filter_time", "bandwidth", "damping", "phase_margin")}
-    given |= {f"feedforward_{name}": value for name, value in c.feedforward.model_dump().items()}
-    return Wanted(position=c.position is not None, position_kp=c.position.kp if c.position else None, **given)
-
-
-def _path(field: str) -> tuple[str, ...]:
-    """Where a field of ``Wanted`` stands in the spec."""
-    section, _, name = field.partition("_")
-    if section in ("current", "velocity", "position", "feedforward"):
-        return "control", section, name
-    return "control", "velocity", field
 
 
 # --- what is asked
@@ -149,28 +98,11 @@ def _task(spec: RobotSpec, asked: Profile, train: DriveTrain) -> Task:
 # --- the machine
 
 
-def _shaft(spec: RobotSpec, train: DriveTrain) -> Shaft | None:
-    """What is elastic between motor and load, as the spec says; none of a rigid model."""
-    if spec.plant.model == "rigid":
-        return None
-    where, stiffness = spec.where(("plant", "model")), spec.plant.stiffness or (spec.belt and spec.belt.stiffness)
-    if not stiffness:
-        raise InputError(f"{where}: two_mass needs plant.stiffness or the belt's, e.g. stiffness: 500 N*m/rad")
-    if not train.load_inertia > 0.0:
-        raise InputError(f"{where}: two_mass needs an inertia of the load, e.g. inertia: 0.02 kg*m^2")
-    damping = 2.0 * spec.plant.damping_ratio * math.sqrt(stiffness * train.load_inertia)
-    return Shaft(stiffness=stiffness, damping=damping)
-
-
 def _machine(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain, shaft: Shaft | None) -> Machine:
     machine = machine_of(train)
     if shaft is None:
         return machine
-    own = drive_set.gearhead.backlash / drive_set.belt_ratio
-    gap = spec.plant.backlash if spec.plant.backlash is not None else own
-    return replace(
-        machine, stiffness=shaft.stiffness, damping=shaft.damping, gap=0.0 if math.isnan(gap) else float(gap)
-    )
+    return replace(machine, stiffness=shaft.stiffness, damping=shaft.damping, gap=gap_of(spec, drive_set))
 
 
 def _drive(
@@ -183,8 +115,6 @@ def _drive(
         value = getattr(controller, name) if controller else math.nan
         return math.inf if math.isnan(value) else float(value)
 
-    counted = spec.control.speed_from == "counts" and drive_set.encoder is not None
-    lines = drive_set.encoder.lines if counted and drive_set.encoder else math.nan
     return Drive(
         machine=machine,
         controller=own,
@@ -196,7 +126,7 @@ def _drive(
         current=CurrentLimit(
             peak=limit("peak_current"), continuous=limit("continuous_current"), peak_time=limit("peak_time")
         ),
-        encoder=Encoder(edges=0 if math.isnan(lines) else round(EDGES * lines)),
+        encoder=Encoder(edges=edges_of(spec, drive_set), periods=max(own.counted_over, 1)),
         heat=heat,
     )  # fmt: skip
 

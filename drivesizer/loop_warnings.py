@@ -10,16 +10,15 @@ import math
 from collections.abc import Iterable
 
 from drivesizer.cascade import LEAST_PHASE_MARGIN
-from drivesizer.catalog import EDGES
+from drivesizer.counted_speed import COUNT_SHARE, speed_quantum
 from drivesizer.loop_plant import Shaft
 from drivesizer.loops import Loop, Loops
 from drivesizer.profile import Profile
 from drivesizer.units import show
 
-__all__ = ["loop_warnings", "resolution_warning", "resonance_warning", "shortest_ramp", "speed_quantum"]
+__all__ = ["loop_warnings", "resolution_warning", "resonance_warning", "shortest_ramp"]
 
 RESONANCE_SHARE = 0.2  # a bandwidth above a fifth of the resonance is near it [2]
-COUNT_SHARE = 0.1  # of the peak: a larger answer to one encoder count is heard and heats (our convention)
 _RISE = math.log(9.0) / (2.0 * math.pi)  # bandwidth times rise time (10-90 %) of a first-order lag, 0.35
 
 
@@ -85,18 +84,13 @@ def resonance_warning(loops: Loops, shaft: Shaft) -> list[str]:
     ]
 
 
-def speed_quantum(lines: float, period: float) -> float:
-    """Smallest step of a speed that is counted over a period: one edge of an encoder's lines [rad/s]."""
-    return 2.0 * math.pi / (EDGES * lines * period)
-
-
-def resolution_warning(lines: float, period: float, kp: float, peak: float, kind: str = "current") -> list[str]:
+def resolution_warning(lines: float, time: float, kp: float, peak: float, kind: str = "current") -> list[str]:
     """Whether one encoder count is answered with much of what the controller can give.
 
     Parameters
     ----------
-    lines, period
-        Lines per turn, and the velocity loop's period [s].
+    lines, time
+        Lines per turn, and the time over which they are counted for a speed [s].
     kp
         Velocity gain [A/(rad/s)], or [V/(rad/s)] with ``kind`` ``voltage``.
     peak
@@ -104,11 +98,12 @@ def resolution_warning(lines: float, period: float, kp: float, peak: float, kind
     kind
         ``current`` or ``voltage``.
     """
-    quantum = speed_quantum(lines, period)
+    quantum = speed_quantum(lines, time)
     if not quantum * kp > COUNT_SHARE * peak:  # unknown too
         return []
     answer, most = (show(figure, "A" if kind == "current" else "V", kind, 3) for figure in (quantum * kp, peak))
     return [
-        f"one encoder count per control period is {show(quantum, 'rpm', 'rotary_speed', 3)}, answered with {answer} of "
-        f"{most}: expected {COUNT_SHARE:.0%} at most, by more encoder lines, less gain, or a slower velocity loop"
+        f"one encoder count over {show(time, 'ms', 'time', 3)} is {show(quantum, 'rpm', 'rotary_speed', 3)}, answered "
+        f"with {answer} of {most}: expected {COUNT_SHARE:.0%} at most, by more encoder lines, less gain, or counts "
+        "over a longer time"
     ]

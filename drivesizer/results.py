@@ -282,6 +282,7 @@ class Gains:
     kd: float  # V per rad/s^2
     filter_time: float  # s, of the derivative
     period: float  # s, at which the controller runs
+    counted_over: int = 0  # periods, over which counts are taken for a speed; 0: it is measured exactly
     rule: str  # "given in the spec", or the design rule's name
     source: str  # the rule's citation
 

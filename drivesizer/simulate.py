@@ -167,7 +167,9 @@ def _own_units(case: Case) -> tuple[tuple[ControllerGain, ...], list[str]]:
 def _assumptions(case: Case) -> list[str]:
     """What the model takes for granted, as sentences."""
     spec, shaft = case.spec, case.shaft
-    measured = "counted by the encoder" if spec.control.speed_from == "counts" else "measured exactly"
+    over = case.controller.counted_over
+    periods = "each period" if over == 1 else f"{over} periods"
+    measured = f"counted by the encoder, its speed over {periods} of the loop" if over else "measured exactly"
     turns = "the wheel turns at speed over radius; " if isinstance(spec.load, WheeledVehicle) else ""
     said = [
         f"{turns}all motor sets share the load alike; one is simulated",
@@ -234,11 +236,12 @@ def _resolution(case: Case) -> list[str]:
     encoder, controller = case.drive_set.encoder, case.drive_set.controller
     if encoder is None:
         return []
+    time = case.velocity_period * max(case.controller.counted_over, 1)
     if isinstance(case.controller, Gains):
         limit = case.spec.supply.lowest if math.isnan(case.usable_voltage) else case.usable_voltage
-        return resolution_warning(encoder.lines, case.velocity_period, case.controller.kp, limit, "voltage")
+        return resolution_warning(encoder.lines, time, case.controller.kp, limit, "voltage")
     peak = controller.peak_current if controller else math.nan
-    return resolution_warning(encoder.lines, case.velocity_period, case.controller.velocity_kp, peak)
+    return resolution_warning(encoder.lines, time, case.controller.velocity_kp, peak)
 
 
 def _kept_at_rest(case: Case) -> list[str]:

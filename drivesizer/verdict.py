@@ -17,6 +17,7 @@ from drivesizer.closed_loop import Case
 from drivesizer.course import course
 from drivesizer.encoder_choice import NOT_ASKED
 from drivesizer.lasting_speed import asked_of_the_gearhead, lasting_speeds
+from drivesizer.loop_design import stated_margin
 from drivesizer.loop_set_up import FOLLOWS
 from drivesizer.machines import WheeledVehicle
 from drivesizer.platform_cases import held_by_the_floor
@@ -58,6 +59,7 @@ def _loop(case: Case) -> Iterator[Check]:
         fits("stability", all(loop.stable for loop in loops), True), "Stability of the linear loops",
         note=f"phase margin: {margins}; largest pole {worst.pole_radius:.4g}, stable inside 1",
     )  # fmt: skip
+    yield from _phase_margin(case)
     error = case.figure("load_speed_error") * case.train.radius
     yield _check(
         at_most("tracking_error", error, FOLLOWS * top if top else math.nan, *SPEED[case.spec.load.axis]),
@@ -67,6 +69,17 @@ def _loop(case: Case) -> Iterator[Check]:
     if case.spec.needs.bandwidth is not None:
         got = case.loops.velocity.bandwidth
         yield _check(at_least("bandwidth", case.spec.needs.bandwidth, got, "frequency", "Hz"), "Closed-loop bandwidth")
+
+
+def _phase_margin(case: Case) -> Iterator[Check]:
+    """The least phase margin of all loops; an unstable one has none, and fails for that."""
+    known = [loop for loop in case.loops.all if not math.isnan(loop.phase_margin)]
+    if known and all(loop.stable for loop in case.loops.all):
+        least = min(known, key=lambda loop: loop.phase_margin)
+        yield _check(
+            at_least("phase_margin", stated_margin(case.spec), least.phase_margin, "angle", "deg"),
+            "Phase margin", note=f"of the sampled {least.name} loop, delays and counts as they are",
+        )  # fmt: skip
 
 
 def _electrical(case: Case) -> Iterator[Check]:

@@ -25,7 +25,7 @@ from drivesizer.errors import InputError
 from drivesizer.export.limits import Limits, limits
 from drivesizer.heat_cycle import periodic_heat
 from drivesizer.loads.lever import Lever, lever_of
-from drivesizer.loop_set_up import designed
+from drivesizer.loop_design import designed
 from drivesizer.physics_limits import housing_loss
 from drivesizer.plant import DriveTrain, drive_train, within_reach
 from drivesizer.platform_cases import on_wheels

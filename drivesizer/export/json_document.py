@@ -24,6 +24,7 @@ _GAINS = {  # units of what a controller is made of
     "current_ki": "V/(A.s)", "velocity_kp": "A.s/rad", "velocity_ki": "A/rad", "velocity_kd": "A.s2/rad",
     "position_kp": "1/s", "feedforward_velocity": "A.s/rad", "feedforward_friction": "A",
     "feedforward_acceleration": "A.s2/rad", "current_period": "s", "velocity_period": "s", "position_period": "s",
+    "counted_over": "1",
 }  # fmt: skip
 _LAW = {
     "kp": "N.m/rad", "ki": "N.m/(rad.s)", "kd": "N.m.s/rad", "per_speed": "N.m.s/rad", "per_acceleration": "kg.m2",

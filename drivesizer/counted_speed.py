@@ -1,0 +1,77 @@
+r"""Speed out of an encoder's counts: how coarse it is, and over how many periods it is best taken.
+
+Counts of the last n periods over their time are a mean speed, late by n/2 periods, with a grain of one count:
+
+.. math:: q = \frac{2\pi}{E\,n\,T}
+
+A controller with the proportional gain k answers each grain with k q. The longer counts are taken, the finer and the
+later the speed: of all n that one is best which leaves the loop fastest.
+
+.. [1] R. C. Kavanagh, J. M. D. Murphy, "The effects of quantization noise and sensor nonideality on digital
+   differentiator-based rate measurement", IEEE Trans. Instrum. Meas. 47 (1998) 1457-1463: counts over a fixed time.
+.. [2] G. Ellis, *Control System Design Guide*, 4th ed., Elsevier 2012, ch. 14: encoder resolution and velocity noise.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["COUNT_SHARE", "MOST_PERIODS", "Counts", "answer", "lags", "most_gain", "shortest", "speed_quantum"]
+
+Array = NDArray[np.float64]
+
+COUNT_SHARE = 0.1  # of voltage and peak current: a larger answer to one encoder count is heard (our convention)
+HEAT_SHARE = 0.4  # of the nominal current: coming and going half the time, it adds (0.4/2)^2, 4 % of the nominal heat
+MOST_PERIODS = 128  # over which counts are taken
+
+
+class Counts(NamedTuple):
+    """An encoder, and what its counts may be answered with."""
+
+    edges: int  # per turn of the motor
+    answer: float  # V or A, with which one count may be answered
+    periods: int = 0  # over which counts are to be taken; 0: as is best
+
+    @property
+    def choice(self) -> Array:
+        """Periods over which counts may be taken."""
+        return np.array([float(self.periods)]) if self.periods else np.arange(1.0, MOST_PERIODS + 1.0)
+
+
+def answer(volts: float, resistance: float, peak: float, nominal: float) -> float:
+    """Current with which one count may be answered [A]: whatever of its limits is unknown is none.
+
+    Parameters
+    ----------
+    volts, resistance
+        Voltage that the motor can get [V], and its winding [ohm]: their quotient is the most that can flow.
+    peak, nominal
+        Peak current of the controller, nominal current of the motor [A].
+    """
+    return float(np.nanmin([COUNT_SHARE * volts / resistance, COUNT_SHARE * peak, HEAT_SHARE * nominal]))
+
+
+def speed_quantum(lines: float, period: float, periods: float = 1.0, edges: float = 4.0) -> float:
+    """Smallest step of a speed that is counted over some periods: one edge of an encoder's lines [rad/s]."""
+    return 2.0 * math.pi / (edges * lines * period * periods)
+
+
+def most_gain(counts: Counts, periods: Array, period: float) -> Array:
+    """Gain with which one count is answered with as much as it may be [V or A per rad/s]."""
+    return np.asarray(counts.answer * counts.edges * periods * period / (2.0 * math.pi))
+
+
+def lags(counts: Counts | None, period: float) -> tuple[Array, Array]:
+    """Over how many periods counts may be taken, and how late the speed then is [s]; 0 and none where it is exact."""
+    if counts is None:
+        return np.zeros(1), np.zeros(1)
+    return counts.choice, counts.choice * period / 2.0
+
+
+def shortest(bound: Array, taken: float) -> int:
+    """The first place whose bound a time constant keeps."""
+    return int(np.flatnonzero(bound <= taken * (1.0 + 1e-9))[0])
