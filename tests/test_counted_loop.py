@@ -1,6 +1,6 @@
 """Loops around an encoder's counts: a model discretised by hand, a PI in plain loops, and what designs must hold.
 
-The machine here is the textbook's: L di/dt = u - R i - k w, J dw/dt = k i, discretised by SciPy's matrix exponential.
+The machine here is the textbook's: L di/dt = u - R i - k_e w, J dw/dt = k i, discretised by SciPy's matrix exponential.
 Its angle is counted in whole edges; the speed is what was counted over n periods, over their time.
 """
 
@@ -49,9 +49,9 @@ def controlled(spec, plant=None, **control_):
 
 def discrete(train, inertia, period):
     """The machine over a held voltage, its angle as third state."""
-    R, L, k = train.resistance, train.inductance, train.torque_constant
+    R, L, k, k_e = train.resistance, train.inductance, train.torque_constant, train.back_emf_constant
     A = [
-        [-R / L, -k / L, 0.0, 1 / L],
+        [-R / L, -k_e / L, 0.0, 1 / L],
         [k / inertia, -train.viscous / inertia, 0.0, 0.0],
         [0.0, 1.0, 0.0, 0.0],
         [0.0] * 4,
@@ -99,7 +99,7 @@ def test_the_march_of_a_counted_pi(spec, chosen):
     bare = replace(train, viscous=0.0)
     state, held = discrete(bare, m.motor_inertia + 1e-9 / m.ratio**2, T)
     w = speed[0] * m.ratio
-    x, pending = np.array([0.0, w, 0.0]), m.torque_constant * w
+    x, pending = np.array([0.0, w, 0.0]), m.back_emf_constant * w
     integral, rows = pending, []
     turned = list(np.floor(w * T * np.arange(-n, 0) * EDGES / (2 * math.pi)))
     for k in range(500):
