@@ -187,7 +187,11 @@ def _late(train: DriveTrain, lag: float, period: float, wanted: Wanted, counts: 
     if wanted.bandwidth is not None:
         w = natural_frequency(wanted.bandwidth, wanted.damping or _DAMPING)
         kp, _ = pole_placement(inertia, train.torque_constant, w, wanted.damping or _DAMPING, train.viscous)
-        n = int(np.argmax(kp <= most))  # the first, where there is one
+        lightest = modes(train)[Regime.FORWARD_BRAKING].inertia / inertia
+        within = every * wanted.bandwidth <= most_bandwidth(1.0, wanted.damping or _DAMPING, lightest)
+        # the first that is quiet; else as long as the delay allows, and one where it allows none
+        quiet, last = np.flatnonzero(within & (kp <= most)), np.flatnonzero(within)
+        n = int(quiet[0]) if len(quiet) else int(last[-1]) if len(last) else 0
         return int(periods[n]), float(every[n])
     a = SPREAD if wanted.phase_margin is None else spread_of(wanted.phase_margin)
     least = np.maximum(every, inertia / (train.torque_constant * a * most))

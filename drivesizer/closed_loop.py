@@ -92,12 +92,12 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
 
 
 def without_limits(drive: Drive, task: Task, out: Marched, loops: Loops) -> Marched:
-    """The march with nothing in its way; the same one where no limit was met, or where that would not end."""
+    """The march with nothing in its way, its winding warming; the same one where no limit was met, or that ends not."""
     met = out.figures["time_at_voltage_limit"][0] + out.figures["time_at_current_limit"][0]
     if not met or not all(loop.stable for loop in loops.all):
         return out
     supply = replace(drive.supply, voltage=math.inf, resistance=0.0)
-    free = march(replace(drive, supply=supply, current=CurrentLimit(), heat=None), replace(task, cycles=1), rows=0)
+    free = march(replace(drive, supply=supply, current=CurrentLimit()), task, rows=0)
     return out if free.problems[0] else free
 
 

@@ -26,6 +26,8 @@ from drivesizer.units import show
 
 __all__ = ["COMPUTING", "design", "effective_delay"]
 
+_Array = NDArray[np.float64]
+
 RULE = "SIMC PI"
 SOURCE = "S. Skogestad, J. Process Control 13 (2003) 291-309"
 GIVEN = "given in the spec"
@@ -93,9 +95,11 @@ def design(
         return _given(spec, spec.control.kp, period, counts)
     tau_1, theta = effective_delay(train, modes(train)[Regime.FORWARD_DRIVING], period)
     periods, late = lags(counts, period)
-    least = _least(train, period, counts)
-    tau_c = slower * _asked(spec, float(least.min()), counts)
-    n = shortest(least, tau_c)
+    tight, quiet = _least(train, period, counts)
+    least = np.maximum(tight, quiet)
+    tau_c = slower * _asked(spec, float(tight.min()), float(least.min()))
+    # a bandwidth that is asked for may be louder than counts should be: then they are taken as long as the delay allows
+    n = shortest(least, tau_c) if tau_c >= least.min() else int(np.flatnonzero(tight <= tau_c)[-1])
     theta += float(late[n])
     kp = train.back_emf_constant * tau_1 / (tau_c + theta)
     tau_i = min(tau_1, 4.0 * (tau_c + theta))
@@ -106,8 +110,8 @@ def design(
     )  # fmt: skip
 
 
-def _least(train: DriveTrain, period: float, counts: Counts | None) -> NDArray[np.float64]:
-    """Shortest time constant of the closed loop, for every time over which counts may be taken [s]."""
+def _least(train: DriveTrain, period: float, counts: Counts | None) -> tuple[_Array, _Array]:
+    """Shortest time constants of the closed loop, by delay and by noise, for every time of counting [s]."""
     every = modes(train)
     tau_1, theta = effective_delay(train, every[Regime.FORWARD_DRIVING], period)
     lightest, _ = effective_delay(train, every[Regime.FORWARD_BRAKING], period)
@@ -116,27 +120,24 @@ def _least(train: DriveTrain, period: float, counts: Counts | None) -> NDArray[n
     # braking, the gears' losses help and the loop is faster: even there tau_c is no shorter than the delay
     tight = tau_1 / lightest * 2.0 * delay - delay
     if counts is None:
-        return tight
-    return np.maximum(tight, train.back_emf_constant * tau_1 / most_gain(counts, periods, period) - delay)
+        return tight, tight
+    return tight, train.back_emf_constant * tau_1 / most_gain(counts, periods, period) - delay
 
 
-def _asked(spec: RobotSpec, tight: float, counts: Counts | None) -> float:
-    """Time constant of the closed loop: that of the bandwidth asked for, else the tight one [s]."""
+def _asked(spec: RobotSpec, tight: float, least: float) -> float:
+    """Time constant of the closed loop: that of the bandwidth asked for, else the least by delay and noise [s]."""
     if spec.control.bandwidth is not None:
         tau_c = 1.0 / (2.0 * math.pi * spec.control.bandwidth)
         if tau_c < tight:
             most = show(1.0 / (2.0 * math.pi * tight), "Hz", "frequency", 3)
-            why = (
-                "the delay of the loop allows" if counts is None else "the loop's delay and the encoder's counts allow"
-            )
             raise InputError(
                 f"{spec.where(('control', 'bandwidth'))}: {show(spec.control.bandwidth, 'Hz', 'frequency')} is faster "
-                f"than {why}; expected at most {most}"
+                f"than the delay of the loop allows; expected at most {most}"
             )
         return tau_c
     if spec.needs.bandwidth is not None:  # a need that cannot be met fails its check
-        return max(tight, 1.0 / (2.0 * math.pi * spec.needs.bandwidth))
-    return tight
+        return max(least, 1.0 / (2.0 * math.pi * spec.needs.bandwidth))
+    return least
 
 
 def _given(spec: RobotSpec, kp: float, period: float, counts: Counts | None) -> Gains:

@@ -192,7 +192,7 @@ def test_a_bandwidth_that_leaves_no_margin_is_refused(spec, chosen):
     fast = controlled(spec, structure="cascade", velocity={"bandwidth": "400 Hz"})
     with pytest.raises(InputError, match=r"control\.velocity\.bandwidth: 400 Hz is .*; expected at most [0-9.]+ Hz$"):
         designed(fast, chosen)
-    with pytest.raises(InputError, match=r"control\.bandwidth: 200 Hz is faster than the loop's delay and the encoder"):
+    with pytest.raises(InputError, match=r"control\.bandwidth: 200 Hz is faster than the delay of the loop allows"):
         designed(controlled(spec, bandwidth="200 Hz"), chosen)
 
 

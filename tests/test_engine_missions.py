@@ -103,7 +103,7 @@ def test_a_mission_with_long_stretches(encoder):
     settled = steady_state(MOTOR, 298.15, i, 1e-3 * w + 1e-6 * w**2)
     reached = State(figure(run, "winding_highest"), figure(run, "housing_highest"))
     assert np.subtract(reached, 298.15) == pytest.approx(np.subtract(settled, 298.15), rel=5e-3)
-    work = (0.0234 * w * i + (figure(run, "copper_heat") / figure(run, "time"))) * figure(run, "time")
+    work = (SET.back_emf_constant * w * i + (figure(run, "copper_heat") / figure(run, "time"))) * figure(run, "time")
     assert figure(run, "energy_in") == pytest.approx(work, rel=5e-3)
     assert figure(run, "steps") < 0.01 * figure(run, "time") / SERVO.current_period
 

@@ -30,7 +30,9 @@ def spec_of(text):
 
 def starter(kind):
     text = (resources.files("drivesizer") / "starters" / f"{kind}.yaml").read_text(encoding="utf-8")
-    return read_spec(YamlSource(text, f"{kind}.yaml"))
+    found = read_spec(YamlSource(text, f"{kind}.yaml"))
+    exact = found.control.model_copy(update={"speed_from": "exact"})  # counts would add their ripple to the torque
+    return found.model_copy(update={"control": exact})
 
 
 def test_a_conveyor_uphill():

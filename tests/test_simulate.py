@@ -24,6 +24,12 @@ PERIOD = 4e-4  # s, of the EPOS4's speed loop
 
 
 @pytest.fixture(scope="module")
+def spec(spec):
+    """Speed measured exactly, as closed forms and linear theory have it; ``test_counted_loop`` has the counts."""
+    return spec.model_copy(update={"control": spec.control.model_copy(update={"speed_from": "exact"})})
+
+
+@pytest.fixture(scope="module")
 def chosen(spec, catalog):
     """The paper's set: RE 25 20 W 24 V, GP 26 A 27:1, MR, EPOS4 Compact 50/5 CAN."""
     return explain(spec, "118752", "406764", catalog=catalog)[0]

@@ -95,6 +95,8 @@ def grown(lap: Lap, then: Lap | None, times: int, heat: float, highest: float, l
         share = min(max((heat / time - lap.heat / lap.time) / more, 0.0), 1.0) if more else 0.0
         mean = mean + share * (then.g[SUMS] / then.time - mean)
     g[SUMS] = time * mean
+    if lap.g[at.G_SATURATED] == 0.0:
+        g[at.G_SATURATED] = 0.0  # laps are added until the bus has too little, not beyond
     for square, peak, by in ((at.G_E2_X, at.G_E_X, abs(lags)), (at.G_E2_Y, at.G_E_Y, abs(lags) / ratio)):
         if by:
             lag = math.sqrt(lap.g[square] / lap.time)

@@ -9,6 +9,7 @@ import numpy as np
 
 import drivesizer.engine.places as at
 from drivesizer.engine.laps import Lap
+from drivesizer.engine.limits import available
 from drivesizer.engine.parameters import STILL, STILL_WARM
 from drivesizer.engine.places import STATE, Array
 from drivesizer.engine.start import Run
@@ -47,7 +48,7 @@ def alike(run: Run, before: Array, lap: Lap, earlier: Sequence[Lap], turned: flo
     exact = by_state and not run.p[at.EDGES] and _repeats(run, before, turned)
     if not exact and not (_same(run.p, lap, earlier) and not _drifts(lap, earlier, left)):
         return 0
-    until = _until_full(run, before, lap, _PERIODIC if exact else _FULL), _until_warm(run, before, lap)
+    until = _until_full(run, before, lap, _PERIODIC if exact else _FULL), _until_warm(run, before, lap, left)
     return int(min(left, *until))
 
 
@@ -119,10 +120,29 @@ def _until_full(run: Run, before: Array, lap: Lap, share: float) -> float:
     return max(0, int((budget - highest) / grows) - 1)
 
 
-def _until_warm(run: Run, before: Array, lap: Lap) -> float:
+def _until_warm(run: Run, before: Array, lap: Lap, left: int) -> float:
     """How many laps may go by until the winding's resistance has changed the current."""
     p = run.p
     integral = p[at.CKI] if p[at.CASCADE] else p[at.KI]
-    if not p[at.HEAT] or (integral and lap.g[at.G_SATURATED] == 0.0):
+    if not p[at.HEAT]:
         return math.inf
-    return float(_CLOSE / max(abs(run.s[at.T_W] - before[at.T_W]), 1e-300))
+    near = float(_CLOSE / max(abs(run.s[at.T_W] - before[at.T_W]), 1e-300))
+    return max(_until_cut(run, lap, left), near) if integral and lap.g[at.G_SATURATED] == 0.0 else near
+
+
+def _until_cut(run: Run, lap: Lap, left: int) -> int:
+    """How many laps like one go by until the warmer winding asks for more voltage than the bus has, found by halving.
+
+    The voltage rises by the resistance times the largest current; the bus has least under that current.
+    """
+    p, s, current = run.p, run.s, float(lap.g[at.G_I])
+    room = available(p, current, 1.0) - lap.g[at.G_U_ASKED]
+
+    def kept(laps: int) -> bool:
+        winding = (np.linalg.matrix_power(lap.A, laps) @ (s[at.T_W], s[at.T_H], 0.0, 1.0))[0]
+        return bool(p[at.ALPHA] * (winding - s[at.T_W]) * current <= room)
+
+    n = left
+    while n and not kept(n):
+        n //= 2
+    return n

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import drivesizer.engine.places as at
-from drivesizer.engine.limits import bus
+from drivesizer.engine.limits import available, bus
 from drivesizer.engine.places import Array
 from drivesizer.engine.tallies import count, see, strain
-from drivesizer.engine.warming import heat
+from drivesizer.engine.warming import heat, warm
 
-__all__ = ["carried", "hold", "regulated", "steady"]
+__all__ = ["carried", "hold", "regulated", "steady", "within"]
 
 
 def regulated(p: Array, s: Array) -> bool:
@@ -61,8 +61,35 @@ def steady(p: Array, s: Array, mind: Array, lag: float) -> bool:
     return bool(same)
 
 
+def within(p: Array, s: Array, left: int) -> int:
+    """For how many periods the bus has the voltage that the warming winding asks for; halved until it has.
+
+    The temperature is that of winding and housing under the current that stays; where hardly a kelvin is left to the
+    limit, that one is allowed.
+    """
+    current = abs(s[at.I])
+    u = s[at.RES] * s[at.I] + p[at.K_E] * s[at.W]
+    room = available(p, s[at.I], u) - abs(u)
+    rise = room / (p[at.ALPHA] * current + 1e-300)  # K
+    rate = abs(s[at.RES] * current * current - (s[at.T_W] - s[at.T_H]) / p[at.R_1]) / p[at.C_W]
+    least = min(at.FRESH / (rate * p[at.H] + 1e-300), 1.0 * left)
+    winding, housing, copper = s[at.T_W], s[at.T_H], s[at.Q]
+    loss = p[at.P_0] + p[at.P_1] * abs(s[at.W]) + p[at.P_2] * s[at.W] * s[at.W]
+    n = left
+    while n > least:
+        warm(p, s, at.T_W, current * current, loss, p[at.R_A], n * p[at.H])
+        hotter = s[at.T_W] - winding
+        s[at.T_W], s[at.T_H], s[at.Q] = winding, housing, copper
+        if hotter <= rise:
+            break
+        n //= 2
+    return n
+
+
 def carried(p: Array, s: Array, left: int) -> int:
-    """How many periods a steady state may be carried: until the I2t integral is full, or the current moves."""
+    """How many periods a steady state may be carried: until the I2t integral is full, or current or voltage move."""
+    if p[at.HEAT] != 0.0 and regulated(p, s):
+        left = within(p, s, left)
     if p[at.HEAT] != 0.0 and not regulated(p, s):
         rate = abs(s[at.RES] * s[at.I] * s[at.I] - (s[at.T_W] - s[at.T_H]) / p[at.R_1]) / p[at.C_W]
         left = int(min(at.FRESH / (rate * p[at.H] + 1e-300), left))
