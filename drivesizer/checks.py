@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drivesizer.checked import Check, Status
 
-__all__ = ["TITLES", "CheckColumn", "at_least", "at_most", "fits", "worst_case"]
+__all__ = ["TITLES", "CheckColumn", "at_least", "at_most", "between", "fits", "worst_case"]
 
 _SHARED = {
     "compatibility": "Motor and gearhead fit together",
@@ -184,7 +184,7 @@ class CheckColumn:
         taken = {n: getattr(self, n)[rows] for n in _COLUMNS if getattr(self, n) is not None}
         return replace(self, **taken, zero=self.zero[rows] if isinstance(self.zero, np.ndarray) else self.zero)
 
-    def with_rows(self, rows: NDArray[np.bool_], some: CheckColumn) -> CheckColumn:
+    def with_rows(self, rows: NDArray[Any], some: CheckColumn) -> CheckColumn:
         """The same check with some of the candidates as another column has them."""
         changed: dict[str, Any] = {}
         for name in (*_COLUMNS, "zero"):
@@ -246,6 +246,24 @@ def fits(name: str, good: Any, known: Any) -> CheckColumn:
         name=name, demand=nothing, limit=nothing, passed=good & known, failed=~good & known,
         kind="dimensionless", unit="1",
     )  # fmt: skip
+
+
+def between(low: CheckColumn, high: CheckColumn) -> CheckColumn:
+    """A check of whose demand only bounds are known: it passes where the higher does and fails where the lower does.
+
+    Shown is the bound that decides; where neither does, what is asked at least.
+
+    >>> volts = [at_most("supply_voltage", np.array(bound), 5.2, "voltage", "V") for bound in (5.0, 6.1)]
+    >>> found = between(*volts)
+    >>> found.passed.item(), found.failed.item(), found.demand.item()
+    (False, False, 5.0)
+    """
+    if low is high:
+        return high
+    failed = low.failed & ~high.passed
+    demand, limit = (np.where(high.passed, b, a) for a, b in ((low.demand, high.demand), (low.limit, high.limit)))
+    time = high.time if low.time is None or high.time is None else np.where(high.passed, high.time, low.time)
+    return replace(high, demand=demand, limit=limit, failed=failed, time=time)
 
 
 def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:

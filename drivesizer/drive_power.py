@@ -50,7 +50,7 @@ class DrivePower(NamedTuple):
 
 
 def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
-    """Power over one cycle, the winding as warm as it gets in the long run.
+    """Power over one cycle that repeats for ever, the winding as warm as it then is; unknown where that is.
 
     Parameters
     ----------
@@ -65,9 +65,9 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
     found = set_cycle(spec, drive_set)
-    duration, current, voltage = _pieces(supplied(found))
-    one = Wave(np.ones(1), current[:, None], voltage[:, None])  # every piece as a candidate of its own
-    sums = energy(one, storing=False)
+    duration, *ends = _pieces(supplied(found))
+    sums = energy(Wave(np.ones(1), *(x[:, None] for x in ends)), storing=False)  # every piece a candidate of its own
+    one = Wave(np.ones(1), *(x[:, None] for x in _pieces(supplied(found, mean=False))[1:]))
     back = largest_power(one._replace(voltage=-one.voltage))[0]
     peak = largest_power(one)[0]
     sets = spec.load.alike if found.asked.sure.all() else np.nan  # least demands are not told as if they were all

@@ -77,7 +77,7 @@ def _at_the_supply(found: SetCycle) -> dict[str, float]:
         "drawn": float(sums.drawn[0]) / total,
         "returned": returned,
         "stored": returned * found.spec.supply.regeneration,
-        "copper": float(found.under.hot[0] * found.asked.rms_current[0] ** 2),
+        "copper": found.copper,
     }
 
 

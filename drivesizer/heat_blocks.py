@@ -41,8 +41,8 @@ back is at most max P C_w / (C_w + C_h), as the slope of U_0 - v_0 shows where t
 inequalities for max |E| and max |G|. Where they have a solution the peak is finite: shrink phi continuously to zero,
 the periodic state could only cease to exist by growing beyond what they allow.
 
-Between two ends of blocks u is at most (U_0 + E) exp(max phi) of that block; at the ends u = U, and the lower bound is
-the highest of these, or that of ``winding_bounds`` if it is higher.
+Between two ends of blocks u is at most (U_0 + E) exp(max phi) of that block, and at least (U_0 - |E|) exp(min phi); at
+the ends u = U, and the lower bound of the peak is the highest of these, or that of ``winding_bounds`` if it is higher.
 Symbols: R_th thermal resistance [K/W], C heat capacity [J/K], I current [A], P loss at the housing [W].
 """
 
@@ -53,13 +53,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.heat_columns import WindingBounds, each_figure, some_of
+from drivesizer.heat_columns import each_figure, some_of
 from drivesizer.heat_cycle import Periodic, highest, periodic
 from drivesizer.heat_modes import Array
 from drivesizer.physics import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, Value, steady_winding_temperature
 
-__all__ = ["Blocks", "blocks", "bracket"]
+__all__ = ["Blocks", "Bracket", "blocks", "bracket"]
 
 _CELLS = 1 << 14  # motors times blocks at a time: what stays in the processor's cache
 _MULTIPLIED = 1 << 18  # figures at a time in a product of matrices: above, its threads wait on a busy machine
@@ -72,6 +72,15 @@ _ROW, _COLUMN = np.tril_indices(6)  # of a symmetric matrix
 _TIMES = np.where(_ROW == _COLUMN, 1.0, 2.0)  # that each entry stands there
 
 
+class Bracket(NamedTuple):
+    """Between what the peaks of n windings lie, and between what each is in each of B blocks."""
+
+    lower: Array  # K, below the peak: (n,)
+    upper: Array  # K, above it
+    coolest: Array  # K, below the winding at each moment of a block: (n, B)
+    warmest: Array  # K, above it
+
+
 class Blocks(NamedTuple):
     """A load cycle in blocks: what can be told of any current that is linear in its functions."""
 
@@ -79,11 +88,14 @@ class Blocks(NamedTuple):
     mean: Array  # (B, 6, 6): means of products of the functions
     above: Array  # (B, 6, 6): highest integral of products less their means, from the block's start [s times those]
     below: Array  # (B, 6, 6): and how far it falls below zero
+    most: Array  # (B, 6): what the functions reach
+    least: Array  # (B, 6)
 
     def behind(self, scale: Array) -> Blocks:
         """The same behind a belt that scales the functions [1], see ``AtGearhead.scale``."""
         square = np.outer(scale, scale)
-        return Blocks(self.duration, self.mean * square, self.above * square, self.below * square)
+        mean, above, below = (x * square for x in (self.mean, self.above, self.below))
+        return Blocks(self.duration, mean, above, below, self.most * scale, self.least * scale)
 
 
 def blocks(duration: Array, functions: Array, count: int) -> Blocks:
@@ -106,10 +118,13 @@ def blocks(duration: Array, functions: Array, count: int) -> Blocks:
     starts = np.arange(len(duration)) if len(duration) <= count else _starts(duration, left, right, count)
     pieces = np.diff(np.append(starts, len(duration)))
     total = np.add.reduceat(duration, starts)
-    found = Blocks(total, *np.empty((3, len(starts), 6, 6)))
+    most = np.maximum.reduceat(functions.max(axis=1), starts)
+    least = np.minimum.reduceat(functions.min(axis=1), starts)
+    mean, above, below = np.empty((3, len(starts), 6, 6))
+    found = Blocks(total, mean, above, below, most, least)
     for a, b in zip(_ROW, _COLUMN, strict=True):
         entry = _strayed(duration, left[[a, b]], right[[a, b]], starts, pieces, total)
-        for values, column in zip(found[1:], entry, strict=True):
+        for values, column in zip(found[1:4], entry, strict=True):
             values[:, a, b] = values[:, b, a] = column
     return found
 
@@ -185,8 +200,8 @@ def _farthest(time: Array, sums: Array, cuts: NDArray[np.intp]) -> tuple[NDArray
 
 def bracket(
     motor: TwoBodies, ambient: float, cycle: Blocks, coefficients: Array, friction: Array, iron: Array
-) -> WindingBounds:
-    """Bounds of the winding's peak over a cycle that repeats, for many motors.
+) -> Bracket:
+    """Bounds of the winding's temperature over a cycle that repeats, for many motors.
 
     Parameters
     ----------
@@ -203,7 +218,7 @@ def bracket(
 
     Returns
     -------
-    WindingBounds
+    Bracket
         Columns over motors: the upper one infinite where a motor may run away, the lower one where it surely does;
         NaN where a figure is unknown.
     """
@@ -212,12 +227,13 @@ def bracket(
     if not known.all():
         motor = each_figure(motor, lambda x: np.where(known, x, 1.0))  # any figures, without effect
         coefficients, friction, iron = (np.where(known, x.T, 0.0).T for x in (coefficients, friction, iron))
-    found = WindingBounds(*np.empty((2, n)))
+    found = Bracket(*np.empty((2, n)), *np.empty((2, n, len(cycle.duration))))
     for rows in (slice(k, k + size) for k in range(0, n, size)):
         losses = _losses(cycle, coefficients[rows], friction[rows], iron[rows])
         part = _bounds(some_of(motor, n, rows), ambient, cycle.duration, losses)
-        found.lower[rows], found.upper[rows] = part
-    return WindingBounds(*(np.where(known, x, np.nan) for x in found))
+        for whole, values in zip(found, part, strict=True):
+            whole[rows] = values
+    return Bracket(*(np.where(known, x.T, np.nan).T for x in found))
 
 
 class _Losses(NamedTuple):
@@ -228,7 +244,7 @@ class _Losses(NamedTuple):
 
 
 def _losses(cycle: Blocks, c: Array, friction: Array, iron: Array) -> _Losses:
-    entries = np.stack(cycle[1:])
+    entries = np.stack(cycle[1:4])
     speed = entries[:, :, DIRECTION, SPEED, None] * friction + entries[:, :, SPEED, SPEED, None] * iron
     square, form = np.empty_like(speed), entries[:, :, _ROW, _COLUMN] * _TIMES
     few = max(_MULTIPLIED // form.size, 1)
@@ -237,7 +253,7 @@ def _losses(cycle: Blocks, c: Array, friction: Array, iron: Array) -> _Losses:
     return _Losses(np.maximum(square, 0.0), speed)
 
 
-def _bounds(motor: TwoBodies, ambient: float, duration: Array, losses: _Losses) -> tuple[Array, Array]:
+def _bounds(motor: TwoBodies, ambient: float, duration: Array, losses: _Losses) -> Bracket:
     """Temperatures of known motors."""
     share = (duration / duration.sum())[:, None]
     I2, P_h = ((share * x[0]).sum(axis=0) for x in losses)
@@ -245,14 +261,17 @@ def _bounds(motor: TwoBodies, ambient: float, duration: Array, losses: _Losses) 
     offset = ambient + 1.0 / COPPER - DATA_TEMPERATURE
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # where a motor runs away
         found = periodic(motor, ambient, duration[:, None], losses.I2[0], losses.P_h[0])
-        low, high = _around(motor, offset, found, losses)
+        low, each_low, each_high = _around(motor, offset, found, losses)
+    high = each_high.max(axis=0)
     finite = found.settles & (high < np.inf) & (offset > 0.0)
-    upper = np.where(finite, high + ambient, np.inf)
-    return np.fmax(lower, np.where(finite, low + ambient, -np.inf)), upper
+    warmest = np.where(finite, each_high + ambient, np.inf)
+    coolest = ambient + np.where(finite, np.maximum(each_low, 0.0), 0.0)
+    lower = np.fmax(lower, np.where(finite, low + ambient, -np.inf))
+    return Bracket(lower, np.where(finite, high + ambient, np.inf), coolest.T, warmest.T)
 
 
-def _around(motor: TwoBodies, offset: float, found: Periodic, losses: _Losses) -> tuple[Array, Array]:
-    """Lower and upper bound of the winding's rise; infinite where there is none."""
+def _around(motor: TwoBodies, offset: float, found: Periodic, losses: _Losses) -> tuple[Array, Array, Array]:
+    """Lower bound of the winding's highest rise, and both bounds of it in each block; infinite where there is none."""
     above, below = losses.I2[1:] * (COPPER * motor.R_25 / motor.capacity_w)
     housing = losses.P_h[1:].max(axis=1).sum(axis=0) / motor.capacity_h
     peak, loss = highest(found, 1.0, 0.0).rise, losses.P_h[0].max(axis=0)
@@ -261,8 +280,17 @@ def _around(motor: TwoBodies, offset: float, found: Periodic, losses: _Losses) -
     warm = np.minimum(_tops(found, 1).max(axis=0), most)
     down, up = _moved(motor, offset, (peak, warm, loss), (above.max(axis=0), below.max(axis=0), housing))
     rounding = _ROUNDING * (offset + peak)
-    high = ((offset + np.minimum(tops, peak) + up) * np.exp(above)).max(axis=0) - offset
-    return found.rises[0].max(axis=0) - down - rounding, high + rounding
+    high = (offset + np.minimum(tops, peak) + up) * np.exp(above) - offset
+    low = (offset + _bottoms(found) - down) * np.exp(-below) - offset
+    return found.rises[0].max(axis=0) - down - rounding, low - rounding, high + rounding
+
+
+def _bottoms(found: Periodic) -> Array:
+    """What the winding's rise is not below in each block: at its ends, or the tangent before it turns round."""
+    values, slopes = found.rises[0], found.slopes[0]
+    turns = (slopes < 0.0) & (found.pulls[0] > 0.0)
+    bottom: Array = np.minimum(np.where(turns, slopes * found.t, 0.0) + values[:-1], values[1:])
+    return bottom
 
 
 def _tops(found: Periodic, body: int) -> Array:

@@ -15,14 +15,22 @@ from dataclasses import fields
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from drivesizer.errors import InputError
 from drivesizer.heat_cycle import checked, highest, mean_rise, periodic
 from drivesizer.heat_modes import Array, modes
-from drivesizer.thermal import TwoBodies, Value, settled, steady_winding_temperature
+from drivesizer.thermal import TwoBodies, Value, resistance_at, settled, steady_winding_temperature
 
-__all__ = ["PeriodicWinding", "WindingBounds", "each_figure", "periodic_winding", "some_of", "winding_bounds"]
+__all__ = [
+    "PeriodicWinding",
+    "WindingBounds",
+    "coolest_winding",
+    "each_figure",
+    "periodic_winding",
+    "some_of",
+    "winding_bounds",
+]
 
 _CELLS = 1 << 14  # motors times segments in a block: what stays in the processor's cache
 
@@ -101,7 +109,7 @@ def each_figure(motor: TwoBodies, change: Callable[[Value], Array]) -> TwoBodies
     return TwoBodies(**{figure.name: change(getattr(motor, figure.name)) for figure in fields(motor)})
 
 
-def some_of(motor: TwoBodies, n: int, rows: slice) -> TwoBodies:
+def some_of(motor: TwoBodies, n: int, rows: slice | NDArray[np.intp]) -> TwoBodies:
     """Some of the motors.
 
     Parameters
@@ -191,6 +199,44 @@ def winding_bounds(
         winding, housing = _pulse_resistances(motor, total, _share(I2, square), _share(P_h_mean, loss))
         upper = settled(ambient, winding * motor.R_25 * square, housing * loss)
     return WindingBounds(*(np.where(motor.known & ~np.isnan(upper), x, np.nan) for x in (lower, upper)))
+
+
+def coolest_winding(
+    motor: TwoBodies, ambient: float, I_rms: Value, total: float, P_h_mean: Value, peak: Value
+) -> Array:
+    r"""A temperature below which a winding is at no moment of a cycle that repeats [K].
+
+    Parameters
+    ----------
+    motor
+        Windings and housings: columns over motors.
+    ambient
+        Temperature around the motors [K].
+    I_rms
+        RMS current over the cycle [A].
+    total
+        Duration of the cycle [s].
+    P_h_mean
+        Mean loss at the housing [W].
+    peak
+        A lower bound of the winding's peak, ``winding_bounds`` has one [K].
+
+    Notes
+    -----
+    At some moment the housing's rise is at least its mean, :math:`R_{th2}` times the mean losses, and the winding's is
+    at least that of ``peak``; from there on they fall no faster than without any loss:
+
+    .. math:: C_h \dot v \ge -(1/R_{th1} + 1/R_{th2}) v, \quad C_w \dot u \ge -(u - v)/R_{th1}
+
+    All of the cycle follows within its duration.
+    """
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        copper = resistance_at(motor.R_25, ambient) * np.square(I_rms)
+        left = np.exp(-total * (1.0 + motor.R_th2 / motor.R_th1) / motor.tau_h)
+        housing = motor.R_th2 * (copper + P_h_mean) * left
+        above = np.maximum(peak - ambient - housing, 0.0) * np.exp(-total / motor.tau_w)
+        rise = np.minimum(housing, peak - ambient) + above
+    return ambient + np.where(motor.known & np.isfinite(rise), np.maximum(rise, 0.0), 0.0)
 
 
 def _share(mean: Value, largest: Value) -> Array:

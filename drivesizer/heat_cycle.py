@@ -21,7 +21,7 @@ from drivesizer.errors import InputError
 from drivesizer.heat_modes import Array, Course, Modes, Weights, drive, modes, turning_time, weights
 from drivesizer.thermal import TwoBodies
 
-__all__ = ["HeatCycle", "Highest", "Periodic", "checked", "highest", "mean_rise", "periodic", "periodic_heat"]
+__all__ = ["HeatCycle", "Highest", "Periodic", "checked", "highest", "mean_rise", "periodic", "periodic_heat", "tops"]
 
 _BEYOND = (
     1e9  # K: a winding that is warmer after one cycle has run away; what cools again from there has lost its digits
@@ -158,17 +158,37 @@ def highest(found: Periodic, *shares: float) -> Highest:
     segment = values[1:].argmax(axis=0)  # the first start is the last end
     t = np.broadcast_to(found.t, slopes.shape)
     top, until = (np.take_along_axis(x, segment[None], axis=0)[0] for x in (values[1:], t))
-    inner = np.nonzero((slopes > 0.0) & (pulls < 0.0) & (values[:-1] + t * slopes > top))
-    columns = (found.span.fast, found.span.slow, t, values[:-1], slopes, pulls)
-    fast, slow, t, start, slope, pull = (np.broadcast_to(x, slopes.shape)[inner] for x in columns)
-    turn = np.minimum(turning_time(slow - fast, slope, pull), t)
-    weight = weights(fast, slow, turn)
-    reached = start + weight.slope * slope + weight.pull * pull
+    inner, turn, reached = _turned(found, values, slopes, pulls, top)
     order = np.argsort(reached)
     order = order[reached[order] > top[inner[1][order]]]
     motor = inner[1][order]  # the last one counts, which is the highest
     top[motor], segment[motor], until[motor] = reached[order], inner[0][order], turn[order]
     return Highest(top, segment, until)
+
+
+def _turned(found: Periodic, values: Array, slopes: Array, pulls: Array, top: Array) -> tuple[Any, Array, Array]:
+    """Where a sum of rises turns round within a segment and may be above ``top``: the places, when and how high."""
+    t = np.broadcast_to(found.t, slopes.shape)
+    inner = np.nonzero((slopes > 0.0) & (pulls < 0.0) & (values[:-1] + t * slopes > top))
+    columns = (found.span.fast, found.span.slow, t, values[:-1], slopes, pulls)
+    fast, slow, t, start, slope, pull = (np.broadcast_to(x, slopes.shape)[inner] for x in columns)
+    turn = np.minimum(turning_time(slow - fast, slope, pull), t)
+    weight = weights(fast, slow, turn)
+    return inner, turn, start + weight.slope * slope + weight.pull * pull
+
+
+def tops(found: Periodic) -> Array:
+    """Highest rise of the winding in each segment, also within it [K]: segments, then motors.
+
+    Parameters
+    ----------
+    found
+        The periodic state.
+    """
+    top: Array = np.maximum(found.rises[0][:-1], found.rises[0][1:])
+    inner, _, reached = _turned(found, found.rises[0], found.slopes[0], found.pulls[0], top)
+    top[inner] = np.maximum(top[inner], reached)
+    return top
 
 
 def checked(dt: ArrayLike, I2: ArrayLike) -> tuple[Array, Array]:

@@ -1,8 +1,9 @@
 """What the load cycle asks of candidates, against every limit that their catalogue figures set, as columns.
 
 In stages, the cheap ones first: what concerns the load alone, a gearhead alone, a motor alone, the moving pair, its
-current and voltage. What needs the current of each moment is in ``waveform_limits``. Limits are those of the
-catalogues; no factor of the paper enters, the spec's ``margins`` do. A missing figure makes its check *unknown*.
+current. What needs the current of each moment, or how warm the winding then is, is in ``waveform_limits``. Limits are
+those of the catalogues; no factor of the paper enters, the spec's ``margins`` do. A missing figure makes its check
+*unknown*.
 """
 
 from __future__ import annotations
@@ -15,12 +16,11 @@ from numpy.typing import NDArray
 from drivesizer.belts import LEAST_IN_MESH
 from drivesizer.catalog import lines
 from drivesizer.checks import CheckColumn, at_least, at_most
-from drivesizer.choose import most_voltage
 from drivesizer.encoder_choice import NOT_ASKED, angle_per_edge
 from drivesizer.lasting_speed import asked_of_the_gearhead
 from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
 from drivesizer.spec import RobotSpec
-from drivesizer.thermal import COPPER, DATA_TEMPERATURE, current_derating, steady_winding_temperature
+from drivesizer.thermal import COPPER, DATA_TEMPERATURE, current_derating, resistance_at, steady_winding_temperature
 from drivesizer.transmission import BeltStage
 
 __all__ = [
@@ -76,12 +76,10 @@ class Heat(NamedTuple):
 
 
 class Stress(NamedTuple):
-    """Largest current and voltage."""
+    """Largest current, and the voltage from which the winding starts."""
 
     current: Peak  # A
-    voltage: Peak  # V, the larger of winding cold and hot
-    hot_voltage: Array  # V, with the winding hot
-    hot: Array  # ohm, winding at its steady mean temperature
+    cold_voltage: Peak  # V, winding at the ambient's temperature
 
 
 def load_limits(spec: RobotSpec, at: AtGearhead) -> list[CheckColumn]:
@@ -240,16 +238,13 @@ def _holding(spec: RobotSpec, at: AtGearhead, parts: Parts) -> list[CheckColumn]
     return [at_most("holding", reaches, np.full(reaches.shape, np.nan), "torque", "mN*m")]
 
 
-def stress(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, motor: Any) -> Stress:
-    """Largest current and voltage of candidates; where heat is unknown the voltage is that of the cold winding."""
-    ambient, k_t = spec.environment.ambient, motor["torque_constant"]
-    known = np.where(np.isfinite(warm.winding), warm.winding, ambient)
-    cold, hot = (motor["resistance"] * (1.0 + COPPER * (T - DATA_TEMPERATURE)) for T in (ambient, known))
+def stress(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: Any) -> Stress:
+    """Largest current of candidates, and largest voltage while the winding is cold; warm: see ``waveform_limits``."""
+    k_t = motor["torque_constant"]
+    cold = resistance_at(motor["resistance"], spec.environment.ambient)
     torque = peak(at, asked.coefficients, asked.left_out)
-    volts = [peak(at, volts_of(asked, k_t, R), asked.left_out) for R in (cold, hot)]
-    colder = volts[0].value > volts[1].value
-    voltage = Peak(*(np.where(colder, a, b) for a, b in zip(*volts, strict=True)))
-    return Stress(Peak(torque.value / k_t, torque.time), voltage, volts[1].value, hot)
+    volts = peak(at, volts_of(asked, k_t, np.asarray(cold)), asked.left_out)
+    return Stress(Peak(torque.value / k_t, torque.time), volts)
 
 
 def volts_of(asked: Demands, k_t: Array, resistance: Array) -> Array:
@@ -270,14 +265,11 @@ def _peak_torque(asked: Demands, under: Stress, motor: Any, needed: float) -> Ch
 def electrical_limits(
     spec: RobotSpec, at: AtGearhead, asked: Demands, under: Stress, parts: Parts
 ) -> list[CheckColumn]:
-    """Limits of controller and encoder by current, voltage and speed."""
-    controller, torque, speed = parts.controller, spec.margins.torque, spec.margins.speed
-    lowest, volts = spec.supply.lowest, under.voltage.value
-    usable = most_voltage(lowest, controller["max_duty"], controller["voltage_drop"], volts * (1.0 + speed))
+    """Limits of controller and encoder by current and speed."""
+    controller, torque = parts.controller, spec.margins.torque
     amps = ("current", "A")
     return [
         _peak_torque(asked, under, parts.motor, torque),
-        at_most("supply_voltage", volts, usable, "voltage", "V", needed=speed, time=under.voltage.time),
         at_most("controller_continuous_current", asked.rms_current, controller["continuous_current"], *amps,
                 needed=torque),
         at_most("controller_peak_current", under.current.value, controller["peak_current"], *amps,

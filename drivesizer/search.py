@@ -34,7 +34,7 @@ _FIRST = 4  # times as many sets as are wanted are judged at first
 _CHUNK = 1 << 16  # pairs at a time
 _NEAREST = 32  # of those that fell, kept until all are known
 _COUNTED = ("energy", "joule_heat", "peak_current", "winding_temperature")  # figures that objectives count
-_WAVEFORM = {"energy", "winding_temperature", "margin"}  # objectives that the bounds do not tell
+_WAVEFORM = {"energy", "joule_heat", "winding_temperature", "margin"}  # objectives that the bounds do not tell
 
 
 class Found(NamedTuple):

@@ -1,7 +1,7 @@
 """One set over one load cycle: what the drive model says of each moment, for figures and the energy's account.
 
-The same functions that judge candidates by columns, called with columns of one. The winding is at its steady mean
-temperature, as it is where checks and energy are computed.
+The same functions that judge candidates by columns, called with columns of one. The winding is as warm as it is at each
+moment of the cycle that repeats for ever; where that is unknown, so is the voltage.
 Symbols: I current [A], V voltage [V], w speed [rad/s], P_h loss at the housing [W].
 """
 
@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.heat_course import WindingCourse
 from drivesizer.loadcycle import mean_product
 from drivesizer.loads import load_cycle
 from drivesizer.one_row import OneRow
@@ -19,7 +20,9 @@ from drivesizer.physics import SPEED, AtGearhead, Demands, at_gearhead, demands
 from drivesizer.physics_limits import Heat, Stress, heat, stress, volts_of
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
-from drivesizer.waveform import Wave, balanced, lost, mean_square, wave
+from drivesizer.thermal import resistance_at
+from drivesizer.waveform import Wave, balanced, lost, mean_square
+from drivesizer.waveform_limits import warming as of_the_winding
 
 __all__ = ["SetCycle", "Warming", "lost_in_winding", "set_cycle", "supplied", "warming", "waveform"]
 
@@ -36,6 +39,8 @@ class SetCycle(NamedTuple):
     asked: Demands
     warm: Heat
     under: Stress
+    flows: Wave  # current, and the voltage that the motion induces, over the pieces that a winding feels
+    course: WindingCourse  # how warm the winding is over these
 
     @property
     def known(self) -> bool:
@@ -43,9 +48,21 @@ class SetCycle(NamedTuple):
         return bool(self.asked.sure.all() and np.isfinite(self.asked.rms_current).all())
 
     @property
+    def hot(self) -> Array:
+        """Resistance of the winding at its mean temperature [ohm]; cold, where that is unknown."""
+        T = np.where(np.isfinite(self.course.mean), self.course.mean, self.spec.environment.ambient)
+        return np.asarray(resistance_at(self.motor["resistance"], T))
+
+    @property
     def volts(self) -> Array:
         """Coefficients of the voltage from the six functions, winding hot."""
-        return volts_of(self.asked, self.motor["torque_constant"], self.under.hot)
+        return volts_of(self.asked, self.motor["torque_constant"], self.hot)
+
+    @property
+    def copper(self) -> float:
+        """Mean heat of the winding [W], its resistance that of each moment; NaN unknown."""
+        resistance = np.asarray(resistance_at(self.motor["resistance"][0], self.course.means[0]))
+        return float((resistance * mean_square(self.flows)[0]) @ self.flows.duration / self.flows.duration.sum())
 
 
 class Warming(NamedTuple):
@@ -77,34 +94,43 @@ def set_cycle(spec: RobotSpec, drive_set: DriveSet) -> SetCycle:
     at = base.behind(drive_set.belt_ratio)
     asked = demands(at, motor, gearhead, encoder)
     warm = heat(spec, at, asked, motor)
-    return SetCycle(spec, motor, gearhead, at, asked, warm, stress(spec, at, asked, warm, motor))
+    flows, course = of_the_winding(spec, at, asked, warm, motor)
+    return SetCycle(spec, motor, gearhead, at, asked, warm, stress(spec, at, asked, motor), flows, course)
 
 
-def waveform(found: SetCycle) -> Wave:
-    """Current and voltage over the segments of the cycle, of one candidate."""
-    at = found.at
-    return wave(at.cycle.duration, at.functions, found.asked.coefficients, found.volts, found.motor["torque_constant"])
+def waveform(found: SetCycle, *, mean: bool = False) -> Wave:
+    """Current and voltage over the pieces of the cycle, of one candidate.
+
+    Parameters
+    ----------
+    found
+        The set over its cycle.
+    mean
+        Take the winding in each piece at its mean temperature, which makes its energy; else as it is at its ends.
+    """
+    T = found.course.means[:, :, None] if mean else found.course.ends
+    resistance = resistance_at(found.motor["resistance"][0], T)
+    return found.flows._replace(voltage=found.flows.voltage + resistance * found.flows.current)
 
 
-def supplied(found: SetCycle) -> Wave:
+def supplied(found: SetCycle, *, mean: bool = True) -> Wave:
     """Current, and the voltage that makes of it the power that the motor takes, over the cycle's pieces."""
-    taken = balanced(waveform(found), *_surplus(found))
+    taken = balanced(waveform(found, mean=mean), *_surplus(found))
     return taken if taken.duration.ndim == 1 else taken._replace(duration=taken.duration[0])
 
 
 def lost_in_winding(found: SetCycle) -> float:
     """What is lost over the cycle as the winding's two constants differ [J]."""
-    return float(lost(waveform(found), *_surplus(found))[0])
+    return float(lost(waveform(found, mean=True), *_surplus(found))[0])
 
 
 def _surplus(found: SetCycle) -> tuple[Array, Array]:
-    return found.asked.surplus(found.motor["torque_constant"]), found.at.functions[:, :, SPEED]
+    return found.asked.surplus(found.motor["torque_constant"]), found.at.warming.functions[:, :, SPEED]
 
 
 def warming(found: SetCycle) -> Warming:
     """Mean square current and loss at the housing over the pieces of which a winding feels the mean."""
     duration, functions = found.at.warming
-    c, speed = found.asked.coefficients, functions[:, :, SPEED]
-    square = mean_square(wave(duration, functions, c, c, found.motor["torque_constant"]))[0]
+    speed, square = functions[:, :, SPEED], mean_square(found.flows)[0]
     loss = found.warm.friction[0] * np.abs(speed).mean(1) + found.warm.iron[0] * mean_product(speed, speed)
     return Warming(duration, square, loss)

@@ -24,6 +24,7 @@ __all__ = [
     "continuous_torque",
     "current_derating",
     "nominal_current",
+    "resistance_at",
     "settled",
     "steady_winding_temperature",
     "two_bodies",
@@ -64,6 +65,24 @@ class TwoBodies:
         figures = np.broadcast_arrays(self.R_25, self.R_th1, self.R_th2, self.tau_w, self.tau_h)
         found: NDArray[np.bool_] = np.all([(x > 0.0) & (x < np.inf) for x in figures], axis=0)
         return found
+
+
+def resistance_at(R_25: Value, temperature: Value) -> Value:
+    r"""Resistance of a winding, :math:`R_{25} (1 + \alpha (T - T_{25}))` [ohm].
+
+    Parameters
+    ----------
+    R_25
+        At 25 degC [ohm].
+    temperature
+        Of the winding, :math:`T` [K].
+
+    Examples
+    --------
+    >>> round(resistance_at(2.32, 398.15), 4)
+    3.2248
+    """
+    return R_25 * (1.0 + COPPER * (temperature - DATA_TEMPERATURE))
 
 
 def settled(ambient: Value, heating: Value, rest: Value = 0.0) -> Value:

@@ -1,52 +1,56 @@
-"""Limits that need the current of each moment: winding temperature at its peak, supply, bus voltage, overload time.
+"""Limits that need the winding or the current of each moment: temperature, voltage, supply, bus, time of overload.
 
-Safe bounds come first, from moments and extremes alone: they decide most candidates. What they leave undecided is
-computed from the waveform itself, as is everything that is shown. A bound never passes what the waveform would fail.
+The winding is as warm as it is at each moment of the cycle that repeats for ever (``heat_course``); its voltage is
+looked at cold, as it starts, too. Where a figure is missing that this needs, a check passes by the warmest that the
+winding may be and fails by the coldest, so that less data never looks better (``checks.between``).
+Before the waveform come safe bounds from moments and extremes alone (``waveform_bounds``).
+Symbols: R resistance [ohm], I current [A], T temperature [K].
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.checks import CheckColumn, at_most
-from drivesizer.extremes import Envelope, envelope
-from drivesizer.heat_blocks import blocks, bracket
-from drivesizer.heat_columns import periodic_winding, winding_bounds
+from drivesizer.checks import CheckColumn, at_most, between
+from drivesizer.choose import most_voltage
+from drivesizer.heat_course import WindingCourse, winding_course
 from drivesizer.loadcycle import mean_product
-from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands
+from drivesizer.physics import SPEED, AtGearhead, Demands, Peak
 from drivesizer.physics_limits import Heat, Parts, Stress, on, volts_of, winding_limit
 from drivesizer.spec import RobotSpec
-from drivesizer.thermal import two_bodies
-from drivesizer.waveform import balanced, energy, largest_power, longest_above, longest_run, mean_square, wave
+from drivesizer.thermal import resistance_at, steady_winding_temperature, two_bodies
+from drivesizer.waveform import Wave, balanced, energy, largest_power, longest_above, mean_square, wave
 
 __all__ = [
     "Moments",
-    "above_bounds",
-    "bounds",
-    "bracketed",
+    "Pair",
+    "between_bounds",
     "exact",
+    "hottest",
     "kept_on_the_bus",
-    "peak_winding",
-    "time_above",
+    "least",
+    "warming",
     "waveform_limits",
+    "while_at_most",
 ]
 
 Array = NDArray[np.float64]
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
-_PIECES = 256  # of a cycle, that bound the time of overload at first
 _FASTEST_CHOPPING = 100e3  # Hz, of controllers for small motors
 _RIPPLE = 0.1  # of the supply's voltage, at most
-_SOME = 1e-300  # more than nothing, of an amount that is not known yet
 
 
 class Moments(NamedTuple):
-    """What the waveform asks of one motor set: columns."""
+    """What the waveform asks of one motor set, or bounds of that: columns."""
 
     winding: Array  # K, peak over the periodic cycle
     winding_time: Array  # s
+    voltage: Array  # V, the larger of winding cold and as warm as it then is
+    voltage_time: Array  # s
+    copper: Array  # W, mean heat of the winding
     power: Array  # W, largest that the motor draws
     power_time: Array  # s
     drawn: Array  # J per cycle
@@ -54,67 +58,185 @@ class Moments(NamedTuple):
     stored: Array  # J, the most that is back and not drawn again
     above: Array  # s, longest time on end above the controller's continuous current
 
-    def least(self, sure: NDArray[np.bool_], mean: Array) -> Moments:
-        """The same; where demands are least ones the winding's steady mean, no more, and what they leave open."""
-        if sure.all():
-            return self
-        open_ = {name: np.where(sure, column, np.nan) for name, column in self._asdict().items()}
-        return Moments(**(open_ | {"winding": np.where(sure, self.winding, mean)}))
+    def agreed(self, other: Moments) -> Moments:
+        """What two bounds agree on; unknown where they do not."""
+        return Moments(*(np.where(a == b, a, np.nan) for a, b in zip(self, other, strict=True)))
+
+    def but_for_sums(self, other: Moments) -> Moments:
+        """What the winding alone tells, the rest of another."""
+        return other._replace(**{name: getattr(self, name) for name in _OF_THE_WINDING})
 
 
-def exact(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts) -> Moments:
-    """From the current and voltage of each moment; some candidates at a time."""
-    found = [
-        _block(spec, at, on(asked, k), on(warm, k), under.hot[k], parts.on(k)) for k in _slices(at, len(under.hot))
-    ]
-    return Moments(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
+_OF_THE_WINDING = ("winding", "winding_time", "voltage", "voltage_time", "copper")
+
+Wanted = Literal["winding", "limits", "all"]
+Pair = tuple[Moments, Moments]  # bounds: what is asked at least and at most
 
 
-def bracketed(
-    at: AtGearhead, asked: Demands, warm: Heat, parts: Parts, ambient: float, count: int
-) -> tuple[Array, Array]:
-    """Bounds of the winding's peak from a long cycle in so many blocks [K]: closer than those of ``bounds``."""
-    store, name = at.base.coarse, ("blocks", count)
-    if name not in store:
-        store[name] = blocks(at.cycle.duration, at.base.functions, count)
-    current = asked.coefficients / parts.motor["torque_constant"][:, None]
-    coarse = store[name].behind(at.scale)
-    found = bracket(two_bodies(parts.motor), ambient, coarse, current, warm.friction, warm.iron)
-    no_constants = _no_constants(parts.motor)
-    low, high = (np.where(no_constants, warm.winding, bound) for bound in found)
+def exact(
+    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts, what: Wanted = "all"
+) -> Pair:
+    """From the current of each moment and the winding's temperature then; some candidates at a time.
+
+    Parameters
+    ----------
+    spec, at, asked, warm, under, parts
+        The spec, its load cycle at the gearhead, and columns over candidates.
+    what
+        To tell: of the ``winding`` temperature, voltage and heat; whatever has ``limits``; or ``all``, energy too.
+
+    Returns
+    -------
+    pair of Moments
+        The same where heat is known; else what is asked with the winding cold, and as warm as it may be.
+    """
+    slices = _slices(at, len(asked.rms_current))
+    found = [_pair(spec, at, on(asked, k), on(warm, k), on(under, k), parts.on(k), what) for k in slices]
+    low, high = (Moments(*(np.concatenate(c) for c in zip(*side, strict=True))) for side in zip(*found, strict=True))
     return low, high
 
 
-def _no_constants(motor: Any) -> NDArray[np.bool_]:
-    """Whether the time constants are unknown: then only the steady mean can be told."""
-    found: NDArray[np.bool_] = np.isnan(motor["winding_time_constant"]) | np.isnan(motor["motor_time_constant"])
+def _pair(
+    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts, what: Wanted
+) -> Pair:
+    ambient, motor = spec.environment.ambient, parts.motor
+    flows, course = warming(spec, at, asked, warm, motor)
+    rows = np.flatnonzero(np.isnan(course.peak))
+    T = course.ends, course.means
+    course.ends[rows] = hottest(spec, at, warm, under, motor)[rows, None, None]
+    surplus, speed = asked.surplus(motor["torque_constant"]), at.warming.functions[:, :, SPEED]
+    high = _moments(spec, flows, (motor["resistance"], *T), (surplus, speed), under, parts, what)
+    high = high._replace(winding=course.peak, winding_time=course.peak_time)
+    if not len(rows):
+        return high, high
+    some, cold = Wave(flows.duration, flows.current[rows], flows.voltage[rows]), np.full((len(rows), 1, 1), ambient)
+    winding, surplus = (motor["resistance"][rows], cold, cold[..., 0]), surplus[rows]
+    low = _moments(spec, some, winding, (surplus, speed), on(under, rows), parts.on(rows), what)
+    return between_bounds(high, low, rows, warm.winding, while_at_most(spec, at, warm, under, motor))
+
+
+def between_bounds(high: Moments, cold: Moments, rows: Any, mean: Array, steady: Array) -> Pair:
+    """Bounds of candidates whose heat is unknown.
+
+    Parameters
+    ----------
+    high
+        Of all candidates; of these with the winding as warm as it may be.
+    cold
+        Of these candidates, the winding cold.
+    rows
+        Which they are.
+    mean, steady
+        Temperature of all windings in the long run at the cycle's RMS current, and at its largest [K].
+    """
+    low = Moments(*(column.copy() for column in high))
+    for name in ("voltage", "voltage_time", "power", "power_time"):
+        getattr(low, name)[rows] = getattr(cold, name)
+    high.stored[rows] = cold.stored  # the more the winding takes, the less comes back
+    low.winding[rows], high.winding[rows] = mean[rows], steady[rows]
+    return low, high
+
+
+def warming(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, motor: Any) -> tuple[Wave, WindingCourse]:
+    """Current and the voltage that the motion induces over the pieces of the cycle, and how warm the winding is.
+
+    A winding that runs away is taken at its permitted temperature, where it fails; one of unknown time constants
+    at its mean in the long run, as a cycle makes it that is short against them.
+    """
+    (duration, functions), k_t = at.warming, motor["torque_constant"]
+    flows = wave(duration, functions, asked.coefficients, volts_of(asked, k_t, np.zeros_like(k_t)), k_t)
+    speed = functions[:, :, SPEED]
+    loss = np.outer(warm.friction, np.abs(speed).mean(1)) + np.outer(warm.iron, mean_product(speed, speed))
+    steady = (functions[:, 0] == functions[:, 1]).all(axis=1)
+    ambient = spec.environment.ambient
+    course = winding_course(two_bodies(motor), ambient, duration, mean_square(flows), loss, steady)
+    mean = np.where(np.isfinite(warm.winding), warm.winding, np.nan)
+    for rows, T in ((np.isinf(course.peak), motor["max_winding_temperature"]), (np.isnan(course.peak), mean)):
+        for x in (course.mean, course.ends, course.means):
+            x[rows] = T[rows].reshape(-1, *[1] * (x.ndim - 1))
+    return flows, course
+
+
+def least(found: Pair, asked: Demands, warm: Heat, under: Stress) -> Pair:
+    """The same; where demands are least ones no more than what these leave sure, and the rest open.
+
+    Parameters
+    ----------
+    found
+        What the waveform asks, at least and at most.
+    asked, warm, under
+        What it was computed from.
+    """
+    if asked.sure.all():
+        return found
+    low, high = (Moments(*(np.where(asked.sure, column, np.nan) for column in side)) for side in found)
+    cold = under.cold_voltage
+    sure = {"winding": warm.winding, "voltage": cold.value, "voltage_time": cold.time}
+    filled = {name: np.where(asked.sure, getattr(low, name), column) for name, column in sure.items()}
+    return low._replace(**filled), high
+
+
+def while_at_most(spec: RobotSpec, at: AtGearhead, warm: Heat, under: Stress, motor: Any) -> Array:
+    """Temperature that no winding exceeds: in the long run at the largest current and loss all the time [K]."""
+    fast = at.peak_speed
+    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    loss = warm.friction * fast + warm.iron * fast**2
+    found = steady_winding_temperature(spec.environment.ambient, motor["resistance"], *R_th, under.current.value, loss)
+    return np.asarray(found)
+
+
+def hottest(spec: RobotSpec, at: AtGearhead, warm: Heat, under: Stress, motor: Any) -> Array:
+    """Temperature that a winding of unknown heat does not exceed, or must not: what is asked then is a safe bound [K].
+
+    NaN where neither is known.
+    """
+    found = while_at_most(spec, at, warm, under, motor)
+    bound: Array = np.fmin(np.where(np.isfinite(found), found, np.nan), motor["max_winding_temperature"])
+    return bound
+
+
+def _moments(
+    spec: RobotSpec,
+    flows: Wave,
+    winding: tuple[Array, Array, Array],
+    turning: tuple[Array, Array],
+    under: Stress,
+    parts: Parts,
+    what: Wanted,
+) -> Moments:
+    """What is asked with windings of a resistance at 25 degC and temperatures at the ends of the pieces and over each.
+
+    ``turning``: by what their constants differ, and the speed at both ends of each piece (see ``waveform.balanced``).
+    """
+    R_25, *T = winding
+    ends, means = resistance_at(R_25[:, None, None], T[0]), resistance_at(R_25[:, None], T[1])
+    at_ends = flows._replace(voltage=flows.voltage + ends * flows.current)
+    voltage, when = _largest_voltage(at_ends, under.cold_voltage)
+    total = flows.duration.sum()
+    copper = (means * mean_square(flows)) @ flows.duration / total
+    nothing = np.full_like(voltage, np.nan)
+    found = Moments(nothing, nothing, voltage, when, copper, *[nothing] * 6)
+    if what == "winding":
+        return found
+    power, power_time = largest_power(balanced(at_ends, *turning))
+    above = longest_above(flows, parts.controller["continuous_current"])
+    found = found._replace(power=power, power_time=power_time, above=above)
+    kept = kept_on_the_bus(spec.supply)
+    if what == "limits" and not kept > 0.0:
+        return found._replace(stored=np.zeros_like(power))
+    mean = flows._replace(voltage=flows.voltage + np.asarray(means)[:, :, None] * flows.current)
+    sums = energy(balanced(mean, *turning), kept, storing=kept > 0.0)
+    return found._replace(**(sums._asdict() | ({} if kept > 0.0 else {"stored": np.zeros_like(power)})))
+
+
+def time_above(at: AtGearhead, asked: Demands, parts: Parts) -> Array:
+    """Longest time on end above the controller's continuous current [s]."""
+    found = np.empty(len(asked.rms_current))
+    for k in _slices(at, len(found)):
+        c, k_t = asked.coefficients[k], parts.motor["torque_constant"][k]
+        flows = wave(at.cycle.duration, at.functions, c, c, k_t)
+        found[k] = longest_above(flows, parts.controller["continuous_current"][k])
     return found
-
-
-def peak_winding(
-    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts
-) -> tuple[Array | None, ...]:
-    """The exact peak of the winding's temperature alone, in the place that it has in :class:`Moments`."""
-    found = [
-        _peak_winding(spec, at, asked.coefficients[k], on(warm, k), parts.motor.on(k))
-        for k in _slices(at, len(under.hot))
-    ]
-    winding, time = (np.concatenate(columns) for columns in zip(*found, strict=True))
-    return (winding, time, *[None] * (len(Moments._fields) - 2))
-
-
-def time_above(
-    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts
-) -> tuple[Array | None, ...]:
-    """The exact time on end above the continuous current alone, in the place that it has in :class:`Moments`."""
-    found = [
-        longest_above(
-            wave(at.cycle.duration, at.functions, c := asked.coefficients[k], c, parts.motor["torque_constant"][k]),
-            parts.controller["continuous_current"][k],
-        )
-        for k in _slices(at, len(under.hot))
-    ]
-    return (*[None] * (len(Moments._fields) - 1), np.concatenate(found))
 
 
 def _slices(at: AtGearhead, count: int) -> list[slice]:
@@ -123,135 +245,31 @@ def _slices(at: AtGearhead, count: int) -> list[slice]:
     return [slice(start, start + size) for start in range(0, max(count, 1), size)]
 
 
-def _block(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, hot: Array, parts: Parts) -> Moments:
-    k_t, cycle = parts.motor["torque_constant"], at.cycle
-    found = wave(cycle.duration, at.functions, asked.coefficients, volts_of(asked, k_t, hot), k_t)
-    taken = balanced(found, asked.surplus(k_t), at.functions[:, :, SPEED])
-    power, when = largest_power(taken)
-    kept = kept_on_the_bus(spec.supply)
-    sums = energy(taken, kept, storing=kept > 0.0)
-    winding, time = _peak_winding(spec, at, asked.coefficients, warm, parts.motor)
-    return Moments(
-        winding=winding,
-        winding_time=time,
-        power=power,
-        power_time=when,
-        drawn=sums.drawn,
-        returned=sums.returned,
-        stored=sums.stored if kept > 0.0 else np.zeros_like(sums.drawn),
-        above=longest_above(found, parts.controller["continuous_current"]),
-    )
+def _largest_voltage(found: Wave, cold: Peak) -> Peak:
+    """Largest absolute voltage and when: warm, or cold at the start."""
+    values = np.abs(found.voltage).reshape(len(found.voltage), -1)
+    worst, ends = values.argmax(axis=1), np.cumsum(found.duration)
+    time = np.stack([ends - found.duration, ends], axis=1).ravel()[worst]
+    value = values[np.arange(len(values)), worst]
+    colder = cold.value > value
+    return Peak(np.where(colder, cold.value, value), np.where(colder, cold.time, time))
 
 
-def _peak_winding(spec: RobotSpec, at: AtGearhead, c: Array, warm: Heat, motor: Any) -> tuple[Array, Array]:
-    """Peak over the periodic cycle and when; the steady mean where the time constants are unknown."""
-    duration, functions = at.warming
-    square = mean_square(wave(duration, functions, c, c, motor["torque_constant"]))
-    speed = functions[:, :, SPEED]
-    loss = np.outer(warm.friction, np.abs(speed).mean(1)) + np.outer(warm.iron, mean_product(speed, speed))
-    found = periodic_winding(two_bodies(motor), spec.environment.ambient, duration, square, loss)
-    no_constants = _no_constants(motor)
-    return np.where(no_constants, warm.winding, found.peak), np.where(no_constants, np.nan, found.peak_time)
+def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) -> list[CheckColumn]:
+    """What the waveform asks, at least and at most, against its limits; all motor sets draw from one supply."""
+    if low is high:
+        return _limits(spec, high, parts)
+    return [between(*both) for both in zip(*(_limits(spec, side, parts) for side in (low, high)), strict=True)]
 
 
-def bounds(
-    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts
-) -> tuple[Moments, Moments]:
-    """Below and above what the waveform asks, from moments and extremes alone."""
-    current, k_t = under.current.value, parts.motor["torque_constant"]
-    nothing = np.full_like(current, np.nan)
-    most = least = nothing
-    keeps = kept_on_the_bus(spec.supply) > 0.0
-    if spec.supply.current or spec.supply.power or keeps:
-        most, least = _corner_power(at, asked, under.hot, k_t)
-    stored_low = stored_high = np.zeros_like(current)
-    if keeps:
-        braked = braking_torque(at, asked.coefficients)
-        least = np.where(asked.surplus(k_t) == 0.0, least, np.nan)  # power is not V I where two constants differ
-        stored_low, stored_high = np.where(least < 0.0, _SOME, 0.0), np.where(braked, np.inf, 0.0)
-    heat_low, heat_high = _winding_bounds(spec, at, asked, warm, under, parts.motor)
-    shortest, longest = above_bounds(at, asked, under, parts)
-    low = Moments(heat_low, nothing, most, nothing, nothing, nothing, stored_low, shortest)
-    power = nothing
-    if spec.supply.current or spec.supply.power:
-        power = np.minimum(_power_bound(at, asked, under.hot, k_t), current * under.hot_voltage)
-        power = np.where(asked.surplus(k_t) == 0.0, power, np.inf)
-    high = Moments(heat_high, nothing, power, nothing, nothing, nothing, stored_high, longest)
-    return low, high
-
-
-def above_bounds(
-    at: AtGearhead, asked: Demands, under: Stress, parts: Parts, pieces: int = _PIECES
-) -> tuple[Array, Array]:
-    """Bounds of the time on end above the continuous current, from a cycle in so many pieces at most [s].
-
-    That of the pieces that surely are above, and of those that may be.
-    """
-    store, name = at.base.coarse, ("envelope", pieces)
-    if name not in store:
-        store[name] = envelope(at.cycle.duration, at.base.functions, pieces)
-    found: Envelope = store[name]
-    peak = under.current.value
-    k_t, limit = parts.motor["torque_constant"], parts.controller["continuous_current"]
-    low = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0)
-    high = low.copy()
-    rows = np.flatnonzero(peak > limit)
-    if len(rows):
-        c = asked.coefficients[rows] / k_t[rows, None] * at.scale
-        top, bottom, bound = c @ found.high.T, c @ found.low.T, limit[rows, None]
-        none, whole = np.zeros_like(top), np.broadcast_to(found.duration, top.shape)
-        surely, perhaps = np.maximum(bottom, -top) > bound, np.maximum(top, -bottom) > bound
-        low[rows] = np.maximum(longest_run(found.duration, none, whole, surely), _SOME)
-        high[rows] = longest_run(found.duration, none, whole, perhaps)
-    return low, high
-
-
-def braking_torque(at: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
-    """Whether the motor's torque is ever against its motion: otherwise nothing comes back."""
-    against = np.zeros(len(coefficients), bool)
-    for points, sign in ((at.extremes.low, +1.0), (at.extremes.high, -1.0)):
-        moving = points[points[:, DIRECTION] == sign] * at.scale
-        if len(moving):
-            against |= (sign * (coefficients @ moving.T) < 0.0).any(axis=1)
-    return against
-
-
-def _corner_power(at: AtGearhead, asked: Demands, hot: Array, k_t: Array) -> tuple[Array, Array]:
-    """Largest and smallest electrical power at the extreme points [W]: between them it may be more and less."""
-    points = np.concatenate([at.extremes.high, at.extremes.low]) * at.scale
-    power = (asked.coefficients / k_t[:, None] @ points.T) * (volts_of(asked, k_t, hot) @ points.T)
-    return power.max(axis=1), power.min(axis=1)
-
-
-def _power_bound(at: AtGearhead, asked: Demands, hot: Array, k_t: Array) -> Array:
-    """More than the electrical power ever is [W]: where current and voltage are both positive, or both negative."""
-    current, volts = asked.coefficients / k_t[:, None] * at.scale, volts_of(asked, k_t, hot) * at.scale
-    found = np.zeros(len(hot))
-    for points, sign in ((at.extremes.above, 1.0), (at.extremes.below, -1.0)):
-        both = [np.maximum(sign * (c @ points.T), 0.0) for c in (current, volts)]
-        found = np.maximum(found, (both[0] * both[1]).max(axis=1))
-    return found
-
-
-def _winding_bounds(
-    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, motor: Any
-) -> tuple[Array, Array]:
-    fast = at.peak_speed
-    loss_peak = warm.friction * fast + warm.iron * fast**2
-    low, high = winding_bounds(
-        two_bodies(motor), spec.environment.ambient, asked.rms_current, under.current.value, at.cycle.total,
-        warm.mean, loss_peak,
-    )  # fmt: skip
-    no_constants = _no_constants(motor)
-    return np.where(no_constants, warm.winding, low), np.where(no_constants, warm.winding, high)
-
-
-def waveform_limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
-    """What the waveform asks against its limits; all motor sets draw from one supply."""
+def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
     supply, sets, controller = spec.supply, spec.load.motors, parts.controller
-    torque, power = spec.margins.torque, found.power * sets
+    torque, speed, power = spec.margins.torque, spec.margins.speed, found.power * sets
+    asked = found.voltage * (1.0 + speed)
+    usable = most_voltage(supply.lowest, controller["max_duty"], controller["voltage_drop"], asked)
     checks = [
         winding_limit(spec, found.winding, parts.motor, found.winding_time),
+        at_most("supply_voltage", found.voltage, usable, "voltage", "V", needed=speed, time=found.voltage_time),
         at_most("controller_peak_time", found.above, controller["peak_time"], "time", "s"),
         at_most("bus_voltage", _bus_voltage(spec, found, controller), controller["supply_max"], "voltage", "V"),
     ]

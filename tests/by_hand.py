@@ -119,14 +119,14 @@ class Asked:
     speed: float
     I_rms: float
     I_peak: float
-    V_peak: float
-    hot: float  # ohm
+    V_peak: Pair  # at least, at most; the same where heat is known
+    copper: float  # W, mean
     settled: float  # K, steady mean
-    winding: float  # K, peak over the repeating cycle
-    power: float
+    winding: Pair  # K, peak over the repeating cycle
+    power: Pair
     drawn: float
     returned: float
-    stored: float
+    stored: Pair
 
 
 def lasting(pieces: list[tuple[float, Pair]], on_end: float, share: float) -> float:
@@ -163,9 +163,40 @@ def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float) -> Asked:
     fastest = max(abs(w) for p in pieces for w in p.gear_speed)
     I_rms = math.sqrt(sum(product(p.time, p.current, p.current) for p in pieces) / total)
     steady = settled(motor, ambient, I_rms, sum(housing(p, motor) for p in pieces) / total)
-    known = steady if math.isfinite(steady) else ambient
-    cold, hot = (motor.resistance * (1 + ALPHA * (T - ROOM)) for T in (ambient, known))
-    drawn, returned, stored = energy(pieces, motor, hot)
+    I_peak = largest([abs(amps) for p in pieces for amps in p.current])
+    fine, temperatures, winding = periodic(pieces, motor, ambient, steady)
+    cold = Warm(ambient, ambient, ambient, ambient)
+    permitted, all_the_time = motor.max_winding_temperature, hottest(pieces, motor, ambient, I_peak)
+    if math.isinf(winding) and not math.isnan(permitted):  # taken as hot as it may be, where it fails
+        temperatures = [Warm(permitted, permitted, permitted, permitted)] * len(fine)
+    both = [temperatures, temperatures]
+    bounds = winding, winding
+    unknown = math.isnan(winding) or any(math.isnan(T.mean) for T in temperatures)
+    if unknown:  # between cold and as hot as it may be
+        most = [T for T in (all_the_time, permitted) if math.isfinite(T)]
+        most = min(most) if most else NAN
+        both = [[cold] * len(fine), [Warm(most, most, most, most)] * len(fine)]
+        bounds = (steady, all_the_time) if math.isnan(winding) else bounds
+    at_start = largest([abs(v) for p in pieces for v in volts(p, motor, cold.left)])
+    V = [
+        largest([at_start, *(abs(v) for p, T in zip(fine, Ts, strict=True) for v in hottest_volts(p, motor, T))])
+        for Ts in both
+    ]
+    power = [
+        largest([strongest(p.time, p.current, hottest_volts(p, motor, T)) for p, T in zip(fine, Ts, strict=True)])
+        for Ts in both
+    ]
+    if unknown and math.isfinite(steady):  # without time constants: as a cycle makes it that is short against them
+        temperatures = [Warm(steady, steady, steady, steady)] * len(fine)
+    sums = energy(fine, motor, [T.mean for T in temperatures])
+    coldest = energy(fine, motor, [ambient] * len(fine))[2] if unknown else sums[2]
+    copper = (
+        sum(
+            resistance(motor, T.mean) * product(p.time, p.current, p.current)
+            for p, T in zip(fine, temperatures, strict=True)
+        )
+        / total
+    )
     return Asked(
         gear_rms=math.sqrt(sum(product(p.time, p.gear_torque, p.gear_torque) for p in running) / ran),
         gear_peak=max(abs(T) for p in pieces for T in p.gear_torque),
@@ -175,22 +206,51 @@ def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float) -> Asked:
         gear_peak_power=max(abs(p.gear_torque[n] * p.gear_speed[n]) for p in pieces for n in (0, 1)),
         speed=fastest * head.ratio,
         I_rms=I_rms,
-        I_peak=largest([abs(amps) for p in pieces for amps in p.current]),
-        V_peak=largest([abs(v) for R in (cold, hot) for p in pieces for v in volts(p, motor, R)]),
-        hot=hot,
+        I_peak=I_peak,
+        V_peak=tuple(V),  # type: ignore[arg-type]
+        copper=copper,
         settled=steady,
-        winding=periodic_peak(pieces, motor, ambient, steady),
-        power=largest([strongest(p.time, p.current, volts(p, motor, hot)) for p in pieces]),
-        drawn=drawn,
-        returned=returned,
-        stored=stored,
+        winding=bounds,
+        power=tuple(power),  # type: ignore[arg-type]
+        drawn=sums[0],
+        returned=sums[1],
+        stored=(sums[2], coldest),  # the colder, the more comes back
     )
 
 
-def volts(piece: Piece, motor: Any, resistance: float) -> Pair:
-    """Voltage at both ends: what the resistance takes and what the motion induces."""
+class Warm(NamedTuple):
+    """A winding in a piece: at its left and right end, at its warmest, and in the mean [K]."""
+
+    left: float
+    right: float
+    top: float
+    mean: float
+
+
+def resistance(motor: Any, temperature: float) -> float:
+    """Of the winding [ohm]."""
+    return motor.resistance * (1 + ALPHA * (temperature - ROOM))
+
+
+def volts(piece: Piece, motor: Any, left: float, right: float | None = None) -> Pair:
+    """Voltage at both ends of temperatures [K]: what the resistance takes and what the motion induces."""
+    at = left, left if right is None else right
     k = motor.torque_constant
-    return tuple(resistance * piece.current[n] + k * piece.speed[n] for n in (0, 1))  # type: ignore[return-value]
+    return tuple(resistance(motor, at[n]) * piece.current[n] + k * piece.speed[n] for n in (0, 1))  # type: ignore[return-value]
+
+
+def hottest_volts(piece: Piece, motor: Any, T: Warm) -> Pair:
+    """The same of a winding as warm as it then is; where nothing else changes one end stands for its warmest moment."""
+    if piece.current[0] != piece.current[1] or piece.speed[0] != piece.speed[1]:
+        return volts(piece, motor, T.left, T.right)
+    return volts(piece, motor, T.left, T.top) if T.right >= T.left else volts(piece, motor, T.top, T.right)
+
+
+def hottest(pieces: list[Piece], motor: Any, ambient: float, I_peak: float) -> float:
+    """The steady temperature with the largest current and loss all the time [K]."""
+    fastest = max(abs(w) for p in pieces for w in p.speed)
+    always = Piece(0.0, 1.0, (0.0, 0.0), (0.0, 0.0), 1, (I_peak, I_peak), (fastest, fastest))
+    return settled(motor, ambient, I_peak, housing(always, motor))
 
 
 def strongest(time: float, I: Pair, V: Pair) -> float:
@@ -204,11 +264,11 @@ def strongest(time: float, I: Pair, V: Pair) -> float:
     return best
 
 
-def energy(pieces: list[Piece], motor: Any, resistance: float) -> tuple[float, float, float]:
+def energy(pieces: list[Piece], motor: Any, temperatures: list[float]) -> tuple[float, float, float]:
     """Drawn and returned over a cycle, and the most that a store holds that takes what comes back and gives first."""
     steps = []
-    for p in pieces:
-        V = volts(p, motor, resistance)
+    for p, T in zip(pieces, temperatures, strict=True):
+        V = volts(p, motor, T)
         cuts = sorted({0.0, *crossing(p.current), *crossing(V), 1.0})
         for left, right in itertools.pairwise(cuts):
             time = p.time * (right - left)
@@ -305,11 +365,12 @@ def line(ends: Pair, left: float, right: float) -> Pair:
     return ends[0] + left * (ends[1] - ends[0]), ends[0] + right * (ends[1] - ends[0])
 
 
-def periodic_peak(pieces: list[Piece], motor: Any, ambient: float, steady: float) -> float:
-    """Peak of the winding over the repeating cycle, mean square current and mean loss in each piece."""
-    if math.isnan(motor.winding_time_constant + motor.motor_time_constant) or math.isnan(steady):
-        return steady
+def periodic(pieces: list[Piece], motor: Any, ambient: float, steady: float) -> tuple[list[Piece], list[Warm], float]:
+    """The cycle so fine that a winding feels the mean of each piece, how warm it is in each, and its peak."""
     pieces = [part for p in pieces for part in finer(p)]
+    nowhere = [Warm(NAN, NAN, NAN, NAN)] * len(pieces)
+    if math.isnan(motor.winding_time_constant + motor.motor_time_constant) or math.isnan(steady):
+        return pieces, nowhere, NAN
     steps = []
     x = (0.0, 0.0)  # particular solution, and the two of the homogeneous equation
     y, z = (1.0, 0.0), (0.0, 1.0)
@@ -317,23 +378,24 @@ def periodic_peak(pieces: list[Piece], motor: Any, ambient: float, steady: float
         square, loss = product(p.time, p.current, p.current) / p.time, housing(p, motor) / p.time
         step = _Step(*_network(motor, ambient, square, loss))
         if step.fast * p.time > 300 or step.slow * p.time > 300:
-            return math.inf
+            return pieces, nowhere, math.inf
         steps.append((step, p.time))
         x, y, z = step.after(x, p.time), step.after(y, p.time, 0.0), step.after(z, p.time, 0.0)
     if not largest([*map(abs, y), *map(abs, z)]) < 1e100:
-        return math.inf
+        return pieces, nowhere, math.inf
     trace, det = y[0] + z[1], y[0] * z[1] - y[1] * z[0]
     if trace / 2 + math.sqrt(max(trace * trace / 4 - det, 0.0)) >= 1:
-        return math.inf
+        return pieces, nowhere, math.inf
     a, b, c, d = 1 - y[0], -z[0], -y[1], 1 - z[1]
     whole = a * d - b * c
     x = ((x[0] * d - b * x[1]) / whole, (a * x[1] - c * x[0]) / whole)
-    peak = x[0]
+    found = []
     for step, time in steps:
-        peak = max(peak, step.highest(x, time))
-        x = step.after(x, time)
-        peak = max(peak, x[0])
-    return ambient + peak
+        after = step.after(x, time)
+        rises = x[0], after[0], max(x[0], after[0], step.highest(x, time)), step.mean(x, time)
+        found.append(Warm(*(ambient + rise for rise in rises)))
+        x = after
+    return pieces, found, max(T.top for T in found)
 
 
 class _Step:
@@ -359,6 +421,16 @@ class _Step:
         slow, fast = self._modes(x, drive)
         s, f = math.exp(self.slow * time), math.exp(self.fast * time)
         return tuple(drive * self.rest[n] + slow[n] * s + fast[n] * f for n in (0, 1))  # type: ignore[return-value]
+
+    def mean(self, x: Pair, time: float) -> float:
+        """Of the winding, over the time: Simpson in steps so fine that nothing is left of the fast mode between."""
+        n = 2 * max(8, math.ceil(-40 * self.fast * time))
+        if n > 4000:
+            slow, fast = self._modes(x, 1.0)
+            parts = ((c, rate) for c, rate in ((slow[0], self.slow), (fast[0], self.fast)))
+            return self.rest[0] + sum(c * math.expm1(rate * time) / (rate * time) for c, rate in parts)
+        values = [self.after(x, time * k / n)[0] for k in range(n + 1)]
+        return (values[0] + values[-1] + 4 * sum(values[1:-1:2]) + 2 * sum(values[2:-1:2])) / (3 * n)
 
     def highest(self, x: Pair, time: float) -> float:
         """Where the winding's rate is zero, if that is within."""
@@ -540,16 +612,16 @@ def checks(
     out["motor_nominal_current"] = at_most(found.I_rms, motor.nominal_current * share, more)
     torque = found.I_peak * motor.torque_constant
     out["motor_peak_torque"] = at_most(torque, math.inf, spec.margins.torque)  # maxon limits heat and speed alone
-    out["winding_temperature"] = at_most(
-        found.winding, motor.max_winding_temperature, spec.margins.temperature, zero=ambient
+    out["winding_temperature"] = bounded(
+        at_most(T, motor.max_winding_temperature, spec.margins.temperature, zero=ambient) for T in found.winding
     )
     _wishes(spec, cycle, motor, head, encoder, belt, out)
     controller, held = _controller(spec, pieces, found, (motor, encoder), offered)
     out["controller_available"] = Verdict(NAN, NAN, "fail" if controller is None else "pass", NAN)
     usable = NAN if controller is None else voltage_of(spec, controller)
-    if math.isnan(usable) and found.V_peak * (1 + fast) > spec.supply.lowest:
-        usable = spec.supply.lowest
-    out["supply_voltage"] = at_most(found.V_peak, usable, fast)
+    limits = [spec.supply.lowest if math.isnan(usable) and V * (1 + fast) > spec.supply.lowest else usable
+              for V in found.V_peak]  # fmt: skip
+    out["supply_voltage"] = bounded(at_most(V, limit, fast) for V, limit in zip(found.V_peak, limits, strict=True))
     out["controller_continuous_current"] = at_most(found.I_rms, figure(controller, "continuous_current"), more)
     out["controller_peak_current"] = at_most(found.I_peak, figure(controller, "peak_current"), more)
     out["controller_peak_time"] = at_most(held, figure(controller, "peak_time"))
@@ -571,12 +643,19 @@ def _controller(
     """The controller and the longest time above what it bears; where that is too long, one that bears the peak."""
     motor, encoder = parts
     more, fast = 1 + spec.margins.torque, 1 + spec.margins.speed
-    wanted = Wanted(
-        more * found.I_rms, more * found.I_peak, fast * found.V_peak,
-        0.0 if motor.kind == "brushed" else fast * found.speed * motor.pole_pairs,
-        fast * figure(encoder, "counts_per_turn") * found.speed / (2 * math.pi) if encoder_asked(spec) else 0.0,
-    )  # fmt: skip
+
+    def wanted_of(volts: float) -> Wanted:
+        return Wanted(
+            more * found.I_rms, more * found.I_peak, fast * volts,
+            0.0 if motor.kind == "brushed" else fast * found.speed * motor.pole_pairs,
+            fast * figure(encoder, "counts_per_turn") * found.speed / (2 * math.pi) if encoder_asked(spec) else 0.0,
+        )  # fmt: skip
+
+    wanted = wanted_of(found.V_peak[1])
     controller = controller_for(spec, offered, motor.kind, wanted)
+    if not usable_for(spec, controller, wanted.volts):  # none for the hottest it may be: one for the coldest
+        wanted = wanted_of(found.V_peak[0])
+        controller = controller_for(spec, offered, motor.kind, wanted)
     held = above(pieces, figure(controller, "continuous_current"))
     if at_most(held, figure(controller, "peak_time")).status == "fail":
         controller = controller_for(spec, offered, motor.kind, wanted._replace(carried=wanted.peak))
@@ -587,21 +666,38 @@ def _controller(
 def _supply(spec: Any, found: Asked, controller: Any, out: dict[str, Verdict]) -> None:
     supply, sets, more = spec.supply, spec.load.motors, spec.margins.torque
     if supply.current is not None:
-        out["supply_current"] = at_most(found.power * sets / supply.lowest, supply.current, more)
+        out["supply_current"] = bounded(at_most(P * sets / supply.lowest, supply.current, more) for P in found.power)
     if supply.power is not None:
-        out["supply_power"] = at_most(found.power * sets, supply.power, more)
-    if supply.regeneration > 0.0 and supply.capacitance is None:
-        bus = supply.highest
-    elif supply.capacitance is None:
-        most = figure(controller, "supply_max")
-        ripple = figure(controller, "continuous_current") / (
-            4 * 100e3 * 0.1 * supply.highest
-        )  # holds a tenth at 100 kHz
-        bus = math.sqrt(supply.highest**2 + 2 * found.stored / ripple) if found.stored else supply.highest
-        bus = bus if bus <= most or not found.stored else NAN
-    else:  # C/2 (U^2 - U_0^2) is what stays
-        bus = math.sqrt(supply.highest**2 + 2 * found.stored * sets / supply.capacitance)
-    out["bus_voltage"] = at_most(bus, figure(controller, "supply_max"))
+        out["supply_power"] = bounded(at_most(P * sets, supply.power, more) for P in found.power)
+    buses = []
+    for stored in found.stored:
+        if supply.regeneration > 0.0 and supply.capacitance is None:
+            bus = supply.highest
+        elif supply.capacitance is None:
+            most = figure(controller, "supply_max")
+            ripple = figure(controller, "continuous_current") / (4 * 100e3 * 0.1 * supply.highest)  # a tenth at 100 kHz
+            bus = math.sqrt(supply.highest**2 + 2 * stored / ripple) if stored else supply.highest
+            bus = bus if bus <= most or not stored else NAN
+        else:  # C/2 (U^2 - U_0^2) is what stays
+            bus = math.sqrt(supply.highest**2 + 2 * stored * sets / supply.capacitance)
+        buses.append(bus)
+    out["bus_voltage"] = bounded(at_most(bus, figure(controller, "supply_max")) for bus in buses)
+
+
+def usable_for(spec: Any, controller: Any, volts: float) -> bool:
+    """Whether a controller gives a voltage, as far as that is known; true of an unknown voltage."""
+    if controller is None:
+        return False
+    given = voltage_of(spec, controller)
+    return not (given < volts or spec.supply.lowest < volts)
+
+
+def bounded(bounds: Any) -> Verdict:
+    """Of a demand of which only bounds are known: what both say, or the one that decides."""
+    low, high = bounds
+    if high.status == "pass" or low.demand == high.demand:
+        return high
+    return low if low.status == "fail" else Verdict(low.demand, low.limit, "unknown", NAN)
 
 
 def _wishes(spec: Any, cycle: Any, motor: Any, head: Any, encoder: Any, belt: float, out: dict[str, Verdict]) -> None:

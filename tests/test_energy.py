@@ -83,7 +83,6 @@ def test_every_joule_is_accounted_for(kind, tmp_path, catalog):
         k, i, e = motor.torque_constant, head.ratio, head.efficiency
         J = motor.rotor_inertia + head.inertia + inertia
         work = belt_loss = gear_loss = copper = friction = rotor = 0.0
-        I_square = 0.0
         for time, w, a, T in lines(segments):
             flow = by_hand.product(time, T, w)
             work += flow
@@ -99,20 +98,15 @@ def test_every_joule_is_accounted_for(kind, tmp_path, catalog):
                 loss = tuple(k * motor.no_load_current / motor.no_load_speed * x for x in W)
             friction += by_hand.product(time, loss, W)
             rotor += J * by_hand.product(time, acceleration, W)
-            through = 1 / (belt * i)
-            if way * sum(T) > 0:
-                through /= e_b * e
-            elif way * sum(T) < 0:
-                through *= e_b * e
-            current = tuple((T[n] * through + J * acceleration[n] + loss[n]) / k for n in (0, 1))
-            I_square += by_hand.product(time, current, current)
         losses = by_hand.drive(motor, head, inertia, belt, e_b, segments)
-        R = by_hand.asked(losses, motor, head, spec.environment.ambient).hot
-        copper = R * I_square
+        copper = by_hand.asked(losses, motor, head, spec.environment.ambient).copper * sum(p.time for p in losses)
         returned = found.figures["returned"][row] / sets
         drawn = found.figures["energy"][row] / sets + share * returned
         balance = work + belt_loss + gear_loss + copper + friction + rotor
         assert min(belt_loss, gear_loss, friction, copper) > 0
+        if np.isnan(balance):  # a motor that runs away, and how hot it may get is unknown
+            assert np.isnan(drawn - returned)
+            continue
         assert drawn - returned == pytest.approx(balance, rel=1e-9, abs=1e-9 * drawn)
         if kind != "recorded":  # all but a recording start and end at standstill
             assert abs(rotor) < 1e-9 * drawn
@@ -220,7 +214,7 @@ def test_a_cycle_asked_for_twice_in_a_row(catalog):
         assert twice[0][name][0] == pytest.approx(demand, rel=1e-9, nan_ok=True), name
         assert (twice[0][name][1] == passed).all(), name
         assert (twice[0][name][2] == failed).all(), name
-    assert twice[1]["energy"] == pytest.approx(2 * once[1]["energy"], rel=1e-9)
+    assert twice[1]["energy"] == pytest.approx(2 * once[1]["energy"], rel=1e-9, nan_ok=True)
 
 
 UNITS = {

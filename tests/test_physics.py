@@ -144,7 +144,7 @@ def test_physics_ranks_the_whole_catalogue(example_text, catalog):
         assert checks["motor_nominal_current"].demand == pytest.approx(mine.I_rms, rel=1e-9)
         assert checks["gearhead_continuous_torque"].demand == pytest.approx(mine.gear_rms, rel=1e-9)
         assert mine.gear_peak <= s.gearhead.intermittent_torque
-        assert not mine.V_peak > s.controller.max_duty * (22.0 - s.controller.voltage_drop)
+        assert not mine.V_peak[1] > s.controller.max_duty * (22.0 - s.controller.voltage_drop)
         assert not mine.I_rms > s.controller.continuous_current
         assert not mine.I_peak > s.controller.peak_current
     prices = [s.objective for s in result.sets if s.status == "pass" and len(s.objective_of) == 2]
@@ -243,7 +243,7 @@ def test_one_controller_for_all_cases(catalog):
             pieces = by_hand.drive(s.motor, s.gearhead, extra, 1.4, 0.95, segments)
             asked.append(by_hand.asked(pieces, s.motor, s.gearhead, case.environment.ambient))
         rms, top = (1.06 * max(getattr(a, n) for a in asked) for n in ("I_rms", "I_peak"))
-        volts = 1.03 * max(a.V_peak for a in asked)
+        volts = 1.03 * max(a.V_peak[1] for a in asked)
         assert not s.controller.continuous_current < rms
         assert not s.controller.peak_current < top
         for c in offered:
@@ -437,9 +437,10 @@ def test_what_is_unknown_of_gearhead_and_friction_may_fail_a_set_but_not_pass_it
         columns = dict(parts.columns) | {figure: np.full(len(parts), np.nan)}
         blind = replace(catalog, **{table: replace(parts, columns=columns)})
         found = {c.name: c for c in evaluate(physics, blind, rows).checks}
-        for name in ("motor_nominal_current", "controller_peak_current", "supply_voltage"):
+        for name in ("motor_nominal_current", "controller_peak_current"):
             assert (found[name].demand <= plain[name].demand * (1 + 1e-12)).all()
             assert (found[name].demand > 0.5 * plain[name].demand).all()
+        for name in ("motor_nominal_current", "controller_peak_current", "supply_voltage"):  # the last told by bounds
             assert not found[name].passed.any()
             assert (plain[name].failed | ~found[name].failed).all()  # what fails with less fails with all of it
         assert found["motor_speed"].demand == pytest.approx(plain["motor_speed"].demand)

@@ -46,7 +46,7 @@ def test_the_best_efficiency_of_a_dc_motor_is_that_of_the_handbook(spec, best, v
     """maxon's formulae handbook: at a voltage the best is (1 - sqrt(I_0 / I_s))^2, here without a gearhead."""
     motor = replace(best.motor, rotor_inertia=1e-6)
     found = set_cycle(spec, replace(best, motor=motor, gearhead=NO_GEARHEAD, belt_ratio=1.0, encoder=None))
-    R, k, I_0 = float(found.under.hot[0]), motor.torque_constant, motor.no_load_current
+    R, k, I_0 = float(found.hot[0]), motor.torque_constant, motor.no_load_current
     I = np.linspace(1.001 * I_0, 0.999 * voltage / R, 200_001)
     speed = (voltage - R * I) / k
     does = operation(found, k * (I - I_0), speed)
@@ -59,7 +59,7 @@ def test_the_best_efficiency_of_a_dc_motor_is_that_of_the_handbook(spec, best, v
 
 def test_a_gearhead_loses_on_the_side_the_power_comes_from(spec, best):
     found, i, e = set_cycle(spec, best), best.gearhead.ratio, best.gearhead.efficiency
-    R, k, I_0 = float(found.under.hot[0]), best.motor.torque_constant, best.motor.no_load_current
+    R, k, I_0 = float(found.hot[0]), best.motor.torque_constant, best.motor.no_load_current
     torque, speed = np.array([0.8, -0.8, 0.0, 0.8]), np.array([20.0, 20.0, 20.0, 0.0])
     does = operation(found, torque, speed)
     for n, at_motor in enumerate((0.8 / (i * e), -0.8 * e / i)):
@@ -88,15 +88,19 @@ def test_the_account_sums_to_what_is_drawn_and_agrees_with_the_result(kind, tmp_
             continue
         parts = flow.copper + flow.friction + flow.gearhead + flow.belt + flow.load + flow.rotor + flow.returned
         assert parts == pytest.approx(flow.drawn, rel=1e-9)
-        assert flow.net == pytest.approx(told["energy"], rel=1e-12)
-        assert flow.returned == pytest.approx(told["returned"], rel=1e-12, abs=1e-12)
-        assert flow.copper == pytest.approx(told["joule_heat"] * found.at.cycle.total * result.spec.load.motors)
+        # the search cuts ramps as fine as the quickest winding of the catalogue wants it, the set as its own does
+        assert flow.net == pytest.approx(told["energy"], rel=1e-4)
+        assert flow.returned == pytest.approx(told["returned"], abs=1e-4 * flow.drawn)
+        heat = told["joule_heat"] * found.at.cycle.total * result.spec.load.motors
+        assert flow.copper == pytest.approx(heat, rel=1e-4)
         assert flow.stored == pytest.approx(result.spec.supply.regeneration * flow.returned)
         pieces = by_hand.drive(one.motor, one.gearhead, _inertia(one), one.belt_ratio, one.belt_efficiency,
                                by_hand.segments_of(found.at.cycle))  # fmt: skip
-        drawn, returned, _ = by_hand.energy(pieces, one.motor, float(found.under.hot[0]))
-        assert flow.drawn == pytest.approx(drawn * result.spec.load.motors, rel=1e-9)
-        assert flow.returned == pytest.approx(returned * result.spec.load.motors, rel=1e-9, abs=1e-9)
+        steady = by_hand.asked(pieces, one.motor, one.gearhead, result.spec.environment.ambient).settled
+        fine, warm, _ = by_hand.periodic(pieces, one.motor, result.spec.environment.ambient, steady)
+        drawn, returned, _ = by_hand.energy(fine, one.motor, [T.mean for T in warm])
+        assert flow.drawn == pytest.approx(drawn * result.spec.load.motors, rel=1e-4)
+        assert flow.returned == pytest.approx(returned * result.spec.load.motors, abs=1e-4 * flow.drawn)
 
 
 def _inertia(one: DriveSet) -> float:
@@ -129,7 +133,11 @@ def test_current_and_voltage_of_the_robot_are_those_of_the_checks(spec, best):
     ends = waveform(set_cycle(spec, best))
     beside = {check.name: check for check in best.beside}
     assert np.abs(ends.current).max() == pytest.approx(beside["controller_peak_current"].demand)
-    assert np.abs(ends.voltage).max() == pytest.approx(beside["supply_voltage"].demand)
+    found, cold = set_cycle(spec, best), beside["supply_voltage"]
+    assert cold.status == "unknown"  # without time constants: with a cold winding at least this
+    volts = found.flows.voltage + best.motor.resistance * found.flows.current  # in 25 degC
+    assert np.abs(volts).max() == pytest.approx(cold.demand)
+    assert np.abs(ends.voltage).max() > cold.demand
 
 
 # --- warming

@@ -143,7 +143,7 @@ def test_lines_of_efficiency_lie_where_the_efficiency_is(canvas, result):
     (axes,) = canvas(efficiency_figure, efficiency_figure.efficiency_map, field).axes
     motor, head = result.sets[0].motor, result.sets[0].gearhead
     R, k, I_0, i, e = (
-        float(found.under.hot[0]),
+        float(found.hot[0]),
         motor.torque_constant,
         motor.no_load_current,
         head.ratio,
@@ -183,7 +183,7 @@ def test_the_best_of_the_map_is_no_better_than_the_handbook_allows(result):
     found = set_cycle(result.spec, result.sets[0])
     field = efficiency_figure.efficiency_field([("", found)], 18.9)
     motor, share = result.sets[0].motor, field.field.efficiency[:, field.torque > 0.0]
-    limit = (1.0 - sqrt(motor.no_load_current * float(found.under.hot[0]) / 18.9)) ** 2
+    limit = (1.0 - sqrt(motor.no_load_current * float(found.hot[0]) / 18.9)) ** 2
     best = np.nanmax(np.where(field.field.voltage[:, field.torque > 0.0] <= 18.9, share, 0.0))
     assert 0.97 * limit < best / result.sets[0].gearhead.efficiency <= limit * (1.0 + 1e-9)
 

@@ -116,8 +116,8 @@ class Behaviour:
     def heat(self) -> list[dict[str, str]]:
         """Losses and temperatures of the case as specified, as a table."""
         found, motor = self.specified, self.drive_set.motor
-        copper = float(found.under.hot[0] * found.asked.rms_current[0] ** 2) if found.known else float("nan")
-        winding = float(found.warm.winding[0]) if found.known else float("nan")
+        copper = found.copper if found.known else float("nan")
+        winding = float(found.course.mean[0]) if found.known else float("nan")
         housing = winding - motor.thermal_resistance_winding * copper
         rows = [
             ("Copper loss, mean", copper, "W", "power"),

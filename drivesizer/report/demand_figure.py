@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import isfinite
 
+import numpy as np
+
 from drivesizer.report.figures import Row, Trace, over_time, stretches
 from drivesizer.report.style import CASES, Form
 from drivesizer.set_cycle import SetCycle, waveform
@@ -17,7 +19,7 @@ Limits = Sequence[tuple[str, float]]  # name and figure [SI]
 def current_and_voltage(
     cases: Sequence[tuple[str, SetCycle]], currents: Limits, voltages: Limits, form: Form = "svg"
 ) -> bytes:
-    """What the drive model says of each moment, winding as warm as the cycle makes it in the mean.
+    """What the drive model says of each moment, winding as warm as it then is.
 
     Parameters
     ----------
@@ -31,7 +33,8 @@ def current_and_voltage(
     for name, found in cases:
         ends, cycle = waveform(found), found.at.cycle
         columns = {"current": ends.current[0].ravel(), "voltage": ends.voltage[0].ravel()}
-        traces.append(Trace(name, cycle.time.ravel(), columns))
+        time = np.cumsum(ends.duration)
+        traces.append(Trace(name, np.stack([time - ends.duration, time], axis=1).ravel(), columns))
         cycles.append((name, cycle))
     rows = (Row("current", "current", "A", _known(currents)), Row("voltage", "voltage", "V", _known(voltages)))
     return over_time(traces, rows, stretches(cycles), form)

@@ -35,7 +35,7 @@ from drivesizer.tolerances.classes import Class
 from drivesizer.tolerances.lasting import Draw, Feeding, battery_limits
 from drivesizer.tolerances.makers import holding
 from drivesizer.tolerances.waves import moments
-from drivesizer.waveform_limits import waveform_limits
+from drivesizer.waveform_limits import least, waveform_limits
 
 __all__ = ["Block", "SetRows", "checks_of", "motor_factors", "with_losses"]
 
@@ -172,18 +172,19 @@ def _of_a_case(
     asked = demands(at, parts.motor, parts.gearhead, parts.encoder)
     at.keep(asked.coefficients)
     warm = heat(spec, at, asked, parts.motor, _losses(parts.motor, asked, rubs))
-    under = stress(spec, at, asked, warm, parts.motor)
-    found = moments(spec, at, asked, warm, under, parts, energies=energies).least(asked.sure, warm.winding)
+    under = stress(spec, at, asked, parts.motor)
+    found = least(moments(spec, at, asked, warm, under, parts, energies=energies), asked, warm, under)
     moving = [c for c in moving_limits(spec, at, asked, warm, parts) if c.name != "winding_temperature"]
-    electrical = [*moving, *electrical_limits(spec, at, asked, under, parts), *waveform_limits(spec, found, parts)]
+    electrical = [*moving, *electrical_limits(spec, at, asked, under, parts), *waveform_limits(spec, *found, parts)]
     sets = spec.load.alike if asked.sure.all() else np.nan  # least demands are not told as if they were all
+    drawn = found[0].agreed(found[1])
     return [
         *load_limits(spec, at),
         *gearhead_limits(spec, at, parts.gearhead),
         *motor_limits(spec, parts.motor),
         *doubted(electrical, asked.sure),
         _controller_fits(spec, parts.controller, one),
-    ], Draw(found.drawn * sets, found.returned * sets, found.power * sets)
+    ], Draw(drawn.drawn * sets, drawn.returned * sets, drawn.power * sets)
 
 
 def _losses(motor: _Figures, asked: Demands, rubs: Array | float) -> tuple[Array, Array]:
