@@ -32,13 +32,16 @@ from mujoco import rollout  # noqa: E402
 
 CASCADE = """control:
   structure: cascade
+  speed_from: exact
   velocity: {bandwidth: 20 Hz}
 """
 
 
 @pytest.fixture(scope="module")
 def sps(spec):
-    return spec, size(spec, top=1).sets[0]
+    """Speed measured exactly, as MuJoCo's own sensors have it."""
+    exact = spec.control.model_copy(update={"speed_from": "exact"})
+    return spec.model_copy(update={"control": exact}), size(spec, top=1).sets[0]
 
 
 @pytest.fixture(scope="module")
