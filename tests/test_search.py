@@ -42,6 +42,7 @@ def by_hand(spec, catalog):
     g, d, N, th = 9.80665, load.wheel_diameter, load.driven_wheels, load.slope
     n = 2 * motion.speed / (d * f.speed_reserve)
     M_nom = d / 2 * (load.rolling_resistance * load.mass * g * math.cos(th) + load.mass * g * math.sin(th)) / f.bearing
+    M_rest = d / 2 * load.mass * g * math.sin(th)  # what holds it on the slope
     t_acc, t_nom, t_rest = motion.acceleration_time, motion.cruise_time, motion.rest_time
     T = 2 * t_acc + t_nom + t_rest
     n_rms = n * math.sqrt((2 * t_acc / 3 + t_nom) / T)
@@ -57,12 +58,15 @@ def by_hand(spec, catalog):
         M_acc = (
             (N * (load.inertia + motor.rotor_inertia) + load.mass / f.robot_efficiency * d**2 / 4) * alpha * f.oversize
         )
-        rms = math.sqrt((t_acc * (M_nom + M_acc) ** 2 + t_nom * M_nom**2 + t_acc * (M_nom - M_acc) ** 2) / T) / N
-        peak = (M_nom + M_acc) / N
+        squares = t_acc * (M_nom + M_acc) ** 2 + t_nom * M_nom**2 + t_acc * (M_nom - M_acc) ** 2 + t_rest * M_rest**2
+        rms = math.sqrt(squares / T) / N
+        ends = (M_nom + M_acc) / N, (M_nom - M_acc) / N  # at full speed, where acceleration ends and braking begins
+        peak = max(map(abs, ends))
         for belt in belts:
             K = head.ratio * belt
             m_rms, m_peak = (x / (K * head.efficiency * e_b) for x in (rms, peak))
-            V_0 = n * K + motor.speed_torque_gradient * m_peak
+            per_torque = motor.speed_torque_gradient / (K * head.efficiency * e_b)
+            V_0 = max(abs(n * K + per_torque * end) for end in ends)
             gear_fails = {
                 "gearhead_continuous_torque": rms / (belt * e_b) > head.continuous_torque,
                 "gearhead_intermittent_torque": peak / (belt * e_b) > head.intermittent_torque,
