@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog, Table
+from drivesizer.catalog import DIRECT, Catalog, Table
 from drivesizer.choose import selected
 from drivesizer.spec import RobotSpec
 
@@ -62,7 +62,7 @@ class Rows:
 
 
 def pairs(spec: RobotSpec, catalog: Catalog, also: tuple[int, int] | None = None) -> Candidates:
-    """Every listed pair of motor and gearhead that the spec allows, without a belt.
+    """Every listed pair of motor and gearhead that the spec allows, without a belt; every motor where it names none.
 
     Parameters
     ----------
@@ -71,15 +71,21 @@ def pairs(spec: RobotSpec, catalog: Catalog, also: tuple[int, int] | None = None
     also
         Rows of a motor and a gearhead that are looked at even when no source lists the pair.
     """
-    listing = catalog.motor_gearhead
-    keep = selected(catalog.motors, spec.select.motor)[listing.left]
-    keep &= selected(catalog.gearheads, spec.select.gearhead)[listing.right]
-    motor, gearhead = listing.left[keep].astype(np.int64), listing.right[keep].astype(np.int64)
+    left, right = _alone(catalog) if spec.is_direct else catalog.motor_gearhead[:2]
+    keep = selected(catalog.motors, spec.select.motor)[left]
+    keep &= selected(catalog.gearheads, spec.select.gearhead)[right]
+    motor, gearhead = left[keep].astype(np.int64), right[keep].astype(np.int64)
     listed = np.ones(len(motor), bool)
     if also is not None and not np.any((motor == also[0]) & (gearhead == also[1])):
         motor, gearhead = np.append(motor, also[0]), np.append(gearhead, also[1])
-        listed = np.append(listed, False)
+        listed = np.append(listed, catalog.gearheads["part"][also[1]] == DIRECT)  # nobody need list what is not there
     return Candidates(motor, gearhead, np.ones(len(motor)), listed)
+
+
+def _alone(catalog: Catalog) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Every motor that is not inside an actuator, and no gearhead."""
+    motor = np.flatnonzero(catalog.motors["inside"] == "")
+    return motor, np.full(len(motor), catalog.gearheads.rows[DIRECT])
 
 
 def candidates(spec: RobotSpec, catalog: Catalog, also: tuple[int, int] | None = None) -> Candidates:

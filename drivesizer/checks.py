@@ -50,6 +50,7 @@ TITLES = {
         "gearhead_radial_load": "Gearhead radial load",
         "gearhead_temperature_range": "Gearhead temperature range",
         "backlash_at_load": _SHARED["backlash_at_load"],
+        "motor_radial_load": "Motor radial load",
         "motor_speed": "Motor permissible speed",
         "motor_nominal_current": "Motor nominal current (RMS)",
         "motor_peak_torque": "Motor peak torque",

@@ -26,6 +26,7 @@ from drivesizer.physics_limits import (
     motor_limits,
     moving_limits,
     on,
+    shaft_limits,
     size_limits,
 )
 from drivesizer.powered import Moving, powered
@@ -79,7 +80,8 @@ def examine(
     motor = Rows(given.catalog.motors, sets.motor[sieve.rows])
     gearhead = Rows(given.catalog.gearheads, sets.gearhead[sieve.rows])
     listed = fits("compatibility", True, sets.listed[sieve.rows])
-    keep = sieve.through([listed, *size_limits(given.spec, motor, gearhead)])
+    beside = [*size_limits(given.spec, motor, gearhead), *shaft_limits(given.spec, motor, gearhead)]
+    keep = sieve.through([listed, *beside])
     motor, gearhead = motor.on(keep), gearhead.on(keep)
     encoder = _encoders(given, ats, motor.rows, gearhead["ratio"])
     if not staged:  # in stages each motor was judged by what there is for it

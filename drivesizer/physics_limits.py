@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.belts import LEAST_IN_MESH
-from drivesizer.catalog import lines
+from drivesizer.catalog import DIRECT, lines
 from drivesizer.checks import CheckColumn, at_least, at_most
 from drivesizer.encoder_choice import NOT_ASKED, angle_per_edge
 from drivesizer.lasting_speed import asked_of_the_gearhead
@@ -37,6 +37,7 @@ __all__ = [
     "motor_limits",
     "moving_limits",
     "on",
+    "shaft_limits",
     "size_limits",
     "stress",
 ]
@@ -163,6 +164,15 @@ def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]
         sums["diameter"] = np.maximum(motor["diameter"], gearhead["diameter"])
     units = {"length": ("length", "mm"), "diameter": ("length", "mm"), "mass": ("mass", "g"), "price": ("price", "EUR")}
     return [at_most(name, value, getattr(needs, name), *units[name]) for name, value in sums.items()]
+
+
+def shaft_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]:
+    """What pulls at the motor's shaft, where no gearhead is between it and the load."""
+    if spec.needs.radial_load is None:
+        return []
+    limit = np.where(gearhead["kind"] == DIRECT, motor["max_radial_load"], np.inf)
+    needed = spec.margins.torque
+    return [at_most("motor_radial_load", spec.needs.radial_load, limit, "force", "N", needed=needed)]
 
 
 def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:

@@ -103,7 +103,9 @@ class Needs(Section):
     inertia_ratio: Ratio | None = Field(default=None, description="load's inertia over the motor's, at most")
     resonance: Frequency | None = Field(default=None, description="of motor and load on the belt, at least")
     hold_unpowered: bool = Field(default=False, description="the load must stay where it is without power")
-    radial_load: Force | None = Field(default=None, description="on the gearhead's shaft, such as a belt's pull")
+    radial_load: Force | None = Field(
+        default=None, description="on the gearhead's shaft, or the motor's without one, such as a belt's pull"
+    )
     diameter: Length | None = Field(default=None, description="of motor and gearhead, at most")
     length: Length | None = Field(default=None, description="of motor and gearhead together, at most")
     mass: Mass | None = Field(default=None, description="of motor and gearhead together, at most")

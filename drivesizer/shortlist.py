@@ -10,9 +10,11 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from drivesizer import belt_choice
 from drivesizer.budgets import check_battery, of_the_platform
-from drivesizer.catalog import Catalog
+from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.choose import offered_buses, offers
 from drivesizer.compare import with_both_methods
 from drivesizer.errors import InputError, nearest, quoted
@@ -178,16 +180,17 @@ def _known_to(spec: RobotSpec, names: set[str]) -> None:
 
 def _known_choices(spec: RobotSpec, catalog: Catalog) -> None:
     """Refuse a family or part that no catalogue has: a misspelling would silently find nothing."""
+    none = catalog.gearheads.rows[DIRECT]
+    unlisted = not spec.is_direct and not np.any(catalog.motor_gearhead.right == none)
     for section in ("motor", "gearhead", "encoder", "controller"):
         choice, table = getattr(spec.select, section), catalog.table(f"{section}s")
         for key, wanted in (("family", choice.family or []), ("part", choice.part or [])):
-            known = set(table[key].tolist())
+            known = set(table[key].tolist()) - ({DIRECT} if unlisted else set())
             for name in wanted:
                 if name not in known:
                     where = spec.where(("select", section, key))
-                    raise InputError(
-                        f"{where}: {quoted(name)} is in no catalogue that the spec names{nearest(name, known)}"
-                    )
+                    hint = "; expected transmission: [{kind: direct}]" if name == DIRECT else nearest(name, known)
+                    raise InputError(f"{where}: {quoted(name)} is in no catalogue that the spec names{hint}")
     bus, buses = spec.select.controller.bus, offered_buses(catalog.controllers)
     if bus and not any(offers(b, bus) for b in buses):
         where = spec.where(("select", "controller", "bus"))

@@ -11,6 +11,7 @@ from drivesizer import belt_choice, paper
 from drivesizer.budgets import check_battery, of_the_platform, with_budget
 from drivesizer.candidates import Candidates, candidates
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
+from drivesizer.catalog.direct import with_direct
 from drivesizer.catalog.inside import taken_apart
 from drivesizer.catalog.shafts import on_any_shaft
 from drivesizer.choices import Choice, ControllerChoice, EncoderChoice
@@ -41,8 +42,8 @@ def load_parts(spec: RobotSpec) -> Catalog:
 
 
 def prepared(catalog: Catalog) -> Catalog:
-    """A catalogue for the search: actuators taken apart, gearheads with a hub on every shaft that fits."""
-    return on_any_shaft(taken_apart(catalog))
+    """A catalogue for the search: actuators taken apart, gearheads with a hub on every shaft that fits, and none."""
+    return with_direct(on_any_shaft(taken_apart(catalog)))
 
 
 def size(
@@ -216,7 +217,8 @@ def explained(
     spec
         The robot; its choice of motors and gearheads is left aside.
     motor, gearhead
-        Part numbers; an actuator is named as the motor and brings its own gearhead.
+        Part numbers; an actuator is named as the motor and brings its own gearhead. Any other motor may drive the load
+        directly, whatever the spec's transmission says.
     catalog
         Parts to choose from; those that the spec names when not given.
     sampling
@@ -238,7 +240,7 @@ def explained(
     rows = _pair(catalog, motor, gearhead)
     family = str(catalog.gearheads["family"][rows[1]])
     select = spec.select.model_copy(update={"motor": Choice(part=[motor]), "gearhead": Choice(family=[family])})
-    narrowed = spec.model_copy(update={"select": select})
+    narrowed = spec.behind(gearhead).model_copy(update={"select": select})
     given: Candidates = candidates(narrowed, catalog, also=rows)
     evaluation = evaluate(narrowed, catalog, given)
     found = np.flatnonzero((given.motor == rows[0]) & (given.gearhead == rows[1]))

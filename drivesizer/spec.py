@@ -27,7 +27,7 @@ from drivesizer.sections import Case, Environment, Margins, Mission, Needs, Pape
 from drivesizer.spec_errors import explained
 from drivesizer.tolerances.reading import Toleranced, taken
 from drivesizer.tolerances.schema import Tolerances
-from drivesizer.transmission import BeltStage, Offer, Stage
+from drivesizer.transmission import DIRECT, BeltStage, DirectStage, GearheadStage, Offer, Stage
 from drivesizer.yaml_source import Path_, YamlSource, read
 
 __all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
@@ -78,8 +78,11 @@ class RobotSpec(Section):
     @model_validator(mode="after")
     def _chain(self) -> RobotSpec:
         kinds = [stage.kind for stage in self.transmission]
-        if kinds not in (["gearhead"], ["gearhead", "belt"]):
-            raise ValueError("transmission must be a gearhead, or a gearhead and then a belt")
+        if kinds[0] == "belt" or kinds[1:] not in ([], ["belt"]):
+            raise ValueError("transmission must be a gearhead or direct, or one of them and then a belt")
+        named = [*(self.select.gearhead.family or []), *(self.select.gearhead.part or [])]
+        if self.is_direct and set(named) - {DIRECT}:
+            raise ValueError(f"select: with kind: {DIRECT} as transmission there is none; leave gearhead out")
         return self
 
     @field_validator("cases")
@@ -169,6 +172,16 @@ class RobotSpec(Section):
         made = self.model_copy()
         made._first, made._cases, made._whole = first, tuple(others), of
         return made
+
+    @property
+    def is_direct(self) -> bool:
+        """Whether there is to be no gearhead."""
+        return self.transmission[0].kind == DIRECT
+
+    def behind(self, gearhead: str) -> RobotSpec:
+        """The spec with the first stage that a gearhead of that part number is, or the lack of one."""
+        first = DirectStage(kind="direct") if gearhead == DIRECT else GearheadStage(kind="gearhead")
+        return self.model_copy(update={"transmission": [first, *self.transmission[1:]]})
 
     @property
     def belt(self) -> BeltStage | None:

@@ -21,13 +21,21 @@ from drivesizer.fields import (
     exactly_one,
 )
 
-__all__ = ["BeltStage", "GearheadStage", "Offer", "Pulleys", "Stage"]
+__all__ = ["DIRECT", "BeltStage", "DirectStage", "GearheadStage", "Offer", "Pulleys", "Stage"]
+
+DIRECT = "direct"  # the kind of stage, and as catalogues list the lack of a gearhead
 
 
 class GearheadStage(Section):
-    """A gearhead out of the catalogues: searched."""
+    """A gearhead out of the catalogues: searched; none where the catalogues list a motor for direct drive."""
 
     kind: Literal["gearhead"]
+
+
+class DirectStage(Section):
+    """No gearhead: any motor may drive the load directly, or the belt."""
+
+    kind: Literal["direct"]
 
 
 class Pulleys(Section):
@@ -56,7 +64,7 @@ class Offer(NamedTuple):
 
 
 class BeltStage(Section):
-    """A belt between gearhead and load: one ratio, several to search, or pulleys out of the catalogues."""
+    """A belt between gearhead, or motor, and load: one ratio, several to search, or pulleys out of the catalogues."""
 
     kind: Literal["belt"]
     ratio: Ratio | None = Field(default=None, description="gearhead turns per turn of the load; or ratios, or pulleys")
@@ -110,4 +118,4 @@ class BeltStage(Section):
         return drive.driven_diameter if drive else self.pulley_diameter
 
 
-Stage = Annotated[GearheadStage | BeltStage, Field(discriminator="kind")]
+Stage = Annotated[GearheadStage | DirectStage | BeltStage, Field(discriminator="kind")]

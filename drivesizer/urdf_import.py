@@ -209,7 +209,7 @@ name: {name}
 """
 _TAIL = """
 transmission:
-  - kind: gearhead
+  - kind: gearhead                 # searched; or kind: direct, any motor without a gearhead
 
 supply:
   nominal: 24 V                    # not in the URDF

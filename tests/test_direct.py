@@ -2,12 +2,13 @@
 
 import json
 import math
+from pathlib import Path
 
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.errors import CatalogError
-from drivesizer.sizing import size
+from drivesizer.errors import CatalogError, InputError
+from drivesizer.sizing import explain, size
 from drivesizer.spec import read_spec
 from drivesizer.yaml_source import YamlSource
 
@@ -130,3 +131,108 @@ def test_a_partner_of_a_catalogue_that_is_not_loaded_is_left_out_alone(direct):
     both = size(read_spec(YamlSource(among, "fan.yaml")), top=1)
     assert not any("not among the catalogues" in said for said in both.warnings)
     assert both.counts.considered > 1
+
+
+UNLISTED = MOTORS.partition("compatibility:")[0]  # nobody says that this motor drives anything
+ALONE = FAN.replace("supply:", "transmission: [{kind: direct}]\nsupply:")
+RAMP = 1200 * math.pi / 30 / 2  # rad/s^2
+
+
+@pytest.fixture
+def unlisted(tmp_path):
+    path = tmp_path / "one.yaml"
+    path.write_text(UNLISTED.replace("NAME", "one").replace("PART", "one-90"), encoding="utf-8")
+    return path
+
+
+def spec_of(text, *catalogs):
+    return read_spec(YamlSource(text.replace("CATALOGS", ", ".join(map(str, catalogs))), "fan.yaml"))
+
+
+def peak_current(one):
+    return next(c for c in one.checks if c.name == "controller_peak_current").demand
+
+
+@pytest.mark.parametrize(("ratio", "efficiency"), [(1.0, 1.0), (1.5, 0.95)])
+def test_any_motor_drives_the_load_or_its_belt_where_the_spec_says_so(unlisted, ratio, efficiency):
+    belt = f", {{kind: belt, ratio: {ratio}, efficiency: {efficiency}}}" if ratio != 1.0 else ""
+    result = size(spec_of(ALONE.replace("direct}", "direct}" + belt), unlisted))
+    assert [(one.label.split(" without")[0], one.gearhead.kind) for one in result.sets] == [("D one-90", "direct")]
+    one = result.sets[0]
+    assert one.total_ratio == ratio
+    speed = next(c for c in one.checks if c.name == "motor_speed")
+    assert speed.demand * 30 / math.pi == pytest.approx(1200 * ratio, rel=1e-12)
+    load = 0.3 * (1200 / 1500) ** 2 + 20e-4 * RAMP  # N*m, at the end of the ramp, by hand
+    rotor = 900e-7 * RAMP * ratio
+    friction = 98e-3 * 0.3 * 1200 * ratio / 2200  # a brushless motor's, growing with speed
+    torque = load / ratio / efficiency + rotor + friction
+    assert peak_current(one) == pytest.approx(torque / 98e-3, rel=1e-9)
+
+
+def test_only_motors_without_gearhead_are_candidates_of_direct_drive(unlisted):
+    """Every motor that is for sale, once; with a gearhead, the listed pairs as ever."""
+    maxon = load(["maxon"])
+    assert size(spec_of(ALONE, "maxon")).counts.considered == int((~maxon.motors.excluded).sum())
+    assert size(spec_of(FAN, unlisted)).counts.considered == 0
+
+
+def test_explain_takes_any_motor_without_gearhead(unlisted):
+    with_gearhead, without = (explain(spec_of(text, unlisted, "maxon"), "one-90", "direct") for text in (FAN, ALONE))
+    assert repr(with_gearhead[0].checks) == repr(without[0].checks)  # NaN is not itself
+    assert {c.name: c.status for c in without[0].checks}["compatibility"] == "pass"
+    behind_one = explain(spec_of(ALONE, "maxon"), "118752", "166160")[0]  # its choice of gearheads is left aside
+    assert repr(behind_one.checks) == repr(explain(spec_of(FAN, "maxon"), "118752", "166160")[0].checks)
+
+
+def test_what_pulls_at_the_shaft_is_the_motors_to_carry(unlisted):
+    text = ALONE + "needs: {radial_load: 50 N}\n"
+    load_check = next(c for c in explain(spec_of(text, unlisted), "one-90", "direct")[0].checks if "radial" in c.name)
+    assert (load_check.name, load_check.status) == ("motor_radial_load", "unknown")
+    sheet = unlisted.read_text(encoding="utf-8").replace(
+        "max_speed: 3000 rpm", "max_speed: 3000 rpm, max_radial_load: LOAD"
+    )
+    for newtons, status in (("49 N", "fail"), ("51 N", "pass")):
+        unlisted.write_text(sheet.replace("LOAD", newtons), encoding="utf-8")
+        found = explain(spec_of(text, unlisted), "one-90", "direct")[0].checks
+        assert next(c for c in found if c.name == "motor_radial_load").status == status
+
+
+def test_no_gearhead_is_chosen_where_there_is_to_be_none():
+    with pytest.raises(InputError, match=r"fan.yaml:\d+: select: .*kind: direct.*; leave gearhead out"):
+        spec_of(ALONE.replace("CATALOGS]", "maxon], gearhead: {family: GP 42 C}"))
+    with pytest.raises(InputError, match=r"\"direct\" is in no catalogue.*transmission: \[\{kind: direct\}\]"):
+        size(spec_of(FAN.replace("CATALOGS]", "maxon], gearhead: {part: direct}")))
+    with pytest.raises(InputError, match="a gearhead or direct, or one of them and then a belt"):
+        spec_of(ALONE.replace("kind: direct", "kind: belt, ratio: 2, efficiency: 0.9"), "maxon")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["validate", "--set", "one-90/direct", "--json"],
+        ["export", "--set", "one-90/direct", "--format", "urdf", "-o", "drive.urdf"],
+        ["report", "-o", "report.html"],
+        ["study", "study.yaml"],
+        ["explain", "--motor", "one-90", "--gearhead", "direct", "--samples", "100"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_every_command_takes_such_a_set(unlisted, words, monkeypatch, capsys):
+    from drivesizer import cli
+
+    folder = unlisted.parent
+    text = ALONE.replace("CATALOGS]", "one.yaml, maxon], motor: {part: one-90}").replace(
+        "cruise_time: 20 s", "cruise_time: 1 s"
+    )
+    if words[0] == "explain":
+        text = text.replace("inertia: 20 kg", "inertia: 20 ± 2 kg")
+    (folder / "robot.yaml").write_text(text, encoding="utf-8")
+    (folder / "study.yaml").write_text("spec: robot.yaml\nvary:\n  motion.speed: [1000 rpm, 1200 rpm]\n", "utf-8")
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr("sys.argv", ["drivesizer", *words])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    told = capsys.readouterr()
+    assert end.value.code == 0, told.err
+    written = [path.read_text(encoding="utf-8") for path in Path().rglob("*[lv]")]
+    assert any("one-90" in text for text in (told.out, *written))

@@ -24,7 +24,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
         "Unknown": "`misjudged`", "UnknownPayload": "`payload` of `misjudged`",
     },
     "budget": {"Budget": "", "Item": "Each of `others`"},
-    "transmission": {"GearheadStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
+    "transmission": {"GearheadStage": "", "DirectStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
     "supply": {"Supply": ""},
     "battery": {
         "Battery": "", "Run": "Each line of `discharge`", "OpenCircuit": "`open_circuit`",

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.columns import Column
+from drivesizer.catalog.direct import NONE, with_no_gearhead
 from drivesizer.catalog.discharge_reading import read_discharges
 from drivesizer.catalog.discharges import DISCHARGES
-from drivesizer.catalog.parts import DIRECT, NO_GEARHEAD, PARTS, columns_of
+from drivesizer.catalog.parts import DIRECT, PARTS, columns_of
 from drivesizer.catalog.reader import Reader, did_you_mean
 from drivesizer.catalog.relations import relations
 from drivesizer.catalog.stated import STATED
@@ -134,10 +135,8 @@ def _with_direct(reader: Reader, table: Table[Any], compatibility: Any) -> Table
     named = [g.get("gearheads") for g in groups if isinstance(g, dict)] if isinstance(groups, list) else []
     if not any(isinstance(names, list) and DIRECT in names for names in named):
         return table
-    reader.sources[DIRECT] = Source("no gearhead: the motor drives the load itself", "quoted")
-    columns = {name: np.append(table[name], getattr(NO_GEARHEAD, name)) for name in table.columns}
-    source = np.append(table.source, len(reader.sources) - 1).astype(np.int32)
-    return Table(table.section, columns, source, np.append(table.excluded, False))
+    reader.sources[DIRECT] = NONE
+    return with_no_gearhead(table, len(reader.sources) - 1)
 
 
 def _unknown(column: Column, count: int) -> NDArray[Any]:

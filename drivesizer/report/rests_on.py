@@ -32,6 +32,7 @@ _RESTS: dict[str, dict[str, tuple[str, ...]]] = {  # words in capitals stand for
         "gearhead_radial_load": ("gearhead.max_radial_load",),
         "gearhead_temperature_range": ("gearhead.temperature_min", "gearhead.temperature_max"),
         "backlash_at_load": ("gearhead.backlash",),
+        "motor_radial_load": ("motor.max_radial_load",),
         "motor_speed": (*_SPEED, "motor.max_speed"),
         "motor_nominal_current": ("CURRENT", "motor.nominal_current", "DERATING"),
         "motor_peak_torque": ("CURRENT", "motor.peak_torque"),
