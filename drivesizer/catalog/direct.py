@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivesizer.catalog.parts import DIRECT, NO_GEARHEAD
+from drivesizer.catalog.parts import DIRECT, NO_GEARHEAD, Gearhead
 from drivesizer.catalog.tables import Catalog, Source, Table
 
 __all__ = ["NONE", "with_direct", "with_no_gearhead"]
@@ -12,7 +12,7 @@ __all__ = ["NONE", "with_direct", "with_no_gearhead"]
 NONE = Source("no gearhead: the motor drives the load itself", "quoted")
 
 
-def with_no_gearhead(gearheads: Table[object], source: int) -> Table[object]:
+def with_no_gearhead(gearheads: Table[Gearhead], source: int) -> Table[Gearhead]:
     """A table of gearheads, and the lack of one as its last row, from the source of that number."""
     columns = {name: np.append(gearheads[name], getattr(NO_GEARHEAD, name)) for name in gearheads.columns}
     sources = np.append(gearheads.source, source).astype(np.int32)
