@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import nan
+from math import isnan, nan
 from typing import Any
 
 import numpy as np
@@ -131,6 +131,7 @@ class CheckColumn:
     time: NDArray[np.float64] | None = None  # s, of the worst moment
     case: NDArray[np.int64] | None = None  # the load case that is worst, by number
     note: str = ""
+    undecided: str = ""  # the note where the limit is known and the demand not: what would decide it
 
     @property
     def margin(self) -> NDArray[np.float64]:
@@ -177,8 +178,12 @@ class CheckColumn:
             at_time=None if time is None or time != time else time,
             by_choice=self.by_choice,
             advice=self.advice,
-            note=note or self.note,
+            note=note or self.note or self._lacking(index),
         )
+
+    def _lacking(self, index: int | tuple[()]) -> str:
+        open_ = not (self.passed[index] or self.failed[index] or isnan(self.limit[index]))
+        return self.undecided if open_ else ""
 
     def on(self, rows: NDArray[np.int64]) -> CheckColumn:
         """The same check of some of the candidates."""

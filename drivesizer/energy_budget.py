@@ -138,7 +138,8 @@ def _load(
 ) -> Load:
     """Powers, and the mean speed of what travels; what depends on the battery is still unknown."""
     loss, others = _controller_efficiency(drive_set), consumers[_DRIVE:]
-    back = spec.supply.regeneration * float(drive.returned_peak.max()) * loss
+    accepted = 1.0 if spec.accepts_all else spec.supply.regeneration  # what of it is lost is lost inside
+    back = accepted * float(drive.returned_peak.max()) * loss
     return Load(
         mean=drive.mean(power),
         peak=float(drive.peak.max()) / loss + sum(c.peak for c in others),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -52,8 +52,13 @@ class Supply(Section):
     resistance: Resistance | None = Field(default=None, description="of source and cables, in the closed loop")
     current: Current | None = Field(default=None, description="what the supply can give to all motor sets")
     power: Power | None = Field(default=None, description="what the supply can give to all motor sets")
-    regeneration: Part = Field(default=0, description="share of returned energy that the supply takes back; 0 none")
-    capacitance: Capacitance | None = Field(default=None, description="of the bus, where returned energy has to stay")
+    regeneration: Part = Field(default=0, description="share of returned energy that is stored and had again; 0 none")
+    accepts: Literal["all", "share"] | None = Field(
+        default=None,
+        description="all: the rest of it is lost as heat, in a battery or a brake resistor, as where a section battery "
+        "is; share: the rest stays on the bus, as of a power supply unit",
+    )
+    capacitance: Capacitance | None = Field(default=None, description="of the bus, where what is not accepted stays")
 
     @model_validator(mode="after")
     def _ordered(self) -> Supply:

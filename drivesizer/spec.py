@@ -157,6 +157,11 @@ class RobotSpec(Section):
         return any((needs.encoder_counts, needs.resolution_at_load, choice.min_counts, choice.family, choice.part))
 
     @property
+    def accepts_all(self) -> bool:
+        """Whether all that comes back leaves the bus: it is stored, or lost in a battery or a brake resistor."""
+        return (self.supply.accepts or ("all" if self.battery else "share")) == "all"
+
+    @property
     def load_cases(self) -> tuple[tuple[str, RobotSpec], ...]:
         """The spec itself and its further cases, by name."""
         first = self._first if self._cases or self._whole else ""

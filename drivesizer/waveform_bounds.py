@@ -73,7 +73,7 @@ def _resisted(
     at_hot = np.maximum(peak(at, volts_of(asked, k_t, hot), asked.left_out).value, under.cold_voltage.value)
     low = low._replace(voltage=_least_voltage(at, asked, cool, k_t, under.cold_voltage.value))
     high = high._replace(voltage=at_hot)
-    keeps, same = kept_on_the_bus(spec.supply) > 0.0, asked.surplus(k_t) == 0.0
+    keeps, same = kept_on_the_bus(spec) > 0.0, asked.surplus(k_t) == 0.0
     if not keeps:
         low, high = (side._replace(stored=np.zeros_like(k_t)) for side in (low, high))
     if not (spec.supply.current or spec.supply.power or keeps):

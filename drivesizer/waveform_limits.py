@@ -40,6 +40,7 @@ __all__ = [
 Array = NDArray[np.float64]
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
 _FASTEST_CHOPPING = 100e3  # Hz, of controllers for small motors
+_STAYS = "unknown: where it goes: give supply.capacitance, or supply.accepts: all of a battery or a brake resistor"
 _RIPPLE = 0.1  # of the supply's voltage, at most
 
 
@@ -221,7 +222,7 @@ def _moments(
     power, power_time = largest_power(balanced(at_ends, *turning))
     above = longest_above(flows, parts.controller["continuous_current"])
     found = found._replace(power=power, power_time=power_time, above=above)
-    kept = kept_on_the_bus(spec.supply)
+    kept = kept_on_the_bus(spec)
     if what == "limits" and not kept > 0.0:
         return found._replace(stored=np.zeros_like(power))
     mean = flows._replace(voltage=flows.voltage + np.asarray(means)[:, :, None] * flows.current)
@@ -265,13 +266,13 @@ def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) 
 def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
     supply, sets, controller = spec.supply, spec.load.motors, parts.controller
     torque, speed, power = spec.margins.torque, spec.margins.speed, found.power * sets
-    asked = found.voltage * (1.0 + speed)
+    asked, bus = found.voltage * (1.0 + speed), _bus_voltage(spec, found, controller)
     usable = most_voltage(supply.lowest, controller["max_duty"], controller["voltage_drop"], asked)
     checks = [
         winding_limit(spec, found.winding, parts.motor, found.winding_time),
         at_most("supply_voltage", found.voltage, usable, "voltage", "V", needed=speed, time=found.voltage_time),
         at_most("controller_peak_time", found.above, controller["peak_time"], "time", "s"),
-        at_most("bus_voltage", _bus_voltage(spec, found, controller), controller["supply_max"], "voltage", "V"),
+        at_most("bus_voltage", bus, controller["supply_max"], "voltage", "V", undecided=_STAYS),
     ]
     if supply.current is not None:
         drawn = power / supply.lowest
@@ -282,23 +283,20 @@ def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
     return checks
 
 
-def kept_on_the_bus(supply: Any) -> Any:
-    """Share of the returned energy that the supply does not take, as far as it is judged.
-
-    Without a capacitance a supply that takes a share is taken to lose the rest, as a battery does inside.
-    """
-    if supply.capacitance is None:
-        return np.where(np.asarray(supply.regeneration) > 0.0, 0.0, 1.0)
-    return 1.0 - np.asarray(supply.regeneration)
+def kept_on_the_bus(spec: Any) -> Any:
+    """Share of the returned energy that the supply does not accept: it has to stay on the bus."""
+    share = 1.0 - np.asarray(spec.supply.regeneration)
+    return 0.0 * share if spec.accepts_all else share
 
 
 def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
-    r"""Highest voltage of the bus: what its capacitance makes of the energy that the supply does not take [V].
+    r"""Highest voltage of the bus: what its capacitance makes of the energy that the supply does not accept [V].
 
-    Where the capacitance is unknown it is no less than the controller's own: a power stage that chops its continuous
-    current I at a frequency f holds the ripple of its supply U within a share s by :math:`C \ge I / (4 f s U)` (buck
-    converter at half duty; D. W. Hart, *Power Electronics*, 2011, chapter 6). That bound passes what even so little
-    bears, such as 1 mJ; what it does not bear is unknown.
+    Where the capacitance is unknown it is taken as no less than the controller's own: a power stage that chops its
+    continuous current I at a frequency f holds the ripple of its supply U within a share s by
+    :math:`C \ge I D (1 - D) / (f s U)`, at half duty :math:`I / (4 f s U)` (STMicroelectronics, data sheet A6902D,
+    equation (14), without the capacitor's resistance). That no stage chops faster than 100 kHz with more ripple than
+    a tenth is an assumption. That bound passes what even so little bears, such as 1 mJ; what it does not is unknown.
     """
     supply = spec.supply
     if supply.capacitance is not None:

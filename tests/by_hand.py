@@ -154,7 +154,7 @@ def lasting(pieces: list[tuple[float, Pair]], on_end: float, share: float) -> fl
     return high
 
 
-def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float) -> Asked:
+def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float, kept: float = 1.0) -> Asked:
     """Every demand of one set, the time above a current apart."""
     total = sum(p.time for p in pieces)
     running = [p for p in pieces if p.way]
@@ -188,8 +188,8 @@ def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float) -> Asked:
     ]
     if unknown and math.isfinite(steady):  # without time constants: as a cycle makes it that is short against them
         temperatures = [Warm(steady, steady, steady, steady)] * len(fine)
-    sums = energy(fine, motor, [T.mean for T in temperatures])
-    coldest = energy(fine, motor, [ambient] * len(fine))[2] if unknown else sums[2]
+    sums = energy(fine, motor, [T.mean for T in temperatures], kept)
+    coldest = energy(fine, motor, [ambient] * len(fine), kept)[2] if unknown else sums[2]
     copper = (
         sum(
             resistance(motor, T.mean) * product(p.time, p.current, p.current)
@@ -264,8 +264,10 @@ def strongest(time: float, I: Pair, V: Pair) -> float:
     return best
 
 
-def energy(pieces: list[Piece], motor: Any, temperatures: list[float]) -> tuple[float, float, float]:
-    """Drawn and returned over a cycle, and the most that a store holds that takes what comes back and gives first."""
+def energy(
+    pieces: list[Piece], motor: Any, temperatures: list[float], kept: float = 1.0
+) -> tuple[float, float, float]:
+    """Drawn and returned over a cycle, and the most that a store holds that takes what is kept of it and gives first."""
     steps = []
     for p, T in zip(pieces, temperatures, strict=True):
         V = volts(p, motor, T)
@@ -276,11 +278,11 @@ def energy(pieces: list[Piece], motor: Any, temperatures: list[float]) -> tuple[
     if any(map(math.isnan, steps)):
         return NAN, NAN, NAN
     drawn, returned = sum(s for s in steps if s > 0), -sum(s for s in steps if s < 0)
-    if returned > drawn:
+    if kept * returned > drawn:
         return drawn, returned, math.inf  # more every time
     held = most = 0.0
     for step in steps * 2:
-        held = max(held - step, 0.0)
+        held = max(held - (step if step > 0 else kept * step), 0.0)
         most = max(most, held)
     return drawn, returned, most
 
@@ -671,8 +673,8 @@ def _supply(spec: Any, found: Asked, controller: Any, out: dict[str, Verdict]) -
         out["supply_power"] = bounded(at_most(P * sets, supply.power, more) for P in found.power)
     buses = []
     for stored in found.stored:
-        if supply.regeneration > 0.0 and supply.capacitance is None:
-            bus = supply.highest
+        if supply.accepts == "all" or (supply.accepts is None and spec.battery):
+            bus = supply.highest  # what is not stored is lost in the battery
         elif supply.capacitance is None:
             most = figure(controller, "supply_max")
             ripple = figure(controller, "continuous_current") / (4 * 100e3 * 0.1 * supply.highest)  # a tenth at 100 kHz

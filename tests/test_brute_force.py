@@ -153,7 +153,8 @@ def all_by_hand(spec, catalog, sets):
         extra = by_hand.figure(encoder, "inertia")
         extra = 0.0 if math.isnan(extra) else extra
         pieces = by_hand.drive(motor, head, extra, belt, spec.belt_efficiency, segments)
-        asked = by_hand.asked(pieces, motor, head, spec.environment.ambient)
+        kept = 1.0 - spec.supply.regeneration  # the rest of what comes back
+        asked = by_hand.asked(pieces, motor, head, spec.environment.ambient, kept)
         checks, controller = by_hand.checks(spec, cycle, pieces, asked, (motor, head, encoder), belt, offered)
         found.append((checks, controller, asked, pieces))
     return found

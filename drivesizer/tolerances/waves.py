@@ -50,7 +50,7 @@ def moments(
     """
     k_t, limit = parts.motor["torque_constant"], parts.controller["continuous_current"]
     current, induced = at.line(asked.coefficients) / k_t, at.speeds * (asked.back_emf * asked.total_ratio)
-    kept = kept_on_the_bus(spec.supply)
+    kept = kept_on_the_bus(spec)
     stores = bool(np.any(kept > 0.0))
     limited = spec.supply.current is not None or spec.supply.power is not None
     count = current.shape[-1]
