@@ -18,7 +18,7 @@ Objective = Annotated[
 ]
 Pareto = Annotated[str | None, typer.Option(metavar="NAMES", help="Also the front of several, e.g. mass,price,energy.")]
 Confidence = Annotated[
-    float | None, typer.Option(help="Only sets of which all checks pass with this probability, e.g. 0.95.")
+    float | None, typer.Option(help="Only sets of which no check fails with this probability, e.g. 0.95.")
 ]
 Samples = Annotated[int | None, typer.Option(help="Of each set, for its tolerances; else the spec's.")]
 Seed = Annotated[int | None, typer.Option(help="Of the samples: the same seed, the same figures.")]
@@ -161,6 +161,7 @@ def explain(
         from drivesizer import terminal
 
         terminal.explained(found, catalog)
+        tell(found.warnings)
     raise typer.Exit(0 if any(s.status != "fail" for s in found.sets) else 1)
 
 

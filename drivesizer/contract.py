@@ -207,6 +207,7 @@ def explanation(found: Explanation) -> dict[str, Any]:
         "drivesizer": __version__,
         "sets": [drive_set(s) for s in found.sets],
         "uncertainty": uncertainty(found.uncertainty),
+        "warnings": list(found.warnings),
     }
 
 

@@ -57,9 +57,11 @@ def _loop(found: LoopShare | None) -> dict[str, Any] | None:
         return None
     return {
         "samples": found.samples,
-        "probability": found.probability,
+        "probability": number(found.passing),
+        "none_fails": found.probability,
         "error_95": found.error,
         "weakest_check": found.weakest,
+        "unknown": list(found.unknown),
     }
 
 

@@ -261,6 +261,7 @@ class Explanation(NamedTuple):
 
     sets: list[DriveSet]  # with every belt ratio
     uncertainty: Uncertainty | None  # what was uncertain, where tolerances were sampled
+    warnings: tuple[str, ...] = ()  # of the motion
 
 
 def section_of(part: Any) -> str:

@@ -15,7 +15,7 @@ from drivesizer.profile import profile_of
 from drivesizer.spec import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["not_returning"]
+__all__ = ["not_returning", "starts_farther_on"]
 
 _WITH_AN_END = ("arm", "hoist", "lead_screw", "ball_screw", "rack_pinion")
 _ROUNDING = 1e-6  # of the way: a recording is no more exact
@@ -30,8 +30,13 @@ def not_returning(spec: RobotSpec) -> tuple[str, ...]:
     spec
         The machine with its load cases.
     """
-    found = ((name, _off(case)) for name, case in spec.load_cases)
-    return tuple(_told(name, off, spec) for name, off in found if off)
+    return tuple(line for name, case in spec.load_cases for line in starts_farther_on(name, case))
+
+
+def starts_farther_on(name: str, spec: RobotSpec) -> tuple[str, ...]:
+    """The same of one load case, with its name; empty where it comes back, or need not."""
+    off = _off(spec)
+    return (_told(name, off, spec),) if off else ()
 
 
 def _told(name: str, off: float, spec: RobotSpec) -> str:

@@ -24,6 +24,7 @@ from drivesizer.platform_cases import on_wheels
 from drivesizer.profile import SPEED, Profile
 from drivesizer.profile import profile as named
 from drivesizer.results import Check, DriveSet, Gains, SizingResult, Validation, verdict
+from drivesizer.returning import starts_farther_on
 from drivesizer.shaft_load import asked_of
 from drivesizer.spec import RobotSpec
 from drivesizer.units import show
@@ -101,10 +102,12 @@ def validate(
     case = run(spec, drive_set, asked)
     found = checks(case)
     own, lacking = _own_units(case)
+    name = driven if len(whole.load_cases) > 1 else ""
+    farther = () if profile is not None else starts_farther_on(name, spec)  # the spec's own motion repeats
     return Validation(
         spec=spec,
         drive_set=drive_set,
-        case=driven if len(whole.load_cases) > 1 else "",
+        case=name,
         profile=asked.name,
         status=verdict(found),
         checks=found,
@@ -113,7 +116,7 @@ def validate(
         series=series(case),
         series_units=series_units(case),
         assumptions=(*case.said, *_assumptions(case), *_one_of(whole.load_cases, driven)),
-        warnings=(*_warnings(case, found), *lacking),
+        warnings=(*_warnings(case, found), *lacking, *farther),
         controller_gains=own,
         loops=case.loops.all,
     )

@@ -249,7 +249,8 @@ def explained(
     both = with_both_methods(spec, catalog, [with_budget(spec, catalog, one, machine) for one in alone])
     sets = [replace(s, changes=changes_for(spec, catalog, s)) if verdict(s.checks) == "fail" else s for s in both]
     sampling = sampling or asked(spec)
-    return _sampled(spec, catalog, sets, sampling) if sampling else Explanation(sets, None)
+    told = _sampled(spec, catalog, sets, sampling) if sampling else Explanation(sets, None)
+    return told._replace(warnings=not_returning(spec))
 
 
 def _sampled(spec: RobotSpec, catalog: Catalog, sets: list[DriveSet], how: Sampling) -> Explanation:

@@ -91,12 +91,12 @@ def _named(one: DriveSet) -> Text:
 
 def _all_pass(found: Reliability) -> str:
     """How probable it is that all checks pass; where that is unknown, that none of the known ones fails."""
-    if found.unknown:
-        return f"unknown; none\nfails: {likely(found.probability)}"
-    return _chance(found.probability, found.error)
+    return _chance(found.probability, found.error, found.unknown)
 
 
-def _chance(probability: float, error: float) -> str:
+def _chance(probability: float, error: float, unknown: tuple[str, ...]) -> str:
+    if unknown:
+        return f"unknown; none\nfails: {likely(probability)}"
     return f"{likely(probability)}\n± {100 * error:.2g} %"
 
 
@@ -109,7 +109,7 @@ def _weakest(found: Reliability) -> Text:
 
 def _loop(found: Reliability) -> str:
     """What the closed loop says, with its own error."""
-    return _chance(found.loop.probability, found.loop.error) if found.loop else "–"
+    return _chance(found.loop.probability, found.loop.error, found.loop.unknown) if found.loop else "–"
 
 
 def _margin(value: float) -> str:

@@ -264,10 +264,8 @@ def strongest(time: float, I: Pair, V: Pair) -> float:
     return best
 
 
-def energy(
-    pieces: list[Piece], motor: Any, temperatures: list[float], kept: float = 1.0
-) -> tuple[float, float, float]:
-    """Drawn and returned over a cycle, and the most that a store holds that takes what is kept of it and gives first."""
+def energy(pieces: list[Piece], motor: Any, temperatures: list[float], kept: float = 1.0) -> tuple[float, float, float]:
+    """Drawn and returned over a cycle, and the most in a store that takes what is kept of that and gives first."""
     steps = []
     for p, T in zip(pieces, temperatures, strict=True):
         V = volts(p, motor, T)

@@ -8,8 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drivesizer import contract_tolerances as contract
 from drivesizer.checks import at_most
 from drivesizer.examine import doubted
+from drivesizer.report.tolerance_rows import _set as sure_row
 from drivesizer.simulate import validate
 from drivesizer.sizing import explained
 from drivesizer.spec import read_spec
@@ -31,7 +33,7 @@ def pair(example_text, catalog):
     """The SPS robot with an uncertain mass: its motor's thermal figures and permissible speed are in no catalogue."""
     text = example_text.replace("mass: 45 kg", "mass: 45 kg +- 2 kg", 1).replace("method: paper", "method: physics")
     spec = read_spec(YamlSource(text, "robot.yaml"))
-    return explained(spec, "118752", "406764", catalog=catalog, sampling=Sampling(64, 1, None))
+    return explained(spec, "118752", "406764", catalog=catalog, sampling=Sampling(64, 1, None, loop=16))
 
 
 def test_samples_do_not_say_that_all_pass_where_checks_are_unknown(pair):
@@ -43,6 +45,16 @@ def test_samples_do_not_say_that_all_pass_where_checks_are_unknown(pair):
     for title in found.unknown:
         assert told[title].passes + told[title].fails < 1.0
         assert all(math.isnan(x) for x in (told[title].low, told[title].middle, told[title].high))
+
+
+def test_samples_in_closed_loop_do_not_say_so_either(pair):
+    """The motor's permissible speed is in no catalogue, in closed loop as without: it is named, and it says unknown."""
+    found = pair.sets[0].reliability
+    assert found.loop.probability > 0.0 and found.loop.unknown == ("Motor permissible speed",)
+    assert math.isnan(found.loop.passing)
+    written = contract.reliability(found)["closed_loop"]
+    assert written["probability"] is None and written["none_fails"] == found.loop.probability
+    assert sure_row(pair.sets[0])["loop"].startswith("unknown; none fails: ")
 
 
 def test_where_nothing_is_unknown_none_fails_is_that_all_pass(pair):

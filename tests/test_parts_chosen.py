@@ -55,7 +55,7 @@ FAN = """
 name: a fan on the shaft
 load: {kind: fan, inertia: 20 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}
 motion: {speed: 1200 rpm, acceleration_time: 2 s, cruise_time: 20 s}
-supply: {nominal: 24 V, regeneration: 0.4}
+supply: {nominal: 24 V, regeneration: 0.4, accepts: all}
 select: {catalogs: [parts.yaml]}
 """
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from drivesizer.returning import not_returning
-from drivesizer.sizing import size
+from drivesizer.simulate import validate
+from drivesizer.sizing import explained, size
 from drivesizer.spec import read_spec
 from drivesizer.yaml_source import YamlSource
 
@@ -50,3 +51,12 @@ def test_what_may_go_on_says_nothing(load, motion):
 def test_it_is_among_the_warnings(catalog):
     result = size(spec(ARM, ROTARY), catalog=catalog, top=1)
     assert sum("ends 90" in said for said in result.warnings) == 1
+
+
+def test_the_closed_loop_and_a_single_pair_are_warned_of_too(catalog):
+    """What validates or explains one pair has the same motion; a profile that is asked for is somebody's test."""
+    arm = spec(ARM, ROTARY)
+    pair = explained(arm, "118752", "406764", catalog=catalog)
+    proof, test = (validate(arm, pair.sets[0], profile=profile) for profile in (None, "trapezoid"))
+    for found, times in ((pair, 1), (proof, 1), (test, 0)):
+        assert sum("ends 90" in said for said in found.warnings) == times

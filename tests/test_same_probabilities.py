@@ -70,7 +70,7 @@ def recorded(result: SizingResult) -> Numbers:
         found |= {(one.rank, "probability"): sure.passing, (one.rank, "error"): sure.error}
         found |= {(one.rank, "5"): sure.low, (one.rank, "50"): sure.middle}
         if sure.loop:
-            found |= {(one.rank, "loop"): sure.loop.probability, (one.rank, "loop error"): sure.loop.error}
+            found |= {(one.rank, "loop"): sure.loop.passing, (one.rank, "loop error"): sure.loop.error}
     best = result.sets[0]
     for check in moved(of(best))[:PRINTED]:
         found[best.rank, check.title, "passes"] = check.passes

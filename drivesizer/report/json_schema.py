@@ -159,7 +159,9 @@ def _reliability() -> _Schema:
     end = _all_of(value=_STRING, smallest_margin=_NUMBER)
     check = _all_of(name=_STRING, passes=_FLOAT, fails=_FLOAT, weakest=_FLOAT, margin=margin)
     driver = _all_of(name=_STRING, share_of_variance=_FLOAT, rank_correlation=_FLOAT, at_p5=end, at_p95=end)
-    loop = _all_of(samples=_COUNT, probability=_FLOAT, error_95=_FLOAT, weakest_check=_STRING)
+    loop = _all_of(
+        samples=_COUNT, probability=_NUMBER, none_fails=_FLOAT, error_95=_FLOAT, weakest_check=_STRING, unknown=_WORDS
+    )
     return _all_of(
         probability=_NUMBER, none_fails=_FLOAT, error_95=_FLOAT, weakest_check=_STRING, unknown=_WORDS,
         smallest_margin=margin,

@@ -68,7 +68,8 @@ def reliability_rows(one: DriveSet) -> Iterator[Row]:
            "note": found.weakest}  # fmt: skip
     if found.loop:
         said = {"note": f"weakest: {found.loop.weakest}"}
-        yield _share("reliability", "closed_loop", "All checks pass in closed loop", found.loop.probability) | said
+        yield _share("reliability", "closed_loop", "All checks pass in closed loop", found.loop.passing) | said
+        yield _share("reliability", "closed_loop_none_fails", "No check fails in closed loop", found.loop.probability)
         yield _share("reliability", "closed_loop_error_95", "Error of that, 95 % to both sides", found.loop.error)
         yield {"section": "reliability", "name": "closed_loop_samples", "title": "Samples in closed loop",
                "value": found.loop.samples}  # fmt: skip
@@ -123,7 +124,8 @@ def _weakest(found: Reliability) -> str:
 
 _WHOLE = ("probability", "none_fails", "probability_error_95", "weakest_check", "unknown_checks", "smallest_margin_5",
           "smallest_margin_50", "smallest_margin_95")  # fmt: skip
-_LOOP = ("closed_loop_probability", "closed_loop_error_95", "closed_loop_weakest_check", "closed_loop_samples")
+_LOOP = ("closed_loop_probability", "closed_loop_none_fails", "closed_loop_error_95", "closed_loop_weakest_check",
+         "closed_loop_unknown_checks", "closed_loop_samples")  # fmt: skip
 
 
 def chance_columns(sets: Iterable[DriveSet]) -> tuple[str, ...]:
@@ -147,7 +149,10 @@ def _cells(found: Reliability) -> dict[str, Any]:
     margins = (found.low, found.middle, found.high)
     whole = (found.passing, found.probability, found.error, _weakest(found), "; ".join(found.unknown), *margins)
     loop = found.loop
-    driven = (loop.probability, loop.error, loop.weakest, loop.samples) if loop else ("", nan, "", "")
+    driven: tuple[Any, ...] = ("", "", nan, "", "", "")
+    if loop:
+        open_ = "; ".join(loop.unknown)
+        driven = (loop.passing, loop.probability, loop.error, loop.weakest, open_, loop.samples)
     cells = dict(zip((*_WHOLE, *_LOOP), (*whole, *driven), strict=True))
     for check in found.checks:
         figures = {"passes": check.passes, "fails": check.fails}

@@ -8,7 +8,7 @@ from typing import Any
 from drivesizer.report.wording import margin, minus
 from drivesizer.results import DriveSet, SizingResult
 from drivesizer.tolerances.moved import moved
-from drivesizer.tolerances.records import Driver, Reliability, Spread
+from drivesizer.tolerances.records import Driver, LoopShare, Reliability, Spread
 from drivesizer.tolerances.wording import asked_for, in_the_loop, likely
 
 __all__ = ["error_and_weakest", "judged", "none_as_sure", "standing", "sure"]
@@ -32,7 +32,8 @@ def none_as_sure(result: SizingResult) -> str:
 
 def error_and_weakest(found: Reliability) -> str:
     """What is to be known beside a probability."""
-    unknown = f"; unknown: {'; '.join(found.unknown)}" if found.unknown else ""
+    number = "1 check is" if len(found.unknown) == 1 else f"{len(found.unknown)} checks are"
+    unknown = f"; {number} unknown: {'; '.join(found.unknown)}" if found.unknown else ""
     return f"{_error(found.error)}; weakest check: {found.weakest}{unknown}"
 
 
@@ -53,7 +54,8 @@ def sure(result: SizingResult) -> dict[str, Any] | None:
         "examined": told.examined,
         "reached": told.reached,
         "none": none_as_sure(result),
-        "chance": likely(best.reliability.passing),
+        "claim": "no check fails" if best.reliability.unknown else "all checks pass",
+        "chance": likely(best.reliability.probability),
         "beside": error_and_weakest(best.reliability),
         "label": best.label,
         "sets": [_set(one) for one in result.sets[:_SETS] if one.reliability],
@@ -81,8 +83,13 @@ def _set(one: DriveSet) -> dict[str, str]:
         "more": "; ".join(more),
         "low": _shown(found.low),
         "middle": _shown(found.middle),
-        "loop": f"{likely(loop.probability)} {_error(loop.error)}" if loop else "",
+        "loop": _driven(loop) if loop else "",
     }
+
+
+def _driven(loop: LoopShare) -> str:
+    none_fails = f"{likely(loop.probability)} {_error(loop.error)}"
+    return f"unknown; none fails: {none_fails}" if loop.unknown else none_fails
 
 
 def _error(value: float) -> str:

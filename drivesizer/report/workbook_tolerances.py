@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict
+from typing import Any
 
 from drivesizer.report.rows import Row
 from drivesizer.report.sure_rows import every_list, method_of
@@ -26,8 +27,10 @@ _SETS = (
     Column("unknown checks", "unknown"),
 )  # fmt: skip
 _LOOP = (
-    Column("all pass in closed loop (%)", "loop_probability", "share"),
+    Column("all pass in closed loop (%)", "loop_passing", "share"),
+    Column("none fails in closed loop (%)", "loop_probability", "share"),
     Column("its error, 95 % (%)", "loop_error", "error"), Column("weakest in closed loop", "loop_weakest"),
+    Column("unknown in closed loop", "loop_unknown"),
     Column("samples in closed loop", "loop_samples", "count"),
 )  # fmt: skip
 _CHECKS = (
@@ -77,7 +80,9 @@ def _set(one: DriveSet) -> Row:
         "weakest": found.weakest, "low": found.low, "middle": found.middle, "high": found.high,
         "unknown": "; ".join(found.unknown),
     }  # fmt: skip
-    loop = asdict(found.loop) if found.loop else {}
+    loop: dict[str, Any] = {}
+    if found.loop:
+        loop = asdict(found.loop) | {"passing": found.loop.passing, "unknown": "; ".join(found.loop.unknown)}
     return row | {f"loop_{name}": value for name, value in loop.items()}
 
 

@@ -41,7 +41,7 @@ _LOST = "the loop does not come to an end"
 def loop_share(
     spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Array, samples: int
 ) -> LoopShare | None:
-    """Share of samples in which every check of the closed loop passes; None of the wheels of a platform on its way.
+    """Share of samples in which no check of the closed loop fails; None of the wheels of a platform on its way.
 
     Parameters
     ----------
@@ -64,9 +64,12 @@ def loop_share(
     each = max(samples // REPLICATES, 1)
     rows = (np.arange(REPLICATES)[:, None] * (len(values) // REPLICATES) + np.arange(each)).reshape(-1)
     found = _judged(nominal, [off(spec, one, given, values[row]) for row in rows])
-    passed = np.array([not any(check.status == "fail" for check in several) for several in found])
-    share = mean_and_error(passed)
-    return LoopShare(samples=len(rows), probability=share.value, error=share.error, weakest=_weakest(found))
+    share = mean_and_error(np.array([not any(check.status == "fail" for check in several) for several in found]))
+    unknown = (check.title for several in found for check in several if check.status == "unknown" and not check.advice)
+    return LoopShare(
+        samples=len(rows), probability=share.value, error=share.error, weakest=_weakest(found),
+        unknown=tuple(dict.fromkeys(unknown)),
+    )  # fmt: skip
 
 
 def off(spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Array) -> tuple[RobotSpec, DriveSet]:

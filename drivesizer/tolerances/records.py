@@ -40,9 +40,15 @@ class LoopShare:
     """The same set in closed loop."""
 
     samples: int
-    probability: float  # that every check of the loop passes
+    probability: float  # share of samples in which no check of the loop fails
     error: float  # 95 %, to both sides
     weakest: str  # the check that fails most often, else the tightest in the mean
+    unknown: tuple[str, ...] = ()  # titles of checks that some sample leaves open
+
+    @property
+    def passing(self) -> float:
+        """Share of samples in which every check passes; NaN unknown, where a missing figure leaves one open."""
+        return float("nan") if self.unknown else self.probability
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

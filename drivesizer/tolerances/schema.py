@@ -44,7 +44,7 @@ class GearheadTolerances(Section):
 class Tolerances(Section):
     """How sure a drive must be, and how that is sampled."""
 
-    confidence: Share | None = Field(default=None, description="probability that every check passes, at least")
+    confidence: Share | None = Field(default=None, description="probability that no check fails, at least")
     samples: Annotated[int, Field(ge=FEWEST, le=MOST)] = Field(default=8192, description="of each set")
     loop_samples: Annotated[int, Field(ge=0, le=10_000)] = Field(
         default=64, description="of the best sets in closed loop, where a confidence is asked for; 0 for none"
