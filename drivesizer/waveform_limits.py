@@ -248,7 +248,7 @@ def _slices(at: AtGearhead, count: int) -> list[slice]:
 
 def _largest_voltage(found: Wave, cold: Peak) -> Peak:
     """Largest absolute voltage and when: warm, or cold at the start."""
-    values = np.abs(found.voltage).reshape(len(found.voltage), -1)
+    values = np.abs(found.voltage).reshape(len(found.voltage), 2 * len(found.duration))
     worst, ends = values.argmax(axis=1), np.cumsum(found.duration)
     time = np.stack([ends - found.duration, ends], axis=1).ravel()[worst]
     value = values[np.arange(len(values)), worst]
