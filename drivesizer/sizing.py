@@ -19,6 +19,7 @@ from drivesizer.compare import with_both_methods
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.evaluation import evaluate
 from drivesizer.loads.wheeled_vehicle import grip_warning
+from drivesizer.own_mass import at_its_own_mass
 from drivesizer.platform_cases import on_wheels
 from drivesizer.ranking import Objective, title_of
 from drivesizer.records import drive_set
@@ -212,6 +213,8 @@ def explained(
 ) -> Explanation:
     """One pair of motor and gearhead, check by check, and how sure it is where the spec has tolerances.
 
+    Where the drive's own mass counts the machine is as heavy as ``size`` makes it, for any pair.
+
     Parameters
     ----------
     spec
@@ -235,6 +238,7 @@ def explained(
         When a part number is in no catalogue, the gearhead is missing or inside something else, or no pulleys fit.
     """
     catalog = prepared(catalog) if catalog else load_parts(spec)
+    spec, _ = at_its_own_mass(spec, catalog, spec.select.objective)
     spec = belt_choice.with_pulleys(on_wheels(spec), catalog)
     check_battery(spec, catalog)
     rows = _pair(catalog, motor, gearhead)

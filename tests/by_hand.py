@@ -627,9 +627,10 @@ def checks(
     out["controller_peak_time"] = at_most(held, figure(controller, "peak_time"))
     out["encoder_speed"] = at_most(found.speed, figure(encoder, "max_speed"), fast)
     rates = [figure(encoder, "max_frequency"), figure(controller, "max_encoder_frequency")]
-    rates = [rate for rate in rates if not math.isnan(rate)]
     edges = figure(encoder, "counts_per_turn") * found.speed / (2 * math.pi)
-    out["encoder_frequency"] = at_most(edges, min(rates) if rates else NAN, fast)
+    sure = [rate for rate in rates if edges * (1 + fast) > rate]  # too slow, whatever the other is
+    lowest = min(sure) if sure else NAN if any(map(math.isnan, rates)) else min(rates)
+    out["encoder_frequency"] = at_most(edges, lowest, fast)
     turning = 0.0 if motor.kind == "brushed" else found.speed * motor.pole_pairs
     limit = math.inf if motor.kind == "brushed" else figure(controller, "max_speed_sine")
     out["controller_speed"] = at_most(turning, limit, fast)
@@ -707,6 +708,8 @@ def _wishes(spec: Any, cycle: Any, motor: Any, head: Any, encoder: Any, belt: fl
         out["backlash_at_load"] = at_most(head.backlash / belt, needs.backlash_at_load)
     if needs.radial_load is not None:
         out["gearhead_radial_load"] = at_most(needs.radial_load, head.max_radial_load, spec.margins.torque)
+        at_motor = motor.max_radial_load if head.kind == "direct" else math.inf
+        out["motor_radial_load"] = at_most(needs.radial_load, at_motor, spec.margins.torque)
     if needs.inertia_ratio is not None:
         out["inertia_ratio"] = at_most(cycle.inertia / own, needs.inertia_ratio)
     if needs.resonance is not None:

@@ -260,6 +260,15 @@ def test_a_drive_that_carries_itself():
     assert any("Settled" in said for said in result.warnings)
 
 
+def test_explain_looks_at_the_machine_that_was_sized():
+    """The same set at the same mass: the same checks, encoder and controller."""
+    spec = spec_of(VEHICLE, PLATFORM, AHEAD, OWN)
+    (best,) = size(spec, top=1).sets
+    (one,) = explain(spec, best.motor.part, best.gearhead.part)
+    assert repr((one.checks, one.budget)) == repr((best.checks, best.budget))
+    assert repr((one.encoder, one.controller)) == repr((best.encoder, best.controller))
+
+
 def test_a_drive_that_is_too_heavy_fails_by_the_budget():
     result = size(spec_of(VEHICLE, PLATFORM, AHEAD, "budget: {structure: 44.99 kg, mass: 45 kg}\n"), top=1)
     assert not result.sets
