@@ -303,16 +303,24 @@ def _counting(spec: RobotSpec, belt: float, asked: Demands, parts: Parts) -> lis
     """Encoder by speed and frequency, its own and the controller's, and by resolution."""
     encoder = parts.encoder
     speed: dict[str, Any] = {"needed": spec.margins.speed} | ({} if spec.wants_encoder else NOT_ASKED)
-    rate = np.fmin(encoder["max_frequency"], parts.controller["max_encoder_frequency"])
+    counted = line_frequency(asked, encoder)
+    rates = encoder["max_frequency"], parts.controller["max_encoder_frequency"]
+    rate = _lower(*rates, counted * (1.0 + spec.margins.speed))
     found = [
         at_most("encoder_speed", asked.peak_speed, encoder["max_speed"], *_ROTARY, **speed),
-        at_most("encoder_frequency", line_frequency(asked, encoder), rate, "frequency", "kHz", **speed),
+        at_most("encoder_frequency", counted, rate, "frequency", "kHz", **speed),
     ]
     need = spec.needs.resolution_at_load
     if need is not None:
         edge = angle_per_edge(lines(encoder), asked.total_ratio * belt)
         found.append(at_most("encoder_resolution", edge, need, "angle", "deg"))
     return found
+
+
+def _lower(one: Array, other: Array, needed: Array) -> Array:
+    """The lower of two limits; where one is unknown, the other for what needs more than that: a sure failure."""
+    both, known = np.minimum(one, other), np.fmin(one, other)
+    return np.where(np.isnan(both) & (needed > known), known, both)
 
 
 def _commutation(spec: RobotSpec, asked: Demands, parts: Parts) -> list[CheckColumn]:

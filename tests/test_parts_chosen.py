@@ -102,6 +102,26 @@ def test_an_encoder_that_nobody_asked_for_decides_nothing(fan):
         assert (asked.sets[0].motor.part, asked.sets[0].status) == ("heavy", "pass")
 
 
+@pytest.mark.parametrize(
+    ("own", "controllers", "status"),
+    [
+        ("100", "5", "pass"),
+        ("null", "5", "unknown"),
+        ("100", "null", "unknown"),
+        ("9.9", "null", "fail"),
+        ("null", "0.0099", "fail"),
+        ("null", "null", "unknown"),
+    ],
+)
+def test_one_unknown_limit_of_frequency_does_not_pass(fan, own, controllers, status):
+    """500 lines at 1200 rpm are 10 000 per second, which encoder and controller must both count."""
+    parts = PARTS.replace("[known, 500, 6000, 100]", f"[known, 500, 6000, {own}]").replace(", 5]", f", {controllers}]")
+    spec = fan("known", "encoder_counts: 450", parts.replace("encoders: [E]", "encoders: [known]"))
+    for one in explain(spec, "heavy", "direct"):
+        assert one.encoder.part == "known"
+        assert {check.name: check.status for check in one.checks}["encoder_frequency"] == status
+
+
 def test_a_stricter_demand_gives_no_lighter_set(fan):
     """What is asked for can only leave fewer sets."""
     masses = [size(fan("coarse unknown", f"encoder_counts: {n}" if n else "")).sets[0].mass for n in (0, 50, 150, 600)]
