@@ -12,7 +12,7 @@ k_e back-EMF constant [V*s/rad], i ratio.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -35,9 +35,10 @@ from drivesizer.physics import (
 from drivesizer.physics_limits import heat, housing_loss, volts_of
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
-from drivesizer.thermal import COPPER, DATA_TEMPERATURE, continuous_current, current_derating
+from drivesizer.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
+from drivesizer.units import show
 
-__all__ = ["OperatingField", "field"]
+__all__ = ["OperatingField", "field", "hot_winding"]
 
 Array = NDArray[np.float64]
 _POINTS = 201  # of each line
@@ -50,6 +51,7 @@ class OperatingField:
     voltage: float  # V, usable at the motor when the supply is at its lowest
     ambient: float  # K, also the temperature of the cold winding
     hot: float  # K, permitted winding temperature; where that is unknown, its steady mean in this cycle
+    hot_permitted: bool  # whether it is the permitted one
     permissible_speed: float  # rad/s, the least that motor and gearhead permit
     speed: Array  # rad/s, from 0 to the highest of no load and cycle
     voltage_cold: Array  # N*m that the usable voltage gives at these speeds, below 0 beyond the no-load speed
@@ -61,6 +63,12 @@ class OperatingField:
     cycle_torque: Ends  # N*m, signed as the speed is
     rms_speed: float  # rad/s
     rms_torque: float  # N*m, constant torque that draws the cycle's RMS current at its RMS speed
+
+
+def hot_winding(found: OperatingField) -> str:
+    """How warm the hot winding is, in words; what is no permitted temperature is called what it is."""
+    said = show(found.hot, "degC", "temperature", 3)
+    return said if found.hot_permitted or np.isnan(found.hot) else f"{said}, the cycle's mean"
 
 
 def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
@@ -85,6 +93,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     rms_speed, rms_torque = _rms(at, asked, drive_set)
     return OperatingField(
         **_lines(spec, drive_set, asked, _hot(spec, at, asked, motor), float(np.abs(cycle_speed).max())),
+        hot_permitted=not np.isnan(drive_set.motor.max_winding_temperature),
         permissible_speed=float(np.fmin(drive_set.motor.max_speed, drive_set.gearhead.intermittent_input_speed)),
         cycle_speed=cycle_speed,
         cycle_torque=cycle_torque,
@@ -130,7 +139,10 @@ def _friction(asked: Demands, w: Any) -> Any:
 
 
 def _hot(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: OneRow) -> float:
-    """Temperature of the hot winding [K]: the voltage line is then good in any cycle that the winding bears."""
+    """Temperature of the hot winding [K]: the permitted one, the line is then good in any cycle that the winding bears.
+
+    Where that is unknown it is the mean of this cycle in the long run, and the line is this cycle's alone.
+    """
     permitted = float(motor["max_winding_temperature"][0])
     steady = float(heat(spec, at, asked, motor).winding[0])
     return steady if np.isnan(permitted) and np.isfinite(steady) else permitted
@@ -146,7 +158,7 @@ def _voltage(spec: RobotSpec, drive_set: DriveSet) -> float:
 def _line(asked: Demands, drive_set: DriveSet, voltage: float, temperature: float) -> tuple[float, float]:
     """Torque at standstill [N*m] and its change with speed [N*m s/rad] at a voltage."""
     k_t = drive_set.motor.torque_constant
-    resistance = drive_set.motor.resistance * (1.0 + COPPER * (temperature - DATA_TEMPERATURE))
+    resistance = float(resistance_at(resistance_25(asdict(drive_set.motor)), temperature))
     volts = volts_of(asked, np.array([k_t]), np.array([resistance]))[0]
     per_volt = k_t / resistance
     return float((voltage - volts[DIRECTION]) * per_volt), float(-volts[SPEED] / asked.total_ratio[0] * per_volt)
@@ -157,11 +169,11 @@ def _continuous(spec: RobotSpec, asked: Demands, motor: OneRow, w: Array) -> tup
     rubbing, iron = housing_loss(motor, np.ones(1))
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     permitted, ambient = motor["max_winding_temperature"], spec.environment.ambient
-    current = continuous_current(motor["resistance"], *R_th, permitted, ambient, rubbing * w + iron * w**2)
+    current = continuous_current(resistance_25(motor), *R_th, permitted, ambient, rubbing * w + iron * w**2)
     torque = np.asarray(np.maximum(motor["torque_constant"] * current - _friction(asked, w), 0.0))
     if not np.isnan(torque).any():
         return torque, True
-    share = current_derating(ambient, permitted)
+    share = current_derating(ambient, permitted, rated_ambient(motor))
     return np.broadcast_to(motor["nominal_torque"] * share, w.shape).copy(), False
 
 

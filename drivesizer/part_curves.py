@@ -1,6 +1,6 @@
 r"""What one part can do, as curves: its line of torque and speed, its continuous region, what its winding bears.
 
-The straight line at nominal voltage is that of the winding at 25 degC, where data sheets give R. Its ends are the
+The straight line at nominal voltage is that of the winding at the temperature of the data sheet. Its ends are the
 maker's; one that is unknown follows from
 
 .. math:: \omega_0 = \frac{V - R I_0}{k_e}, \qquad M_H = \frac{k_t k_e}{R} \omega_0,
@@ -21,7 +21,14 @@ from drivesizer.back_emf import back_emf_constant
 from drivesizer.catalog.query import Hit
 from drivesizer.overload import State, cold, overload_time, steady_state
 from drivesizer.physics_limits import housing_loss
-from drivesizer.thermal import DATA_TEMPERATURE, continuous_current, current_derating, two_bodies
+from drivesizer.thermal import (
+    DATA_TEMPERATURE,
+    continuous_current,
+    current_derating,
+    rated_ambient,
+    resistance_25,
+    two_bodies,
+)
 
 __all__ = ["HEAT", "Line", "bears", "bears_for", "continuous_curve", "line"]
 
@@ -82,9 +89,9 @@ def bears(hit: Hit, ambient: float) -> float:
     if ambient > hit["ambient_max"]:
         return nan
     if not isnan(hit["nominal_current"]):
-        return float(hit["nominal_current"] * current_derating(ambient, limit))
-    R, R_th1, R_th2 = (hit[name] for name in HEAT[1:])
-    return float(continuous_current(R, R_th1, R_th2, limit, ambient))
+        return float(hit["nominal_current"] * current_derating(ambient, limit, rated_ambient(hit)))
+    R_th1, R_th2 = (hit[name] for name in HEAT[2:])
+    return float(continuous_current(resistance_25(hit), R_th1, R_th2, limit, ambient))
 
 
 def bears_for(hit: Hit, current: float) -> tuple[float, float]:

@@ -20,7 +20,13 @@ from drivesizer.encoder_choice import NOT_ASKED, angle_per_edge
 from drivesizer.lasting_speed import asked_of_the_gearhead
 from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
 from drivesizer.spec import RobotSpec
-from drivesizer.thermal import COPPER, DATA_TEMPERATURE, current_derating, resistance_at, steady_winding_temperature
+from drivesizer.thermal import (
+    current_derating,
+    rated_ambient,
+    resistance_25,
+    resistance_at,
+    steady_winding_temperature,
+)
 from drivesizer.transmission import BeltStage
 
 __all__ = [
@@ -180,12 +186,13 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
 
     Brushed: the friction, :math:`k_t I_0 |w|` or the catalogue's own. Brushless: a loss that grows with the square of
     the speed and, with the copper's, warms the winding to its permitted temperature at the catalogue's nominal point in
-    25 degC; not below 0.
+    the ambient of that rating; not below 0.
     """
     brushed = motor["kind"] == "brushed"
-    rise = motor["max_winding_temperature"] - DATA_TEMPERATURE
+    rise = motor["max_winding_temperature"] - rated_ambient(motor)
     R_th2 = motor["thermal_resistance_housing"]
-    copper = motor["resistance"] * (1.0 + COPPER * rise) * motor["nominal_current"] ** 2
+    hot = resistance_at(resistance_25(motor), motor["max_winding_temperature"])
+    copper = hot * motor["nominal_current"] ** 2
     left = (rise - (motor["thermal_resistance_winding"] + R_th2) * copper) / R_th2
     iron = np.maximum(left, 0.0) * (ratio / motor["nominal_speed"]) ** 2
     coulomb, viscous = friction(motor)
@@ -201,22 +208,47 @@ def heat(
         rubbing, iron = np.zeros_like(rubbing), np.zeros_like(iron)
     mean = rubbing * at.moments[DIRECTION, SPEED] + iron * at.moments[SPEED, SPEED]
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
-    winding = steady_winding_temperature(spec.environment.ambient, motor["resistance"], *R_th, asked.rms_current, mean)
+    R_25 = resistance_25(motor)
+    winding = steady_winding_temperature(spec.environment.ambient, R_25, *R_th, asked.rms_current, mean)
     return Heat(rubbing, iron, mean, np.asarray(winding))
 
 
 def moving_limits(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, parts: Parts) -> list[CheckColumn]:
     """Limits of the pair in motion that the moments decide; that of the winding by its mean, which is no more."""
     motor, ambient = parts.motor, spec.environment.ambient
-    derating = current_derating(ambient, motor["max_winding_temperature"])
     torque, speed = spec.margins.torque, spec.margins.speed
     found = [
         at_most("motor_speed", asked.peak_speed, motor["max_speed"], *_ROTARY, needed=speed),
-        at_most("motor_nominal_current", asked.rms_current, motor["nominal_current"] * derating, "current", "A",
-                needed=torque),
+        nominal_current_limit(asked.rms_current, motor, ambient, torque),
         winding_limit(spec, warm.winding, motor),
     ]  # fmt: skip
     return [*found, *_inertias(spec, at, asked, parts), *_holding(spec, at, parts)]
+
+
+def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float, needed: float = 0.0) -> CheckColumn:
+    """The RMS current against the nominal one in an ambient.
+
+    Colder than the rating, with an unknown permitted temperature, the motor bears more by an unknown amount: up to the
+    nominal current it passes, and what is above is unknown.
+
+    Parameters
+    ----------
+    rms
+        RMS current [A].
+    motor
+        Figures by field name.
+    ambient
+        Temperature around the motor [K].
+    needed
+        Margin that must be there.
+    """
+    T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)
+    limit = np.asarray(motor["nominal_current"] * current_derating(ambient, T_max, rated))
+    found = at_most("motor_nominal_current", rms, limit, "current", "A", needed=needed)
+    least = np.isnan(T_max) & (ambient < np.asarray(rated)) & ~found.passed
+    if not least.any():
+        return found
+    return at_most("motor_nominal_current", rms, np.where(least, np.nan, limit), "current", "A", needed=needed)
 
 
 def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | None = None) -> CheckColumn:
@@ -251,7 +283,7 @@ def _holding(spec: RobotSpec, at: AtGearhead, parts: Parts) -> list[CheckColumn]
 def stress(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: Any) -> Stress:
     """Largest current of candidates, and largest voltage while the winding is cold; warm: see ``waveform_limits``."""
     k_t = motor["torque_constant"]
-    cold = resistance_at(motor["resistance"], spec.environment.ambient)
+    cold = resistance_at(resistance_25(motor), spec.environment.ambient)
     torque = peak(at, asked.coefficients, asked.left_out)
     volts = peak(at, volts_of(asked, k_t, np.asarray(cold)), asked.left_out)
     return Stress(Peak(torque.value / k_t, torque.time), volts)

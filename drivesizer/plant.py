@@ -23,6 +23,7 @@ from drivesizer.profile import Profile
 from drivesizer.results import DriveSet
 from drivesizer.shaft_load import at_shaft
 from drivesizer.spec import RobotSpec
+from drivesizer.thermal import of_unstated_temperature, resistance_25
 
 __all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "matrices", "modes", "within_reach"]
 
@@ -143,13 +144,13 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
         missing = [figure.replace("_", " ") for figure in needed if not getattr(part, figure) > 0.0]
         if missing:
             raise NoLoopError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; no closed loop without")
-    said: list[str] = []
+    said = list(of_unstated_temperature([drive_set.motor.part] if isnan(drive_set.motor.data_temperature) else []))
     motor, gearhead, shaft = drive_set.motor, drive_set.gearhead, at_shaft(spec)
     encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0
     gear_efficiency, idle = gear_loss(asdict(gearhead))
     coulomb, viscous = (float(x) for x in friction(asdict(motor)))
     train = DriveTrain(
-        resistance=motor.resistance,
+        resistance=float(resistance_25(asdict(motor))),
         inductance=motor.inductance,
         torque_constant=motor.torque_constant,
         back_emf_constant=float(back_emf_constant(asdict(motor))),

@@ -20,7 +20,7 @@ from drivesizer.physics import SPEED, AtGearhead, Demands, at_gearhead, demands
 from drivesizer.physics_limits import Heat, Stress, heat, stress, volts_of
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
-from drivesizer.thermal import resistance_at
+from drivesizer.thermal import resistance_25, resistance_at
 from drivesizer.waveform import Wave, balanced, lost, mean_square
 from drivesizer.waveform_limits import warming as of_the_winding
 
@@ -51,7 +51,7 @@ class SetCycle(NamedTuple):
     def hot(self) -> Array:
         """Resistance of the winding at its mean temperature [ohm]; cold, where that is unknown."""
         T = np.where(np.isfinite(self.course.mean), self.course.mean, self.spec.environment.ambient)
-        return np.asarray(resistance_at(self.motor["resistance"], T))
+        return np.asarray(resistance_at(resistance_25(self.motor), T))
 
     @property
     def volts(self) -> Array:
@@ -61,7 +61,7 @@ class SetCycle(NamedTuple):
     @property
     def copper(self) -> float:
         """Mean heat of the winding [W], its resistance that of each moment; NaN unknown."""
-        resistance = np.asarray(resistance_at(self.motor["resistance"][0], self.course.means[0]))
+        resistance = np.asarray(resistance_at(resistance_25(self.motor), self.course.means[0]))
         return float((resistance * mean_square(self.flows)[0]) @ self.flows.duration / self.flows.duration.sum())
 
 
@@ -109,7 +109,7 @@ def waveform(found: SetCycle, *, mean: bool = False) -> Wave:
         Take the winding in each piece at its mean temperature, which makes its energy; else as it is at its ends.
     """
     T = found.course.means[:, :, None] if mean else found.course.ends
-    resistance = resistance_at(found.motor["resistance"][0], T)
+    resistance = resistance_at(resistance_25(found.motor), T)
     return found.flows._replace(voltage=found.flows.voltage + resistance * found.flows.current)
 
 

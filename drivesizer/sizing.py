@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
+from math import isnan
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +33,7 @@ from drivesizer.search import Found, Progress, search
 from drivesizer.shortlist import shortlist
 from drivesizer.spec import RobotSpec
 from drivesizer.standing_sets import on_the_front, ranked, shortfall
+from drivesizer.thermal import of_unstated_temperature
 from drivesizer.tolerances.asked import Sampling, asked
 from drivesizer.units import show
 
@@ -104,7 +107,7 @@ def size(
         misses=ranked(fell[: None if sets else top], len(sets) + len(unsure)),
         relaxations=() if found.standing or found.short else relaxations(spec, catalog),
         counts=found.counts,
-        assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec)),
+        assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec), *_of_data(spec, (*sets, *unsure))),
         warnings=(*picked.weighed, *_warnings(spec, sets), *shortfall(picked.short, found.better), *catalog.replaced),
         unrestricted=_unrestricted(spec, catalog, objective),
         front=on_the_front(found, picked.weigh),
@@ -124,6 +127,13 @@ def _requirements(found: Found, spec: RobotSpec, row: int) -> tuple[Requirement,
     if len(found.evaluation.candidates.motor):
         return tuple(r.at(row) for r in found.evaluation.wheel.values())
     return tuple(paper.vehicle(spec, 0.0).steps.values())
+
+
+def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
+    """Motors whose resistance is of a temperature that nobody states; the paper's method does not ask for it."""
+    if spec.method != "physics":
+        return ()
+    return of_unstated_temperature(s.motor.part for s in sets if isnan(s.motor.data_temperature))
 
 
 def _assumptions(spec: RobotSpec) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ from drivesizer.terminal_battery import discharge_tables
 from drivesizer.terminal_catalog import counted, figure
 from drivesizer.terminal_chart import Axis, Series, chart
 from drivesizer.terminal_tables import bare, console, heading
-from drivesizer.thermal import DATA_TEMPERATURE
+from drivesizer.thermal import DATA_TEMPERATURE, Value, data_temperature, rated_ambient
 from drivesizer.units import from_si, label, show
 
 __all__ = ["page"]
@@ -193,18 +193,25 @@ def _drawn(hit: Hit, ends: Line, curve: tuple[list[float], list[float]], reach: 
     if not isnan(ends.torque):
         start = min(ends.speed, top) if top > 0.0 else ends.speed
         at = "nominal voltage" if isnan(hit["nominal_voltage"]) else said("nominal_voltage")
-        name = f"at {at}, winding at 25 °C" + (", computed from R, k_t and the no-load speed" if ends.computed else "")
+        name = f"at {at}, winding at {_celsius(data_temperature(hit))}"
+        name += ", computed from R, k_t and the no-load speed" if ends.computed else ""
         name += f"; cut at the permitted {said('max_speed')}" if start < ends.speed else ""
         stall = figure(ends.torque, schema["stall_torque"])
         name += f"; stall, {stall}, is beyond the chart" if ends.torque > reach else ""
         found.append(Series(name, [0.0, ends.torque * (1.0 - start / ends.speed), ends.torque], [start, start, 0.0]))
     if curve[0]:
-        found.append(Series("continuous, at 25 °C around the motor", *curve, gap=2, style="green"))
+        found.append(
+            Series(f"continuous, at {_celsius(rated_ambient(hit))} around the motor", *curve, gap=2, style="green")
+        )
     peak = hit["peak_torque"]
     if peak <= reach and found:
         tallest = max(max(one.y) for one in found)
         found.append(Series("peak torque, for a short time", [peak, peak], [0.0, tallest], gap=4, style="yellow"))
     return [*found, *_nominal(hit, ends)]
+
+
+def _celsius(temperature: Value) -> str:
+    return show(float(temperature), "degC", "temperature")
 
 
 def _nominal(hit: Hit, ends: Line) -> list[Series]:

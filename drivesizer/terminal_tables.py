@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import Catalog, columns_of
+from drivesizer.catalog.reading import DATA
 from drivesizer.gain_table import gain_rows
 from drivesizer.results import Check, DriveSet, Figure, Requirement, Validation, made_by, section_of
 from drivesizer.spec import AS_SPECIFIED
@@ -186,7 +187,9 @@ def _doubt(catalog: Catalog, section: str, part: str) -> str:
     """How many figures are not quoted from the maker's own document, the shakiest ones by name."""
     sure = catalog.confidence(section, catalog.table(section).rows[part])
     figures = {
-        name: sure[name] for name, column in columns_of(section).items() if name in sure and column.kind != "text"
+        name: sure[name]
+        for name, column in columns_of(section).items()
+        if name in sure and column.kind != "text" and name != DATA  # a condition of the others
     }
     said = []
     for level in ("secondary", "derived", "recalled"):

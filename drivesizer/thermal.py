@@ -9,6 +9,7 @@ constant [N*m/A], I_0 no-load current [A], w speed of the motor [rad/s].
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,7 +24,11 @@ __all__ = [
     "continuous_current",
     "continuous_torque",
     "current_derating",
+    "data_temperature",
     "nominal_current",
+    "of_unstated_temperature",
+    "rated_ambient",
+    "resistance_25",
     "resistance_at",
     "settled",
     "steady_winding_temperature",
@@ -33,7 +38,7 @@ __all__ = [
 Value = float | NDArray[np.float64]
 
 COPPER = 0.0039  # 1/K, of the resistance at 25 degC [1]; the handbook's 0.00393 belongs to 20 degC
-DATA_TEMPERATURE = 298.15  # K, at which datasheets give resistance and nominal current
+DATA_TEMPERATURE = 298.15  # K, at which most makers give resistance and nominal current: where a catalogue says nothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,6 +70,43 @@ class TwoBodies:
         figures = np.broadcast_arrays(self.R_25, self.R_th1, self.R_th2, self.tau_w, self.tau_h)
         found: NDArray[np.bool_] = np.all([(x > 0.0) & (x < np.inf) for x in figures], axis=0)
         return found
+
+
+def data_temperature(motor: Any) -> Value:
+    """At which a motor's figures hold [K]: what its catalogue says, else 25 degC, the makers' usual rating."""
+    stated = np.asarray(motor["data_temperature"], float)
+    found: Value = np.where(np.isnan(stated), DATA_TEMPERATURE, stated)[()]
+    return found
+
+
+def of_unstated_temperature(parts: Iterable[str]) -> tuple[str, ...]:
+    """What is taken for granted of motors whose catalogue does not say at which temperature their figures hold."""
+    names = ", ".join(dict.fromkeys(parts))
+    return (f"no catalogue says at which temperature the figures of {names} hold: 25 °C is assumed",) if names else ()
+
+
+def rated_ambient(motor: Any) -> Value:
+    """Around a motor that bears its nominal current for ever [K]: what the maker says, else as of its other figures."""
+    stated = np.asarray(motor["rated_ambient"], float)
+    found: Value = np.where(np.isnan(stated), data_temperature(motor), stated)[()]
+    return found
+
+
+def resistance_25(motor: Any) -> Value:
+    r"""Resistance of a motor's winding at 25 degC [ohm], :math:`R_d / (1 + \alpha (T_d - T_{25}))`.
+
+    Parameters
+    ----------
+    motor
+        Figures by field name, one motor's or columns: ``resistance`` as printed, at ``data_temperature``.
+
+    Examples
+    --------
+    >>> round(float(resistance_25({"resistance": 2.83, "data_temperature": 295.15})), 4)
+    2.8635
+    """
+    found: Value = motor["resistance"] / (1.0 + COPPER * (data_temperature(motor) - DATA_TEMPERATURE))
+    return found
 
 
 def resistance_at(R_25: Value, temperature: Value) -> Value:
@@ -115,7 +157,7 @@ def settled(ambient: Value, heating: Value, rest: Value = 0.0) -> Value:
 def two_bodies(motor: Any) -> TwoBodies:
     """Winding and housing of a motor by the names of its catalogue figures: one motor's, or columns over motors."""
     return TwoBodies(
-        R_25=motor["resistance"],
+        R_25=resistance_25(motor),
         R_th1=motor["thermal_resistance_winding"],
         R_th2=motor["thermal_resistance_housing"],
         tau_w=motor["winding_time_constant"],
@@ -170,10 +212,10 @@ def steady_winding_temperature(
         return settled(ambient, heating, R_th2 * np.asarray(P_h))
 
 
-def current_derating(ambient: Value, T_max: Value) -> Value:
-    r"""Share of the nominal current that remains in another ambient than the datasheet's 25 degC.
+def current_derating(ambient: Value, T_max: Value, rated: Value = DATA_TEMPERATURE) -> Value:
+    r"""Share of the nominal current that remains in another ambient than that of the rating.
 
-    .. math:: \sqrt{(T_{max} - T_a) / (T_{max} - T_{25})}
+    .. math:: \sqrt{(T_{max} - T_a) / (T_{max} - T_d)}
 
     Parameters
     ----------
@@ -181,17 +223,19 @@ def current_derating(ambient: Value, T_max: Value) -> Value:
         Temperature around the motor, :math:`T_a` [K].
     T_max
         Permitted winding temperature [K]; NaN unknown.
+    rated
+        Ambient in which the nominal current holds, :math:`T_d` [K] (see ``rated_ambient``).
 
     Returns
     -------
     float or array
-        The share [1]; where the permitted temperature is unknown, 1 at 25 degC and NaN elsewhere.
-        Both arguments may be arrays.
+        The share [1]. Where the permitted temperature is unknown: 1 up to the ambient of the rating, below which it is
+        the least that the share can be, and NaN above. All arguments may be arrays.
     """
-    span = np.asarray(T_max - DATA_TEMPERATURE)
+    span = np.asarray(T_max - rated)
     rise, span = np.broadcast_arrays(np.maximum(T_max - ambient, 0.0), span)
     share = np.divide(rise, span, out=np.full(span.shape, np.nan), where=span > 0.0)
-    found: Value = np.where(np.isnan(span) & (ambient == DATA_TEMPERATURE), 1.0, np.sqrt(share))[()]
+    found: Value = np.where(np.isnan(span) & (ambient <= np.asarray(rated)), 1.0, np.sqrt(share))[()]
     return found
 
 
@@ -243,11 +287,14 @@ def continuous_current(
     return found
 
 
-def nominal_current(R_25: Value, R_th1: Value, R_th2: Value, T_max: Value, k_t: Value, I_0: Value, w_N: Value) -> Value:
+def nominal_current(
+    R_25: Value, R_th1: Value, R_th2: Value, T_max: Value, k_t: Value, I_0: Value, w_N: Value,
+    rated: Value = DATA_TEMPERATURE,
+) -> Value:  # fmt: skip
     r"""Nominal current of a brushed motor, from its thermal data.
 
-    .. math:: I_N = \sqrt{\frac{\Delta T - k_t I_0 \omega_N R_{th2}}{R_{25} (1 + \alpha \Delta T)(R_{th1} + R_{th2})}},
-        \quad \Delta T = T_{max} - T_{25}
+    .. math:: I_N = \sqrt{\frac{T_{max} - T_d - k_t I_0 \omega_N R_{th2}}
+              {R_{25} (1 + \alpha (T_{max} - T_{25}))(R_{th1} + R_{th2})}}
 
     Parameters
     ----------
@@ -265,6 +312,8 @@ def nominal_current(R_25: Value, R_th1: Value, R_th2: Value, T_max: Value, k_t: 
         No-load current [A].
     w_N
         Nominal speed, :math:`\omega_N` [rad/s].
+    rated
+        Ambient of the rating, :math:`T_d` [K].
 
     Returns
     -------
@@ -281,7 +330,7 @@ def nominal_current(R_25: Value, R_th1: Value, R_th2: Value, T_max: Value, k_t: 
     >>> round(float(nominal_current(2.32, 3.1, 14.0, 373.15, 23.4e-3, 36.9e-3, 890.0)), 3)
     1.12
     """
-    return continuous_current(R_25, R_th1, R_th2, T_max, DATA_TEMPERATURE, k_t * I_0 * w_N)
+    return continuous_current(R_25, R_th1, R_th2, T_max, rated, k_t * I_0 * w_N)
 
 
 def continuous_torque(k_t: Value, I_0: Value, current: Value) -> Value:

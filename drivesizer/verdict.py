@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import asdict
 
 import numpy as np
 
@@ -20,10 +21,11 @@ from drivesizer.lasting_speed import asked_of_the_gearhead, lasting_speeds
 from drivesizer.loop_design import stated_margin
 from drivesizer.loop_set_up import FOLLOWS
 from drivesizer.machines import WheeledVehicle
+from drivesizer.physics_limits import nominal_current_limit
 from drivesizer.platform_cases import held_by_the_floor
 from drivesizer.profile import SPEED
 from drivesizer.results import Check
-from drivesizer.thermal import current_derating, steady_winding_temperature
+from drivesizer.thermal import rated_ambient, resistance_25, steady_winding_temperature
 
 __all__ = ["METHOD", "checks"]
 
@@ -121,11 +123,11 @@ def _peak_share(case: Case) -> float:
 
 def _heat(case: Case) -> Iterator[Check]:
     """The motor's RMS current, and the winding at its highest in the cycle repeated for ever."""
-    motor, ambient, rms = case.drive_set.motor, case.spec.environment.ambient, case.figure("rms_current")
-    limit, derating = motor.max_winding_temperature, float(current_derating(ambient, motor.max_winding_temperature))
+    figures, ambient, rms = asdict(case.drive_set.motor), case.spec.environment.ambient, case.figure("rms_current")
+    limit = figures["max_winding_temperature"]
     yield _check(
-        at_most("motor_nominal_current", rms, motor.nominal_current * derating, "current", "A"),
-        "Motor nominal current (RMS)", note="the nominal current in this ambient" if derating != 1.0 else "",
+        nominal_current_limit(rms, figures, ambient), "Motor nominal current (RMS)",
+        note="the nominal current in this ambient" if ambient != rated_ambient(figures) else "",
     )  # fmt: skip
     winding, note = _winding(case)
     if math.isinf(winding):
@@ -142,7 +144,7 @@ def _winding(case: Case) -> tuple[float, str]:
         return case.periodic["winding"], "highest over the cycle repeated for ever"
     motor, rms = case.drive_set.motor, case.figure("rms_current")
     R_th = motor.thermal_resistance_winding, motor.thermal_resistance_housing
-    steady = steady_winding_temperature(case.spec.environment.ambient, motor.resistance, *R_th, rms)
+    steady = steady_winding_temperature(case.spec.environment.ambient, resistance_25(asdict(motor)), *R_th, rms)
     return float(steady), "steady mean, copper loss"
 
 

@@ -19,7 +19,7 @@ from drivesizer.heat_columns import coolest_winding, winding_bounds
 from drivesizer.physics import DIRECTION, AtGearhead, Demands, peak
 from drivesizer.physics_limits import Heat, Parts, Stress, volts_of
 from drivesizer.spec import RobotSpec
-from drivesizer.thermal import resistance_at, two_bodies
+from drivesizer.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.waveform import longest_run
 from drivesizer.waveform_limits import Moments, Pair, hottest, kept_on_the_bus, while_at_most
 
@@ -69,7 +69,7 @@ def _resisted(
     bound = hottest(spec, at, warm, under, motor)
     warmest = np.fmin(np.where(np.isnan(high.winding), bound, high.winding), permitted)  # else it fails by its heat
     warmest = np.where(np.isfinite(warmest), warmest, np.nan)
-    cool, hot = (np.asarray(resistance_at(motor["resistance"], T)) for T in (coolest, warmest))
+    cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
     at_hot = np.maximum(peak(at, volts_of(asked, k_t, hot), asked.left_out).value, under.cold_voltage.value)
     low = low._replace(voltage=_least_voltage(at, asked, cool, k_t, under.cold_voltage.value))
     high = high._replace(voltage=at_hot)
@@ -145,7 +145,8 @@ def _in_blocks(
     """Bounds of the largest power [W] and voltage [V], the winding no cooler and no warmer than it may be there."""
     k_t = motor["torque_constant"]
     c, induced = asked.coefficients / k_t[:, None], volts_of(asked, k_t, np.zeros_like(k_t))
-    cool, hot = (np.asarray(resistance_at(motor["resistance"][:, None], x)) for x in (T.coolest, T.warmest))
+    R_25 = np.asarray(resistance_25(motor))[:, None]
+    cool, hot = (np.asarray(resistance_at(R_25, x)) for x in (T.coolest, T.warmest))
     top, bottom = c @ cycle.most.T, c @ cycle.least.T
     with np.errstate(invalid="ignore"):  # of what runs away
         high = induced @ cycle.most.T + np.maximum(cool * top, hot * top)

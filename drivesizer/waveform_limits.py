@@ -21,7 +21,7 @@ from drivesizer.loadcycle import mean_product
 from drivesizer.physics import SPEED, AtGearhead, Demands, Peak
 from drivesizer.physics_limits import Heat, Parts, Stress, on, volts_of, winding_limit
 from drivesizer.spec import RobotSpec
-from drivesizer.thermal import resistance_at, steady_winding_temperature, two_bodies
+from drivesizer.thermal import resistance_25, resistance_at, steady_winding_temperature, two_bodies
 from drivesizer.waveform import Wave, balanced, energy, largest_power, longest_above, mean_square, wave
 
 __all__ = [
@@ -103,15 +103,15 @@ def _pair(
     ambient, motor = spec.environment.ambient, parts.motor
     flows, course = warming(spec, at, asked, warm, motor)
     rows = np.flatnonzero(np.isnan(course.peak))
-    T = course.ends, course.means
+    T, R_25 = (course.ends, course.means), np.asarray(resistance_25(motor))
     course.ends[rows] = hottest(spec, at, warm, under, motor)[rows, None, None]
     surplus, speed = asked.surplus(motor["torque_constant"]), at.warming.functions[:, :, SPEED]
-    high = _moments(spec, flows, (motor["resistance"], *T), (surplus, speed), under, parts, what)
+    high = _moments(spec, flows, (R_25, *T), (surplus, speed), under, parts, what)
     high = high._replace(winding=course.peak, winding_time=course.peak_time)
     if not len(rows):
         return high, high
     some, cold = Wave(flows.duration, flows.current[rows], flows.voltage[rows]), np.full((len(rows), 1, 1), ambient)
-    winding, surplus = (motor["resistance"][rows], cold, cold[..., 0]), surplus[rows]
+    winding, surplus = (R_25[rows], cold, cold[..., 0]), surplus[rows]
     low = _moments(spec, some, winding, (surplus, speed), on(under, rows), parts.on(rows), what)
     return between_bounds(high, low, rows, warm.winding, while_at_most(spec, at, warm, under, motor))
 
@@ -182,7 +182,8 @@ def while_at_most(spec: RobotSpec, at: AtGearhead, warm: Heat, under: Stress, mo
     fast = at.peak_speed
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     loss = warm.friction * fast + warm.iron * fast**2
-    found = steady_winding_temperature(spec.environment.ambient, motor["resistance"], *R_th, under.current.value, loss)
+    R_25 = resistance_25(motor)
+    found = steady_winding_temperature(spec.environment.ambient, R_25, *R_th, under.current.value, loss)
     return np.asarray(found)
 
 

@@ -39,6 +39,7 @@ actuators:
     motor_torque_constant: 50 mN*m/A, rotor_inertia: 200 g*cm^2, pole_pairs: 7, thermal_resistance_winding: 1.5 K/W,
     thermal_resistance_housing: 3 K/W, winding_time_constant: 10 s, motor_time_constant: 600 s,
     max_winding_temperature: 120 degC, ambient_min: -10 degC, ambient_max: 50 degC, backlash: 0.2 deg,
+    data_temperature: 20 degC, rated_ambient: 25 degC, motor_back_emf_constant: 50 mV*s/rad,
     max_radial_load: 100 N, max_axial_load: 50 N, steps_per_turn: 4096, controller: integrated, supply_min: 12 V,
     supply_max: 48 V, diameter: 60 mm, length: 50 mm, mass: 500 g}
   columns: [part, reduction, ratio, stages, efficiency (%), torque_constant (N*m/A), stall_torque (N*m),

@@ -36,7 +36,7 @@ from drivesizer.catalog.laws import (
     words,
 )
 from drivesizer.catalog.tables import Table
-from drivesizer.thermal import DATA_TEMPERATURE, continuous_current, nominal_current
+from drivesizer.thermal import continuous_current, nominal_current, rated_ambient, resistance_25
 
 __all__ = ["LAWS"]
 
@@ -78,8 +78,8 @@ def _thermal(m: Table[Any], housing_loss: bool) -> Numbers:
     th1, th2, hot = m["thermal_resistance_winding"], m["thermal_resistance_housing"], m["max_winding_temperature"]
     if housing_loss:
         flow = (m["torque_constant"], m["no_load_current"], m["nominal_speed"])
-        return np.asarray(nominal_current(m["resistance"], th1, th2, hot, *flow))
-    return np.asarray(continuous_current(m["resistance"], th1, th2, hot, DATA_TEMPERATURE))
+        return np.asarray(nominal_current(resistance_25(m), th1, th2, hot, *flow, rated_ambient(m)))
+    return np.asarray(continuous_current(resistance_25(m), th1, th2, hot, rated_ambient(m)))
 
 
 def _borne(m: Table[Any]) -> Numbers:

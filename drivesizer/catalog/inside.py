@@ -29,7 +29,8 @@ __all__ = ["taken_apart"]
 Columns = dict[str, NDArray[Any]]
 _NAMES = ("part", "family", "manufacturer")
 _MOTOR = (
-    "kind", "nominal_voltage", "no_load_current", "nominal_current", "stall_current", "resistance", "inductance",
+    "kind", "nominal_voltage", "no_load_current", "nominal_current", "stall_current", "data_temperature",
+    "rated_ambient", "resistance", "inductance",
     "pole_pairs", "thermal_resistance_winding", "thermal_resistance_housing", "winding_time_constant",
     "motor_time_constant", "max_winding_temperature", "ambient_min", "ambient_max", "diameter", "length", "mass",
     "price",

@@ -27,7 +27,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motor:
-    """One winding of a motor, as its datasheet gives it at 25 degC."""
+    """One winding of a motor, as its data sheet gives it at ``data_temperature``; 25 degC where that is not said."""
 
     part: str = text()
     family: str = text()
@@ -48,6 +48,8 @@ class Motor:
     stall_current: float = figure("current", "A")
     peak_torque: float = figure("torque", "mN*m")  # permitted for a short time, where the maker limits it
     max_efficiency: float = figure("dimensionless", "%")
+    data_temperature: float = figure("temperature", "degC")  # at which resistance and all figures hold
+    rated_ambient: float = figure("temperature", "degC")  # of the nominal current, where it is not data_temperature
     resistance: float = figure("resistance", "ohm")  # terminal to terminal
     inductance: float = figure("inductance", "mH")
     torque_constant: float = figure("torque_constant", "mN*m/A")

@@ -29,10 +29,12 @@ from drivesizer.ranges import AT_MOST, MAY_BE_ZERO, outside
 from drivesizer.units import label, noun, possible, scale, show, to_si
 from drivesizer.yaml_source import Path_, YamlSource
 
-__all__ = ["SCHEMA", "parse"]
+__all__ = ["DATA", "SCHEMA", "parse"]
 
 SCHEMA = 1
-_TOP = {"catalog", "manufacturer", "overrides", "sources", *PARTS, DISCHARGES, STATED, "compatibility"}
+DATA = "data_temperature"  # stands at the head of a file, for all motors and actuators that have none of their own
+_TOP = {"catalog", "manufacturer", "overrides", "sources", DATA, *PARTS, DISCHARGES, STATED, "compatibility"}
+_HOLDS = ("motors", "actuators")  # whose figures hold at a temperature
 _TABLE = {"family", "source", "common", "columns", "rows", "notes"}
 _NOTE = {"parts", "fields", "text", "confidence", "source", "exclude", "accepted"}
 _SOURCE = {"document", "date", "confidence", "url"}
@@ -66,6 +68,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     _read_sources(reader, data["sources"])
     maker = reader.plain_text(data["manufacturer"], ("manufacturer",))
     tables: dict[str, Any] = {s: _section(reader, s, data.get(s) or [], maker) for s in PARTS}
+    _at_temperature(reader, data.get(DATA), tables)
     families = {part: _names(tables, section) for part, section in (("motor", "motors"), ("gearhead", "gearheads"))}
     stated = read_stated(reader, data.get(STATED), maker, families)
     tables["gearheads"] = _with_direct(reader, tables["gearheads"], data.get("compatibility"))
@@ -80,6 +83,15 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
         tolerances=stated,
         overrides=reader.flag(data.get("overrides", False), ("overrides",)),
     )
+
+
+def _at_temperature(reader: Reader, given: Any, tables: dict[str, Any]) -> None:
+    """Give motors and actuators the temperature that the head of their file states."""
+    if given is None:
+        return
+    for section in _HOLDS:
+        column = tables[section][DATA]
+        column[np.isnan(column)] = _figure(reader, columns_of(section)[DATA], given, (DATA,))
 
 
 def _names(tables: dict[str, Any], section: str) -> set[str]:

@@ -7,6 +7,7 @@ from typing import Any
 from drivesizer.catalog.columns import Column
 from drivesizer.catalog.discharges import DISCHARGES, HELD, TABLE
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
+from drivesizer.catalog.reading import DATA
 from drivesizer.catalog.stated import STATED
 from drivesizer.catalog.stated_reading import FIGURES
 from drivesizer.catalog.tables import CONFIDENCE
@@ -53,6 +54,10 @@ def catalog_schema() -> dict[str, Any]:
             "catalog": {"const": 1, "description": "number of this schema"},
             "manufacturer": {"type": "string"},
             "overrides": {"type": "boolean", "description": "its parts count before those of catalogues named before"},
+            DATA: {
+                "type": "string",
+                "description": "at which figures of motors and actuators hold, e.g. 22 degC; else 25 degC is assumed",
+            },
             "sources": {"type": "object", "additionalProperties": _SOURCE, "minProperties": 1},
             **{section: _tables(section) for section in PARTS},
             DISCHARGES: _discharges(),

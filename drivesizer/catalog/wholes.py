@@ -41,6 +41,8 @@ class Actuator:
     torque_constant: float = figure("torque_constant", "N*m/A")  # at the output, losses of the gear included
     motor_torque_constant: float = figure("torque_constant", "mN*m/A")  # of the motor inside
     motor_back_emf_constant: float = figure("back_emf_constant", "mV*s/rad")  # where it is not that
+    data_temperature: float = figure("temperature", "degC")  # at which resistance and all figures hold
+    rated_ambient: float = figure("temperature", "degC")  # of the nominal current, where it is not data_temperature
     resistance: float = figure("resistance", "ohm")  # terminal to terminal
     inductance: float = figure("inductance", "mH")
     rotor_inertia: float = figure("inertia", "g*cm^2")  # of the motor inside, the gear's input included

@@ -9,13 +9,14 @@ the friction of a joint away by itself. K whole reduction, e efficiency of gearh
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from math import inf, isfinite, nan
 from typing import NamedTuple
 
 from drivesizer.plant import DriveTrain
 from drivesizer.results import DriveSet
 from drivesizer.spec import RobotSpec
-from drivesizer.thermal import current_derating
+from drivesizer.thermal import current_derating, rated_ambient
 
 __all__ = ["Limit", "Limits", "limits"]
 
@@ -76,7 +77,8 @@ def _peak_currents(found: DriveSet, train: DriveTrain, voltage: float) -> dict[s
 
 def _continuous_currents(spec: RobotSpec, found: DriveSet) -> dict[str, float]:
     controller, motor = found.controller, found.motor
-    derating = float(current_derating(spec.environment.ambient, motor.max_winding_temperature))
+    rated = rated_ambient(asdict(motor))
+    derating = float(current_derating(spec.environment.ambient, motor.max_winding_temperature, rated))
     return {
         "motor, nominal current": motor.nominal_current * derating,
         "controller, continuous current": controller.continuous_current if controller else nan,

@@ -18,7 +18,7 @@ from drivesizer.report.style import CASES, Form
 from drivesizer.results import DriveSet
 from drivesizer.set_cycle import SetCycle, set_cycle, warming
 from drivesizer.spec import RobotSpec
-from drivesizer.thermal import current_derating, two_bodies
+from drivesizer.thermal import current_derating, rated_ambient, two_bodies
 from drivesizer.units import show
 from drivesizer.warm_up import WarmUp, warm_up
 from drivesizer.wheel_load import WheelLoad
@@ -87,7 +87,9 @@ class Behaviour:
     def demand(self, form: Form) -> bytes:
         """Current and voltage; limits are those of the case as specified."""
         motor, controller = self.drive_set.motor, self.drive_set.controller
-        derated = motor.nominal_current * current_derating(self.spec.environment.ambient, motor.max_winding_temperature)
+        derated = motor.nominal_current * current_derating(
+            self.spec.environment.ambient, motor.max_winding_temperature, rated_ambient(asdict(motor))
+        )
         currents = [("motor, nominal", float(derated))]
         if controller:
             currents += [("controller, continuous", controller.continuous_current)]

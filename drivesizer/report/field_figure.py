@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.operating_field import OperatingField
+from drivesizer.operating_field import OperatingField, hot_winding
 from drivesizer.report.operating import Panel, reach_of, signed
 from drivesizer.report.style import CASES, COLOURS, Form, drawn, named, outside, placed, torque_unit
 from drivesizer.units import from_si, label, show
@@ -90,8 +90,9 @@ def _lines(axes: Axes, found: OperatingField, unit: str, reach: float) -> None:
 
     _continuous(axes, found, unit)
     hot, cold = (np.where(values < 0.0, np.nan, values) for values in (found.voltage_hot, found.voltage_cold))
-    for values, temperature, dashes in ((hot, found.hot, "solid"), (cold, found.ambient, (0, (5, 2)))):
-        said = f"{found.voltage:.3g} V, winding {show(temperature, 'degC', 'temperature', 3)}"
+    ambient = show(found.ambient, "degC", "temperature", 3)
+    for values, winding, dashes in ((hot, hot_winding(found), "solid"), (cold, ambient, (0, (5, 2)))):
+        said = f"{found.voltage:.3g} V, winding {winding}"
         line(values, "blue", dashes, said.replace("-", "−"))
     within = np.fmin(found.voltage_cold, _ROOM * reach)  # beyond that it limits nothing, or is not in sight
     intermittent = np.where(found.intermittent <= within, found.intermittent, np.nan)

@@ -101,7 +101,7 @@ def _sides(
     """What is asked, some samples at a time; where some heat is unknown twice, coldest first."""
     (current, induced), bodies = flows, two_bodies(motor)
     count, ambient = len(top), np.broadcast_to(spec.environment.ambient, (len(top),))
-    R_25 = np.broadcast_to(motor["resistance"], (count,))
+    R_25 = np.broadcast_to(bodies.R_25, (count,))
     permitted = np.broadcast_to(motor["max_winding_temperature"], (count,))
     known = bodies.known.all() and not np.isnan(warm.friction + warm.iron).any()
     unknown = np.isnan(current).any(axis=(0, 1)) | np.full(count, not known)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.operating_field import OperatingField
+from drivesizer.operating_field import OperatingField, hot_winding
 from drivesizer.report.html.curves import Plot, dashes, figure, line
 from drivesizer.report.html.load_plots import case_look
 from drivesizer.report.operating import Panel, reach_of, signed
@@ -100,7 +100,7 @@ def _voltage_lines(found: OperatingField, unit: str, reach: float) -> list[Plot]
     given = f"{found.voltage:.3g} V, winding "
     within = np.where(found.intermittent <= found.voltage_cold, found.intermittent, np.nan)
     wanted = (
-        (f"{given}{show(found.hot, 'degC', 'temperature', 3)}", hot, "blue", "solid"),
+        (f"{given}{hot_winding(found)}", hot, "blue", "solid"),
         (f"{given}{show(found.ambient, 'degC', 'temperature', 3)}", cold, "blue", dashes((0, (5, 2)))),
         (_INTERMITTENT, within, "vermillion", dashes((0, (6, 2, 1, 2)))),
     )
