@@ -6,9 +6,10 @@ from math import isnan, nan, sqrt
 import numpy as np
 import pytest
 
-from drivesizer.catalog import CatalogError, load
+from drivesizer.catalog import load
 from drivesizer.catalog.parts import Motor
 from drivesizer.catalog.reading import parse
+from drivesizer.errors import CatalogError
 from drivesizer.physics_limits import nominal_current_limit
 from drivesizer.thermal import (
     continuous_current,
@@ -38,11 +39,11 @@ actuators:
 
 @pytest.fixture(scope="module")
 def motors():
-    return {name: load(name).motors for name in ("faulhaber", "maxon", "beckhoff")}
+    return {name: load([name]).motors for name in ("faulhaber", "maxon", "beckhoff")}
 
 
 def of(table, part):
-    return table.part(table.rows[part])
+    return table.record(table.rows[part])
 
 
 def test_the_copper_law_starts_from_the_temperature_of_the_data(motors):
