@@ -22,6 +22,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
         "CasterPlace": "Each of `casters`", "CentreOfMass": "`centre_of_mass`", "PayloadSection": "Each of `payloads`",
         "SizeSection": "`size`", "PassageSection": "Each of `passages`", "Limits": "`limits`",
         "Unknown": "`misjudged`", "UnknownPayload": "`payload` of `misjudged`",
+        "Following": "`following`", "Measured": "Each of `measured` of `following`",
     },
     "budget": {"Budget": "", "Item": "Each of `others`"},
     "transmission": {"GearheadStage": "", "DirectStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
