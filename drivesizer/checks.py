@@ -208,8 +208,8 @@ class CheckColumn:
 
 def _column(name: str, demand: Any, limit: Any, kind: str, unit: str, **more: Any) -> CheckColumn:
     demand, limit = np.asarray(demand, float), np.asarray(limit, float)
-    if demand.shape != limit.shape:
-        demand, limit = np.broadcast_arrays(demand, limit)
+    shape = np.broadcast(demand, limit).shape
+    demand, limit = (x if x.shape == shape else np.full(shape, x) for x in (demand, limit))
     zero = more.get("zero", 0.0)
     idle = demand == zero
     above = demand if not more.get("needed") else zero + (demand - zero) * (1.0 + more["needed"])
@@ -246,10 +246,11 @@ def at_least(name: str, required: Any, actual: Any, kind: str, unit: str, **more
 
 def fits(name: str, good: Any, known: Any) -> CheckColumn:
     """A condition that is met or not, without figures."""
-    good, known = np.broadcast_arrays(np.asarray(good, bool), np.asarray(known, bool))
-    nothing = np.full(good.shape, nan)
+    good, known = np.asarray(good, bool), np.asarray(known, bool)
+    passed, failed = good & known, ~good & known
+    nothing = np.full(passed.shape, nan)
     return CheckColumn(
-        name=name, demand=nothing, limit=nothing, passed=good & known, failed=~good & known,
+        name=name, demand=nothing, limit=nothing, passed=passed, failed=failed,
         kind="dimensionless", unit="1",
     )  # fmt: skip
 

@@ -80,15 +80,28 @@ def decided(
     else:
         found = waveform_bounds.bounds(spec, at, asked, warm, under, parts)
     left = case.open(found, alive)
-    if len(at.base.warming.duration) > _LONG:
+    long = len(at.base.warming.duration) > _LONG
+    if long:
         found, left = _closer(case, alive, found, left)
-    mask = np.logical_or.reduce(left[:_WINDING])
-    if mask.any():
-        few = exact(*case.some(mask), "winding")
-        found = _replaced(found, mask, [new.but_for_sums(on(old, mask)) for new, old in zip(few, found, strict=True)])
+    return _exactly(case, alive, found, left, long)
+
+
+def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDArray[np.bool_]], long: bool) -> Pair:
+    """The same, exact of those left open: by their winding first, as what falls by that is not asked for the rest.
+
+    Over a short cycle all is computed in one go, for a second one would cost more than it saves.
+    """
+    winding = np.logical_or.reduce(left[:_WINDING])
+    first = winding if long else np.logical_or.reduce(left)
+    few = exact(*case.some(first), "winding" if long else "limits") if first.any() else found
+    if winding.any():
+        new = [on(side, winding[first]).but_for_sums(on(old, winding)) for side, old in zip(few, found, strict=True)]
+        found = _replaced(found, winding, new)
         left = case.open(found, alive)
-    mask = np.logical_or.reduce(left[_WINDING:])
-    return _replaced(found, mask, exact(*case.some(mask), "limits")) if mask.any() else found
+    rest = np.logical_or.reduce(left[_WINDING:])
+    if not rest.any():
+        return found
+    return _replaced(found, rest, exact(*case.some(rest), "limits") if long else [on(x, rest[first]) for x in few])
 
 
 def _closer(

@@ -73,15 +73,15 @@ def powered(
     for_ever = np.zeros(len(parts.motor.rows), bool)
     chosen = case.controllers([u.cold_voltage.value for u in case.under], for_ever)
     row, found = chosen.row, case.judged(chosen.row, None)
-    tried = np.zeros_like(for_ever)
-    for _ in range(_TRIES):
+    tried, changed = np.zeros_like(for_ever), ~for_ever
+    for _ in range(_TRIES):  # what has not changed would be given the same again
         short = found.check("controller_peak_time").failed & ~found.weak & ~found.dead
-        rows, for_ever = np.flatnonzero((found.weak & ~found.dead & ~tried) | short), for_ever | short
+        again = changed & ((found.weak & ~found.dead & ~tried) | short)
+        for_ever |= short
         tried |= found.open
-        again = _again(case, row, found, for_ever, rows)
-        if again is None:
+        row, found, changed = _again(case, row, found, for_ever, np.flatnonzero(again))
+        if not changed.any():
             break
-        row, found = again
     figures = _figures(given, [low.agreed(high) for low, high in found.pairs], case.under)
     return Powered(row, [chosen.checks[0], *found.checks], _where_known(figures, cases))
 
@@ -186,23 +186,23 @@ def _again(
     found: _Found,
     for_ever: NDArray[np.bool_],
     rows: NDArray[np.int64],
-) -> tuple[NDArray[np.int64], _Found] | None:
-    """Other controllers for some candidates, where there are, and what is found with them."""
+) -> tuple[NDArray[np.int64], _Found, NDArray[np.bool_]]:
+    """Other controllers for some candidates, where there are, what is found with them, and who changed."""
+    changed = np.zeros(len(row), bool)
     if not len(rows):
-        return None
+        return row, found, changed
     some, opened = case.some(rows), found.open[rows]
     volts = [np.where(opened, high.voltage[rows], low.voltage[rows]) for low, high in found.pairs]
     chosen = some.controllers(volts, for_ever[rows]).row
     other = np.flatnonzero(chosen != row[rows])
     if not len(other):
-        return None
+        return row, found, changed
     at = rows[other]
     new = some.some(other).judged(chosen[other], [(on(low, at), on(high, at)) for low, high in found.pairs])
     # where heat is unknown a controller is none the worse that does for a cold winding and not for a hot one
     better = np.flatnonzero(~opened[other] | ~new.weak)
-    if not len(better):
-        return None
-    return put(row, at[better], chosen[other[better]]), found.replaced(at[better], new, better)
+    changed[at[better]] = True
+    return put(row, at[better], chosen[other[better]]), found.replaced(at[better], new, better), changed
 
 
 def _where_known(figures: dict[str, Array], cases: Sequence[Moving]) -> dict[str, Array]:

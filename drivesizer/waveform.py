@@ -224,17 +224,16 @@ def longest_run(duration: Array, enter: Array, leave: Array, whole: NDArray[np.b
     duration
         Of each segment [s]; (candidates, segments) where each has a cycle of its own.
     enter, leave
-        From when until when in each segment there is a break [s], for each candidate.
+        From when until when in each segment there is a break [s], for each candidate or the same for all.
     whole
         Where a segment has none.
     """
     total, start = duration.sum(axis=-1, keepdims=True), np.cumsum(duration, axis=-1) - duration
-    ends = np.where(whole, -np.inf, start + enter)
     begins = np.where(whole, -np.inf, start + leave)
     last = begins.max(axis=1, keepdims=True) - total  # in the cycle before
     before = np.maximum.accumulate(np.concatenate([last, begins[:, :-1]], axis=1), axis=1)
     with np.errstate(invalid="ignore"):
-        longest = np.where(whole, 0.0, ends - before).max(axis=1)
+        longest = np.where(whole, 0.0, start + enter - before).max(axis=1)
     total = total[..., 0]
     longest = np.maximum(longest - 8 * np.spacing(total), 0.0)  # what rounding of the times may have added
     run: Array = np.where(whole.all(axis=1), total, longest)

@@ -27,6 +27,7 @@ __all__ = ["above_bounds", "bounds", "closer"]
 
 Array = NDArray[np.float64]
 _PIECES = 256  # of a cycle, that bound the time of overload at first
+_CELLS = 1 << 16  # candidates times pieces in a block: what stays in the processor's cache
 _SOME = 1e-300  # more than nothing, of an amount that is not known yet
 
 
@@ -194,14 +195,19 @@ def above_bounds(
     low = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0)
     high = low.copy()
     rows = np.flatnonzero(peak > limit)
-    if len(rows):
-        c = asked.coefficients[rows] / k_t[rows, None] * at.scale
-        top, bottom, bound = c @ found.high.T, c @ found.low.T, limit[rows, None]
-        none, whole = np.zeros_like(top), np.broadcast_to(found.duration, top.shape)
-        surely, perhaps = np.maximum(bottom, -top) > bound, np.maximum(top, -bottom) > bound
-        low[rows] = np.maximum(longest_run(found.duration, none, whole, surely), _SOME)
-        high[rows] = longest_run(found.duration, none, whole, perhaps)
+    size = max(_CELLS // len(found.duration), 1)
+    for some in (rows[first : first + size] for first in range(0, len(rows), size)):
+        c = asked.coefficients[some] / k_t[some, None] * at.scale
+        low[some], high[some] = _runs_above(found, c, limit[some, None])
     return low, high
+
+
+def _runs_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, Array]:
+    """Longest time on end that currents, by their coefficients, surely and perhaps are above a limit [s]."""
+    top, bottom = current @ found.high.T, current @ found.low.T
+    surely, perhaps = np.maximum(bottom, -top) > limit, np.maximum(top, -bottom) > limit
+    pieces = found.duration, np.zeros_like(found.duration), found.duration
+    return np.maximum(longest_run(*pieces, surely), _SOME), longest_run(*pieces, perhaps)
 
 
 def braking_torque(at: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
