@@ -20,6 +20,7 @@ from drivesizer.energy_budget import charge_over_mission, energy_budget
 from drivesizer.energy_records import EnergyBudget
 from drivesizer.errors import InputError
 from drivesizer.results import Check, DriveSet
+from drivesizer.sizing import explain
 from drivesizer.spec import RobotSpec, read_spec
 from drivesizer.yaml_source import YamlSource
 
@@ -59,6 +60,10 @@ FOUR = {"nominal_voltage": "12 V", "capacity": "7 A*h", "rated_time": "20 h", "c
         "max_charge_current": "2.1 A", "series": 2, "parallel": 2}  # fmt: skip
 
 
+# No sheet of the RE 25 that the example names tells these: assumed, as of motors of its size.
+WARMING = {"winding_time_constant": 12.0, "motor_time_constant": 600.0, "max_winding_temperature": 398.15}
+
+
 def equipment(given: Sequence[dict[str, Any]] = EQUIPMENT) -> list[Consumer]:
     return [Consumer.model_validate(one | {"assumed": True}) for one in given]
 
@@ -81,16 +86,29 @@ def figure(found: EnergyBudget, name: str) -> float:
 # --- the drive's power -----------------------------------------------------------------------------------------------
 
 
-def test_the_power_over_time_is_that_of_the_record(robot: RobotSpec, drive: DriveSet) -> None:
+def test_the_power_over_time_is_that_of_the_record(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
+    """Its largest is known where the winding's temperature at each moment is: time constants that no sheet tells.
+
+    The record cuts the cycle for the quickest winding of the catalogue, the power over time for the set's own: their
+    temperatures at a moment differ by what a mean over a piece leaves out.
+    """
     found = drive_power(robot, drive)
     record = {one.name: one.value for one in drive.figures}
+    assert isnan(record["power"])
     assert found.total == pytest.approx(244.0)
     assert found.way == pytest.approx(1.5 * (240.0 + 2.0))  # 2 s up and 2 s down at half the speed
     returned = found.duration @ found.returned
     assert returned == pytest.approx(record["returned"])
     assert found.duration @ found.drawn - 0.7 * returned == pytest.approx(record["energy"])
-    assert found.peak.max() == pytest.approx(record["power"])
     assert found.returned_peak.max() > 0.0
+    row, columns = listed.motors.rows[drive.motor.part], dict(listed.motors.columns)
+    for name, value in WARMING.items():
+        columns[name] = columns[name].copy()
+        columns[name][row] = value
+    warm = listed.with_tables({"motors": replace(listed.motors, columns=columns)}, {})
+    (told,) = explain(robot, drive.motor.part, drive.gearhead.part, catalog=warm)
+    power = next(one.value for one in told.figures if one.name == "power")
+    assert drive_power(robot, told).peak.max() == pytest.approx(power, rel=1e-5)
 
 
 def test_the_drive_takes_what_rolling_takes_and_loses_the_rest(robot: RobotSpec, drive: DriveSet) -> None:
@@ -225,7 +243,8 @@ def test_the_nominal_voltage_lets_nothing_pass_that_hangs_on_the_voltage_at_rest
     for name in ("battery_power", "battery_voltage", "battery_cutoff"):
         assert check(found, name).status == "unknown"
         assert check(found, name).note == "voltage at rest unknown: give open_circuit"
-        assert check(found, name).margin > 0.0
+        assert isnan(check(found, name).margin)  # no verdict, no margin, though at the nominal voltage it would do
+        assert check(found, name).limit > check(found, name).demand
     weak = budget(robot, drive, listed, open_circuit=None, resistance="400 mohm")
     assert check(weak, "battery_voltage").status == "fail"  # even at the nominal voltage
     assert found.status == "unknown"
@@ -279,9 +298,10 @@ def test_nothing_required_is_not_checked(robot: RobotSpec, drive: DriveSet, list
 def test_a_machine_that_gives_more_than_it_takes_lasts_without_end(
     robot: RobotSpec, drive: DriveSet, listed: Catalog
 ) -> None:
+    # m g sin of 0.1 is 44 N, five times what rolls; 0.35 would heat the winding without end: its power is unknown
     down = robot.model_copy(
         update={
-            "load": robot.load.model_copy(update={"slope": -0.35}),
+            "load": robot.load.model_copy(update={"slope": -0.1}),
             "supply": robot.supply.model_copy(update={"regeneration": 1.0}),
         }
     )

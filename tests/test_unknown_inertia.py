@@ -116,7 +116,7 @@ motion: {profile: trapezoid, speed: 1.5 m/s, acceleration_time: 0.2 s, cruise_ti
     for ours, theirs in (
         (open_.asked.rms_current, made.asked.rms_current),
         (open_.under.current.value, made.under.current.value),
-        (open_.under.voltage.value, made.under.voltage.value),
+        (open_.under.cold_voltage.value, made.under.cold_voltage.value),
     ):
         assert (ours <= theirs * (1 + 1e-12)).all()
 

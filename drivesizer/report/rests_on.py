@@ -18,6 +18,7 @@ __all__ = ["marked_figures", "rests_on", "unknown_figures"]
 _GEAR = ("gearhead.ratio", "gearhead.efficiency", "gearhead.inertia", "motor.rotor_inertia", "motor.torque_constant")
 _LOSSES = ("motor.resistance", "motor.thermal_resistance_winding", "motor.thermal_resistance_housing")
 _HOT = ("CURRENT", *_LOSSES, "HOUSING")  # the winding at its mean temperature
+_WARM = (*_HOT, "motor.winding_time_constant", "motor.motor_time_constant")  # as warm as it is at each moment
 _EMF = ("motor.back_emf_constant", "motor.speed_constant")  # where the maker prints one
 _SPEED = ("gearhead.ratio",)
 _WHOLE = {name: (f"motor.{name}", f"gearhead.{name}") for name in ("diameter", "length", "mass", "price")}
@@ -36,21 +37,20 @@ _RESTS: dict[str, dict[str, tuple[str, ...]]] = {  # words in capitals stand for
         "motor_speed": (*_SPEED, "motor.max_speed"),
         "motor_nominal_current": ("CURRENT", "motor.nominal_current", "DERATING"),
         "motor_peak_torque": ("CURRENT", "motor.peak_torque"),
-        "winding_temperature": (*_HOT, "motor.winding_time_constant", "motor.motor_time_constant",
-                                "motor.max_winding_temperature"),
+        "winding_temperature": (*_WARM, "motor.max_winding_temperature"),
         "motor_temperature_range": ("motor.ambient_min", "motor.ambient_max"),
         "inertia_ratio": (*_SPEED, "gearhead.inertia", "motor.rotor_inertia"),
         "first_resonance": (*_SPEED, "gearhead.inertia", "motor.rotor_inertia"),
         "holding": (*_SPEED, "gearhead.efficiency"),
         "controller_available": ("controller.supply_min", "controller.supply_max"),
-        "supply_voltage": (*_HOT, *_EMF, "controller.max_duty", "controller.voltage_drop"),
+        "supply_voltage": (*_WARM, *_EMF, "controller.max_duty", "controller.voltage_drop"),
         "controller_continuous_current": ("CURRENT", "controller.continuous_current"),
         "controller_peak_current": ("CURRENT", "controller.peak_current"),
         "controller_peak_time": ("CURRENT", "controller.continuous_current", "controller.peak_time"),
         "controller_speed": (*_SPEED, "motor.pole_pairs", "controller.max_speed_sine"),
-        "supply_current": (*_HOT, *_EMF),
-        "supply_power": (*_HOT, *_EMF),
-        "bus_voltage": (*_HOT, *_EMF, "controller.supply_max"),
+        "supply_current": (*_WARM, *_EMF),
+        "supply_power": (*_WARM, *_EMF),
+        "bus_voltage": (*_WARM, *_EMF, "controller.supply_max"),
         "encoder_counts": ("COUNTS",),
         "encoder_speed": (*_SPEED, "encoder.max_speed"),
         "encoder_frequency": (*_SPEED, "COUNTS", "encoder.max_frequency", "controller.max_encoder_frequency"),
@@ -60,7 +60,7 @@ _RESTS: dict[str, dict[str, tuple[str, ...]]] = {  # words in capitals stand for
     "budget": dict.fromkeys(  # all that hangs on the power which the drive draws
         ("battery_autonomy", "battery_range", "battery_power", "battery_voltage", "battery_cutoff",
          "battery_continuous_current", "battery_peak_current", "battery_charge_current"),
-        (*_HOT, *_EMF, "controller.max_efficiency"),
+        (*_WARM, *_EMF, "controller.max_efficiency"),
     ),
     "paper": {
         "gearhead_continuous_torque": ("motor.rotor_inertia", "gearhead.continuous_torque"),
