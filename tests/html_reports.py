@@ -40,7 +40,8 @@ def figures_of(page: Any) -> dict[str, Any]:
 def hostile_spec(folder: Path) -> RobotSpec:
     """A hoist whose names are markup in every language near: HTML, JavaScript, plotly, typst, CSV."""
     text = (STARTERS / "hoist.yaml").read_text(encoding="utf-8")
-    lines = ["name: " + json.dumps(NAME) if line.startswith("name:") else line for line in text.splitlines()]
+    shown = NAME.replace("\u202e", "")  # refused at the door; a report spells it out nevertheless
+    lines = ["name: " + json.dumps(shown) if line.startswith("name:") else line for line in text.splitlines()]
     cases = {
         "cases": [
             {"name": CASE, "load": {"mass": "18 kg"}},
@@ -49,7 +50,7 @@ def hostile_spec(folder: Path) -> RobotSpec:
     }
     path = folder / "robot.yaml"
     path.write_text("\n".join([*lines, f"cases: {json.dumps(cases['cases'])}"]) + "\n", encoding="utf-8")
-    return read_spec(read(path))
+    return read_spec(read(path)).model_copy(update={"name": NAME})
 
 
 def whole_validation(result: SizingResult) -> Validation:
