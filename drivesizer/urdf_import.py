@@ -197,8 +197,10 @@ def _yaml(said: str) -> str:
 
 
 def _name(robot: Robot) -> str:
-    """The name as a quoted YAML text."""
-    return quoted((robot.name or Path(robot.file).stem).replace("\\", "/").replace('"', "'"), 200)
+    """The name as a quoted YAML text; a blank stands for what a spec refuses because it cannot be seen."""
+    names = (robot.name, Path(robot.file).stem)
+    seen = ("".join(c if c.isprintable() else " " for c in name).strip() for name in names)
+    return quoted(next(filter(None, seen), "robot").replace("\\", "/").replace('"', "'"), 200)
 
 
 _HEAD = """# Made of {file} by drivesizer; what a URDF does not say is marked "not in the URDF".

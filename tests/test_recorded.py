@@ -226,7 +226,8 @@ WRONG = {
     "two positions": (POSITION + "\n0,0,0\n1,1,0\n", "run.csv: rows: 2 found; expected at least 3"),
     "still": (SPEED + "\n0,0,4\n1,0,4\n", "run.csv: speed: nothing moves; expected a recording of a motion"),
     "still at 5": (POSITION + "\n0,5,4\n1,5,4\n2,5,4\n", "run.csv: position: nothing moves"),
-    "steep": (SPEED + "\n0,0,4\n1e-300,1e300,4\n", "load cycle run.csv: a figure leaves the range"),
+    "fast": (SPEED + "\n0,0,4\n1,1e300,4\n", ':4: speed: "1e+300" is no rotary speed of a machine'),
+    "steep": (SPEED + "\n0,0,4\n1e-300,1,4\n", "load cycle run.csv: a figure leaves the range"),
 }
 
 

@@ -258,14 +258,16 @@ def test_a_joint_that_cannot_be(joint, said, at):
         spec_of(at(ROBOT % ARM), joint)
 
 
-@pytest.mark.parametrize("name", ['x"y', "a: b # c", "{}", "tab\there", "\u2028", "back\\slash", "%s", "- a", "'"])
+@pytest.mark.parametrize(
+    "name", ['x"y', "a: b # c", "{}", "tab\there", "\u2028", "\u202eb", "back\\slash", "%s", "- a", "'"]
+)
 def test_a_name_is_text_in_the_spec(name, at):
     """Quotes, braces, comments: the spec is read, and has the name on one line."""
     from xml.sax.saxutils import quoteattr
 
     named = (ROBOT % CART).replace("'a cart'", quoteattr(name)).replace('name="left"', f"name={quoteattr(name)}")
     spec = spec_from(at(named))
-    assert spec.load.mass == pytest.approx(20.2) and spec.name
+    assert spec.load.mass == pytest.approx(20.2) and spec.name and spec.name.isprintable()
 
 
 # --- at the command line
