@@ -81,7 +81,11 @@ def test_json_contract(run, example):
     best = document["sets"][0]
     assert set(best["results"]) == {"paper", "physics", "budget"}
     assert best["results"]["physics"]["status"] == "unknown"
-    assert best["results"]["physics"]["unknown"] == ["motor_speed", "winding_temperature", "motor_temperature_range"]
+    # without time constants nobody knows how warm the winding is, hence what R I is, when the voltage is highest
+    assert (best["motor"]["winding_time_constant"], best["motor"]["motor_time_constant"]) == (None, None)
+    assert best["results"]["physics"]["unknown"] == [
+        "motor_speed", "winding_temperature", "motor_temperature_range", "supply_voltage",
+    ]  # fmt: skip
     assert {c["method"] for c in best["checks"]} == {"paper", "physics", "budget"}
     assert (best["rank"], best["status"], best["motor"]["part"]) == (1, "pass", "118752")
     assert best["motor"]["max_speed"] is None
@@ -188,7 +192,7 @@ def test_validate_the_papers_set(run, example):
     document = json.loads(out)
     by_name = {c["name"]: c["status"] for c in document["checks"]}
     assert status == 0
-    assert document["status"] == "pass"
+    assert document["status"] == "unknown"  # nothing fails, but not all is known
     assert "fail" not in by_name.values()
     assert by_name["motor_speed"] == "unknown"
     assert by_name["winding_temperature"] == "unknown"

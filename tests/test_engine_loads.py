@@ -28,7 +28,7 @@ def pulled(supply, **more):
 @pytest.mark.parametrize("raises", [True, False])
 def test_returned_energy_raises_the_bus_over_its_resistance_or_a_chopper_takes_it(raises):
     run, i = pulled(Supply(voltage=24.0, resistance=0.3, sets=4, raises=raises))
-    power = 4 * (2.32 * i + 0.0234 * 40.0 * 9.1) * i
+    power = 4 * (2.32 * i + 0.026 * 40.0 * 9.1) * i  # the voltage rests on k_e, the current on k_t
     assert power < -25.0
     bus = (24.0 + math.sqrt(24.0**2 - 4 * 0.3 * power)) / 2  # V (V - V_0) / R_s is what flows back into the source
     assert figure(run, "bus_highest") == pytest.approx(bus if raises else 24.0, rel=1e-9)
@@ -46,7 +46,7 @@ def test_a_raised_bus_leaves_more_voltage(raises):
     V = ((24.0 - r) + math.sqrt((24.0 - r) ** 2 + 4.0 * r)) / 2.0
     assert V > 25.0 or not raises
     assert run.series["voltage"][-1] == pytest.approx(0.9 * (V - 1.0), rel=1e-6)
-    assert run.series["motor_speed"][-1] == pytest.approx((0.9 * (V - 1.0) - 2.32 * i) / 0.0234, rel=1e-6)
+    assert run.series["motor_speed"][-1] == pytest.approx((0.9 * (V - 1.0) - 2.32 * i) / 0.026, rel=1e-6)
 
 
 # --- loads
@@ -56,7 +56,7 @@ def test_viscous_friction_at_the_load_is_first_order():
     m = machine(inductance=1e-9, load_inertia=8e-3, load_viscous=4e-3)
     share = 1.0 / (m.ratio**2 * m.efficiency)
     J, drag, k = m.motor_inertia + m.load_inertia * share, m.load_viscous * share, m.torque_constant
-    damping = k**2 / m.resistance + drag
+    damping = k * m.back_emf_constant / m.resistance + drag
     assert 0.2 < drag / damping < 0.8
     run = march(open_drive(m, 10.0), replace(FAR, time=(0.0, 1e-3, 2.0)))
     t, w = run.series["time"], run.series["motor_speed"]
@@ -124,7 +124,7 @@ def test_hours_under_loads_that_are_constant_in_pieces_are_carried():
     currents = [(1e-3 + T * share) / m.torque_constant for T in (0.1, 0.3, 0.5)]
     assert figure(run, "rms_current") == pytest.approx(math.sqrt(sum(i * i for i in currents) / 3.0), rel=1e-5)
     w = 20.0 * m.ratio
-    energy = 1200.0 * sum((2.32 * i + 0.0234 * w) * i for i in currents)
+    energy = 1200.0 * sum((2.32 * i + 0.026 * w) * i for i in currents)
     assert figure(run, "energy_in") == pytest.approx(energy, rel=1e-5)
     assert figure(run, "steps") < 0.01 * 3600.0 / PERIOD
 
@@ -160,7 +160,7 @@ def gap_by_steps(m, c, task, n, parts):
 
     The shaft's contact is a torque that only presses; the weight of the load holds it against one side at the start.
     """
-    K, k, h, weight = m.ratio, m.torque_constant, c.current_period, m.rest_torque
+    K, k, k_e, h, weight = m.ratio, m.torque_constant, m.back_emf_constant, c.current_period, m.rest_torque
     drives, brakes, half, dt = 1.0 / (K * m.efficiency), m.efficiency / K, m.gap / 2.0, c.current_period / parts
     w, T = task.speed[0] * K, weight + m.load_viscous * task.speed[0]
     i = (m.friction + T * drives) / k
@@ -173,7 +173,7 @@ def gap_by_steps(m, c, task, n, parts):
         push = k * i - way * m.friction - T * (drives if T * way > 0.0 else brakes)
         slows = weight + m.load_viscous * v
         return (
-            (u - m.resistance * i - k * w) / m.inductance,
+            (u - m.resistance * i - k_e * w) / m.inductance,
             push / m.motor_inertia,
             turns,
             (T - slows) / m.load_inertia,
@@ -187,7 +187,7 @@ def gap_by_steps(m, c, task, n, parts):
         return [p + dt / 6 * (q + 2 * r + 2 * s + t) for p, q, r, s, t in zip(x, a, b, c, d, strict=True)]
 
     x, angle, gone, more, asked = [i, w, T / m.stiffness + half, w / K], 0.0, 0.0, 0.0, i
-    outer, inner, before, found = i, m.resistance * i + k * w, w, []
+    outer, inner, before, found = i, m.resistance * i + k_e * w, w, []
     pending, following, later = inner, i, 0.0  # what each loop answers its sample before
     for step in range(n):
         speed = K * np.interp(step * h, task.time, task.speed)

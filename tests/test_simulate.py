@@ -197,7 +197,7 @@ def test_energy_balance(spec, chosen, degrees):
 
 def test_the_paper_s_drive_passes(proof):
     """The paper's conclusion of section 3.1.5: the motor does not reach its limits."""
-    assert proof.status == "pass"
+    assert proof.status == "unknown"  # nothing fails, and two limits of the motor are in no catalogue
     by_status = {s: {c.name for c in proof.checks if c.status == s} for s in ("pass", "fail", "unknown")}
     assert by_status["unknown"] == {"motor_speed", "winding_temperature"}  # RE 25: not in the catalogue
     assert not by_status["fail"]
@@ -313,7 +313,7 @@ def test_what_is_not_known_is_unknown_and_never_passes(spec, chosen):
     unknown = {c.name for c in proof.checks if c.status == "unknown"}
     assert {"supply_voltage", "controller_peak_current", "controller_i2t", "controller_continuous_current",
             "encoder_speed", "encoder_frequency", "controller_frequency"} < unknown  # fmt: skip
-    assert proof.status == "pass" and proof.gains.period == 1e-3
+    assert proof.status == "unknown" and proof.gains.period == 1e-3
     assert any("rate is unknown" in a for a in proof.assumptions)
 
 
