@@ -178,7 +178,8 @@ def test_nothing_reached_is_said_at_the_terminal(
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     said = told(unsure, capsys)
-    assert "No set is as sure as 100 %." in said and "The surest, at nominal figures: pass" in said
+    surest = unsure.unsure[0].status  # unknown where its motor's heat is: the time constants of some are not printed
+    assert "No set is as sure as 100 %." in said and f"The surest, at nominal figures: {surest}" in said
     assert "none of them as sure as 100 %" in said and "No set stands" not in said
 
 
