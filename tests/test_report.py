@@ -278,7 +278,9 @@ def test_a_front_is_printed_drawn_and_in_the_tables(cased, cased_pdf):
 def test_what_a_set_has_of_an_objective(cased):
     best = cased.sets[0]
     assert objective_figure(best, "power").value == best.motor.assigned_power  # not the power of the supply
-    assert objective_figure(best, "length").value == best.motor.length + best.gearhead.length
+    assert isnan(best.motor.length) and isnan(objective_figure(best, "length").value)  # its catalogue gives no length
+    long = replace(best, motor=replace(best.motor, length=0.06), gearhead=replace(best.gearhead, length=0.04))
+    assert objective_figure(long, "length").value == pytest.approx(0.1)
     assert objective_figure(best, "margin").value == min(c.margin for c in best.checks if not isnan(c.margin))
     does = {f.name: f.value for f in best.figures}
     assert objective_figure(best, "energy").value == does["energy"]
