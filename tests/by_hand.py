@@ -610,6 +610,9 @@ def checks(
     share = math.sqrt(max(motor.max_winding_temperature - ambient, 0.0) / span) if span > 0 else NAN
     share = 1.0 if ambient == ROOM else share  # as the datasheet has it, whatever it permits
     out["motor_nominal_current"] = at_most(found.I_rms, motor.nominal_current * share, more)
+    if math.isnan(span) and ambient < ROOM and at_most(found.I_rms, motor.nominal_current, more).status == "pass":
+        # in the cold it bears more than in the room, whatever its winding is permitted
+        out["motor_nominal_current"] = at_most(found.I_rms, motor.nominal_current, more)
     torque = found.I_peak * motor.torque_constant
     out["motor_peak_torque"] = at_most(torque, math.inf, spec.margins.torque)  # maxon limits heat and speed alone
     out["winding_temperature"] = bounded(
