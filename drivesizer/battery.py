@@ -217,7 +217,14 @@ def state_of_charge(duration: Any, current: Any, capacity: Any, start: float = 1
 
 
 def polarised_voltage(
-    duration: Any, current: Any, emf: Any, resistance: Any, polarisation: Any, time_constant: Any
+    duration: Any,
+    current: Any,
+    emf: Any,
+    resistance: Any,
+    polarisation: Any,
+    time_constant: Any,
+    *,
+    rested: bool = False,
 ) -> tuple[Array, Array]:
     """Terminal voltage before and after each piece of constant current, with one RC pair behind the resistance [V].
 
@@ -231,6 +238,8 @@ def polarised_voltage(
         Open-circuit voltage [V] and resistance that acts at once [ohm].
     polarisation, time_constant
         Resistance R1 [ohm] and time constant T = R1 C1 [s] of the pair.
+    rested
+        Tell the first cycle instead, before which the battery was at rest: u = 0.
 
     Returns
     -------
@@ -241,7 +250,7 @@ def polarised_voltage(
     whole, end = float(np.prod(decay)), 0.0
     for share, final in zip(decay.tolist(), to.tolist(), strict=True):
         end = final + (end - final) * share
-    u = end / (1.0 - whole)  # where a cycle begins as it ends
+    u = 0.0 if rested else end / (1.0 - whole)  # where a cycle begins as it ends
     left, right = np.empty_like(to), np.empty_like(to)
     for place, (share, final) in enumerate(zip(decay.tolist(), to.tolist(), strict=True)):
         left[place], u = u, final + (u - final) * share

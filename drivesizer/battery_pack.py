@@ -51,7 +51,8 @@ class Pack:
     emf_empty: float
     capacity: float  # A*s as rated
     health: float  # share of it that is there
-    usable: float  # share of that which may be drawn
+    usable: float  # share of that which may be drawn of a full one
+    start: float  # share of that which is there at the start
     rated_time: float  # s
     peukert_exponent: float
     resistance: float  # ohm
@@ -79,6 +80,11 @@ class Pack:
         if self.chemistry != "lead-acid" or _unknown(self.cutoff_voltage):
             return self.nominal_voltage
         return 0.5 * (self.nominal_voltage + self.cutoff_voltage)
+
+    @property
+    def available(self) -> float:
+        """Share of the charge that may be drawn from the start on [1]."""
+        return self.usable - (1.0 - self.start)
 
     def emf(self, charge: Any) -> Any:
         """Voltage at rest with a share of the charge left [V]."""
@@ -135,7 +141,8 @@ def pack_of(given: Battery, catalog: Catalog) -> Pack:
         rests=rest is not None,
         emf_full=_times(s, rest.full if rest else one["nominal_voltage"]),
         emf_empty=_times(s, rest.empty if rest else one["nominal_voltage"]),
-        capacity=p * one["capacity"], health=given.health, usable=given.usable, rated_time=one["rated_time"],
+        capacity=p * one["capacity"], health=given.health, usable=given.usable, start=given.start,
+        rated_time=one["rated_time"],
         peukert_exponent=one["peukert_exponent"], resistance=one["resistance"] * s / p,
         polarisation=more.resistance * s / p if more else 0.0, time_constant=more.time_constant if more else nan,
         continuous_current=p * one["continuous_current"], peak_current=p * one["peak_current"],
@@ -220,7 +227,7 @@ def _law(pack: Pack) -> tuple[float, float]:
 
 
 def capacity_needed(pack: Pack, power: float, time: float) -> float:
-    """Rated capacity of a battery like this one that bears a power for a time, of its usable share [A*s].
+    """Rated capacity of a battery like this one that bears a power for a time, of the share that is available [A*s].
 
     Parameters
     ----------
@@ -229,9 +236,9 @@ def capacity_needed(pack: Pack, power: float, time: float) -> float:
     power
         Constant [W].
     time
-        That the usable share must last for [s].
+        That the share which is available must last for [s].
     """
-    whole = time / pack.usable
+    whole = time / pack.available
     if power <= 0.0:
         return 0.0
     current = power / pack.mean_voltage

@@ -86,6 +86,7 @@ class Battery(Section):
     peak_current: Current | None = None
     max_charge_current: Current | None = None
     mass: Mass | None = None
+    start: Share = Field(default=1, description="share of the charge at the start of the mission")
     usable: Share = Field(default=1, description="share of the charge that may be drawn")
     health: Share = Field(default=1, description="share of the rated capacity that age and cold leave")
     autonomy: Duration | None = Field(default=None, description="that is required; the mission's where not given")
@@ -99,6 +100,8 @@ class Battery(Section):
             raise ValueError(f"give a part of a catalogue, or {' and '.join(lacking)} as well")
         if len({run.power is None for run in self.discharge or ()}) > 1:
             raise ValueError("give currents or powers in discharge, not both")
+        if self.start + self.usable <= 1.0:
+            raise ValueError("expected start above the share that may not be drawn, 1 - usable")
         return self
 
 

@@ -12,12 +12,13 @@ from math import nan
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.battery_pack import pack_of
+from drivesizer.battery_pack import Pack, pack_of
 from drivesizer.budget_checks import mass_columns, rest_of_machine
 from drivesizer.candidates import Candidates, Rows
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.checks import CheckColumn
 from drivesizer.drive_power import way_of
+from drivesizer.energy_checks import Load, accepted, charging, raised_voltage
 from drivesizer.evaluation import Evaluation, by_physics
 from drivesizer.examine import Problem
 from drivesizer.machines import WheeledVehicle
@@ -112,6 +113,15 @@ def _batteries(spec: RobotSpec, given: Problem, sets: Candidates, whole: Evaluat
         feeds: Feeding = feeding(case, spec.battery, given.catalog)
         speed = np.full_like(drawn, way_of(case, cycle) / cycle.total)
         yield from columns_of(case, feeds, cycle.total, speed, [draw, *([idle] * (len(numbers) - 1))], efficiency)
+        yield from _charging(case, feeds.pack, draw.returned / cycle.total, efficiency)
+
+
+def _charging(case: RobotSpec, pack: Pack, returned: Array, efficiency: Array) -> tuple[CheckColumn, ...]:
+    """What what comes back asks for at least: its largest is no less than its mean over the cycle [W]."""
+    loss = np.where(np.isnan(efficiency), 1.0, efficiency)
+    back, rest = accepted(case) * returned * loss, pack.emf(pack.start)
+    least = Load(mean=nan, peak=nan, rms=nan, back=back, way=nan, charge=pack.start)
+    return charging(case, pack, least._replace(highest=raised_voltage(pack, back, rest)))
 
 
 def _only(given: Problem, numbers: list[int]) -> Problem:

@@ -20,7 +20,7 @@ from drivesizer.battery_pack import Pack, capacity_needed, pack_of, run_time, st
 from drivesizer.battery_schema import Battery, Consumer
 from drivesizer.catalog import Catalog
 from drivesizer.drive_power import DrivePower, drive_power, together
-from drivesizer.energy_checks import Load, battery_checks, required_autonomy
+from drivesizer.energy_checks import Load, accepted, at_rest, battery_checks, raised_voltage, required_autonomy
 from drivesizer.energy_records import Consumption, EnergyBudget
 from drivesizer.errors import InputError
 from drivesizer.results import DriveSet, Figure, verdict
@@ -67,7 +67,10 @@ def energy_budget(
     power = _at_the_battery(spec, drive_set, drive, sum(c.mean for c in consumers[_DRIVE:]))
     load = _load(spec, drive_set, drive, consumers, power)
     load = _lasting(spec, battery, pack, load)
-    load = load._replace(lowest=_lowest(pack, drive.duration, power, load))
+    off = _at_the_battery(spec, drive_set, drive, 0.0, accepted(spec))
+    load = load._replace(
+        lowest=_lowest(pack, drive.duration, power, load), highest=_highest(pack, drive.duration, off, load)
+    )
     checks = battery_checks(spec, battery, pack, load)
     return EnergyBudget(
         pack=pack,
@@ -77,12 +80,12 @@ def energy_budget(
         mean_power=load.mean,
         peak_power=load.peak,
         full_time=load.full,
-        autonomy=load.full * pack.usable,
-        range=load.way * load.full * pack.usable,
+        autonomy=load.full * pack.available,
+        range=load.way * load.full * pack.available,
         required=load.required,
         status=verdict(checks),
         checks=checks,
-        figures=_figures(spec, battery, pack, load, _worn(drive.duration, run_time(pack, power)) * pack.usable),
+        figures=_figures(spec, battery, pack, load, _worn(drive.duration, run_time(pack, power)) * pack.available),
         assumptions=_assumptions(spec, drive_set, pack, equipment),
     )
 
@@ -101,9 +104,14 @@ def _controller_efficiency(drive_set: DriveSet) -> float:
     return drive_set.controller.max_efficiency if drive_set.controller and _efficiency_known(drive_set) else 1.0
 
 
-def _at_the_battery(spec: RobotSpec, drive_set: DriveSet, drive: DrivePower, lasting: float) -> Array:
-    """Mean power from the battery in each piece [W]; lasting is that of all that is not the drive."""
-    loss, share = _controller_efficiency(drive_set), spec.supply.regeneration
+def _at_the_battery(
+    spec: RobotSpec, drive_set: DriveSet, drive: DrivePower, lasting: float, share: float | None = None
+) -> Array:
+    """Mean power from the battery in each piece [W]; lasting is that of all that is not the drive.
+
+    ``share`` of what comes back goes into it: what is stored, or all that its terminals carry.
+    """
+    loss, share = _controller_efficiency(drive_set), spec.supply.regeneration if share is None else share
     return np.asarray(drive.drawn / loss - share * drive.returned * loss + lasting)
 
 
@@ -138,8 +146,7 @@ def _load(
 ) -> Load:
     """Powers, and the mean speed of what travels; what depends on the battery is still unknown."""
     loss, others = _controller_efficiency(drive_set), consumers[_DRIVE:]
-    accepted = 1.0 if spec.accepts_all else spec.supply.regeneration  # what of it is lost is lost inside
-    back = accepted * float(drive.returned_peak.max()) * loss
+    back = accepted(spec) * float(drive.returned_peak.max()) * loss
     return Load(
         mean=drive.mean(power),
         peak=float(drive.peak.max()) / loss + sum(c.peak for c in others),
@@ -154,8 +161,8 @@ def _lasting(spec: RobotSpec, battery: Battery, pack: Pack, load: Load) -> Load:
     full = float(run_time(pack, load.mean))
     along = nan if battery.range is None else battery.range / load.way
     required = float(np.fmax(required_autonomy(spec, battery), along))
-    drawn = pack.usable if isnan(required) else required / full
-    charge = nan if isnan(drawn) else 1.0 - min(drawn, pack.usable)
+    drawn = pack.available if isnan(required) else required / full
+    charge = nan if isnan(drawn) else pack.start - min(drawn, pack.available)
     return load._replace(full=full, required=required, charge=charge)
 
 
@@ -168,6 +175,19 @@ def _lowest(pack: Pack, duration: Array, power: Array, load: Load) -> float:
         emf = float(np.minimum(*ends).min())
     current = current_of_power(load.peak, emf, pack.resistance)
     return float(terminal_voltage(current, emf, pack.resistance))
+
+
+def _highest(pack: Pack, duration: Array, power: Array, load: Load) -> float:
+    """Highest voltage: at the largest return, with the charge of the start and all else switched off [V].
+
+    A polarised battery is at rest at first, and then comes to what the cycle makes of it: the higher of both counts.
+    """
+    emf = float(at_rest(pack, load.mean))
+    if pack.polarisation > 0.0:
+        current, none = current_of_power(power, emf, pack.resistance), (pack.polarisation, pack.time_constant)
+        courses = (polarised_voltage(duration, current, emf, 0.0, *none, rested=rested) for rested in (True, False))
+        emf = max(emf, *(float(np.maximum(*ends).max()) for ends in courses))
+    return float(raised_voltage(pack, load.back, emf))
 
 
 def _worn(duration: Array, time: Array) -> float:
@@ -189,9 +209,9 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
         ("rated_energy", "Rated energy of the battery", pack.energy, "energy", "W*h"),
         ("mean_current", "Mean current", load.mean / pack.mean_voltage, "current", "A"),
         ("charge_drawn", "Charge that this load draws in all", drawn, "charge", "A*h"),
-        ("autonomy", "Autonomy, of the usable share", load.full * pack.usable, "time", "h"),
+        ("autonomy", "Autonomy, of the usable share", load.full * pack.available, "time", "h"),
         ("autonomy_worn", "Autonomy, every moment worn as a steady load", worn, "time", "h"),
-        ("range", "Range, at the cycle's mean speed", load.way * load.full * pack.usable, "length", "km"),
+        ("range", "Range, at the cycle's mean speed", load.way * load.full * pack.available, "length", "km"),
         ("charge_left", "Charge left at the end of what is required", load.charge, "dimensionless", "%"),
         ("capacity_needed", "Rated capacity for what is required", needed, "charge", "A*h"),
         ("strings_needed", "Strings side by side for it", strings_needed(pack, needed), "dimensionless", "1"),
@@ -206,9 +226,9 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
 
 
 def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINTS) -> tuple[Array, Array]:
-    """Charge left over a mission that starts with a full battery: times [s] and shares [1].
+    """Charge left over a mission, from that of the start: times [s] and shares [1].
 
-    Drawn and returned charge count alike, against what the battery gives at the mean load: it is empty when
+    Drawn and returned charge count alike, against what the battery gives at the mean load: a full one is empty when
     ``full_time`` has passed, and below 0 after that. Of a mission of very many cycles the mean is told.
 
     Parameters
@@ -225,10 +245,10 @@ def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINT
     count = int(np.ceil(mission / cycle * (1.0 - 1e-9)))
     if count * len(budget.duration) >= most:
         time = np.linspace(0.0, mission, most)
-        return time, state_of_charge(np.diff(time), budget.mean_power, all_of_it)
+        return time, state_of_charge(np.diff(time), budget.mean_power, all_of_it, budget.pack.start)
     duration = np.tile(budget.duration, count)
     time = np.concatenate([[0.0], np.cumsum(duration)])
-    charge = state_of_charge(duration, np.tile(budget.power, count), all_of_it)
+    charge = state_of_charge(duration, np.tile(budget.power, count), all_of_it, budget.pack.start)
     end = np.interp(mission, time, charge)
     inside = time < mission
     return np.append(time[inside], mission), np.append(charge[inside], end)

@@ -41,6 +41,7 @@ Array = NDArray[np.float64]
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
 _FASTEST_CHOPPING = 100e3  # Hz, of controllers for small motors
 _STAYS = "unknown: where it goes: give supply.capacitance, or supply.accepts: all of a battery or a brake resistor"
+_HELD = "at the supply's highest voltage: the battery, which takes what comes back, is held to it"
 _RIPPLE = 0.1  # of the supply's voltage, at most
 
 
@@ -269,11 +270,12 @@ def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
     torque, speed, power = spec.margins.torque, spec.margins.speed, found.power * sets
     asked, bus = found.voltage * (1.0 + speed), _bus_voltage(spec, found, controller)
     usable = most_voltage(supply.lowest, controller["max_duty"], controller["voltage_drop"], asked)
+    held = _HELD if spec.battery and spec.accepts_all else ""
     checks = [
         winding_limit(spec, found.winding, parts.motor, found.winding_time),
         at_most("supply_voltage", found.voltage, usable, "voltage", "V", needed=speed, time=found.voltage_time),
         at_most("controller_peak_time", found.above, controller["peak_time"], "time", "s"),
-        at_most("bus_voltage", bus, controller["supply_max"], "voltage", "V", undecided=_STAYS),
+        at_most("bus_voltage", bus, controller["supply_max"], "voltage", "V", undecided=_STAYS, note=held),
     ]
     if supply.current is not None:
         drawn = power / supply.lowest
@@ -292,6 +294,9 @@ def kept_on_the_bus(spec: Any) -> Any:
 
 def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
     r"""Highest voltage of the bus: what its capacitance makes of the energy that the supply does not accept [V].
+
+    Where the supply accepts all, it stays at its highest: a battery is held to that at the largest return, with the
+    charge of the start (``energy_checks``).
 
     Where the capacitance is unknown it is taken as no less than the controller's own: a power stage that chops its
     continuous current I at a frequency f holds the ripple of its supply U within a share s by

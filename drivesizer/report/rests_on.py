@@ -59,6 +59,7 @@ _RESTS: dict[str, dict[str, tuple[str, ...]]] = {  # words in capitals stand for
     },
     "budget": dict.fromkeys(  # all that hangs on the power which the drive draws
         ("battery_autonomy", "battery_range", "battery_power", "battery_voltage", "battery_cutoff",
+         "battery_overcharge", "battery_return_voltage", "battery_room",
          "battery_continuous_current", "battery_peak_current", "battery_charge_current"),
         (*_WARM, *_EMF, "controller.max_efficiency"),
     ),

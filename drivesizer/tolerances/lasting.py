@@ -1,7 +1,8 @@
 """How long the battery lasts, sample by sample, and what it is asked for at most: autonomy, range, peak, voltage.
 
 As ``energy_budget`` has it for one set: the drive draws by its load cycle, the equipment by its share of the time, the
-run time is that of the mean power. Not here: continuous and charge currents, and what polarisation takes of a voltage.
+run time is that of the mean power. Not here: continuous current, what comes back (current and voltage of charging), and
+what polarisation takes of a voltage.
 """
 
 from __future__ import annotations
@@ -109,8 +110,8 @@ def columns_of(
     full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # as so many strings side by side
     required, way = required_autonomy(spec, spec.battery), spec.battery.range
     required = np.fmax(required, nan if way is None else way / speed)
-    drawn_share = np.where(np.isnan(required), feeds.pack.usable, required / full)
-    left = 1.0 - np.minimum(drawn_share, feeds.pack.usable)
+    drawn_share = np.where(np.isnan(required), feeds.pack.available, required / full)
+    left = feeds.pack.start - np.minimum(drawn_share, feeds.pack.available)
     peak = np.maximum(draws[0].peak, 0.0) / loss + feeds.peak
     emf, resistance = feeds.pack.emf(left), feeds.pack.resistance
     lowest = terminal_voltage(current_of_power(peak, emf, resistance), emf, resistance)

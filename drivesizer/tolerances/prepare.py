@@ -181,7 +181,7 @@ _COLUMNS = {
     "environment": {"ambient"},
     "needs": {"radial_load", "backlash_at_load", "inertia_ratio", "resonance", "resolution_at_load"},
     "battery": {"nominal_voltage", "capacity", "rated_time", "peukert_exponent", "resistance", "open_circuit",
-                "peak_current", "usable", "health", "autonomy", "range"},
+                "peak_current", "start", "usable", "health", "autonomy", "range"},
     "mission": {"duration"},
     "equipment": {"power", "peak_power", "efficiency", "duty", "time"},
 }  # fmt: skip
