@@ -27,9 +27,9 @@ from drivesizer.spec import RobotSpec
 
 __all__ = ["Case", "run", "without_limits"]
 
-_ROUNDS = 3  # of the search for the periodic temperatures
+_ROUNDS = 4  # of the search for the periodic temperatures
 _NUDGE = 1.0  # K, by which starts differ to see what a cycle makes of them
-_FOUND = 0.05  # K
+_FOUND = 0.05  # K, by which the fixed point is still sought to move
 _HOTTEST = 2000.0  # K: beyond it the winding runs away
 
 
@@ -105,25 +105,32 @@ def _periodic(drive: Drive, task: Task, out: Marched | None) -> dict[str, float]
     """Highest temperatures over the cycle repeated for ever [K].
 
     A cycle makes of two starting temperatures two at its end, nearly affinely: its fixed point is sought by Newton's
-    method, with differences of 1 K.
+    method, with the slopes that the march followed, which hold while the winding's resistance changes no current,
+    else with differences of 1 K.
     """
     if drive.heat is None:
         return {}
-    heat, end = drive.heat, _ends(out or march(drive, task, rows=0))
-    start = np.array([heat.ambient, heat.ambient])
+    last = out or march(drive, task, rows=0)
+    start, end = np.array([drive.heat.ambient, drive.heat.ambient]), _ends(last)
     for _ in range(_ROUNDS):
-        slopes = np.column_stack([
-            (_ends(march(_from(drive, start + _NUDGE * unit), task, rows=0)) - end) / _NUDGE for unit in np.eye(2)
-        ])  # fmt: skip
+        slopes = last.slopes[0]
+        if slopes is None or last.figures["time_at_voltage_limit"][0]:
+            slopes = _slopes(drive, task, start, end)
         step = np.linalg.solve(np.eye(2) - slopes, end - start)
+        if np.abs(step).max() < _FOUND:
+            break
         start = start + step
         if not np.isfinite(start).all() or start.max() > _HOTTEST or np.abs(np.linalg.eigvals(slopes)).max() >= 1.0:
             return {"winding": math.inf, "housing": math.inf}  # it runs away
         last = march(_from(drive, start), task, rows=0)
         end = _ends(last)
-        if np.abs(end - start).max() < _FOUND:
-            break
     return {name: float(last.figures[f"{name}_highest"][0]) for name in ("winding", "housing")}
+
+
+def _slopes(drive: Drive, task: Task, start: Any, end: Any) -> Any:
+    """What a kelvin more at the start makes of winding and housing at the end, by marching it."""
+    ends = [_ends(march(_from(drive, start + _NUDGE * unit), task, rows=0)) for unit in np.eye(2)]
+    return np.column_stack([(found - end) / _NUDGE for found in ends])
 
 
 def _from(drive: Drive, start: Any) -> Drive:

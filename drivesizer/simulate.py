@@ -33,6 +33,7 @@ from drivesizer.wheel_load import WheelLoad
 
 __all__ = ["hardest_case", "validate", "validate_all"]
 
+_ALL = 1e-6  # of a march: less is not told
 _KEPT = 0.5  # of the RMS current: less at rest is not told
 
 
@@ -189,6 +190,11 @@ def _assumptions(case: Case) -> list[str]:
         said.append("what friction and iron lose warms the housing; iron by the square of the speed")
     else:
         said.append("the winding's resistance is that at 25 °C: a thermal figure is unknown, or plant.warming is off")
+    marched, lasts = case.figure("time_marched"), case.figure("time")
+    if marched < (1.0 - _ALL) * lasts:
+        said.append(
+            f"{marched:.4g} s of {lasts:.6g} s are simulated; the rest is added, as it repeats what was simulated"
+        )
     if len(case.task.load_time):
         said.append("what the load takes beyond inertia and friction comes at its time, however the drive lags")
     if shaft:

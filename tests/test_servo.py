@@ -263,7 +263,7 @@ def test_a_profile_with_more_samples_than_are_marched_is_refused_in_plain_words(
     monkeypatch.setattr(closed_loop, "march", partial(march, most_steps=most // 100))
     spec = spec_of()
     corners = tuple(np.linspace(0.0, 40.0, 41).tolist())
-    long = Profile(name="long", time=corners, speed=tuple(1.0 + 0.1 * (n % 2) for n in range(41)))
+    long = Profile(name="long", time=corners, speed=tuple(1.0 + 0.1 * math.sin(n * n) for n in range(41)))
     with pytest.raises(InputError, match="profile long: more steps than are permitted; expected a shorter profile"):
         validate(spec, chosen(spec), profile=long)
 

@@ -12,7 +12,8 @@ friction keeps a loop hunting, no cycle ends as it began: then until the sums of
 before, to 2e-3. So the current's mean square, energies and heat are met to 5e-3, the temperatures at the end to 5e-3 of
 their rise, and the largest values are those of the cycles that were marched. A position's error that grows
 from cycle to cycle goes on growing as it did. A stretch at one speed and load of some 260 000 samples and more is
-marched in the same way, unless it comes to rest: then it is carried exactly.
+marched in the same way, unless it comes to rest: then it is carried exactly. So is a motion of which a task has as
+long a stretch written out, 8 times and more in a row (see ``blocks``).
 Symbols: I current [A], U voltage [V], w motor speed [rad/s], T temperature [K].
 """
 

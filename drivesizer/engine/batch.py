@@ -79,5 +79,6 @@ def _march(drives: Sequence[Drive], task: Task, rows: int, most: int, threads: i
     return Marched(
         figures=figures_of(found),
         problems=tuple(_PROBLEMS[run.status] for run in found),
+        slopes=tuple(run.slopes for run in found),
         series=course_of(book, task.time[0]) if rows else None,
     )

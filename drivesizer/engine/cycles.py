@@ -1,4 +1,4 @@
-"""A task done many times, and its long constant stretches: laps that repeat are not marched but added.
+"""A task done many times, its long constant stretches, what it repeats: laps that are alike are not marched but added.
 
 Laps are marched 1, 1, 2, 4, 8 ... at a time until one ends as it began, or its sums are those of the one before.
 """
@@ -8,12 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 import drivesizer.engine.places as at
 from drivesizer.engine.laps import Lap, grown, joined, marched
+from drivesizer.engine.pieces import Part
 from drivesizer.engine.places import ROW, Array
 from drivesizer.engine.repeats import alike, voltages
 from drivesizer.engine.start import Run
@@ -27,7 +29,7 @@ _NONE = np.zeros((0, len(ROW)))
 
 def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
     """March a set through all cycles of its task; the course of the first goes into the book."""
-    turned = _turned(run)
+    turned = _turned(run.pieces, run.p)
     length = float(run.pieces[-1, 1]) * run.p[at.H]
 
     def lap(done: int, many: int) -> Lap:
@@ -41,28 +43,59 @@ def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
         assert found is not None
         return found
 
-    run.g[:] = _repeated(run, lap, cycles, turned).g
+    whole = _repeated(run, lap, cycles, turned)
+    run.g[:] = whole.g
+    if run.p[at.HEAT] and run.p[at.SENSE]:
+        run.slopes = whole.A[:2, :2]
     run.time = (run.cycles if run.status else cycles) * length
     return run
 
 
-def _turned(run: Run) -> float:
-    """Angle of the reference over a cycle [rad]."""
-    last = run.pieces[-1]
-    since = last[1] * run.p[at.H] - last[2]
-    return float(last[5] + (last[3] + 0.5 * last[4] * since) * since - run.pieces[0, 5])
+def _turned(pieces: Array, p: Array) -> float:
+    """Angle of the reference over some pieces [rad]."""
+    last = pieces[-1]
+    since = last[1] * p[at.H] - last[2]
+    return float(last[5] + (last[3] + 0.5 * last[4] * since) * since - pieces[0, 5])
 
 
 def _cycle(loop: Any, run: Run, book: tuple[Any, ...]) -> Lap:
-    """One cycle, its long constant stretches for themselves."""
+    """One cycle, what it repeats for itself."""
     found: Lap | None = None
-    for a, b, long in run.parts:
-        part = run.pieces[a:b]
-        found = joined(found, _stretch(loop, run, part[0], book) if long else marched(loop, run, part, book))
+    for part in run.parts:
+        if part.rows:
+            found = joined(found, _block(loop, run, part, book))
+        else:
+            found = joined(found, _through(loop, run, part.first, part.end, book))
         if run.status:
             break
     assert found is not None
     return replace(found, count=1)
+
+
+def _block(loop: Any, run: Run, part: Part, book: tuple[Any, ...]) -> Lap:
+    """A motion that is written out again and again, lap by lap."""
+
+    def lap(done: int, many: int) -> Lap:
+        a = part.first + done * part.rows
+        return replace(_through(loop, run, a, a + many * part.rows, book), count=many)
+
+    turned = _turned(run.pieces[part.first : part.first + part.rows], run.p)
+    return _repeated(run, lap, (part.end - part.first) // part.rows, turned)
+
+
+def _through(loop: Any, run: Run, first: int, end: int, book: tuple[Any, ...]) -> Lap:
+    """Pieces as they come, the long constant ones for themselves."""
+    found: Lap | None = None
+    cuts = {first, end}
+    for n in (np.flatnonzero(run.long[first:end]) + first).tolist():
+        cuts |= {n, n + 1}
+    for a, b in pairwise(sorted(cuts)):
+        part = run.pieces[a:b]
+        found = joined(found, _stretch(loop, run, part[0], book) if run.long[a] else marched(loop, run, part, book))
+        if run.status:
+            break
+    assert found is not None
+    return found
 
 
 def _stretch(loop: Any, run: Run, piece: Array, book: tuple[Any, ...]) -> Lap:
@@ -70,17 +103,17 @@ def _stretch(loop: Any, run: Run, piece: Array, book: tuple[Any, ...]) -> Lap:
     first, end, length = int(piece[0]), int(piece[1]), run.lap
     laps = (end - first) // length
 
-    def part(a: int, b: int) -> Lap:
+    def between(a: int, b: int) -> Lap:
         some = piece.copy()[None]
         some[0, 0], some[0, 1], some[0, 8] = a, b, piece[8] * (a == first)
         return marched(loop, run, some, book)
 
     def lap(done: int, many: int) -> Lap:
-        return replace(part(first + done * length, first + (done + many) * length), count=many)
+        return replace(between(first + done * length, first + (done + many) * length), count=many)
 
     found = _repeated(run, lap, laps, float(piece[3]) * length * run.p[at.H], run.p[at.H])
     rest = first + laps * length
-    return found if run.status or rest == end else joined(found, part(rest, end))
+    return found if run.status or rest == end else joined(found, between(rest, end))
 
 
 def _repeated(run: Run, march: Callable[[int, int], Lap], laps: int, turned: float, period: float = 0.0) -> Lap:

@@ -22,6 +22,7 @@ class Marched:
 
     figures: dict[str, Array]
     problems: tuple[str, ...]  # of each set, empty where it ran to the end; else the figures are those until then
+    slopes: tuple[Array | None, ...] = ()  # of each set marched alone: winding and housing at the end by the start's
     series: dict[str, Array] | None = None  # by the names of ``places.ROW``; of the first cycle
 
 
@@ -57,7 +58,8 @@ def figures_of(runs: Sequence[Run]) -> dict[str, Array]:
             "i2t_share": g[:, at.G_I2T] / p[:, at.BUDGET],
         }
     return found | {"copper_heat": s[:, at.Q].copy(), "angle": s[:, at.X].copy(), "load_angle": s[:, at.Y].copy(),
-                    "time": time, "steps": s[:, at.STEPS].copy()}  # fmt: skip
+                    "time": time, "time_marched": np.array([run.marched for run in runs]),
+                    "steps": s[:, at.STEPS].copy()}  # fmt: skip
 
 
 def course_of(book: tuple[Any, ...], origin: float) -> dict[str, Array]:

@@ -38,6 +38,7 @@ def marched(loop: Any, run: Run, pieces: Array, book: tuple[Any, ...]) -> Lap:
     s[at.WW : at.HQ + 1] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
     run.status = int(loop(run.p, s, g, run.M, *run.scratch, pieces, run.ring, *book))
     time = float(pieces[-1, 1] - pieces[0, 0]) * run.p[at.H]
+    run.marched += time
     return Lap(g, _affine(s, before), float(s[at.Q] - before[at.Q]), time, float(s[at.STEPS] - before[at.STEPS]))
 
 

@@ -6,21 +6,32 @@ left out, to where reference and load are a sample later; so a jump lasts a samp
 
 from __future__ import annotations
 
-from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 import drivesizer.engine.places as at
+from drivesizer.engine.blocks import blocks
 from drivesizer.engine.drive import Task
 from drivesizer.engine.places import Array
 from drivesizer.errors import InputError
 
-__all__ = ["pieces_of", "stretches"]
+__all__ = ["Flags", "Part", "pieces_of", "stretches"]
 
+Flags = NDArray[np.bool_]
 _WHOLE = 1e-9  # a corner this near to a sample, in periods, is on it
 _ROUNDING = 8.0 * np.finfo(float).eps  # of a time, the same
 _LAP = 4096  # periods of a lap of a long stretch, at least
 _LAPS = 64  # of which a stretch is long
+
+
+class Part(NamedTuple):
+    """Pieces of a task in a row."""
+
+    first: int
+    end: int  # the one after the last
+    rows: int  # of a motion that they repeat; 0: nothing repeats
 
 
 def pieces_of(task: Task, p: Array) -> Array:
@@ -80,12 +91,12 @@ def _whole(p: Array) -> float:
     return float(p[at.N_V] * max(p[at.N_P], 1.0))
 
 
-def stretches(pieces: Array, p: Array) -> tuple[list[tuple[int, int, bool]], int]:
-    """A task's pieces from place to place, the long constant ones alone; and the periods of a lap of those."""
+def stretches(pieces: Array, p: Array) -> tuple[list[Part], Flags, int]:
+    """A task's pieces from place to place, what repeats alone; which are long and constant; periods of their laps."""
     lap = int(np.ceil(_LAP / _whole(p)) * _whole(p))
     constant = (pieces[:, 4] == 0.0) & (pieces[:, 7] == 0.0) & (pieces[:, 1] - pieces[:, 0] >= _LAPS * lap)
-    cuts = {0, len(pieces)}
-    for n in np.flatnonzero(constant).tolist():
-        cuts |= {n, n + 1}
-    edges = sorted(cuts)
-    return [(a, b, bool(constant[a])) for a, b in pairwise(edges)], lap
+    found, done = [], 0
+    for part in [*(Part(*block) for block in blocks(pieces, p, lap, _LAPS * lap)), Part(len(pieces), len(pieces), 0)]:
+        found += [Part(done, part.first, 0)] * (part.first > done) + [part]
+        done = part.end
+    return found[:-1], constant, lap

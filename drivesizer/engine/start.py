@@ -14,7 +14,7 @@ from drivesizer.engine.controllers import ahead
 from drivesizer.engine.drive import Drive, Heat, Task
 from drivesizer.engine.modes import held, mode_of, resisting
 from drivesizer.engine.parameters import resistances, table
-from drivesizer.engine.pieces import pieces_of, stretches
+from drivesizer.engine.pieces import Flags, Part, pieces_of, stretches
 from drivesizer.engine.places import STATE, TALLY, Array
 from drivesizer.errors import InputError
 from drivesizer.linear_modes import columns, discretised
@@ -78,12 +78,15 @@ class Run:
     M: Array  # matrices
     scratch: tuple[Array, Array, Array, Array]  # matrices in use, their temperatures, a step, what is steady
     pieces: Array
-    parts: list[tuple[int, int, bool]]  # of the pieces, from place to place; whether a long constant stretch
-    lap: int  # periods that such a stretch is marched in
+    parts: list[Part]  # of the pieces, from place to place
+    long: Flags  # which pieces are long and constant
+    lap: int  # periods that these are marched in
     ring: Array  # counts
     status: int = 0
     cycles: int = 0
     time: float = 0.0  # s
+    marched: float = 0.0  # s of it that were marched, not added
+    slopes: Array | None = None  # of winding and housing at the end, by each at the start; None: not followed
 
 
 def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
@@ -105,21 +108,22 @@ def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
             same = tuple(P[n, [at.H, at.RATIO, at.N_V, at.N_P]].tolist())
             if same not in known:
                 known[same] = pieces_of(task, P[n])
-            found[n] = _begun(P[n], M[m], drives[n], known[same], task.cycles > 1)
+            found[n] = _begun(P[n], M[m], drives[n], known[same], task.cycles > 1 or len(drives) == 1)
     return [found[n] for n in range(len(drives))]
 
 
-def _begun(p: Array, M: Array, drive: Drive, pieces: Array, many: bool) -> Run:
+def _begun(p: Array, M: Array, drive: Drive, pieces: Array, followed: bool) -> Run:
+    """One set at its start; followed: whether what a kelvin at the start makes of the end is wanted."""
     c = drive.controller
     ki = (c.velocity_ki != 0.0, c.current_ki != 0.0) if isinstance(c, Cascade) else (c.ki != 0.0, False)
     if not len(pieces):
         raise InputError("task: it lies between two samples of the controller")
-    parts, lap = stretches(pieces, p)
-    p[at.SENSE] = many or any(long for _, _, long in parts)
+    parts, long, lap = stretches(pieces, p)
+    p[at.SENSE] = followed or bool(long.any()) or any(part.rows for part in parts)
     work = M[0].copy() if p[at.HEAT] else M[0]
     scratch = work, np.full(M.shape[1:3], math.nan), np.zeros(16), np.zeros(at.STEADY)
     ring = _ring(p, float(pieces[0, 3]))
-    return Run(p, _start(p, pieces, drive.heat, ki), tally(), M, scratch, pieces, parts, lap, ring)
+    return Run(p, _start(p, pieces, drive.heat, ki), tally(), M, scratch, pieces, parts, long, lap, ring)
 
 
 def tally() -> Array:
