@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "capacity_for", "current_of_power", "fitted_exponent", "largest_power", "peukert_capacity", "peukert_time",
+    "capacity_for", "current_of_power", "largest_power", "peukert_time",
     "polarised_voltage", "state_of_charge", "table_draw", "table_time", "terminal_voltage",
 ]  # fmt: skip
 
@@ -56,18 +56,6 @@ def peukert_time(current: Any, capacity: Any, rated_time: Any, exponent: Any) ->
     return time[()]
 
 
-def peukert_capacity(time: Any, capacity: Any, rated_time: Any, exponent: Any) -> Any:
-    """Charge that a constant current draws which empties the battery in a time [A*s]: C (t/H)^(1 - 1/k).
-
-    Not above the rated capacity; symbols as in :func:`peukert_time`.
-
-    >>> float(peukert_capacity(20.0, 7.0, 20.0, 1.2))
-    7.0
-    """
-    share = np.minimum(np.asarray(time, float) / rated_time, 1.0)
-    return (capacity * share ** (1.0 - 1.0 / np.asarray(exponent, float)))[()]
-
-
 def capacity_for(time: Any, current: Any, rated_time: Any, exponent: Any) -> Any:
     """Rated capacity that bears a constant current for a time [A*s]: the inverse of :func:`peukert_time`.
 
@@ -85,21 +73,6 @@ def capacity_for(time: Any, current: Any, rated_time: Any, exponent: Any) -> Any
     share = np.asarray(time, float) / rated_time
     wanted = current * rated_time * np.where(share < 1.0, share ** (1.0 / np.asarray(exponent, float)), share)
     return (wanted + 0.0 * exponent)[()]
-
-
-def fitted_exponent(current: Any, time: Any) -> float:
-    """Peukert's exponent of a discharge table: least squares of ln t over ln I [1]; NaN of fewer than two currents.
-
-    Parameters
-    ----------
-    current, time
-        Constant currents [A] and how long each lasts [s].
-    """
-    x, y = np.log(np.asarray(current, float)), np.log(np.asarray(time, float))
-    if len(x) < 2 or not np.ptp(x) > 0.0:
-        return float("nan")
-    x = x - x.mean()
-    return float(-(x @ y) / (x @ x))
 
 
 def table_time(draw: Any, draws: Any, times: Any) -> Any:

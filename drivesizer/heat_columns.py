@@ -1,8 +1,6 @@
-"""The heat of a repeating cycle for many motors at once: the exact peak, and two bounds that cost next to nothing.
+"""Bounds of the heat of a repeating cycle for many motors at once, which cost next to nothing.
 
-The mathematics is that of ``heat_cycle``, with motors along the last axis. Motors are taken a block at a time, so that
-what is needed beside the arguments does not grow with their number; where the arguments themselves are too large
-(thousands of motors, each with its own current in tens of thousands of segments), the caller hands over a part of them.
+The exact course is ``heat_course``'s.
 Convention: temperatures in and out are absolute; a motor with an unknown figure gives NaN, one that runs away infinity.
 Symbols: R resistance [ohm], R_th thermal resistance [K/W], tau time constant [s], I current [A], P_h loss at the
 housing [W].
@@ -10,38 +8,23 @@ housing [W].
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import fields
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from drivesizer.errors import InputError
-from drivesizer.heat_cycle import checked, highest, mean_rise, periodic
 from drivesizer.heat_modes import Array, modes
 from drivesizer.thermal import TwoBodies, Value, resistance_at, settled, steady_winding_temperature
 
 __all__ = [
-    "PeriodicWinding",
     "WindingBounds",
     "coolest_winding",
     "each_figure",
-    "periodic_winding",
     "some_of",
     "winding_bounds",
 ]
-
-_CELLS = 1 << 14  # motors times segments in a block: what stays in the processor's cache
-
-
-class PeriodicWinding(NamedTuple):
-    """Temperatures over a cycle that repeats, one of each motor; infinite at runaway, NaN where a figure is unknown."""
-
-    peak: Array  # K, winding, also within a segment
-    peak_time: Array  # s from the cycle's start; NaN without a finite peak
-    mean: Array  # K, winding, over time
-    housing_peak: Array  # K
 
 
 class WindingBounds(NamedTuple):
@@ -49,51 +32,6 @@ class WindingBounds(NamedTuple):
 
     lower: Array  # K
     upper: Array  # K
-
-
-def periodic_winding(
-    motor: TwoBodies, ambient: float, dt: ArrayLike, I2: ArrayLike, P_h: ArrayLike = 0.0
-) -> PeriodicWinding:
-    """Temperatures of many motors over a cycle that repeats for ever, as ``periodic_heat`` finds them for one.
-
-    Parameters
-    ----------
-    motor
-        Windings and housings: columns over n motors, or a figure that all have.
-    ambient
-        Temperature around the motors [K].
-    dt
-        Duration of each of the S segments [s].
-    I2
-        Mean square current over each segment, n x S [A^2].
-    P_h
-        Mean loss at the housing over each segment: n x S, n x 1 or one for all [W].
-
-    Returns
-    -------
-    PeriodicWinding
-        Columns over motors.
-
-    Examples
-    --------
-    >>> motor = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)
-    >>> found = periodic_winding(motor, 298.15, [2.0, 18.0], [[9.0, 0.0], [90.0, 0.0]])
-    >>> [round(T - 273.15, 1) for T in found.peak.tolist()]
-    [73.2, inf]
-    """
-    t, square = checked(dt, I2)
-    if square.ndim != 2:
-        raise InputError(f"heat cycle: mean square currents must be motors x segments, got shape {square.shape}")
-    square, loss = np.broadcast_arrays(square, np.asarray(P_h, dtype=np.float64))
-    square, loss, _ = np.broadcast_arrays(square, loss, t)
-    found = PeriodicWinding(*np.empty((4, len(square))))
-    block = max(_CELLS // t.size, 1)
-    for first in range(0, len(square), block):
-        rows = slice(first, first + block)
-        part = _block(some_of(motor, len(square), rows), ambient, t, square[rows], loss[rows])
-        for whole, values in zip(found, part, strict=True):
-            whole[rows] = values
-    return found
 
 
 def each_figure(motor: TwoBodies, change: Callable[[Value], Array]) -> TwoBodies:
@@ -122,23 +60,6 @@ def some_of(motor: TwoBodies, n: int, rows: slice | NDArray[np.intp]) -> TwoBodi
         Which of them.
     """
     return each_figure(motor, lambda x: np.broadcast_to(x, n)[rows])
-
-
-def _block(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) -> Iterator[Array]:
-    """The four columns of a block of motors."""
-    known = motor.known & ~np.isnan(I2.sum(axis=1) + P_h.sum(axis=1) + (ambient + t.sum()))
-    square, loss = np.ascontiguousarray(I2.T), np.ascontiguousarray(P_h.T)
-    if not known.all():
-        motor = each_figure(motor, lambda x: np.where(known, x, 1.0))  # any figures, without effect
-        square, loss = np.where(known, square, 0.0), np.where(known, loss, 0.0)
-    time = np.cumsum(t) - t
-    with np.errstate(over="ignore", invalid="ignore"):  # where a motor runs away
-        found = periodic(motor, ambient, t[:, None], square, loss)
-        peak = highest(found, 1.0, 0.0)
-        rises = (peak.rise, mean_rise(found, 0), highest(found, 0.0, 1.0).rise)
-    winding, mean, housing = (np.where(found.settles, x + ambient, np.inf) for x in rises)
-    columns = (winding, np.where(found.settles, time[peak.segment] + peak.until, np.nan), mean, housing)
-    return (np.where(known, x, np.nan) for x in columns)
 
 
 def winding_bounds(

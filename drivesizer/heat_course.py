@@ -1,6 +1,7 @@
 """How warm a winding is at each moment of a cycle that repeats, for many motors at once: what its resistance then is.
 
-The mathematics is that of ``heat_cycle``; ``heat_columns`` tells the peak alone and costs less memory.
+The mathematics is that of ``heat_cycle``, with motors along the last axis, a block of them at a time; ``heat_columns``
+has bounds of the peak.
 Convention: temperatures are absolute; a motor with an unknown figure gives NaN, one that runs away an infinite peak and
 else NaN.
 Symbols: I current [A], P_h loss at the housing [W].

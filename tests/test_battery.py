@@ -15,9 +15,7 @@ from scipy.optimize import brentq
 from drivesizer.battery import (
     capacity_for,
     current_of_power,
-    fitted_exponent,
     largest_power,
-    peukert_capacity,
     peukert_time,
     polarised_voltage,
     state_of_charge,
@@ -42,7 +40,6 @@ def test_peukert_is_a_law(exponent: float, capacity: float, current: float) -> N
     time = peukert_time(np.array([current, 1.7 * current]), capacity, 20.0, exponent)
     if current > capacity / 20.0:  # I^k t is the same for every current above the rated one
         assert time[0] / time[1] == pytest.approx(1.7**exponent)
-        assert current * time[0] == pytest.approx(peukert_capacity(time[0], capacity, 20.0, exponent))
     assert current * time[0] <= capacity * (1 + 1e-12)  # and never more charge than the rated one
     assert capacity_for(time[0], current, 20.0, exponent) == pytest.approx(capacity)
 
@@ -61,19 +58,12 @@ def test_peukert_at_the_edges() -> None:
 
 def test_an_exponent_of_two_rates_tells_the_times_between() -> None:
     """Fitted to 1 h and 20 h of a printed table, held against five times that were not used: short by 10 % at most."""
-    exponent = fitted_exponent(AMPERES[[4, -1]], HOURS[[4, -1]])
-    assert exponent == pytest.approx(np.log(20.0) / np.log(4.42 / 0.379))
+    exponent = np.log(20.0) / np.log(4.42 / 0.379)
     found = peukert_time(AMPERES[5:-1], 7.58, 20.0, exponent)
     assert np.all(found / HOURS[5:-1] > 0.9)
     assert np.all(found / HOURS[5:-1] < 1.0)
     # beyond what it was fitted to it is too kind: five minutes of the table would be eight
     assert peukert_time(21.6, 7.58, 20.0, exponent) > 1.5 / 12
-
-
-def test_a_fit_needs_two_currents() -> None:
-    assert isnan(fitted_exponent([4.0], [1.0]))
-    assert isnan(fitted_exponent([4.0, 4.0], [1.0, 1.0]))
-    assert fitted_exponent(AMPERES, 7.58 / AMPERES) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("place", range(1, 10))

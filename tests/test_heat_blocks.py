@@ -10,7 +10,7 @@ import pytest
 
 from drivesizer import heat_blocks
 from drivesizer.heat_blocks import Blocks, blocks, bracket
-from drivesizer.heat_columns import periodic_winding
+from drivesizer.heat_course import winding_course
 from drivesizer.physics import AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.thermal import COPPER, TwoBodies, steady_winding_temperature
 
@@ -72,8 +72,12 @@ def random_case(random, n, S, kind, hottest=0.9):
     return motors, dt, functions, coefficients, friction, friction * random.uniform(0.0, 0.5, n)
 
 
+def peak_of(motors, dt, square, loss):
+    return winding_course(motors, AMBIENT, dt, square, loss, np.zeros(len(dt), bool)).peak
+
+
 def exact(motors, dt, functions, coefficients, friction, iron):
-    return periodic_winding(motors, AMBIENT, dt, *waves(functions, coefficients, friction, iron)).peak
+    return peak_of(motors, dt, *waves(functions, coefficients, friction, iron))
 
 
 def halved(dt, functions):
@@ -173,7 +177,7 @@ def heat_within_blocks(earlier, recent):
     motor = TwoBodies(R_25=2.0, R_th1=3.0, R_th2=14.0, tau_w=2.0, tau_h=900.0)
     coefficients = np.array([[1.9, 0.0, 0.0, 0.0, 0.0, 0.0]])
     square = 1.9**2 * np.concatenate([*shapes, [4.0]])[None]
-    peak = periodic_winding(motor, AMBIENT, [*times] * 2000 + [0.1], square).peak
+    peak = peak_of(motor, np.array([*times] * 2000 + [0.1]), square, np.zeros_like(square))
     found = bracket(motor, AMBIENT, cycle, coefficients, np.zeros(1), np.zeros(1))
     assert within(peak, found)
     return float(found.upper[0] - peak[0]), float(peak[0] - found.lower[0])

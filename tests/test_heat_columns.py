@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from math import exp, expm1, inf, isnan, nan
+from math import exp, expm1, inf, isfinite, isnan, nan
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drivesizer import heat_columns, heat_modes, thermal
-from drivesizer.errors import InputError
-from drivesizer.heat_columns import periodic_winding, winding_bounds
+from drivesizer import heat_course, heat_modes, thermal
+from drivesizer.heat_columns import winding_bounds
+from drivesizer.heat_course import winding_course
 from drivesizer.heat_cycle import periodic_heat
 from drivesizer.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, steady_winding_temperature
 
@@ -43,6 +43,11 @@ def random_cycle(random, motors, hottest=4.0):
     return dt, np.where(pauses[0], 0.0, share * limit[:, None]), np.where(pauses[1], 0.0, rise / motors.R_th2[:, None])
 
 
+def course(motors, dt, squares, losses=0.0):
+    t, square, loss = np.broadcast_arrays(np.asarray(dt, float), squares, losses)
+    return winding_course(motors, AMBIENT, t[0], square, loss, np.zeros(t.shape[1], bool))
+
+
 def one(motors, n):
     return TwoBodies(**{name: float(getattr(motors, name)[n]) for name in NAMES})
 
@@ -58,11 +63,11 @@ def test_each_motor_is_as_warm_as_by_itself(seed):
     for n, name in enumerate(NAMES):  # some unknown figures
         getattr(motors, name)[n] = (nan, 0.0, inf, -1.0)[(seed + n) % 4]
     squares[7, 0], losses[8, 1] = nan, nan
-    found = periodic_winding(motors, AMBIENT, dt, squares, losses)
+    found = course(motors, dt, squares, losses)
     for n in range(60):
         alone = periodic_heat(one(motors, n), AMBIENT, dt, squares[n], losses[n])
-        expected = (alone.winding_peak, alone.winding_mean, alone.housing_peak)
-        rises = [T[n] - AMBIENT for T in (found.peak, found.mean, found.housing_peak)]
+        expected = (alone.winding_peak, alone.winding_mean if isfinite(alone.winding_peak) else nan)
+        rises = [T[n] - AMBIENT for T in (found.peak, found.mean)]
         assert rises == pytest.approx([T - AMBIENT for T in expected], rel=1e-9, abs=1e-11, nan_ok=True)
         assert found.peak_time[n] == pytest.approx(alone.winding_peak_time, rel=1e-9, nan_ok=True)
     assert np.isnan(found.peak[[0, 1, 2, 3, 4, 7, 8]]).all() and not np.isnan(found.peak[9:]).any()
@@ -72,14 +77,13 @@ def test_some_of_them_run_away_and_the_others_do_not_mind():
     random = np.random.default_rng(3)
     motors = random_motors(random, 400)
     dt, squares, losses = random_cycle(random, motors, hottest=9.0)
-    found = periodic_winding(motors, AMBIENT, dt, squares, losses)
+    found = course(motors, dt, squares, losses)
     away = np.isinf(found.peak)
     assert 20 < away.sum() < 380
-    for column in (found.mean, found.housing_peak):
-        assert (np.isinf(column) == away).all()
-    assert (np.isnan(found.peak_time) == away).all()
+    for column in (found.mean, found.peak_time):
+        assert (np.isnan(column) == away).all()
     kept = TwoBodies(**{name: getattr(motors, name)[~away] for name in NAMES})
-    again = periodic_winding(kept, AMBIENT, dt, squares[~away], losses[~away])
+    again = course(kept, dt, squares[~away], losses[~away])
     assert again.peak == pytest.approx(found.peak[~away], rel=1e-12)
 
 
@@ -88,9 +92,9 @@ def test_blocks_change_nothing(cells, monkeypatch):
     random = np.random.default_rng(11)
     motors = random_motors(random, 53)
     dt, squares, losses = random_cycle(random, motors)
-    whole = periodic_winding(motors, AMBIENT, dt, squares, losses)
-    monkeypatch.setattr(heat_columns, "_CELLS", cells)
-    for found, column in zip(periodic_winding(motors, AMBIENT, dt, squares, losses), whole, strict=True):
+    whole = course(motors, dt, squares, losses)
+    monkeypatch.setattr(heat_course, "_CELLS", cells)
+    for found, column in zip(course(motors, dt, squares, losses), whole, strict=True):
         assert found == pytest.approx(column, rel=1e-12, nan_ok=True)
 
 
@@ -102,10 +106,10 @@ def test_runs_side_by_side_are_the_segments_one_after_another(run, count, monkey
     dt, limit = random.exponential(40.0 / count, count), 1.0 / (COPPER * motors.R_25 * (motors.R_th1 + motors.R_th2))
     squares = limit[:, None] * random.uniform(0.0, 1.3, (20, 1)) * random.exponential(1.0, (20, count))
     monkeypatch.setattr(heat_modes, "_WIDE", 0)
-    expected = periodic_winding(motors, AMBIENT, dt, squares, 0.2)
+    expected = course(motors, dt, squares, 0.2)
     monkeypatch.setattr(heat_modes, "_WIDE", 1000)
     monkeypatch.setattr(heat_modes, "_RUN", run)
-    for found, column in zip(periodic_winding(motors, AMBIENT, dt, squares, 0.2), expected, strict=True):
+    for found, column in zip(course(motors, dt, squares, 0.2), expected, strict=True):
         assert found == pytest.approx(column, rel=1e-10, nan_ok=True)
     assert np.isinf(expected.peak).sum() not in (0, 20)
 
@@ -117,7 +121,7 @@ def test_scipy_settles_to_the_same_peaks():
     )  # fmt: skip
     dt, squares = np.array([2.0, 5.5, 9.0]), np.array([[30.0, 1.7, 0.0], [0.4, 21.0, 2.0]])
     losses = np.array([[0.9], [2.1]])
-    found = periodic_winding(motors, AMBIENT, dt, squares, losses)
+    found = course(motors, dt, squares, losses)
     for n in range(2):
         motor, state, warmest = one(motors, n), np.full(2, AMBIENT), np.zeros(2)
         for step in [99.0] * 70 + [0.05]:
@@ -133,29 +137,16 @@ def test_scipy_settles_to_the_same_peaks():
                 y = solve_ivp(law, (0.0, t), state, method="DOP853", rtol=1e-12, atol=1e-10, max_step=step).y
                 state, warmest = y[:, -1], np.maximum(warmest, y.max(axis=1))
         assert found.peak[n] == pytest.approx(warmest[0], abs=1e-4)  # K: dense samples miss a rounded top by their step
-        assert found.housing_peak[n] == pytest.approx(warmest[1], abs=1e-4)
 
 
 def test_one_loss_for_all_and_figures_that_all_motors_share():
     motors = TwoBodies(R_25=np.array([2.0, 3.0, 5.0]), R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)
-    found = periodic_winding(motors, AMBIENT, [2.0, 7.0], [[3.0, 0.0]] * 3, 0.4)
+    found = course(motors, [2.0, 7.0], [[3.0, 0.0]] * 3, 0.4)
     assert (np.diff(found.peak) > 1.0).all()
-    constant = periodic_winding(motors, AMBIENT, [2.0, 7.0], [[0.5], [0.4], [0.3]], 0.4)
+    constant = course(motors, [2.0, 7.0], [[0.5], [0.4], [0.3]], 0.4)
     steady = steady_winding_temperature(AMBIENT, motors.R_25, 3.1, 14.0, np.sqrt([0.5, 0.4, 0.3]), 0.4)
     assert constant.peak == pytest.approx(steady, rel=1e-11)
     assert constant.mean == pytest.approx(steady, rel=1e-11)
-
-
-def test_what_is_no_table_is_an_error():
-    motors = random_motors(np.random.default_rng(0), 3)
-    for dt, squares in (
-        ([], np.ones((3, 0))),
-        ([1.0, 2.0], [1.0, 2.0]),
-        ([1.0, 2.0], -np.ones((3, 2))),
-        ([0.0], [[1.0]]),
-    ):
-        with pytest.raises(InputError, match="heat cycle"):
-            periodic_winding(motors, AMBIENT, dt, squares)
 
 
 # --- bounds ----------------------------------------------------------------------------------------------------------
@@ -179,7 +170,7 @@ def test_the_peak_lies_between_its_bounds(seed):
         }
         motors = replace(motors, **quick)
     dt, squares, losses = random_cycle(random, motors)
-    peak = periodic_winding(motors, AMBIENT, dt, squares, losses).peak - AMBIENT
+    peak = course(motors, dt, squares, losses).peak - AMBIENT
     lower, upper = (bound - AMBIENT for bound in bounds_of(motors, dt, squares, losses))
     assert (lower <= peak * (1.0 + 1e-10) + 1e-10).all()
     assert (peak <= upper * (1.0 + 1e-10) + 1e-10).all()
@@ -203,7 +194,7 @@ def test_a_pulse_into_a_constant_resistance_is_at_its_upper_bound(monkeypatch):
         monkeypatch.setattr(module, "COPPER", 0.0)
     motors = random_motors(np.random.default_rng(6), 50)
     dt, squares = np.array([3.0, 11.0]), np.tile([7.0, 0.0], (50, 1))
-    peak = periodic_winding(motors, AMBIENT, dt, squares).peak
+    peak = course(motors, dt, squares).peak
     assert bounds_of(motors, dt, squares, np.zeros((50, 2))).upper == pytest.approx(peak, rel=1e-12)
 
 

@@ -16,7 +16,6 @@ from drivesizer.platform.envelope import (
     corner_width,
     heading_tolerance,
     heading_tolerance_driving,
-    longest_through_corner,
     turning_circle,
     width_at,
 )
@@ -116,7 +115,6 @@ def test_about_its_middle_it_is_the_diagonal():
 def test_a_ladder_round_a_corner(one, other):
     """(a^2/3 + b^2/3)^3/2, as in every text on extrema."""
     ladder = (one ** (2 / 3) + other ** (2 / 3)) ** 1.5
-    assert longest_through_corner(0.0, one, other) == pytest.approx(ladder)
     assert corner_width(ladder, one, other) == pytest.approx(0.0, abs=1e-9)
 
 
@@ -142,8 +140,6 @@ def test_a_rectangle_round_a_corner_by_pushing_it(one, other, length, width):
 def test_the_papers_robot_in_a_corner_of_two_corridors():
     """Symmetric corridors: the worst is at 45°, where a √2 - L / 2 is left."""
     assert corner_width(ROBOT.length, 0.51, 0.51) == pytest.approx(0.51 * math.sqrt(2) - 0.707 / 2)
-    assert longest_through_corner(0.350, 0.51, 0.51) == pytest.approx(2 * (0.51 * math.sqrt(2) - 0.350))
-    assert math.isnan(longest_through_corner(0.52, 0.51, 0.6))
     assert corner_width(2.0, 0.51, 0.51) < 0.0
 
 

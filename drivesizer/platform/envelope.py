@@ -22,12 +22,10 @@ __all__ = [
     "corner_width",
     "heading_tolerance",
     "heading_tolerance_driving",
-    "longest_through_corner",
     "turning_circle",
     "width_at",
 ]
 
-_HALVINGS = 60
 
 
 def _checked(record: object, what: str, **figures: float) -> None:
@@ -211,32 +209,3 @@ def corner_width(length: float, one: float, other: float) -> float:
     roots = np.roots([-a - L, -2.0 * b, 6.0 * L, -2.0 * b, a - L])
     t = np.concatenate([[0.0, math.pi / 2.0], 2.0 * np.arctan(np.clip(roots.real, 0.0, 1.0))])
     return float((a * np.sin(t) + b * np.cos(t) - L * np.sin(t) * np.cos(t)).min())
-
-
-def longest_through_corner(width: float, one: float, other: float) -> float:
-    """Length of the longest rectangle of a width that turns through a right-angled corner of two corridors [m].
-
-    Parameters
-    ----------
-    width
-        Of the rectangle; 0 is a ladder [m].
-    one, other
-        Widths of the corridors [m].
-
-    Returns
-    -------
-    float
-        NaN where it is wider than a corridor.
-
-    Examples
-    --------
-    >>> round(longest_through_corner(0.0, 2.4, 1.8), 3)
-    5.919
-    """
-    low, high = 0.0, (one ** (2 / 3) + other ** (2 / 3)) ** 1.5
-    if width > min(one, other):
-        return math.nan
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2.0
-        low, high = (middle, high) if corner_width(middle, one, other) >= width else (low, middle)
-    return low

@@ -31,8 +31,6 @@ __all__ = [
     "columns",
     "kinematics",
     "map_columns",
-    "mismatch",
-    "over_all_headings",
     "row_sizes",
     "to_robot",
     "to_world",
@@ -271,34 +269,3 @@ def velocity(k: Kinematics, speeds: Any) -> Array:
         Of the driven wheels [rad/s], shape (n, ...).
     """
     return map_columns(k.K_plus, columns(speeds, len(k.driven), "speeds of the driven wheels"))
-
-
-def mismatch(k: Kinematics, speeds: Any) -> Array:
-    """What of the driven wheels' speeds no motion explains: they slip by it [rad/s]; shape (n, ...).
-
-    Of four mecanum wheels it is the share along (1, 1, −1, −1).
-    """
-    found = columns(speeds, len(k.driven), "speeds of the driven wheels")
-    return found - map_columns(k.E[list(k.driven)], velocity(k, found))
-
-
-def over_all_headings(rows: Array, along: float, turning: float = 0.0) -> Array:
-    """The largest value of each row times a velocity (or acceleration) of any heading.
-
-    Parameters
-    ----------
-    rows
-        Such as E of a set of wheels, shape (n, 3).
-    along
-        Size of the velocity in the plane [m/s]; of an acceleration [m/s^2].
-    turning
-        Size of the turning speed [rad/s]; of an angular acceleration [rad/s^2].
-
-    Examples
-    --------
-    Four mecanum wheels reach (√2 V + l |θ̇|) / r:
-
-    >>> over_all_headings(np.array([[1.0, -1.0, 0.4]]) / 0.1, 1.0, 0.5)
-    array([16.14213562])
-    """
-    return np.asarray(along * np.hypot(rows[:, 0], rows[:, 1]) + turning * np.abs(rows[:, 2]), dtype=float)
