@@ -8,6 +8,7 @@ those of the catalogues; no factor of the paper enters, the spec's ``margins`` d
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -149,17 +150,12 @@ def motor_limits(spec: RobotSpec, motor: Any) -> list[CheckColumn]:
 
 
 def _in_range(name: str, ambient: float, least: Any, most: Any) -> CheckColumn:
-    """The ambient within a range of which a catalogue may give one end; without either there is nothing to obey."""
-    low = np.where(np.isnan(least), -np.inf, least)
-    given = ~(np.isnan(least) & np.isnan(most))
-    limit = np.where(ambient < low, low, np.where(np.isnan(most), np.inf, most))
+    """The ambient within a range: outside of a known end it fails, within both it passes, else it is unknown."""
+    cold, hot = ambient < np.asarray(least), ambient > np.asarray(most)
+    passed = (ambient >= np.asarray(least)) & (ambient <= np.asarray(most))
+    limit = np.where(cold, least, np.where(hot | passed, most, np.nan))
     column = at_most(name, ambient, limit, "temperature", "degC", zero=np.nan)
-    bad = given & ((ambient < low) | (ambient > limit))
-    return CheckColumn(
-        name=name, demand=column.demand, limit=np.where(np.isnan(most) & np.isinf(limit), np.nan, limit),
-        passed=given & ~bad,
-        failed=bad, kind="temperature", unit="degC", zero=np.nan,
-    )  # fmt: skip
+    return replace(column, passed=passed, failed=cold | hot)
 
 
 def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]:

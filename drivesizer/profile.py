@@ -28,6 +28,7 @@ from drivesizer.spec import RobotSpec
 __all__ = [
     "SPEED",
     "Profile",
+    "fastest_ramp",
     "from_csv",
     "harmonic",
     "profile",
@@ -118,7 +119,7 @@ def s_curve(motion: SCurve) -> Profile:
     2.7
     """
     try:
-        jerk_time, hold, cruise = _fastest(motion)
+        jerk_time, hold, cruise = fastest_ramp(motion)
         speed = motion.distance / (2 * jerk_time + hold + cruise)  # from the times, so that the distance is exact
         ramp = _ramp(speed, jerk_time, hold)
     except ArithmeticError:
@@ -211,11 +212,16 @@ def _checked(profile: Profile, field: str) -> Profile:
     return profile
 
 
-def _fastest(motion: SCurve) -> tuple[float, float, float]:
+def fastest_ramp(motion: SCurve) -> tuple[float, float, float]:
     """Times of the fastest way [s]: of each jerk phase, at the greatest acceleration, at the greatest speed.
 
     From ruckig, whose tolerances are fixed numbers: distance and time go to it as shares of what the move is like, and
     a way longer than needed to reach the speed is cut short, which leaves the ramps as they are.
+
+    Raises
+    ------
+    ArithmeticError
+        When there is no such way within the range of numbers.
     """
     import ruckig
 

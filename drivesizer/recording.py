@@ -16,7 +16,10 @@ from drivesizer.ranges import RANGES
 from drivesizer.textfile import missing, read_text
 from drivesizer.units import KINDS, noun, possible, scale
 
-__all__ = ["Form", "beside", "columns", "refuse_impossible"]
+__all__ = [
+    "Form", "beside", "columns", "factors_of", "miscount", "number_of", "plain_number", "refuse_impossible", "rows_of",
+    "values_of",
+]  # fmt: skip
 
 Form = Mapping[str, str]  # name of each column -> kind of its quantity
 
@@ -61,10 +64,10 @@ def columns(path: Path, *forms: Form) -> dict[str, NDArray[np.float64]]:
         One line that says where, what was found and what is expected.
     """
     text = read_text(path)
-    rows = _rows(path, text, len(forms[0]))
+    rows = rows_of(path, text, len(forms[0]))
     header, form = _header(path, next(rows, None), forms)
-    factors = _factors(path, header, form, next(rows, None))
-    values = _values(path, rows, header, factors, float if text.isascii() and "_" not in text else _strict)
+    factors = factors_of(path, header, form, next(rows, None))
+    values = values_of(path, rows, header, factors, float if text.isascii() and "_" not in text else plain_number)
     refuse_impossible(path, values, header, form, factors)
     return {name: values[:, header.index(name)].copy() for name in form}
 
@@ -91,8 +94,21 @@ def _example(width: int) -> str:
     return ",".join(_NUMBERS[:width])
 
 
-def _rows(path: Path, text: str, width: int) -> Iterator[tuple[int, list[str]]]:
-    """Line number and cells of each row; blank lines at the end are left out."""
+def rows_of(path: Path, text: str, width: int) -> Iterator[tuple[int, list[str]]]:
+    """Line number and cells of each row; blank lines at the end are left out.
+
+    Parameters
+    ----------
+    path, text
+        The file's name, for messages, and its content.
+    width
+        Columns of the example that messages show.
+
+    Raises
+    ------
+    InputError
+        One line that says where, what was found and what is expected.
+    """
     reader = csv.reader(text.splitlines(), strict=True)
     blank, example = 0, f"e.g. {_example(width)}"
     try:
@@ -119,8 +135,23 @@ def _header(path: Path, row: tuple[int, list[str]] | None, forms: tuple[Form, ..
     raise InputError(f"{path}:{line}: header: {shown}; expected {expected}")
 
 
-def _factors(path: Path, header: list[str], form: Form, row: tuple[int, list[str]] | None) -> list[float]:
-    """What brings the columns to SI, from the row of units."""
+def factors_of(path: Path, header: list[str], form: Form, row: tuple[int, list[str]] | None) -> list[float]:
+    """What brings the columns to SI, from the row of units.
+
+    Parameters
+    ----------
+    path
+        The file's name, for messages.
+    header, form
+        Names of the columns, and the kind of each one's quantity.
+    row
+        Line number and cells of the row of units; None where the file ends before.
+
+    Raises
+    ------
+    InputError
+        One line that says where, what was found and what is expected.
+    """
     example = ",".join(KINDS[form[name]].si for name in header)
     line, cells = row or (2, [])
     if len(cells) != len(header):
@@ -136,30 +167,47 @@ def _factors(path: Path, header: list[str], form: Form, row: tuple[int, list[str
     return factors
 
 
-def _strict(cell: str) -> float:
+def plain_number(cell: str) -> float:
     """The number in a cell; what else float() takes (underscores, digits of other scripts) is NaN."""
     return float(cell) if cell.isascii() and "_" not in cell else math.nan
 
 
-def _values(
+def values_of(
     path: Path,
     rows: Iterator[tuple[int, list[str]]],
     header: list[str],
     factors: list[float],
     convert: Callable[[str], float],
 ) -> NDArray[np.float64]:
-    """The numbers in SI, a row each."""
+    """The numbers in SI, a row each; their times rise.
+
+    Parameters
+    ----------
+    path
+        The file's name, for messages.
+    rows
+        Line number and cells of each row below the units.
+    header, factors
+        Names of the columns, and what brings them to SI.
+    convert
+        What makes a number of a cell: ``float``, or ``plain_number`` of a file that may hold what that should not take.
+
+    Raises
+    ------
+    InputError
+        One line that says where, what was found and what is expected.
+    """
     width, at = len(header), header.index("time")
     found, before = array("d"), -math.inf
     for count, (line, cells) in enumerate(rows):
         if len(cells) != width:
-            raise InputError(f"{path}:{line}: row: {_miscount(cells, header)}, e.g. {_example(width)}")
+            raise InputError(f"{path}:{line}: row: {miscount(cells, header)}, e.g. {_example(width)}")
         try:
             values = [convert(cell) * factor for cell, factor in zip(cells, factors, strict=True)]
         except ValueError:
             values = [math.nan]
         if not math.isfinite(sum(values)):  # a finite sum has finite parts
-            values = [_number(path, line, *given) for given in zip(header, cells, factors, strict=True)]
+            values = [number_of(path, line, *given) for given in zip(header, cells, factors, strict=True)]
         if not values[at] > before:
             shown = quoted(cells[at])
             raise InputError(f"{path}:{line}: time: {shown} is not after the row before; expected rising times")
@@ -173,9 +221,16 @@ def _values(
     return np.frombuffer(found).reshape(-1, width)
 
 
-def _number(path: Path, line: int, column: str, cell: str, factor: float) -> float:
+def number_of(path: Path, line: int, column: str, cell: str, factor: float) -> float:
+    """The finite number in a cell, in SI.
+
+    Raises
+    ------
+    InputError
+        When there is none: says where.
+    """
     try:
-        value = _strict(cell) * factor
+        value = plain_number(cell) * factor
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
@@ -183,7 +238,8 @@ def _number(path: Path, line: int, column: str, cell: str, factor: float) -> flo
     return value
 
 
-def _miscount(cells: list[str], header: list[str]) -> str:
+def miscount(cells: list[str], header: list[str]) -> str:
+    """What is wrong with a row that has more or fewer cells than the header, in words."""
     text, width = quoted(",".join(cells)), len(header)
     if len(cells) > width or (len(cells) == 1 and ";" in cells[0]):
         return (

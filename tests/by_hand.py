@@ -499,10 +499,10 @@ def at_most(demand: float, limit: float, needed: float = 0.0, zero: float = 0.0)
 
 
 def within(value: float, least: float, most: float) -> Verdict:
-    """A temperature within a range of which one end may be missing."""
-    if math.isnan(least) and math.isnan(most):
-        return Verdict(value, NAN, "unknown", NAN)
-    return Verdict(value, NAN, "fail" if value < least or value > most else "pass", NAN)
+    """A temperature within a range of which an end may be missing: who knows what is beyond it."""
+    if value < least or value > most:
+        return Verdict(value, NAN, "fail", NAN)
+    return Verdict(value, NAN, "unknown" if math.isnan(least) or math.isnan(most) else "pass", NAN)
 
 
 class Wanted(NamedTuple):

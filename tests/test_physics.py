@@ -5,6 +5,8 @@ import json
 import math
 import random
 from dataclasses import replace
+from math import nan
+from types import SimpleNamespace
 
 import by_hand
 import numpy as np
@@ -17,6 +19,7 @@ from drivesizer.evaluation import evaluate
 from drivesizer.loads import load_cycle
 from drivesizer.paper import vehicle
 from drivesizer.physics import at_gearhead, demands, gear_loss, peak
+from drivesizer.physics_limits import motor_limits
 from drivesizer.profile import Profile, trapezoid
 from drivesizer.ranking import objective_of
 from drivesizer.search import search
@@ -467,3 +470,13 @@ def test_without_a_no_load_torque_the_efficiency_is_all():
     given = {"ratio": 27.0, "efficiency": 0.8, "continuous_torque": 1.2, "no_load_torque": np.nan}
     share, idle = gear_loss({name: np.array([value]) for name, value in given.items()})
     assert (share[0], idle[0]) == (0.8, 0.0)
+
+
+def test_an_unknown_end_of_a_range_passes_nothing():
+    """At 25 degC: -20 to 40 passes, 30 to 40 and -20 to 10 fail; what is beyond an end that nobody states is open."""
+    cold, hot = np.array([-20, 30, -20, nan, nan, -20, 30, nan]), np.array([40, 40, 10, 40, 10, nan, nan, nan])
+    spec = SimpleNamespace(environment=SimpleNamespace(ambient=298.15))
+    (found,) = motor_limits(spec, {"ambient_min": cold + 273.15, "ambient_max": hot + 273.15})
+    told = np.where(found.passed, "pass", np.where(found.failed, "fail", "unknown")).tolist()
+    assert told == ["pass", "fail", "fail", "unknown", "fail", "unknown", "fail", "unknown"]
+    assert found.limit - 273.15 == pytest.approx([40, 30, 10, nan, 10, nan, 30, nan], nan_ok=True)

@@ -259,6 +259,24 @@ def test_a_folder_of_another_study_is_refused_until_fresh(run, tmp_path):
 
 
 @pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("name", ["study.json", "results.csv"])
+def test_a_fresh_beginning_takes_away_no_input(name, run, tmp_path):
+    """The study itself lies in its folder, under a name that its results have; nothing else is taken away either."""
+    laid(tmp_path, FEW)
+    folder = tmp_path / "kept"
+    (folder / "maps").mkdir(parents=True)
+    (folder / name).write_text(FEW.replace("robot.yaml", "../robot.yaml"))
+    (folder / "maps" / "of_before.svg").write_text("<svg/>")
+    before = {path: path.read_bytes() for path in folder.rglob("*.*")}
+    status, out, err = run(folder / name, "-o", folder, "--no-maps", "--fresh")
+    assert (status, out) == (2, "")
+    assert (
+        err == f"drivesizer: {folder / name}: cannot be removed, it is read in the same run; expected another folder\n"
+    )
+    assert {path: path.read_bytes() for path in before} == before
+
+
+@pytest.mark.usefixtures("here")
 def test_another_version_or_a_damaged_manifest_is_another_study(run, tmp_path):
     laid(tmp_path, FEW)
     assert run("--no-maps")[0] == 0

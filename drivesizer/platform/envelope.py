@@ -27,7 +27,6 @@ __all__ = [
 ]
 
 
-
 def _checked(record: object, what: str, **figures: float) -> None:
     for name, value in figures.items():
         if not 0.0 < value < math.inf:  # written so that NaN fails too

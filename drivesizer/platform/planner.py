@@ -30,7 +30,7 @@ from drivesizer.errors import InputError
 from drivesizer.motions import SCurve
 from drivesizer.platform.notation import Array
 from drivesizer.platform.trajectory import Trajectory, joined, rest
-from drivesizer.profile import _fastest
+from drivesizer.profile import fastest_ramp
 
 __all__ = ["Limits", "Waypoint", "plan"]
 
@@ -245,7 +245,7 @@ def _times(speed: float, acceleration: float, jerk: float) -> tuple[float, float
     if jerk < math.inf:
         try:
             asked = {"distance": 1.0, "speed": speed, "acceleration": acceleration, "jerk": jerk}
-            return _fastest(SCurve.model_construct(None, **asked))
+            return fastest_ramp(SCurve.model_construct(None, **asked))
         except ArithmeticError:
             return 0.0, math.nan, math.nan
     speed = min(speed, math.sqrt(acceleration))

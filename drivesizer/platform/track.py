@@ -37,7 +37,7 @@ from drivesizer.platform.curve import spline, thinned
 from drivesizer.platform.notation import Array
 from drivesizer.platform.planner import Limits, Waypoint, plan
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.recording import _factors, _miscount, _number, _rows, _strict, _values, refuse_impossible
+from drivesizer.recording import factors_of, miscount, number_of, plain_number, refuse_impossible, rows_of, values_of
 from drivesizer.textfile import read_text
 
 __all__ = ["read_track", "read_waypoints"]
@@ -79,14 +79,14 @@ def read_track(
     """
     file = Path(path)
     text = read_text(file)
-    rows = _rows(file, text, len(_TIMED))
+    rows = rows_of(file, text, len(_TIMED))
     header, factors = _head(file, rows)
     if "time" not in header:
         if limits is None:
             raise InputError(f"{file}: waypoints have no times; expected limits to plan with, or a column t")
         return _planned(file, _waypoints(file, rows, header, factors), limits)
-    convert = float if text.isascii() and "_" not in text else _strict
-    found = _values(file, rows, header, factors, convert)
+    convert = float if text.isascii() and "_" not in text else plain_number
+    found = values_of(file, rows, header, factors, convert)
     refuse_impossible(file, found, header, _KINDS, factors)
     time, *posture = (found[:, header.index(name)] for name in _KINDS if name in _TIMED)
     if len(time) < _FEWEST:
@@ -116,7 +116,7 @@ def read_waypoints(path: str | Path) -> list[Waypoint]:
         One line that says where, what was found and what is expected.
     """
     file = Path(path)
-    rows = _rows(file, read_text(file), len(_TIMED))
+    rows = rows_of(file, read_text(file), len(_TIMED))
     header, factors = _head(file, rows)
     if "time" in header:
         raise InputError(f"{file}:1: header: times; expected waypoints, x,y with heading or pause where wanted")
@@ -131,7 +131,7 @@ def _head(path: Path, rows: Iterator[tuple[int, list[str]]]) -> tuple[list[str],
     if not single or not (known == _TIMED or {"x", "y"} <= known <= {"x", "y", "heading", "pause"}):
         shown = quoted(",".join(cells)) if cells else "nothing"
         raise InputError(f"{path}:{line}: header: {shown}; {_EXPECTED}")
-    return names, _factors(path, names, _KINDS, next(rows, None))
+    return names, factors_of(path, names, _KINDS, next(rows, None))
 
 
 def _waypoints(
@@ -140,11 +140,11 @@ def _waypoints(
     found: list[Waypoint] = []
     for line, cells in rows:
         if len(cells) != len(header):
-            raise InputError(f"{path}:{line}: row: {_miscount(cells, header)}")
+            raise InputError(f"{path}:{line}: row: {miscount(cells, header)}")
         if len(found) == _MOST_WAYPOINTS:
             raise InputError(f"{path}:{line}: row: more than {_MOST_WAYPOINTS} waypoints; expected fewer")
         given = {
-            name: _number(path, line, name, cell, factor)
+            name: number_of(path, line, name, cell, factor)
             for name, cell, factor in zip(header, cells, factors, strict=True)
             if cell.strip() or name in ("x", "y")
         }

@@ -19,7 +19,7 @@ from typing import NamedTuple
 from drivesizer.errors import InputError, reason_of
 from drivesizer.textfile import was_read
 
-__all__ = ["new", "put", "ready", "ready_all"]
+__all__ = ["new", "put", "ready", "ready_all", "remove_all"]
 
 
 class _Waiting(NamedTuple):
@@ -71,6 +71,25 @@ def ready_all(paths: Iterable[Path]) -> None:
         if first is not path and not _is_open_end(_status(path)):
             raise InputError(f"{path}: would be written twice{'' if first == path else f', as {first} too'}; "
                              "expected another name")  # fmt: skip
+
+
+def remove_all(paths: Iterable[Path]) -> None:
+    """Take away earlier outputs, as far as they are there; none of them where one was read in this run.
+
+    Raises
+    ------
+    InputError
+        When one of them was read, or cannot be removed.
+    """
+    paths = list(paths)
+    for path in paths:
+        if was_read(path):
+            raise InputError(f"{path}: cannot be removed, it is read in the same run; expected another folder")
+    for path in paths:
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be removed ({reason_of(error)})") from None
 
 
 def put(files: Mapping[Path, bytes]) -> list[Path]:

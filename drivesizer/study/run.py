@@ -10,6 +10,7 @@ from pathlib import Path
 
 from drivesizer.errors import InputError, reason_of
 from drivesizer.report.figure_files import figures_into
+from drivesizer.report.files import remove_all
 from drivesizer.study.columns import Column, Row, columns_of
 from drivesizer.study.local import cores, on_processes
 from drivesizer.study.lock import locked
@@ -153,7 +154,7 @@ def _tables(plan: Plan, store: Store, outcome: Outcome) -> None:
         write_parquet(as_parquet, columns, store.every_row())
         outcome.written.append(as_parquet)
     else:
-        as_parquet.unlink(missing_ok=True)
+        remove_all([as_parquet])
         outcome.notes.append("no results.parquet, which needs pyarrow: install drivesizer[study]")
 
 

@@ -15,11 +15,12 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import InputError, reason_of
-from drivesizer.report.files import put
+from drivesizer.report.files import put, remove_all
 from drivesizer.study.columns import Row
 from drivesizer.study.plan import Plan
 from drivesizer.study.variant import Part
@@ -133,12 +134,10 @@ def opened(folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool 
         raise InputError(f"{folder}: holds results of another study ({_difference(before, manifest)}); {_BEGIN}")
     try:
         (folder / _CHUNKS).mkdir(exist_ok=True)
-        for left in (folder / _CHUNKS).glob("*/.drivesizer-*.part"):
-            left.unlink()  # of a process that was killed while it wrote
-        for half in folder.glob("results.*.part"):
-            half.unlink()
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({reason_of(error)})") from None
+    killed = (folder / _CHUNKS).glob("*/.drivesizer-*.part"), folder.glob("results.*.part")
+    remove_all(chain(*killed))  # of a process that was killed while it wrote
     if fresh or before is None:
         put({folder / _MANIFEST: (json.dumps(manifest, indent=2) + "\n").encode()})
     return store
@@ -171,8 +170,4 @@ def _cleared(store: Store) -> None:
     """Take away what a study writes, and nothing else."""
     own = [*store.results, store.folder / _MANIFEST]
     own += [*(store.folder / _CHUNKS).glob("*/*.jsonl"), *store.maps.glob("*.svg"), *store.maps.glob("*.png")]
-    for path in own:
-        try:
-            path.unlink(missing_ok=True)
-        except OSError as error:
-            raise InputError(f"{path}: cannot be removed ({reason_of(error)})") from None
+    remove_all(own)
