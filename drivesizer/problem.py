@@ -17,7 +17,7 @@ from drivesizer.loads import load_cycle
 from drivesizer.physics import at_gearhead
 from drivesizer.spec import RobotSpec
 
-__all__ = ["Problem", "doubted", "each", "problem"]
+__all__ = ["Problem", "doubted", "each", "problem", "quickest_winding"]
 
 
 class Problem(NamedTuple):
@@ -35,12 +35,16 @@ class Problem(NamedTuple):
 def problem(spec: RobotSpec, catalog: Catalog) -> Problem:
     """The load cycle of every case, and the encoders and controllers of every motor."""
     names, specs = zip(*spec.load_cases, strict=True)
-    constants = catalog.motors["winding_time_constant"]
-    quickest = float(np.nanmin(constants, initial=np.inf))
+    quickest = quickest_winding(catalog)
     bases = tuple(at_gearhead(load_cycle(case), case.belt_efficiency, quickest) for case in specs)
     supply = min(s.supply.lowest for s in specs), max(s.supply.highest for s in specs)
     usable = usable_controllers(spec, catalog, supply)
     return Problem(spec, catalog, names, specs, bases, offered_encoders(spec, catalog), usable)
+
+
+def quickest_winding(catalog: Catalog) -> float:
+    """Shortest time constant of all windings of some catalogues [s]: as fine the cycles of all their sets are cut."""
+    return float(np.nanmin(catalog.motors["winding_time_constant"], initial=np.inf))
 
 
 _OF_THE_CURRENT = {

@@ -14,6 +14,7 @@ from drivesizer.evaluation import Evaluation
 from drivesizer.objectives import SUMS
 from drivesizer.overload import State, cold, overload_time
 from drivesizer.physics import AT_REST
+from drivesizer.problem import quickest_winding
 from drivesizer.ranking import Objective
 from drivesizer.results import DriveSet, Figure
 from drivesizer.search import smallest_margin
@@ -50,6 +51,7 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objectiv
         checks=evaluation.checks_of(index),
         figures=_figures(evaluation, index, motor, gearhead, controller) if evaluation.figures else (),
         actuator=catalog.actuators.record(catalog.actuators.rows[motor.inside]) if motor.inside else None,
+        quickest=quickest_winding(catalog),
     )
 
 

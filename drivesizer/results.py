@@ -7,6 +7,7 @@ floats; each carries its kind and the unit of the trade it is shown in. NaN is *
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -144,6 +145,7 @@ class DriveSet:
     actuator: Actuator | None = None  # that motor and gearhead are inside of
     belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
     reliability: Reliability | None = None  # how sure it is, where tolerances were sampled
+    quickest: float = inf  # s, time constant of the quickest winding of its catalogues: as fine its cycle is cut
 
     @property
     def own_checks(self) -> tuple[Check, ...]:

@@ -89,8 +89,7 @@ def set_cycle(spec: RobotSpec, drive_set: DriveSet) -> SetCycle:
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
     motor, gearhead, encoder = (OneRow(part) for part in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
-    quickest = drive_set.motor.winding_time_constant
-    base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, quickest if quickest > 0.0 else np.inf)
+    base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)  # cut as the search cut it
     at = base.behind(drive_set.belt_ratio)
     asked = demands(at, motor, gearhead, encoder)
     warm = heat(spec, at, asked, motor)

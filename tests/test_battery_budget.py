@@ -87,11 +87,7 @@ def figure(found: EnergyBudget, name: str) -> float:
 
 
 def test_the_power_over_time_is_that_of_the_record(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
-    """Its largest is known where the winding's temperature at each moment is: time constants that no sheet tells.
-
-    The record cuts the cycle for the quickest winding of the catalogue, the power over time for the set's own: their
-    temperatures at a moment differ by what a mean over a piece leaves out.
-    """
+    """Its largest is known where the winding's temperature at each moment is: time constants that no sheet tells."""
     found = drive_power(robot, drive)
     record = {one.name: one.value for one in drive.figures}
     assert isnan(record["power"])
@@ -108,7 +104,7 @@ def test_the_power_over_time_is_that_of_the_record(robot: RobotSpec, drive: Driv
     warm = listed.with_tables({"motors": replace(listed.motors, columns=columns)}, {})
     (told,) = explain(robot, drive.motor.part, drive.gearhead.part, catalog=warm)
     power = next(one.value for one in told.figures if one.name == "power")
-    assert drive_power(robot, told).peak.max() == pytest.approx(power, rel=1e-5)
+    assert drive_power(robot, told).peak.max() == pytest.approx(power, rel=1e-9)
 
 
 def test_the_drive_takes_what_rolling_takes_and_loses_the_rest(robot: RobotSpec, drive: DriveSet) -> None:

@@ -88,19 +88,18 @@ def test_the_account_sums_to_what_is_drawn_and_agrees_with_the_result(kind, tmp_
             continue
         parts = flow.copper + flow.friction + flow.gearhead + flow.belt + flow.load + flow.rotor + flow.returned
         assert parts == pytest.approx(flow.drawn, rel=1e-9)
-        # the search cuts ramps as fine as the quickest winding of the catalogue wants it, the set as its own does
-        assert flow.net == pytest.approx(told["energy"], rel=1e-4)
-        assert flow.returned == pytest.approx(told["returned"], abs=1e-4 * flow.drawn)
+        assert flow.net == pytest.approx(told["energy"], rel=1e-9)
+        assert flow.returned == pytest.approx(told["returned"], abs=1e-9 * flow.drawn)
         heat = told["joule_heat"] * found.at.cycle.total * result.spec.load.motors
-        assert flow.copper == pytest.approx(heat, rel=1e-4)
+        assert flow.copper == pytest.approx(heat, rel=1e-9)
         assert flow.stored == pytest.approx(result.spec.supply.regeneration * flow.returned)
         pieces = by_hand.drive(one.motor, one.gearhead, _inertia(one), one.belt_ratio, one.belt_efficiency,
                                by_hand.segments_of(found.at.cycle))  # fmt: skip
         steady = by_hand.asked(pieces, one.motor, one.gearhead, result.spec.environment.ambient).settled
         fine, warm, _ = by_hand.periodic(pieces, one.motor, result.spec.environment.ambient, steady)
         drawn, returned, _ = by_hand.energy(fine, one.motor, [T.mean for T in warm])
-        assert flow.drawn == pytest.approx(drawn * result.spec.load.motors, rel=1e-4)
-        assert flow.returned == pytest.approx(returned * result.spec.load.motors, abs=1e-4 * flow.drawn)
+        assert flow.drawn == pytest.approx(drawn * result.spec.load.motors, rel=1e-6)
+        assert flow.returned == pytest.approx(returned * result.spec.load.motors, abs=1e-6 * flow.drawn)
 
 
 def _inertia(one: DriveSet) -> float:
