@@ -195,11 +195,27 @@ def _assumptions(case: Case) -> list[str]:
         said.append(
             f"{marched:.4g} s of {lasts:.6g} s are simulated; the rest is added, as it repeats what was simulated"
         )
+    said += _in_windows(case)
     if len(case.task.load_time):
         said.append("what the load takes beyond inertia and friction comes at its time, however the drive lags")
     if shaft:
         said.append(f"motor and load are two masses on {shaft.stiffness:.4g} N·m/rad at the load's shaft")
     return said
+
+
+def _in_windows(case: Case) -> list[str]:
+    """Where a long motion was simulated in full, and what that says of the rest."""
+    c = case.controller
+    if not case.windows or not isinstance(c, Cascade):
+        return []
+    full, slow = (show(1.0 / period, "Hz", "frequency", 3) for period in (c.current_period, c.velocity_period))
+    more = max(case.allowed[0].values(), default=1.0) - 1.0
+    where = ", ".join(f"{a:.6g} to {b:.6g}" for a, b in case.windows)
+    return [
+        f"the whole motion is simulated with the current loop at the velocity loop's {slow}, and with its own {full} "
+        f"from {where} s: about the largest values and at even distances; there figures are up to {more:.1%} above; "
+        "checks allow for as much everywhere, figure by figure, and are unknown where that decides"
+    ]
 
 
 def _one_of(cases: Sequence[tuple[str, RobotSpec]], name: str) -> list[str]:

@@ -7,13 +7,14 @@ limit is not checked, but for the tracking itself.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
 from drivesizer.catalog import Controller, Encoder
-from drivesizer.checks import CheckColumn, at_least, at_most, fits
+from drivesizer.checks import CheckColumn, at_least, at_most, between, fits
 from drivesizer.closed_loop import Case
 from drivesizer.course import course
 from drivesizer.encoder_choice import NOT_ASKED
@@ -44,6 +45,12 @@ def _check(column: CheckColumn, title: str, at_time: float | None = None, note: 
     return column.at((), METHOD, title=title, at_time=at_time, note=note)
 
 
+def _most(case: Case, name: str, check: Callable[[float], CheckColumn], *, takes: bool = False) -> CheckColumn:
+    """A check of the largest value of a figure; of a long motion it is unknown where only its allowance fails."""
+    value, more = case.takes(name) if takes else case.figure(name), case.more(name, takes=takes)
+    return check(value) if more == 1.0 else between(check(value), check(more * value))
+
+
 def _controller(case: Case) -> Controller:
     """The controller; one of which nothing is known where the set has none."""
     return case.drive_set.controller or Controller()
@@ -62,9 +69,9 @@ def _loop(case: Case) -> Iterator[Check]:
         note=f"phase margin: {margins}; largest pole {worst.pole_radius:.4g}, stable inside 1",
     )  # fmt: skip
     yield from _phase_margin(case)
-    error = case.figure("load_speed_error") * case.train.radius
+    bound, unit = FOLLOWS * top if top else math.nan, SPEED[case.spec.load.axis]
     yield _check(
-        at_most("tracking_error", error, FOLLOWS * top if top else math.nan, *SPEED[case.spec.load.axis]),
+        _most(case, "load_speed_error", lambda x: at_most("tracking_error", x * case.train.radius, bound, *unit)),
         "Tracking error", case.figure("load_speed_error_time"),
         f"to follow is to stay within {FOLLOWS:.0%} of the top speed, a convention of this program",
     )  # fmt: skip
@@ -86,29 +93,37 @@ def _phase_margin(case: Case) -> Iterator[Check]:
 
 def _electrical(case: Case) -> Iterator[Check]:
     """Voltage and current that the controller must give."""
-    controller, rms, supply = _controller(case), case.figure("rms_current"), case.spec.supply
+    controller, supply = _controller(case), case.spec.supply
     takes = "that following takes"
     yield _check(
-        at_most("supply_voltage", case.takes("voltage_asked"), case.usable_voltage, "voltage", "V"), "Motor voltage",
+        _most(
+            case, "voltage_asked", lambda x: at_most("supply_voltage", x, case.usable_voltage, "voltage", "V"),
+            takes=True,
+        ), "Motor voltage",
         case.takes("voltage_asked_time"), f"{takes}; what the controller can give at the lowest supply voltage",
     )  # fmt: skip
     yield _check(
-        at_most("controller_peak_current", case.takes("current_asked"), controller.peak_current, "current", "A"),
+        _most(
+            case, "current_asked",
+            lambda x: at_most("controller_peak_current", x, controller.peak_current, "current", "A"), takes=True,
+        ),
         "Controller peak current", case.takes("current_asked_time"), takes,
     )  # fmt: skip
     share = _peak_share(case)
     if share != 0.0:
         yield _check(
-            at_most("controller_i2t", share, 1.0, "dimensionless", "%"), "I²t of the peak current",
+            between(*(at_most("controller_i2t", x, 1.0, "dimensionless", "%")
+                      for x in (share, share * case.more("i2t_share")))), "I²t of the peak current",
             note="its highest state: at 100 % the controller falls back to the continuous current",
         )  # fmt: skip
     yield _check(
-        at_most("controller_continuous_current", rms, controller.continuous_current, "current", "A"),
+        _most(case, "rms_current", lambda x: at_most(
+            "controller_continuous_current", x, controller.continuous_current, "current", "A")),
         "Controller continuous current (RMS)",
     )  # fmt: skip
     if supply.current is not None:
         yield _check(
-            at_most("supply_current", case.figure("bus_current"), supply.current, "current", "A"),
+            _most(case, "bus_current", lambda x: at_most("supply_current", x, supply.current, "current", "A")),
             "Supply current, all sets", case.figure("bus_current_time"), "electrical power over the supply's voltage",
         )  # fmt: skip
 
@@ -116,24 +131,26 @@ def _electrical(case: Case) -> Iterator[Check]:
 def _peak_share(case: Case) -> float:
     """Highest state of the I²t sum; 0 where the continuous current is never exceeded, NaN where a figure is unknown."""
     controller, peak = _controller(case), case.figure("current")
-    if peak <= controller.continuous_current:
+    if case.more("current") * peak <= controller.continuous_current:
         return 0.0
     return case.figure("i2t_share") if controller.peak_time > 0.0 else math.nan
 
 
 def _heat(case: Case) -> Iterator[Check]:
     """The motor's RMS current, and the winding at its highest in the cycle repeated for ever."""
-    figures, ambient, rms = asdict(case.drive_set.motor), case.spec.environment.ambient, case.figure("rms_current")
+    figures, ambient = asdict(case.drive_set.motor), case.spec.environment.ambient
     limit = figures["max_winding_temperature"]
     yield _check(
-        nominal_current_limit(rms, figures, ambient), "Motor nominal current (RMS)",
+        _most(case, "rms_current", lambda x: nominal_current_limit(x, figures, ambient)), "Motor nominal current (RMS)",
         note="the nominal current in this ambient" if ambient != rated_ambient(figures) else "",
     )  # fmt: skip
     winding, note = _winding(case)
     if math.isinf(winding):
         note = "runs away: the copper loss grows faster than it is carried off"
+    warmer = ambient + (winding - ambient) * case.more("rms_current") ** 2
     yield _check(
-        at_most("winding_temperature", winding, limit, "temperature", "degC", zero=ambient), "Winding temperature",
+        between(*(at_most("winding_temperature", T, limit, "temperature", "degC", zero=ambient)
+                  for T in (winding, warmer))), "Winding temperature",
         note=note,
     )  # fmt: skip
 
@@ -151,14 +168,15 @@ def _winding(case: Case) -> tuple[float, str]:
 def _gearhead(case: Case) -> Iterator[Check]:
     """Torque and speed of the gearhead."""
     gearhead, speed, when = case.drive_set.gearhead, case.figure("speed"), case.figure("speed_time")
-    running = case.figure("rms_gear_torque_running") if speed else 0.0
     yield _check(
-        at_most("gearhead_continuous_torque", running, gearhead.continuous_torque, "torque", "N*m"),
+        _most(case, "rms_gear_torque_running", lambda x: at_most(
+            "gearhead_continuous_torque", x if speed else 0.0, gearhead.continuous_torque, "torque", "N*m")),
         "Gearhead continuous torque (RMS)", note="while running",
     )  # fmt: skip
     yield _check(
-        at_most("gearhead_intermittent_torque", case.figure("gear_torque"), gearhead.intermittent_torque, "torque",
-                "N*m"), "Gearhead intermittent torque", case.figure("gear_torque_time"),
+        _most(case, "gear_torque", lambda x: at_most(
+            "gearhead_intermittent_torque", x, gearhead.intermittent_torque, "torque", "N*m",
+        )), "Gearhead intermittent torque", case.figure("gear_torque_time"),
     )  # fmt: skip
     moved = course(case.profile)
     lasting = lasting_speeds(moved.duration, moved.speed)
@@ -168,7 +186,8 @@ def _gearhead(case: Case) -> Iterator[Check]:
         "Gearhead continuous input speed", note="of the reference: what lasts by the maker's rule, or the mean",
     )  # fmt: skip
     yield _check(
-        at_most("gearhead_intermittent_speed", speed, gearhead.intermittent_input_speed, *_ROTARY),
+        _most(case, "speed", lambda x: at_most(
+            "gearhead_intermittent_speed", x, gearhead.intermittent_input_speed, *_ROTARY)),
         "Gearhead intermittent input speed", when,
     )  # fmt: skip
 
@@ -176,21 +195,23 @@ def _gearhead(case: Case) -> Iterator[Check]:
 def _speed(case: Case) -> Iterator[Check]:
     """The motor's speed and all that counts it."""
     motor, encoder, controller = case.drive_set.motor, case.drive_set.encoder or Encoder(), _controller(case)
-    speed, when = case.figure("speed"), case.figure("speed_time")
-    lines = encoder.lines * speed / (2 * math.pi)
-    yield _check(at_most("motor_speed", speed, motor.max_speed, *_ROTARY), "Motor permissible speed", when)
+    when, per_turn = case.figure("speed_time"), encoder.lines / (2 * math.pi)
     asked = {} if case.spec.wants_encoder else NOT_ASKED
-    yield _check(at_most("encoder_speed", speed, encoder.max_speed, *_ROTARY, **asked), "Encoder speed", when)
+
+    def limited(name: str, factor: float, limit: float, kind: tuple[str, str], **more: Any) -> CheckColumn:
+        return _most(case, "speed", lambda x: at_most(name, x * factor, limit, *kind, **more))
+
+    yield _check(limited("motor_speed", 1.0, motor.max_speed, _ROTARY), "Motor permissible speed", when)
+    yield _check(limited("encoder_speed", 1.0, encoder.max_speed, _ROTARY, **asked), "Encoder speed", when)
     for name, part, limit in (("encoder", "Encoder", encoder.max_frequency),
                               ("controller", "Controller", controller.max_encoder_frequency)):  # fmt: skip
         yield _check(
-            at_most(f"{name}_frequency", lines, limit, "frequency", "kHz", **asked),
+            limited(f"{name}_frequency", per_turn, limit, ("frequency", "kHz"), **asked),
             f"{part} frequency of encoder lines", when,
         )  # fmt: skip
     if motor.kind == "brushless":
-        electrical = speed * motor.pole_pairs
         yield _check(
-            at_most("controller_electrical_speed", electrical, controller.max_speed_sine, *_ROTARY),
+            limited("controller_electrical_speed", motor.pole_pairs, controller.max_speed_sine, _ROTARY),
             "Controller electrical speed", when, "speed times pole pairs, sinusoidal commutation",
         )  # fmt: skip
 
@@ -201,8 +222,12 @@ def _load(case: Case) -> Iterator[Check]:
     if not isinstance(load, WheeledVehicle) or load.friction_coefficient is None:
         return
     belt = case.drive_set.belt_ratio * case.drive_set.belt_efficiency
-    force = case.figure("gear_torque") * belt / case.train.radius
+
+    def held(torque: float) -> CheckColumn:
+        force = torque * belt / case.train.radius
+        return at_most("traction", force, held_by_the_floor(case.spec, force), "force", "N")
+
     yield _check(
-        at_most("traction", force, held_by_the_floor(case.spec, force), "force", "N"), "Traction per wheel",
+        _most(case, "gear_torque", held), "Traction per wheel",
         case.figure("gear_torque_time"), "what turns the wheel itself counted in",
     )  # fmt: skip

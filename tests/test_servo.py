@@ -21,6 +21,7 @@ from drivesizer.results import DriveSet, Validation
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
 from drivesizer.spec import RobotSpec, read_spec
+from drivesizer.verdict import checks
 from drivesizer.yaml_source import YamlSource
 
 SPEC = """
@@ -254,18 +255,37 @@ def test_a_profile_beyond_any_machine_is_refused():
         validate(spec, chosen(spec), profile=fast)
 
 
-def test_a_profile_with_more_samples_than_are_marched_is_refused_in_plain_words(monkeypatch):
-    """The limit as it is takes some ten seconds to be met: here a hundredth of it, by a hundredth of the time."""
+def restless(monkeypatch):
+    """A motion that never repeats, 40 s long, where a hundredth of the steps is marched that are otherwise."""
     from drivesizer.engine import march
     from drivesizer.profile import Profile
 
     most = march.__kwdefaults__["most_steps"]
     monkeypatch.setattr(closed_loop, "march", partial(march, most_steps=most // 100))
-    spec = spec_of()
     corners = tuple(np.linspace(0.0, 40.0, 41).tolist())
-    long = Profile(name="long", time=corners, speed=tuple(1.0 + 0.1 * math.sin(n * n) for n in range(41)))
-    with pytest.raises(InputError, match="profile long: more steps than are permitted; expected a shorter profile"):
+    return Profile(name="long", time=corners, speed=tuple(1.0 + 0.1 * math.sin(n * n) for n in range(41)))
+
+
+def test_a_profile_with_more_samples_than_are_marched_is_refused_in_plain_words(monkeypatch):
+    spec, long = spec_of(), restless(monkeypatch)
+    monkeypatch.setattr("drivesizer.long_motion.LONGEST", 1000)
+    with pytest.raises(InputError, match="profile long: more steps than are permitted; expected a slower control"):
         validate(spec, chosen(spec), profile=long)
+
+
+def test_a_long_profile_says_where_it_was_simulated_in_full_and_is_unknown_where_its_allowance_decides(monkeypatch):
+    spec, long = spec_of(), restless(monkeypatch)
+    one = chosen(spec)
+    case = closed_loop.run(spec, one, long)
+    told = next(said for said in validate(spec, one, profile=long).assumptions if said.startswith("the whole motion"))
+    assert "from 0 to 2, " in told and "unknown where that decides" in told
+
+    def status(more):
+        found = checks(case._replace(allowed=({"load_speed_error": more}, {})))
+        return next(check.status for check in found if check.name == "tracking_error")
+
+    margin = next(check.margin for check in checks(case._replace(allowed=({}, {}))) if check.name == "tracking_error")
+    assert [status(0.99 * (1 + margin)), status(1.01 * (1 + margin))] == ["pass", "unknown"]
 
 
 def test_the_best_sets_of_the_search_are_ranked_anew(tmp_path, monkeypatch):

@@ -102,7 +102,7 @@ def cascade(p: Array, s: Array, g: Array, t: float, weight: float) -> float:
     if not s[at.U_CUT] * error > 0.0:
         s[at.INNER] += p[at.CKI] * error
     wanted = p[at.CKP] * error + s[at.INNER]
-    if p[at.DELAY] != 0.0:
+    if p[at.DELAY] != 0.0 and p[at.PROMPT] == 0.0:
         wanted, s[at.PEND] = s[at.PEND], wanted
     return clipped(p, s, g, wanted, t, weight)
 

@@ -29,6 +29,8 @@ _NONE = np.zeros((0, len(ROW)))
 
 def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
     """March a set through all cycles of its task; the course of the first goes into the book."""
+    if run.unseen:
+        return _watched(loop, run, book)
     turned = _turned(run.pieces, run.p)
     length = float(run.pieces[-1, 1]) * run.p[at.H]
 
@@ -48,6 +50,15 @@ def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
     if run.p[at.HEAT] and run.p[at.SENSE]:
         run.slopes = whole.A[:2, :2]
     run.time = (run.cycles if run.status else cycles) * length
+    return run
+
+
+def _watched(loop: Any, run: Run, book: tuple[Any, ...]) -> Run:
+    """March a set up to where it is watched, and on."""
+    marched(loop, run, run.pieces[: run.unseen], (_NONE, *book[1:]))
+    if not run.status:
+        found = marched(loop, run, run.pieces[run.unseen :], book)
+        run.g[:], run.time = found.g, found.time
     return run
 
 

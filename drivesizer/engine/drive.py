@@ -68,6 +68,7 @@ class Drive:
     encoder: Encoder = Encoder()
     heat: Heat | None = None  # None: the winding stays at 25 degC
     delay: bool = True  # cascade: each loop answers its sample before, a period of its own late
+    prompt: bool = False  # cascade: but for the current loop, which answers at once (see ``slower_loop``)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,4 +79,5 @@ class Task:
     speed: Sequence[float] | Array  # rad/s of the driven shaft
     load_time: Sequence[float] | Array = ()  # s, strictly rising
     load_torque: Sequence[float] | Array = ()  # N*m, added to the machine's own; beyond the corners as there
+    since: float | None = None  # s; what comes before is marched and not watched; of one cycle
     cycles: int = 1  # how often it is done; its length is then rounded up to whole samples of the slowest loop

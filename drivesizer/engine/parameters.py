@@ -77,7 +77,7 @@ def controller(drive: Drive) -> dict[str, float]:
         "KI": c.velocity_ki * c.velocity_period, "KD": c.velocity_kd / filtered, "KEEP": c.filter_time / filtered,
         "CKP": c.current_kp, "CKI": c.current_ki * c.current_period, "PKP": c.position_kp if n_p else 0.0,
         "FFV": c.feedforward_velocity, "FFF": c.feedforward_friction, "FFA": c.feedforward_acceleration,
-        "DELAY": float(drive.delay),
+        "DELAY": float(drive.delay), "PROMPT": float(drive.prompt),
     }  # fmt: skip
 
 

@@ -44,6 +44,8 @@ def pieces_of(task: Task, p: Array) -> Array:
     if len(task.load_time):
         load = np.asarray(task.load_time, float) - origin, np.asarray(task.load_torque, float)
     starts = np.unique(np.concatenate((time, load[0][(load[0] > 0.0) & (load[0] < time[-1])])))
+    if task.since is not None:
+        starts = np.union1d(starts, task.since - origin)
     tick = _ticks(starts, h)
     if task.cycles > 1:
         whole = _whole(p)

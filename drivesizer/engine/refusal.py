@@ -24,6 +24,8 @@ def checked(drives: Sequence[Drive], task: Task) -> None:
             raise InputError(f"task: {name} and its values are to be finite, as many, and the times rising")
     if len(task.time) < 2 or task.cycles < 1:
         raise InputError("task: expected at least two corners, and at least one cycle")
+    if task.since is not None and not (task.cycles == 1 and task.time[0] < task.since < task.time[-1]):
+        raise InputError("task: since is to lie within a single cycle")
     if len({drive.machine.flexible for drive in drives}) != 1:
         raise InputError("expected at least one set, and all of them rigid or all flexible")
     for drive in drives:

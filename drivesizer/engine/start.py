@@ -80,6 +80,7 @@ class Run:
     pieces: Array
     parts: list[Part]  # of the pieces, from place to place
     long: Flags  # which pieces are long and constant
+    unseen: int  # pieces that are marched and not watched
     lap: int  # periods that these are marched in
     ring: Array  # counts
     status: int = 0
@@ -108,11 +109,11 @@ def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
             same = tuple(P[n, [at.H, at.RATIO, at.N_V, at.N_P]].tolist())
             if same not in known:
                 known[same] = pieces_of(task, P[n])
-            found[n] = _begun(P[n], M[m], drives[n], known[same], task.cycles > 1 or len(drives) == 1)
+            found[n] = _begun(P[n], M[m], drives[n], task, known[same], task.cycles > 1 or len(drives) == 1)
     return [found[n] for n in range(len(drives))]
 
 
-def _begun(p: Array, M: Array, drive: Drive, pieces: Array, followed: bool) -> Run:
+def _begun(p: Array, M: Array, drive: Drive, task: Task, pieces: Array, followed: bool) -> Run:
     """One set at its start; followed: whether what a kelvin at the start makes of the end is wanted."""
     c = drive.controller
     ki = (c.velocity_ki != 0.0, c.current_ki != 0.0) if isinstance(c, Cascade) else (c.ki != 0.0, False)
@@ -120,10 +121,11 @@ def _begun(p: Array, M: Array, drive: Drive, pieces: Array, followed: bool) -> R
         raise InputError("task: it lies between two samples of the controller")
     parts, long, lap = stretches(pieces, p)
     p[at.SENSE] = followed or bool(long.any()) or any(part.rows for part in parts)
+    unseen = 0 if task.since is None else int(np.searchsorted(pieces[:, 2], task.since - task.time[0]))
     work = M[0].copy() if p[at.HEAT] else M[0]
     scratch = work, np.full(M.shape[1:3], math.nan), np.zeros(16), np.zeros(at.STEADY)
     ring = _ring(p, float(pieces[0, 3]))
-    return Run(p, _start(p, pieces, drive.heat, ki), tally(), M, scratch, pieces, parts, long, lap, ring)
+    return Run(p, _start(p, pieces, drive.heat, ki), tally(), M, scratch, pieces, parts, long, unseen, lap, ring)
 
 
 def tally() -> Array:
