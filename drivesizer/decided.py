@@ -7,6 +7,7 @@ the cycle itself.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,15 +18,18 @@ from drivesizer.physics import AtGearhead, Demands
 from drivesizer.physics_limits import Heat, Parts, Stress, on
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import two_bodies
-from drivesizer.waveform_limits import Moments, Pair, exact, waveform_limits
+from drivesizer.waveform_limits import Moments, Pair, Wanted, exact, time_above, waveform_limits
 
 __all__ = ["decided", "put"]
 
+Array = NDArray[np.float64]
 _LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
 _BLOCKS = (64, 1024)
 _PIECES = 8192
 _WINDING = 2  # so many of the limits are those of the winding
-_NOT_BY_HEAT = (2, 3)  # time of overload, and voltage of the bus
+_BUS = 3  # the voltage of the bus
+_POWER = 4  # from here on they are those of the supply's power
+_NOT_BY_HEAT = (2, _BUS)  # time of overload
 
 
 class _Case:
@@ -49,7 +53,17 @@ class _Case:
         low, high = (waveform_limits(self.spec, side, side, self.columns[3]) for side in found)
         stands = alive & ~np.logical_or.reduce([a.failed & b.failed for a, b in zip(low, high, strict=True)])
         masks = [stands & ((a.passed != b.passed) | (a.failed != b.failed)) for a, b in zip(low, high, strict=True)]
+        unknown = np.isnan(found[1].power) & ~self.told  # no waveform tells how warm: at most that it fails while cold
+        if len(masks) > _POWER and (stands & unknown).any():
+            most = found[0]._replace(power=self.coldest)
+            colds = waveform_limits(self.spec, most, most, self.columns[3])[_POWER:]
+            masks[_POWER:] = [m & ~(unknown & ~c.failed) for m, c in zip(masks[_POWER:], colds, strict=True)]
         return [mask & self.told for mask in masks[:_WINDING]] + masks[_WINDING:]
+
+    @cached_property
+    def coldest(self) -> Array:
+        """More power than the cycle asks for while the winding is cold [W]."""
+        return waveform_bounds.most_cold_power(self.spec, self.at, *self.columns)
 
 
 def decided(
@@ -91,17 +105,28 @@ def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDAr
 
     Over a short cycle all is computed in one go, for a second one would cost more than it saves.
     """
-    winding = np.logical_or.reduce(left[:_WINDING])
-    first = winding if long else np.logical_or.reduce(left)
-    few = exact(*case.some(first), "winding" if long else "limits") if first.any() else found
+    winding, every = np.logical_or.reduce(left[:_WINDING]), np.logical_or.reduce(left)
+    first = winding if long else every
+    what: Wanted = "winding" if long else _wanted(left)
+    few = exact(*case.some(first), what) if first.any() else found
     if winding.any():
-        new = [on(side, winding[first]).but_for_sums(on(old, winding)) for side, old in zip(few, found, strict=True)]
+        new = [on(side, winding[first]).over(on(old, winding), "winding") for side, old in zip(few, found, strict=True)]
         found = _replaced(found, winding, new)
         left = case.open(found, alive)
     rest = np.logical_or.reduce(left[_WINDING:])
     if not rest.any():
         return found
-    return _replaced(found, rest, exact(*case.some(rest), "limits") if long else [on(x, rest[first]) for x in few])
+    if long:
+        what = _wanted(left)
+        few = exact(*case.some(rest), what)
+    else:
+        few = on(few[0], rest[first]), on(few[1], rest[first])
+    return _replaced(found, rest, [x.over(on(old, rest), what) for x, old in zip(few, found, strict=True)])
+
+
+def _wanted(left: list[NDArray[np.bool_]]) -> Wanted:
+    """What is to be computed where these limits are open: what the bus stores costs most."""
+    return "limits" if left[_BUS].any() else "power"
 
 
 def _closer(
@@ -119,6 +144,11 @@ def _closer(
         _, at, asked, _, under, parts = case.some(mask)
         times = waveform_bounds.above_bounds(at, asked, under, parts, _PIECES)
         found = _replaced(found, mask, [on(m, mask)._replace(above=a) for m, a in zip(found, times, strict=True)])
+        left = case.open(found, alive)
+    if (mask := left[_WINDING]).any():  # the current alone tells it
+        _, at, asked, _, _, parts = case.some(mask)
+        above = time_above(at, asked, parts)
+        found = _replaced(found, mask, [on(m, mask)._replace(above=above) for m in found])
         left = case.open(found, alive)
     return found, left
 

@@ -21,6 +21,7 @@ from drivesizer.back_emf import back_emf_constant
 from drivesizer.extremes import Extremes, extremes
 from drivesizer.lasting_speed import lasting_speeds
 from drivesizer.loadcycle import Ends, LoadCycle, integral, mean_product, rms
+from drivesizer.products import product
 
 __all__ = [
     "ACCELERATION",
@@ -107,7 +108,7 @@ class AtGearhead:
     def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
         """Largest absolute value of what is linear in the functions, as ``peak`` takes it."""
         high, low = (points * self.scale for points in (self.extremes.high, self.extremes.low))
-        values = np.concatenate([coefficients @ high.T, -(coefficients @ low.T)], axis=1)
+        values = np.concatenate([product(coefficients, high.T), -product(coefficients, low.T)], axis=1)
         if left_out is not None and len(rows := np.flatnonzero(_any(left_out))):
             against = np.concatenate([high < 0.0, low > 0.0]).astype(float)
             values[rows] = np.where(left_out[rows] @ against.T > 0.0, -np.inf, values[rows])
@@ -115,11 +116,19 @@ class AtGearhead:
         time = np.concatenate([self.extremes.high_time, self.extremes.low_time])
         return bounded(values[np.arange(len(values)), worst], time[worst], left_out)
 
-    @property
+    @cached_property
     def warming(self) -> Pieces:
         """The cycle in pieces of which a winding feels the mean."""
         pieces = self.base.warming
         return Pieces(pieces.duration, pieces.functions * self.scale)
+
+    @cached_property
+    def turning(self) -> Turning:
+        """What friction and iron lose by in each of those pieces."""
+        functions = self.warming.functions
+        speed = functions[:, :, SPEED]
+        steady = (functions[:, 0] == functions[:, 1]).all(axis=1)
+        return Turning(speed, np.abs(speed).mean(1), mean_product(speed, speed), steady)
 
 
 class Pieces(NamedTuple):
@@ -127,6 +136,15 @@ class Pieces(NamedTuple):
 
     duration: Array  # s
     functions: Array  # (pieces, 2, 6)
+
+
+class Turning(NamedTuple):
+    """The speed over those pieces."""
+
+    speed: Array  # rad/s, at both ends: (pieces, 2)
+    mean: Array  # rad/s, of its amount
+    square: Array  # rad^2/s^2, mean
+    steady: NDArray[np.bool_]  # nothing changes within the piece
 
 
 class _Base(NamedTuple):

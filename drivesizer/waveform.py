@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.products import product
+
 __all__ = [
     "Energy",
     "Wave",
@@ -63,7 +65,7 @@ def wave(duration: Array, functions: Array, torque: Array, volts: Array, k_t: Ar
     """
     flat = functions.reshape(-1, 6).T
     shape = (len(torque), len(duration), 2)
-    return Wave(duration, (torque / k_t[:, None] @ flat).reshape(shape), (volts @ flat).reshape(shape))
+    return Wave(duration, product(torque / k_t[:, None], flat).reshape(shape), product(volts, flat).reshape(shape))
 
 
 def balanced(found: Wave, surplus: Array, speed: Array) -> Wave:

@@ -16,14 +16,15 @@ from numpy.typing import NDArray
 from drivesizer.extremes import Envelope, envelope
 from drivesizer.heat_blocks import Blocks, Bracket, blocks, bracket
 from drivesizer.heat_columns import coolest_winding, winding_bounds
-from drivesizer.physics import DIRECTION, AtGearhead, Demands, peak
+from drivesizer.physics import DIRECTION, SPEED, AtGearhead, Demands, peak
 from drivesizer.physics_limits import Heat, Parts, Stress, volts_of
+from drivesizer.products import product
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.waveform import longest_run
 from drivesizer.waveform_limits import Moments, Pair, hottest, kept_on_the_bus, while_at_most
 
-__all__ = ["above_bounds", "bounds", "closer"]
+__all__ = ["above_bounds", "bounds", "closer", "most_cold_power"]
 
 Array = NDArray[np.float64]
 _PIECES = 256  # of a cycle, that bound the time of overload at first
@@ -82,7 +83,7 @@ def _resisted(
     low = low._replace(power=_corner_power(at, asked, cool, k_t)[0])
     if spec.supply.current or spec.supply.power:
         most = np.minimum(_power_bound(at, asked, hot, k_t), under.current.value * at_hot)
-        high = high._replace(power=np.where(same, most, np.inf))  # power is not V I where two constants differ
+        high = high._replace(power=most + _most_beyond(at, asked, under, k_t))
     if keeps:
         least, braked = _corner_power(at, asked, hot, k_t)[1], braking_torque(at, asked.coefficients)
         low = low._replace(stored=np.where((least < 0.0) & same, _SOME, 0.0))
@@ -90,11 +91,24 @@ def _resisted(
     return low, high
 
 
+def most_cold_power(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts) -> Array:
+    """More than the electrical power ever is while the winding is at the ambient's temperature [W]."""
+    k_t = parts.motor["torque_constant"]
+    cold = np.asarray(resistance_at(resistance_25(parts.motor), spec.environment.ambient))
+    return _power_bound(at, asked, cold, k_t) + _most_beyond(at, asked, under, k_t)
+
+
+def _most_beyond(at: AtGearhead, asked: Demands, under: Stress, k_t: Array) -> Array:
+    """What power is above V I at most [W] where two constants differ (``waveform.balanced``); infinite if unknown."""
+    found = 2.0 * np.abs(asked.surplus(k_t)) * at.peak_speed * under.current.value
+    return np.where(np.isnan(found), np.inf, found)
+
+
 def _least_voltage(at: AtGearhead, asked: Demands, cool: Array, k_t: Array, cold: Array) -> Array:
     """Less than the largest voltage: cold at the start, or where a warmer winding than this only asks for more."""
     points = np.concatenate([at.extremes.high, at.extremes.low]) * at.scale
-    volts = volts_of(asked, k_t, cool) @ points.T
-    more = np.where((asked.coefficients @ points.T) * volts > 0.0, np.abs(volts), 0.0)
+    volts = product(volts_of(asked, k_t, cool), points.T)
+    more = np.where(product(asked.coefficients, points.T) * volts > 0.0, np.abs(volts), 0.0)
     least: Array = np.maximum(more.max(axis=1), cold)
     return least
 
@@ -132,8 +146,7 @@ def closer(
     pair = found[0]._replace(winding=T.lower), found[1]._replace(winding=T.upper)
     low, high = _resisted(spec, at, asked, warm, under, parts, pair, T.coolest.min(axis=1))
     least, most = _in_blocks(at, asked, parts.motor, T, _blocks(at, count))
-    differ = asked.surplus(parts.motor["torque_constant"]) != 0.0
-    most = np.where(differ, np.inf, most[0]), np.maximum(most[1], under.cold_voltage.value)
+    most = most[0], np.maximum(most[1], under.cold_voltage.value)
     for name, one, other in zip(("power", "voltage"), least, most, strict=True):
         low = low._replace(**{name: np.fmax(getattr(low, name), one)})
         high = high._replace(**{name: np.fmin(getattr(high, name), np.where(np.isnan(other), np.inf, other))})
@@ -148,19 +161,32 @@ def _in_blocks(
     c, induced = asked.coefficients / k_t[:, None], volts_of(asked, k_t, np.zeros_like(k_t))
     R_25 = np.asarray(resistance_25(motor))[:, None]
     cool, hot = (np.asarray(resistance_at(R_25, x)) for x in (T.coolest, T.warmest))
-    top, bottom = c @ cycle.most.T, c @ cycle.least.T
+    top, bottom = product(c, cycle.most.T), product(c, cycle.least.T)
     with np.errstate(invalid="ignore"):  # of what runs away
-        high = induced @ cycle.most.T + np.maximum(cool * top, hot * top)
-        low = induced @ cycle.least.T + np.minimum(cool * bottom, hot * bottom)
+        high = product(induced, cycle.most.T) + np.maximum(cool * top, hot * top)
+        low = product(induced, cycle.least.T) + np.minimum(cool * bottom, hot * bottom)
         both = np.maximum(top, 0.0) * np.maximum(high, 0.0), np.minimum(bottom, 0.0) * np.minimum(low, 0.0)
-    most = np.maximum(*both).max(axis=1), np.maximum(high.max(axis=1), -low.min(axis=1))
+    powers = np.maximum(*both)
+    surplus = asked.surplus(k_t)
+    rows = np.flatnonzero(surplus != 0.0)  # an unknown one is among them
+    turning = surplus[rows, None] * cycle.most[:, SPEED], surplus[rows, None] * cycle.least[:, SPEED]
+    powers[rows] += _beyond(np.minimum.reduce([a * b[rows] for a in turning for b in (top, bottom)]))
+    most = powers.max(axis=1), np.maximum(high.max(axis=1), -low.min(axis=1))
     points = np.concatenate([at.extremes.high, at.extremes.low]) * at.scale
     time = np.concatenate([at.extremes.high_time, at.extremes.low_time])
     place = np.minimum(np.searchsorted(np.cumsum(cycle.duration), time), len(cycle.duration) - 1)
-    current = c @ points.T
-    volts = induced @ points.T + cool[:, place] * current
+    current = product(c, points.T)
+    volts = product(induced, points.T) + cool[:, place] * current
     power = current * volts
-    return (power.max(axis=1), np.where(power > 0.0, np.abs(volts), 0.0).max(axis=1)), most
+    least = np.where(power > 0.0, np.abs(volts), 0.0).max(axis=1)
+    power[rows] += _beyond(surplus[rows, None] * points[:, SPEED] * current[rows])
+    return (power.max(axis=1), least), most
+
+
+def _beyond(work: Array) -> Array:
+    """What power is above V I [W] where constants differ, by the power of that difference (``waveform.balanced``)."""
+    found: Array = np.maximum(-2.0 * work, 0.0)
+    return found
 
 
 def winding_limits(
@@ -204,7 +230,7 @@ def above_bounds(
 
 def _runs_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, Array]:
     """Longest time on end that currents, by their coefficients, surely and perhaps are above a limit [s]."""
-    top, bottom = current @ found.high.T, current @ found.low.T
+    top, bottom = product(current, found.high.T), product(current, found.low.T)
     surely, perhaps = np.maximum(bottom, -top) > limit, np.maximum(top, -bottom) > limit
     pieces = found.duration, np.zeros_like(found.duration), found.duration
     return np.maximum(longest_run(*pieces, surely), _SOME), longest_run(*pieces, perhaps)
@@ -216,14 +242,14 @@ def braking_torque(at: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
     for points, sign in ((at.extremes.low, +1.0), (at.extremes.high, -1.0)):
         moving = points[points[:, DIRECTION] == sign] * at.scale
         if len(moving):
-            against |= (sign * (coefficients @ moving.T) < 0.0).any(axis=1)
+            against |= (sign * product(coefficients, moving.T) < 0.0).any(axis=1)
     return against
 
 
 def _corner_power(at: AtGearhead, asked: Demands, hot: Array, k_t: Array) -> tuple[Array, Array]:
     """Largest and smallest electrical power at the extreme points [W]: between them it may be more and less."""
     points = np.concatenate([at.extremes.high, at.extremes.low]) * at.scale
-    power = (asked.coefficients / k_t[:, None] @ points.T) * (volts_of(asked, k_t, hot) @ points.T)
+    power = product(asked.coefficients / k_t[:, None], points.T) * product(volts_of(asked, k_t, hot), points.T)
     return power.max(axis=1), power.min(axis=1)
 
 
@@ -232,6 +258,6 @@ def _power_bound(at: AtGearhead, asked: Demands, hot: Array, k_t: Array) -> Arra
     current, volts = asked.coefficients / k_t[:, None] * at.scale, volts_of(asked, k_t, hot) * at.scale
     found = np.zeros(len(hot))
     for points, sign in ((at.extremes.above, 1.0), (at.extremes.below, -1.0)):
-        both = [np.maximum(sign * (c @ points.T), 0.0) for c in (current, volts)]
+        both = [np.maximum(sign * product(c, points.T), 0.0) for c in (current, volts)]
         found = np.maximum(found, (both[0] * both[1]).max(axis=1))
     return found

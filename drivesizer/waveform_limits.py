@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from drivesizer.checks import CheckColumn, at_most, between
 from drivesizer.choose import most_voltage
 from drivesizer.heat_course import WindingCourse, winding_course
-from drivesizer.loadcycle import mean_product
-from drivesizer.physics import SPEED, AtGearhead, Demands, Peak
+from drivesizer.physics import AtGearhead, Demands, Peak
 from drivesizer.physics_limits import Heat, Parts, Stress, on, volts_of, winding_limit
 from drivesizer.spec import RobotSpec
 from drivesizer.thermal import resistance_25, resistance_at, steady_winding_temperature, two_bodies
@@ -27,11 +26,13 @@ from drivesizer.waveform import Wave, balanced, energy, largest_power, longest_a
 __all__ = [
     "Moments",
     "Pair",
+    "Wanted",
     "between_bounds",
     "exact",
     "hottest",
     "kept_on_the_bus",
     "least",
+    "time_above",
     "warming",
     "waveform_limits",
     "while_at_most",
@@ -64,14 +65,14 @@ class Moments(NamedTuple):
         """What two bounds agree on; unknown where they do not."""
         return Moments(*(np.where(a == b, a, np.nan) for a, b in zip(self, other, strict=True)))
 
-    def but_for_sums(self, other: Moments) -> Moments:
-        """What the winding alone tells, the rest of another."""
-        return other._replace(**{name: getattr(self, name) for name in _OF_THE_WINDING})
+    def over(self, other: Moments, what: Wanted) -> Moments:
+        """What was computed of it, the rest of another."""
+        return self if what not in _TOLD else other._replace(**{name: getattr(self, name) for name in _TOLD[what]})
 
 
+Wanted = Literal["winding", "power", "limits", "all"]
 _OF_THE_WINDING = ("winding", "winding_time", "voltage", "voltage_time", "copper")
-
-Wanted = Literal["winding", "limits", "all"]
+_TOLD = {"winding": _OF_THE_WINDING, "power": (*_OF_THE_WINDING, "power", "power_time", "above")}
 Pair = tuple[Moments, Moments]  # bounds: what is asked at least and at most
 
 
@@ -85,7 +86,8 @@ def exact(
     spec, at, asked, warm, under, parts
         The spec, its load cycle at the gearhead, and columns over candidates.
     what
-        To tell: of the ``winding`` temperature, voltage and heat; whatever has ``limits``; or ``all``, energy too.
+        To tell: of the ``winding`` temperature, voltage and heat; its ``power`` and time of overload too; whatever
+        has ``limits``, the bus among it; or ``all``, energy too.
 
     Returns
     -------
@@ -106,7 +108,7 @@ def _pair(
     rows = np.flatnonzero(np.isnan(course.peak))
     T, R_25 = (course.ends, course.means), np.asarray(resistance_25(motor))
     course.ends[rows] = hottest(spec, at, warm, under, motor)[rows, None, None]
-    surplus, speed = asked.surplus(motor["torque_constant"]), at.warming.functions[:, :, SPEED]
+    surplus, speed = asked.surplus(motor["torque_constant"]), at.turning.speed
     high = _moments(spec, flows, (R_25, *T), (surplus, speed), under, parts, what)
     high = high._replace(winding=course.peak, winding_time=course.peak_time)
     if not len(rows):
@@ -147,11 +149,9 @@ def warming(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, motor: 
     """
     (duration, functions), k_t = at.warming, motor["torque_constant"]
     flows = wave(duration, functions, asked.coefficients, volts_of(asked, k_t, np.zeros_like(k_t)), k_t)
-    speed = functions[:, :, SPEED]
-    loss = np.outer(warm.friction, np.abs(speed).mean(1)) + np.outer(warm.iron, mean_product(speed, speed))
-    steady = (functions[:, 0] == functions[:, 1]).all(axis=1)
-    ambient = spec.environment.ambient
-    course = winding_course(two_bodies(motor), ambient, duration, mean_square(flows), loss, steady)
+    turning, ambient = at.turning, spec.environment.ambient
+    loss = np.outer(warm.friction, turning.mean) + np.outer(warm.iron, turning.square)
+    course = winding_course(two_bodies(motor), ambient, duration, mean_square(flows), loss, turning.steady)
     mean = np.where(np.isfinite(warm.winding), warm.winding, np.nan)
     for rows, T in ((np.isinf(course.peak), motor["max_winding_temperature"]), (np.isnan(course.peak), mean)):
         for x in (course.mean, course.ends, course.means):
@@ -224,6 +224,8 @@ def _moments(
     power, power_time = largest_power(balanced(at_ends, *turning))
     above = longest_above(flows, parts.controller["continuous_current"])
     found = found._replace(power=power, power_time=power_time, above=above)
+    if what == "power":
+        return found
     kept = kept_on_the_bus(spec)
     if what == "limits" and not kept > 0.0:
         return found._replace(stored=np.zeros_like(power))
