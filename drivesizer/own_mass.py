@@ -9,11 +9,13 @@ from drivesizer.machines import WheeledVehicle
 from drivesizer.mass_budget import settle
 from drivesizer.platform_cases import on_wheels
 from drivesizer.ranking import Objective
-from drivesizer.records import drive_set
-from drivesizer.search import search
 from drivesizer.spec import RobotSpec
+from drivesizer.standing_sets import best_in_machine
 
 __all__ = ["at_its_own_mass"]
+
+_SAME = 1e-9  # kg: of sets out of a catalogue one is found again, or another is heavier
+_ITERATED = frozenset({"mass_sized_for"})  # holds once the rounds have settled, and not before
 
 
 def at_its_own_mass(spec: RobotSpec, catalog: Catalog, objective: Objective) -> tuple[RobotSpec, tuple[str, ...]]:
@@ -27,12 +29,9 @@ def at_its_own_mass(spec: RobotSpec, catalog: Catalog, objective: Objective) -> 
 
     def sized(mass: float) -> tuple[float, str] | None:
         robot = belt_choice.with_pulleys(on_wheels(weighing(mass)), catalog)
-        found = search(robot, catalog, top=1, objective=objective, misses=0)
-        if not found.standing:
-            return None
-        best = drive_set(found.evaluation, 0, 1, objective)
-        return drive_mass(best, load.motors), best.label
+        best = best_in_machine(robot, catalog, objective, _ITERATED)
+        return (drive_mass(best, load.motors), best.label) if best else None
 
-    settled = settle(sized, mass_without_drive(spec, catalog))
+    settled = settle(sized, mass_without_drive(spec, catalog), tolerance=_SAME)
     mass = settled.total if settled.carries_itself else settled.steps[-1].total
     return weighing(mass), (f"the drive's own mass counts, as far as it is known: {settled.words}",)

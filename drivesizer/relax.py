@@ -16,8 +16,8 @@ from drivesizer.choices import Choice
 from drivesizer.evaluation import evaluate
 from drivesizer.records import drive_set
 from drivesizer.results import DriveSet, Relaxation
-from drivesizer.search import search
 from drivesizer.spec import RobotSpec
+from drivesizer.standing_sets import best_in_machine, stands
 from drivesizer.units import show
 
 __all__ = ["changes_for", "relaxations"]
@@ -68,8 +68,8 @@ def relaxations(spec: RobotSpec, catalog: Catalog) -> tuple[Relaxation, ...]:
         return ()
 
     def best(changed: RobotSpec) -> str | None:
-        found = search(changed, catalog, top=1, objective=spec.select.objective, misses=0)
-        return drive_set(found.evaluation, 0, 1, spec.select.objective).label if found.standing else None
+        found = best_in_machine(changed, catalog, spec.select.objective)
+        return found.label if found else None
 
     return tuple(_found(spec, best))
 
@@ -80,7 +80,9 @@ def changes_for(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> tuple[Relax
     only = Candidates(np.array([motor]), np.array([gearhead]), np.array([one.belt_ratio]), np.array([True]))
 
     def passes(changed: RobotSpec) -> str | None:
-        return None if evaluate(changed, catalog, only).failed[0] else one.label
+        found = evaluate(changed, catalog, only)
+        good = not found.failed[0] and stands(changed, catalog, drive_set(found, 0, 1, changed.select.objective))
+        return one.label if good else None
 
     if spec.method == "paper":  # its rule looks at the other reductions of the family: those come along
         return tuple(_other_reductions(spec, catalog, one))

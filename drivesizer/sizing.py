@@ -29,10 +29,10 @@ from drivesizer.relax import changes_for, relaxations
 from drivesizer.requirements import requirements
 from drivesizer.results import DriveSet, Explanation, Requirement, SizingResult, verdict
 from drivesizer.returning import not_returning
-from drivesizer.search import Found, Progress, search
+from drivesizer.search import Found, Progress
 from drivesizer.shortlist import shortlist
 from drivesizer.spec import RobotSpec
-from drivesizer.standing_sets import on_the_front, ranked, shortfall
+from drivesizer.standing_sets import best_in_machine, on_the_front, ranked, shortfall
 from drivesizer.thermal import of_unstated_temperature
 from drivesizer.tolerances.asked import Sampling, asked
 from drivesizer.units import show
@@ -204,8 +204,7 @@ def _unrestricted(spec: RobotSpec, catalog: Catalog, objective: Objective) -> Dr
         "controller": ControllerChoice(bus=spec.select.controller.bus),
     }
     whole = spec.model_copy(update={"select": spec.select.model_copy(update=free)})
-    found = search(whole, catalog, top=1, objective=objective, misses=0)
-    return drive_set(found.evaluation, 0, 1, objective) if found.standing else None
+    return best_in_machine(whole, catalog, objective)
 
 
 def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog | None = None) -> list[DriveSet]:

@@ -5,21 +5,33 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from drivesizer.budget_columns import surely_fallen
-from drivesizer.budgets import with_budget
+from drivesizer.budgets import of_the_platform, with_budget
+from drivesizer.catalog import Catalog
 from drivesizer.evaluation import Evaluation
-from drivesizer.examine import Problem
+from drivesizer.examine import Problem, problem
 from drivesizer.mechanical_budget import MechanicalBudget
 from drivesizer.ranking import Objective
 from drivesizer.records import drive_set
 from drivesizer.results import Check, DriveSet, verdict
-from drivesizer.search import Found, Judge, Kept
+from drivesizer.search import Found, Judge, Kept, search
 from drivesizer.spec import RobotSpec
 
-__all__ = ["Weigh", "divided", "in_machine", "on_the_front", "ranked", "shortfall", "weighing"]
+__all__ = [
+    "Weigh",
+    "best_in_machine",
+    "divided",
+    "in_machine",
+    "on_the_front",
+    "ranked",
+    "shortfall",
+    "stands",
+    "weighing",
+]
 
 
 Weigh = Callable[[Evaluation, int], DriveSet]  # a row of an evaluation as a record, with the machine's budgets
@@ -50,7 +62,11 @@ def weighing(spec: RobotSpec, machine: MechanicalBudget | None, objective: Objec
 
 
 def in_machine(
-    spec: RobotSpec, machine: MechanicalBudget | None, given: Callable[[], Problem], weigh: Weigh
+    spec: RobotSpec,
+    machine: MechanicalBudget | None,
+    given: Callable[[], Problem],
+    weigh: Weigh,
+    aside: frozenset[str] = frozenset(),
 ) -> Judge | None:
     """What tells the sets that stand in their machine from those that a budget of it makes fall; None without any.
 
@@ -62,6 +78,8 @@ def in_machine(
         Makes the spec's load cycles, where they are needed.
     weigh
         Of ``weighing``.
+    aside
+        Names of budgets that are not looked at.
     """
     if not (spec.battery or spec.budget or machine):
         return None
@@ -71,14 +89,15 @@ def in_machine(
         if machine and _falls(spec, machine.checks):
             return Kept(np.arange(0), np.arange(count), count, Counter(dict.fromkeys(_failed(machine.checks), count)))
         surely = surely_fallen(spec, given(), sets) if spec.battery or spec.budget else {}
+        surely = {name: rows for name, rows in surely.items() if name not in aside}
         fallen = np.logical_or.reduce([np.zeros(count, bool), *surely.values()])
         best: list[int] = []
         by: Counter[str] = Counter()
         for row in np.flatnonzero(~fallen).tolist():
-            one = weigh(sets, row)
-            if _falls(spec, one.budget):
+            budget = tuple(check for check in weigh(sets, row).budget if check.name not in aside)
+            if _falls(spec, budget):
                 fallen[row] = True
-                by.update(_failed(one.budget))
+                by.update(_failed(budget))
             else:
                 best.append(row)
             if len(best) == wanted:
@@ -88,6 +107,33 @@ def in_machine(
         return Kept(np.array(best, np.int64), np.flatnonzero(fallen[:judged]), judged, by)
 
     return judge
+
+
+def best_in_machine(
+    spec: RobotSpec, catalog: Catalog, objective: Objective, aside: frozenset[str] = frozenset()
+) -> DriveSet | None:
+    """The best set of a search of its own that stands in its machine too; None where none does.
+
+    Parameters
+    ----------
+    spec, catalog, objective
+        As ``search`` takes them.
+    aside
+        Names of budgets that are not looked at.
+    """
+    machine, asked = of_the_platform(spec.whole), cache(lambda: problem(spec, catalog))
+    judge = in_machine(spec, machine, asked, weighing(spec, machine, objective), aside)
+    given = asked() if spec.method == "physics" else None
+    found = search(spec, catalog, top=1, objective=objective, misses=0, given=given, judge=judge)
+    return drive_set(found.evaluation, 0, 1, objective) if found.standing else None
+
+
+def stands(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> bool:
+    """Whether no budget of its machine makes a set fall, which need not have been held against them."""
+    machine = of_the_platform(spec.whole)
+    if machine and _falls(spec, machine.checks):
+        return False
+    return not _falls(spec, with_budget(spec, catalog, one, machine).budget)
 
 
 def _falls(spec: RobotSpec, checks: tuple[Check, ...]) -> bool:

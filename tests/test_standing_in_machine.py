@@ -9,7 +9,7 @@ import math
 
 import pytest
 
-from drivesizer.sizing import load_parts, size
+from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec import read_spec
 from drivesizer.study.best import best
 from drivesizer.yaml_source import YamlSource
@@ -40,10 +40,10 @@ compatibility:
   motor_gearhead:
     - {source: sheet, motors: [D], gearheads: [direct]}
 """
+FAN = "load: {kind: fan, inertia: 20 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}\n"
 SPEC = """
-name: a fan on the shaft
-load: {kind: fan, inertia: 20 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}
-motion: {speed: 1200 rpm, acceleration_time: 10 s, cruise_time: 100000 s}
+name: something on the shaft
+motion: {speed: SPEED, acceleration_time: 10 s, cruise_time: 100000 s}
 supply: {nominal: 24 V, min: 22 V, max: 26 V}
 select: {catalogs: [parts.yaml], objective: OBJECTIVE}
 """
@@ -68,8 +68,9 @@ def machine(tmp_path):
     rows = "\n".join(f"      - [m{n:02}, {3.0 - 0.07 * n:.2f}, {idle[n]:.6f}, {300 + n}]" for n in range(MOTORS))
     (tmp_path / "parts.yaml").write_text(PARTS.replace("ROWS", rows), encoding="utf-8")
 
-    def of(more, objective="mass"):
-        return read_spec(YamlSource(SPEC.replace("OBJECTIVE", objective) + more, str(tmp_path / "fan.yaml")))
+    def of(more, objective="mass", load=FAN, speed="1200 rpm"):
+        text = SPEC.replace("OBJECTIVE", objective).replace("SPEED", speed) + load + more
+        return read_spec(YamlSource(text, str(tmp_path / "fan.yaml")))
 
     return of
 
@@ -110,3 +111,53 @@ def test_a_limit_of_mass(machine):
     found = size(machine("budget: {mass: 1.3205 kg, structure: 1 kg}\n", "peak_current"), top=1)
     assert found.sets[0].motor.part == "m20"
     assert found.counts.failed_by_budget == {"mass": MOTORS - 21}
+
+
+def first_that_lasts(hours):
+    return next(n for n in range(MOTORS) if lasts(n) >= hours)
+
+
+def test_the_best_of_the_whole_catalogue_stands_in_the_machine_too(machine):
+    found = size(machine(BATTERY.replace("HOURS", "10"), "mass, motor: {part: [m39]}"))
+    assert [one.motor.part for one in found.sets] == ["m39"]
+    assert found.unrestricted.motor.part == f"m{first_that_lasts(10):02}"
+
+
+def test_what_is_relaxed_lets_a_set_pass_that_the_battery_feeds(machine):
+    """None weighs less than 299 g: the first that lasts 10 h weighs so many grams, and is met to one per cent."""
+    found = size(machine(BATTERY.replace("HOURS", "10") + "needs: {mass: 299 g}\n"))
+    first = first_that_lasts(10)
+    mass = next(one for one in found.relaxations if one.field == "needs.mass")
+    assert 0.300 + 0.001 * first <= mass.after <= 1.01 * (0.300 + 0.001 * first)
+    assert f"m{first:02}" in mass.set_label
+
+
+@pytest.mark.parametrize(("motor", "helps"), [("m00", False), ("m39", True)])
+def test_what_would_let_a_set_pass_counts_the_battery(machine, motor, helps):
+    (one,) = explain(machine(BATTERY.replace("HOURS", "10") + "needs: {mass: 299 g}\n"), motor, "direct")
+    assert any(change.field == "needs.mass" for change in one.changes) is helps
+    assert (lasts(int(motor[1:])) >= 10) is helps
+
+
+def test_a_machine_carries_the_drive_that_its_battery_feeds(machine):
+    """One wheel of 50 mm rolls at 1200 rpm: M = C m g r. The machine weighs 20 kg and the lightest motor that lasts."""
+    vehicle = """load: {kind: wheeled_vehicle, mass: 20 kg, driven_wheels: 1, wheel_diameter: 100 mm,
+  rolling_resistance: 0.02, inertia: 20 kg*cm^2}
+transmission: [{kind: direct}]
+"""
+    spec = machine(
+        BATTERY.replace("HOURS", "10") + "budget: {structure: 20 kg, drive_counts: true}\n",
+        load=vehicle,
+        speed=f"{1200 * math.pi / 30 * 0.05} m/s",
+    )
+
+    def hours(n):
+        torque = 0.02 * (20.3 + 0.001 * n) * 9.80665 * 0.05
+        current = torque / 0.098 + 3.0 - 0.07 * n
+        return 20 * 24 / ((0.35 * current + 0.098 * 1200 * math.pi / 30) * current)
+
+    first = next(n for n in range(MOTORS) if hours(n) >= 10)
+    assert 0 < first < MOTORS - 1
+    found = size(spec, top=1)
+    assert found.sets[0].motor.part == f"m{first:02}"
+    assert found.spec.load.mass == pytest.approx(20.3 + 0.001 * first, abs=1e-4)
