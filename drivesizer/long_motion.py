@@ -52,9 +52,9 @@ def march_long(drive: Drive, task: Task, rows: int) -> Long:
     """
     slow = slower(drive) if isinstance(drive.controller, Cascade) else None
     out = march(slow or drive, task, rows=max(rows, 2), most_steps=LONGEST)
-    if slow is None or out.problems[0] or task.cycles > 1:
+    if slow is None or out.problems[0]:
         return Long(out, slow or drive, {}, ())
-    windows = _windows(task, out)
+    windows = _windows(task, out)  # of the first cycle
     pairs = [tuple(_seen(one, task, out, *window) for one in (drive, slow)) for window in windows]
     whole = [pair for pair in pairs if not pair[0].problems[0] and not pair[1].problems[0]]
     figures = dict(out.figures)
@@ -70,7 +70,7 @@ def march_long(drive: Drive, task: Task, rows: int) -> Long:
 def _windows(task: Task, out: Marched) -> list[tuple[float, float]]:
     """Where the drive as it is is watched [s]: about the largest values, and at even distances; none over another."""
     first, last = task.time[0], task.time[-1]
-    about = [first + float(out.figures[f"{name}_time"][0]) for name in _PEAKS]
+    about = [first + float(out.figures[f"{name}_time"][0]) % (last - first) for name in _PEAKS]
     about += np.linspace(first, last, _EVEN, endpoint=False).tolist()
     starts = sorted(min(max(t - 0.5 * _WATCHED, first), last - _WATCHED) for t in about)
     kept = starts[:1] + [b for a, b in pairwise(starts) if b > a]

@@ -19,7 +19,7 @@ from drivesizer.errors import InputError
 from drivesizer.loads.wheeled_vehicle import grip_warning
 from drivesizer.loop_figures import figures, series, series_units
 from drivesizer.loop_warnings import loop_warnings, resolution_warning, resonance_warning
-from drivesizer.machines import Recorded, WheeledVehicle
+from drivesizer.machines import Arm, Recorded, WheeledVehicle
 from drivesizer.platform_cases import on_wheels
 from drivesizer.profile import SPEED, Profile
 from drivesizer.profile import profile as named
@@ -33,6 +33,11 @@ from drivesizer.wheel_load import WheelLoad
 
 __all__ = ["hardest_case", "validate", "validate_all"]
 
+_STILL_COLD = (
+    "the winding's resistance is that at 25 °C: a thermal figure is unknown; voltage and supply current pass where "
+    "they do with the winding as warm as its largest current or its permitted temperature makes it, and fail where "
+    "they do with it cold"
+)
 _ALL = 1e-6  # of a march: less is not told
 _KEPT = 0.5  # of the RMS current: less at rest is not told
 
@@ -189,7 +194,9 @@ def _assumptions(case: Case) -> list[str]:
     if case.periodic:
         said.append("what friction and iron lose warms the housing; iron by the square of the speed")
     else:
-        said.append("the winding's resistance is that at 25 °C: a thermal figure is unknown, or plant.warming is off")
+        said.append(
+            _STILL_COLD if spec.plant.warming else "the winding's resistance is that at 25 °C: plant.warming is off"
+        )
     marched, lasts = case.figure("time_marched"), case.figure("time")
     if marched < (1.0 - _ALL) * lasts:
         said.append(
@@ -197,7 +204,9 @@ def _assumptions(case: Case) -> list[str]:
         )
     said += _in_windows(case)
     if len(case.task.load_time):
-        said.append("what the load takes beyond inertia and friction comes at its time, however the drive lags")
+        off = case.figure("load_angle_error")  # rad: of sin by as much at most
+        arm = f": an arm's weight is up to {off:.2%} of its largest off" if isinstance(spec.load, Arm) else ""
+        said.append(f"what the load takes beyond inertia and friction comes at its time, however the drive lags{arm}")
     if shaft:
         said.append(f"motor and load are two masses on {shaft.stiffness:.4g} N·m/rad at the load's shaft")
     return said

@@ -26,7 +26,14 @@ from drivesizer.physics_limits import nominal_current_limit
 from drivesizer.platform_cases import held_by_the_floor
 from drivesizer.profile import SPEED
 from drivesizer.results import Check
-from drivesizer.thermal import rated_ambient, resistance_25, steady_winding_temperature
+from drivesizer.thermal import (
+    DATA_TEMPERATURE,
+    rated_ambient,
+    resistance_25,
+    resistance_at,
+    steady_winding_temperature,
+    two_bodies,
+)
 
 __all__ = ["METHOD", "checks"]
 
@@ -49,6 +56,40 @@ def _most(case: Case, name: str, check: Callable[[float], CheckColumn], *, takes
     """A check of the largest value of a figure; of a long motion it is unknown where only its allowance fails."""
     value, more = case.takes(name) if takes else case.figure(name), case.more(name, takes=takes)
     return check(value) if more == 1.0 else between(check(value), check(more * value))
+
+
+def _resisted(case: Case, name: str, check: Callable[[float], CheckColumn], power: bool = False) -> CheckColumn:
+    """A check of what grows with the winding's resistance: of a motor of unknown heat it is unknown between bounds.
+
+    Its march has the winding at 25 °C; it may be as cold as the ambient, and as warm as its largest current makes it in
+    the long run, up to what is permitted.
+    """
+    motor, ambient = asdict(case.drive_set.motor), case.spec.environment.ambient
+    takes = not power
+    if two_bodies(motor).known or not case.spec.plant.warming:
+        return _most(case, name, check, takes=takes)
+    current = (case.takes if takes else case.figure)("current")
+    value, more = (case.takes if takes else case.figure)(name), case.more(name, takes=takes)
+    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    R_25 = resistance_25(motor)
+    hottest = np.fmin(steady_winding_temperature(ambient, R_25, *R_th, current), motor["max_winding_temperature"])
+    cooler, warmer = (float(resistance_at(R_25, T) - R_25) for T in (min(ambient, DATA_TEMPERATURE), hottest))
+    more_of = _bus_current if power else _volts
+    return between(check(more_of(case, value, cooler, current)), check(more_of(case, more * value, warmer, current)))
+
+
+def _volts(_: Case, volts: float, ohms: float, current: float) -> float:
+    """Largest voltage at so much more resistance."""
+    return volts + ohms * current
+
+
+def _bus_current(case: Case, current: float, ohms: float, largest: float) -> float:
+    """Largest current of the supply at so much more resistance in each motor; NaN where it cannot give that."""
+    supply = case.spec.supply
+    ohm = supply.resistance or 0.0
+    power = current * (supply.lowest - ohm * current) + case.spec.load.motors * ohms * largest**2
+    root = supply.lowest**2 - 4.0 * ohm * power
+    return 2.0 * power / (supply.lowest + math.sqrt(root)) if root >= 0.0 else math.nan
 
 
 def _controller(case: Case) -> Controller:
@@ -96,10 +137,9 @@ def _electrical(case: Case) -> Iterator[Check]:
     controller, supply = _controller(case), case.spec.supply
     takes = "that following takes"
     yield _check(
-        _most(
-            case, "voltage_asked", lambda x: at_most("supply_voltage", x, case.usable_voltage, "voltage", "V"),
-            takes=True,
-        ), "Motor voltage",
+        _resisted(case, "voltage_asked", lambda x: at_most(
+            "supply_voltage", x, case.usable_voltage, "voltage", "V"
+        )), "Motor voltage",
         case.takes("voltage_asked_time"), f"{takes}; what the controller can give at the lowest supply voltage",
     )  # fmt: skip
     yield _check(
@@ -123,7 +163,9 @@ def _electrical(case: Case) -> Iterator[Check]:
     )  # fmt: skip
     if supply.current is not None:
         yield _check(
-            _most(case, "bus_current", lambda x: at_most("supply_current", x, supply.current, "current", "A")),
+            _resisted(case, "bus_current", lambda x: at_most(
+                "supply_current", x, supply.current, "current", "A"
+            ), power=True),
             "Supply current, all sets", case.figure("bus_current_time"), "electrical power over the supply's voltage",
         )  # fmt: skip
 

@@ -59,6 +59,14 @@ def test_the_winding_of_a_long_motion_is_as_warm_as_a_solver_has_it():
     assert rises.min() > 3.0
 
 
+def test_cycles_of_a_long_motion_have_their_windows_in_the_first():
+    task = replace(TASK, time=TIME[:31], speed=(*SPEED[:30], SPEED[0]), cycles=3)
+    full, found = march(DRIVE, task, rows=0), march_long(DRIVE, task, 2000)
+    assert found.windows[-1][1] <= 30.0 and len(found.windows) > 2
+    for name in PEAKS:
+        assert figure(found.out, name) * found.allowed[name] >= figure(full, name) * (1 - 1e-3), name
+
+
 def test_what_comes_before_a_part_is_watched_is_not_seen():
     """A jump at the start asks for much; from a second later on the drive is steady."""
     task = Task(time=(0.0, 0.02, 3.0), speed=(0.0, 30.0, 30.0))

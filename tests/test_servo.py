@@ -18,6 +18,7 @@ from drivesizer.cli import app
 from drivesizer.errors import InputError
 from drivesizer.plant import Regime, modes
 from drivesizer.results import DriveSet, Validation
+from drivesizer.shaft_load import asked_of
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
 from drivesizer.spec import RobotSpec, read_spec
@@ -253,6 +254,40 @@ def test_a_profile_beyond_any_machine_is_refused():
     fast = Profile(name="fast", time=(0.0, 1.0, 2.0), speed=(0.0, 1e300, 0.0))
     with pytest.raises(InputError, match="no speed that a motor can be turned to"):
         validate(spec, chosen(spec), profile=fast)
+
+
+def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_between_cold_and_as_warm_as_it_may_be():
+    """By hand: U_hot = U + R_25 0.0039/K (T - 25 degC) I, T that of the largest current for ever, or what is permitted;
+    P_hot likewise with I^2, over the voltage of a source without resistance."""
+    spec = spec_of()
+    one = chosen(spec)
+    one = replace(one, motor=replace(one.motor, winding_time_constant=math.nan))
+    case, motor = closed_loop.run(spec, one, asked_of(spec)), one.motor
+    assert not case.periodic and spec.supply.resistance is None
+    current, R = float(case.out.figures["current"][0]), case.train.resistance
+    R_th, heat = motor.thermal_resistance_winding + motor.thermal_resistance_housing, R * current**2
+    forever = 298.15 + R_th * heat / (1 - 0.0039 * R_th * heat) if 0.0039 * R_th * heat < 1 else math.inf
+    more = R * 0.0039 * (min(forever, motor.max_winding_temperature) - 298.15)
+    assert more > 0.1 * R
+
+    def status(name, case):
+        return next(check.status for check in checks(case) if check.name == name)
+
+    def usable(volts):
+        return status("supply_voltage", case._replace(usable_voltage=volts))
+
+    cold, hot = case.takes("voltage_asked"), case.takes("voltage_asked") + more * current
+    found = [usable(volts) for volts in (0.99 * cold, 1.01 * cold, 0.99 * hot, 1.01 * hot)]
+    assert found == ["fail", "unknown", "unknown", "pass"]
+
+    def supplied(amperes):
+        supply = spec.supply.model_copy(update={"current": amperes})
+        return status("supply_current", case._replace(spec=spec.model_copy(update={"supply": supply})))
+
+    cold = case.figure("bus_current")
+    hot = cold + spec.load.motors * more * current**2 / spec.supply.lowest
+    found = [supplied(amperes) for amperes in (0.99 * cold, 1.01 * cold, 0.99 * hot, 1.01 * hot)]
+    assert found == ["fail", "unknown", "unknown", "pass"]
 
 
 def restless(monkeypatch):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from importlib import resources
 
 import numpy as np
@@ -139,6 +140,17 @@ def test_the_closed_loop_takes_what_the_load_cycle_asks(kind, name):
     shown = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}[spec.load.axis]
     assert proof.series_units["speed"] == shown
     assert {c.name: c.status for c in proof.checks}["tracking_error"] == "pass"
+    if kind == "arm":
+        said = next(said for said in proof.assumptions if "an arm's weight" in said)
+        told = float(re.search(r"([\d.]+)% of its largest off", said)[1]) / 100.0
+        assert weight_off(proof.series) <= told + 5e-5 and told < 0.01
+
+
+def weight_off(series):
+    """By how much the weight of an arm that starts 60 deg below level differs at its angle from that asked for."""
+    t, v = series["time"], series["speed_reference"]
+    asked = np.radians(-60.0) + np.concatenate(([0.0], np.cumsum(np.diff(t) * (v[1:] + v[:-1]) / 2)))
+    return float(np.abs(np.cos(asked) - np.cos(asked - series["position_error"])).max())
 
 
 def test_a_recorded_load_is_driven_along_its_own_motion(tmp_path):

@@ -197,13 +197,14 @@ def test_energy_balance(spec, chosen, degrees):
 
 def test_the_paper_s_drive_passes(proof):
     """The paper's conclusion of section 3.1.5: the motor does not reach its limits."""
-    assert proof.status == "unknown"  # nothing fails, and two limits of the motor are in no catalogue
+    assert (
+        proof.status == "unknown"
+    )  # nothing fails, and what two limits of the motor and its heat are is in no catalogue
     by_status = {s: {c.name for c in proof.checks if c.status == s} for s in ("pass", "fail", "unknown")}
-    assert by_status["unknown"] == {"motor_speed", "winding_temperature"}  # RE 25: not in the catalogue
+    # RE 25: not in the catalogue; as warm as nobody knows it may ask for more voltage than there is
+    assert by_status["unknown"] == {"motor_speed", "winding_temperature", "supply_voltage"}
     assert not by_status["fail"]
-    assert {"supply_voltage", "controller_peak_current", "gearhead_intermittent_torque", "encoder_speed"} < by_status[
-        "pass"
-    ]
+    assert {"controller_peak_current", "gearhead_intermittent_torque", "encoder_speed"} < by_status["pass"]
     assert any(w.startswith("unknown: ") and "Winding temperature" in w for w in proof.warnings)
     assert check(proof, "supply_voltage").limit == pytest.approx(0.9 * (22.0 - 1.0))
     assert finite(proof)
