@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from drivesizer.cascade import Cascade
-from drivesizer.engine import CurrentLimit, Drive, Supply, Task, march, march_many
-from drivesizer.linear_modes import Machine
-from drivesizer.results import Gains
+from drivesizer.control.cascade import Cascade
+from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, march, march_many
+from drivesizer.control.linear_modes import Machine
+from drivesizer.control.validation import Gains
 
 PERIOD = 1e-3
 SAW = Task(time=tuple(0.5 * n for n in range(21)), speed=tuple(40.0 * (n % 2) + 5.0 for n in range(21)))

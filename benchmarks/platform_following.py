@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from drivesizer import load_spec
-from drivesizer.driving import Driving, driving, on_the_way
-from drivesizer.following_runs import Case, follow_case
-from drivesizer.platform import following, march_loop
-from drivesizer.platform.following import Followed, Model
+from drivesizer.control.path_following import following, kernel_loop
+from drivesizer.control.path_following.following import Followed, Model
+from drivesizer.control.path_following.runs import Case, follow_case
+from drivesizer.loads.platform_drive import Driving, driving, on_the_way
 from drivesizer.platform.trajectory import Trajectory
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "sps_following.yaml"
@@ -57,7 +57,7 @@ def main() -> None:
         print(f"{f'{model} model, {len(found.planned.time):,} periods':40}{seconds:10.2f} s    goal: well under 1 s")
     part = beginning(way, options.pieces)
     fast, mine = timed(lambda: driven(part, "kinematic"), options.runs)
-    following.compiled = lambda: march_loop.follow_one
+    following.compiled = lambda: kernel_loop.follow_one
     slow, plain = timed(lambda: driven(part, "kinematic"), 1)
     off = np.abs(mine.posture - plain.posture).max()
     print(

@@ -12,10 +12,10 @@ import time
 
 import numpy as np
 
+from drivesizer.platform.contact_loads import Ground
 from drivesizer.platform.dynamics import Dynamics, dynamics, wheel_torques
 from drivesizer.platform.kinematics import to_robot, wheel_speeds
-from drivesizer.platform.notation import Array
-from drivesizer.platform.standing import Ground
+from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Platform, table_wheel
 
 SLOPE, C_RR, C_ROLLER = 0.03, 0.02, 0.01

@@ -18,12 +18,12 @@ from pathlib import Path
 
 import numpy as np
 
-from drivesizer.candidates import Rows, pairs
 from drivesizer.catalog import load
-from drivesizer.examine import problem
 from drivesizer.loads import load_cycle
-from drivesizer.search import search
-from drivesizer.spec import RobotSpec, load_spec
+from drivesizer.search.columns.candidates import Rows, pairs
+from drivesizer.search.columns.stages import problem
+from drivesizer.search.search import search
+from drivesizer.spec.robot import RobotSpec, load_spec
 
 SPEC = Path(__file__).resolve().parent.parent / "examples" / "sps_robot.yaml"
 
@@ -99,8 +99,8 @@ def loop_rate(spec: RobotSpec, sets: int) -> float:
 def memory(spec: Path) -> float:
     """Peak memory of a process that searches [MB]."""
     code = (
-        "import sys; from drivesizer.catalog import load; from drivesizer.search import search;"
-        "from drivesizer.spec import load_spec;"
+        "import sys; from drivesizer.catalog import load; from drivesizer.search.search import search;"
+        "from drivesizer.spec.robot import load_spec;"
         "search(load_spec(sys.argv[1]), load(['maxon']), top=5, objective='mass')"
     )
     subprocess.run([sys.executable, "-c", code, str(spec)], check=True)

@@ -51,11 +51,11 @@ def plainly(folder: Path) -> Path:
 
 def sampled(path: Path) -> None:
     """Sample in a process of its own, and print processor time and wall clock."""
-    from drivesizer.search import search
+    from drivesizer.search.search import search
+    from drivesizer.search.uncertainty.options import Sampling
+    from drivesizer.search.uncertainty.run import judged, subject
     from drivesizer.sizing import load_parts
-    from drivesizer.spec import load_spec
-    from drivesizer.tolerances.asked import Sampling
-    from drivesizer.tolerances.run import judged, subject
+    from drivesizer.spec.robot import load_spec
 
     spec = load_spec(path)
     catalog = load_parts(spec)
@@ -70,10 +70,10 @@ def one_by_one(path: Path, samples: int) -> float:
     """Processor time of the plain evaluation, one sample at a time [s each]."""
     import numpy as np
 
-    from drivesizer.evaluation import evaluate
-    from drivesizer.search import search
+    from drivesizer.search.columns.evaluation import evaluate
+    from drivesizer.search.search import search
     from drivesizer.sizing import load_parts
-    from drivesizer.spec import load_spec
+    from drivesizer.spec.robot import load_spec
 
     spec = load_spec(path)
     catalog = load_parts(spec)

@@ -4,7 +4,7 @@
 
 Commands of a ``bash`` block run one after the other in a folder of the page's own, which starts empty; ``examples/``
 that it has not are the project's. A ``text`` block after it is what they print, a line ``...`` stands for lines left
-out. A ``yaml`` or ``csv`` block with a title is that file from there on. tests/test_docs.py runs all of it.
+out. A ``yaml`` or ``csv`` block with a title is that file from there on. tests/docs/test_docs.py runs all of it.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from measured_models import part
 
-from drivesizer.tolerances.classes import classes
+from drivesizer.catalog.tolerances.classes import classes
 
 __all__ = ["Source", "source_of"]
 

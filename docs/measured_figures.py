@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.report.style import COLOURS, drawn
+from drivesizer.output.report.figures.style import COLOURS, drawn
 
 __all__ = ["Curve", "panels"]
 

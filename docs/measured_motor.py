@@ -12,8 +12,8 @@ from measured_figures import Curve, Panel, panels
 from measured_models import DC, driver_loss, hot, idle_current, part, saturating, signed_line
 from measured_tables import Array, Findings, Row, percent, rms, span
 
-from drivesizer.back_emf import back_emf_constant
-from drivesizer.thermal import COPPER, DATA_TEMPERATURE
+from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
 
 OWN = "resistance and a loss by current fitted"
 

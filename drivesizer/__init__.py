@@ -12,9 +12,10 @@ Names are loaded on first use, so that importing the package costs nothing.
 
 from __future__ import annotations
 
+from drivesizer.version import __version__ as __version__
+
 TYPE_CHECKING = False  # as of typing, whose import is not waited for here
 
-__version__ = "0.1.0"
 
 __all__ = [
     "CatalogError",
@@ -33,19 +34,19 @@ if TYPE_CHECKING:
 
     from drivesizer.catalog import load as load_catalog
     from drivesizer.errors import CatalogError, DrivesizerError, InputError
-    from drivesizer.results import SizingResult
+    from drivesizer.results.sizing import SizingResult
     from drivesizer.simulate import validate
     from drivesizer.sizing import size
-    from drivesizer.spec import RobotSpec, load_spec
+    from drivesizer.spec.robot import RobotSpec, load_spec
 
 _HOME = {
     "CatalogError": "errors",
     "DrivesizerError": "errors",
     "InputError": "errors",
-    "RobotSpec": "spec",
-    "SizingResult": "results",
+    "RobotSpec": "spec.robot",
+    "SizingResult": "results.sizing",
     "load_catalog": "catalog:load",
-    "load_spec": "spec",
+    "load_spec": "spec.robot",
     "size": "sizing",
     "validate": "simulate",
 }

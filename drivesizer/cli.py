@@ -15,16 +15,16 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer import __version__
-from drivesizer.catalog_cli import app as catalog_commands
-from drivesizer.cli_drive import drive
-from drivesizer.cli_ends import ended
-from drivesizer.cli_export import export
-from drivesizer.cli_setup import doctor, equations, init, schema
-from drivesizer.cli_sizing import explain, report, size
-from drivesizer.cli_study import study
-from drivesizer.cli_validate import validate
+from drivesizer.commands.catalog import app as catalog_commands
+from drivesizer.commands.drive import drive
+from drivesizer.commands.ends import ended
+from drivesizer.commands.export import export
+from drivesizer.commands.setup import doctor, equations, init, schema
+from drivesizer.commands.sizing import explain, report, size
+from drivesizer.commands.study import study
+from drivesizer.commands.validate import validate
 from drivesizer.errors import printable
+from drivesizer.version import __version__
 
 __all__ = ["app", "main"]
 

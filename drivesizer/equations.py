@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivesizer.declare import Value, equation
+from drivesizer.physics.equation import Value, equation
 
 __all__ = [
     "acceleration",

@@ -1,8 +1,8 @@
 """Closed-loop validation (figure 3 of the paper): does the chosen drive follow the profile within its limits?
 
 Reference speed - error at the motor shaft - sampled controller - limited voltage - motor - gearhead, belt, load.
-The parts: ``profile`` what is asked, ``plant`` and ``shaft_load`` the machine, ``closed_loop`` the march, ``verdict``
-and ``loop_figures`` what it means. This module makes the record of it, with all that is taken for granted.
+The parts: ``profile`` what is asked, ``plant`` and ``at_shaft`` the machine, ``closed_loop`` the march, ``checks``
+and ``figures`` what it means. This module makes the record of it, with all that is taken for granted.
 """
 
 from __future__ import annotations
@@ -12,24 +12,26 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drivesizer.cascade import Cascade, ControllerGain, controller_gains
-from drivesizer.closed_loop import Case, run
-from drivesizer.control_design import COMPUTING
+from drivesizer.control.cascade import Cascade, ControllerGain, controller_gains
+from drivesizer.control.closed_loop.checks import checks
+from drivesizer.control.closed_loop.figures import figures, series, series_units
+from drivesizer.control.closed_loop.run import Case, run
+from drivesizer.control.loop_warnings import loop_warnings, resolution_warning, resonance_warning
+from drivesizer.control.validation import Gains, Validation
+from drivesizer.control.voltage_loop_design import COMPUTING
 from drivesizer.errors import InputError
+from drivesizer.loads.at_shaft import asked_of
+from drivesizer.loads.platform_wheels import on_wheels
+from drivesizer.loads.profile import SPEED, Profile
+from drivesizer.loads.profile import profile as named
+from drivesizer.loads.returning import starts_farther_on
+from drivesizer.loads.wheel import WheelLoad
 from drivesizer.loads.wheeled_vehicle import grip_warning
-from drivesizer.loop_figures import figures, series, series_units
-from drivesizer.loop_warnings import loop_warnings, resolution_warning, resonance_warning
-from drivesizer.machines import Arm, Recorded, WheeledVehicle
-from drivesizer.platform_cases import on_wheels
-from drivesizer.profile import SPEED, Profile
-from drivesizer.profile import profile as named
-from drivesizer.results import Check, DriveSet, Gains, SizingResult, Validation, verdict
-from drivesizer.returning import starts_farther_on
-from drivesizer.shaft_load import asked_of
-from drivesizer.spec import RobotSpec
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import Check, SizingResult, verdict
+from drivesizer.spec.loads import Arm, Recorded, WheeledVehicle
+from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
-from drivesizer.verdict import checks
-from drivesizer.wheel_load import WheelLoad
 
 __all__ = ["hardest_case", "validate", "validate_all"]
 

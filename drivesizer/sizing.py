@@ -9,32 +9,35 @@ from pathlib import Path
 
 import numpy as np
 
-from drivesizer import belt_choice, paper
-from drivesizer.budgets import check_battery, of_the_platform, with_budget
-from drivesizer.candidates import Candidates, candidates
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
+from drivesizer.catalog.actuators_apart import taken_apart
+from drivesizer.catalog.clamping_hubs import on_any_shaft
 from drivesizer.catalog.direct import with_direct
-from drivesizer.catalog.inside import taken_apart
-from drivesizer.catalog.shafts import on_any_shaft
-from drivesizer.choices import Choice, ControllerChoice, EncoderChoice
-from drivesizer.compare import with_both_methods
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.evaluation import evaluate
+from drivesizer.loads.platform_wheels import on_wheels
+from drivesizer.loads.requirements import requirements
+from drivesizer.loads.returning import not_returning
 from drivesizer.loads.wheeled_vehicle import grip_warning
-from drivesizer.own_mass import at_its_own_mass
-from drivesizer.platform_cases import on_wheels
-from drivesizer.ranking import Objective, title_of
-from drivesizer.records import drive_set
-from drivesizer.relax import changes_for, relaxations
-from drivesizer.requirements import requirements
-from drivesizer.results import DriveSet, Explanation, Requirement, SizingResult, verdict
-from drivesizer.returning import not_returning
-from drivesizer.search import Found, Progress
-from drivesizer.shortlist import shortlist
-from drivesizer.spec import RobotSpec
-from drivesizer.standing_sets import best_in_machine, on_the_front, ranked, shortfall
-from drivesizer.thermal import of_unstated_temperature
-from drivesizer.tolerances.asked import Sampling, asked
+from drivesizer.machine.budgets import check_battery, of_the_platform, with_budget
+from drivesizer.physics.thermal import of_unstated_temperature
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.requirement import Requirement
+from drivesizer.results.sizing import Explanation, SizingResult, verdict
+from drivesizer.search import pulleys
+from drivesizer.search.both_methods import with_both_methods
+from drivesizer.search.columns import paper_method
+from drivesizer.search.columns.candidates import Candidates, candidates
+from drivesizer.search.columns.evaluation import evaluate
+from drivesizer.search.machine_filter import best_in_machine, on_the_front, ranked, shortfall
+from drivesizer.search.own_mass import at_its_own_mass
+from drivesizer.search.ranking import Objective, title_of
+from drivesizer.search.relaxations import changes_for, relaxations
+from drivesizer.search.search import Found, Progress
+from drivesizer.search.set_record import drive_set
+from drivesizer.search.shortlist import shortlist
+from drivesizer.search.uncertainty.options import Sampling, asked
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import Choice, ControllerChoice, EncoderChoice
 from drivesizer.units import show
 
 __all__ = ["explain", "explained", "load_parts", "prepared", "size"]
@@ -107,7 +110,7 @@ def size(
         misses=ranked(fell[: None if sets else top], len(sets) + len(unsure)),
         relaxations=() if found.standing or found.short else relaxations(spec, catalog),
         counts=found.counts,
-        assumptions=(*_assumptions(spec), *belt_choice.assumptions(spec), *_of_data(spec, (*sets, *unsure))),
+        assumptions=(*_assumptions(spec), *pulleys.assumptions(spec), *_of_data(spec, (*sets, *unsure))),
         warnings=(*picked.weighed, *_warnings(spec, sets), *shortfall(picked.short, found.better), *catalog.replaced),
         unrestricted=_unrestricted(spec, catalog, objective),
         front=on_the_front(found, picked.weigh),
@@ -126,7 +129,7 @@ def _requirements(found: Found, spec: RobotSpec, row: int) -> tuple[Requirement,
         return tuple(requirements([base.cycle for base in found.evaluation.asked.bases]))
     if len(found.evaluation.candidates.motor):
         return tuple(r.at(row) for r in found.evaluation.wheel.values())
-    return tuple(paper.vehicle(spec, 0.0).steps.values())
+    return tuple(paper_method.vehicle(spec, 0.0).steps.values())
 
 
 def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
@@ -248,7 +251,7 @@ def explained(
     """
     catalog = prepared(catalog) if catalog else load_parts(spec)
     spec, _ = at_its_own_mass(spec, catalog, spec.select.objective)
-    spec = belt_choice.with_pulleys(on_wheels(spec), catalog)
+    spec = pulleys.with_pulleys(on_wheels(spec), catalog)
     check_battery(spec, catalog)
     rows = _pair(catalog, motor, gearhead)
     family = str(catalog.gearheads["family"][rows[1]])
@@ -268,7 +271,7 @@ def explained(
 
 def _sampled(spec: RobotSpec, catalog: Catalog, sets: list[DriveSet], how: Sampling) -> Explanation:
     """Sets with how sure each is, one that falls at nominal figures too."""
-    from drivesizer.tolerances.run import judged, subject_of, told, uncertainty
+    from drivesizer.search.uncertainty.run import judged, subject_of, told, uncertainty
 
     sure = judged(spec, catalog, {n: subject_of(catalog, one) for n, one in enumerate(sets)}, how)
     standing = [n for n, one in enumerate(sets) if one.status != "fail"]

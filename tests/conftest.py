@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.spec import RobotSpec, load_spec
+from drivesizer.spec.robot import RobotSpec, load_spec
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -63,7 +63,7 @@ def canvas(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        from drivesizer.report.style import STYLE
+        from drivesizer.output.report.figures.style import STYLE
 
         kept: list[Any] = []
         with monkeypatch.context() as patch:

@@ -8,7 +8,8 @@ from itertools import chain, repeat
 
 import pytest
 
-from drivesizer import cli, cli_common
+from drivesizer import cli
+from drivesizer.commands import common
 
 
 @pytest.fixture
@@ -254,8 +255,8 @@ def test_a_long_search_shows_a_bar_and_a_short_one_nothing(monkeypatch, capsys):
     monkeypatch.setenv("FORCE_COLOR", "1")  # a terminal
     for seconds in (0.0, 2.0):
         clock = chain([0.0], repeat(seconds))  # rich looks at it as often as it likes
-        monkeypatch.setattr(cli_common.time, "monotonic", lambda clock=clock: next(clock))
-        with cli_common.progress() as told:
+        monkeypatch.setattr(common.time, "monotonic", lambda clock=clock: next(clock))
+        with common.progress() as told:
             told(1, 3)
             told(3, 3)
         out = capsys.readouterr()

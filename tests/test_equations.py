@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivesizer import equations as eq
-from drivesizer import formula
-from drivesizer.declare import COMPANIONS, EQUATIONS
 from drivesizer.errors import InputError
+from drivesizer.output import formula
+from drivesizer.physics.equation import COMPANIONS, EQUATIONS
 
 U = pint.UnitRegistry()  # a user's own registry, not ours
 EVERY = [*EQUATIONS.values(), *COMPANIONS.values()]

@@ -8,20 +8,22 @@ from pathlib import Path
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.export import FORMATS, export_of, files
 from drivesizer.loads import load_cycle
+from drivesizer.loads.wheel import WheelLoad
+from drivesizer.output.export import FORMATS, export_of, files
 from drivesizer.sizing import size
-from drivesizer.spec import load_spec
-from drivesizer.wheel_load import WheelLoad
+from drivesizer.spec.robot import load_spec
 
 ROOT = Path(__file__).resolve().parent.parent
-STARTERS = sorted(p.name for p in (resources.files("drivesizer") / "starters").iterdir() if p.name.endswith(".yaml"))
+STARTERS = sorted(
+    p.name for p in (resources.files("drivesizer.spec") / "starters").iterdir() if p.name.endswith(".yaml")
+)
 
 
 @pytest.mark.parametrize("name", STARTERS)
 def test_every_starter_finds_a_drive(name, tmp_path, catalog):
     path = tmp_path / "robot.yaml"
-    text = (resources.files("drivesizer") / "starters" / name).read_text(encoding="utf-8")
+    text = (resources.files("drivesizer.spec") / "starters" / name).read_text(encoding="utf-8")
     path.write_text(text, encoding="utf-8")
     rows = "".join(f"{t / 10},{60 * math.sin(t / 20) ** 2:.4f},{1.2 + math.cos(t / 20):.4f}\n" for t in range(63))
     (tmp_path / "cycle.csv").write_text(f"time,speed,torque\ns,rpm,N*m\n{rows}", encoding="utf-8")
@@ -84,7 +86,7 @@ NAMED = {  # what a starter says in place of its motion
 @pytest.mark.parametrize("name", NAMED)
 def test_a_file_that_a_spec_names_and_that_is_not_there(name, tmp_path):
     field, motion = NAMED[name]
-    text = (resources.files("drivesizer") / "starters" / name).read_text(encoding="utf-8")
+    text = (resources.files("drivesizer.spec") / "starters" / name).read_text(encoding="utf-8")
     path = tmp_path / "robot.yaml"
     path.write_text(re.sub(r"^motion:.*\n(?:[ #].*\n)*", motion, text, flags=re.MULTILINE), encoding="utf-8")
     rows = enumerate(path.read_text(encoding="utf-8").splitlines(), 1)

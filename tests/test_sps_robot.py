@@ -4,9 +4,9 @@ import math
 
 import pytest
 
+from drivesizer.files.yaml_source import YamlSource
 from drivesizer.sizing import explain, size
-from drivesizer.spec import read_spec
-from drivesizer.yaml_source import YamlSource
+from drivesizer.spec.robot import read_spec
 
 RPM = 30 / math.pi
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from mathematics import displayed, expression, mathml, symbol
 
 import drivesizer.equations
-from drivesizer import formula
-from drivesizer.declare import COMPANIONS, EQUATIONS, Equation
+from drivesizer.output import formula
+from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
 from drivesizer.units import label
 
 __all__ = ["equations", "escaped"]

@@ -10,7 +10,7 @@ __all__ = ["closed_loop", "followed"]
 def closed_loop(root: Path) -> bytes:
     """What ``drivesizer validate --figures`` draws of the robot of the paper."""
     from drivesizer import load_spec, size, validate
-    from drivesizer.report.drawings import loop_drawings
+    from drivesizer.output.report.all_figures import loop_drawings
 
     spec = load_spec(root / "examples" / "sps_robot.yaml")
     proof = validate(spec, size(spec, top=1).sets[0])
@@ -21,8 +21,8 @@ def followed(_: Path) -> bytes:
     """The simulated path beside the paper's with soft speed loops, and errors along the way."""
     from following_page import ran
 
-    from drivesizer.following_runs import Case
-    from drivesizer.report.path_figure import path_and_errors
+    from drivesizer.control.path_following.runs import Case
+    from drivesizer.output.report.figures.path import path_and_errors
 
     shown = {"kinematic": ("kinematic", True), "dynamic": ("dynamic", True), "dynamic, misjudged": ("dynamic", False)}
     return path_and_errors({name: ran(Case(model, False, False, exact)) for name, (model, exact) in shown.items()})

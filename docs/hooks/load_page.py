@@ -11,7 +11,7 @@ from docstrings import as_markdown
 from spec_tables import SCHEMA, fields_of, reference
 
 from drivesizer.loads import _HOME
-from drivesizer.spec import AXES
+from drivesizer.spec.robot import AXES
 
 __all__ = ["loads"]
 
@@ -27,7 +27,7 @@ def loads() -> str:
     kinds = {name: [k for k, at in mapping.items() if at.endswith(f"/{name}")] for name in models}
     for several in kinds.values():
         several.sort(key=list(_HOME).index if len(several) > 1 else str)
-    shared = [("A stage", "stage"), ("Torques that are no straight lines", "curved")]
+    shared = [("A stage", "stage_losses"), ("Torques that are no straight lines", "torque_curved")]
     parts = [_load(name, of) for name, of in kinds.items()]
     parts += [f"## {title}\n\n{_told_by(import_module(f'drivesizer.loads.{name}'))}" for title, name in shared]
     return "\n\n".join(parts)
@@ -49,13 +49,13 @@ def _load(name: str, kinds: list[str]) -> str:
 
 def _told_by(module: Any) -> str:
     """A module's own words, with its references as links on the page."""
-    text = as_markdown(inspect.getdoc(module) or "").replace("`stage`", "[stage](#a-stage)")
-    return text.replace("`curved`", "[pieces](#torques-that-are-no-straight-lines)")
+    text = as_markdown(inspect.getdoc(module) or "").replace("`stage_losses`", "[stage](#a-stage)")
+    return text.replace("`torque_curved`", "[pieces](#torques-that-are-no-straight-lines)")
 
 
 def _starter(kind: str) -> str:
     """What ``drivesizer init --kind`` writes."""
-    text = (resources.files("drivesizer") / "starters" / f"{kind}.yaml").read_text(encoding="utf-8")
+    text = (resources.files("drivesizer.spec") / "starters" / f"{kind}.yaml").read_text(encoding="utf-8")
     assert yaml.safe_load(text)["load"]["kind"] == kind
     body = "\n".join(f"    {line}" if line else "" for line in text.rstrip().splitlines())
     return f'??? example "`drivesizer init --kind {kind}` writes"\n    ```yaml\n{body}\n    ```'

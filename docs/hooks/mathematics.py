@@ -15,7 +15,7 @@ from pathlib import Path
 
 from latex2mathml.converter import convert
 
-from drivesizer import formula
+from drivesizer.output import formula
 
 __all__ = ["displayed", "expression", "font", "rendered", "symbol"]
 

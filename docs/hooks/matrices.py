@@ -1,4 +1,4 @@
-"""Equations between vectors and matrices as LaTeX: what ``drivesizer.platform.notation`` has as text."""
+"""Equations between vectors and matrices as LaTeX: what ``drivesizer.platform.matrix_equation`` has as text."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import ast
 import re
 import unicodedata
 
-from drivesizer.platform.notation import Notation, symbol
+from drivesizer.platform.matrix_equation import Notation, symbol
 
 __all__ = ["equation", "expression", "term", "text"]
 

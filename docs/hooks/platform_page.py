@@ -6,9 +6,9 @@ import matrices
 from equation_page import escaped
 from mathematics import displayed, mathml
 
-from drivesizer.declare import Term
-from drivesizer.platform import notation, printed
-from drivesizer.platform.notation import PLATFORM, MatrixEquation
+from drivesizer.physics.equation import Term
+from drivesizer.platform import matrix_equation, printed_forms
+from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation
 
 __all__ = ["platform_equations"]
 
@@ -26,7 +26,7 @@ def _equation(e: MatrixEquation) -> str:
 
 def _forms(e: MatrixEquation) -> list[str]:
     """As printed with what was found, and as computed where that is another form."""
-    found, computed = printed.finding(e), notation.computed(e)
+    found, computed = printed_forms.finding(e), matrix_equation.computed(e)
     units = (
         f'<span class="fails">Fails the unit check:</span> {escaped(found.units)}.' if found.units else "Units agree"
     )

@@ -6,7 +6,7 @@ import json
 import re
 from typing import Any
 
-from drivesizer.spec import RobotSpec
+from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["SCHEMA", "fields_of", "sections"]
 

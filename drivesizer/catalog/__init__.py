@@ -4,6 +4,8 @@
 >>> motor = catalog.motors.record(catalog.motors.rows["118752"])
 >>> motor.family, motor.resistance
 ('RE 25', 2.32)
+
+May import: files, physics.
 """
 
 from __future__ import annotations
@@ -12,9 +14,9 @@ import functools
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
-from drivesizer import __version__
-from drivesizer.catalog.cache import CacheWarning, digest_of, folder, recall, store
+from drivesizer.catalog.compiled import recall, store
 from drivesizer.catalog.joining import joined
+from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Stepper
 from drivesizer.catalog.parts import (
     DIRECT,
     EDGES,
@@ -29,10 +31,11 @@ from drivesizer.catalog.parts import (
     one_of,
 )
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
-from drivesizer.catalog.wholes import Actuator, Battery, Belt, Brake, Pulley, Stepper
 from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.cache import CacheWarning, digest_of, folder
+from drivesizer.files.text import decoded, read_bytes
 from drivesizer.ranges import AT_MOST, MAY_BE_ZERO, RANGES
-from drivesizer.textfile import decoded, read_bytes
+from drivesizer.version import __version__
 
 __all__ = [
     "DIRECT", "EDGES", "PARTS", "RELATIONS", "Actuator", "Battery", "Belt", "Brake", "CacheWarning", "Catalog",
@@ -113,8 +116,8 @@ def _schema() -> bytes:
 
 def _one(path: Path, raw: bytes, key: str) -> Catalog:
     def parsed() -> Catalog:
-        from drivesizer.catalog.reading import parse
-        from drivesizer.yaml_source import YamlSource
+        from drivesizer.catalog.catalog_file import parse
+        from drivesizer.files.yaml_source import YamlSource
 
         return parse(YamlSource(decoded(raw, path), str(path)), path.stem, digest_of(raw))
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog.discharges import DISCHARGES, HELD, INTEGERS, NO_DISCHARGES, TABLE, Discharges
-from drivesizer.catalog.reader import Reader
+from drivesizer.catalog.field_reader import Reader
 from drivesizer.errors import InputError, quoted
+from drivesizer.files.yaml_source import Path_
 from drivesizer.units import scale, to_si
-from drivesizer.yaml_source import Path_
 
 __all__ = ["read_discharges"]
 

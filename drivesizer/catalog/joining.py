@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.discharges import join_discharges
+from drivesizer.catalog.maker_tolerances import join_stated
 from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, one_of
-from drivesizer.catalog.stated import join_stated
 from drivesizer.catalog.tables import Across, Catalog, Pairs, Table, unique_pairs
 from drivesizer.errors import CatalogError, nearest, quoted
 

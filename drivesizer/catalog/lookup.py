@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterable
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Source
+from drivesizer.catalog.maker_tolerances import Stated, stated_of
 from drivesizer.catalog.query import OPTIONS, Hit, Shelf, every
-from drivesizer.catalog.stated import Stated, stated_of
 from drivesizer.errors import InputError, nearest, quoted
 
 __all__ = ["families", "find", "look", "origins", "partners", "tolerances"]

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog.columns import Column, columns, figure, text
-from drivesizer.catalog.wholes import Actuator, Battery, Belt, Brake, Pulley, Stepper
+from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Stepper
 
 __all__ = [
     "DIRECT", "EDGES", "NO_GEARHEAD", "PARTS", "RELATIONS", "Controller", "Encoder", "Gearhead", "Motor",

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.field_reader import Reader
 from drivesizer.catalog.parts import RELATIONS, one_of
-from drivesizer.catalog.reader import Reader
 from drivesizer.catalog.tables import CONFIDENCE, Across, Pairs, Table, unique_pairs
 from drivesizer.errors import nearest, quoted
-from drivesizer.yaml_source import Path_
+from drivesizer.files.yaml_source import Path_
 
 __all__ = ["LISTS", "relations"]
 

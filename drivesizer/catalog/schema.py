@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from drivesizer.catalog.catalog_file import DATA
 from drivesizer.catalog.columns import Column
 from drivesizer.catalog.discharges import DISCHARGES, HELD, TABLE
+from drivesizer.catalog.maker_tolerances import STATED
+from drivesizer.catalog.maker_tolerances_reading import FIGURES
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
-from drivesizer.catalog.reading import DATA
-from drivesizer.catalog.stated import STATED
-from drivesizer.catalog.stated_reading import FIGURES
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.units import KINDS, noun
 

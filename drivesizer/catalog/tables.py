@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
+from drivesizer.catalog.maker_tolerances import Stated
+from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Stepper
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
-from drivesizer.catalog.stated import Stated
-from drivesizer.catalog.wholes import Actuator, Battery, Belt, Brake, Pulley, Stepper
 
 __all__ = ["CONFIDENCE", "Across", "Catalog", "Note", "Pairs", "Source", "Table", "empty", "unique_pairs"]
 

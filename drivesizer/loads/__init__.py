@@ -1,4 +1,7 @@
-"""Machines as load cycles: one file per kind of load, each a function that returns a ``LoadCycle``."""
+"""Machines as load cycles: one file per kind of load, each a function that returns a ``LoadCycle``.
+
+May import: files, physics, equations, platform, spec, results.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 
-from drivesizer.course import Course, course
-from drivesizer.loadcycle import LoadCycle
-from drivesizer.profile import Profile, profile_of
-from drivesizer.spec import RobotSpec
-from drivesizer.wheel_load import WheelLoad
+from drivesizer.loads.course import Course, course
+from drivesizer.loads.profile import Profile, profile_of
+from drivesizer.loads.wheel import WheelLoad
+from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["load_cycle", "of_course"]
 

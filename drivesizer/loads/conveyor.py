@@ -2,7 +2,8 @@ r"""A belt conveyor, level or inclined, seen from its driven drum.
 
 .. math:: F = μ (m + m_b) g \cos β \, \mathrm{sgn} v + F_f \, \mathrm{sgn} v + m g \sin β + F_0 + (m + m_b) a
 
-through the efficiency of belt and drums, in either direction of power, and the drums' inertia (``stage``). The belt is
+through the efficiency of belt and drums, in either direction of power, and the drums' inertia (``stage_losses``). The
+belt is
 a loop: its weight pulls up as much as down, so that only the goods climb; but all of it is accelerated, and all of it
 rubs, the return run on its rollers like the carrying run on the bed. Friction is nothing at rest.
 
@@ -14,11 +15,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivesizer.course import Course
-from drivesizer.loadcycle import LoadCycle
-from drivesizer.loads.stage import force_along, through_stage
-from drivesizer.machines import Conveyor
-from drivesizer.spec import RobotSpec
+from drivesizer.loads.course import Course
+from drivesizer.loads.stage_losses import force_along, through_stage
+from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.spec.loads import Conveyor
+from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["conveyor"]
 

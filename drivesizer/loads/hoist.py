@@ -5,7 +5,8 @@ r"""A hoist, seen from its rope drum.
 lifts the load; upward is forward. With n falls the rope runs n times as fast and pulls with an n-th of F, so that the
 load moves by r/n per angle of the drum. The counterweight hangs against the load with as many falls (as a lift is roped
 2:1 on both sides), and both share one rope efficiency, which takes the unbalanced force: lifting divides by it, what
-comes back when lowering is multiplied by it (``stage``). At rest the unbalanced weight remains, for motor or brake.
+comes back when lowering is multiplied by it (``stage_losses``). At rest the unbalanced weight remains, for motor or
+brake.
 A rope cannot push: a motion that would let it go slack is refused.
 
 Worked example: a cab of 1200 kg and a counterweight of 950 kg that rise 54 m in 3.0 min need
@@ -17,12 +18,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivesizer.course import Course
 from drivesizer.errors import InputError
-from drivesizer.loadcycle import Ends, LoadCycle
-from drivesizer.loads.stage import through_stage
-from drivesizer.machines import Hoist
-from drivesizer.spec import RobotSpec
+from drivesizer.loads.course import Course
+from drivesizer.loads.stage_losses import through_stage
+from drivesizer.physics.load_cycle import Ends, LoadCycle
+from drivesizer.spec.loads import Hoist
+from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["hoist"]
 

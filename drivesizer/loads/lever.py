@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from drivesizer.machines import Arm, Load, RotaryTable
+from drivesizer.spec.loads import Arm, Load, RotaryTable
 
 __all__ = ["Lever", "lever_of"]
 

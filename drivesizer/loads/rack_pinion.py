@@ -3,7 +3,7 @@ r"""A rack that a pinion moves, or a carriage that runs along a rack, seen from 
 .. math:: F = m g \sin β + μ m g \cos β \, \mathrm{sgn} v + F_f \, \mathrm{sgn} v + F_0 + m a
 
 at the pitch radius, through the efficiency of the toothing in either direction of power, and the inertia of pinion and
-shaft (``stage``). Friction is nothing at rest.
+shaft (``stage_losses``). Friction is nothing at rest.
 
 Worked examples: 820 kg along a level way in 1 s to 2 m/s, μ 0.1: 820 · 9.81 · 0.1 + 820 · 2 = 2.44 kN at the toothing;
 300 kg upward in 0.27 s to 1.08 m/s: 300 · 9.81 + 300 · 4 = 4.1 kN (Atlanta Drive Systems, rack and pinion drives,
@@ -14,11 +14,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivesizer.course import Course
-from drivesizer.loadcycle import LoadCycle
-from drivesizer.loads.stage import force_along, through_stage
-from drivesizer.machines import RackPinion
-from drivesizer.spec import RobotSpec
+from drivesizer.loads.course import Course
+from drivesizer.loads.stage_losses import force_along, through_stage
+from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.spec.loads import RackPinion
+from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["rack_pinion"]
 

@@ -2,7 +2,8 @@ r"""A slide on a lead screw or a ball screw, seen from the screw.
 
 .. math:: F = m g \sin β + μ m g \cos β \, \mathrm{sgn} v + F_f \, \mathrm{sgn} v + F_0 + m a, \qquad r = \frac{L}{2 π}
 
-With :math:`F r / e` where the screw drives the slide and :math:`F r e_b` where the slide drives the screw (``stage``),
+With :math:`F r / e` where the screw drives the slide and :math:`F r e_b` where the slide drives the screw
+(``stage_losses``),
 and on top of either the drag of a preloaded nut and the inertia of the screw. e_b is 2 - 1/e where it is not given:
 the same torque is lost in either direction. With e_b below 0 the screw is self-locking: the slide cannot turn it, and
 to lower a load the motor has to drive too, with a torque of :math:`|F| r |e_b|`; e_b is taken as it stands, not as 0.
@@ -22,11 +23,11 @@ import math
 
 import numpy as np
 
-from drivesizer.course import Course
-from drivesizer.loadcycle import LoadCycle
-from drivesizer.loads.stage import force_along, through_stage
-from drivesizer.machines import Screw
-from drivesizer.spec import RobotSpec
+from drivesizer.loads.course import Course
+from drivesizer.loads.stage_losses import force_along, through_stage
+from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.spec.loads import Screw
+from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["screw"]
 

@@ -19,10 +19,10 @@ import math
 import numpy as np
 
 from drivesizer import equations as eq
-from drivesizer.course import Course
-from drivesizer.loadcycle import Ends, LoadCycle, OwnLimit
-from drivesizer.machines import Cylinder, WheeledVehicle
-from drivesizer.spec import RobotSpec
+from drivesizer.loads.course import Course
+from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit
+from drivesizer.spec.loads import Cylinder, WheeledVehicle
+from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["grip_warning", "held_by_a_wheel", "rolling_resistance", "turning_inertia", "wheeled_vehicle"]
 

@@ -1,3 +1,6 @@
-"""A platform on wheels in the plane: how its wheels turn, and what turns them."""
+"""A platform on wheels in the plane: how its wheels turn, and what turns them.
+
+May import: files, physics.
+"""
 
 __all__: list[str] = []

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.platform.notation import Array
+from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory, joined, rest
 
 __all__ = ["spline", "thinned"]

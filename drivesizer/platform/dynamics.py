@@ -28,9 +28,9 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.platform import equations_dynamics as eq
+from drivesizer.platform.contact_loads import LEVEL, Ground, contact_loads, weight_along
 from drivesizer.platform.kinematics import Kinematics, check_allowed, columns, kinematics, map_columns, row_sizes
-from drivesizer.platform.notation import Array
-from drivesizer.platform.standing import LEVEL, Ground, contact_loads, weight_along
+from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Platform
 
 __all__ = [

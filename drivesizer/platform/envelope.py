@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.platform.notation import Array
+from drivesizer.platform.matrix_equation import Array
 
 __all__ = [
     "Passage",

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from drivesizer.platform.notation import Array, matrix_equation
+from drivesizer.platform.matrix_equation import Array, matrix_equation
 
 __all__ = [
     "coriolis_matrix",

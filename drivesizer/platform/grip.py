@@ -21,13 +21,13 @@ from typing import Any
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.platform.between import finer
+from drivesizer.platform.contact_loads import LEVEL, Ground, contact_loads
 from drivesizer.platform.dynamics import Dynamics, required_force, signs, wheel_torques
+from drivesizer.platform.extremes_between_samples import finer
 from drivesizer.platform.kinematics import columns, map_columns
-from drivesizer.platform.notation import Array
+from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.stability import lift_off_acceleration
-from drivesizer.platform.stability_moments import Moment, of_centre
-from drivesizer.platform.standing import LEVEL, Ground, contact_loads
+from drivesizer.platform.stability_along import Moment, of_centre
 from drivesizer.platform.trajectory import Trajectory
 
 __all__ = [

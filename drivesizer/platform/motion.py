@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from drivesizer.errors import InputError
+from drivesizer.platform.contact_loads import LEVEL, Ground
 from drivesizer.platform.dynamics import Dynamics
 from drivesizer.platform.kinematics import Kinematics, check_allowed, map_columns, row_sizes
-from drivesizer.platform.notation import Array
-from drivesizer.platform.standing import LEVEL, Ground
+from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory
 
 __all__ = ["Motion", "allowed", "blocks", "largest", "motion", "seen"]

@@ -27,10 +27,9 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.motions import SCurve
-from drivesizer.platform.notation import Array
+from drivesizer.physics.s_curve import fastest_ramp
+from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory, joined, rest
-from drivesizer.profile import fastest_ramp
 
 __all__ = ["Limits", "Waypoint", "plan"]
 
@@ -244,8 +243,7 @@ def _times(speed: float, acceleration: float, jerk: float) -> tuple[float, float
     """Times of the fastest way from 0 to 1 [s]: of each phase of jerk, of even acceleration, of even speed."""
     if jerk < math.inf:
         try:
-            asked = {"distance": 1.0, "speed": speed, "acceleration": acceleration, "jerk": jerk}
-            return fastest_ramp(SCurve.model_construct(None, **asked))
+            return fastest_ramp(1.0, speed, acceleration, jerk)
         except ArithmeticError:
             return 0.0, math.nan, math.nan
     speed = min(speed, math.sqrt(acceleration))

@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.platform.notation import Array
-from drivesizer.platform.standing import LEVEL, Ground, contact_loads, weight_along
+from drivesizer.platform.contact_loads import LEVEL, Ground, contact_loads, weight_along
+from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Platform
 
 __all__ = [

@@ -32,13 +32,21 @@ from typing import Any
 import numpy as np
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.loads.recorded import local_parabola
+from drivesizer.files.csv_columns import (
+    factors_of,
+    miscount,
+    number_of,
+    plain_number,
+    refuse_impossible,
+    rows_of,
+    values_of,
+)
+from drivesizer.files.text import read_text
+from drivesizer.physics.smoothing import local_parabola
 from drivesizer.platform.curve import spline, thinned
-from drivesizer.platform.notation import Array
+from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.planner import Limits, Waypoint, plan
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.recording import factors_of, miscount, number_of, plain_number, refuse_impossible, rows_of, values_of
-from drivesizer.textfile import read_text
 
 __all__ = ["read_track", "read_waypoints"]
 

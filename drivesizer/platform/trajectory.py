@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.platform.kinematics import to_robot
-from drivesizer.platform.notation import Array
+from drivesizer.platform.matrix_equation import Array
 
 __all__ = ["Trajectory", "joined", "rest"]
 

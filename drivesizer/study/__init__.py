@@ -5,6 +5,8 @@
 
 A variant is known by its number alone, so it does not matter where or when it is computed, or after how many
 interruptions.
+
+May import: catalog, spec, results, search, sizing, output.
 """
 
 __all__: list[str] = []

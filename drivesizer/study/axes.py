@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from typing import Annotated, Any, get_args, get_origin
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.fields import Quantity
-from drivesizer.machines import AXES
-from drivesizer.spec import RobotSpec
-from drivesizer.spec_errors import known_keys, models_at
-from drivesizer.tolerances.reading import has_tolerance, tolerance
+from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.spec.fields import Quantity
+from drivesizer.spec.loads import AXES
+from drivesizer.spec.messages import known_keys, models_at
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.tolerance_text import has_tolerance, tolerance
 from drivesizer.units import number, scale, to_si
-from drivesizer.yaml_source import Path_, YamlSource
 
 __all__ = ["Axis", "Place", "axes_of", "changed", "once", "path_of"]
 

@@ -10,12 +10,13 @@ from itertools import chain
 from typing import NamedTuple
 
 from drivesizer.catalog import Catalog
-from drivesizer.ranking import Objective, title_of
-from drivesizer.records import drive_set
-from drivesizer.results import Counts, DriveSet
-from drivesizer.shortlist import shortlist
-from drivesizer.spec import RobotSpec
-from drivesizer.standing_sets import ranked
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import Counts
+from drivesizer.search.machine_filter import ranked
+from drivesizer.search.ranking import Objective, title_of
+from drivesizer.search.set_record import drive_set
+from drivesizer.search.shortlist import shortlist
+from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["Best", "best"]
 

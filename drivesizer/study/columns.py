@@ -9,8 +9,9 @@ from collections.abc import Callable
 from math import isnan, nan
 from typing import Any, Literal, NamedTuple
 
-from drivesizer.report.sums import price_of, unknown_of
-from drivesizer.results import DriveSet, worst
+from drivesizer.output.sums import price_of, unknown_of
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import worst
 from drivesizer.study.best import Best
 from drivesizer.study.plan import Plan
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drivesizer.report.style import Form, drawn, placed
-from drivesizer.report.wording import clean, short
+from drivesizer.output.report.figures.style import Form, drawn, placed
+from drivesizer.output.text import clean, short
 from drivesizer.study.map_panel import Dimension, Map, Panel, Scene, panel_into, words
 from drivesizer.study.map_sets import LINE, listed, numbered, rows_of_list
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.report.style import COLOURS
-from drivesizer.report.wording import clean, short
+from drivesizer.output.report.figures.style import COLOURS
+from drivesizer.output.text import clean, short
 from drivesizer.study.map_sets import OTHERS, Look, look_of
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from drivesizer.report.wording import clean, short
+from drivesizer.output.text import clean, short
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

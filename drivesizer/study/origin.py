@@ -7,16 +7,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from drivesizer import __version__
 from drivesizer.catalog import load
-from drivesizer.choices import Select
 from drivesizer.errors import InputError
+from drivesizer.files.text import read_bytes
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.spec.select import Select
 from drivesizer.study.columns import columns_of
 from drivesizer.study.plan import Plan
 from drivesizer.study.store import digest
 from drivesizer.study.variant import rows_of
-from drivesizer.textfile import read_bytes
-from drivesizer.yaml_source import YamlSource
+from drivesizer.version import __version__
 
 __all__ = ["made_of", "refuse_if_all_wrong"]
 

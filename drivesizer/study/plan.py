@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.ranking import objective_of, title_of
+from drivesizer.files.text import missing
+from drivesizer.files.yaml_source import Path_, YamlSource, read
+from drivesizer.search.ranking import objective_of, title_of
 from drivesizer.study.axes import Axis, Place, axes_of, once
 from drivesizer.study.schema import Hypercube, StudyFile, schema_of
-from drivesizer.textfile import missing
-from drivesizer.yaml_source import Path_, YamlSource, read
 
 __all__ = ["MOST", "Job", "Plan", "Variant", "read_study"]
 

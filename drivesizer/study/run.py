@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from drivesizer.errors import InputError, reason_of
-from drivesizer.report.figure_files import figures_into
-from drivesizer.report.files import remove_all
+from drivesizer.files.writing import remove_all
+from drivesizer.output.report.figure_files import figures_into
 from drivesizer.study.columns import Column, Row, columns_of
 from drivesizer.study.local import cores, on_processes
 from drivesizer.study.lock import locked

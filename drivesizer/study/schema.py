@@ -10,9 +10,9 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError, model_validator
 
 from drivesizer.errors import InputError
-from drivesizer.fields import Names, Section, exactly_one
-from drivesizer.spec_errors import explained
-from drivesizer.yaml_source import YamlSource
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.spec.fields import Names, Section, exactly_one
+from drivesizer.spec.messages import explained
 
 __all__ = ["Hypercube", "StudyFile", "schema_of"]
 

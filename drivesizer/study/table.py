@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from drivesizer.errors import InputError, reason_of
-from drivesizer.report.cells import csv_cell
-from drivesizer.report.files import ready
+from drivesizer.files.writing import ready
+from drivesizer.output.cells import csv_cell
 from drivesizer.study.columns import Column, Row
 
 __all__ = ["has_parquet", "write_csv", "write_parquet"]

@@ -9,17 +9,17 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-from drivesizer import __version__
 from drivesizer.catalog import Catalog, load
 from drivesizer.errors import DrivesizerError
-from drivesizer.ranking import objective_of, title_of
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.search.ranking import objective_of, title_of
 from drivesizer.sizing import prepared
-from drivesizer.spec import RobotSpec, read_spec
+from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.study.axes import changed
 from drivesizer.study.best import best
 from drivesizer.study.columns import Row, failed, found
 from drivesizer.study.plan import Job, Variant
-from drivesizer.yaml_source import YamlSource
+from drivesizer.version import __version__
 
 __all__ = ["Part", "parts_for", "rows_of", "spec_of"]
 

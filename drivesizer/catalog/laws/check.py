@@ -1,0 +1,234 @@
+"""Whether a catalogue's figures agree with each other: what datasheets say twice, and what cannot be.
+
+>>> findings = check_file("maxon")
+>>> [f for f in findings if f.unexplained]
+[]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog.columns import Column
+from drivesizer.catalog.laws.discharge import odd_discharges
+from drivesizer.catalog.laws.law import SLACK, Law, Numbers, decimal_places
+from drivesizer.catalog.laws.parts import LAWS
+from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
+from drivesizer.catalog.tables import Catalog, Note, Table
+from drivesizer.units import from_si, show
+
+__all__ = ["Finding", "check", "check_file"]
+
+INFORMATION = "information"
+_DIGITS = 3  # to which datasheets round
+_NOMINAL = {  # whole because they are meant so, not by rounding
+    "nominal_voltage", "counts_per_turn", "steps_per_turn", "full_steps", "stages", "teeth", "pitch", "rated_time",
+}  # fmt: skip
+_WRONG: dict[str, Callable[[Any, Any, Any], Any]] = {
+    "=": lambda found, expected, span: np.abs(found - expected) > span,
+    "<=": lambda found, expected, span: found - expected > span,
+    ">=": lambda found, expected, span: expected - found > span,
+    "<": lambda found, expected, span: found >= expected,
+    ">": lambda found, expected, span: found <= expected,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """One thing about one part that does not fit, or that is worth knowing.
+
+    ``found`` and ``expected`` are SI (NaN where there is no number); ``kind`` and ``unit`` are those in which
+    datasheets print them. ``deviation`` and ``tolerance`` are relative to ``expected``.
+    """
+
+    file: str  # the catalogue's name; for several as one, all their names
+    section: str
+    part: str
+    family: str
+    identity: str
+    meaning: str
+    fields: tuple[str, ...]
+    relation: str = ""
+    found: float = np.nan
+    expected: float = np.nan
+    kind: str = ""
+    unit: str = ""
+    deviation: float = np.nan
+    tolerance: float = np.nan
+    reason: str = ""  # of the tolerance
+    source: str = ""  # of the identity
+    grade: str = "finding"  # or information
+    accepted: str = ""  # why it may stay, from the catalogue's notes
+
+    @property
+    def unexplained(self) -> bool:
+        """Whether something is wrong that the catalogue has no word for."""
+        return self.grade != INFORMATION and not self.accepted
+
+    def text(self) -> str:
+        """The finding as one line."""
+        line = f"{self.file}: {self.section} {self.part} ({self.family}): {self.identity}"
+        if self.kind:
+            numbers = [show(value, self.unit, self.kind) for value in (self.found, self.expected)]
+            line += f": {numbers[0]}, expected {self.relation.removeprefix('=')} {numbers[1]}".replace("  ", " ")
+            line += f", off by {self.deviation:+.1%}, tolerance {self.tolerance:.1%}"
+        return f"{line}: {self.meaning}" + (f"; accepted: {self.accepted}" if self.accepted else "")
+
+
+def check_file(name: str, *, beside: Path | None = None) -> list[Finding]:
+    """What is found in one catalogue, by name or by file; see ``check``."""
+    from drivesizer.catalog import load
+
+    return check(load([name], beside=beside))
+
+
+def check(catalog: Catalog) -> list[Finding]:
+    """Everything that does not fit in a catalogue, the accepted included, in the order of the parts.
+
+    Unknown figures are not checked. Excluded parts are, but no family is judged by them, and what is found on them is
+    accepted for the reason of their exclusion. Of several catalogues loaded as one a finding names all the files:
+    check each by itself (``check_file``).
+    """
+    found: list[Finding] = []
+    for section in PARTS:
+        table, notes = catalog.table(section), _notes_by_part(catalog, section)
+        here = [f for law in LAWS if law.section == section for f in _broken(catalog, table, law)]
+        here += _twins(catalog, table)
+        if section == "batteries":
+            here += _discharges(catalog)
+        found += sorted((_judged(f, notes.get(f.part, [])) for f in here), key=lambda f: table.rows[f.part])
+    return [*found, *_dangling(catalog), *_alone(catalog)]
+
+
+# --- laws ------------------------------------------------------------------------------------------------------------
+
+
+def _broken(catalog: Catalog, table: Table[Any], law: Law) -> Iterator[Finding]:
+    """The parts that break a law."""
+    column = columns_of(law.section)[law.figure]
+    with np.errstate(all="ignore"):
+        found, expected = table[law.figure], np.asarray(law.expected(table), float)
+        tolerance = _tolerance(table, law)
+        wrong = _WRONG[law.relation](found, expected, (tolerance + SLACK) * np.abs(expected))
+        deviation = (found - expected) / np.where(expected == 0.0, 1.0, np.abs(expected))
+    for row in np.flatnonzero(wrong & ~np.isnan(found) & ~np.isnan(expected)).tolist():
+        yield Finding(
+            **_place(catalog, table, row), identity=law.name, meaning=law.meaning,
+            fields=tuple(dict.fromkeys((law.figure, *law.fields))), relation=law.relation, found=float(found[row]),
+            expected=float(expected[row]), kind=column.kind, unit=column.unit, deviation=float(deviation[row]),
+            tolerance=float(tolerance[row]), reason=law.reason, source=law.source, grade=law.grade,
+        )  # fmt: skip
+
+
+def _place(catalog: Catalog, table: Table[Any], row: int) -> dict[str, Any]:
+    name = ", ".join(catalog.digests)
+    return {
+        "file": name,
+        "section": table.section,
+        "part": str(table["part"][row]),
+        "family": str(table["family"][row]),
+    }
+
+
+def _tolerance(table: Table[Any], law: Law) -> Numbers:
+    """What rounding and the law's allowance permit, per part."""
+    total = np.full(len(table), law.allowance)
+    columns = columns_of(law.section)
+    for name in (law.figure, *law.fields) if law.rounds else ():
+        if columns[name].kind not in ("text", "ratio"):
+            total += _rounding(table, columns[name])
+    return np.asarray(np.nan_to_num(total))
+
+
+def _rounding(table: Table[Any], column: Column) -> Numbers:
+    """Half of the last printed digit of each figure, relative to it.
+
+    Figures have at most three digits, and no decimal place that no figure of their family has: 10 beside 14.6 is 10.0,
+    0.05 beside 0.85 may be 0.046.
+    """
+    printed = np.abs(from_si(table[column.name], column.unit, column.kind))
+    place = np.zeros(len(table))
+    places = decimal_places(printed)
+    for family in np.unique(table["family"]) if column.name not in _NOMINAL else ():
+        here = table["family"] == family
+        place[here] = 10.0 ** -places[here].max()
+    last = np.maximum(10.0 ** (np.floor(np.log10(printed)) - (_DIGITS - 1)), place)
+    return np.asarray(0.5 * last / printed)
+
+
+# --- what the catalogue says of it -----------------------------------------------------------------------------------
+
+
+def _notes_by_part(catalog: Catalog, section: str) -> dict[str, list[Note]]:
+    notes: dict[str, list[Note]] = {}
+    for note in catalog.notes:
+        if note.section == section and (note.accepted or note.exclude):
+            for part in note.parts:
+                notes.setdefault(part, []).append(note)
+    return notes
+
+
+def _judged(finding: Finding, notes: list[Note]) -> Finding:
+    """The finding, with the text of a note that accepts one of its fields, or that excludes its part."""
+    for note in notes:
+        if note.exclude or not note.fields or set(note.fields) & set(finding.fields):
+            return replace(finding, accepted=note.text)
+    return finding
+
+
+def _discharges(catalog: Catalog) -> Iterator[Finding]:
+    """What a battery's discharge tables contradict, of each other and of its row."""
+    for odd in odd_discharges(catalog.discharges, catalog.batteries):
+        yield Finding(**_place(catalog, catalog.batteries, odd.row), **odd.said)
+
+
+# --- parts among each other ------------------------------------------------------------------------------------------
+
+
+def _twins(catalog: Catalog, table: Table[Any]) -> Iterator[Finding]:
+    """Parts that are the same in every field but the number."""
+    first: dict[tuple[str, ...], str] = {}
+    for row in np.flatnonzero(~table.excluded).tolist():
+        figures = tuple(str(table[name][row]) for name in table.columns if name != "part")
+        part = str(table["part"][row])
+        other = first.setdefault(figures, part)
+        if other != part:
+            meaning = f"every figure is that of {other}"
+            yield Finding(**_place(catalog, table, row), identity="two numbers for one part", meaning=meaning,
+                          fields=("part",), grade=INFORMATION)  # fmt: skip
+
+
+def _dangling(catalog: Catalog) -> Iterator[Finding]:
+    """Pairs of rows that do not exist (no file can say so, a damaged compilation can)."""
+    for relation, section in RELATIONS.items():
+        pairs = getattr(catalog, relation)
+        sides = ((pairs.left, len(catalog.motors)), (pairs.right, len(catalog.table(section))))
+        out = sum(int(((rows < 0) | (rows >= count)).sum()) for rows, count in sides)
+        if out:
+            yield Finding(file=", ".join(catalog.digests), section=section, part="", family="", fields=(),
+                          identity="dangling compatibility", meaning=f"{out} of {relation} name no part")  # fmt: skip
+
+
+def _alone(catalog: Catalog) -> Iterator[Finding]:
+    """Offered parts that go with no offered part: not wrong, but out of every search with such a part."""
+    for relation, section in RELATIONS.items():
+        pairs, motors, others = getattr(catalog, relation), catalog.motors, catalog.table(section)
+        inside = (pairs.left < len(motors)) & (pairs.right < len(others))
+        left, right = pairs.left[inside], pairs.right[inside]
+        both = ~motors.excluded[left] & ~others.excluded[right]
+        yield from _unmet(catalog, others, right[both], "no motor is listed for it")
+        if section == "gearheads" and len(others):
+            yield from _unmet(catalog, motors, left[both], "no gearhead is listed for it: direct drive only")
+
+
+def _unmet(catalog: Catalog, table: Table[Any], met: NDArray[np.int32], meaning: str) -> Iterator[Finding]:
+    alone = ~table.excluded & ~np.isin(np.arange(len(table)), met)
+    for row in np.flatnonzero(alone).tolist():
+        yield Finding(**_place(catalog, table, row), identity="goes with nothing", meaning=meaning, fields=("part",),
+                      grade=INFORMATION)  # fmt: skip

@@ -1,0 +1,8 @@
+"""The commands of the terminal, one file each: options in, functions called, results printed.
+
+May import: everything but cli.
+"""
+
+from __future__ import annotations
+
+__all__: list[str] = []

@@ -1,0 +1,141 @@
+"""Catalogues in and out: parts to CSV or JSON, and a catalogue file out of another program's table."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drivesizer.errors import InputError, quoted
+from drivesizer.version import __version__
+
+if TYPE_CHECKING:
+    from drivesizer.catalog import Catalog
+    from drivesizer.catalog.query import Hit
+
+__all__ = ["Names", "Section", "export", "known", "open_named", "print_document", "take_in", "write_csv"]
+
+Names = Annotated[
+    list[str] | None,
+    typer.Option("--catalog", metavar="NAME_OR_FILE", help="A catalogue, by name or file; all that ship without it."),
+]
+Section = Annotated[str | None, typer.Argument(metavar="SECTION", help="motors, gearheads, encoders or controllers.")]
+
+
+def open_named(names: list[str] | None) -> dict[str, Catalog]:
+    """The catalogues that an option names, all that ship when none."""
+    from drivesizer.catalog.query import open_all
+
+    return open_all(names or ())
+
+
+def print_document(document: dict[str, Any]) -> None:
+    """Print one JSON document, with the head that all have."""
+    from drivesizer.output.json import documents as json_documents
+
+    typer.echo(
+        json_documents.as_text({"schema_version": json_documents.SCHEMA_VERSION, "drivesizer": __version__} | document)
+    )
+
+
+def known(section: str) -> str:
+    """A section's name, if it is one."""
+    from drivesizer.catalog import PARTS
+
+    if section not in PARTS:
+        raise InputError(f"{quoted(section)} is no section; expected {', '.join(PARTS)}")
+    return section
+
+
+def _put(path: Path, content: bytes) -> None:
+    from drivesizer.files.writing import put, ready
+
+    ready(path)
+    put({path: content})
+
+
+def write_csv(path: Path, hits: list[Hit]) -> None:
+    """Write the parts of one section to a CSV file; nothing without parts."""
+    from drivesizer.catalog.exchange.exporting import as_csv
+
+    sections = list(dict.fromkeys(hit.section for hit in hits))
+    if len(sections) > 1:
+        raise InputError(f"{path}: a CSV file holds one section, found {', '.join(sections)}; name one")
+    if sections:
+        _put(path, as_csv(sections[0], hits))
+
+
+def export(
+    output: Annotated[Path, typer.Option("--output", "-o", help="parts.csv (one section) or parts.json.")],
+    section: Section = None,
+    catalog: Names = None,
+) -> None:
+    """Write all parts to CSV, with a row of units, or to JSON, in SI."""
+    from drivesizer.catalog import PARTS
+    from drivesizer.catalog.query import every
+
+    shelf = open_named(catalog)
+    hits = list(every(shelf, [known(section)] if section else PARTS))
+    if output.suffix == ".csv":
+        write_csv(output, hits)
+    elif output.suffix == ".json":
+        from drivesizer.catalog.exchange.exporting import as_document
+        from drivesizer.output.json import documents as json_documents
+
+        head = {"schema_version": json_documents.SCHEMA_VERSION, "drivesizer": __version__}
+        _put(output, (json_documents.as_text(head | as_document(shelf, hits)) + "\n").encode())
+    else:
+        raise InputError(f"{output}: the suffix {quoted(output.suffix)} is not known; expected .csv or .json")
+    typer.echo(f"{output}: {len(hits)} parts")
+    raise typer.Exit(0 if hits else 1)
+
+
+Told = Annotated[str | None, typer.Option(help="As in the map, and before it.")]
+
+
+def take_in(
+    file: Annotated[Path, typer.Argument(metavar="FILE.CSV", help="A header, a row of units, then the parts.")],
+    section: Annotated[str, typer.Option(help="motors, gearheads, encoders or controllers.")],
+    map_: Annotated[Path | None, typer.Option("--map", help="YAML: their header to our column, source, maker.")] = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="The catalogue file to write.")] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only tell what would be read.")] = False,
+    manufacturer: Told = None,
+    family: Told = None,
+    name: Told = None,
+    document: Told = None,
+    confidence: Annotated[str | None, typer.Option(help="quoted, secondary, derived or recalled.")] = None,
+    date: Told = None,
+    url: Told = None,
+) -> None:
+    """Make a catalogue file out of another program's table."""
+    from drivesizer.catalog.exchange.import_map import plan
+    from drivesizer.catalog.exchange.importing import take
+    from drivesizer.files.text import read_text
+    from drivesizer.files.writing import new
+    from drivesizer.output.terminal import findings as terminal_findings
+
+    target = _target(output, dry_run)
+    said = {"manufacturer": manufacturer, "family": family, "name": name, "document": document,
+            "confidence": confidence, "date": date, "url": url}  # fmt: skip
+    told = take(read_text(file), file, plan(section, map_, said), target)
+    terminal_findings.taken(told)
+    if not dry_run:
+        new(target, told.text.encode())
+        typer.echo(f"{target} written; it states no compatibility yet: add it at its end")
+
+
+def _target(output: Path | None, dry_run: bool) -> Path:
+    from drivesizer.files.writing import ready
+
+    if output is None and not dry_run:
+        raise InputError("--output: no file to write is named; expected -o my_parts.yaml, or --dry-run")
+    target = output or Path("parts.yaml")
+    if target.suffix not in (".yaml", ".yml"):
+        raise InputError(f"{target}: the suffix {quoted(target.suffix)} is not known; expected .yaml")
+    if output is not None and os.path.lexists(target):
+        raise InputError(f"{target}: the file exists and is left alone; name another with -o")
+    if output is not None:
+        ready(target)
+    return target

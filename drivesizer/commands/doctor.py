@@ -1,0 +1,144 @@
+"""Whether an installation works: libraries, cache, catalogues, fonts, terminal; and what to do where it does not."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator
+from importlib import metadata, resources
+from pathlib import Path
+from typing import NamedTuple
+
+from drivesizer.errors import DrivesizerError, reason_of
+from drivesizer.version import __version__
+
+__all__ = ["Finding", "examined"]
+
+
+class Finding(NamedTuple):
+    """One thing that was looked at."""
+
+    subject: str
+    found: str
+    works: bool
+    remedy: str = ""  # what to do where it does not work
+
+
+def examined() -> list[Finding]:
+    """Everything that a command needs, in the order in which it would fail."""
+    return [found for look in (_program, _libraries, _cache, _catalogues, _machine_code, _report, _terminal)
+            for found in _tried(look)]  # fmt: skip
+
+
+def _tried(look: Callable[[], Iterator[Finding]]) -> list[Finding]:
+    """What a look finds; a failure on the way is a finding."""
+    found: list[Finding] = []
+    try:
+        found.extend(look())
+    except (DrivesizerError, ImportError, OSError, RuntimeError) as error:
+        name = look.__name__.strip("_").replace("_", " ")
+        found.append(Finding(name, f"{type(error).__name__}: {error}", False, "install drivesizer anew"))
+    return found
+
+
+def _program() -> Iterator[Finding]:
+    yield Finding("drivesizer", f"{__version__} in {Path(str(resources.files('drivesizer')))}", True)
+    yield Finding("Python", f"{platform.python_version()} ({sys.executable})", sys.version_info >= (3, 11),
+                  "drivesizer needs Python 3.11 or later")  # fmt: skip
+
+
+def _libraries() -> Iterator[Finding]:
+    """Each library that drivesizer names, with the least version that it asks for; one of an extra may be missing."""
+    for line in metadata.requires("drivesizer") or ():
+        asked = re.match(r"([\w.-]+)\s*>=\s*([\d.]+)(?:\s*;\s*(.*))?$", line)
+        extra = re.search(r"extra\s*==\s*['\"](\w+)", line)
+        if asked is None or not _meant(asked[3]) or (extra and extra[1] == "dev"):
+            continue
+        name, least = asked[1], asked[2]
+        try:
+            version = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            said = f"not installed; drivesizer[{extra[1]}] brings it" if extra else "missing"
+            yield Finding(name, said, extra is not None, f"pip install '{name}>={least}'")
+            continue
+        yield Finding(name, version, _number(version) >= _number(least), f"pip install '{name}>={least}'")
+
+
+def _meant(condition: str | None) -> bool:
+    """Whether a requirement is meant for this Python."""
+    below = re.search(r"python_version\s*<\s*['\"]([\d.]+)", condition or "")
+    return below is None or sys.version_info[:2] < tuple(_number(below[1]))
+
+
+def _number(version: str) -> list[int]:
+    """Leading numbers of a version.
+
+    >>> _number("0.10.2.post1")
+    [0, 10, 2]
+    """
+    leading = re.match(r"\d+(?:\.\d+)*", version)
+    return [int(part) for part in leading[0].split(".")] if leading else []
+
+
+def _cache() -> Iterator[Finding]:
+    from drivesizer.files.cache import folder
+
+    place = folder()
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=place):
+            pass
+    except OSError as error:
+        said = f"{place} cannot be written ({reason_of(error)})"
+        yield Finding("cache", said, False, "every start is slower; name another folder with DRIVESIZER_CACHE")
+        return
+    files = [path for path in place.rglob("*") if path.is_file()]
+    size = sum(path.stat().st_size for path in files) / 1e6
+    yield Finding("cache", f"{place}: {len(files)} files, {size:.1f} MB", True)
+
+
+def _catalogues() -> Iterator[Finding]:
+    from drivesizer.catalog import load
+    from drivesizer.files.cache import CacheWarning
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CacheWarning)  # the cache's own finding says it
+        parts = load(("all",))
+    counts = ", ".join(f"{len(getattr(parts, name).rows)} {name}" for name in ("motors", "gearheads", "actuators"))
+    yield Finding("catalogues", f"{len(parts.digests)} files: {counts}", bool(parts.digests), "install drivesizer anew")
+
+
+def _machine_code() -> Iterator[Finding]:
+    from drivesizer.control.engine import kept
+
+    now = "compiled and kept" if kept() else "compiled by the first `validate` or `report`, which takes some 20 s"
+    yield Finding("closed loop", now, True)
+
+
+def _report() -> Iterator[Finding]:
+    """Whether a page can be set and a figure drawn."""
+    from drivesizer.output.report.figures.style import drawn
+    from drivesizer.output.report.pdf import fonts
+
+    figure = drawn(lambda figure: figure.add_subplot().plot([0.0, 1.0]), 1.0)
+    yield Finding("figures", f"drawn by matplotlib ({len(figure)} bytes)", figure.startswith(b"<?xml"))
+    import typst
+
+    page: bytes = typst.compile(b'#set text(font: "DejaVu Sans")\nA page', font_paths=fonts(), format="pdf")
+    yield Finding("PDF and fonts", f"set by typst ({len(page)} bytes)", page.startswith(b"%PDF"))
+
+
+def _terminal() -> Iterator[Finding]:
+    from drivesizer.output.terminal.tables import console
+
+    shown = console()
+    colour = "colour" if shown.color_system else "no colour"
+    because = " (NO_COLOR)" if os.environ.get("NO_COLOR") else ""
+    yield Finding("terminal", f"{shown.width} columns, {colour}{because}, {shown.encoding}", True)
+    works = shown.encoding.lower().replace("-", "") == "utf8"
+    if not works:
+        yield Finding("letters", "Greek letters and frames cannot be shown", False, "set PYTHONUTF8=1")

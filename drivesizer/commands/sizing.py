@@ -1,0 +1,180 @@
+"""``drivesizer size``, ``report`` and ``explain``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from drivesizer.commands.common import DEFAULT, Json, More, Profile, Spec, Top, load, progress, tell, working
+from drivesizer.errors import InputError, NoLoopError, quoted
+
+__all__ = ["explain", "report", "size"]
+
+Objective = Annotated[
+    str | None, typer.Option(help="mass, price, energy ... or several with weights, e.g. mass=2,price=1.")
+]
+Pareto = Annotated[str | None, typer.Option(metavar="NAMES", help="Also the front of several, e.g. mass,price,energy.")]
+Confidence = Annotated[
+    float | None, typer.Option(help="Only sets of which no check fails with this probability, e.g. 0.95.")
+]
+Samples = Annotated[int | None, typer.Option(help="Of each set, for its tolerances; else the spec's.")]
+Seed = Annotated[int | None, typer.Option(help="Of the samples: the same seed, the same figures.")]
+LoopSamples = Annotated[int | None, typer.Option(help="Of the best sets in closed loop; 64 with a confidence, else 0.")]
+Processes = Annotated[int, typer.Option(min=1, max=64, help="That share the sets to be sampled.")]
+
+
+def size(
+    spec: Spec = DEFAULT,
+    top: Top = 5,
+    objective: Objective = None,
+    pareto: Pareto = None,
+    confidence: Confidence = None,
+    samples: Samples = None,
+    seed: Seed = None,
+    loop_samples: LoopSamples = None,
+    processes: Processes = 1,
+    json: Json = False,
+    csv: Annotated[Path | None, typer.Option(help="Also write the sets to this CSV file.")] = None,
+    pdf: Annotated[Path | None, typer.Option(help="Also write the report to this PDF file.")] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only the drive, no derivation, no notes.")] = False,
+    catalogs: More = None,
+) -> None:
+    """Find the drive: requirements, the best sets, and why the rest fell."""
+    from drivesizer.output.report import accept, write, write_sets
+    from drivesizer.search.uncertainty.options import asked
+    from drivesizer.sizing import size as sized
+
+    robot = load(spec, catalogs)
+    accept([pdf] if pdf else [], tables=[csv] if csv else [])
+    sampling = asked(robot, confidence, samples, seed, processes, loop_samples)
+    with progress() as told:
+        result = sized(
+            robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=told, sampling=sampling
+        )
+    if csv:
+        write_sets(result, csv)
+    if pdf:
+        with working("writing the report"):
+            write(*_proven(result, None), [pdf])
+    if json:
+        from drivesizer.output.json import documents as json_documents
+
+        typer.echo(json_documents.as_text(json_documents.sizing(result)))
+    else:
+        from drivesizer.output.terminal import sizing as terminal
+
+        terminal.sizing(result, quiet=quiet)
+        tell(() if quiet else result.warnings)
+    raise typer.Exit(0 if result.sets else 1)
+
+
+def _objective(text: str | None) -> Any:
+    """The objective that an option names, None without one."""
+    from drivesizer.search.ranking import objective_of
+
+    return None if text is None else objective_of(text)
+
+
+def _pareto(text: str | None) -> tuple[str, ...]:
+    """The objectives of a front."""
+    from drivesizer.spec.select import OBJECTIVES
+
+    names = tuple(name.strip() for name in text.split(",")) if text else ()
+    wrong = [name for name in names if name not in OBJECTIVES]
+    if wrong:
+        raise InputError(f"--pareto: {quoted(wrong[0])} is not known; expected {', '.join(OBJECTIVES)}")
+    if text is not None and len(set(names)) < 2:
+        raise InputError(f"--pareto: {quoted(text)} names one objective; expected several, e.g. mass,price,energy")
+    return tuple(dict.fromkeys(names))
+
+
+def report(
+    output: Annotated[
+        list[Path], typer.Option("--output", "-o", help="A file to write; may be repeated. Its suffix tells its kind.")
+    ],
+    spec: Spec = DEFAULT,
+    top: Top = 10,
+    profile: Profile = None,
+    objective: Objective = None,
+    pareto: Pareto = None,
+    drawings: Annotated[
+        Path | None, typer.Option("--figures", metavar="FOLDER", help="Also every figure, as SVG and as PNG.")
+    ] = None,
+    confidence: Confidence = None,
+    samples: Samples = None,
+    seed: Seed = None,
+    loop_samples: LoopSamples = None,
+    processes: Processes = 1,
+    paper: Annotated[str, typer.Option(help="Sheets of the PDF: a4 or us-letter.")] = "a4",
+    date: Annotated[str | None, typer.Option(metavar="TEXT", help="Date that the PDF and the page carry.")] = None,
+    catalogs: More = None,
+) -> None:
+    """Write the report: .pdf, .html, .xlsx, .csv or .json, several at once."""
+    from drivesizer.output.report import accept, write, write_figures
+    from drivesizer.search.uncertainty.options import asked
+    from drivesizer.sizing import size as sized
+
+    robot = load(spec, catalogs)
+    accept(output)
+    sampling = asked(robot, confidence, samples, seed, processes, loop_samples)
+    with progress() as told:
+        result = sized(
+            robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=told, sampling=sampling
+        )
+    with working("driving the set in closed loop"):
+        result, proof = _proven(result, profile)
+    with working("writing the report"):
+        written = write(result, proof, output, paper=paper, date=date)
+        if drawings:
+            written += write_figures(result, proof, drawings)
+    for path in written:
+        typer.echo(path)
+    raise typer.Exit(0 if result.sets else 1)
+
+
+def explain(
+    motor: Annotated[str, typer.Option(help="Part number of the motor, or of an actuator.")],
+    gearhead: Annotated[str, typer.Option(help="Part number of the gearhead; `direct` is none.")] = "",
+    spec: Spec = DEFAULT,
+    samples: Samples = None,
+    seed: Seed = None,
+    loop_samples: LoopSamples = None,
+    json: Json = False,
+    catalogs: More = None,
+) -> None:
+    """Show why one pair of motor and gearhead passes or fails, check by check."""
+    from drivesizer.search.uncertainty.options import asked
+    from drivesizer.sizing import explained, load_parts
+
+    robot = load(spec, catalogs)
+    sampling = asked(robot, samples=samples, seed=seed, loop=loop_samples)
+    catalog = load_parts(robot)
+    found = explained(robot, motor, gearhead, catalog=catalog, sampling=sampling)
+    if json:
+        from drivesizer.output.json import documents as json_documents
+
+        typer.echo(json_documents.as_text(json_documents.explanation(found)))
+    else:
+        from drivesizer.output.terminal import sizing as terminal
+
+        terminal.explained(found, catalog)
+        tell(found.warnings)
+    raise typer.Exit(0 if any(s.status != "fail" for s in found.sets) else 1)
+
+
+def _proven(result: Any, profile: str | None) -> tuple[Any, Any]:
+    """A sizing and its best set in closed loop, in its hardest load case; without, and why, where that cannot be."""
+    from drivesizer.simulate import hardest_case
+    from drivesizer.simulate import validate as validated
+
+    if not result.sets:
+        return result, None
+    best = result.sets[0]
+    try:
+        return result, validated(result.spec, best, profile=profile, load_case=hardest_case(result.spec, best))
+    except NoLoopError as error:
+        tell((str(error),))
+        return replace(result, warnings=(*result.warnings, f"not simulated in closed loop: {error}")), None

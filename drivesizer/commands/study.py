@@ -1,0 +1,86 @@
+"""``drivesizer study``."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from drivesizer.commands.common import tell
+
+__all__ = ["study"]
+
+_STOPPED = 130  # exit status after Ctrl-C, as shells have it
+_ORDER = ("pass", "unknown", "fail", "error")
+
+
+def study(
+    path: Annotated[Path, typer.Argument(metavar="STUDY.YAML", help="The study; study.yaml when not given.")] = Path(
+        "study.yaml"
+    ),
+    folder: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FOLDER", help="Where to; else one here, named as the study."),
+    ] = None,
+    processes: Annotated[int, typer.Option(min=0, max=1024, help="How many; 0 is one for each core.")] = 0,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers compute instead.")
+    ] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Begin anew; results that are there are lost.")] = False,
+    over: Annotated[str | None, typer.Option("--map", metavar="A,B", help="The two fields that maps are over.")] = None,
+    maps: Annotated[bool, typer.Option("--maps/--no-maps", help="Whether maps are drawn.")] = True,
+) -> None:
+    """Size every variant of a spec: tables and maps; begun again after an interruption, it goes on."""
+    from drivesizer.study.plan import read_study
+    from drivesizer.study.run import carry_out
+
+    plan = read_study(path)
+    target = Path(path.stem) if folder is None else folder
+    names = tuple(name.strip() for name in over.split(",")) if over else ()
+    try:
+        with _bar() as told:
+            found = carry_out(
+                plan, target, processes=processes, scheduler=scheduler, fresh=fresh, maps=names if maps else None,
+                progress=told,
+            )  # fmt: skip
+    except KeyboardInterrupt:
+        typer.echo(f"drivesizer: {target}: stopped; what is done is kept, and the same command goes on", err=True)
+        raise typer.Exit(_STOPPED) from None
+    status = ", ".join(f"{found.variants[name]} {name}" for name in _ORDER if found.variants[name])
+    typer.echo(f"{plan.total} variants: {status}; {found.examined} sets examined")
+    for written in found.written:
+        typer.echo(written)
+    tell(tuple(found.notes))
+    raise typer.Exit(0 if found.variants["pass"] + found.variants["unknown"] else 1)
+
+
+@contextmanager
+def _bar() -> Iterator[Callable[[int, int], None] | None]:
+    """A bar on stderr with the time that is left; nothing where no person looks."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    bar = Progress(
+        TextColumn("variants"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(elapsed_when_finished=True),
+        console=Console(stderr=True), transient=True, speed_estimate_period=600.0,
+    )  # fmt: skip
+    task: Any = bar.add_task("variants", total=None)
+    first: list[int] = []
+
+    def told(done: int, total: int) -> None:
+        if not first:  # what an earlier run did says nothing of how fast this one is
+            first.append(done)
+            bar.start()
+        bar.update(task, total=total, completed=done)
+
+    try:
+        yield told
+    finally:
+        bar.stop()

@@ -1,0 +1,130 @@
+"""``drivesizer validate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from drivesizer.commands.common import (
+    DEFAULT,
+    Chosen,
+    Json,
+    More,
+    NothingFitsError,
+    Profile,
+    Spec,
+    load,
+    progress,
+    tell,
+    working,
+)
+from drivesizer.errors import InputError, quoted
+
+__all__ = ["pick", "validate"]
+
+
+def validate(
+    spec: Spec = DEFAULT,
+    profile: Profile = None,
+    chosen: Chosen = None,
+    json: Json = False,
+    csv: Annotated[Path | None, typer.Option(help="Also write the time series to this CSV file.")] = None,
+    drawings: Annotated[
+        Path | None, typer.Option("--figures", metavar="FOLDER", help="Also draw the loop, Bode and step: SVG and PNG.")
+    ] = None,
+    case: Annotated[
+        str | None, typer.Option(metavar="NAME", help="The load case to drive; else the set's hardest.")
+    ] = None,
+    everything: Annotated[bool, typer.Option("--all", help="The best sets of the search, ranked anew.")] = False,
+    top: Annotated[int, typer.Option(min=1, max=100, help="How many, with --all.")] = 5,
+    catalogs: More = None,
+) -> None:
+    """Drive a set through the profile in closed loop: every demand against its limit."""
+    from drivesizer.output.report import accept
+    from drivesizer.simulate import hardest_case
+    from drivesizer.simulate import validate as validated
+
+    robot = load(spec, catalogs)
+    accept([], tables=[csv] if csv else [])
+    _known(robot, case)
+    if everything:
+        if chosen or csv or drawings:
+            raise InputError("--all: it takes the sets of the search; --set, --csv and --figures are for one of them")
+        raise typer.Exit(_all_of(robot, case, profile, top, json))
+    found = pick(robot, chosen)
+    with working("driving the set in closed loop"):
+        proof = validated(robot, found, profile=profile, load_case=case or hardest_case(robot, found))
+    if drawings:
+        from drivesizer.output.report import write_loop_figures
+
+        for path in write_loop_figures(proof, drawings):
+            typer.echo(f"{path} written", err=True)
+    if csv:
+        from drivesizer.output.report import write_series
+
+        write_series(proof, csv)
+    if json:
+        from drivesizer.output.json import documents as json_documents
+
+        typer.echo(json_documents.as_text(json_documents.validation(proof)))
+    else:
+        from drivesizer.output.terminal import sizing as terminal
+
+        terminal.validation(proof)
+        tell(proof.warnings)
+    raise typer.Exit(1 if proof.status == "fail" else 0)
+
+
+def _known(robot: Any, name: str | None) -> None:
+    """Refuse a name that none of the spec's load cases has."""
+    from drivesizer.loads.platform_wheels import on_wheels
+
+    found = [case for case, _ in on_wheels(robot).load_cases]
+    if name is not None and name not in found:
+        raise InputError(f"--case: {quoted(name)} is not known; expected {', '.join(filter(None, found)) or 'none'}")
+
+
+def _all_of(robot: Any, case: str | None, profile: str | None, top: int, json: bool) -> int:
+    """The best sets of the search in closed loop, those that pass first; the exit status."""
+    from drivesizer.simulate import validate_all
+    from drivesizer.sizing import size as sized
+
+    with progress() as told:
+        result = sized(robot, top=top, progress=told)
+    if not result.sets:
+        raise NothingFitsError("no set stands; `drivesizer size` shows the nearest misses")
+    with working("driving the sets in closed loop"):
+        proofs, said = validate_all(result, profile=profile, load_case=case)
+    if json:
+        from drivesizer.output.json import documents as json_documents
+
+        documents = [json_documents.validation(proof) for proof in proofs]
+        typer.echo(json_documents.as_text({"schema_version": json_documents.SCHEMA_VERSION, "validations": documents}))
+    else:
+        from drivesizer.output.terminal import sizing as terminal
+
+        terminal.validations(proofs, result.objective)
+    tell(tuple(said))
+    return 1 if all(proof.status == "fail" for proof in proofs) else 0
+
+
+def pick(robot: Any, chosen: str | None) -> Any:
+    """The set of a spec that is meant: named by its parts, or the best of the search."""
+    from drivesizer.sizing import explain as explained
+    from drivesizer.sizing import size as sized
+
+    if chosen is None:
+        with progress() as told:
+            result = sized(robot, top=1, progress=told)
+        if not result.sets:
+            raise NothingFitsError(
+                "no set stands; `drivesizer size` shows the nearest misses, --set names one to validate"
+            )
+        return result.sets[0]
+    parts = [part.strip() for part in chosen.split("/")]
+    if len(parts) > 2 or not all(parts):
+        raise InputError(f"--set: {quoted(chosen)} is not MOTOR/GEARHEAD or ACTUATOR; expected e.g. 118752/406764")
+    sets = explained(robot, *parts)
+    return min(sets, key=lambda s: ({"pass": 0, "unknown": 1, "fail": 2}[s.status], s.rank))

@@ -1,0 +1,274 @@
+"""What a march in closed loop means: every demand against its limit.
+
+Each check tells its worst moment. A figure that the catalogue lacks leaves its check unknown; what the spec does not
+limit is not checked, but for the tracking itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from drivesizer.catalog import Controller, Encoder
+from drivesizer.control.closed_loop.run import Case
+from drivesizer.control.closed_loop.set_up import FOLLOWS
+from drivesizer.control.loop_design import stated_margin
+from drivesizer.loads.course import course
+from drivesizer.loads.platform_wheels import held_by_the_floor
+from drivesizer.loads.profile import SPEED
+from drivesizer.physics.lasting_speed import asked_of_the_gearhead, lasting_speeds
+from drivesizer.physics.thermal import (
+    DATA_TEMPERATURE,
+    rated_ambient,
+    resistance_25,
+    resistance_at,
+    steady_winding_temperature,
+    two_bodies,
+)
+from drivesizer.results.check_columns import NOT_ASKED, CheckColumn, at_least, at_most, between, fits
+from drivesizer.results.nominal_current import nominal_current_limit
+from drivesizer.results.sizing import Check
+from drivesizer.spec.loads import WheeledVehicle
+
+__all__ = ["METHOD", "checks"]
+
+METHOD = "closed loop"
+_ROTARY = ("rotary_speed", "rpm")
+
+
+def checks(case: Case) -> tuple[Check, ...]:
+    """Every demand of a march against its limit; where there is no part, or nothing limits it, there is no check."""
+    found = (*_loop(case), *_electrical(case), *_heat(case), *_gearhead(case), *_speed(case), *_load(case))
+    return tuple(check for check in found if check.limit != math.inf)
+
+
+def _check(column: CheckColumn, title: str, at_time: float | None = None, note: str = "") -> Check:
+    """The record of a check of single figures."""
+    return column.at((), METHOD, title=title, at_time=at_time, note=note)
+
+
+def _most(case: Case, name: str, check: Callable[[float], CheckColumn], *, takes: bool = False) -> CheckColumn:
+    """A check of the largest value of a figure; of a long motion it is unknown where only its allowance fails."""
+    value, more = case.takes(name) if takes else case.figure(name), case.more(name, takes=takes)
+    return check(value) if more == 1.0 else between(check(value), check(more * value))
+
+
+def _resisted(case: Case, name: str, check: Callable[[float], CheckColumn], power: bool = False) -> CheckColumn:
+    """A check of what grows with the winding's resistance: of a motor of unknown heat it is unknown between bounds.
+
+    Its march has the winding at 25 °C; it may be as cold as the ambient, and as warm as its largest current makes it in
+    the long run, up to what is permitted.
+    """
+    motor, ambient = asdict(case.drive_set.motor), case.spec.environment.ambient
+    takes = not power
+    if two_bodies(motor).known or not case.spec.plant.warming:
+        return _most(case, name, check, takes=takes)
+    current = (case.takes if takes else case.figure)("current")
+    value, more = (case.takes if takes else case.figure)(name), case.more(name, takes=takes)
+    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    R_25 = resistance_25(motor)
+    hottest = np.fmin(steady_winding_temperature(ambient, R_25, *R_th, current), motor["max_winding_temperature"])
+    cooler, warmer = (float(resistance_at(R_25, T) - R_25) for T in (min(ambient, DATA_TEMPERATURE), hottest))
+    more_of = _bus_current if power else _volts
+    return between(check(more_of(case, value, cooler, current)), check(more_of(case, more * value, warmer, current)))
+
+
+def _volts(_: Case, volts: float, ohms: float, current: float) -> float:
+    """Largest voltage at so much more resistance."""
+    return volts + ohms * current
+
+
+def _bus_current(case: Case, current: float, ohms: float, largest: float) -> float:
+    """Largest current of the supply at so much more resistance in each motor; NaN where it cannot give that."""
+    supply = case.spec.supply
+    ohm = supply.resistance or 0.0
+    power = current * (supply.lowest - ohm * current) + case.spec.load.motors * ohms * largest**2
+    root = supply.lowest**2 - 4.0 * ohm * power
+    return 2.0 * power / (supply.lowest + math.sqrt(root)) if root >= 0.0 else math.nan
+
+
+def _controller(case: Case) -> Controller:
+    """The controller; one of which nothing is known where the set has none."""
+    return case.drive_set.controller or Controller()
+
+
+def _loop(case: Case) -> Iterator[Check]:
+    """Stability, tracking and bandwidth."""
+    loops, top = case.loops.all, case.profile.top_speed
+    worst = max(loops, key=lambda loop: loop.pole_radius)
+    margins = ", ".join(
+        f"{loop.name} {'none' if math.isnan(loop.phase_margin) else f'{math.degrees(loop.phase_margin):.3g}°'}"
+        for loop in loops
+    )
+    yield _check(
+        fits("stability", all(loop.stable for loop in loops), True), "Stability of the linear loops",
+        note=f"phase margin: {margins}; largest pole {worst.pole_radius:.4g}, stable inside 1",
+    )  # fmt: skip
+    yield from _phase_margin(case)
+    bound, unit = FOLLOWS * top if top else math.nan, SPEED[case.spec.load.axis]
+    yield _check(
+        _most(case, "load_speed_error", lambda x: at_most("tracking_error", x * case.train.radius, bound, *unit)),
+        "Tracking error", case.figure("load_speed_error_time"),
+        f"to follow is to stay within {FOLLOWS:.0%} of the top speed, a convention of this program",
+    )  # fmt: skip
+    if case.spec.needs.bandwidth is not None:
+        got = case.loops.velocity.bandwidth
+        yield _check(at_least("bandwidth", case.spec.needs.bandwidth, got, "frequency", "Hz"), "Closed-loop bandwidth")
+
+
+def _phase_margin(case: Case) -> Iterator[Check]:
+    """The least phase margin of all loops; an unstable one has none, and fails for that."""
+    known = [loop for loop in case.loops.all if not math.isnan(loop.phase_margin)]
+    if known and all(loop.stable for loop in case.loops.all):
+        least = min(known, key=lambda loop: loop.phase_margin)
+        yield _check(
+            at_least("phase_margin", stated_margin(case.spec), least.phase_margin, "angle", "deg"),
+            "Phase margin", note=f"of the sampled {least.name} loop, delays and counts as they are",
+        )  # fmt: skip
+
+
+def _electrical(case: Case) -> Iterator[Check]:
+    """Voltage and current that the controller must give."""
+    controller, supply = _controller(case), case.spec.supply
+    takes = "that following takes"
+    yield _check(
+        _resisted(case, "voltage_asked", lambda x: at_most(
+            "supply_voltage", x, case.usable_voltage, "voltage", "V"
+        )), "Motor voltage",
+        case.takes("voltage_asked_time"), f"{takes}; what the controller can give at the lowest supply voltage",
+    )  # fmt: skip
+    yield _check(
+        _most(
+            case, "current_asked",
+            lambda x: at_most("controller_peak_current", x, controller.peak_current, "current", "A"), takes=True,
+        ),
+        "Controller peak current", case.takes("current_asked_time"), takes,
+    )  # fmt: skip
+    share = _peak_share(case)
+    if share != 0.0:
+        yield _check(
+            between(*(at_most("controller_i2t", x, 1.0, "dimensionless", "%")
+                      for x in (share, share * case.more("i2t_share")))), "I²t of the peak current",
+            note="its highest state: at 100 % the controller falls back to the continuous current",
+        )  # fmt: skip
+    yield _check(
+        _most(case, "rms_current", lambda x: at_most(
+            "controller_continuous_current", x, controller.continuous_current, "current", "A")),
+        "Controller continuous current (RMS)",
+    )  # fmt: skip
+    if supply.current is not None:
+        yield _check(
+            _resisted(case, "bus_current", lambda x: at_most(
+                "supply_current", x, supply.current, "current", "A"
+            ), power=True),
+            "Supply current, all sets", case.figure("bus_current_time"), "electrical power over the supply's voltage",
+        )  # fmt: skip
+
+
+def _peak_share(case: Case) -> float:
+    """Highest state of the I²t sum; 0 where the continuous current is never exceeded, NaN where a figure is unknown."""
+    controller, peak = _controller(case), case.figure("current")
+    if case.more("current") * peak <= controller.continuous_current:
+        return 0.0
+    return case.figure("i2t_share") if controller.peak_time > 0.0 else math.nan
+
+
+def _heat(case: Case) -> Iterator[Check]:
+    """The motor's RMS current, and the winding at its highest in the cycle repeated for ever."""
+    figures, ambient = asdict(case.drive_set.motor), case.spec.environment.ambient
+    limit = figures["max_winding_temperature"]
+    yield _check(
+        _most(case, "rms_current", lambda x: nominal_current_limit(x, figures, ambient)), "Motor nominal current (RMS)",
+        note="the nominal current in this ambient" if ambient != rated_ambient(figures) else "",
+    )  # fmt: skip
+    winding, note = _winding(case)
+    if math.isinf(winding):
+        note = "runs away: the copper loss grows faster than it is carried off"
+    warmer = ambient + (winding - ambient) * case.more("rms_current") ** 2
+    yield _check(
+        between(*(at_most("winding_temperature", T, limit, "temperature", "degC", zero=ambient)
+                  for T in (winding, warmer))), "Winding temperature",
+        note=note,
+    )  # fmt: skip
+
+
+def _winding(case: Case) -> tuple[float, str]:
+    """Temperature of the winding [K], NaN unknown, and which one it is."""
+    if case.periodic:
+        return case.periodic["winding"], "highest over the cycle repeated for ever"
+    motor, rms = case.drive_set.motor, case.figure("rms_current")
+    R_th = motor.thermal_resistance_winding, motor.thermal_resistance_housing
+    steady = steady_winding_temperature(case.spec.environment.ambient, resistance_25(asdict(motor)), *R_th, rms)
+    return float(steady), "steady mean, copper loss"
+
+
+def _gearhead(case: Case) -> Iterator[Check]:
+    """Torque and speed of the gearhead."""
+    gearhead, speed, when = case.drive_set.gearhead, case.figure("speed"), case.figure("speed_time")
+    yield _check(
+        _most(case, "rms_gear_torque_running", lambda x: at_most(
+            "gearhead_continuous_torque", x if speed else 0.0, gearhead.continuous_torque, "torque", "N*m")),
+        "Gearhead continuous torque (RMS)", note="while running",
+    )  # fmt: skip
+    yield _check(
+        _most(case, "gear_torque", lambda x: at_most(
+            "gearhead_intermittent_torque", x, gearhead.intermittent_torque, "torque", "N*m",
+        )), "Gearhead intermittent torque", case.figure("gear_torque_time"),
+    )  # fmt: skip
+    moved = course(case.profile)
+    lasting = lasting_speeds(moved.duration, moved.speed)
+    asked = asked_of_the_gearhead(np.array(gearhead.manufacturer), **lasting) * case.train.motor_per_speed
+    yield _check(
+        at_most("gearhead_continuous_speed", asked, gearhead.continuous_input_speed, *_ROTARY),
+        "Gearhead continuous input speed", note="of the reference: what lasts by the maker's rule, or the mean",
+    )  # fmt: skip
+    yield _check(
+        _most(case, "speed", lambda x: at_most(
+            "gearhead_intermittent_speed", x, gearhead.intermittent_input_speed, *_ROTARY)),
+        "Gearhead intermittent input speed", when,
+    )  # fmt: skip
+
+
+def _speed(case: Case) -> Iterator[Check]:
+    """The motor's speed and all that counts it."""
+    motor, encoder, controller = case.drive_set.motor, case.drive_set.encoder or Encoder(), _controller(case)
+    when, per_turn = case.figure("speed_time"), encoder.lines / (2 * math.pi)
+    asked = {} if case.spec.wants_encoder else NOT_ASKED
+
+    def limited(name: str, factor: float, limit: float, kind: tuple[str, str], **more: Any) -> CheckColumn:
+        return _most(case, "speed", lambda x: at_most(name, x * factor, limit, *kind, **more))
+
+    yield _check(limited("motor_speed", 1.0, motor.max_speed, _ROTARY), "Motor permissible speed", when)
+    yield _check(limited("encoder_speed", 1.0, encoder.max_speed, _ROTARY, **asked), "Encoder speed", when)
+    for name, part, limit in (("encoder", "Encoder", encoder.max_frequency),
+                              ("controller", "Controller", controller.max_encoder_frequency)):  # fmt: skip
+        yield _check(
+            limited(f"{name}_frequency", per_turn, limit, ("frequency", "kHz"), **asked),
+            f"{part} frequency of encoder lines", when,
+        )  # fmt: skip
+    if motor.kind == "brushless":
+        yield _check(
+            limited("controller_electrical_speed", motor.pole_pairs, controller.max_speed_sine, _ROTARY),
+            "Controller electrical speed", when, "speed times pole pairs, sinusoidal commutation",
+        )  # fmt: skip
+
+
+def _load(case: Case) -> Iterator[Check]:
+    """What the wheels must put on the floor."""
+    load = case.spec.load
+    if not isinstance(load, WheeledVehicle) or load.friction_coefficient is None:
+        return
+    belt = case.drive_set.belt_ratio * case.drive_set.belt_efficiency
+
+    def held(torque: float) -> CheckColumn:
+        force = torque * belt / case.train.radius
+        return at_most("traction", force, held_by_the_floor(case.spec, force), "force", "N")
+
+    yield _check(
+        _most(case, "gear_torque", held), "Traction per wheel",
+        case.figure("gear_torque_time"), "what turns the wheel itself counted in",
+    )  # fmt: skip

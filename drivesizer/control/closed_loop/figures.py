@@ -1,0 +1,154 @@
+"""What a march in closed loop did where nothing limits it: figures, and its course over time, seen from the load."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.control.closed_loop.run import Case
+from drivesizer.loads.profile import SPEED
+from drivesizer.physics.counted_speed import speed_quantum
+from drivesizer.results.sizing import Figure
+
+__all__ = ["figures", "quantum", "series", "series_units"]
+
+_WAY = {"linear": ("length", "mm"), "rotary": ("angle", "deg")}
+_SHARE, _CURRENT, _VOLTAGE = ("dimensionless", "%"), ("current", "A"), ("voltage", "V")
+_HERTZ, _HEAT, _ENERGY = ("frequency", "Hz"), ("temperature", "degC"), ("energy", "W*h")
+_Row = tuple[str, str, float, tuple[str, str], float | None]
+
+
+def figures(case: Case) -> tuple[Figure, ...]:
+    """What the loop did, where nothing limits it."""
+    rows = [*_tracking(case), *_loop(case), *_electrical(case)]
+    if case.task.cycles > 1:
+        rows.append(("mission", "Time that was driven", case.figure("time"), ("time", "min"), None))
+    return tuple(Figure(name=n, title=t, value=v, kind=k, unit=u, at_time=at) for n, t, v, (k, u), at in rows)
+
+
+def quantum(case: Case) -> float:
+    """Smallest step of a speed that is counted, over as many periods as it is [rad/s]; NaN unknown."""
+    encoder, periods = case.drive_set.encoder, max(case.controller.counted_over, 1)
+    return speed_quantum(encoder.lines, case.velocity_period, periods) if encoder else math.nan
+
+
+def _tracking(case: Case) -> list[_Row]:
+    """How far the load strays from what is asked for; of two masses also how far the motor does, as at the load."""
+    radius, time, top = case.train.radius, case.figure("time"), case.profile.top_speed
+    speed, way, of_top = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis], 1.0 / top if top else math.nan
+    peak, when = case.figure("load_speed_error") * radius, case.figure("load_speed_error_time")
+    rms = math.sqrt(case.figure("load_speed_error_square") / time) * radius
+    left = case.profile.distance * case.task.cycles - case.figure("load_angle") * radius
+    return [
+        ("tracking_error_peak", "Tracking error, peak", peak, speed, when),
+        ("tracking_error_peak_share", "Tracking error, peak, of top speed", peak * of_top, _SHARE, when),
+        ("tracking_error_rms", "Tracking error, RMS", rms, speed, None),
+        ("tracking_error_rms_share", "Tracking error, RMS, of top speed", rms * of_top, _SHARE, None),
+        ("position_error_peak", "Position error at the load, peak", case.figure("load_angle_error") * radius, way,
+         case.figure("load_angle_error_time")),
+        ("distance_error", "Way left at the end, load", left, way, None),
+        *(_of_the_motor(case) if case.shaft else ()),
+        ("voltage_saturation", "Time at the voltage limit", case.figure("time_at_voltage_limit") / time, _SHARE, None),
+        ("current_limitation", "Time at the current limit", case.figure("time_at_current_limit") / time, _SHARE, None),
+        ("speed_quantum", "One encoder count, at the load",
+         quantum(case) / case.train.motor_per_speed, speed, None),
+    ]  # fmt: skip
+
+
+def _of_the_motor(case: Case) -> list[_Row]:
+    """The same errors of the motor's shaft, through the whole reduction as if the shaft were stiff."""
+    per_speed, time = case.train.motor_per_speed, case.figure("time")
+    speed, way = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis]
+    left = case.profile.distance * case.task.cycles - case.figure("angle") / per_speed
+    return [
+        ("motor_tracking_error_peak", "Tracking error of the motor, as at the load, peak",
+         case.figure("speed_error") / per_speed, speed, case.figure("speed_error_time")),
+        ("motor_tracking_error_rms", "Tracking error of the motor, as at the load, RMS",
+         math.sqrt(case.figure("speed_error_square") / time) / per_speed, speed, None),
+        ("motor_position_error_peak", "Position error of the motor, as at the load, peak",
+         case.figure("angle_error") / per_speed, way, case.figure("angle_error_time")),
+        ("motor_distance_error", "Way left at the end, motor, as at the load", left, way, None),
+    ]  # fmt: skip
+
+
+def _loop(case: Case) -> list[_Row]:
+    loops, velocity = case.loops, case.loops.velocity
+    rows: list[_Row] = [
+        ("bandwidth", "Velocity loop, bandwidth (-3 dB)", velocity.bandwidth, _HERTZ, None),
+        ("phase_margin", "Velocity loop, phase margin", velocity.phase_margin, ("angle", "deg"), None),
+        ("gain_margin", "Velocity loop, gain margin (factor)", velocity.gain_margin, ("dimensionless", "1"), None),
+        ("overshoot", "Velocity loop, overshoot of a step", velocity.overshoot, _SHARE, None),
+    ]
+    if loops.current:
+        rows.insert(0, ("current_bandwidth", "Current loop, bandwidth (-3 dB)", loops.current.bandwidth, _HERTZ, None))
+    if case.shaft:
+        rows.append(("resonance", "Resonance of motor and load", loops.resonance, _HERTZ, None))
+    return rows
+
+
+def _electrical(case: Case) -> list[_Row]:
+    sets, seen = case.spec.load.motors, case.figure
+    rows: list[_Row] = [
+        ("rms_current", "Motor current, RMS", seen("rms_current"), _CURRENT, None),
+        ("peak_current", "Motor current, peak", seen("current"), _CURRENT, seen("current_time")),
+        ("bus_lowest", "Supply voltage, lowest", seen("bus_lowest"), _VOLTAGE, None),
+        ("peak_power", "Electrical power, peak, all sets", seen("power") * sets, ("power", "W"), seen("power_time")),
+        ("energy_in", "Electrical energy taken, all sets", seen("energy_in") * sets, _ENERGY, None),
+        ("energy_returned", "Electrical energy returned, all sets", seen("energy_back") * sets, _ENERGY, None),
+    ]
+    if case.periodic:
+        rows.insert(2, ("winding_end", "Winding at the end, from cold", seen("winding"), _HEAT, None))
+    return rows
+
+
+def series_units(case: Case) -> dict[str, tuple[str, str]]:
+    """Kind and unit of the trade of each column of the series."""
+    speed, way = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis]
+    units = {
+        "time": ("time", "s"),
+        "speed_reference": speed,
+        "speed": speed,
+        "error": speed,
+        "motor_error": speed,
+        "position_error": way,
+        "motor_position_error": way,
+        "motor_speed": ("rotary_speed", "rpm"),
+        "current": _CURRENT,
+        "voltage": _VOLTAGE,
+        "motor_torque": ("torque", "mN*m"),
+        "gearhead_torque": ("torque", "N*m"),
+        "winding_temperature": _HEAT,
+        "supply_power": ("power", "W"),
+    }
+    return {name: unit for name, unit in units.items() if name in series(case)}
+
+
+def series(case: Case) -> dict[str, NDArray[np.float64]]:
+    """The kept rows of the first cycle as columns, seen from the load and from the supply."""
+    rows: Any = case.out.series
+    per_speed = case.train.motor_per_speed
+    reference, speed = rows["reference"] / per_speed, rows["load_speed"] * case.train.radius
+    found = {
+        "time": rows["time"],
+        "speed_reference": reference,
+        "speed": speed,
+        "error": reference - speed,
+        "motor_error": reference - rows["motor_speed"] / per_speed,
+        "position_error": rows["load_position_error"] * case.train.radius,
+        "motor_position_error": rows["position_error"] / per_speed,
+        "motor_speed": rows["motor_speed"],
+        "current": rows["current"],
+        "voltage": rows["voltage"],
+        "motor_torque": case.train.torque_constant * rows["current"],
+        "gearhead_torque": rows["gear_torque"],
+        "winding_temperature": rows["winding"],
+        "supply_power": rows["voltage"] * rows["current"] * case.spec.load.motors,
+    }
+    if not case.periodic:
+        del found["winding_temperature"]  # it is held at 25 degC
+    if not case.shaft:  # rigid, the motor's errors are the load's
+        del found["motor_error"], found["motor_position_error"]
+    return found

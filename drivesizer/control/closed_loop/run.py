@@ -1,0 +1,165 @@
+"""A set in closed loop: gains designed, loops analysed, and the machine marched along a profile.
+
+Puts together ``voltage_loop_design`` or ``cascade_design`` (gains), ``loop_analysis`` (what linear theory says) and
+``engine`` (the march: sampled, limited, warming); ``checks`` says what it means. What is taken for granted on the way
+is kept with the result.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drivesizer.control.cascade import Cascade
+from drivesizer.control.closed_loop.long_motion import LONGEST, Long, march_long
+from drivesizer.control.closed_loop.set_up import ready
+from drivesizer.control.drive_train import DriveTrain
+from drivesizer.control.engine import CurrentLimit, Drive, Marched, Task, march
+from drivesizer.control.loop_analysis import analyse
+from drivesizer.control.loop_models import Shaft
+from drivesizer.control.loop_records import Loops
+from drivesizer.control.validation import Gains
+from drivesizer.errors import InputError
+from drivesizer.loads.profile import Profile
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["Case", "run", "without_limits"]
+
+_ROWS = 20_000  # most rows of a series
+_SHORTER = "expected a slower control.rate, one cycle of what repeats with a mission.duration, or a part with --profile"
+_ROUNDS = 4  # of the search for the periodic temperatures
+_NUDGE = 1.0  # K, by which starts differ to see what a cycle makes of them
+_FOUND = 0.05  # K, by which the fixed point is still sought to move
+_HOTTEST = 2000.0  # K: beyond it the winding runs away
+
+
+class Case(NamedTuple):
+    """A march in closed loop and all that it was made of."""
+
+    spec: RobotSpec
+    drive_set: DriveSet
+    profile: Profile
+    train: DriveTrain
+    controller: Gains | Cascade
+    shaft: Shaft | None
+    loops: Loops
+    usable_voltage: float  # V, NaN unknown
+    task: Task
+    out: Marched  # from cold
+    free: Marched  # the same without limits: what following takes; the march itself where that does not come to an end
+    periodic: dict[str, float]  # highest temperatures over the cycle repeated for ever [K]; empty: unknown
+    said: tuple[str, ...]  # what was assumed on the way
+    allowed: tuple[Mapping[str, float], Mapping[str, float]] = ({}, {})  # see ``long_motion``; of both marches
+    windows: tuple[tuple[float, float], ...] = ()  # s, the same
+
+    def figure(self, name: str) -> float:
+        """A figure of the march, SI."""
+        return float(self.out.figures[name][0])
+
+    def takes(self, name: str) -> float:
+        """A figure of the march without limits, SI."""
+        return float(self.free.figures[name][0])
+
+    def more(self, name: str, *, takes: bool = False) -> float:
+        """Factor by which a figure of a march may exceed what is told of it; 1 where all of it was marched."""
+        return self.allowed[takes].get(name, 1.0)
+
+    @property
+    def velocity_period(self) -> float:
+        """Period of the velocity loop [s]."""
+        return self.controller.period if isinstance(self.controller, Gains) else self.controller.velocity_period
+
+
+def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
+    """Design a controller for a set, analyse its loops and march it along a profile, as often as the mission lasts.
+
+    Raises
+    ------
+    InputError
+        When gains exclude each other, the bandwidth is out of reach, a figure that the model needs is missing, the
+        profile cannot be sampled, or the loop leaves the range of numbers.
+    """
+    made = ready(spec, drive_set, asked)
+    loops = analyse(made.train, made.controller, made.shaft)
+    drive, task = made.drive, made.task
+    whole = _whole(drive, task)
+    out = whole.out
+    if out.problems[0]:
+        wanted = _SHORTER if "steps" in out.problems[0] else "expected other gains"
+        raise InputError(f"profile {asked.name}: {out.problems[0]}; {wanted}")
+    free = _freed(drive, task, whole, loops)
+    found = _periodic(whole.drive, replace(task, cycles=1), out if task.cycles == 1 else None)
+    return Case(
+        spec, drive_set, asked, made.train, made.controller, made.shaft, loops, made.usable_voltage, task, out,
+        free.out, found, made.said, (whole.allowed, free.allowed), whole.windows,
+    )  # fmt: skip
+
+
+# --- the march without limits, and the cycle repeated for ever
+
+
+def _whole(drive: Drive, task: Task, rows: int = _ROWS) -> Long:
+    """A march from end to end; of more periods than are marched otherwise as ``long_motion`` does it."""
+    out = march(drive, task, rows=rows)
+    return march_long(drive, task, rows) if "steps" in out.problems[0] else Long(out, drive, {}, ())
+
+
+def without_limits(drive: Drive, task: Task, out: Marched, loops: Loops) -> Marched:
+    """The march with nothing in its way, its winding warming; the same one where no limit was met, or that ends not."""
+    return _freed(drive, task, Long(out, drive, {}, ()), loops).out
+
+
+def _freed(drive: Drive, task: Task, whole: Long, loops: Loops) -> Long:
+    met = whole.out.figures["time_at_voltage_limit"][0] + whole.out.figures["time_at_current_limit"][0]
+    if not met or not all(loop.stable for loop in loops.all):
+        return whole
+    supply = replace(drive.supply, voltage=math.inf, resistance=0.0)
+    free = _whole(replace(drive, supply=supply, current=CurrentLimit()), task, rows=0)
+    return whole if free.out.problems[0] else free
+
+
+def _periodic(drive: Drive, task: Task, out: Marched | None) -> dict[str, float]:
+    """Highest temperatures over the cycle repeated for ever [K].
+
+    A cycle makes of two starting temperatures two at its end, nearly affinely: its fixed point is sought by Newton's
+    method, with the slopes that the march followed, which hold while the winding's resistance changes no current,
+    else with differences of 1 K.
+    """
+    if drive.heat is None:
+        return {}
+    last = out or march(drive, task, rows=0, most_steps=LONGEST)
+    start, end = np.array([drive.heat.ambient, drive.heat.ambient]), _ends(last)
+    for _ in range(_ROUNDS):
+        slopes = last.slopes[0]
+        if slopes is None or last.figures["time_at_voltage_limit"][0]:
+            slopes = _slopes(drive, task, start, end)
+        step = np.linalg.solve(np.eye(2) - slopes, end - start)
+        if np.abs(step).max() < _FOUND:
+            break
+        start = start + step
+        if not np.isfinite(start).all() or start.max() > _HOTTEST or np.abs(np.linalg.eigvals(slopes)).max() >= 1.0:
+            return {"winding": math.inf, "housing": math.inf}  # it runs away
+        last = march(_from(drive, start), task, rows=0, most_steps=LONGEST)
+        end = _ends(last)
+    return {name: float(last.figures[f"{name}_highest"][0]) for name in ("winding", "housing")}
+
+
+def _slopes(drive: Drive, task: Task, start: Any, end: Any) -> Any:
+    """What a kelvin more at the start makes of winding and housing at the end, by marching it."""
+    starts = [_from(drive, start + _NUDGE * unit) for unit in np.eye(2)]
+    ends = [_ends(march(one, task, rows=0, most_steps=LONGEST)) for one in starts]
+    return np.column_stack([(found - end) / _NUDGE for found in ends])
+
+
+def _from(drive: Drive, start: Any) -> Drive:
+    assert drive.heat is not None
+    return replace(drive, heat=replace(drive.heat, winding=float(start[0]), housing=float(start[1])))
+
+
+def _ends(out: Marched) -> Any:
+    return np.array([out.figures["winding"][0], out.figures["housing"][0]])

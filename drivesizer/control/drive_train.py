@@ -1,0 +1,198 @@
+"""One motor set and its share of the load as a machine in motion: what the closed loop drives.
+
+A rigid chain from the rotor to the driven shaft: motor, gearhead, belt, load. Between the reversals of speed and of
+power it is linear, so it is a handful of linear modes: standing, and driving or braking in either direction.
+The paper's speed reserve, bearing and oversize factors are no physics and not in here.
+
+Convention: forward is positive at the motor, the shaft and the load; torque at the shaft is positive when the load
+asks to be driven forward. Symbols: i current [A], w motor speed [rad/s], u voltage [V], K whole reduction [1].
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields, replace
+from enum import IntEnum
+from math import inf, isfinite, isnan
+
+import numpy as np
+
+from drivesizer.errors import InputError, NoLoopError
+from drivesizer.loads.at_shaft import at_shaft
+from drivesizer.loads.profile import Profile
+from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.motor_demand import friction, gear_loss
+from drivesizer.physics.thermal import of_unstated_temperature, resistance_25
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "matrices", "modes", "within_reach"]
+
+_NO_INDUCTANCE = 1e-3  # electrical time constant in control periods, where the inductance is unknown: none to speak of
+_FASTEST = 1e9  # rad/s at the motor: beyond any machine, and small enough that squares stay finite
+_NEEDED = {
+    "motor": ("resistance", "torque_constant", "rotor_inertia"),
+    "gearhead": ("ratio", "efficiency"),
+}
+
+
+class Regime(IntEnum):
+    """The linear modes, by what the motor set is doing."""
+
+    STANDING = 0
+    FORWARD_DRIVING = 1
+    FORWARD_BRAKING = 2
+    BACKWARD_DRIVING = 3
+    BACKWARD_BRAKING = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveTrain:
+    """A motor set and what hangs on it; SI."""
+
+    resistance: float  # ohm
+    inductance: float  # H
+    torque_constant: float  # N*m/A
+    back_emf_constant: float  # V*s/rad
+    friction: float  # N*m at the motor, against the motion: the motor's and the idle gearhead's
+    viscous: float = 0.0  # N*m*s/rad at the motor
+    motor_inertia: float  # kg*m^2 at the motor shaft: rotor, encoder, gearhead input
+    gear_ratio: float
+    gear_efficiency: float
+    belt_ratio: float
+    belt_efficiency: float
+    load_inertia: float  # kg*m^2 at the driven shaft
+    radius: float  # m, way of the load per angle of the driven shaft; 1 where it turns with it
+    forward_torque: float  # N*m at the driven shaft, resistance when the load moves forward
+    backward_torque: float  # N*m at the driven shaft, the same when it moves backward
+    rest_torque: float  # N*m at the driven shaft, weight alone
+
+    @property
+    def ratio(self) -> float:
+        """Whole reduction K, motor turns per turn of the driven shaft."""
+        return self.gear_ratio * self.belt_ratio
+
+    @property
+    def efficiency(self) -> float:
+        """Efficiency of gearhead and belt together."""
+        return self.gear_efficiency * self.belt_efficiency
+
+    @property
+    def motor_per_speed(self) -> float:
+        """Motor speed per speed of the load, K/r [rad/m, or 1]."""
+        return self.ratio / self.radius
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mode:
+    """A regime in numbers: J dw/dt = k_t i - b w - drag."""
+
+    regime: Regime
+    inertia: float  # kg*m^2 at the motor, infinite when standing
+    drag: float  # N*m at the motor: friction and resistance
+
+
+def modes(train: DriveTrain) -> tuple[Mode, ...]:
+    """The five modes of a drive train, in the order of :class:`Regime`; at rest friction takes what the motor gives."""
+    standing = Mode(regime=Regime.STANDING, inertia=inf, drag=0.0)
+    return (standing, *(_moving(train, regime) for regime in list(Regime)[1:]))
+
+
+def _moving(train: DriveTrain, regime: Regime) -> Mode:
+    forward = regime in (Regime.FORWARD_DRIVING, Regime.FORWARD_BRAKING)
+    driving = regime in (Regime.FORWARD_DRIVING, Regime.BACKWARD_DRIVING)
+    resistance = train.forward_torque if forward else train.backward_torque
+    # T_in = T_out/(i e) where power goes to the load, T_out e/i where it comes back (Giberti et al. 2010)
+    share = (1.0 / train.efficiency if driving else train.efficiency) / train.ratio
+    inertia = train.motor_inertia + train.load_inertia * share / train.ratio
+    drag = (train.friction if forward else -train.friction) + resistance * share
+    return Mode(regime=regime, inertia=inertia, drag=drag)
+
+
+def matrices(train: DriveTrain, mode: Mode) -> tuple[np.ndarray, np.ndarray]:
+    """State matrices of a mode: states current and motor speed, input voltage.
+
+    Returns
+    -------
+    tuple
+        A (2x2) and B (2x1) of dx/dt = A x + B u; Krause, Wasynczuk, Sudhoff, *Analysis of Electric Machinery*, the
+        permanent-magnet DC machine.
+    """
+    R, L, J = train.resistance, train.inductance, mode.inertia
+    A = [[-R / L, -train.back_emf_constant / L], [train.torque_constant / J, -train.viscous / J]]
+    return np.array(A), np.array([[1 / L], [0.0]])
+
+
+def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[DriveTrain, list[str]]:
+    """The machine that a spec and a drive set make, and what had to be assumed.
+
+    Parameters
+    ----------
+    spec, drive_set
+        The machine, and the parts of one motor set.
+    period
+        Control period [s].
+
+    Raises
+    ------
+    NoLoopError
+        When the catalogue lacks a figure without which nothing moves.
+    InputError
+        When the load's figures leave the range of numbers that can be computed with.
+    """
+    for name, needed in _NEEDED.items():
+        part = getattr(drive_set, name)
+        missing = [figure.replace("_", " ") for figure in needed if not getattr(part, figure) > 0.0]
+        if missing:
+            raise NoLoopError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; no closed loop without")
+    said = list(of_unstated_temperature([drive_set.motor.part] if isnan(drive_set.motor.data_temperature) else []))
+    motor, gearhead, shaft = drive_set.motor, drive_set.gearhead, at_shaft(spec)
+    encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0
+    gear_efficiency, idle = gear_loss(asdict(gearhead))
+    coulomb, viscous = (float(x) for x in friction(asdict(motor)))
+    train = DriveTrain(
+        resistance=float(resistance_25(asdict(motor))),
+        inductance=motor.inductance,
+        torque_constant=motor.torque_constant,
+        back_emf_constant=float(back_emf_constant(asdict(motor))),
+        friction=_known(coulomb, "friction of the motor", said) + float(idle),
+        viscous=_known(viscous, "viscous friction of the motor", said),
+        motor_inertia=motor.rotor_inertia
+        + _known(gearhead.inertia, "inertia of the gearhead", said)
+        + _known(encoder, "inertia of the encoder", said),
+        gear_ratio=gearhead.ratio,
+        gear_efficiency=float(gear_efficiency),
+        belt_ratio=drive_set.belt_ratio,
+        belt_efficiency=drive_set.belt_efficiency,
+        load_inertia=_known(shaft.inertia, "inertia of the load", said),
+        radius=shaft.radius,
+        forward_torque=shaft.forward_torque,
+        backward_torque=shaft.backward_torque,
+        rest_torque=shaft.rest_torque,
+    )
+    if not train.inductance > 0.0:  # NaN too
+        said.append("the motor's inductance is unknown: the current follows the voltage at once")
+        train = replace(train, inductance=_NO_INDUCTANCE * period * train.resistance)
+    if not all(isfinite(getattr(train, f.name)) for f in fields(train)):
+        raise InputError("the load's figures leave the range of numbers that can be computed with")
+    return train, said
+
+
+def within_reach(train: DriveTrain, profile: Profile) -> None:
+    """Refuse a profile that is faster than any machine.
+
+    Raises
+    ------
+    InputError
+        When its top speed is beyond 1e9 rad/s at the motor.
+    """
+    if not profile.top_speed * train.motor_per_speed <= _FASTEST:
+        at_motor = profile.top_speed * train.motor_per_speed
+        raise InputError(f"profile {profile.name}: {at_motor:.3g} rad/s is no speed that a motor can be turned to")
+
+
+def _known(value: float, what: str, said: list[str]) -> float:
+    """A figure of small weight, 0 where the catalogue lacks it; that is told."""
+    if isnan(value):
+        said.append(f"the {what} is unknown and taken as 0")
+        return 0.0
+    return value

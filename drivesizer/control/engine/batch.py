@@ -1,0 +1,84 @@
+"""Motor sets marched along a task: one with its course over time, or many beside each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from drivesizer.control.engine.cycles import all_cycles
+from drivesizer.control.engine.figures import Marched, course_of, figures_of
+from drivesizer.control.engine.kernel import compiled
+from drivesizer.control.engine.layout import ROW
+from drivesizer.control.engine.start import Run, ready
+from drivesizer.control.engine.task import Drive, Task
+from drivesizer.control.engine.task_checks import checked
+
+__all__ = ["march", "march_many"]
+
+_MOST_STEPS = 50_000_000  # of one set: some ten seconds of computing
+_MOST_ROWS = 20_000
+_BLOCK = 256  # sets whose matrices are held at a time
+_PROBLEMS = ("", "the state leaves the range of numbers: the loop is unstable", "more steps than are permitted")
+
+
+def march(drive: Drive, task: Task, *, rows: int = _MOST_ROWS, most_steps: int = _MOST_STEPS) -> Marched:
+    """One set along a task, with its course over time.
+
+    Parameters
+    ----------
+    drive, task
+        The set, and what it is asked for.
+    rows
+        Most rows of the series: all after corners, evenly thinned elsewhere; 0 for none.
+    most_steps
+        At which the march is given up.
+
+    Raises
+    ------
+    InputError
+        When a figure cannot be computed with.
+    """
+    return _march([drive], task, rows, most_steps, 1)
+
+
+def march_many(drives: Sequence[Drive], task: Task, *, threads: int = 2, most_steps: int = _MOST_STEPS) -> Marched:
+    """Many sets along one task; the figures do not depend on the number of threads.
+
+    Parameters
+    ----------
+    drives, task
+        The sets, all rigid or all flexible, and what each is asked for.
+    threads
+        That march beside each other.
+    most_steps
+        At which a set's march is given up.
+
+    Raises
+    ------
+    InputError
+        When a figure cannot be computed with.
+    """
+    return _march(drives, task, 0, most_steps, threads)
+
+
+def _march(drives: Sequence[Drive], task: Task, rows: int, most: int, threads: int) -> Marched:
+    checked(drives, task)
+    loop = compiled()
+    blocks = [drives[n : n + _BLOCK] for n in range(0, len(drives), _BLOCK)]
+    book = np.zeros((rows + 2 if rows else 0, len(ROW))), np.zeros(rows + 2, np.int8), np.array([0, 1, rows // 2, 1])
+    found: list[Run] = []
+    with ThreadPoolExecutor(threads) as pool:
+        for block in blocks:  # made ready by one thread: two would wait for each other's interpreter
+            runs = ready(block, task, most)
+            book[2][3] = max(book[0].shape[0] // (2 * len(runs[0].pieces)), 1)
+            list(pool.map(lambda part: [all_cycles(loop, one, task.cycles, book) for one in part],
+                          [runs[n::threads] for n in range(threads)]))  # fmt: skip
+            found += runs
+    return Marched(
+        figures=figures_of(found),
+        problems=tuple(_PROBLEMS[run.status] for run in found),
+        slopes=tuple(run.slopes for run in found),
+        series=course_of(book, task.time[0]) if rows else None,
+    )

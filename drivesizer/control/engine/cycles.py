@@ -1,0 +1,213 @@
+"""A task done many times, its long constant stretches, what it repeats: laps that are alike are not marched but added.
+
+Laps are marched 1, 1, 2, 4, 8 ... at a time until one ends as it began, or its sums are those of the one before.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+import drivesizer.control.engine.layout as at
+from drivesizer.control.engine.laps import Lap, grown, joined, marched
+from drivesizer.control.engine.layout import ROW, Array
+from drivesizer.control.engine.repeats import alike, voltages
+from drivesizer.control.engine.start import Run
+from drivesizer.control.engine.task_pieces import Part
+
+__all__ = ["all_cycles"]
+
+_COUNTS = 8  # of the encoder, that a lag moves by without growing
+_LAGS = 0.2  # of the lag, by which it grows in a lap where the position loop does not keep up
+_NONE = np.zeros((0, len(ROW)))
+
+
+def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
+    """March a set through all cycles of its task; the course of the first goes into the book."""
+    if run.unseen:
+        return _watched(loop, run, book)
+    turned = _turned(run.pieces, run.p)
+    length = float(run.pieces[-1, 1]) * run.p[at.H]
+
+    def lap(done: int, many: int) -> Lap:
+        found: Lap | None = None
+        for n in range(done, done + many):
+            run.s[at.TURN] = n * turned
+            found = joined(found, _cycle(loop, run, book if n == 0 else (_NONE, *book[1:])), n * length)
+            run.cycles = n + 1
+            if run.status:
+                break
+        assert found is not None
+        return found
+
+    whole = _repeated(run, lap, cycles, turned)
+    run.g[:] = whole.g
+    if run.p[at.HEAT] and run.p[at.SENSE]:
+        run.slopes = whole.A[:2, :2]
+    run.time = (run.cycles if run.status else cycles) * length
+    return run
+
+
+def _watched(loop: Any, run: Run, book: tuple[Any, ...]) -> Run:
+    """March a set up to where it is watched, and on."""
+    marched(loop, run, run.pieces[: run.unseen], (_NONE, *book[1:]))
+    if not run.status:
+        found = marched(loop, run, run.pieces[run.unseen :], book)
+        run.g[:], run.time = found.g, found.time
+    return run
+
+
+def _turned(pieces: Array, p: Array) -> float:
+    """Angle of the reference over some pieces [rad]."""
+    last = pieces[-1]
+    since = last[1] * p[at.H] - last[2]
+    return float(last[5] + (last[3] + 0.5 * last[4] * since) * since - pieces[0, 5])
+
+
+def _cycle(loop: Any, run: Run, book: tuple[Any, ...]) -> Lap:
+    """One cycle, what it repeats for itself."""
+    found: Lap | None = None
+    for part in run.parts:
+        if part.rows:
+            found = joined(found, _block(loop, run, part, book))
+        else:
+            found = joined(found, _through(loop, run, part.first, part.end, book))
+        if run.status:
+            break
+    assert found is not None
+    return replace(found, count=1)
+
+
+def _block(loop: Any, run: Run, part: Part, book: tuple[Any, ...]) -> Lap:
+    """A motion that is written out again and again, lap by lap."""
+
+    def lap(done: int, many: int) -> Lap:
+        a = part.first + done * part.rows
+        return replace(_through(loop, run, a, a + many * part.rows, book), count=many)
+
+    turned = _turned(run.pieces[part.first : part.first + part.rows], run.p)
+    return _repeated(run, lap, (part.end - part.first) // part.rows, turned)
+
+
+def _through(loop: Any, run: Run, first: int, end: int, book: tuple[Any, ...]) -> Lap:
+    """Pieces as they come, the long constant ones for themselves."""
+    found: Lap | None = None
+    cuts = {first, end}
+    for n in (np.flatnonzero(run.long[first:end]) + first).tolist():
+        cuts |= {n, n + 1}
+    for a, b in pairwise(sorted(cuts)):
+        part = run.pieces[a:b]
+        found = joined(found, _stretch(loop, run, part[0], book) if run.long[a] else marched(loop, run, part, book))
+        if run.status:
+            break
+    assert found is not None
+    return found
+
+
+def _stretch(loop: Any, run: Run, piece: Array, book: tuple[Any, ...]) -> Lap:
+    """A long stretch at one speed and load, lap by lap."""
+    first, end, length = int(piece[0]), int(piece[1]), run.lap
+    laps = (end - first) // length
+
+    def between(a: int, b: int) -> Lap:
+        some = piece.copy()[None]
+        some[0, 0], some[0, 1], some[0, 8] = a, b, piece[8] * (a == first)
+        return marched(loop, run, some, book)
+
+    def lap(done: int, many: int) -> Lap:
+        return replace(between(first + done * length, first + (done + many) * length), count=many)
+
+    found = _repeated(run, lap, laps, float(piece[3]) * length * run.p[at.H], run.p[at.H])
+    rest = first + laps * length
+    return found if run.status or rest == end else joined(found, between(rest, end))
+
+
+def _repeated(run: Run, march: Callable[[int, int], Lap], laps: int, turned: float, period: float = 0.0) -> Lap:
+    """March laps until they are alike, and add the rest; heated, the last is marched again at its temperatures.
+
+    Parameters
+    ----------
+    run
+        The set on its way.
+    march
+        Marches laps: how many were done before, how many now.
+    laps
+        All of them.
+    turned
+        Angle of the reference over one [rad].
+    period
+        Of the controller, where one state may fill all laps: if it stays, the march carries it to their end [s].
+    """
+    total: Lap | None = None
+    earlier: list[Lap] = []
+    owed: Callable[[Lap | None], Lap] | None = None
+    done, tried = 0, 0
+    many = 1
+    while done < laps and not run.status:
+        before, many = run.s.copy(), min(many, laps - done)
+        lap = march(done, many)
+        if owed:
+            total, owed = joined(total, owed(lap)), None
+        total, done, tried = joined(total, lap), done + many, tried + many
+        if lap.steps * period < 0.5 * lap.time and period:
+            many = laps - done
+            continue
+        times = alike(run, before, lap, earlier, many * turned, (laps - done - (run.p[at.HEAT] != 0.0)) // many,
+                      not period)  # fmt: skip
+        if times > 0:
+            owed = _added(run, before, lap, times, many * turned)
+            done += times * many
+        else:
+            many = tried
+        earlier.append(lap)
+        if owed and not run.p[at.HEAT]:
+            total, owed = joined(total, owed(None)), None
+    assert total is not None
+    return joined(total, owed(None)) if owed else total
+
+
+def _added(run: Run, before: Array, lap: Lap, times: int, turned: float) -> Callable[[Lap | None], Lap]:
+    """Go on by laps like one; what they add, when the lap after them is known."""
+    s, budget, heat = run.s, float(run.p[at.BUDGET]), _warmed(run, lap, times)
+    grows = float(s[at.I2T] - before[at.I2T])
+    s[at.I2T] = min(max(0.0, s[at.I2T] + times * grows), budget)
+    lags = _lags(run, before, lap, turned)
+    s[at.Y] += _turn(run, times * (turned - lags)) / run.p[at.RATIO]  # a lap ends with the twist that it began with
+    highest = min(lap.g[at.G_I2T] + times * max(grows, 0.0), budget)
+    return lambda then: grown(lap, then, times, heat, highest, lags, float(run.p[at.RATIO]))
+
+
+def _warmed(run: Run, lap: Lap, times: int) -> float:
+    """Warm a set by laps like one, the controller's voltages following the winding; heat of the copper [J]."""
+    s, heat = run.s, times * lap.heat
+    if run.p[at.HEAT]:
+        s[at.T_W], s[at.T_H], heat, _ = np.linalg.matrix_power(lap.A, times) @ (s[at.T_W], s[at.T_H], 0.0, 1.0)
+        places = voltages(run.p)
+        s[places] -= s[at.RES] * s[at.I]
+        s[at.RES] = run.p[at.R_A] + run.p[at.ALPHA] * s[at.T_W]
+        s[places] += s[at.RES] * s[at.I]
+    s[at.Q] += heat
+    return float(heat)
+
+
+def _lags(run: Run, before: Array, lap: Lap, turned: float) -> float:
+    """By what the position's error grew in a lap; none where a position loop keeps it, but for some counts [rad]."""
+    found = float(turned - (run.s[at.X] - before[at.X]))
+    counts = _COUNTS * 2.0 * math.pi / run.p[at.EDGES] if run.p[at.EDGES] else 0.0
+    kept = max(counts, _LAGS * math.sqrt(lap.g[at.G_E2_X] / lap.time))
+    return 0.0 if run.p[at.PKP] and abs(found) < kept else found
+
+
+def _turn(run: Run, angle: float) -> float:
+    """Turn the motor on, where it is counted by whole counts: those of the periods before go with it; by how much."""
+    if run.p[at.EDGES]:
+        counts = round(angle * run.p[at.EDGES] / (2.0 * math.pi))
+        angle = counts * 2.0 * math.pi / run.p[at.EDGES]
+        run.ring += counts
+    run.s[at.X] += angle
+    return angle

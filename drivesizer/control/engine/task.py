@@ -1,0 +1,83 @@
+"""What the march takes: a motor set with its controller and what holds it back, and what it is asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from drivesizer.control.cascade import Cascade
+from drivesizer.control.engine.layout import Array
+from drivesizer.control.linear_modes import Machine
+from drivesizer.control.validation import Gains
+from drivesizer.physics.thermal import TwoBodies
+
+__all__ = ["CurrentLimit", "Drive", "Encoder", "Heat", "Supply", "Task"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Supply:
+    """The bus that feeds some motor sets alike, and what a controller passes on."""
+
+    voltage: float  # V, without load
+    resistance: float = 0.0  # ohm, of the source and its cables
+    sets: int = 1
+    max_duty: float = 1.0
+    voltage_drop: float = 0.0  # V
+    raises: bool = False  # whether energy that comes back raises the bus; else a brake chopper or a battery takes it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CurrentLimit:
+    """Peak current for its time, then the continuous one (integral of I^2 - I_cont^2); infinite: none, or not known."""
+
+    peak: float = math.inf  # A
+    continuous: float = math.inf  # A
+    peak_time: float = math.inf  # s, at the peak from rest
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Encoder:
+    """Counts of the motor's angle; 0 edges: speed and angle are measured exactly."""
+
+    edges: int = 0  # per turn of the motor
+    periods: int = 1  # of the velocity loop, over which counts are taken for a speed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Heat:
+    """Winding and housing, and where they start."""
+
+    bodies: TwoBodies
+    ambient: float  # K
+    winding: float = math.nan  # K at the start; NaN: ambient
+    housing: float = math.nan  # K at the start; NaN: ambient
+    loss: float = 0.0  # W at the housing, always
+    loss_torque: float = 0.0  # N*m at the housing: times the speed
+    loss_viscous: float = 0.0  # N*m*s/rad at the housing: times the square of the speed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drive:
+    """One motor set with its controller."""
+
+    machine: Machine
+    controller: Gains | Cascade
+    supply: Supply
+    current: CurrentLimit = CurrentLimit()
+    encoder: Encoder = Encoder()
+    heat: Heat | None = None  # None: the winding stays at 25 degC
+    delay: bool = True  # cascade: each loop answers its sample before, a period of its own late
+    prompt: bool = False  # cascade: but for the current loop, which answers at once (see ``slower_loop``)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Task:
+    """What is asked of the driven shaft; straight lines between the corners."""
+
+    time: Sequence[float] | Array  # s, strictly rising
+    speed: Sequence[float] | Array  # rad/s of the driven shaft
+    load_time: Sequence[float] | Array = ()  # s, strictly rising
+    load_torque: Sequence[float] | Array = ()  # N*m, added to the machine's own; beyond the corners as there
+    since: float | None = None  # s; what comes before is marched and not watched; of one cycle
+    cycles: int = 1  # how often it is done; its length is then rounded up to whole samples of the slowest loop

@@ -1,0 +1,225 @@
+r"""A motor set and its load as linear modes, discretised exactly for a voltage held over a step.
+
+Two plants: a rigid one (states i, w), and two masses with a twisting shaft between them (i, w, twist, v). Between
+changes of mode - a mass stops or starts, the power turns round, the shaft goes through its backlash - each is linear:
+
+.. math:: L \dot i = u - R i - k_e w, \quad J_m \dot w = k i - b_m w + m - s\,T, \quad
+          \dot\varphi = w / K - v, \quad J_l \dot v = T - b_l v - l, \quad T = c\,\delta + d\,\dot\varphi
+
+with the share s = 1/(K e) of the shaft's torque T where the motor drives the load and e/K where the load drives the
+motor. The rigid plant is the same with v = w/K. **Stiffness, damping, backlash and twist are those of the driven
+shaft** (behind the gears, at the load); seen at the motor shaft a stiffness is smaller by K^2.
+Convention: forward is positive everywhere; a load torque is positive when it resists forward motion.
+Symbols: i current [A], w motor speed [rad/s], v speed of the load [rad/s], u voltage [V], m friction torque at the
+motor [N*m], l load torque [N*m], q charge [A*s], x motor angle [rad], K reduction [1], e efficiency [1].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.control.drive_train import DriveTrain
+
+__all__ = ["LEVELS", "Machine", "columns", "discretised", "generators", "machine_of"]
+
+Array = NDArray[np.float64]
+
+LEVELS = 11  # steps of a period, its half ... its 1024th part: a change of mode is met to that
+_ORDER = 14  # of the series: (1/2)^15/15! is 2e-17
+_NORM = 0.5  # of the matrix times the step, up to which the series is used
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Machine:
+    """A motor set and what hangs on it; SI. Rigid unless a stiffness is given."""
+
+    resistance: float  # ohm, winding at 25 degC
+    inductance: float  # H
+    torque_constant: float  # N*m/A
+    back_emf_constant: float  # V*s/rad
+    motor_inertia: float  # kg*m^2 at the motor shaft: rotor, encoder, gear input
+    friction: float = 0.0  # N*m at the motor, Coulomb
+    stiction: float = 0.0  # N*m at the motor, at rest; the Coulomb friction where that is larger
+    viscous: float = 0.0  # N*m*s/rad at the motor
+    ratio: float  # K, motor turns per turn of the driven shaft
+    efficiency: float  # of all gears, either direction of power
+    belt_ratio: float = 1.0  # the part of K behind the gearhead
+    belt_efficiency: float = 1.0  # the part of the efficiency behind the gearhead
+    load_inertia: float  # kg*m^2 at the driven shaft
+    load_viscous: float = 0.0  # N*m*s/rad at the driven shaft
+    forward_torque: float = 0.0  # N*m at the driven shaft, resistance when it turns forward
+    backward_torque: float = 0.0  # N*m, the same when it turns backward: below the forward one by twice the friction
+    rest_torque: float = 0.0  # N*m, without friction: weight
+    stiffness: float = inf  # N*m/rad of the driven shaft; infinite: rigid
+    damping: float = 0.0  # N*m*s/rad of the driven shaft
+    gap: float = 0.0  # rad of backlash at the driven shaft, from contact to contact
+
+    @property
+    def flexible(self) -> bool:
+        """Whether it is two masses."""
+        return self.stiffness < inf
+
+
+def machine_of(train: DriveTrain) -> Machine:
+    """The rigid machine that a drive train is."""
+    return Machine(
+        resistance=train.resistance,
+        inductance=train.inductance,
+        torque_constant=train.torque_constant,
+        back_emf_constant=train.back_emf_constant,
+        motor_inertia=train.motor_inertia,
+        friction=train.friction,
+        viscous=train.viscous,
+        ratio=train.ratio,
+        efficiency=train.efficiency,
+        belt_ratio=train.belt_ratio,
+        belt_efficiency=train.belt_efficiency,
+        load_inertia=train.load_inertia,
+        forward_torque=train.forward_torque,
+        backward_torque=train.backward_torque,
+        rest_torque=train.rest_torque,
+    )
+
+
+def columns(machines: Sequence[Machine]) -> dict[str, Array]:
+    """Machines as columns, by the names of their figures."""
+    return {f.name: np.array([getattr(m, f.name) for m in machines], float) for f in fields(Machine)}
+
+
+def generators(machine: dict[str, Array], resistance: Array) -> Array:
+    """Matrices G of dx/dt = G x in each mode, the inputs among the states (u, m constant, l a ramp).
+
+    Parameters
+    ----------
+    machine
+        Columns of machines of one plant, n of them.
+    resistance
+        Of the winding, at each node of temperature: n rows [ohm].
+
+    Returns
+    -------
+    array
+        Machine, node, mode, row, column. Rigid: 8 x 8 of i, w, q, x, u, m, l, dl/dt; standing, driving, braking.
+        Two masses: 10 x 10 of i, w, twist, v, q, x, u, m, l, dl/dt; mode = motor moves + 2 (load moves) + 4 (0 in the
+        gap, 1 contact driving, 2 contact braking).
+    """
+    return _flexible(machine, resistance) if machine["stiffness"][0] < inf else _rigid(machine, resistance)
+
+
+def _shares(machine: dict[str, Array]) -> tuple[Array, Array]:
+    """Share of the driven shaft's torque that the motor feels, driving and braking."""
+    return 1.0 / (machine["ratio"] * machine["efficiency"]), machine["efficiency"] / machine["ratio"]
+
+
+def _winding(G: Array, machine: dict[str, Array], resistance: Array, u: int) -> None:
+    """The rows that all modes have: current, charge, angle, and the ramp of the load."""
+    L = machine["inductance"][:, None]
+    q = u - 2
+    G[..., 0, 0] = (-resistance / L)[..., None]
+    G[..., 0, 1] = (-machine["back_emf_constant"][:, None] / L)[..., None]
+    G[..., 0, u] = (1.0 / L)[..., None]
+    G[..., q, 0] = G[..., q + 1, 1] = G[..., u + 2, u + 3] = 1.0
+
+
+def _rigid(machine: dict[str, Array], resistance: Array) -> Array:
+    K, driven = machine["ratio"], machine["load_inertia"]
+    G = np.zeros((*resistance.shape, 3, 8, 8))
+    _winding(G, machine, resistance, 4)
+    for mode, share in enumerate(_shares(machine), 1):
+        J = machine["motor_inertia"] + driven * share / K
+        drag = machine["viscous"] + share * machine["load_viscous"] / K
+        row = (machine["torque_constant"], -drag, 0 * J, 0 * J, 0 * J, 1 + 0 * J, -share, 0 * J)
+        G[:, :, mode, 1, :] = (np.array(row) / J).T[:, None, :]
+    return G
+
+
+def _flexible(machine: dict[str, Array], resistance: Array) -> Array:
+    G = np.zeros((*resistance.shape, 12, 10, 10))
+    _winding(G, machine, resistance, 6)
+    K, zero = machine["ratio"], 0.0 * machine["ratio"]
+    twist = np.array([zero, 1.0 / K, zero, zero - 1.0])  # of i, w, twist, v: the twist's rate
+    G[..., 2, :4] = twist.T[:, None, None, :]
+    shaft = machine["damping"] * twist + np.array([zero, zero, machine["stiffness"], zero])
+    k, J_m, J_l = machine["torque_constant"], machine["motor_inertia"], machine["load_inertia"]
+    for mode in range(12):
+        contact, share = mode // 4, _shares(machine)[mode // 8]
+        torque = shaft * (contact > 0)
+        if mode & 1:
+            own = np.array([k, -machine["viscous"], zero, zero]) - share * torque
+            G[:, :, mode, 1, :4] = (own / J_m).T[:, None, :]
+            G[:, :, mode, 1, 7] = (1.0 / J_m)[:, None]
+        if mode & 2:
+            own = torque - np.array([zero, zero, zero, machine["load_viscous"]])
+            G[:, :, mode, 3, :4] = (own / J_l).T[:, None, :]
+            G[:, :, mode, 3, 8] = (-1.0 / J_l)[:, None]
+    return G
+
+
+def discretised(machine: dict[str, Array], resistance: Array, period: Array) -> Array:
+    """What a step makes of the state, exactly: of the whole period and its halves down to the 1024th part.
+
+    Parameters
+    ----------
+    machine
+        Columns of machines of one plant, n of them.
+    resistance
+        Of the winding, at each node of temperature: n rows [ohm].
+    period
+        Of the controller, n of them [s].
+
+    Returns
+    -------
+    array
+        Machine, node, mode, level (the last is the whole period), row (states, then q and x gained), column (states,
+        then u, m, l, dl/dt).
+
+    Notes
+    -----
+    Scaling and squaring of the exponential less one, F(2h) = 2 F + F^2: the digits of a slow state's small change
+    are not lost beside 1 (C. Moler, C. Van Loan, SIAM Rev. 45 (2003) 3, method 3).
+    """
+    G = generators(machine, resistance)
+    states = G.shape[-1] - 6
+    small = np.ldexp(period, 1 - LEVELS)[:, None, None, None, None]
+    squarings = _squarings(machine, G[..., :states, :states] * small)
+    F = _expm1(G * (small / 2.0**squarings), squarings)
+    found = np.empty((*G.shape[:3], LEVELS, states + 2, states + 4))
+    kept = [*range(states), *range(states + 2, states + 6)]
+    for level in range(LEVELS):
+        found[..., level, :, :] = F[..., : states + 2, kept]
+        for state in range(states):
+            found[..., level, state, state] += 1.0
+        F = 2.0 * F + F @ F
+    return found
+
+
+def _squarings(machine: dict[str, Array], A: Array) -> int:
+    """How often a step is to be halved so that the series converges fast, seen in states of equal energy."""
+    L, J, K = machine["inductance"], machine["motor_inertia"], machine["ratio"]
+    scale = np.array([np.sqrt(L), np.sqrt(J), *_load_scales(machine)][: A.shape[-1]])
+    if A.shape[-1] == 2:
+        scale[1] = np.sqrt(J + machine["load_inertia"] * machine["efficiency"] / K**2)
+    scaled = np.abs(A) * scale.T[:, None, None, :, None] / scale.T[:, None, None, None, :]
+    norm = float(scaled.sum(axis=-1).max())
+    return max(0, int(np.ceil(np.log2(norm / _NORM)))) if 0.0 < norm < inf else 0
+
+
+def _load_scales(machine: dict[str, Array]) -> tuple[Array, Array]:
+    return np.sqrt(machine["stiffness"]), np.sqrt(machine["load_inertia"])
+
+
+def _expm1(A: Array, squarings: int) -> Array:
+    """Exponential of matrices, less one: a series, then squared."""
+    one = np.eye(A.shape[-1])
+    P = one + A / _ORDER
+    for k in range(_ORDER - 1, 1, -1):
+        P = one + A @ P / k
+    F: Array = A @ P
+    for _ in range(squarings):
+        F = 2.0 * F + F @ F
+    return F

@@ -1,0 +1,269 @@
+"""What linear theory says of a sampled loop: poles, margins, bandwidth, step response, Bode data.
+
+The loops are those of ``loop_models``. Both directions of power are looked
+at; a loop's record is that of the direction nearer to instability, its margins and bandwidth the least of both.
+Margins and bandwidth are roots on the frequency response itself (no polynomials, which are ill-conditioned for slow
+loops), on a grid that is finer around every pole near the unit circle.
+
+.. [1] K. J. Åström, T. Hägglund, *PID Controllers: Theory, Design, and Tuning*, 2nd ed., ISA 1995, ch. 4: margins,
+   maximum sensitivity.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.control.cascade import Cascade
+from drivesizer.control.drive_train import DriveTrain, Mode, Regime, modes
+from drivesizer.control.loop_models import (
+    Shaft,
+    current_open_loop,
+    position_open_loop,
+    resonance,
+    velocity_open_loop,
+    voltage_open_loop,
+)
+from drivesizer.control.loop_records import Bode, Loop, Loops
+from drivesizer.control.validation import Gains
+
+__all__ = ["analyse", "loop_of", "margin_and_bandwidth"]
+
+_Response = Callable[[NDArray[np.float64]], NDArray[np.complex128]]  # of angular frequencies [rad/s]
+_POINTS = 1500
+_DECADES = 6.0  # below the Nyquist frequency
+_MOST_SAMPLES = 20_000  # of a step response
+_SETTLED = 0.02  # of the final value
+_DIRECTIONS = {"driving": Regime.FORWARD_DRIVING, "braking": Regime.FORWARD_BRAKING}
+
+
+def analyse(train: DriveTrain, controller: Cascade | Gains, shaft: Shaft | None = None) -> Loops:
+    """The loops of a controller around a rigid machine, or one with an elastic shaft.
+
+    Parameters
+    ----------
+    train, controller
+        The machine and its controller. References go in without feedforward.
+    shaft
+        What is elastic between motor and load; none: rigid.
+    """
+    every = modes(train)
+
+    def velocity(shaft: Shaft | None) -> Loop:
+        if isinstance(controller, Gains):
+            return _worse("velocity", every, lambda mode: voltage_open_loop(train, mode, controller, shaft))
+        return _worse("velocity", every, lambda mode: velocity_open_loop(train, mode, controller, shaft))
+
+    outer, inner = velocity(shaft), None
+    position = None
+    if isinstance(controller, Cascade):
+        inner = loop_of("current", current_open_loop(train, controller))
+        if controller.position_kp and controller.position_period:
+            position = _worse("position", every, lambda mode: position_open_loop(train, mode, controller, shaft))
+    # braking, the load's inertia counts less: that resonance is the lower one
+    found = resonance(train, every[Regime.FORWARD_BRAKING], shaft) if shaft else (math.nan, math.nan)
+    return Loops(
+        current=inner,
+        velocity=outer,
+        position=position,
+        anti_resonance=found[0],
+        resonance=found[1],
+        rigid_bandwidth=(velocity(None) if shaft else outer).bandwidth,
+    )
+
+
+def _worse(name: str, every: tuple[Mode, ...], opened: Callable[[Mode], Any]) -> Loop:
+    """Of driving and braking the one nearer to instability, with the least margins and bandwidth of both."""
+    found = [loop_of(name, opened(every[r]), direction) for direction, r in _DIRECTIONS.items()]
+    unstable = [loop for loop in found if not loop.stable]
+    if unstable:  # it has no margins, whatever the other direction's are
+        return max(unstable, key=lambda loop: loop.pole_radius)
+    worst = max(found, key=lambda loop: loop.sensitivity)
+    return replace(
+        worst,
+        gain_margin=_least(loop.gain_margin for loop in found),
+        phase_margin=_least(loop.phase_margin for loop in found),
+        bandwidth=_least(loop.bandwidth for loop in found),
+    )
+
+
+def loop_of(name: str, opened: Any, direction: str = "") -> Loop:
+    """All figures of a loop with unit feedback.
+
+    Parameters
+    ----------
+    name, direction
+        What the record is called.
+    opened
+        The open loop: a sampled python-control system with one input and one output, or two of which the second is fed
+        back.
+    """
+    opened, closed = _closed(opened)
+    poles = tuple(complex(p) for p in closed.poles())
+    radius = max((abs(p) for p in poles), default=0.0)
+    w = _grid([*poles, *opened.poles()], opened.dt)
+    response, whole = _response(opened), _response(closed)
+    L, T = response(w), whole(w)
+    stable = radius < 1.0
+    margins = _margins(response, w, L) if stable else (math.nan,) * 4
+    step = _step(closed, radius) if stable else np.empty(0)
+    rise, over, settling = _answer(step, closed)
+    return Loop(
+        name=name,
+        direction=direction,
+        period=float(opened.dt),
+        stable=stable,
+        pole_radius=radius,
+        poles=poles,
+        gain_margin=margins[0],
+        gain_reduction=margins[1],
+        phase_margin=margins[2],
+        crossover=margins[3],
+        sensitivity=float(np.max(1.0 / np.abs(1.0 + L))),
+        bandwidth=_bandwidth(closed, whole, w, T) if stable else math.nan,
+        rise_time=rise,
+        overshoot=over,
+        settling_time=settling,
+        step=step,
+        bode=_bode(w, L, T),
+    )
+
+
+def _closed(opened: Any) -> tuple[Any, Any]:
+    """The loop from error to what is fed back, and the closed one from the reference to the first output."""
+    import control
+
+    if opened.noutputs == 1:
+        return opened, control.feedback(opened, 1)
+    back = control.ss([], [], [], [[0.0, 1.0]], opened.dt)
+    return opened[1, 0], control.feedback(opened, back)[0, 0]
+
+
+def margin_and_bandwidth(opened: Any) -> tuple[float, float]:
+    """Phase margin [rad] and bandwidth [Hz] alone: NaN of an unstable loop, infinite where the gain never reaches 1."""
+    opened, closed = _closed(opened)
+    poles = closed.poles()
+    if max(abs(poles), default=0.0) >= 1.0:
+        return math.nan, math.nan
+    w = _grid([*poles, *opened.poles()], opened.dt)
+    response, whole = _response(opened), _response(closed)
+    phase = _margins(response, w, response(w))[2]
+    return math.inf if math.isnan(phase) else phase, _bandwidth(closed, whole, w, whole(w))
+
+
+def _least(figures: Iterable[float]) -> float:
+    return min((f for f in figures if math.isfinite(f)), default=math.nan)
+
+
+def _grid(poles: Iterable[complex], period: float) -> NDArray[np.float64]:
+    """Angular frequencies up to the Nyquist frequency [rad/s], finer around the poles that ring."""
+    nyquist = math.pi / period
+    even = np.geomspace(nyquist * 10.0**-_DECADES, nyquist, _POINTS)
+    around = np.geomspace(1e-7, 0.1, 40)  # and not on the pole itself
+    rings = [abs(np.angle(p)) / period for p in poles if p.imag > 0.0 and abs(p) > 0.5]
+    near = [w * (1.0 + sign * around) for w in rings for sign in (-1.0, 1.0)]
+    every: NDArray[np.float64] = np.unique(np.concatenate([even, *near]))
+    inside: NDArray[np.float64] = every[(every >= even[0]) & (every <= nyquist)]
+    return inside
+
+
+def _response(system: Any) -> _Response:
+    """The frequency response of a system: by its Schur form, whose triangle is solved for all frequencies at once."""
+    from scipy.linalg import schur
+
+    n, period, through = system.nstates, system.dt, complex(system.D[0, 0])
+    T, Q = schur(system.A + 0j, output="complex") if n else (np.zeros((0, 0)), np.zeros((0, 0)))
+    b, c = Q.conj().T @ system.B[:, 0], system.C[0] @ Q
+
+    def response(w: NDArray[np.float64]) -> NDArray[np.complex128]:
+        z = np.exp(1j * w * period)
+        x = np.zeros((n, len(z)), complex)
+        for k in range(n - 1, -1, -1):
+            x[k] = (b[k] + T[k, k + 1 :] @ x[k + 1 :]) / (z - T[k, k])
+        return np.asarray(c @ x + through)
+
+    return response
+
+
+def _crossings(
+    response: _Response, w: NDArray[np.float64], sampled: NDArray[np.float64], figure: Callable[[complex], float]
+) -> Iterator[tuple[float, complex]]:
+    """Angular frequency [rad/s] and response wherever a figure of the response changes sign."""
+    from scipy.optimize import brentq
+
+    def one(x: float) -> complex:
+        return complex(response(np.array([x]))[0])
+
+    for n in np.flatnonzero(np.sign(sampled[:-1]) * np.sign(sampled[1:]) < 0.0):
+        ends = dict(zip(w[n : n + 2].tolist(), sampled[n : n + 2].tolist(), strict=True))
+        at = float(brentq(lambda x, ends=ends: ends.get(x, figure(one(x))), *ends, xtol=1e-12 * w[n]))
+        yield at, one(at)
+
+
+def _margins(response: _Response, w: NDArray[np.float64], L: NDArray[np.complex128]) -> tuple[float, ...]:
+    """Gain margin up and down [factors], phase margin in either sense [rad], and its frequency [Hz]; NaN: none."""
+    real = [z.real for _, z in _crossings(response, w, L.imag, lambda z: z.imag)]
+    real.append(float(L[-1].real))  # at the Nyquist frequency the response is real
+    factors = [-1.0 / x for x in real if x < 0.0]
+    phases = [
+        (abs(math.remainder(math.pi + math.atan2(z.imag, z.real), 2.0 * math.pi)), at / (2.0 * math.pi))
+        for at, z in _crossings(response, w, np.abs(L) - 1.0, lambda z: abs(z) - 1.0)
+    ]
+    up = min((f for f in factors if f > 1.0), default=math.nan)
+    down = max((f for f in factors if f < 1.0), default=math.nan)
+    return up, down, *min(phases, default=(math.nan, math.nan))
+
+
+def _bandwidth(closed: Any, whole: _Response, w: NDArray[np.float64], T: NDArray[np.complex128]) -> float:
+    """Where the closed loop first falls 3 dB below its value at rest [Hz]; NaN where it does not."""
+    level = abs(complex(closed(1.0 + 0j))) / math.sqrt(2.0)
+    if not (math.isfinite(level) and level > 0.0):
+        return math.nan
+    above = np.abs(T) - level
+    found = _crossings(whole, w, above, lambda z: abs(z) - level)
+    return next(found, (math.nan, 0j))[0] / (2.0 * math.pi) if above[0] > 0.0 else math.nan
+
+
+def _step(closed: Any, radius: float) -> NDArray[np.float64]:
+    """The response of a stable loop to a step, until its slowest pole has died out to 1e-4, or the samples are many."""
+    import control
+
+    samples = 100 + math.ceil(math.log(1e-4) / math.log(min(max(radius, 0.1), 1.0 - 1e-9)))
+    time = np.arange(min(samples, _MOST_SAMPLES)) * closed.dt
+    return np.asarray(control.step_response(closed, time).outputs, float)
+
+
+def _answer(step: NDArray[np.float64], closed: Any) -> tuple[float, float, float]:
+    """Rise time [s], overshoot and settling time [s] of a step; NaN where it does not get there."""
+    final = float(np.real(closed(1.0 + 0j)))
+    if not len(step) or not (math.isfinite(final) and abs(final) > 1e-9):
+        return (math.nan,) * 3
+    y = step / final
+    outside = np.flatnonzero(np.abs(y - 1.0) > _SETTLED)
+    settled = int(outside[-1]) + 1 if len(outside) else 0
+    rise = _reached(y, 0.9) - _reached(y, 0.1)
+    return rise * closed.dt, max(float(y.max()) - 1.0, 0.0), settled * closed.dt if settled < len(y) else math.nan
+
+
+def _reached(y: NDArray[np.float64], level: float) -> float:
+    """When a response first reaches a level, in samples, with a straight line between two; NaN never."""
+    above = np.flatnonzero(y >= level)
+    if not len(above):
+        return math.nan
+    n = int(above[0])
+    return n - float((y[n] - level) / (y[n] - y[n - 1])) if n else 0.0
+
+
+def _bode(w: NDArray[np.float64], L: NDArray[np.complex128], closed: NDArray[np.complex128]) -> Bode:
+    return Bode(
+        frequency=w / (2.0 * math.pi),
+        open_magnitude=np.abs(L),
+        open_phase=np.unwrap(np.angle(L)),
+        closed_magnitude=np.abs(closed),
+        closed_phase=np.unwrap(np.angle(closed)),
+    )

@@ -1,0 +1,225 @@
+r"""The loops of a servo cascade as sampled linear systems (python-control), exact for held voltages and demands.
+
+Rigid plant: winding and one inertia. Two-mass plant: motor - shaft with a stiffness - load. Each is discretised for a
+voltage held over a current period (zero-order hold). The current loop is closed at its own rate; because the velocity
+loop holds its demand over n current periods, n of its steps make exactly one of the velocity loop:
+
+.. math:: x_{k+1} = \Phi^n x_k + \Bigl(\sum_{m=0}^{n-1} \Phi^m\Bigr) \Gamma\, r_k
+
+and the same again from the velocity to the position loop. Nothing is neglected but the limits; each loop computes for
+one of its own periods.
+
+A speed that is counted is the mean over the last n periods of the velocity loop: what the angle grew by, exactly, in
+each of them. Loops around it have two outputs, the speed and what is counted of it; the second is fed back.
+
+Symbols: i current [A], w motor speed [rad/s], u voltage [V], e efficiency, K reduction [1].
+
+.. [1] K. J. Åström, B. Wittenmark, *Computer-Controlled Systems*, 3rd ed., Prentice Hall 1997, ch. 2: sampled systems.
+.. [2] D. Schröder, *Elektrische Antriebe - Regelung von Antriebssystemen*, Springer: the elastic two-mass system.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drivesizer.control.cascade import Cascade
+from drivesizer.control.drive_train import DriveTrain, Mode, matrices
+from drivesizer.control.validation import Gains
+from drivesizer.control.voltage_loop_design import COMPUTING
+from drivesizer.errors import InputError
+
+__all__ = [
+    "Shaft",
+    "current_open_loop",
+    "plant",
+    "position_open_loop",
+    "resonance",
+    "velocity_open_loop",
+    "voltage_open_loop",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shaft:
+    """What is elastic between motor and load, seen at the load's shaft."""
+
+    stiffness: float  # N*m/rad
+    damping: float = 0.0  # N*m*s/rad; none is the worst case
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.stiffness < math.inf:
+            raise InputError(f"stiffness: {self.stiffness:g} N*m/rad is no stiffness; expected a positive number")
+        if not 0.0 <= self.damping < math.inf:
+            raise InputError(f"damping of the shaft: {self.damping:g} N*m*s/rad is none; expected 0 or more")
+
+
+def resonance(train: DriveTrain, mode: Mode, shaft: Shaft) -> tuple[float, float]:
+    r"""Frequencies of the anti-resonance and the resonance of motor and load, undamped [Hz].
+
+    .. math:: \omega_a = \sqrt{c / J_L}, \qquad \omega_r = \omega_a \sqrt{1 + \frac{J_L}{e K^2 J_M}}
+
+    Parameters
+    ----------
+    train, mode
+        The machine and the direction of power: driving, the load's inertia counts 1/(e K^2), braking e/K^2.
+    shaft
+        The stiffness c at the load's shaft.
+
+    Notes
+    -----
+    [2]; at the anti-resonance the load swings and the motor stands.
+    """
+    anti = math.sqrt(shaft.stiffness / train.load_inertia)
+    return anti / (2.0 * math.pi), anti * math.sqrt(mode.inertia / train.motor_inertia) / (2.0 * math.pi)
+
+
+def plant(train: DriveTrain, mode: Mode, shaft: Shaft | None = None, *, angle: bool = False) -> Any:
+    """The machine in continuous time: from voltage to current and motor speed, small motions about a moving point.
+
+    Parameters
+    ----------
+    train, mode
+        The machine and the direction of power.
+    shaft
+        What is elastic; none: rigid.
+    angle
+        Whether the motor's angle is a third output.
+
+    Returns
+    -------
+    control.StateSpace
+        States i, w, then with a shaft the load's speed and the twist, both as at the motor, then the angle.
+    """
+    import control
+
+    A, B = matrices(train, mode)
+    if shaft is not None:
+        A, B = _two_masses(train, mode, shaft, A)
+    C = np.eye(2, len(A))
+    if angle:
+        n = len(A)
+        A = np.block([[A, np.zeros((n, 1))], [np.eye(1, n, 1), np.zeros((1, 1))]])
+        B, C = np.vstack([B, [[0.0]]]), np.block([[C, np.zeros((2, 1))], [np.zeros((1, n)), np.ones((1, 1))]])
+    return control.ss(A, B, C, np.zeros((len(C), 1)))
+
+
+def _two_masses(train: DriveTrain, mode: Mode, shaft: Shaft, rigid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """State matrices of motor and load; states i, w, the load's speed and the twist as at the motor."""
+    J_M, J_L = train.motor_inertia, mode.inertia - train.motor_inertia
+    share = J_L / train.load_inertia  # 1/(e K^2) or e/K^2: a stiffness goes to the motor as an inertia does
+    c, d = shaft.stiffness * share, shaft.damping * share
+    A = np.array(
+        [
+            [rigid[0, 0], rigid[0, 1], 0.0, 0.0],
+            [train.torque_constant / J_M, -(d + train.viscous) / J_M, d / J_M, -c / J_M],
+            [0.0, d / J_L, -d / J_L, c / J_L],
+            [0.0, 1.0, -1.0, 0.0],
+        ]
+    )
+    return A, np.array([[1.0 / train.inductance], [0.0], [0.0], [0.0]])
+
+
+def _pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: float = 0.0) -> Any:
+    """A sampled PID with a filtered derivative, and the period that it computes: the answer to the sample before."""
+    import control
+
+    found: Any = control.ss([], [], [], [[kp]], period)
+    if ki:
+        found = found + control.ss(control.tf([ki * period, 0], [1, -1], period))
+    if kd:
+        filtered = filter_time + period
+        found = found + control.ss(control.tf([kd, -kd], [filtered, -filter_time], period))
+    return control.ss(control.tf([1], [1, *[0] * round(COMPUTING)], period)) * found
+
+
+def _lifted(fast: Any, steps: int) -> Any:
+    """A sampled system whose input is held over a number of its steps, seen once in that number [1]; exact."""
+    import control
+
+    held = np.block([[fast.A, fast.B], [np.zeros((fast.ninputs, fast.nstates)), np.eye(fast.ninputs)]])
+    many = np.linalg.matrix_power(held, steps)
+    n = fast.nstates
+    return control.ss(many[:n, :n], many[:n, n:], fast.C, fast.D, fast.dt * steps)
+
+
+def _counted(held: Any, periods: int, row: int, *, angle: bool = False) -> Any:
+    """Of a sampled machine whose last state is its angle: one output, and the mean speed over the last periods.
+
+    Parameters
+    ----------
+    held
+        The machine, sampled once in a period of the velocity loop.
+    periods
+        Over which counts are taken.
+    row
+        The output that is kept.
+    angle
+        Whether the angle is kept as a state; a speed needs none, and would have a pole more that nothing moves.
+    """
+    import control
+
+    n = held.nstates if angle else held.nstates - 1
+    grows = (held.A[-1] - np.eye(1, held.nstates, held.nstates - 1)[0])[:n] / held.dt
+    first, shift = np.eye(periods, 1), np.eye(periods, k=-1)
+    A = np.block([[held.A[:n, :n], np.zeros((n, periods))], [first * grows, shift]])
+    B = np.vstack([held.B[:n], first * held.B[-1] / held.dt])
+    C = np.vstack(
+        [np.append(held.C[row, :n], np.zeros(periods)), np.append(np.zeros(n), np.full(periods, 1 / periods))]
+    )
+    return control.ss(A, B, C, np.zeros((2, 1)), held.dt)
+
+
+def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains, shaft: Shaft | None = None) -> Any:
+    """The velocity loop that acts on the voltage, open: from the speed error to the motor's speed (and as counted)."""
+    counted = gains.counted_over
+    held = plant(train, mode, shaft, angle=counted > 0).sample(gains.period, "zoh")
+    forward = _counted(held, counted, 1) if counted else held[1, 0]
+    return forward * _pid(gains.kp, gains.ki, gains.period, gains.kd, gains.filter_time)
+
+
+def current_open_loop(train: DriveTrain, cascade: Cascade) -> Any:
+    """The current loop, open, with the rotor held: the back-EMF is a disturbance, as in the design."""
+    import control
+
+    R, L, period = train.resistance, train.inductance, cascade.current_period
+    winding = control.ss([[-R / L]], [[1.0 / L]], [[1.0]], [[0.0]]).sample(period, "zoh")
+    return winding * _pid(cascade.current_kp, cascade.current_ki, period)
+
+
+def _current_closed(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: Shaft | None, angle: bool) -> Any:
+    """From the current demand to current, speed (and angle), at the rate of the velocity loop; back-EMF and all."""
+    import control
+
+    period = cascade.current_period
+    forward = plant(train, mode, shaft, angle=angle).sample(period, "zoh")
+    forward = forward * _pid(cascade.current_kp, cascade.current_ki, period)
+    current = control.ss([], [], [], np.eye(1, forward.noutputs), period)
+    return _lifted(control.feedback(forward, current), cascade.current_steps)
+
+
+def velocity_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: Shaft | None = None) -> Any:
+    """The velocity loop, open, around the closed current loop: from the speed error to the speed (and as counted)."""
+    counted = cascade.counted_over
+    held = _current_closed(train, mode, cascade, shaft, angle=counted > 0)
+    return (_counted(held, counted, 1) if counted else held[1, 0]) * _velocity_pid(cascade)
+
+
+def _velocity_pid(cascade: Cascade) -> Any:
+    kd, filter_time = cascade.velocity_kd, cascade.filter_time
+    return _pid(cascade.velocity_kp, cascade.velocity_ki, cascade.velocity_period, kd, filter_time)
+
+
+def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: Shaft | None = None) -> Any:
+    """The position loop, open, around the closed velocity loop: from the missing angle to the motor's angle."""
+    import control
+
+    held = _current_closed(train, mode, cascade, shaft, angle=True)
+    # outputs: angle, and the speed that is fed back
+    forward = _counted(held, cascade.counted_over, 2, angle=True) if cascade.counted_over else held[[2, 1], 0]
+    speed = control.ss([], [], [], [[0.0, 1.0]], cascade.velocity_period)
+    closed = _lifted(control.feedback(forward * _velocity_pid(cascade), speed), cascade.velocity_steps)[0, 0]
+    return closed * _pid(cascade.position_kp, 0.0, cascade.position_period)

@@ -1,0 +1,29 @@
+"""The march of a platform as machine code, where numba is installed; as plain Python without it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import drivesizer.control.path_following.kernel_forces as kernel_forces
+import drivesizer.control.path_following.kernel_layout as kernel_layout
+import drivesizer.control.path_following.kernel_loop as kernel_loop
+import drivesizer.control.path_following.kernel_step as kernel_step
+import drivesizer.control.path_following.slip as slip
+from drivesizer.control.path_following import kernel_layout as at
+from drivesizer.files.machine_code import Kernel, defined_in, machine_code
+
+__all__ = ["KERNEL", "at", "compiled"]
+
+KERNEL = Kernel(
+    functions=(slip.grip, slip.grip_slope, *defined_in((kernel_forces, kernel_step, kernel_loop))),
+    modules=(kernel_layout, slip, kernel_forces, kernel_step, kernel_loop),
+    inline=False,
+    slow="numba is not installed: a platform's march runs some hundred times slower",
+)
+
+
+@cache
+def compiled() -> Callable[..., int]:
+    """``kernel_loop.follow_one`` as machine code, kept in the user's cache folder; as plain Python without numba."""
+    return machine_code(KERNEL)

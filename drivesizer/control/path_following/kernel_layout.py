@@ -1,0 +1,43 @@
+"""Where the figures of a march lie in its arrays."""
+
+from __future__ import annotations
+
+from drivesizer.platform.matrix_equation import Array
+
+__all__ = [
+    "APERIODIC", "AT", "AX", "AY", "BOTTOM", "BT", "BX", "BY", "CASTER_COLUMNS", "CASTER_FX", "CASTER_FY",
+    "CASTER_K", "CASTER_N0", "CASTER_RR", "CASTER_SX", "CASTER_SY", "CASTER_X", "CASTER_Y", "COLUMNS", "CR",
+    "CREEP", "CW", "DAA", "DAB", "DBB", "DW", "EVERY", "FA", "FASTEST", "FB", "FRICTION", "FW", "GAMMA", "HEIGHT",
+    "HELD", "INPUT", "KIND", "K_I", "K_P", "K_X", "K_Y", "LAW", "LOAD", "LOST_CASTER", "LOST_ROLLER", "LOST_SLIP",
+    "LOST_WHEEL", "N0", "POSE", "PULL", "PX", "PY", "RA", "RB", "RHO", "SIDE", "SLIP", "SLIP_SPEED", "STRENGTH",
+    "SX", "SY", "TALLIES", "TURNROUND", "UPHILL", "WEIGHT", "WORK", "Array", "J", "R",
+]  # fmt: skip
+
+GAMMA = 1.0 - 0.5**0.5  # of the Rosenbrock step: order 2 and L-stable
+FASTEST = 1e6  # m/s and rad/s: what is faster runs away
+
+# a wheel: rows of slip (AX, AY, AT | -RA) and of the roller, or sideways, (BX, BY, BT | RB) over velocity | wheel
+# speed; what resists; kind (0 motor, 1 free, 2 blocked); load N0 - height * (SX, SY) . floor's force; torque over
+# torque asked
+AX, AY, AT, BX, BY, BT, RA, RB, R, J, CW, CR, FW, HELD, KIND, N0, SX, SY, STRENGTH = range(19)
+COLUMNS = 19
+
+# what a state makes of a wheel: forces along and across and their slopes, over the load; slip and roller speed; load;
+# slope of what resists its turning; its column of the linear equations
+FA, FB, DAA, DAB, DBB, SLIP, RHO, LOAD, DW, BOTTOM, SIDE = range(11)
+WORK = SIDE + 3
+
+# a caster, and its force and slope over the load
+CASTER_X, CASTER_Y, CASTER_RR, CASTER_N0, CASTER_SX, CASTER_SY, CASTER_FX, CASTER_FY, CASTER_K = range(9)
+CASTER_COLUMNS = 9
+
+# platform and floor
+PX, PY, WEIGHT, PULL, UPHILL, HEIGHT, FRICTION, SLIP_SPEED, CREEP, TURNROUND = range(10)
+
+POSE = 3  # entries of the state before the velocities: x, y, heading
+# after them: work of motors and weight; what is lost
+INPUT, LOST_SLIP, LOST_WHEEL, LOST_ROLLER, LOST_CASTER = range(5)
+TALLIES = 5
+
+# pose feedback: law (0 none, 1 of three freedoms, 2 of a unicycle), periods between poses, gains
+LAW, EVERY, K_P, K_I, K_X, K_Y, APERIODIC = range(7)

@@ -1,0 +1,194 @@
+"""A spec's platform with its motor sets, driven along its way by each robot model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import inf
+from typing import NamedTuple
+
+from drivesizer.control.path_following.following import Followed, Model, follow
+from drivesizer.control.path_following.pose_control import SpeedLoop, is_unicycle, pose_loop, speed_loop
+from drivesizer.control.path_following.slip import Contact
+from drivesizer.errors import InputError
+from drivesizer.loads.platform_drive import Driving
+from drivesizer.loads.platform_wheels import dynamics_of, ground_of
+from drivesizer.platform.dynamics import Dynamics
+from drivesizer.platform.misjudged import EXACT, Misjudged
+from drivesizer.platform.stability_along import least_margin
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.following import Following
+from drivesizer.spec.loads import WheeledVehicle
+from drivesizer.spec.platform import Platform
+from drivesizer.units import show
+
+__all__ = ["Case", "assumed", "drawn", "follow_all", "follow_case"]
+
+
+class Case(NamedTuple):
+    """One way to drive a platform along its way."""
+
+    model: Model
+    integral: bool  # speed loops PI, or plain P
+    poses: bool  # fed back
+    exact: bool  # the model knows the platform
+
+    @property
+    def words(self) -> tuple[str, str, str, str]:
+        """Robot model, speed loops, poses, and what the model knows."""
+        loop, poses = "PI" if self.integral else "P", "fed back" if self.poses else "open loop"
+        return self.model, loop, poses, "all" if self.exact else "not all"
+
+
+_COMPARED = (
+    *(Case(model, integral, False, exact) for exact in (True, False) for integral in (True, False)
+      for model in ("kinematic", "dynamic")),
+    *(Case(model, True, True, False) for model in ("kinematic", "dynamic")),
+)  # fmt: skip
+
+
+def follow_all(found: Driving, chosen: DriveSet | None) -> dict[str, Followed]:
+    """The runs by name: kinematic and dynamic model, open-loop, and the dynamic one with poses fed back where it can.
+
+    Where the spec compares, both models with either loop as well, with and without what is misjudged.
+
+    Parameters
+    ----------
+    found
+        The platform on its way.
+    chosen
+        Whose rotors turn with the wheels and whose torque is the limit, where the spec gives neither; without a set
+        there are none.
+
+    Raises
+    ------
+    InputError
+        When the platform tips over on its way, the wheels have no inertia, or a figure cannot be computed with.
+    """
+    _upright(found)
+    return {name: follow_case(found, chosen, case) for name, case in _cases(found).items()}
+
+
+def _upright(found: Driving) -> None:
+    """Refuse a way on which the platform tips over: contact is simulated on wheels that stand."""
+    d, section = dynamics_of(found.spec), _section(found)
+    if not section.height_known:
+        return
+    least = least_margin(d.platform, found.trajectory, ground_of(found.spec))
+    if least.value < 0.0:
+        raise InputError(
+            f"{found.spec.where(('platform', 'centre_of_mass'))}: the platform tips over at "
+            f"{show(least.time, 's', 'time')} of its way, {show(-least.value, 'mm', 'length')} beyond its wheels; "
+            "expected one that can be followed: a lower centre of mass, or smaller platform.limits"
+        )
+
+
+def _cases(found: Driving) -> dict[str, Case]:
+    """What is driven, by name."""
+    given, k = _section(found).following, dynamics_of(found.spec).kinematics
+    steered = k.mobility == 3 or is_unicycle(k)
+    if given.compare:
+        cases = (case for case in _COMPARED if steered or not case.poses)
+        return {", ".join(case.words): case for case in cases}
+    integral = given.speed_loop == "PI"
+    runs = {f"{model} model": Case(model, integral, False, False) for model in ("kinematic", "dynamic")}
+    return runs | ({"poses fed back": Case("dynamic", integral, True, False)} if steered else {})
+
+
+def follow_case(found: Driving, chosen: DriveSet | None, case: Case, misjudged: Misjudged | None = None) -> Followed:
+    """One run; parameters of ``follow_all``.
+
+    Parameters
+    ----------
+    found, chosen
+        The platform on its way, and its motor sets.
+    case
+        How it is driven.
+    misjudged
+        What the model does not know; that of the spec where not given.
+    """
+    section = _section(found)
+    d = dynamics_of(found.spec, _rotor(section.following, chosen))
+    speeds = _speeds(d, section.following, chosen, case.integral)
+    poses = pose_loop(d, speeds, period=section.following.pose_period, speed=_fastest(found)) if case.poses else None
+    off = EXACT if case.exact else misjudged or section.misjudged.record
+    return follow(
+        found.trajectory,
+        d.platform,
+        model=case.model,
+        misjudged=off,
+        contact=_floor(found),
+        speeds=speeds,
+        poses=poses,
+        ground=ground_of(found.spec),
+    )
+
+
+def drawn(runs: Mapping[str, Followed]) -> dict[str, Followed]:
+    """The runs that one figure shows: four at most, plain speed loops before others, as they differ most."""
+    names = sorted(runs, key=lambda name: ("fed back" in name, ", PI," in name)) if len(runs) > 4 else list(runs)
+    return {name: runs[name] for name in names[:4]}
+
+
+def _section(found: Driving) -> Platform:
+    section = found.spec.platform
+    assert section is not None
+    return section
+
+
+def _floor(found: Driving) -> Contact:
+    load, given = found.spec.load, _section(found).following
+    assert isinstance(load, WheeledVehicle)
+    floor = Contact(slip_speed=given.slip_speed, creep=given.creep)
+    return floor if load.friction_coefficient is None else replace(floor, friction=load.friction_coefficient)
+
+
+def _speeds(d: Dynamics, given: Following, chosen: DriveSet | None, integral: bool) -> SpeedLoop:
+    """The speed loops: as designed, with the gains that the spec gives."""
+    limit = _strongest(chosen) if given.torque_limit is None else given.torque_limit
+    made = speed_loop(d, period=given.period, limit=limit, integral=integral)
+    if given.speed_gain is not None:
+        made = replace(made, proportional=(given.speed_gain,) * len(made.proportional))
+    if given.speed_integral is not None and integral:
+        made = replace(made, integral=(given.speed_integral,) * len(made.integral))
+    return made
+
+
+def _rotor(given: Following, chosen: DriveSet | None) -> float:
+    """Inertia of a motor set at its wheel [kg*m^2]: given, or as far as it is known."""
+    if given.rotor_inertia is not None:
+        return given.rotor_inertia
+    if chosen is None:
+        return 0.0
+    parts = (chosen.motor.rotor_inertia, chosen.gearhead.inertia)
+    return chosen.total_ratio**2 * sum(one for one in parts if one == one)
+
+
+def _strongest(chosen: DriveSet | None) -> float:
+    """Largest torque of a motor set at its wheel [N*m]: at the controller's peak current, by gearhead and belt."""
+    if chosen is None or chosen.controller is None:
+        return inf
+    at_motor = chosen.controller.peak_current * chosen.motor.torque_constant
+    at_wheel = at_motor * chosen.total_ratio * chosen.gearhead.efficiency * chosen.belt_efficiency
+    return at_wheel if at_wheel == at_wheel else inf
+
+
+def _fastest(found: Driving) -> float:
+    x, y, _ = found.trajectory.velocity
+    return float((x**2 + y**2).max() ** 0.5)
+
+
+def assumed(found: Driving) -> tuple[str, ...]:
+    """What the runs rest on, as sentences."""
+    given = _section(found).following
+    period, poses = (show(value, "ms", "time") for value in (given.period, given.pose_period))
+    slip = show(given.slip_speed, "mm/s", "speed") + (
+        f" and {given.creep:g} of the rolling speed" * (given.creep > 0.0)
+    )
+    return (
+        "slip, resistances and the controllers of the wheels are simulated; stiction, roller gaps, noise of encoders "
+        "and poses, the voltage limit and the lag of the current loops are not",
+        f"speed loops of {period} by the symmetrical optimum where no gain is given, poses every {poses}; slip meets "
+        f"the grip at {slip}",
+        "the platform differs from its model as platform.misjudged says, and by slip and resistance",
+    )

@@ -1,0 +1,8 @@
+"""Files in and out: text, CSV and YAML read strictly, outputs written whole or not at all, caches.
+
+May import: errors, ranges, units.
+"""
+
+from __future__ import annotations
+
+__all__: list[str] = []

@@ -1,0 +1,140 @@
+"""Plain functions on arrays as machine code, where numba is installed, and where that code is kept.
+
+Compiled code is kept in a folder named by the digest of all files that it is made from and numba's version, so that
+old code is never met; where that cannot be written it is compiled in memory at every start. It runs without the
+interpreter's lock: threads run beside each other.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import warnings
+from collections.abc import Callable, Sequence
+from importlib import metadata
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any, NamedTuple
+
+from drivesizer.errors import reason_of
+from drivesizer.files.cache import CacheWarning, digest_of, folder
+
+__all__ = ["Kernel", "SlowWarning", "defined_in", "files_of", "machine_code", "translated"]
+
+
+class SlowWarning(UserWarning):
+    """Something runs uncompiled."""
+
+
+class Kernel(NamedTuple):
+    """What becomes one piece of machine code."""
+
+    functions: tuple[Callable[..., Any], ...]  # each calls only those before it; the last one is called from outside
+    modules: tuple[ModuleType, ...]  # where they and their constants stand
+    inline: bool  # whether each is made part of those that call it: faster, and longer to compile
+    slow: str  # what is said without numba
+
+    @property
+    def kept(self) -> bool:
+        """Whether it was compiled before by this numba; without numba it never is."""
+        try:
+            place = self._place(metadata.version("numba"))
+        except metadata.PackageNotFoundError:
+            return False
+        return place.is_dir() and any(place.rglob("*.nbc"))
+
+    def _place(self, version: str) -> Path:
+        made_from = (path.read_bytes() for path in files_of(self))
+        return folder() / "kernels" / digest_of(version.encode(), *made_from)
+
+    def folder(self, version: str) -> Path | None:
+        """Where compiled code is kept; None where nothing can be written."""
+        place = self._place(version)
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=place):
+                return place
+        except OSError:
+            return None
+
+
+def files_of(kernel: Kernel) -> list[Path]:
+    """Files that machine code is made from."""
+    return [Path(str(module.__file__)) for module in kernel.modules]
+
+
+def defined_in(modules: Sequence[ModuleType]) -> tuple[FunctionType, ...]:
+    """The functions that modules define, in their order."""
+    return tuple(
+        f for m in modules for f in vars(m).values() if isinstance(f, FunctionType) and f.__module__ == m.__name__
+    )
+
+
+def machine_code(kernel: Kernel) -> Callable[..., int]:
+    """The last function of a kernel as machine code; as plain Python without numba.
+
+    Warns
+    -----
+    SlowWarning
+        When numba is not installed.
+    CacheWarning
+        Once it is compiled, when it cannot be kept.
+    """
+    try:
+        import numba
+    except ImportError:
+        warnings.warn(kernel.slow, SlowWarning, stacklevel=3)
+        plain: Callable[..., int] = kernel.functions[-1]
+        return plain
+    config: Any = numba.config
+    place, before = kernel.folder(numba.__version__), config.CACHE_DIR
+    try:
+        config.CACHE_DIR = str(place or before)
+        made = translated(kernel, numba.njit, keep=place is not None)
+    finally:
+        config.CACHE_DIR = before
+    if place is not None:
+        _goes_on_without(made._cache, place)
+    compiled: Callable[..., int] = made
+    return compiled
+
+
+def _goes_on_without(cache: Any, place: Path) -> None:
+    """Let what numba cannot keep, such as on a full disk, be told and not stop what it compiled for."""
+    save = cache.save_overload
+
+    def kept_or_told(*given: Any) -> None:
+        try:
+            save(*given)
+        except OSError as error:
+            warnings.warn(f"the compiled march is not kept in {place} ({reason_of(error)})", CacheWarning, stacklevel=2)
+
+    cache.save_overload = kept_or_told
+
+
+def translated(kernel: Kernel, njit: Any, keep: bool) -> Any:
+    """Every function as a compiler makes it; in a space of names of their own they see each other, not the plain ones.
+
+    Parameters
+    ----------
+    kernel
+        What is compiled.
+    njit
+        numba's, or what stands in for it.
+    keep
+        Whether the last one is kept in the cache folder.
+
+    Returns
+    -------
+    The last function.
+    """
+    names: dict[str, Any] = {}
+    for module in kernel.modules:
+        names |= vars(module)
+    # nothing is allocated inside: without counting references (_nrt) a call costs less than its work
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
+    inner: dict[str, Any] = {"no_cpython_wrapper": True} | ({"forceinline": True} if kernel.inline else {})
+    for function in kernel.functions:
+        more = {"cache": keep} if function is kernel.functions[-1] else inner
+        alike = FunctionType(function.__code__, names, function.__name__)
+        names[function.__name__] = njit(**options, **more)(alike)
+    return names[kernel.functions[-1].__name__]

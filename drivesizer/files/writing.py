@@ -1,0 +1,240 @@
+"""Files written whole or not at all.
+
+Content goes to a temporary file in the target's folder, which then takes the target's place in one step: a
+full disk, a missing permission or an interruption leaves what was there before. Of several files either none is
+changed or, when the interruption comes while they take their places, all are. Only a regular file is ever replaced, and
+never one that was read: a link is followed, and into a device, a pipe or the standard output is written as it stands.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+import sys
+from collections.abc import Iterable, Mapping
+from itertools import count
+from pathlib import Path
+from typing import NamedTuple
+
+from drivesizer.errors import InputError, reason_of
+from drivesizer.files.text import was_read
+
+__all__ = ["new", "put", "ready", "ready_all", "remove_all"]
+
+
+class _Waiting(NamedTuple):
+    """Content that lies beside its target until all is there."""
+
+    temporary: Path
+    target: Path
+
+
+def ready(path: Path) -> None:
+    """Refuse a target that cannot work before time is spent on its content.
+
+    Raises
+    ------
+    InputError
+        When the folder does not exist, when the target is a folder or protected or cannot be written into, or when it
+        is what was read in this run, through whatever link.
+    """
+    try:
+        found = _status(path)
+        folder = path.resolve().parent if path.is_symlink() else path.parent
+        if found is None and not folder.is_dir():
+            raise InputError(f"{path}: cannot be written, there is no folder {folder}")
+    except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: a loop of links; ValueError: a null character
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: cannot be written ({reason_of(error)})") from None
+    if found is None:
+        return
+    if stat.S_ISDIR(found.st_mode):
+        raise InputError(f"{path}: cannot be written, it is a folder")
+    if stat.S_ISSOCK(found.st_mode) or stat.S_ISBLK(found.st_mode):
+        raise InputError(
+            f"{path}: cannot be written, it is no file; expected a file, a device such as /dev/null, a pipe"
+        )
+    if stat.S_ISREG(found.st_mode) and (name := was_read(path)):
+        also = "" if name == path.absolute() else f" (as {name})"
+        raise InputError(f"{path}: cannot be written, it is read in the same run{also}; expected another file")
+    if not os.access(path, os.W_OK):
+        raise InputError(f"{path}: cannot be written, it is protected against that")
+
+
+def ready_all(paths: Iterable[Path]) -> None:
+    """Refuse targets of which one cannot work, or of which two are one file; see :func:`ready`."""
+    behind: dict[Path, Path] = {}
+    for path in paths:
+        ready(path)
+        first = behind.setdefault(path.resolve(), path)
+        if first is not path and not _is_open_end(_status(path)):
+            raise InputError(f"{path}: would be written twice{'' if first == path else f', as {first} too'}; "
+                             "expected another name")  # fmt: skip
+
+
+def remove_all(paths: Iterable[Path]) -> None:
+    """Take away earlier outputs, as far as they are there; none of them where one was read in this run.
+
+    Raises
+    ------
+    InputError
+        When one of them was read, or cannot be removed.
+    """
+    paths = list(paths)
+    for path in paths:
+        if was_read(path):
+            raise InputError(f"{path}: cannot be removed, it is read in the same run; expected another folder")
+    for path in paths:
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be removed ({reason_of(error)})") from None
+
+
+def put(files: Mapping[Path, bytes]) -> list[Path]:
+    """Write files; no target is touched before the content of all of them is on the disk.
+
+    Parameters
+    ----------
+    files
+        Content by path.
+
+    Returns
+    -------
+    list[Path]
+        The paths, in order.
+
+    Raises
+    ------
+    InputError
+        When a file cannot be written.
+    """
+    ready_all(files)
+    waiting: list[_Waiting] = []
+    complete, path = False, Path()
+    try:
+        streams = [path for path in files if _is_open_end(_status(path))]
+        for path, content in files.items():
+            if path not in streams:
+                _lay_by(path.resolve(), content, waiting)  # a link stays a link, the file behind it changes
+        for path in streams:
+            _pour(path, files[path])
+        complete = True
+        _take_places(waiting)
+    except OSError as error:
+        path = waiting[0].target if complete else path
+        raise InputError(f"{path}: cannot be written ({reason_of(error)})") from None
+    except KeyboardInterrupt:
+        if complete:
+            _take_places(waiting)
+        raise
+    finally:
+        for temporary, _ in waiting:
+            temporary.unlink(missing_ok=True)
+    return list(files)
+
+
+def new(path: Path, content: bytes) -> None:
+    """Write a file where none is yet, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        When something is there, which is left alone, or the file cannot be written.
+    """
+    try:
+        with path.open("xb") as stream:
+            try:
+                stream.write(content)
+                stream.flush()
+            except BaseException:
+                path.unlink()
+                raise
+    except FileExistsError:
+        raise InputError(f"{path}: the file exists and is left alone; name another with -o") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be written ({reason_of(error)})") from None
+
+
+# --- what a target is ------------------------------------------------------------------------------------------------
+
+
+def _status(path: Path) -> os.stat_result | None:
+    """What lies behind a path, None where nothing does."""
+    try:
+        return path.stat()
+    except FileNotFoundError:
+        return None
+
+
+def _is_open_end(found: os.stat_result | None) -> bool:
+    """Whether a target is written into as it stands: a device, a pipe, or where this process's own output goes."""
+    if found is None:
+        return False
+    return stat.S_ISCHR(found.st_mode) or stat.S_ISFIFO(found.st_mode) or _own_stream(found) is not None
+
+
+def _own_stream(found: os.stat_result) -> int | None:
+    """The number of the standard stream, output or error, that goes to a file; None where none does."""
+    for number in (1, 2):
+        try:
+            if os.path.samestat(os.fstat(number), found):
+                return number
+        except OSError:  # closed
+            continue
+    return None
+
+
+def _pour(path: Path, content: bytes) -> None:
+    """Write into a device, a pipe that somebody reads, or a standard stream, after what was printed before."""
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    number = _own_stream(path.stat())
+    if number is None:
+        handle = os.open(path, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
+        os.set_blocking(handle, True)
+    else:
+        handle = os.dup(number)
+    try:
+        rest = memoryview(content)
+        while rest:
+            rest = rest[os.write(handle, rest) :]
+    finally:
+        os.close(handle)
+
+
+# --- files -----------------------------------------------------------------------------------------------------------
+
+
+def _lay_by(target: Path, content: bytes, waiting: list[_Waiting]) -> None:
+    """Write content to a temporary file beside its target, and remember it from before it is there."""
+    for number in count(len(waiting)):
+        # Named by the process, so that two runs do not meet; a run that was killed may have left such a name.
+        temporary = target.parent / f".drivesizer-{os.getpid()}-{number}.part"
+        waiting.append(_Waiting(temporary, target))
+        try:
+            stream = temporary.open("xb")  # opened new, so that it has the usual permissions
+        except FileExistsError:
+            waiting.pop()
+            continue
+        with stream:
+            stream.write(content)
+        _as_before(temporary, target)
+        return
+
+
+def _as_before(temporary: Path, target: Path) -> None:
+    """Give a file the permissions of the one that it replaces."""
+    found = _status(target)
+    if found is not None:
+        temporary.chmod(stat.S_IMODE(found.st_mode))
+
+
+def _take_places(waiting: list[_Waiting]) -> None:
+    """Let complete files take their targets' places, and forget them: their names may be another run's by then."""
+    while waiting:
+        temporary, target = waiting[0]
+        if temporary.exists():  # else an interruption came right after it took its place
+            temporary.replace(target)
+        waiting.pop(0)

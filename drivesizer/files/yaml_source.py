@@ -1,0 +1,200 @@
+"""YAML text to plain data, strictly, and back from a field's path to its line.
+
+YAML 1.2 core scalars only (``on`` is text, ``27:1`` is text), unique keys, no anchors, aliases, tags or second
+documents, no characters that steer a terminal, bounded size, depth and number of keys: what a hostile or careless file
+can do is a one-line error. The parsing is
+libyaml's; only the building of the data is ours, because positions and strictness are what PyYAML's
+constructor does not keep.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from drivesizer.errors import InputError, printable, quoted
+from drivesizer.files.text import read_text
+
+__all__ = ["Path_", "YamlSource", "read"]
+
+Path_ = tuple[str | int, ...]  # keys and indices from the top of the document to a field
+
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_DEEPEST = 20
+_MOST_KEYS = 10_000  # of one group of fields
+_LARGEST = 2_000_000  # bytes: what is long stands in a CSV file beside it
+_NULL = {"", "~", "null", "Null", "NULL"}
+_BOOL = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+_INT = re.compile(r"[-+]?[0-9]+", re.ASCII)
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?", re.ASCII)
+# controls but tab and line feed, ends of line of other scripts, and what turns the direction of writing
+_UNSEEN = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ufff9-\ufffb\ud800-\udfff]"
+)
+
+
+class YamlSource:
+    """A YAML document: its data, and the line of any field in it."""
+
+    def __init__(self, text: str, name: str) -> None:
+        self.text = text
+        self.name = name
+        self.data = _build(text, name, lambda path, line: None)
+        self._lines: dict[Path_, int] = {}
+
+    def line(self, path: Path_) -> int | None:
+        """Line of the field at a path, or of the nearest field above it that exists (read again when first asked)."""
+        if not self._lines:
+            _build(self.text, self.name, self._lines.setdefault)
+        for length in range(len(path), 0, -1):
+            if path[:length] in self._lines:
+                return self._lines[path[:length]]
+        return None
+
+    def where(self, path: Path_) -> str:
+        """``file:line: field.path`` as it stands at the head of a message."""
+        line = self.line(path)
+        place = f"{self.name}:{line}" if line else self.name
+        field = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{p}" for p in path).lstrip(".")
+        return f"{place}: {printable(field)}" if field else place
+
+
+def read(path: Path, largest: int = _LARGEST) -> YamlSource:
+    """Read a YAML file of at most `largest` bytes.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, is too large, is not UTF-8, or is not the YAML that is accepted here.
+    """
+    return YamlSource(read_text(path, largest), str(path))
+
+
+def _scalar(event: Any) -> Any:
+    value = event.value
+    if event.style:  # quoted or a block
+        return value
+    if value in _NULL:
+        return None
+    if value in _BOOL:
+        return _BOOL[value]
+    if _INT.fullmatch(value):
+        return value if len(value) > 1 and value[0] == "0" else int(value) if len(value) < 300 else value
+    if _FLOAT.fullmatch(value) and math.isfinite(float(value)):
+        return float(value)
+    return value
+
+
+def _events(text: str, name: str) -> Iterator[Any]:
+    try:
+        yield from yaml.parse(text, Loader=_LOADER)
+    except yaml.reader.ReaderError as error:
+        line = text.encode()[: error.position].count(b"\n") + 1  # libyaml counts bytes
+        raise InputError(f"{name}:{line}: the character {error.character!r} is not allowed in YAML") from None
+    except yaml.MarkedYAMLError as error:
+        raise InputError(f"{name}:{_not_yaml(error, text)}") from None
+
+
+def _not_yaml(error: yaml.MarkedYAMLError, text: str) -> str:
+    """Line and reason of what is no YAML; of a quote or bracket that is left open, the line that opens it."""
+    lines = text.splitlines()
+    here = error.problem_mark or error.context_mark
+    problem, at = error.problem or "unreadable", here.line if here else 0
+    if at >= len(lines) and error.context_mark:  # the file ends in the middle of something
+        at, problem = error.context_mark.line, f"{problem} {error.context or ''}, which begins here".replace(" ,", ",")
+    at = min(at, max(len(lines) - 1, 0))
+    hint = "; indent with blanks, not tabs" if lines and "\t" in lines[at] else ""
+    return f"{at + 1}: not YAML: {problem}{hint}"
+
+
+def _build(text: str, name: str, note: Callable[[Path_, int], object]) -> Any:
+    """Data from events; ``note`` is told the path and line of every field."""
+    builder = _Builder(name, note)
+    for event in _events(text, name):
+        builder.take(event)
+    return builder.root
+
+
+class _Builder:
+    """Puts YAML events together to dicts, lists and scalars, and refuses what is not used here."""
+
+    def __init__(self, name: str, note: Callable[[Path_, int], object]) -> None:
+        self.name = name
+        self.note = note
+        self.root: Any = None
+        self.documents = 0
+        self.open: list[tuple[Any, Path_]] = []  # containers that are not closed yet, with their paths
+        self.keys: list[str | None] = []  # for each open mapping, the key that waits for its value
+
+    def fail(self, event: Any, message: str) -> InputError:
+        return InputError(f"{self.name}:{event.start_mark.line + 1}: {message}")
+
+    def take(self, event: Any) -> None:
+        self.check(event)
+        match type(event).__name__:
+            case "MappingEndEvent":
+                self.open.pop()
+                self.keys.pop()
+            case "SequenceEndEvent":
+                self.open.pop()
+            case _ if self.keys and isinstance(self.open[-1][0], dict) and self.keys[-1] is None:
+                self.keys[-1] = self.key(event)
+            case "ScalarEvent":
+                self.place(_scalar(event), event)
+            case "MappingStartEvent":
+                self.start({}, event)
+                self.keys.append(None)
+            case "SequenceStartEvent":
+                self.start([], event)
+
+    def check(self, event: Any) -> None:
+        if isinstance(event, yaml.DocumentStartEvent):
+            self.documents += 1
+            if self.documents > 1:
+                raise self.fail(event, "a second document (---) starts; expected one")
+        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
+            raise self.fail(event, "anchors and aliases (& and *) are not used here; quote text that starts with them")
+        if getattr(event, "tag", None) and event.tag != "!":
+            raise self.fail(event, f"the tag {quoted(event.tag)} is not used here")
+        if unseen := _UNSEEN.search(getattr(event, "value", "")):
+            raise self.fail(event, f"the character {unseen[0]!r} is not used here; expected text as it is printed")
+
+    def start(self, container: Any, event: Any) -> None:
+        if len(self.open) >= _DEEPEST:
+            raise self.fail(event, f"nested deeper than {_DEEPEST} levels")
+        self.open.append((container, self.place(container, event)))
+
+    def key(self, event: Any) -> str:
+        if type(event).__name__ != "ScalarEvent":
+            raise self.fail(event, "a key must be plain text")
+        container, path = self.open[-1]
+        key = str(event.value)
+        if key == "<<":
+            raise self.fail(event, "merge keys (<<) are not used here; write the fields out")
+        if key in container:
+            raise self.fail(event, f"the key {quoted(key)} is given twice")
+        if len(container) == _MOST_KEYS:
+            raise self.fail(event, f"more than {_MOST_KEYS} keys in one group of fields; expected fewer")
+        self.note((*path, key), event.start_mark.line + 1)
+        return key
+
+    def place(self, value: Any, event: Any) -> Path_:
+        """Put a value where it belongs; its path."""
+        if not self.open:
+            self.root = value
+            return ()
+        container, path = self.open[-1]
+        if isinstance(container, list):
+            container.append(value)
+            path = (*path, len(container) - 1)
+        else:
+            container[self.keys[-1]] = value
+            path = (*path, self.keys[-1] or "")
+            self.keys[-1] = None
+        self.note(path, event.start_mark.line + 1)
+        return path

@@ -1,0 +1,144 @@
+r"""What a load is to a shaft that turns freely: for the closed loop, where nobody knows beforehand how it will turn.
+
+A load cycle says what torque a motion takes; in closed loop the motion is what comes out. So the load is taken apart
+into what depends on the shaft alone and what is left over time:
+
+.. math:: T = J \dot w + T_{dir} + T_r(t)
+
+J is the inertia at the shaft. T_dir are three constants, at the start of the motion: creeping forward, creeping
+backward and at rest; between the latter two friction holds. They are asked of the load's own function, so that no
+formula stands here again. T_r is what the cycle asks beyond both where the load is on its way, such as the changing
+weight of a swinging arm, wind, or losses of a screw's acceleration; it acts at its time, whatever the drive does.
+Convention: as in ``load_cycle``; torque is positive when it resists forward motion.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.errors import InputError
+from drivesizer.loads import load_cycle, of_course
+from drivesizer.loads.course import Course
+from drivesizer.loads.profile import Profile, profile_of
+from drivesizer.loads.wheel import WheelLoad
+from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.spec.loads import Hoist, Recorded
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["AtShaft", "asked_of", "at_shaft", "remaining_torque"]
+
+_CREEP = 1e-9  # m/s or rad/s: no drag to speak of, and a direction
+_NOTHING = 1e-12  # of the largest torque: what rounding leaves
+
+
+class AtShaft(NamedTuple):
+    """A load seen from the driven shaft of one motor set."""
+
+    inertia: float  # kg*m^2
+    radius: float  # m, way of the load per angle of the shaft; 1 where it turns with it
+    forward_torque: float  # N*m that resists when it creeps forward
+    backward_torque: float  # N*m, the same backward: below the forward one by friction
+    rest_torque: float  # N*m without friction: weight
+
+
+@np.errstate(all="ignore")  # what leaves the range of numbers is refused with the drive train
+def at_shaft(spec: RobotSpec) -> AtShaft:
+    """The load of a spec as a shaft feels it.
+
+    Raises
+    ------
+    InputError
+        When a figure leaves the range of numbers that can be computed with.
+    """
+    load, added = spec.load, spec.belt.inertia if spec.belt else 0.0
+    if isinstance(load, Recorded):
+        rolling = load.rolling_torque if isinstance(load, WheelLoad) else 0.0
+        return AtShaft(load.shaft_inertia + added, 1.0, rolling, -rolling, 0.0)
+    forward, rest = _creeping(spec, _CREEP), _creeping(spec, 0.0)
+    found = (_first(forward), _backward(spec), _first(rest))
+    return AtShaft(forward.inertia + added, forward.radius, *found)
+
+
+def _creeping(spec: RobotSpec, speed: float) -> LoadCycle:
+    """A second at a speed, from where the motion starts."""
+    ends = np.full((1, 2), speed)
+    return of_course(spec, Course("creeping", np.ones(1), np.array([[0.0, speed]]), ends, np.zeros((1, 2))))
+
+
+def _first(cycle: LoadCycle) -> float:
+    return float(cycle.torque[0, 0])
+
+
+def _backward(spec: RobotSpec) -> float:
+    try:
+        return _first(_creeping(spec, -_CREEP))
+    except InputError:
+        if not isinstance(spec.load, Hoist):
+            raise
+        return 0.0  # friction outweighs the load: its rope hangs slack and pulls with nothing
+
+
+def asked_of(spec: RobotSpec) -> Profile:
+    """The motion that a spec asks for; that of the shaft where the load is a recording.
+
+    Raises
+    ------
+    InputError
+        When its figures cannot be computed with, or its file is wrong.
+    """
+    if not isinstance(spec.load, Recorded):
+        return profile_of(spec)
+    cycle = load_cycle(spec)
+    time = np.append(cycle.time[:, 0], cycle.total)
+    speed = np.append(cycle.speed[:, 0], cycle.speed[-1, 1])
+    return Profile(cycle.name, tuple(time.tolist()), tuple(speed.tolist()))
+
+
+def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArray[np.float64]:
+    """What a motion takes beyond inertia and the constants of its direction.
+
+    Parameters
+    ----------
+    spec, profile, shaft
+        The machine, its motion, and what its load is to a freely turning shaft.
+
+    Returns
+    -------
+    array
+        Rows of time, as the profile counts it [s], and torque [N*m], times rising; none where nothing is left. A jump
+        is two rows, the first as late as numbers permit.
+
+    Raises
+    ------
+    InputError
+        When a figure leaves the range of numbers that can be computed with.
+    """
+    cycle = load_cycle(spec, None if isinstance(spec.load, Recorded) else profile)
+    direction = np.sign(cycle.speed.mean(axis=1, keepdims=True))
+    known = np.where(direction > 0.0, shaft.forward_torque, shaft.backward_torque)
+    known = np.where(direction == 0.0, shaft.rest_torque, known) + shaft.inertia * cycle.acceleration
+    largest = float(np.abs(cycle.torque).max() + np.abs(known).max())
+    left = cycle.torque - known
+    left[np.abs(left) <= _NOTHING * largest] = 0.0
+    if not left.any():
+        return np.empty((0, 2))
+    level = np.abs(left[:, 1] - left[:, 0]) <= _NOTHING * largest
+    left[level, 1] = left[level, 0]
+    edges = profile.time[0] + np.concatenate([[0.0], np.cumsum(cycle.duration)])
+    return _corners(edges, left, _NOTHING * largest)
+
+
+def _corners(edges: NDArray[np.float64], value: NDArray[np.float64], small: float) -> NDArray[np.float64]:
+    """Segments with two ends as rows of rising time; where the ends of two segments meet, one row is enough."""
+    time = np.stack([edges[:-1], edges[1:]], axis=1)
+    meets = np.append(np.abs(value[1:, 0] - value[:-1, 1]) <= small, False)
+    time[:-1, 1] = np.maximum(np.nextafter(time[:-1, 1], -math.inf), time[:-1, 0])
+    kept = np.stack([np.ones(len(meets), bool), ~meets], axis=1).ravel()
+    rows: NDArray[np.float64] = np.stack([time, value], axis=2).reshape(-1, 2)[kept]
+    rises = np.append(np.diff(rows[:, 0]) > 0.0, True)
+    found: NDArray[np.float64] = rows[rises]
+    return found  # a segment too short for its times to differ: its end

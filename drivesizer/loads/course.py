@@ -1,0 +1,106 @@
+"""How a load moves over one cycle: position, speed and acceleration over segments, for the loads to make torque of.
+
+Along a line in metres or about an axis in radians, as the load moves; positions count from the start of the cycle.
+Symbols: s position [m or rad], v speed [m/s or rad/s], a acceleration [m/s^2 or rad/s^2], r radius [m].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.loads.profile import Profile
+from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, cut_points
+
+__all__ = ["Course", "course"]
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """Columns over segments; each quantity has its values at both ends, with straight lines between for v and a."""
+
+    name: str
+    duration: NDArray[np.float64]  # s
+    position: Ends
+    speed: Ends
+    acceleration: Ends
+
+    @property
+    def direction(self) -> NDArray[np.float64]:
+        """Sign of the speed within each segment, 0 at rest: shape (segments, 1)."""
+        direction: NDArray[np.float64] = np.sign(self.speed.mean(axis=1, keepdims=True))
+        return direction
+
+    def split(self) -> Course:
+        """The same course, cut where it turns round: within a segment the direction is one."""
+        pieces, shares, speed = cut_points(self.speed)
+        cut = Course(self.name, self.duration, self.position, speed, self.acceleration)._in_pieces(pieces, shares)
+        turns = np.flatnonzero(pieces == 2)
+        first = (np.cumsum(pieces) - pieces)[turns]
+        cut.speed[first, 1] = cut.speed[first + 1, 0] = 0.0  # not what rounding makes of it
+        return cut
+
+    def finer(self, pieces: NDArray[np.int64] | int) -> Course:
+        """The same course with each segment in so many equal pieces, for torques that are not linear in it."""
+        count = np.broadcast_to(np.asarray(pieces, dtype=np.int64), self.duration.shape)
+        return self._in_pieces(count, 1.0 / count)
+
+    def _in_pieces(self, pieces: NDArray[np.int64], shares: NDArray[np.float64]) -> Course:
+        """Each segment in pieces that all take the same share of it, but for the last, which takes the rest."""
+        owner = np.repeat(np.arange(len(pieces)), pieces)
+        place = np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+        start = place * shares[owner]
+        end = np.where(place + 1 == pieces[owner], 1.0, (place + 1) * shares[owner])
+        at = np.stack([start, end], axis=1)
+        left = {name: getattr(self, name)[owner, :1] for name in ("position", "speed", "acceleration")}
+        rise = {name: getattr(self, name)[owner, 1:] - left[name] for name in ("speed", "acceleration")}
+        duration = self.duration[owner]
+        way = duration[:, None] * (left["speed"] * at + rise["speed"] * at**2 / 2)
+        return Course(
+            self.name,
+            duration * (end - start),
+            left["position"] + way,
+            left["speed"] + rise["speed"] * at,
+            left["acceleration"] + rise["acceleration"] * at,
+        )
+
+    def cycle(
+        self, torque: Ends, radius: float = 1.0, *, inertia: float = nan, own: tuple[OwnLimit, ...] = ()
+    ) -> LoadCycle:
+        """The load cycle at a shaft that moves the load at a radius, cut where the direction of power changes.
+
+        Parameters
+        ----------
+        torque
+            That the load takes at the shaft, its inertia included, at both ends of each segment [N*m].
+        radius
+            Way of the load per angle of the shaft [m]; 1 where the load turns with it.
+        inertia
+            Of all that moves, seen at the shaft [kg*m^2].
+        own
+            Limits of the load itself.
+        """
+        speed, acceleration = self.speed / radius, self.acceleration / radius
+        return LoadCycle(self.name, self.duration, speed, acceleration, torque, inertia, own, radius).split()
+
+
+def course(profile: Profile) -> Course:
+    """A profile as columns, cut where it turns round.
+
+    >>> moved = course(Profile("x", (0.0, 2.0, 5.0, 6.0), (0.0, 3.0, 3.0, 0.0)))
+    >>> moved.position[:, 1]
+    array([ 3. , 12. , 13.5])
+    """
+    time, speed = np.array(profile.time), np.array(profile.speed)
+    duration, ends = np.diff(time), np.stack([speed[:-1], speed[1:]], axis=1)
+    if profile.acceleration is None:
+        acceleration = np.repeat(np.diff(ends, axis=1) / duration[:, None], 2, axis=1)
+    else:
+        slope = np.array(profile.acceleration)
+        acceleration = np.stack([slope[:-1], slope[1:]], axis=1)
+    way = np.cumsum(duration * ends.mean(axis=1))
+    position = np.stack([np.concatenate([[0.0], way[:-1]]), way], axis=1)
+    return Course(profile.name, duration, position, ends, acceleration).split()

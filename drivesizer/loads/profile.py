@@ -1,0 +1,291 @@
+r"""Speed profiles: what the load is asked to do over one cycle, as breakpoints with straight lines between.
+
+A profile comes from the spec's motion or from a recorded CSV file. Speeds may be negative (the machine reverses).
+Symbols: t time [s], v speed of the load [m/s, or rad/s where it turns], T_j time of a jerk phase [s].
+
+A ramp with rounded ends raises its acceleration in T_j, holds it, and takes it back in T_j. Its speed is a parabola
+where there is jerk j, and straight lines between points h apart stay within
+
+.. math:: |\Delta v| \le j h^2 / 8, \qquad h = T_j / 32,
+
+of it: 1/4096 of what the speed changes in that phase at first, j T_j^2 / 2. Its distance is exact all the same: what
+the straight lines add where the curve is hollow, they take away where it bulges.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from drivesizer.errors import InputError, quoted
+from drivesizer.files.csv_columns import beside, columns
+from drivesizer.physics.s_curve import fastest_ramp
+from drivesizer.spec.motions import Csv, Harmonic, SCurve, Segments, Trapezoid, Triangle
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = [
+    "SPEED",
+    "Profile",
+    "from_csv",
+    "harmonic",
+    "profile",
+    "profile_of",
+    "s_curve",
+    "segments",
+    "trapezoid",
+    "triangle",
+]
+
+SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
+
+_PIECES = 32  # of a jerk phase
+_QUARTER = 64  # pieces of a quarter of a harmonic period: the speed is off by 7.5e-5 of its peak, 1 - cos(pi/256)
+_Leg = tuple[str, float, float]  # field that gives its time; time [s]; speed at its end
+_Ramp = list[tuple[float, float, float]]
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """Speed over time, piecewise linear."""
+
+    name: str
+    time: tuple[float, ...]  # s, strictly rising
+    speed: tuple[float, ...]  # m/s, or rad/s of a load that turns
+    acceleration: tuple[float, ...] | None = None  # where it is continuous; else that of each straight piece
+
+    @property
+    def duration(self) -> float:
+        """From the first breakpoint to the last [s]."""
+        return self.time[-1] - self.time[0]
+
+    @property
+    def top_speed(self) -> float:
+        """Largest speed in either direction [m/s or rad/s]."""
+        return max(abs(v) for v in self.speed)
+
+    @property
+    def distance(self) -> float:
+        """Way along the profile, there minus back [m or rad]."""
+        return math.fsum((t1 - t0) * (v0 + v1) / 2 for t0, t1, v0, v1 in self.pieces())
+
+    def pieces(self) -> Iterator[tuple[float, float, float, float]]:
+        """The straight pieces: start and end [s], speeds there [m/s or rad/s]."""
+        return zip(self.time, self.time[1:], self.speed, self.speed[1:], strict=False)
+
+
+def trapezoid(motion: Trapezoid) -> Profile:
+    """Accelerate, cruise, decelerate, rest; and the same back, where asked for.
+
+    >>> trapezoid(Trapezoid(speed="1.5 m/s", acceleration_time="2 s", cruise_time="3 s", rest_time="1 s")).time
+    (0.0, 2.0, 5.0, 7.0, 8.0)
+    """
+    legs = (
+        ("acceleration_time", motion.acceleration_time, motion.speed),
+        ("cruise_time", motion.cruise_time, motion.speed),
+        (*_deceleration(motion), 0.0),
+        ("rest_time", motion.rest_time, 0.0),
+    )
+    return _straight("trapezoid", legs, motion.there_and_back)
+
+
+def triangle(motion: Triangle) -> Profile:
+    """Half the time of speeding up, half of slowing down.
+
+    >>> triangle(Triangle(profile="triangle", distance="3 m", time="2 s")).speed
+    (0.0, 3.0, 0.0)
+    """
+    top, half = 2 * motion.distance / motion.time, motion.time / 2
+    legs = (("time", half, top), ("time", half, 0.0), ("rest_time", motion.rest_time, 0.0))
+    return _straight("triangle", legs, motion.there_and_back)
+
+
+def segments(motion: Segments) -> Profile:
+    """Straight pieces as they are listed."""
+    legs: list[_Leg] = []
+    for number, segment in enumerate(motion.segments, 1):
+        speed = segment.to if segment.to is not None else legs[-1][2] if legs else 0.0
+        legs.append((f"segments[{number}].time", segment.time, speed))
+    return _straight("segments", legs)
+
+
+def s_curve(motion: SCurve) -> Profile:
+    """The fastest way from rest to rest within limits of speed, acceleration and jerk; and back, where asked for.
+
+    >>> asked = {"distance": "2 m", "speed": "1 m/s", "acceleration": "2 m/s^2", "jerk": "10 m/s^3"}
+    >>> s_curve(SCurve(profile="s_curve", **asked)).duration
+    2.7
+    """
+    try:
+        jerk_time, hold, cruise = fastest_ramp(motion.distance, motion.speed, motion.acceleration, motion.jerk)
+        speed = motion.distance / (2 * jerk_time + hold + cruise)  # from the times, so that the distance is exact
+        ramp = _ramp(speed, jerk_time, hold)
+    except ArithmeticError:
+        raise InputError("motion.jerk: distance and limits lead beyond the range of numbers to compute with") from None
+    return _curve(ramp, cruise, ramp, motion, "jerk")
+
+
+def _rounded(motion: Trapezoid) -> Profile:
+    """A trapezoid with rounded ramps: the same distance, times and top speed.
+
+    Each ramp is all jerk, up and back: in the time T of a straight one the acceleration reaches 2 v / T at its middle,
+    twice that of the straight one, with the jerk 4 v / T^2.
+    """
+    field, down = _deceleration(motion)
+    ramps = [_ramp(motion.speed, time / 2, 0.0) for time in (motion.acceleration_time, down)]
+    return _curve(ramps[0], motion.cruise_time, ramps[1], motion, field)
+
+
+def harmonic(motion: Harmonic) -> Profile:
+    """One period of a sine, from one end; speed and acceleration meet their peaks at breakpoints.
+
+    The way between the ends is short by 5e-5 of it (a chord lies below its arc); over the period it is 0.
+    """
+    omega, n = 2 * math.pi / motion.period, _QUARTER
+    rising = [math.sin(math.pi / 2 * k / n) for k in range(n)]
+    half = [*rising, 1.0, *rising[:0:-1]]  # mirrored, so that the load stands exactly where it turns round
+    sine = [*half, *(-s for s in half)]
+    time = tuple(motion.period * k / (4 * n) for k in range(4 * n + 1))
+    speed = tuple(motion.amplitude * omega * sine[k % (4 * n)] for k in range(4 * n + 1))
+    slope = tuple(motion.amplitude * omega * omega * sine[(k + n) % (4 * n)] for k in range(4 * n + 1))
+    return _checked(Profile("harmonic", time, speed, slope), "period")
+
+
+def _deceleration(motion: Trapezoid) -> tuple[str, float]:
+    """The field that gives the time of deceleration, and the time [s]."""
+    if motion.deceleration_time is None:
+        return "acceleration_time", motion.acceleration_time
+    return "deceleration_time", motion.deceleration_time
+
+
+def _straight(name: str, legs: Sequence[_Leg], there_and_back: bool = False) -> Profile:
+    """Straight lines from standstill, and their mirror image; a leg without length leaves no breakpoint."""
+    back = [(field, duration, -to) for field, duration, to in legs if there_and_back]
+    time, speed = [0.0], [0.0]
+    for field, duration, to in (*legs, *back):
+        end, change = time[-1] + duration, to - speed[-1]
+        slope = change / duration if duration else 0.0
+        if not all(map(math.isfinite, (end, slope, (speed[-1] + to) * duration))):
+            raise InputError(f"motion.{field}: {duration:g} s leads beyond the range of numbers to compute with")
+        if end > time[-1]:
+            time.append(end)
+            speed.append(to)
+        elif change:
+            raise InputError(f"motion.{field}: {duration:g} s is too short beside the {end:g} s before it")
+    if not any(speed):
+        raise InputError(f"motion.{legs[0][0]}: the speed is too small a number to compute with")
+    return Profile(name, tuple(time), tuple(speed))
+
+
+def _curve(rising: _Ramp, cruise: float, down: _Ramp, motion: SCurve | Trapezoid, field: str) -> Profile:
+    """A ramp, a cruise, a ramp seen from its end, a rest; the way back where it is asked for."""
+    falling = down[::-1]
+    start = rising[-1][0] + cruise
+    points = rising + [(start + (falling[0][0] - t), v, -a) for t, v, a in falling[start == rising[-1][0] :]]
+    end = points[-1][0] + motion.rest_time
+    if end > points[-1][0]:
+        points.append((end, 0.0, 0.0))
+    if motion.there_and_back:
+        points += [(points[-1][0] + t, -v, -a) for t, v, a in points[1:]]
+    return _checked(Profile("s-curve", *zip(*points, strict=True)), field)
+
+
+def _ramp(speed: float, jerk_time: float, hold: float) -> _Ramp:
+    """From standstill to a speed: time, speed and acceleration at the breakpoints of a rounded ramp."""
+    top = speed / (jerk_time + hold)
+    end = 2 * jerk_time + hold
+    rise = [(jerk_time * k / _PIECES, top * k / _PIECES) for k in range(_PIECES + 1)]
+    first = [(t, a * t / 2, a) for t, a in rise]
+    last = [(end - t, speed - a * t / 2, a) for t, a in reversed(rise)]
+    return first + last[last[0][0] <= first[-1][0] :]
+
+
+def _checked(profile: Profile, field: str) -> Profile:
+    """The profile, when its numbers can be computed with."""
+    figures = (*profile.time, *profile.speed, *(profile.acceleration or ()))
+    if not all(map(math.isfinite, figures)) or not profile.top_speed > 0.0:
+        raise InputError(f"motion.{field}: leads beyond the range of numbers to compute with")
+    if any(t1 <= t0 for t0, t1, _, _ in profile.pieces()):
+        raise InputError(f"motion.{field}: a part of the motion is too short beside its {profile.duration:g} s")
+    return profile
+
+
+_MADE: dict[str, Callable[[Any], Profile]] = {
+    "trapezoid": trapezoid,
+    "triangle": triangle,
+    "s_curve": s_curve,
+    "harmonic": harmonic,
+    "segments": segments,
+}
+
+
+def profile_of(spec: RobotSpec) -> Profile:
+    """The spec's motion as a profile.
+
+    Raises
+    ------
+    InputError
+        When its figures cannot be computed with, or its file is wrong.
+    """
+    motion = spec.motion
+    if motion is None:
+        raise InputError(f"motion: a {spec.load.kind} load brings its own; there is no profile of it")
+    if isinstance(motion, Csv):
+        path = beside(spec.file, motion.file, spec.where(("motion", "file")))
+        return replace(from_csv(path, _kind(spec)), name=motion.file)
+    return _MADE[motion.profile](motion)
+
+
+def profile(spec: RobotSpec, name_or_file: str) -> Profile:
+    """The profile that a name or a file stands for.
+
+    Parameters
+    ----------
+    spec
+        What is moved, and its motion.
+    name_or_file
+        The kind of the spec's motion, such as ``trapezoid``; ``s-curve`` also for a trapezoid, which then
+        has rounded ramps; or a file that ends in ``.csv``.
+
+    Raises
+    ------
+    InputError
+        When it is none of them, or the file is wrong.
+    """
+    names, own = [_shown(kind) for kind in _MADE], _shown(spec.motion.profile if spec.motion else spec.load.kind)
+    if name_or_file.lower().endswith(".csv"):
+        return from_csv(name_or_file, _kind(spec))
+    if name_or_file not in names:
+        raise InputError(
+            f"profile {quoted(name_or_file)} is not known; expected {', '.join(names)} or a file that ends in .csv"
+        )
+    if name_or_file == own:
+        return profile_of(spec)
+    if name_or_file == "s-curve" and isinstance(spec.motion, Trapezoid):
+        return _rounded(spec.motion)
+    raise InputError(f"profile {quoted(name_or_file)}: the spec's motion is {own}; expected that or a file (.csv)")
+
+
+def from_csv(path: str | Path, kind: str = "speed") -> Profile:
+    """A recorded profile: a file with the columns time and speed, see :func:`recording.columns`.
+
+    Parameters
+    ----------
+    path
+        The file.
+    kind
+        ``speed``, or ``rotary_speed`` of a load that turns.
+    """
+    found = columns(Path(path), {"time": "time", "speed": kind})
+    return Profile(str(path), tuple(found["time"].tolist()), tuple(found["speed"].tolist()))
+
+
+def _shown(kind: str) -> str:
+    """The name of a kind of motion on the command line."""
+    return kind.replace("_", "-")
+
+
+def _kind(spec: RobotSpec) -> str:
+    return "rotary_speed" if spec.load.axis == "rotary" else "speed"

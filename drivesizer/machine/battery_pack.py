@@ -1,0 +1,254 @@
+"""A battery of several cells or blocks, out of a catalogue and the spec: its figures, and how long it lasts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, inf, isnan, nan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer import catalog as parts
+from drivesizer.catalog import Catalog
+from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.physics.battery import capacity_for, peukert_time, table_draw, table_time
+from drivesizer.spec.battery import Battery
+
+__all__ = ["Pack", "Table", "capacity_needed", "pack_of", "run_time", "strings_needed"]
+
+_ONE = (  # figures of one cell or block that spec and catalogue share
+    "nominal_voltage", "charge_voltage", "cutoff_voltage", "capacity", "rated_time", "peukert_exponent", "resistance",
+    "continuous_current", "peak_current", "max_charge_current",
+)  # fmt: skip
+_OWN = {"capacity", "rated_time", "peukert_exponent", "discharge"}  # with one of them the catalogue's table is not used
+_NEARLY = 1e-9  # relative: the same end voltage
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Constant draws of a whole battery and how long they last."""
+
+    held: str  # current or power
+    draw: NDArray[np.float64]  # A or W
+    time: NDArray[np.float64]  # s
+    cutoff_voltage: float  # V of the battery, at which it ends; NaN where it is not said
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pack:
+    """A whole battery; NaN is unknown. Where a battery is sampled, some figures are columns."""
+
+    name: str
+    chemistry: str
+    series: int
+    parallel: int
+    nominal_voltage: float  # V
+    charge_voltage: float
+    cutoff_voltage: float
+    rests: bool  # whether the voltage at rest is known; else it is taken as the nominal one
+    emf_full: float  # V at rest
+    emf_empty: float
+    capacity: float  # A*s as rated
+    health: float  # share of it that is there
+    usable: float  # share of that which may be drawn of a full one
+    start: float  # share of that which is there at the start
+    rated_time: float  # s
+    peukert_exponent: float
+    resistance: float  # ohm
+    polarisation: float  # ohm, 0 where none is given
+    time_constant: float  # s, of the polarisation
+    continuous_current: float  # A
+    peak_current: float
+    max_charge_current: float
+    mass: float  # kg
+    price: float
+    table: Table | None
+
+    @property
+    def energy(self) -> float:
+        """Rated charge times nominal voltage [J]."""
+        return self.capacity * self.nominal_voltage
+
+    @property
+    def mean_voltage(self) -> float:
+        """Voltage by which a power becomes the current of a run time [V].
+
+        The nominal one; of lead-acid the mean of that and the end voltage: 2 V is a cell at rest, not in use. Held
+        against the makers' tables of power and current in ``tests/machine/test_battery_pack.py``.
+        """
+        if self.chemistry != "lead-acid" or _unknown(self.cutoff_voltage):
+            return self.nominal_voltage
+        return 0.5 * (self.nominal_voltage + self.cutoff_voltage)
+
+    @property
+    def available(self) -> float:
+        """Share of the charge that may be drawn from the start on [1]."""
+        return self.usable - (1.0 - self.start)
+
+    def emf(self, charge: Any) -> Any:
+        """Voltage at rest with a share of the charge left [V]."""
+        return self.emf_empty + (self.emf_full - self.emf_empty) * charge
+
+    @property
+    def rule(self) -> str:
+        """What its run times come from, in words; empty where nothing says how they go with the load."""
+        if self.table:
+            return f"discharge table at constant {self.table.held}"
+        if self.peukert:
+            return f"Peukert's law, exponent {self.peukert_exponent:g}"
+        return "rated charge at any current" if self.by_charge else ""
+
+    @property
+    def by_charge(self) -> bool:
+        """Whether a run time follows from the rated charge: by Peukert's law, or at any current."""
+        return self.peukert or self.chemistry in _LITHIUM
+
+    @property
+    def peukert(self) -> bool:
+        """Whether Peukert's law can be computed."""
+        return not _unknown(self.peukert_exponent) and not _unknown(self.rated_time)
+
+
+_LITHIUM = ("Li-ion", "LiFePO4")  # whose charge hardly depends on the current, as long as that is permitted
+
+
+def pack_of(given: Battery, catalog: Catalog) -> Pack:
+    """The battery that a spec describes.
+
+    Parameters
+    ----------
+    given
+        The spec's section; what it gives itself counts before the catalogue's figures.
+    catalog
+        Where its part is listed.
+
+    Raises
+    ------
+    InputError
+        When the catalogues have no such battery.
+    """
+    row = _row(given, catalog)
+    record = catalog.batteries.record(row) if row is not None else parts.Battery()
+    one = {name: _first(getattr(given, name), getattr(record, name)) for name in _ONE}
+    s, p = given.series, given.parallel
+    rest, more = given.open_circuit, given.polarisation
+    return Pack(
+        name=f"{s} x {p} " * (s * p > 1) + (given.part or f"{given.chemistry or chr(32)} battery".strip()),
+        chemistry=given.chemistry or record.chemistry, series=s, parallel=p,
+        nominal_voltage=_times(s, one["nominal_voltage"]), charge_voltage=_times(s, one["charge_voltage"]),
+        cutoff_voltage=_times(s, one["cutoff_voltage"]),
+        rests=rest is not None,
+        emf_full=_times(s, rest.full if rest else one["nominal_voltage"]),
+        emf_empty=_times(s, rest.empty if rest else one["nominal_voltage"]),
+        capacity=p * one["capacity"], health=given.health, usable=given.usable, start=given.start,
+        rated_time=one["rated_time"],
+        peukert_exponent=one["peukert_exponent"], resistance=one["resistance"] * s / p,
+        polarisation=more.resistance * s / p if more else 0.0, time_constant=more.time_constant if more else nan,
+        continuous_current=p * one["continuous_current"], peak_current=p * one["peak_current"],
+        max_charge_current=p * one["max_charge_current"], mass=s * p * _first(given.mass, record.mass),
+        price=s * p * record.price,
+        table=_table(given, catalog, row, one["cutoff_voltage"]),
+    )  # fmt: skip
+
+
+def _times(cells: int, volts: Any) -> Any:
+    """Of cells in series, without what rounding adds: seven cells of 4.2 V are charged at 29.4 V."""
+    return np.round(cells * volts, 9)
+
+
+def _first(own: Any, listed: float) -> Any:
+    return listed if own is None else own
+
+
+def _unknown(value: Any) -> bool:
+    """Of a figure, or of a column over samples."""
+    return bool(np.isnan(value).all())
+
+
+def _row(given: Battery, catalog: Catalog) -> int | None:
+    if given.part is None:
+        return None
+    rows = catalog.batteries.rows
+    if given.part not in rows:
+        names = ", ".join(catalog.digests)
+        hint = nearest(given.part, rows) or "; a catalogue of its maker belongs under select.catalogs"
+        raise InputError(f"battery.part: {quoted(given.part)} is not in {names}{hint}")
+    return rows[given.part]
+
+
+def _table(given: Battery, catalog: Catalog, row: int | None, cutoff: float) -> Table | None:
+    """The discharge table of the whole battery, at its end voltage or the next above; powers before currents."""
+    s, p, health = given.series, given.parallel, given.health
+    if given.discharge:
+        held = "current" if given.discharge[0].power is None else "power"
+        draw, time = (np.array([getattr(run, name) for run in given.discharge], float) for name in (held, "time"))
+        return Table(held, draw * (p * health if held == "current" else s * p * health), time, s * cutoff)
+    if row is None or given.model_fields_set & _OWN:
+        return None
+    own = catalog.discharges.on(catalog.discharges.battery == row)
+    for held, parts_of in (("power", s * p), ("current", p)):
+        draw = getattr(own, held)
+        ends = np.unique(own.cutoff_voltage[~np.isnan(draw)])
+        above = ends[-1:] if isnan(cutoff) else ends[ends >= cutoff * (1.0 - _NEARLY)][:1]
+        if len(above):
+            there = (own.cutoff_voltage == above[0]) & ~np.isnan(draw)
+            return Table(held, draw[there] * parts_of * health, own.time[there], s * float(above[0]))
+    return None
+
+
+def run_time(pack: Pack, power: Any) -> Any:
+    """How long the whole of a full battery lasts at a constant power [s], all of its charge drawn.
+
+    By its discharge table, inside of it; else by Peukert's law at the current P / V of its mean voltage; a lithium
+    battery without an exponent gives its rated charge. Unknown otherwise; without end where nothing is drawn.
+
+    Parameters
+    ----------
+    pack
+        The battery.
+    power
+        At its terminals [W].
+    """
+    current = np.asarray(power, float) / pack.mean_voltage
+    if pack.table:
+        draw = power if pack.table.held == "power" else current
+        found = table_time(np.maximum(draw, 0.0), pack.table.draw, pack.table.time)
+    elif pack.by_charge:
+        found = peukert_time(current, pack.health * pack.capacity, *_law(pack))
+    else:
+        found = np.full_like(current, nan)
+    return np.where(np.asarray(power) <= 0.0, inf, found)[()]
+
+
+def _law(pack: Pack) -> tuple[float, float]:
+    """Rated time [s] and exponent; with an exponent of 1 the time does not matter."""
+    return (pack.rated_time, pack.peukert_exponent) if pack.peukert else (3600.0, 1.0)
+
+
+def capacity_needed(pack: Pack, power: float, time: float) -> float:
+    """Rated capacity of a battery like this one that bears a power for a time, of the share that is available [A*s].
+
+    Parameters
+    ----------
+    pack
+        The battery; one that is larger is thought of as more of it side by side.
+    power
+        Constant [W].
+    time
+        That the share which is available must last for [s].
+    """
+    whole = time / pack.available
+    if power <= 0.0:
+        return 0.0
+    current = power / pack.mean_voltage
+    if pack.table:
+        draw = power if pack.table.held == "power" else current
+        return float(pack.capacity * draw / table_draw(whole, pack.table.draw, pack.table.time))
+    return float(capacity_for(whole, current, *_law(pack)) / pack.health) if pack.by_charge else nan
+
+
+def strings_needed(pack: Pack, needed: float) -> float:
+    """Strings side by side that have a capacity [A*s]; NaN where it is unknown."""
+    share = needed / pack.capacity * pack.parallel
+    return nan if isnan(share) else float(max(1, ceil(share * (1.0 - _NEARLY))))

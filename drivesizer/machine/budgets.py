@@ -1,0 +1,153 @@
+"""The machine with a set in it, against what no choice of motor alone decides: mass, room, footing, grip, battery.
+
+These checks count whatever method ranked: a set that the battery cannot feed for long enough does not stand. With load
+cases the worst of them counts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from math import isnan
+
+import numpy as np
+
+from drivesizer.catalog import Catalog
+from drivesizer.errors import InputError
+from drivesizer.loads import load_cycle
+from drivesizer.loads.platform_wheels import dynamics_of, trajectory_of
+from drivesizer.loads.wheel import machine_cases
+from drivesizer.machine.battery_pack import pack_of
+from drivesizer.machine.energy_budget import energy_budget
+from drivesizer.machine.mass_budget import drive_rows
+from drivesizer.machine.platform_budget import MechanicalBudget, mass_part, platform_part
+from drivesizer.machine.platform_checks import Standing, machine_mass
+from drivesizer.results.check import Check
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.energy import EnergyBudget
+from drivesizer.results.sizing import verdict
+from drivesizer.spec.loads import WheeledVehicle
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["check_battery", "drive_mass", "mass_without_drive", "of_the_platform", "with_budget"]
+
+_GRAVE = ("fail", "unknown", "pass")
+
+
+def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
+    """Refuse a battery that no catalogue lists, before the search.
+
+    Raises
+    ------
+    InputError
+        One line that says where.
+    """
+    if spec.battery is None:
+        return
+    try:
+        pack_of(spec.battery, catalog)
+    except InputError as error:
+        raise InputError(f"{spec.where(('battery', 'part'))}: {str(error).removeprefix('battery.part: ')}") from None
+
+
+def of_the_platform(spec: RobotSpec) -> MechanicalBudget | None:
+    """Room, footing and grip of the platform, which are the same whatever drives it; None without one.
+
+    Parameters
+    ----------
+    spec
+        The machine as it was specified, its trajectory not yet taken apart into wheels.
+    """
+    if spec.platform is None:
+        return None
+    found = [(name, platform_part(_standing(case, spec.margins.torque))) for name, case in spec.load_cases]
+    checks = _worst([(name, part.checks) for name, part in found])
+    return replace(found[0][1], checks=checks, status=verdict(checks))
+
+
+def _standing(case: RobotSpec, needed: float) -> Standing:
+    assert case.platform is not None and isinstance(case.load, WheeledVehicle)
+    way, gains = trajectory_of(case), None
+    if way is None:
+        cycle = load_cycle(case)
+        gains = cycle.radius * float(np.abs(cycle.acceleration).max())
+    return Standing(case.platform, case.load, dynamics_of(case), case.environment.gravity, needed, way, gains)
+
+
+def with_budget(spec: RobotSpec, catalog: Catalog, one: DriveSet, machine: MechanicalBudget | None = None) -> DriveSet:
+    """The same set with the checks of the machine that it is in; as it is where the spec has no such budget.
+
+    Parameters
+    ----------
+    spec, catalog
+        What is asked for, and what there is.
+    one
+        The set as the search found it.
+    machine
+        What is the same for every set, of ``of_the_platform``.
+    """
+    parts = [machine] if machine else []
+    if spec.budget:
+        parts.insert(0, _mass(spec, catalog, one))
+    checks, energy = [check for part in parts for check in part.checks], None
+    if spec.battery:
+        cases = [case for _, case in spec.load_cases]
+        grouped = machine_cases((name, case.load) for name, case in spec.load_cases)
+        wheels = [(name, [cases[number] for number in numbers]) for name, numbers in grouped]
+        found = [(n, energy_budget(some[0], one, spec.battery, spec.equipment, catalog, some)) for n, some in wheels]
+        checks += _worst([(name, budget.checks) for name, budget in found])
+        energy = min((budget for _, budget in found), key=_lasting)
+    if not checks:
+        return one
+    return replace(
+        one,
+        budget=tuple(checks),
+        machine=tuple(figure for part in parts for figure in part.figures),
+        masses=next((part.mass.rows for part in parts if part.mass), ()),
+        energy=energy,
+        status=verdict((*one.checks, *checks)),
+    )
+
+
+def drive_mass(one: DriveSet, sets: int) -> float:
+    """What is known of the mass of all motor sets together [kg]."""
+    return math.fsum(row.total for row in drive_rows(one, sets) if not isnan(row.total))
+
+
+def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
+    """What is known of the machine's mass beside its drive: structure, equipment, payloads, battery [kg]."""
+    budget, platform = spec.budget, spec.platform
+    assert budget is not None
+    found = [budget.structure or 0.0, *(item.mass * item.number for item in budget.others)]
+    found += [payload.mass for payload in (platform.payloads if platform else ())]
+    if spec.battery:
+        found.append(pack_of(spec.battery, catalog).mass)
+    return math.fsum(mass for mass in found if not isnan(mass))
+
+
+def _mass(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> MechanicalBudget:
+    assert spec.budget is not None
+    battery = pack_of(spec.battery, catalog).mass if spec.battery else None
+    found = machine_mass(spec.budget, one, spec.load.motors, platform=spec.platform, battery=battery)
+    load = spec.whole.load
+    return mass_part(found, load.mass if isinstance(load, WheeledVehicle) else None)
+
+
+def _worst(by_case: Sequence[tuple[str, Sequence[Check]]]) -> tuple[Check, ...]:
+    """Of checks in several load cases each where it is worst; those of a passage, which is their case, each alone."""
+    alike: dict[tuple[str, str], list[Check]] = {}
+    for name, checks in by_case:
+        for check in checks:
+            one = check if check.case else replace(check, case=name)
+            alike.setdefault((check.name, check.case), []).append(one)
+    return tuple(min(several, key=_how_bad) for several in alike.values())
+
+
+def _how_bad(check: Check) -> tuple[int, float]:
+    return _GRAVE.index(check.status), 1e99 if isnan(check.margin) else check.margin
+
+
+def _lasting(budget: EnergyBudget) -> tuple[bool, float]:
+    """The unknown first."""
+    return not isnan(budget.autonomy), budget.autonomy

@@ -1,0 +1,286 @@
+"""What a machine draws from its battery, how long and how far that lasts, and whether it is enough.
+
+The drive's power is that of its load cycle, repeated without pause; other consumers count by their share of the time.
+The run time is that of the mean power (``battery_pack``); currents and voltage are those of each moment, with every
+consumer at its peak at once.
+
+Symbols: P power [W], E voltage at rest [V], I current [A], T time [s].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, isnan, nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.errors import InputError
+from drivesizer.machine.battery_checks import (
+    Load,
+    accepted,
+    at_rest,
+    battery_checks,
+    raised_voltage,
+    required_autonomy,
+)
+from drivesizer.machine.battery_pack import Pack, capacity_needed, pack_of, run_time, strings_needed
+from drivesizer.machine.supply_power import DrivePower, drive_power, together
+from drivesizer.physics.battery import current_of_power, polarised_voltage, state_of_charge, terminal_voltage
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.energy import Consumption, EnergyBudget
+from drivesizer.results.sizing import Figure, verdict
+from drivesizer.spec.battery import Battery, Consumer
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
+
+__all__ = ["charge_over_mission", "energy_budget"]
+
+Array = NDArray[np.float64]
+_POINTS = 2000  # of the state of charge over a mission
+
+
+def energy_budget(
+    spec: RobotSpec,
+    drive_set: DriveSet,
+    battery: Battery,
+    equipment: Sequence[Consumer],
+    catalog: Catalog,
+    parts: Sequence[RobotSpec] = (),
+) -> EnergyBudget:
+    """Consumers, autonomy and checks of a set in a machine, or in one of its load cases.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    drive_set
+        What drives it.
+    battery, equipment
+        What feeds it, and what else draws.
+    catalog
+        Where the battery's part is listed.
+    parts
+        The load cases of a platform's wheels, where each has its own; the spec is one of them.
+
+    Raises
+    ------
+    InputError
+        When the battery's part is not listed, or a consumer's time has no mission.
+    """
+    drive = together([drive_power(one, drive_set) for one in parts or (spec,)])
+    pack = pack_of(battery, catalog)
+    consumers = (*_of_the_drive(spec, drive_set, drive), *_of_the_equipment(spec, equipment))
+    power = _at_the_battery(spec, drive_set, drive, sum(c.mean for c in consumers[_DRIVE:]))
+    load = _load(spec, drive_set, drive, consumers, power)
+    load = _lasting(spec, battery, pack, load)
+    off = _at_the_battery(spec, drive_set, drive, 0.0, accepted(spec))
+    load = load._replace(
+        lowest=_lowest(pack, drive.duration, power, load), highest=_highest(pack, drive.duration, off, load)
+    )
+    checks = battery_checks(spec, battery, pack, load)
+    return EnergyBudget(
+        battery=pack.name,
+        start=pack.start,
+        usable=pack.usable,
+        consumers=consumers,
+        duration=drive.duration,
+        power=power,
+        mean_power=load.mean,
+        peak_power=load.peak,
+        full_time=load.full,
+        autonomy=load.full * pack.available,
+        range=load.way * load.full * pack.available,
+        required=load.required,
+        status=verdict(checks),
+        checks=checks,
+        figures=_figures(spec, battery, pack, load, _worn(drive.duration, run_time(pack, power)) * pack.available),
+        assumptions=_assumptions(spec, drive_set, pack, equipment),
+    )
+
+
+# --- consumers -------------------------------------------------------------------------------------------------------
+
+_DRIVE = 3  # lines of the drive: the motor sets, what comes back, the controllers' losses
+
+
+def _efficiency_known(drive_set: DriveSet) -> bool:
+    return drive_set.controller is not None and not isnan(drive_set.controller.max_efficiency)
+
+
+def _controller_efficiency(drive_set: DriveSet) -> float:
+    """The controller's greatest; 1 where it is unknown, which is told."""
+    return drive_set.controller.max_efficiency if drive_set.controller and _efficiency_known(drive_set) else 1.0
+
+
+def _at_the_battery(
+    spec: RobotSpec, drive_set: DriveSet, drive: DrivePower, lasting: float, share: float | None = None
+) -> Array:
+    """Mean power from the battery in each piece [W]; lasting is that of all that is not the drive.
+
+    ``share`` of what comes back goes into it: what is stored, or all that its terminals carry.
+    """
+    loss, share = _controller_efficiency(drive_set), spec.supply.regeneration if share is None else share
+    return np.asarray(drive.drawn / loss - share * drive.returned * loss + lasting)
+
+
+def _of_the_drive(spec: RobotSpec, drive_set: DriveSet, drive: DrivePower) -> tuple[Consumption, ...]:
+    loss, share, sets = _controller_efficiency(drive_set), spec.supply.regeneration, spec.load.motors
+    drawn, returned, peak = drive.mean(drive.drawn), share * drive.mean(drive.returned), float(drive.peak.max())
+    lost = drawn * (1.0 / loss - 1.0) + returned * (1.0 - loss) if _efficiency_known(drive_set) else nan
+    return (
+        Consumption("drive", sets, drawn, peak, nan, False),
+        Consumption("energy that comes back", sets, -returned, 0.0, nan, False),
+        Consumption("losses of the controllers", sets, lost, peak * (1.0 / loss - 1.0) + 0.0 * lost, nan, False),
+    )
+
+
+def _of_the_equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[Consumption, ...]:
+    mission = spec.mission.duration if spec.mission else None
+    found = []
+    for one in equipment:
+        try:
+            mean, peak = one.drawn(mission)
+        except ValueError as error:
+            raise InputError(f"equipment: {error}") from None
+        found.append(Consumption(one.name, one.number, mean, peak, one.share(mission), one.assumed))
+    return tuple(found)
+
+
+# --- what the battery is asked for -----------------------------------------------------------------------------------
+
+
+def _load(
+    spec: RobotSpec, drive_set: DriveSet, drive: DrivePower, consumers: Sequence[Consumption], power: Array
+) -> Load:
+    """Powers, and the mean speed of what travels; what depends on the battery is still unknown."""
+    loss, others = _controller_efficiency(drive_set), consumers[_DRIVE:]
+    back = accepted(spec) * float(drive.returned_peak.max()) * loss
+    return Load(
+        mean=drive.mean(power),
+        peak=float(drive.peak.max()) / loss + sum(c.peak for c in others),
+        rms=float(np.sqrt(drive.mean(power**2))),
+        back=back,  # with everything else switched off
+        way=drive.way / drive.total,
+    )
+
+
+def _lasting(spec: RobotSpec, battery: Battery, pack: Pack, load: Load) -> Load:
+    """How long the battery lasts, how long it must, and what is left of its charge then."""
+    full = float(run_time(pack, load.mean))
+    along = nan if battery.range is None else battery.range / load.way
+    required = float(np.fmax(required_autonomy(spec, battery), along))
+    drawn = pack.available if isnan(required) else required / full
+    charge = nan if isnan(drawn) else pack.start - min(drawn, pack.available)
+    return load._replace(full=full, required=required, charge=charge)
+
+
+def _lowest(pack: Pack, duration: Array, power: Array, load: Load) -> float:
+    """Lowest voltage: at the peak, at the end of the time [V]; unknown where no current gives that power."""
+    emf = pack.emf(load.charge)
+    if pack.polarisation > 0.0:  # the cycle charges the pair, the peak comes on top
+        current = current_of_power(power, emf, pack.resistance)
+        ends = polarised_voltage(duration, current, emf, 0.0, pack.polarisation, pack.time_constant)
+        emf = float(np.minimum(*ends).min())
+    current = current_of_power(load.peak, emf, pack.resistance)
+    return float(terminal_voltage(current, emf, pack.resistance))
+
+
+def _highest(pack: Pack, duration: Array, power: Array, load: Load) -> float:
+    """Highest voltage: at the largest return, with the charge of the start and all else switched off [V].
+
+    A polarised battery is at rest at first, and then comes to what the cycle makes of it: the higher of both counts.
+    """
+    emf = float(at_rest(pack, load.mean))
+    if pack.polarisation > 0.0:
+        current, none = current_of_power(power, emf, pack.resistance), (pack.polarisation, pack.time_constant)
+        courses = (polarised_voltage(duration, current, emf, 0.0, *none, rested=rested) for rested in (True, False))
+        emf = max(emf, *(float(np.maximum(*ends).max()) for ends in courses))
+    return float(raised_voltage(pack, load.back, emf))
+
+
+def _worn(duration: Array, time: Array) -> float:
+    """How long it lasts if every moment wears the battery as it would in a steady load [s]."""
+    wear = float(duration @ (1.0 / time)) / float(duration.sum())
+    return 1.0 / wear if wear > 0.0 else (inf if wear == 0.0 else nan)
+
+
+def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: float) -> tuple[Figure, ...]:
+    mission = spec.mission.duration if spec.mission else nan
+    needed = capacity_needed(pack, load.mean, load.required * (1.0 + battery.reserve))
+    drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
+    lacking = {"mission_energy": isnan(mission), "range": isnan(load.way)}
+    lacking |= dict.fromkeys(("charge_left", "capacity_needed", "strings_needed"), isnan(load.required))
+    rows = (
+        ("mean_power", "Mean power from the battery", load.mean, "power", "W"),
+        ("peak_power", "Largest power, all at once", load.peak, "power", "W"),
+        ("mission_energy", "Energy of the mission", load.mean * mission, "energy", "W*h"),
+        ("rated_energy", "Rated energy of the battery", pack.energy, "energy", "W*h"),
+        ("mean_current", "Mean current", load.mean / pack.mean_voltage, "current", "A"),
+        ("charge_drawn", "Charge that this load draws in all", drawn, "charge", "A*h"),
+        ("autonomy", "Autonomy, of the usable share", load.full * pack.available, "time", "h"),
+        ("autonomy_worn", "Autonomy, every moment worn as a steady load", worn, "time", "h"),
+        ("range", "Range, at the cycle's mean speed", load.way * load.full * pack.available, "length", "km"),
+        ("charge_left", "Charge left at the end of what is required", load.charge, "dimensionless", "%"),
+        ("capacity_needed", "Rated capacity for what is required", needed, "charge", "A*h"),
+        ("strings_needed", "Strings side by side for it", strings_needed(pack, needed), "dimensionless", "1"),
+        ("battery_mass", "Mass of the battery", pack.mass, "mass", "kg"),
+    )
+    return tuple(
+        Figure(name=n, title=t, value=float(v), kind=k, unit=u) for n, t, v, k, u in rows if not lacking.get(n)
+    )
+
+
+# --- over the mission ------------------------------------------------------------------------------------------------
+
+
+def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINTS) -> tuple[Array, Array]:
+    """Charge left over a mission, from that of the start: times [s] and shares [1].
+
+    Drawn and returned charge count alike, against what the battery gives at the mean load: a full one is empty when
+    ``full_time`` has passed, and below 0 after that. Of a mission of very many cycles the mean is told.
+
+    Parameters
+    ----------
+    budget
+        The consumers and the battery.
+    mission
+        How long [s].
+    most
+        Points at most.
+    """
+    all_of_it = budget.mean_power * budget.full_time
+    cycle = float(budget.duration.sum())
+    count = int(np.ceil(mission / cycle * (1.0 - 1e-9)))
+    if count * len(budget.duration) >= most:
+        time = np.linspace(0.0, mission, most)
+        return time, state_of_charge(np.diff(time), budget.mean_power, all_of_it, budget.start)
+    duration = np.tile(budget.duration, count)
+    time = np.concatenate([[0.0], np.cumsum(duration)])
+    charge = state_of_charge(duration, np.tile(budget.power, count), all_of_it, budget.start)
+    end = np.interp(mission, time, charge)
+    inside = time < mission
+    return np.append(time[inside], mission), np.append(charge[inside], end)
+
+
+# --- what was taken for granted --------------------------------------------------------------------------------------
+
+
+def _assumptions(spec: RobotSpec, drive_set: DriveSet, pack: Pack, equipment: Sequence[Consumer]) -> tuple[str, ...]:
+    unknown = "run time unknown: neither a discharge table nor a Peukert exponent with its rated time is known"
+    found = [
+        f"run time by {pack.rule}, at the mean power" if pack.rule else unknown,
+        f"current of the run time at {show(pack.mean_voltage, 'V', 'voltage')}",
+        "the cycle repeats without pause",
+    ]
+    guessed = [one.name for one in equipment if one.assumed]
+    if guessed:
+        found.append(f"power of {', '.join(guessed)} assumed")
+    if not _efficiency_known(drive_set):
+        found.append("losses of the controllers not counted: their efficiency is unknown")
+    if not pack.rests:
+        found.append("voltage at rest taken as the nominal one: towards the end of the charge it is less")
+    if spec.supply.regeneration == 0.0:
+        found.append("nothing that comes back is stored")
+    return tuple(found)

@@ -1,0 +1,100 @@
+r"""Where the energy of a cycle goes: from the supply through winding, motor, gearhead and belt to the load, and back.
+
+.. math:: E_{drawn} = E_{load} + E_{belt} + E_{gearhead} + E_{friction} + E_{copper} + E_{rotor} + E_{returned}
+
+Each is the integral of a product of straight lines, exact; those at the motor's shaft are a coefficient of the drive
+model times a moment of its functions (see ``physics``). Where the makers' k_e and k_t differ, so do the electrical and
+the mechanical power of the winding: the difference is counted with the motor's friction and iron, as a loss whichever
+way the power goes (see ``waveform.balanced``).
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+
+from drivesizer.machine.set_cycle import SetCycle, lost_in_winding, supplied
+from drivesizer.physics.load_cycle import integral
+from drivesizer.physics.motor_demand import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED, friction, gear_loss
+from drivesizer.physics.waveform import energy
+
+__all__ = ["EnergyFlow", "energy_flow"]
+
+
+class EnergyFlow(NamedTuple):
+    """Energies over one cycle, of all motor sets [J]; NaN is unknown."""
+
+    drawn: float  # out of the supply
+    copper: float
+    friction: float  # of the motor, iron losses included, and what its two constants differ by
+    gearhead: float
+    belt: float
+    load: float  # work on it, below 0 where it gives more than it takes
+    rotor: float  # what turns with the motor holds more of at the end than at the start
+    returned: float  # to the supply
+    stored: float  # what the supply keeps of that
+
+    @property
+    def known(self) -> bool:
+        """Whether all of it is."""
+        return all(map(isfinite, self))
+
+    @property
+    def net(self) -> float:
+        """What the cycle costs the supply [J]."""
+        return self.drawn - self.stored
+
+    @property
+    def burnt(self) -> float:
+        """What comes back and is not kept [J]."""
+        return self.returned - self.stored
+
+
+def energy_flow(found: SetCycle) -> EnergyFlow:
+    """The account of one set's cycle, for all motor sets.
+
+    Parameters
+    ----------
+    found
+        The set over the cycle. Where its current is only a least one, everything that hangs on it is unknown.
+    """
+    power = _at_the_supply(found) | _at_the_shaft(found)
+    sets = found.spec.load.motors * found.at.cycle.total
+    unsure = set() if found.known else set(power) - _OF_THE_LOAD
+    return EnergyFlow(**{name: np.nan if name in unsure else sets * value for name, value in power.items()})
+
+
+_OF_THE_LOAD = {"gearhead", "belt", "load"}
+
+
+def _at_the_supply(found: SetCycle) -> dict[str, float]:
+    """Electrical power, means over the cycle [W]."""
+    sums, total = energy(supplied(found), storing=False), found.at.cycle.total
+    returned = float(sums.returned[0]) / total
+    return {
+        "drawn": float(sums.drawn[0]) / total,
+        "returned": returned,
+        "stored": returned * found.spec.supply.regeneration,
+        "copper": found.copper,
+    }
+
+
+def _at_the_shaft(found: SetCycle) -> dict[str, float]:
+    """Mechanical power, means over the cycle [W]."""
+    cycle, moments = found.at.cycle, found.at.moments
+    c, i = found.asked.coefficients[0], float(found.asked.total_ratio[0])
+    (e,), (idle,) = gear_loss(found.gearhead)
+    (coulomb,), _ = friction(found.motor)
+    driving, braking = moments[DRIVING, SPEED], moments[BRAKING, SPEED]  # at the gearhead's output
+    turned = moments[DIRECTION, SPEED] * i  # rad/s, of the motor, absolute
+    work = integral(cycle.duration, cycle.torque, cycle.speed) / cycle.total
+    return {
+        "friction": float(coulomb * turned + c[SPEED] * i * moments[SPEED, SPEED])
+        + lost_in_winding(found) / cycle.total,
+        "gearhead": float(driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * turned),
+        "belt": float(driving + braking - work),
+        "load": work,
+        "rotor": float(c[ACCELERATION] * i * moments[ACCELERATION, SPEED]),
+    }

@@ -1,0 +1,243 @@
+"""What a machine weighs, part by part, against what it may weigh; and the mass at which a drive carries itself.
+
+A mass that is not known has a row of its own and no figure: the sum is that of what is known, and may break a limit but
+not keep it. Where the drive's own mass counts, a heavier machine may need a heavier drive: ``settle`` goes round until
+a set carries itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from drivesizer.errors import InputError
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.mass import MassRow
+from drivesizer.units import show
+
+__all__ = ["MassBudget", "Settled", "Sized", "Step", "drive_rows", "mass_budget", "settle"]
+
+Sized = Callable[[float], tuple[float, Hashable] | None]  # mass of the whole [kg] to mass of the drive and its name
+_GRAM = 1e-3  # kg
+_HEAVIEST = 1e6  # kg, beyond which masses run away
+
+
+# --- rows -------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MassBudget:
+    """What a machine weighs."""
+
+    rows: tuple[MassRow, ...]
+    limit: float = math.nan  # kg; NaN where there is none
+
+    @property
+    def known(self) -> float:
+        """Sum of what is known [kg]."""
+        return math.fsum(row.total for row in self.rows if not math.isnan(row.each))
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """What has no figure."""
+        return tuple(row.name for row in self.rows if math.isnan(row.each))
+
+    @property
+    def total(self) -> float:
+        """Sum of all [kg]; NaN while something is unknown."""
+        return math.nan if self.unknown else self.known
+
+    @property
+    def left(self) -> float:
+        """What the limit leaves beside what is known [kg]; NaN without a limit."""
+        return self.limit - self.known
+
+
+def drive_rows(drive_set: DriveSet, sets: int) -> tuple[MassRow, ...]:
+    """The parts of alike motor sets; one that is not chosen, or whose mass no datasheet gives, is unknown.
+
+    Parameters
+    ----------
+    drive_set
+        The set. Its mass alone counts motor and gearhead only; here are encoder, controller and belt too.
+    sets
+        How many there are.
+    """
+    rows = [
+        MassRow(name=role, each=getattr(part, "mass", math.nan), number=sets) for role, part in drive_set.parts.items()
+    ]
+    if drive_set.belt_ratio != 1.0 and drive_set.belt_drive is None:
+        rows.append(MassRow(name="belt and pulleys", each=math.nan, number=sets))
+    return tuple(rows)
+
+
+def mass_budget(
+    drive: Sequence[MassRow],
+    *,
+    structure: float | None = None,
+    battery: float | None = None,
+    others: Sequence[tuple[str, float]] = (),
+    limit: float | None = None,
+) -> MassBudget:
+    """The rows of a machine.
+
+    Parameters
+    ----------
+    drive
+        Of the motor sets, as of ``drive_rows``.
+    structure
+        Frame, wheels, covers [kg]; unknown where not given, for no machine is without.
+    battery
+        [kg]; NaN where it is unknown, None where there is none.
+    others
+        Equipment and payloads: name and mass [kg].
+    limit
+        What all may weigh [kg].
+
+    Raises
+    ------
+    InputError
+        When a mass is below 0.
+    """
+    rows = [*drive, MassRow(name="structure", each=math.nan if structure is None else structure)]
+    if battery is not None:
+        rows.append(MassRow(name="battery", each=battery))
+    rows += [MassRow(name=name, each=mass) for name, mass in others]
+    for row in rows:
+        if row.each < 0.0 or row.each == math.inf:
+            raise InputError(f"budget: the mass of {row.name} must be 0 or more, got {row.each:g} kg")
+    return MassBudget(rows=tuple(rows), limit=math.nan if limit is None else limit)
+
+
+# --- where the drive's mass counts ------------------------------------------------------------------------------------
+
+
+class Step(NamedTuple):
+    """One round: a machine of this mass takes that drive."""
+
+    total: float  # kg, that was sized for
+    drive: float  # kg, of the drive that carries it; NaN where none does, or it is unknown
+    key: Hashable  # which it is; None where none does
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settled:
+    """Where the rounds ended."""
+
+    status: Literal["settled", "cycle", "none", "unknown", "open"]
+    total: float  # kg that the drive was sized for; NaN where none carries itself
+    drive: float  # kg
+    key: Hashable
+    steps: tuple[Step, ...]
+    words: str  # how it ended, as a sentence
+
+    @property
+    def carries_itself(self) -> bool:
+        """Whether there is a drive that carries the machine and itself."""
+        return self.status in ("settled", "cycle")
+
+
+def settle(
+    sized: Sized, base: float, *, first: float = 0.0, tolerance: float = _GRAM, limit: float = _HEAVIEST, most: int = 40
+) -> Settled:
+    """The mass at which a drive carries itself: m = base + drive(m), by going round.
+
+    Parameters
+    ----------
+    sized
+        Mass of the drive [kg] that a machine of a mass [kg] takes, and which it is; None where there is none. Pure: the
+        same for the same mass.
+    base
+        The machine without its drive [kg].
+    first
+        Mass of the drive to begin with [kg].
+    tolerance
+        By which two rounds may differ [kg].
+    limit
+        Mass at which it is given up [kg].
+    most
+        Rounds at most.
+
+    Returns
+    -------
+    Settled
+        Every round, and its end: settled; a cycle, where sets follow each other: of them the one that was sized for the
+        heaviest machine, which it does not fill; none, where none carries the machine, or the masses run away; unknown,
+        where a drive's mass is; open, where rounds ran out while they still draw near.
+
+    Raises
+    ------
+    InputError
+        When a mass is not a number of 0 or more.
+
+    Examples
+    --------
+    A drive of 1 kg and 5 % of the machine, 20 kg without it: 21 / 0.95.
+
+    >>> found = settle(lambda mass: (1.0 + 0.05 * mass, "a"), 20.0, tolerance=1e-9)
+    >>> found.status, round(found.total, 6)
+    ('settled', 22.105263)
+    """
+    for name, mass in (("base", base), ("first", first)):
+        if not 0.0 <= mass < math.inf:
+            raise InputError(f"{name}: expected a mass of 0 kg or more, got {mass!r}")
+    steps: list[Step] = []
+    total = base + first
+    while len(steps) < most:
+        steps.append(_sized(sized, total))
+        ended = _ended(steps, base, tolerance)
+        if ended:
+            return ended
+        total = base + steps[-1].drive
+        if total > limit:
+            return _lost("none", steps, f"No set carries itself within {_kg(limit)}: the next would make {_kg(total)}.")
+    growth = [abs(b.drive - a.drive) for a, b in zip(steps[-3:], steps[-2:], strict=False)]
+    if len(growth) == 2 and growth[1] >= growth[0]:
+        return _lost("none", steps, "No set carries itself: each round adds no less mass than the one before.")
+    return _lost("open", steps, f"Not settled in {most} rounds, though they draw near: {_kg(total)} at the end.")
+
+
+def _sized(sized: Sized, total: float) -> Step:
+    found = sized(total)
+    if found is None:
+        return Step(total, math.nan, None)
+    if found[0] < 0.0 or found[0] == math.inf:
+        raise InputError(f"the mass of a drive must be 0 kg or more, got {found[0]!r}")
+    return Step(total, *found)
+
+
+def _ended(steps: list[Step], base: float, tolerance: float) -> Settled | None:
+    """How the rounds end with the last one, if they do."""
+    last = steps[-1]
+    if last.key is None:
+        return _lost("none", steps, f"No set carries itself: at {_kg(last.total)} none is left.")
+    if math.isnan(last.drive):
+        return _lost("unknown", steps, f"The mass of the set for {_kg(last.total)} is unknown.")
+    made = base + last.drive
+    if abs(made - last.total) <= tolerance:
+        rounds = f"{len(steps)} round{'s' if len(steps) > 1 else ''}"
+        return _kept("settled", last, steps, f"Settled after {rounds}: {_kg(made)}, of it {_kg(last.drive)} drive.")
+    earlier = [i for i, step in enumerate(steps) if abs(made - step.total) <= tolerance]
+    if not earlier:
+        return None
+    cycle = steps[earlier[0] :]
+    heaviest = max(cycle, key=lambda step: step.total)  # what comes after it is lighter, or it would not be
+    sets = f"{len(cycle)} sets follow each other"
+    words = f"{sets}; taken is the one for the heaviest machine, {_kg(heaviest.total)}, of which it leaves " + _kg(
+        heaviest.total - base - heaviest.drive
+    )
+    return _kept("cycle", heaviest, steps, words + ".")
+
+
+def _kept(status: Literal["settled", "cycle"], at: Step, steps: list[Step], words: str) -> Settled:
+    return Settled(status=status, total=at.total, drive=at.drive, key=at.key, steps=tuple(steps), words=words)
+
+
+def _lost(status: Literal["none", "unknown", "open"], steps: list[Step], words: str) -> Settled:
+    return Settled(status=status, total=math.nan, drive=math.nan, key=None, steps=tuple(steps), words=words)
+
+
+def _kg(mass: float) -> str:
+    return show(mass, "kg", "mass")

@@ -1,0 +1,205 @@
+r"""The torque-speed field of a set's motor, winding cold and hot, and the load cycle in it: data for figures.
+
+Torque is that at the motor's shaft, its own friction taken off, the rotor's acceleration included:
+
+.. math:: M_V(w) = \frac{k_t (V - k_e w)}{R(T)} - M_f(w), \qquad M_c(w) = k_t I_c(w) - M_f(w),
+
+with the usable voltage V, the continuous current I_c at the motor's own loss at that speed, and the friction M_f of
+the drive model in ``physics``, whose coefficients all of this is made of.
+Symbols: w speed of the motor [rad/s], M torque [N*m], R resistance [ohm], k_t torque constant [N*m/A],
+k_e back-EMF constant [V*s/rad], i ratio.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.loads import load_cycle
+from drivesizer.machine.set_columns import OneRow
+from drivesizer.physics.load_cycle import Ends
+from drivesizer.physics.motor_demand import (
+    DIRECTION,
+    DRIVING,
+    SPEED,
+    AtGearhead,
+    Demands,
+    at_gearhead,
+    demands,
+    friction,
+)
+from drivesizer.physics.stress import heat, housing_loss, volts_of
+from drivesizer.physics.thermal import (
+    continuous_current,
+    current_derating,
+    rated_ambient,
+    resistance_25,
+    resistance_at,
+)
+from drivesizer.physics.usable_voltage import usable_voltage
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
+
+__all__ = ["OperatingField", "field", "hot_winding"]
+
+Array = NDArray[np.float64]
+_POINTS = 201  # of each line
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OperatingField:
+    """What a motor can do at every speed, and what the cycle asks of it; NaN is unknown."""
+
+    voltage: float  # V, usable at the motor when the supply is at its lowest
+    ambient: float  # K, also the temperature of the cold winding
+    hot: float  # K, permitted winding temperature; where that is unknown, its steady mean in this cycle
+    hot_permitted: bool  # whether it is the permitted one
+    permissible_speed: float  # rad/s, the least that motor and gearhead permit
+    speed: Array  # rad/s, from 0 to the highest of no load and cycle
+    voltage_cold: Array  # N*m that the usable voltage gives at these speeds, below 0 beyond the no-load speed
+    voltage_hot: Array  # N*m, the same with a hot winding
+    continuous: Array  # N*m that the winding bears for ever
+    thermal: bool  # whether that is from thermal data; else the nominal torque, derated to the ambient
+    intermittent: Array  # N*m, by the controller's peak current and the gearhead's intermittent torque
+    cycle_speed: Ends  # rad/s, at both ends of each segment of the load cycle; straight lines between
+    cycle_torque: Ends  # N*m, signed as the speed is
+    rms_speed: float  # rad/s
+    rms_torque: float  # N*m, constant torque that draws the cycle's RMS current at its RMS speed
+
+
+def hot_winding(found: OperatingField) -> str:
+    """How warm the hot winding is, in words; what is no permitted temperature is called what it is."""
+    said = show(found.hot, "degC", "temperature", 3)
+    return said if found.hot_permitted or np.isnan(found.hot) else f"{said}, the cycle's mean"
+
+
+def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
+    """The field of a set's motor, and the cycle of a spec in it.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    drive_set
+        What drives it.
+
+    Raises
+    ------
+    InputError
+        When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
+    """
+    motor, gearhead, encoder = (OneRow(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
+    at = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
+    asked = _as_far_as_known(demands(at, motor, gearhead, encoder), motor)
+    cycle_speed, cycle_torque = _cycle(at, asked)
+    rms_speed, rms_torque = _rms(at, asked, drive_set)
+    return OperatingField(
+        **_lines(spec, drive_set, asked, _hot(spec, at, asked, motor), float(np.abs(cycle_speed).max())),
+        hot_permitted=not np.isnan(drive_set.motor.max_winding_temperature),
+        permissible_speed=float(np.fmin(drive_set.motor.max_speed, drive_set.gearhead.intermittent_input_speed)),
+        cycle_speed=cycle_speed,
+        cycle_torque=cycle_torque,
+        rms_speed=rms_speed,
+        rms_torque=rms_torque,
+    )
+
+
+def _as_far_as_known(asked: Demands, motor: Any) -> Demands:
+    """What the motor is asked for; least demands are not drawn as if they were all, nor a motor that stands still."""
+    c = np.where(asked.left_out, np.nan, asked.coefficients)
+    for place, figure in zip((DIRECTION, SPEED), friction(motor), strict=True):
+        c[np.isnan(figure), place] = np.nan
+    if asked.sure.all():
+        return asked._replace(coefficients=c)
+    unknown = np.full_like(asked.rms_current, np.nan)
+    return asked._replace(coefficients=c, rms_torque=unknown, rms_current=unknown)
+
+
+def _lines(spec: RobotSpec, drive_set: DriveSet, asked: Demands, hot: float, fastest: float) -> dict[str, Any]:
+    """What the motor can do at speeds from 0 to no load, or to the fastest of the cycle [rad/s]."""
+    voltage, ambient = _voltage(spec, drive_set), spec.environment.ambient
+    (cold_at_rest, cold_slope), (at_rest, slope) = (_line(asked, drive_set, voltage, T) for T in (ambient, hot))
+    no_load = -cold_at_rest / cold_slope if cold_slope < 0.0 else 0.0
+    w = np.linspace(0.0, np.fmax(no_load, fastest), _POINTS)  # as far as the cycle goes where friction is unknown
+    continuous, thermal = _continuous(spec, asked, OneRow(drive_set.motor), w)
+    return {
+        "voltage": voltage,
+        "ambient": ambient,
+        "hot": hot,
+        "speed": w,
+        "voltage_cold": cold_at_rest + cold_slope * w,
+        "voltage_hot": at_rest + slope * w,
+        "continuous": continuous,
+        "thermal": thermal,
+        "intermittent": _intermittent(asked, drive_set, w),
+    }
+
+
+def _friction(asked: Demands, w: Any) -> Any:
+    """What the motor itself loses of its torque at a speed [N*m], turning."""
+    return asked.coefficients[0, DIRECTION] + asked.coefficients[0, SPEED] / asked.total_ratio[0] * w
+
+
+def _hot(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: OneRow) -> float:
+    """Temperature of the hot winding [K]: the permitted one, the line is then good in any cycle that the winding bears.
+
+    Where that is unknown it is the mean of this cycle in the long run, and the line is this cycle's alone.
+    """
+    permitted = float(motor["max_winding_temperature"][0])
+    steady = float(heat(spec.environment.ambient, at, asked, motor).winding[0])
+    return steady if np.isnan(permitted) and np.isfinite(steady) else permitted
+
+
+def _voltage(spec: RobotSpec, drive_set: DriveSet) -> float:
+    """Usable voltage [V]; all that the supply has where the controller's share is unknown."""
+    controller, lowest = OneRow(drive_set.controller), spec.supply.lowest
+    usable = float(usable_voltage(lowest, controller["max_duty"], controller["voltage_drop"])[0])
+    return lowest if np.isnan(usable) else usable
+
+
+def _line(asked: Demands, drive_set: DriveSet, voltage: float, temperature: float) -> tuple[float, float]:
+    """Torque at standstill [N*m] and its change with speed [N*m s/rad] at a voltage."""
+    k_t = drive_set.motor.torque_constant
+    resistance = float(resistance_at(resistance_25(asdict(drive_set.motor)), temperature))
+    volts = volts_of(asked, np.array([k_t]), np.array([resistance]))[0]
+    per_volt = k_t / resistance
+    return float((voltage - volts[DIRECTION]) * per_volt), float(-volts[SPEED] / asked.total_ratio[0] * per_volt)
+
+
+def _continuous(spec: RobotSpec, asked: Demands, motor: OneRow, w: Array) -> tuple[Array, bool]:
+    """Continuous torque over speed [N*m], and whether it is from thermal data."""
+    rubbing, iron = housing_loss(motor, np.ones(1))
+    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    permitted, ambient = motor["max_winding_temperature"], spec.environment.ambient
+    current = continuous_current(resistance_25(motor), *R_th, permitted, ambient, rubbing * w + iron * w**2)
+    torque = np.asarray(np.maximum(motor["torque_constant"] * current - _friction(asked, w), 0.0))
+    if not np.isnan(torque).any():
+        return torque, True
+    share = current_derating(ambient, permitted, rated_ambient(motor))
+    return np.broadcast_to(motor["nominal_torque"] * share, w.shape).copy(), False
+
+
+def _intermittent(asked: Demands, drive_set: DriveSet, w: Array) -> Array:
+    """The lesser of what controller and gearhead permit for a while [N*m]; one of them where the other is unknown."""
+    peak = float(OneRow(drive_set.controller)["peak_current"][0])
+    by_controller = drive_set.motor.torque_constant * peak - _friction(asked, w)
+    found: Array = np.fmin(by_controller, drive_set.gearhead.intermittent_torque * asked.coefficients[0, DRIVING])
+    return found
+
+
+def _cycle(at: AtGearhead, asked: Demands) -> tuple[Ends, Ends]:
+    """Speed [rad/s] and torque [N*m] at the motor's shaft at both ends of each segment."""
+    at_shaft = asked.coefficients[0].copy()
+    at_shaft[[DIRECTION, SPEED]] = 0.0
+    return at.functions[:, :, SPEED] * asked.total_ratio[0], at.functions @ at_shaft
+
+
+def _rms(at: AtGearhead, asked: Demands, drive_set: DriveSet) -> tuple[float, float]:
+    """RMS speed [rad/s], and the torque there that draws the RMS current [N*m]."""
+    w = float(np.sqrt(at.moments[SPEED, SPEED]) * asked.total_ratio[0])
+    torque = drive_set.motor.torque_constant * asked.rms_current[0] - _friction(asked, w)
+    return w, float(np.maximum(torque, 0.0))

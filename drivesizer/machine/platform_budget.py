@@ -1,0 +1,192 @@
+"""What a machine weighs, where it fits through, how it stands and what the floor transmits: all of it for one set.
+
+Checks are made in ``platform_checks``; here they are put together with the figures that have no limit, and what was
+assumed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import nan
+
+from drivesizer.loads.platform_record import platform_assumptions, platform_of
+from drivesizer.machine.mass_budget import MassBudget
+from drivesizer.machine.platform_checks import (
+    Standing,
+    envelope_checks,
+    grip_checks,
+    machine_mass,
+    mass_checks,
+    stability_checks,
+)
+from drivesizer.platform.dynamics import dynamics
+from drivesizer.platform.envelope import heading_tolerance, heading_tolerance_driving, turning_circle
+from drivesizer.platform.grip import grip_acceleration, grip_slope
+from drivesizer.platform.stability import lift_off_acceleration, lift_off_slope, tipping_edges, tipping_slope
+from drivesizer.platform.stability_along import least_load, least_margin
+from drivesizer.platform.trajectory import Trajectory
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import Check, Figure, Status, verdict
+from drivesizer.spec.loads import WheeledVehicle
+from drivesizer.spec.platform import Budget, Platform
+
+__all__ = ["MechanicalBudget", "budget_checks", "mass_part", "platform_part"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MechanicalBudget:
+    """Mass, room, footing and grip of a machine with one set."""
+
+    mass: MassBudget | None  # None without a budget section
+    status: Status
+    checks: tuple[Check, ...]
+    figures: tuple[Figure, ...]
+    assumptions: tuple[str, ...]
+
+
+def budget_checks(
+    drive_set: DriveSet,
+    sets: int,
+    *,
+    budget: Budget | None = None,
+    platform: Platform | None = None,
+    load: WheeledVehicle | None = None,
+    gravity: float = 9.80665,
+    needed: float = 0.0,
+    battery: float | None = None,
+    trajectory: Trajectory | None = None,
+) -> MechanicalBudget:
+    """Mass, room, footing and grip of a machine with one set.
+
+    Parameters
+    ----------
+    drive_set, sets
+        What drives it, and how many of it there are.
+    budget, platform
+        The spec's sections; what is not given is not checked.
+    load
+        The vehicle; needed for the platform, and for the mass that the drive is sized for.
+    gravity
+        [m/s^2].
+    needed
+        Margin that the spec asks of traction.
+    battery
+        Mass of it [kg]; NaN where it is unknown, None where there is none or the budget's ``others`` have it.
+    trajectory
+        How the platform moves, where that is known.
+
+    Raises
+    ------
+    InputError
+        When platform and load contradict each other, or the wheels do not allow the trajectory.
+    """
+    parts = []
+    if budget:
+        mass = machine_mass(budget, drive_set, sets, platform=platform, battery=battery)
+        parts.append(mass_part(mass, load.mass if load else None))
+    if platform and load:
+        s = Standing(platform, load, dynamics(platform_of(platform, load)), gravity, needed, trajectory)
+        parts.append(platform_part(s))
+    checks, figures, assumptions = (
+        tuple(one for part in parts for one in getattr(part, name)) for name in ("checks", "figures", "assumptions")
+    )
+    found = parts[0].mass if budget else None
+    return MechanicalBudget(mass=found, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
+
+
+def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBudget:
+    """What a machine weighs against its limits.
+
+    Parameters
+    ----------
+    mass
+        Of ``machine_mass``.
+    sized_for
+        The load's mass [kg], where the load is the machine itself.
+    """
+    checks = mass_checks(mass, sized_for)
+    said, figures = _without(mass), tuple(_of_mass(mass))
+    return MechanicalBudget(mass=mass, status=verdict(checks), checks=checks, figures=figures, assumptions=said)
+
+
+def platform_part(s: Standing) -> MechanicalBudget:
+    """Room, footing and grip of a platform, whatever drives it."""
+    checks = envelope_checks(s.section, s.trajectory) + stability_checks(s) + grip_checks(s)
+    figures = (*_of_envelope(s.section), *_of_footing(s), *_of_grip(s))
+    said = platform_assumptions(s.section, s.load) + _taken(s)
+    return MechanicalBudget(mass=None, status=verdict(checks), checks=checks, figures=figures, assumptions=said)
+
+
+def _without(mass: MassBudget) -> tuple[str, ...]:
+    if not mass.unknown:
+        return ()
+    return (f"The machine's mass is without {', '.join(dict.fromkeys(mass.unknown))}: unknown.",)
+
+
+def _taken(s: Standing) -> tuple[str, ...]:
+    """What footing and grip rest on."""
+    return (
+        "Wheels and casters are equally stiff on a stiff frame.",
+        "The motors share torque by least squares, not as would suit the floor best.",
+        *(
+            ()
+            if s.load.friction_coefficient is None
+            else ("Friction is the same in all directions, at rest and slow.",)
+        ),
+    )
+
+
+# --- figures that have no limit ---------------------------------------------------------------------------------------
+
+
+def _figure(name: str, title: str, value: float, kind: str, unit: str, time: float | None = None) -> Figure:
+    return Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=time)
+
+
+def _of_mass(mass: MassBudget) -> Iterator[Figure]:
+    yield _figure("mass_known", "Mass, sum of what is known", mass.known, "mass", "kg")
+    if mass.limit == mass.limit:
+        yield _figure("mass_left", "Mass left of what is allowed", mass.left, "mass", "kg")
+
+
+def _of_envelope(section: Platform) -> Iterator[Figure]:
+    if section.size is None:
+        return
+    size = section.size.record
+    yield _figure("turning_circle", "Turning circle, diameter", turning_circle(size), "length", "mm")
+    for p in section.passages:
+        held = heading_tolerance(size, p.width, p.aside)
+        driving = heading_tolerance_driving(size, p.width, p.depth, p.aside)
+        yield _figure("heading_held", f"Heading error in {p.name}, held", held, "angle", "deg")
+        yield _figure("heading_driving", f"Heading error in {p.name}, driving along it", driving, "angle", "deg")
+
+
+def _of_footing(s: Standing) -> Iterator[Figure]:
+    p = s.d.platform
+    if not s.upright:
+        return
+    known = s.section.height_known
+    edge = tipping_edges(p)[0]
+    braking = min(lift_off_acceleration(p, way, s.gravity) for way in s.ways)
+    yield _figure("tipping_distance", "Centre of mass from the nearest tipping edge", edge.distance, "length", "mm")
+    yield _figure("lift_off_slope", "Slope that lifts a wheel", lift_off_slope(p) if known else nan, "angle", "deg")
+    yield _figure("tipping_slope", "Slope that tips it over", tipping_slope(p) if known else nan, "angle", "deg")
+    value = braking if known else nan
+    yield _figure("lift_off_acceleration", "Braking that lifts a wheel", value, "acceleration", "m/s^2")
+    if s.trajectory is not None and known:
+        load, margin = (f(p, s.trajectory, s.ground) for f in (least_load, least_margin))
+        yield _figure("wheel_load", "Least load of a wheel on the way", load.value, "force", "N", load.time)
+        yield _figure("tipping_margin", "Least way to the tipping edge", margin.value, "length", "mm", margin.time)
+
+
+def _of_grip(s: Standing) -> Iterator[Figure]:
+    if s.load.friction_coefficient is None or not s.upright:
+        return
+    friction, known = s.load.friction_coefficient, s.section.height_known
+    slope = grip_slope(s.d, friction) if known else nan
+    faster = min(grip_acceleration(s.d, friction, way, gravity=s.gravity) for way in s.ways) if known else nan
+    yield _figure("grip_slope", "Slope that the floor's grip holds, worst way", slope, "angle", "deg")
+    yield _figure(
+        "grip_acceleration", "Acceleration that the floor transmits, level, worst way", faster, "acceleration", "m/s^2"
+    )

@@ -1,0 +1,137 @@
+"""One set over one load cycle: what the drive model says of each moment, for figures and the energy's account.
+
+The same functions that judge candidates by columns, called with columns of one. The winding is as warm as it is at each
+moment of the cycle that repeats for ever; where that is unknown, so is the voltage.
+Symbols: I current [A], V voltage [V], w speed [rad/s], P_h loss at the housing [W].
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.loads import load_cycle
+from drivesizer.machine.set_columns import OneRow
+from drivesizer.physics.heat_course import WindingCourse
+from drivesizer.physics.load_cycle import mean_product
+from drivesizer.physics.motor_demand import SPEED, AtGearhead, Demands, at_gearhead, demands
+from drivesizer.physics.stress import Heat, Stress, heat, stress, volts_of
+from drivesizer.physics.thermal import resistance_25, resistance_at
+from drivesizer.physics.warm_winding import warming as of_the_winding
+from drivesizer.physics.waveform import Wave, balanced, lost, mean_square
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["SetCycle", "Warming", "lost_in_winding", "set_cycle", "supplied", "warming", "waveform"]
+
+Array = NDArray[np.float64]
+
+
+class SetCycle(NamedTuple):
+    """A set's parts as columns of one, and what its load cycle asks of them."""
+
+    spec: RobotSpec
+    motor: OneRow
+    gearhead: OneRow
+    at: AtGearhead
+    asked: Demands
+    warm: Heat
+    under: Stress
+    flows: Wave  # current, and the voltage that the motion induces, over the pieces that a winding feels
+    course: WindingCourse  # how warm the winding is over these
+
+    @property
+    def known(self) -> bool:
+        """Whether the motor's current is known, and not only a least one."""
+        return bool(self.asked.sure.all() and np.isfinite(self.asked.rms_current).all())
+
+    @property
+    def hot(self) -> Array:
+        """Resistance of the winding at its mean temperature [ohm]; cold, where that is unknown."""
+        T = np.where(np.isfinite(self.course.mean), self.course.mean, self.spec.environment.ambient)
+        return np.asarray(resistance_at(resistance_25(self.motor), T))
+
+    @property
+    def volts(self) -> Array:
+        """Coefficients of the voltage from the six functions, winding hot."""
+        return volts_of(self.asked, self.motor["torque_constant"], self.hot)
+
+    @property
+    def copper(self) -> float:
+        """Mean heat of the winding [W], its resistance that of each moment; NaN unknown."""
+        resistance = np.asarray(resistance_at(resistance_25(self.motor), self.course.means[0]))
+        return float((resistance * mean_square(self.flows)[0]) @ self.flows.duration / self.flows.duration.sum())
+
+
+class Warming(NamedTuple):
+    """What warms a motor: pieces of the cycle in order."""
+
+    duration: Array  # s
+    square: Array  # A^2, mean square current
+    loss: Array  # W, at the housing
+
+
+def set_cycle(spec: RobotSpec, drive_set: DriveSet) -> SetCycle:
+    """What the cycle of a spec asks of a set.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    drive_set
+        What drives it.
+
+    Raises
+    ------
+    InputError
+        When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
+    """
+    motor, gearhead, encoder = (OneRow(part) for part in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
+    base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)  # cut as the search cut it
+    at = base.behind(drive_set.belt_ratio)
+    asked = demands(at, motor, gearhead, encoder)
+    warm = heat(spec.environment.ambient, at, asked, motor)
+    flows, course = of_the_winding(spec.environment.ambient, at, asked, warm, motor)
+    return SetCycle(
+        spec, motor, gearhead, at, asked, warm, stress(spec.environment.ambient, at, asked, motor), flows, course
+    )
+
+
+def waveform(found: SetCycle, *, mean: bool = False) -> Wave:
+    """Current and voltage over the pieces of the cycle, of one candidate.
+
+    Parameters
+    ----------
+    found
+        The set over its cycle.
+    mean
+        Take the winding in each piece at its mean temperature, which makes its energy; else as it is at its ends.
+    """
+    T = found.course.means[:, :, None] if mean else found.course.ends
+    resistance = resistance_at(resistance_25(found.motor), T)
+    return found.flows._replace(voltage=found.flows.voltage + resistance * found.flows.current)
+
+
+def supplied(found: SetCycle, *, mean: bool = True) -> Wave:
+    """Current, and the voltage that makes of it the power that the motor takes, over the cycle's pieces."""
+    taken = balanced(waveform(found, mean=mean), *_surplus(found))
+    return taken if taken.duration.ndim == 1 else taken._replace(duration=taken.duration[0])
+
+
+def lost_in_winding(found: SetCycle) -> float:
+    """What is lost over the cycle as the winding's two constants differ [J]."""
+    return float(lost(waveform(found, mean=True), *_surplus(found))[0])
+
+
+def _surplus(found: SetCycle) -> tuple[Array, Array]:
+    return found.asked.surplus(found.motor["torque_constant"]), found.at.warming.functions[:, :, SPEED]
+
+
+def warming(found: SetCycle) -> Warming:
+    """Mean square current and loss at the housing over the pieces of which a winding feels the mean."""
+    duration, functions = found.at.warming
+    speed, square = functions[:, :, SPEED], mean_square(found.flows)[0]
+    loss = found.warm.friction[0] * np.abs(speed).mean(1) + found.warm.iron[0] * mean_product(speed, speed)
+    return Warming(duration, square, loss)

@@ -1,0 +1,121 @@
+"""What the motor sets of a machine draw from their supply over one cycle, and give back: columns over time.
+
+Current and voltage of the drive model are straight lines within a segment; each segment is cut into pieces, and of
+every piece the energy is exact (``waveform``). Summed up they are the energies of the set's own record.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import nan
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.loads.wheel import WheelLoad
+from drivesizer.machine.set_cycle import set_cycle, supplied
+from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.physics.waveform import Wave, energy, largest_power
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.loads import WheeledVehicle
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["DrivePower", "drive_power", "together", "way_of"]
+
+Array = NDArray[np.float64]
+_MOST = 4096  # pieces of a cycle
+_FINEST = 16  # pieces of a segment
+_NO_TIME = 1e-12  # of the cycle: two ends so near are one
+
+
+class DrivePower(NamedTuple):
+    """Electrical power of all motor sets together, piece by piece; unknown where the drive's demand is."""
+
+    duration: Array  # s
+    drawn: Array  # W, mean of what is drawn
+    returned: Array  # W, mean of what comes back
+    peak: Array  # W, largest at one moment
+    returned_peak: Array  # W
+    way: float  # m that a vehicle goes in the cycle, there and back; unknown of what does not travel
+
+    @property
+    def total(self) -> float:
+        """Length of the cycle [s]."""
+        return float(self.duration.sum())
+
+    def mean(self, column: Array) -> float:
+        """Mean of one of the columns over the cycle."""
+        return float(self.duration @ column) / self.total
+
+
+def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
+    """Power over one cycle that repeats for ever, the winding as warm as it then is; unknown where that is.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    drive_set
+        What drives it.
+
+    Raises
+    ------
+    InputError
+        When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
+    """
+    found = set_cycle(spec, drive_set)
+    duration, *ends = _pieces(supplied(found))
+    sums = energy(Wave(np.ones(1), *(x[:, None] for x in ends)), storing=False)  # every piece a candidate of its own
+    one = Wave(np.ones(1), *(x[:, None] for x in _pieces(supplied(found, mean=False))[1:]))
+    back = largest_power(one._replace(voltage=-one.voltage))[0]
+    peak = largest_power(one)[0]
+    sets = spec.load.alike if found.asked.sure.all() else np.nan  # least demands are not told as if they were all
+    return DrivePower(
+        duration=duration,
+        drawn=sums.drawn * sets,
+        returned=sums.returned * sets,
+        peak=np.maximum(peak, 0.0) * sets,
+        returned_peak=np.maximum(back, 0.0) * sets,
+        way=way_of(spec, found.at.cycle),
+    )
+
+
+def way_of(spec: RobotSpec, cycle: LoadCycle) -> float:
+    """How far a vehicle goes in a cycle [m]."""
+    if isinstance(spec.load, WheelLoad):
+        return spec.load.way
+    if not isinstance(spec.load, WheeledVehicle):
+        return nan
+    return cycle.radius * float(np.abs(cycle.speed).mean(axis=1) @ cycle.duration)
+
+
+def together(powers: Sequence[DrivePower]) -> DrivePower:
+    """What the wheels of one platform draw at the same time: their sum, cut where any of them is.
+
+    Largest powers are summed piece by piece, whether they fall together or not.
+    """
+    if len(powers) == 1:
+        return powers[0]
+    ends = [np.concatenate([[0.0], np.cumsum(p.duration)]) for p in powers]
+    edges = np.unique(np.concatenate(ends))
+    edges = edges[np.concatenate([[True], np.diff(edges) > _NO_TIME * edges[-1]])]
+    middle, duration = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
+    place = [np.clip(np.searchsorted(e, middle) - 1, 0, len(e) - 2) for e in ends]
+    summed = {
+        name: np.sum([getattr(p, name)[at] for p, at in zip(powers, place, strict=True)], axis=0)
+        for name in ("drawn", "returned", "peak", "returned_peak")
+    }
+    return DrivePower(duration=duration, way=powers[0].way, **summed)
+
+
+def _pieces(found: Wave) -> tuple[Array, Array, Array]:
+    """Length of the pieces, and current and voltage at both ends of each."""
+    count = max(1, min(_FINEST, _MOST // len(found.duration)))
+    cuts = np.linspace(0.0, 1.0, count + 1)
+
+    def cut(ends: Array) -> Array:
+        points = ends[0, :, :1] + cuts * (ends[0, :, 1:] - ends[0, :, :1])
+        return np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2)
+
+    return np.repeat(found.duration / count, count), cut(found.current), cut(found.voltage)

@@ -1,0 +1,8 @@
+"""How results are shown: terminal, JSON, reports, exports to other programs.
+
+May import: every room up to machine and control; not search, sizing or study.
+"""
+
+from __future__ import annotations
+
+__all__: list[str] = []

@@ -1,0 +1,74 @@
+"""A sized set as a file that a simulator or a robot's software reads: one module per format.
+
+``common`` has the figures that all of them need, seen from the driven shaft; nothing is computed twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import NamedTuple
+
+from drivesizer.errors import InputError, quoted
+from drivesizer.files.writing import put, ready
+from drivesizer.output.export.common import Export, export_of
+
+__all__ = ["FORMATS", "Export", "Format", "accept", "export_of", "files", "write"]
+
+
+class Format(NamedTuple):
+    """A format: what it is, the module that makes it, the suffixes that its file may have."""
+
+    said: str
+    module: str
+    suffixes: tuple[str, ...]
+
+
+FORMATS = {
+    "mjcf": Format("MuJoCo", "mjcf", (".xml", ".mjcf")),
+    "urdf": Format("URDF", "urdf", (".urdf", ".xml")),
+    "sdf": Format("Gazebo", "sdf", (".sdf", ".xml")),
+    "ros2_control": Format("ros2_control", "ros2_control", (".urdf", ".xacro", ".xml")),
+    "fmu": Format("FMI 2.0 co-simulation", "fmu", (".fmu",)),
+    "json": Format("JSON", "json_document", (".json",)),
+}
+
+
+def accept(form: str, path: Path) -> None:
+    """Refuse a format that is not known, or a target that cannot work, before time is spent.
+
+    Raises
+    ------
+    InputError
+        One line that says what is expected.
+    """
+    if form not in FORMATS:
+        raise InputError(f"--format: {quoted(form)} is not known; expected {', '.join(FORMATS)}")
+    if path.suffix.lower() not in FORMATS[form].suffixes:
+        wanted = " or ".join(FORMATS[form].suffixes)
+        raise InputError(f"--output: {quoted(path)} is no name for {form}; expected a file that ends in {wanted}")
+    ready(path)
+
+
+def files(of: Export, form: str, path: Path) -> dict[Path, bytes]:
+    """The files of a format, by path: one, and of ros2_control also the controllers' parameters beside it.
+
+    Raises
+    ------
+    InputError
+        When the format asks for a figure that is unknown, or a library that is not installed.
+    """
+    module = import_module(f"drivesizer.output.export.{FORMATS[form].module}")
+    render: Callable[[Export], bytes] = module.render
+    found = {path: render(of)}
+    if form == "ros2_control":
+        beside = path.with_name(f"{path.stem}_controllers.yaml")
+        found[beside] = module.controllers(of)
+    return found
+
+
+def write(of: Export, form: str, path: Path) -> list[Path]:
+    """Write a set to a file of a format, whole or not at all; the paths."""
+    accept(form, path)
+    return put(files(of, form, path))

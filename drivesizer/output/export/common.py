@@ -1,0 +1,248 @@
+r"""The figures of a set that every format needs, as one record.
+
+All of it is one motor set and its share of the load, seen from the driven shaft: a joint that turns by its angle.
+Convention: as in ``plant``; a torque of the load is positive when it resists forward motion.
+
+A gear's efficiency is in no format. Seen at the driven shaft with gears that drive, a motor torque M is K e M, and
+
+.. math:: K e M = (J_l + K^2 e J_m)\, \dot w + (T_f + K e M_f)\, \mathrm{sgn}\, w + K^2 e b_m w + T_0
+
+J_l, T_f, T_0 inertia, friction and weight of the load; J_m, M_f, b_m inertia, dry and viscous friction of the motor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from math import cos, isfinite, isnan, nan
+from typing import Any
+
+import numpy as np
+
+from drivesizer.control.cascade import Cascade
+from drivesizer.control.drive_train import DriveTrain, drive_train, within_reach
+from drivesizer.control.loop_design import designed
+from drivesizer.control.validation import Gains
+from drivesizer.errors import InputError
+from drivesizer.loads.at_shaft import asked_of, at_shaft, remaining_torque
+from drivesizer.loads.lever import Lever, lever_of
+from drivesizer.loads.platform_wheels import on_wheels
+from drivesizer.loads.wheel import WheelLoad
+from drivesizer.machine.set_cycle import set_cycle, warming
+from drivesizer.output.export.limits import Limits, limits
+from drivesizer.physics.heat_cycle import periodic_heat
+from drivesizer.physics.stress import housing_loss
+from drivesizer.physics.thermal import TwoBodies, two_bodies
+from drivesizer.physics.usable_voltage import usable_in
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.version import __version__
+
+__all__ = ["Cycle", "Export", "export_of"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cycle:
+    """What is asked of the driven shaft over one cycle, piecewise linear."""
+
+    time: tuple[float, ...]  # s
+    speed: tuple[float, ...]  # rad/s
+    load_time: tuple[float, ...]  # s
+    load_torque: tuple[float, ...]  # N*m, what the load takes beyond inertia, friction and a weight on its lever
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Export:
+    """One motor set, its controller and its share of the load; SI, NaN unknown."""
+
+    name: str  # of the machine
+    label: str  # of the set
+    program: str
+    parts: dict[str, str]  # by role: maker, family and part
+    motor_sets: int  # of the machine
+    train: DriveTrain
+    inductance_known: bool
+    controller: Gains | Cascade | None  # None: it cannot be designed, for the rotor's inertia is unknown
+    voltage: float  # V, what the motor can get at the lowest supply voltage
+    voltage_known: bool  # else it is the lowest supply voltage
+    peak_current: float  # A, of the controller
+    continuous_current: float
+    limits: Limits
+    heat: TwoBodies | None  # None: a figure is unknown
+    housing: float  # K, mean over the cycle repeated for ever; NaN unknown
+    rotor_loss: tuple[float, float]  # N*m and N*m*s/rad, what warms the housing; 0 where unknown
+    ambient: float  # K
+    elastic: bool  # the spec has two masses
+    lever: Lever | None  # this motor set's share of a load that gravity turns
+    gravity: float  # m/s^2
+    cycle: Cycle
+    said: tuple[str, ...]  # what was assumed on the way
+
+    @property
+    def friction(self) -> float:
+        """Dry friction seen at the driven shaft, gears driving [N*m]."""
+        train = self.train
+        return self.load_friction + train.friction * train.ratio * train.efficiency
+
+    @property
+    def load_friction(self) -> float:
+        """Dry friction of the load [N*m]: half of what forward and backward differ by."""
+        return (self.train.forward_torque - self.train.backward_torque) / 2
+
+    @property
+    def weight(self) -> float:
+        """Torque of the load without friction, at the start of the motion [N*m]."""
+        return (self.train.forward_torque + self.train.backward_torque) / 2
+
+    @property
+    def moment(self) -> float:
+        """Torque of the weight on its lever, lying level [N*m]; 0 without a lever."""
+        return self.lever.moment(self.gravity) if self.lever else 0.0
+
+    @property
+    def constant_weight(self) -> float:
+        """Torque of the load without friction and lever: the same at every angle [N*m]."""
+        return self.weight - (self.moment * cos(self.lever.start) if self.lever else 0.0)
+
+    @property
+    def damping(self) -> float:
+        """Viscous friction seen at the driven shaft, gears driving [N*m*s/rad]."""
+        return self.train.viscous * self.train.ratio**2 * self.train.efficiency
+
+    @property
+    def reflected_inertia(self) -> float:
+        """Inertia of rotor, encoder and gearhead input seen at the driven shaft, gears driving [kg*m^2]."""
+        return self.train.motor_inertia * self.train.ratio**2 * self.train.efficiency
+
+    @property
+    def inertia(self) -> float:
+        """All inertia seen at the driven shaft, gears driving [kg*m^2]."""
+        return self.train.load_inertia + self.reflected_inertia
+
+    @property
+    def known_inertia(self) -> float:
+        """The inertia seen at the driven shaft, without that of the rotor where it is unknown [kg*m^2]."""
+        return self.train.load_inertia if isnan(self.inertia) else self.inertia
+
+    @property
+    def period(self) -> float:
+        """Period of the velocity loop [s]."""
+        c = self.designed
+        return c.period if isinstance(c, Gains) else c.velocity_period
+
+    @property
+    def designed(self) -> Gains | Cascade:
+        """The controller.
+
+        Raises
+        ------
+        InputError
+            When it could not be designed.
+        """
+        if self.controller is None:
+            raise InputError(
+                f"{self.label}: the rotor's inertia is not in the catalogue, and a controller is designed for it; "
+                "expected --format urdf, sdf or json, which do without"
+            )
+        return self.controller
+
+
+def export_of(spec: RobotSpec, found: DriveSet) -> Export:
+    """The record of a set that a sizing found.
+
+    Parameters
+    ----------
+    spec
+        The machine; of a platform on its way the first of its load cases, a wheel.
+    found
+        The set.
+
+    Raises
+    ------
+    InputError
+        When a figure is unknown without which nothing moves, or ``control`` asks for what no controller can do.
+    """
+    spec = on_wheels(spec)
+    known = found.motor.rotor_inertia > 0.0
+    train, controller, said = designed(spec, found) if known else _without_rotor(spec, found)
+    usable, motor = usable_in(spec.supply.lowest, found.controller), asdict(found.motor)
+    voltage = spec.supply.lowest if isnan(usable) else usable
+    own, bodies, lever = found.controller, two_bodies(motor), _lever(spec)
+    return Export(
+        name=spec.name,
+        label=found.label,
+        program=f"drivesizer {__version__}",
+        parts={role: _named(part) for role, part in found.parts.items() if part is not None},
+        motor_sets=spec.load.motors,
+        train=train,
+        inductance_known=found.motor.inductance > 0.0,
+        controller=controller,
+        voltage=voltage,
+        voltage_known=not isnan(usable),
+        peak_current=own.peak_current if own else float("nan"),
+        continuous_current=own.continuous_current if own else float("nan"),
+        limits=limits(spec, found, train, voltage),
+        heat=bodies if bodies.known else None,
+        housing=_housing(spec, found, bodies),
+        rotor_loss=_loss(motor),
+        ambient=spec.environment.ambient,
+        elastic=spec.plant.model != "rigid",
+        lever=lever,
+        gravity=spec.environment.gravity,
+        cycle=_cycle(spec, train, lever),
+        said=(*said, *_whose(spec)),
+    )
+
+
+def _without_rotor(spec: RobotSpec, found: DriveSet) -> tuple[DriveTrain, None, list[str]]:
+    """The machine of a set whose rotor's inertia is unknown; no controller can be designed for it."""
+    any_rotor = replace(found, motor=replace(found.motor, rotor_inertia=1.0))
+    train, said = drive_train(spec, any_rotor, 1e-3)
+    lacking = "the rotor's inertia is unknown and left out; no controller is designed"
+    return replace(train, motor_inertia=nan), None, [*said, lacking]
+
+
+def _whose(spec: RobotSpec) -> list[str]:
+    """Which wheel's motion and load these are, where wheels have their own."""
+    if not isinstance(spec.load, WheelLoad):
+        return []
+    return [f"motion and load are those of {spec.load_cases[0][0]}; the other wheels have their own"]
+
+
+def _named(part: Any) -> str:
+    names = (part.manufacturer, part.family, part.part)
+    return " ".join(name for n, name in enumerate(names) if name and name not in names[:n])
+
+
+def _loss(motor: dict[str, Any]) -> tuple[float, float]:
+    coulomb, viscous = (float(x[0]) for x in housing_loss(motor, np.ones(1)))
+    return (coulomb if isfinite(coulomb) else 0.0), (viscous if isfinite(viscous) else 0.0)
+
+
+def _housing(spec: RobotSpec, found: DriveSet, bodies: TwoBodies) -> float:
+    """Mean temperature of the housing where the cycle repeats for ever [K]; NaN where it is unknown or runs away."""
+    cycle = set_cycle(spec, found)
+    if not (bodies.known and cycle.known):
+        return nan
+    heat = periodic_heat(bodies, spec.environment.ambient, *warming(cycle))
+    return heat.housing_mean if isfinite(heat.housing_mean) else nan
+
+
+def _lever(spec: RobotSpec) -> Lever | None:
+    """One motor set's share of a lever that feels its weight."""
+    lever = lever_of(spec.load)
+    if lever is None or lever.moment(spec.environment.gravity) == 0.0:
+        return None
+    return lever._replace(mass=lever.mass / spec.load.motors)
+
+
+def _cycle(spec: RobotSpec, train: DriveTrain, lever: Lever | None) -> Cycle:
+    """What is asked, and what the load takes over time: of a lever nothing, its weight goes with its angle."""
+    asked = asked_of(spec)
+    within_reach(train, asked)
+    left = np.empty((0, 2)) if lever else remaining_torque(spec, asked, at_shaft(spec))
+    return Cycle(
+        time=asked.time,
+        speed=tuple((np.array(asked.speed) / train.radius).tolist()),
+        load_time=tuple(left[:, 0].tolist()),
+        load_torque=tuple(left[:, 1].tolist()),
+    )

@@ -1,0 +1,206 @@
+"""An FMU for co-simulation (FMI 2.0): the set with its load, driven by a voltage.
+
+Made by PythonFMU, whose loader runs ``fmu_motor`` in the Python of the simulator's computer: a Python 3 must be there,
+nothing else; the loader is built for Linux and Windows on x86-64. All figures are parameters of the FMU. Dates are
+fixed and the GUID is that of the content, so that the same set gives the same bytes.
+
+All FMUs of a process share one Python, which keeps modules by their names: a second FMU would run with the code and
+figures of the first that has the same. So model and modules are named by a digest of what they hold.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import sys
+import tempfile
+import uuid
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import isnan
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
+
+from drivesizer.errors import InputError
+from drivesizer.output.export import fmu_motor
+from drivesizer.output.export.common import Export
+from drivesizer.output.export.markup import document, text
+
+__all__ = ["parameters", "render"]
+
+_DATE = (1980, 1, 1, 0, 0, 0)  # the first that a zip can tell
+_DIGITS = 16  # of the digest in a name: 64 bits
+_SPACE = uuid.UUID("9c4b7d1e-1a44-5d0e-8a1b-2f0f3a6f5b10")  # of GUIDs of this program
+_UNITS: dict[str, dict[str, str]] = {
+    "1": {},
+    "ohm": {"kg": "1", "m": "2", "s": "-3", "A": "-2"},
+    "H": {"kg": "1", "m": "2", "s": "-2", "A": "-2"},
+    "N.m/A": {"kg": "1", "m": "2", "s": "-2", "A": "-1"},
+    "V.s/rad": {"kg": "1", "m": "2", "s": "-2", "A": "-1", "rad": "-1"},
+    "kg.m2": {"kg": "1", "m": "2"},
+    "N.m": {"kg": "1", "m": "2", "s": "-2"},
+    "N.m.s/rad": {"kg": "1", "m": "2", "s": "-1", "rad": "-1"},
+    "m": {"m": "1"},
+    "K": {"K": "1"},
+    "K/W": {"kg": "-1", "m": "-2", "s": "3", "K": "1"},
+    "J/K": {"kg": "1", "m": "2", "s": "-2", "K": "-1"},
+    "A": {"A": "1"},
+    "V": {"kg": "1", "m": "2", "s": "-3", "A": "-1"},
+    "rad/s": {"rad": "1", "s": "-1"},
+    "rad": {"rad": "1"},
+    "m/s": {"m": "1", "s": "-1"},
+}
+
+
+def parameters(of: Export) -> dict[str, float]:
+    """The figures of ``fmu_motor`` for a set, SI; 0 switches off what is unknown."""
+    train, heat = of.train, of.heat
+    thermal = (heat.R_th1, heat.R_th2, heat.capacity_w, heat.capacity_h) if heat else (0.0,) * 4
+    names = ("winding_to_housing", "housing_to_ambient", "winding_capacity", "housing_capacity")
+    return {
+        "resistance": train.resistance, "inductance": train.inductance if of.inductance_known else 0.0,
+        "torque_constant": train.torque_constant, "back_emf_constant": train.back_emf_constant,
+        "motor_inertia": train.motor_inertia, "motor_friction": train.friction, "motor_viscous": train.viscous,
+        "ratio": train.ratio,
+        "efficiency": train.efficiency, "load_inertia": train.load_inertia, "forward_torque": train.forward_torque,
+        "backward_torque": train.backward_torque, "rest_torque": train.rest_torque,
+        "lever_torque": of.moment, "lever_angle": of.lever.start if of.lever else 0.0, "radius": train.radius,
+        "ambient": of.ambient, **{name: float(x) for name, x in zip(names, thermal, strict=True)},
+        "housing_loss": of.rotor_loss[0], "housing_loss_viscous": of.rotor_loss[1],
+        "most_current": of.peak_current if of.peak_current == of.peak_current else 0.0,
+    }  # fmt: skip
+
+
+def render(of: Export) -> bytes:
+    """The file of a set.
+
+    Raises
+    ------
+    InputError
+        When PythonFMU is not installed, or the rotor's inertia is unknown.
+    """
+    if isnan(of.train.motor_inertia):
+        raise InputError(
+            f"{of.label}: the rotor's inertia is not in the catalogue, and an FMU moves by it; expected --format urdf, "
+            "sdf or json, which do without"
+        )
+    try:
+        from pythonfmu.builder import FmuBuilder  # type: ignore[import-untyped, unused-ignore]
+    except ImportError:
+        raise InputError("--format: fmu needs PythonFMU; pip install 'drivesizer[fmu]'") from None
+    with tempfile.TemporaryDirectory(prefix="drivesizer-") as folder:
+        script, motor = _modules(of, Path(folder))
+        with _tidy():
+            made = FmuBuilder.build_FMU(script, dest=folder, project_files=[motor])
+        return _settled(made.read_bytes(), of)
+
+
+@contextmanager
+def _tidy() -> Iterator[None]:
+    """PythonFMU imports what it packs, from where it lies; here nothing of that stays."""
+    path, modules = list(sys.path), set(sys.modules)
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        for name in set(sys.modules) - modules:
+            if name.startswith("drive_"):
+                del sys.modules[name]
+
+
+def _modules(of: Export, folder: Path) -> tuple[Path, Path]:
+    """Write the class that PythonFMU calls, with the set's figures in it, and the motor, named by what is in both."""
+    motor = Path(fmu_motor.__file__).read_bytes()
+    figures, said = repr(parameters(of)), repr(text(f"{of.name}: {of.label}; {of.program}"))
+    content = "\0".join((_SLAVE, figures, said)).encode() + motor
+    digest = hashlib.sha256(content).hexdigest()[:_DIGITS]
+    slave = _SLAVE.format(figures=figures, said=said, digest=digest)
+    written = folder / f"drive_{digest}.py", folder / f"drive_{digest}_motor.py"
+    for path, code in zip(written, (slave.encode(), motor), strict=True):
+        path.write_bytes(code)
+    return written
+
+
+def _settled(archive: bytes, of: Export) -> bytes:
+    """The archive with fixed dates, names in order, and a GUID that is that of its content."""
+    with zipfile.ZipFile(io.BytesIO(archive)) as made:
+        files = {name: made.read(name) for name in sorted(made.namelist()) if "__pycache__" not in name}
+    name = "modelDescription.xml"
+    described = fromstring(files.pop(name))  # noqa: S314 - made a moment ago
+    described.attrib.pop("generationDateAndTime")
+    described.set("guid", "")
+    _units(described, of)
+    _at_first(described)
+    content = hashlib.sha256(b"".join(files.values()) + tostring(described)).hexdigest()
+    described.set("guid", f"{{{uuid.uuid5(_SPACE, content)}}}")
+    files[name] = document(described)
+    return _packed(files)
+
+
+def _packed(files: dict[str, bytes]) -> bytes:
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archived:
+        for path, content in sorted(files.items()):
+            entry = zipfile.ZipInfo(path, _DATE)
+            entry.external_attr = 0o644 << 16
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archived.writestr(entry, content)
+    return out.getvalue()
+
+
+def _at_first(described: Element) -> None:
+    """What is computed before the first step: all outputs; the format asks for the list."""
+    structure = described.find("ModelStructure")
+    assert structure is not None
+    outputs = [unknown.attrib for unknown in structure.iter("Unknown")]
+    initial = SubElement(structure, "InitialUnknowns")
+    for attributes in outputs:
+        SubElement(initial, "Unknown", attributes)
+
+
+def _units(described: Element, of: Export) -> None:
+    """Units of all variables, which PythonFMU does not write."""
+    named = fmu_motor.FIGURES | fmu_motor.INPUTS | fmu_motor.OUTPUTS
+    defined = Element("UnitDefinitions")
+    for unit, base in _UNITS.items():
+        SubElement(SubElement(defined, "Unit", name=unit), "BaseUnit", base)
+    described.insert(1, defined)  # behind CoSimulation, the first
+    for variable in described.iter("ScalarVariable"):
+        real = variable.find("Real")
+        if real is not None:
+            turns = variable.get("name") == "load_speed" and of.train.radius == 1.0
+            real.set("unit", "rad/s" if turns else named[variable.get("name", "")][0])
+
+
+_SLAVE = '''"""The FMU's side of the drive: its variables by name."""
+from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+
+from drive_{digest}_motor import FIGURES, INPUTS, OUTPUTS, Drive
+
+SET = {figures}
+
+
+class Drive_(Drive, Fmi2Slave):
+    description = {said}
+
+    def __init__(self, **kwargs):
+        Fmi2Slave.__init__(self, **kwargs)
+        Drive.__init__(self, SET)
+        self.modelName = "Drive_{digest}"
+        for name, (_, said) in FIGURES.items():
+            kind = {{"causality": Fmi2Causality.parameter, "variability": Fmi2Variability.tunable}}
+            self.register_variable(Real(name, description=said, **kind))
+        for name, (_, said) in INPUTS.items():
+            self.register_variable(Real(name, causality=Fmi2Causality.input, description=said))
+        for name, (_, said) in OUTPUTS.items():
+            if SET["winding_to_housing"] > 0.0 or not name.endswith("_temperature"):
+                self.register_variable(Real(name, causality=Fmi2Causality.output, description=said))
+
+    def exit_initialization_mode(self):
+        self.winding_temperature = self.housing_temperature = self.ambient
+
+    def do_step(self, current_time, step_size):
+        self.advance(step_size)
+        return True
+'''

@@ -1,0 +1,107 @@
+r"""What a set can give at the driven shaft: torque and speed, at their peak and for ever, and what sets each limit.
+
+.. math:: T = K e\, k_t I \;\text{(motor, controller)}, \qquad T = i_b e_b\, T_g \;\text{(gearhead)}, \qquad w = w_m / K
+
+A torque is that of the motor's magnets behind gears that drive; friction is no part of it, since every simulator takes
+the friction of a joint away by itself. K whole reduction, e efficiency of gearhead and belt, b of the belt alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from math import inf, isfinite, nan
+from typing import NamedTuple
+
+from drivesizer.control.drive_train import DriveTrain
+from drivesizer.physics.thermal import current_derating, rated_ambient
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["Limit", "Limits", "limits"]
+
+
+class Limit(NamedTuple):
+    """The least of several limits."""
+
+    value: float  # SI; NaN where none is known
+    by: str  # what sets it
+    unknown: tuple[str, ...]  # limits that the catalogue does not tell
+
+
+class Limits(NamedTuple):
+    """What a set can give at the driven shaft of one motor set."""
+
+    peak_torque: Limit  # N*m
+    continuous_torque: Limit  # N*m
+    peak_speed: Limit  # rad/s
+    continuous_speed: Limit  # rad/s
+
+
+def limits(spec: RobotSpec, found: DriveSet, train: DriveTrain, voltage: float) -> Limits:
+    """Torque and speed at the driven shaft that a set bears.
+
+    Parameters
+    ----------
+    spec, found, train
+        The machine, the set, and the drive train that they make.
+    voltage
+        What the controller can give the motor [V].
+    """
+    per_ampere = train.torque_constant * train.ratio * train.efficiency
+    behind = train.belt_ratio * train.belt_efficiency
+    peak = {name: current * per_ampere for name, current in _peak_currents(found, train, voltage).items()}
+    lasting = {name: current * per_ampere for name, current in _continuous_currents(spec, found).items()}
+    if found.gearhead.part != "direct":
+        peak["gearhead, intermittent torque"] = found.gearhead.intermittent_torque * behind
+        lasting["gearhead, continuous torque"] = found.gearhead.continuous_torque * behind
+    fastest = _speeds(found, train, voltage)
+    for_ever = fastest | {"gearhead, continuous input speed": found.gearhead.continuous_input_speed}
+    return Limits(
+        _least(peak),
+        _least(lasting),
+        *(_least({n: w / train.ratio for n, w in of.items()}) for of in (fastest, for_ever)),
+    )
+
+
+def _peak_currents(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, float]:
+    controller, motor = found.controller, found.motor
+    named = {
+        "motor at stall": voltage / train.resistance,
+        "controller, peak current": controller.peak_current if controller else nan,
+    }
+    if isfinite(motor.peak_torque):  # most makers limit none
+        named["motor, peak torque"] = motor.peak_torque / train.torque_constant
+    return named
+
+
+def _continuous_currents(spec: RobotSpec, found: DriveSet) -> dict[str, float]:
+    controller, motor = found.controller, found.motor
+    rated = rated_ambient(asdict(motor))
+    derating = float(current_derating(spec.environment.ambient, motor.max_winding_temperature, rated))
+    return {
+        "motor, nominal current": motor.nominal_current * derating,
+        "controller, continuous current": controller.continuous_current if controller else nan,
+    }
+
+
+def _speeds(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, float]:
+    """Highest speeds of the motor [rad/s]; the gears' idle friction is counted in that at no load."""
+    k, k_e, R = train.torque_constant, train.back_emf_constant, train.resistance
+    motor, controller = found.motor, found.controller
+    named = {
+        "motor at no load": (k * voltage - R * train.friction) / (k * k_e + R * train.viscous),
+        "motor, permissible speed": motor.max_speed,
+        "gearhead, intermittent input speed": found.gearhead.intermittent_input_speed,
+        "encoder, permissible speed": found.encoder.max_speed if found.encoder else nan,
+    }
+    if motor.kind == "brushless":
+        named["controller, electrical speed"] = controller.max_speed_sine / motor.pole_pairs if controller else nan
+    return named
+
+
+def _least(named: Mapping[str, float]) -> Limit:
+    known = {name: value for name, value in named.items() if value == value and value < inf}
+    unknown = tuple(name for name, value in named.items() if value != value)
+    by = min(known, key=lambda name: known[name], default="")
+    return Limit(known.get(by, nan), by, unknown)

@@ -1,0 +1,242 @@
+"""MJCF: the set as MuJoCo's DC motor on a shaft that carries the load, and the designed controller on its board.
+
+MuJoCo 3.12 or later: there the motor's controller got its inputs. Inputs of the file, set at every step: angle, speed
+and torque ahead of the motor; torque of the load beyond friction, inertia and weight.
+
+What MuJoCo has not is a gear's efficiency: that a load T takes T/e of a drive that drives, and e T of one that brakes.
+
+- A weight W takes either, by the way it goes, as (1/e + e)/2 of it and a dry friction of (1/e - e)/2 of it. On a lever,
+  where W goes with the angle, that friction is one of a plumb line (a tendon) from the mass to a point far above, whose
+  arm about the axis is that of the weight.
+- Inertia and friction of the load, and ctrl[3], take 1/e, as a drive feels them that drives. Where they brake the file
+  takes more current than the drive, by up to 1/e^2; ``ctrl`` has a place for what is missing, and the remarks its rule.
+
+Of the two bodies of heat MuJoCo has the winding, on a housing that is as warm as it is in the mean when the cycle has
+repeated for ever. That is right for cycles that are short beside the housing's time constant.
+"""
+
+from __future__ import annotations
+
+from math import isnan, sqrt
+from xml.etree.ElementTree import Element, SubElement
+
+from drivesizer.control.drive_train import DriveTrain
+from drivesizer.output.export.common import Export
+from drivesizer.output.export.gains import TorqueLaw, lacking, torque_law
+from drivesizer.output.export.link import LEAST_INERTIA, Link, Vector, far_above, link_of
+from drivesizer.output.export.markup import brief, document, number, remark, text, vector
+from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
+
+__all__ = ["LOAD", "MOTOR", "PLUMB", "SHAFT", "render"]
+
+SHAFT, MOTOR, LOAD, PLUMB = "shaft", "motor", "load_torque", "plumb_line"
+_PER_PERIOD = 4  # steps in a period of the velocity loop: MuJoCo's is of first order in its step
+_HARD = "0.9999 0.9999 0.001 0.5 2"  # its dry friction is a constraint, this is as hard as it gets
+_MOST_POINTS = 2000  # of the cycle in the file
+_ZERO_CELSIUS = 273.15
+_SHOWN = {"mass": "0", "contype": "0", "conaffinity": "0"}  # of a shape that is only looked at
+
+
+def render(of: Export) -> bytes:
+    """The file of a set."""
+    law = torque_law(of)
+    root = Element("mujoco", model=text(of.name))
+    remark(root, f"{of.label}; {of.program}. SI: m, kg, s, N, N*m, rad, A, V.", *_remarks(of, law))
+    SubElement(root, "compiler", angle="radian", autolimits="true")
+    option = SubElement(root, "option", timestep=number(of.period / _PER_PERIOD), integrator="Euler",
+                        gravity=vector((0.0, 0.0, -of.gravity)))  # fmt: skip
+    SubElement(option, "flag", contact="disable")
+    _world(root, of)
+    _actuators(root, of, law)
+    sensor = SubElement(root, "sensor")
+    for kind, name in (("jointpos", "shaft_angle"), ("jointvel", "shaft_speed")):
+        SubElement(sensor, kind, name=name, joint=SHAFT)
+    SubElement(sensor, "actuatorfrc", name="motor_torque", actuator=MOTOR)
+    _cycle(root, of)
+    return document(root)
+
+
+def _remarks(of: Export, law: TorqueLaw) -> list[str]:
+    said = [
+        f"One of {of.motor_sets} motor sets. The joint is the driven shaft; the load goes {brief(of.train.radius)} m "
+        "per rad of it." if of.train.radius != 1.0 else f"One of {of.motor_sets} motor sets. The joint is the load's.",
+        f"ctrl, at every step: [0] angle [rad] and [1] speed w [rad/s] asked of the motor, {number(of.train.ratio)} "
+        f"times those of the shaft; [2] torque ahead [N*m], {_ahead(law)}; [3] torque of the load [N*m] beyond the "
+        "rest.",
+        'On plain voltage: input="voltage" in place of input and controller; then ctrl is [0] voltage, [1] load.',
+        *_gears_told(of),
+        "Controller: the designed one is sampled, answers a period late, and its integral rests at a limit; this one "
+        "is continuous and its integral does not rest.",
+        *(f"Controller: {line}." for line in lacking(of)),
+        "act: the current [A], the last; before it the winding's rise over the ambient [K], where its heat is known.",
+        *_unlike_told(of.train),
+        "A current beyond its limit is cut as torque; the winding's own current goes on.",
+        *(f"Taken for granted: {line}." for line in of.said),
+    ]  # fmt: skip
+    if of.elastic:
+        said.append("The spec's elastic shaft is left out: motor and load are one body here.")
+    said.append(_heat_told(of))
+    return said
+
+
+def _unlike_told(train: DriveTrain) -> list[str]:
+    """What becomes of two constants that differ."""
+    s = _unlike(train)
+    if s == 1.0:
+        return []
+    return [
+        f"MuJoCo has one motor constant, and this motor {brief(train.torque_constant)} N*m/A and "
+        f"{brief(train.back_emf_constant)} V*s/rad: current and voltage of this file are s = {number(s)} times the "
+        "motor's, with its voltage limit, current limit and thermal figures. Speed and torque are the motor's own."
+    ]
+
+
+def _gears_told(of: Export) -> list[str]:
+    """What becomes of the gears' efficiency."""
+    e = of.train.efficiency
+    weight = f"{brief(of.moment)} cos({brief(of.lever.start)} + angle) + " if of.lever else ""
+    return [
+        f"MuJoCo has no efficiency of gears, here e = {brief(e)}: a load T takes T/e where the drive drives it and e T "
+        "where it drives the motor. The weight W of the load takes both, by the way it goes, here as (1/e + e)/2 of it "
+        "and a dry friction; inertia and friction of the load take 1/e. Where those two brake, the current of this "
+        f"file is too large: by up to 1/e^2, {brief(1.0 / e**2)}, in the gears' part of it.",
+        "To mend that, add to ctrl[3] at every step e (x(T) - x(W)) - (T - W): x(T) is T/e where T and the speed have "
+        "one sign, and e T where not; W is "
+        f"{weight}{brief(of.constant_weight)} N*m; T is what the gears transmit at that moment, "
+        f"W + {number(of.train.load_inertia)} qacc + {number(of.load_friction)} sign(qvel) + your own load, by the "
+        "shaft's qacc and qvel of the step before.",
+    ]
+
+
+def _ahead(law: TorqueLaw) -> str:
+    """The law of the feedforward, in words."""
+    terms = [(law.per_speed, "w"), (law.per_acceleration, "dw/dt"), (law.per_direction, "sign(w)")]
+    return " + ".join(f"{number(gain)} {what}" for gain, what in terms if gain) or "0"
+
+
+def _heat_told(of: Export) -> str:
+    if of.heat is None:
+        return "Thermal: a figure of the motor is unknown; the winding stays at 25 degC."
+    if isnan(of.housing):
+        return "Thermal: the winding, on a housing that stays at the ambient temperature: what warms it is unknown."
+    return (
+        "Thermal: MuJoCo has one body, the winding. It starts on, and its ambient is, a housing of "
+        f"{brief(_celsius(of.housing))} degC, the mean when this cycle has repeated for ever, what friction and iron "
+        f"lose included; from cold it is {brief(_celsius(of.ambient))} degC (thermal, last figure) and slowly rises."
+    )
+
+
+def _world(root: Element, of: Export) -> None:
+    """A body that turns with the driven shaft."""
+    train, (mean, half) = of.train, _either_way(of)
+    lost = 1.0 / train.efficiency - 1.0
+    world = SubElement(root, "worldbody")
+    body = SubElement(world, "body", name="load")
+    found = link_of(of, train.load_inertia)
+    friction = of.load_friction * (1.0 + lost) + half * abs(of.constant_weight) + train.friction * train.ratio
+    more = (mean - 1.0) * of.lever.mass if of.lever else 0.0  # kg, what the gears make of the weight beyond it
+    armature = train.load_inertia * lost - (more * of.lever.length**2 if of.lever else 0.0)
+    remark(body, "The body is as it is: armature, and the mass of gears_loss, are what the gears add to it.")
+    turns = {"name": SHAFT, "type": "hinge", "axis": vector(found.axis), "frictionloss": number(friction)}
+    SubElement(body, "joint", turns | {"armature": number(armature)} | _hard(of))
+    remark(body, found.said)
+    about = vector([found.inertia] * 3)
+    SubElement(body, "inertial", pos=vector(found.centre), mass=number(found.mass), diaginertia=about)
+    if of.lever is None:
+        size = number(train.radius if train.radius != 1.0 else 0.1)
+        SubElement(body, "geom", {"type": "cylinder", "size": f"{size} 0.02"} | _SHOWN)
+        return
+    ends = {"size": number(0.05 * of.lever.length), "fromto": vector((0.0, 0.0, 0.0, *found.centre))}
+    SubElement(body, "geom", {"type": "capsule"} | ends | _SHOWN)
+    _extra(body, found, more)
+    _plumb(root, {"above": (world, far_above(of)), "weight": (body, found.centre)}, half * abs(of.moment), of)
+
+
+def _extra(body: Element, found: Link, mass: float) -> None:
+    """Mass in the place of the load's."""
+    own = SubElement(body, "body", name="gears_loss")
+    about = vector([LEAST_INERTIA] * 3)
+    SubElement(own, "inertial", pos=vector(found.centre), mass=number(mass), diaginertia=about)
+
+
+def _plumb(root: Element, ends: dict[str, tuple[Element, Vector]], friction: float, of: Export) -> None:
+    """The gears' friction under a weight on a lever: so much [N*m] where it lies level."""
+    lever, unseen = of.lever, {"rgba": "0 0 0 0"}
+    assert lever is not None
+    force = {"name": PLUMB, "width": "1e-4", "frictionloss": number(friction / lever.length)}
+    line = SubElement(SubElement(root, "tendon"), "spatial", force | unseen | _hard(of))
+    for name, (parent, place) in ends.items():
+        SubElement(parent, "site", {"name": name, "pos": vector(place), "size": "1e-3"} | unseen)
+        SubElement(line, "site", site=name)
+
+
+def _either_way(of: Export) -> tuple[float, float]:
+    """Mean, and half the difference, of what a load takes driven and driving: (1/e + e)/2 and (1/e - e)/2."""
+    e = of.train.efficiency
+    return (1.0 / e + e) / 2.0, (1.0 / e - e) / 2.0
+
+
+def _hard(of: Export) -> dict[str, str]:
+    """Of a dry friction, as hard as MuJoCo has it."""
+    return {"solreffriction": f"{number(2 * of.period / _PER_PERIOD)} 1", "solimpfriction": _HARD}
+
+
+def _actuators(root: Element, of: Export, law: TorqueLaw) -> None:
+    train = of.train
+    actuator = SubElement(root, "actuator")
+    s = _unlike(train)
+    figures = {
+        "name": MOTOR, "joint": SHAFT, "gear": number(train.ratio), "resistance": number(train.resistance),
+        "motorconst": f"{number(train.torque_constant)} {number(train.back_emf_constant)}",
+        "armature": number(train.motor_inertia), "damping": number(train.viscous), "input": "pos vel ff",
+        "controller": " ".join(number(x) for x in (law.kp, law.ki, law.kd, 0.0, 0.0, s * of.voltage)),
+    }  # fmt: skip
+    if of.inductance_known:
+        figures["inductance"] = f"{number(train.inductance)} 0"
+    if of.peak_current == of.peak_current:
+        figures["saturation"] = f"0 {number(s * of.peak_current)} 0"
+    if of.heat is not None:
+        figures["thermal"] = _thermal(of)
+    SubElement(actuator, "dcmotor", figures)
+    remark(
+        actuator,
+        "What the load asks for, positive against forward motion: weight that is the same everywhere, and ctrl[3].",
+    )
+    grown = 1.0 / train.efficiency
+    SubElement(actuator, "general", name=LOAD, joint=SHAFT, gaintype="fixed", gainprm=number(-grown),
+               biastype="affine", biasprm=f"{number(0.0 - of.constant_weight * _either_way(of)[0])} 0 0")  # fmt: skip
+
+
+def _thermal(of: Export) -> str:
+    """Resistance, capacity, time constant (of both), temperature coefficient, its reference, ambient: the housing's."""
+    bodies = of.heat
+    assert bodies is not None
+    celsius = [_celsius(T) for T in (DATA_TEMPERATURE, of.ambient if isnan(of.housing) else of.housing)]
+    square = _unlike(of.train) ** 2
+    return vector((float(bodies.R_th1) / square, float(bodies.capacity_w) * square, 0.0, COPPER, *celsius))
+
+
+def _unlike(train: DriveTrain) -> float:
+    """s = sqrt(k_t / k_e) [1]: MuJoCo has one constant, sqrt(k_t k_e), under which current and voltage are s times.
+
+    Then torque and speed are those of both constants: sqrt(k_t k_e) s I = k_t I, s V = R s I + sqrt(k_t k_e) w.
+    """
+    return sqrt(train.torque_constant / train.back_emf_constant)
+
+
+def _celsius(kelvin: float) -> float:
+    return round(kelvin - _ZERO_CELSIUS, 9)
+
+
+def _cycle(root: Element, of: Export) -> None:
+    """The cycle that is asked for, so that the file is all that it takes to drive it."""
+    cycle, custom = of.cycle, SubElement(root, "custom")
+    columns = {"cycle_time": cycle.time, "cycle_speed": cycle.speed}
+    if cycle.load_time:
+        columns |= {"cycle_load_time": cycle.load_time, "cycle_load_torque": cycle.load_torque}
+    if max(map(len, columns.values())) > _MOST_POINTS:
+        remark(custom, f"The cycle has more than {_MOST_POINTS} points and is left out; --format json has it.")
+        return
+    remark(custom, "One cycle, straight lines between points: time [s], speed of the shaft [rad/s], load [N*m].")
+    for name, column in columns.items():
+        SubElement(custom, "numeric", name=name, data=" ".join(number(x) for x in column))

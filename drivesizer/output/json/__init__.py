@@ -1,0 +1,8 @@
+"""Results as JSON documents, and their schema.
+
+May import: what output may.
+"""
+
+from __future__ import annotations
+
+__all__: list[str] = []

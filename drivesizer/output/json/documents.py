@@ -1,0 +1,229 @@
+"""``--json``: the document that other programs rely on. null where a figure is unknown, never NaN."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, fields
+from math import isfinite
+from typing import Any
+
+from drivesizer.catalog import Actuator, Belt, Controller, Encoder, Gearhead, Motor, Pulley
+from drivesizer.control.validation import Validation
+from drivesizer.output.json.loops import loop_document, number
+from drivesizer.output.json.reliability import reliability, uncertainty
+from drivesizer.results.drive_set import DriveSet, Relaxation
+from drivesizer.results.energy import EnergyBudget
+from drivesizer.results.mass import MassRow
+from drivesizer.results.requirement import Requirement
+from drivesizer.results.sizing import Check, Explanation, Figure, SizingResult, verdict, worst
+from drivesizer.units import KINDS, from_si
+from drivesizer.version import __version__
+
+__all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "explanation", "requirement", "sizing", "validation"]
+
+SCHEMA_VERSION = 1
+
+
+def as_text(document: dict[str, Any]) -> str:
+    """A document as JSON text; what is unknown or without end is null."""
+    return json.dumps(_known(document), allow_nan=False, ensure_ascii=False, indent=2)
+
+
+def _known(value: Any) -> Any:
+    if isinstance(value, float):
+        return number(value)
+    if isinstance(value, dict):
+        return {key: _known(inner) for key, inner in value.items()}
+    return [_known(inner) for inner in value] if isinstance(value, list | tuple) else value
+
+
+def requirement(r: Requirement) -> dict[str, Any]:
+    """A requirement of the contract."""
+    return {
+        "symbol": r.symbol,
+        "equation": r.equation,
+        "value": number(r.shown),
+        "unit": r.unit,
+        "si": number(r.value),
+        "title": r.title,
+        "note": r.note,
+    }
+
+
+def _part(part: Actuator | Motor | Gearhead | Belt | Pulley | Encoder | Controller | None) -> dict[str, Any] | None:
+    """A part with all its figures in SI."""
+    if part is None:
+        return None
+    values = {f.name: getattr(part, f.name) for f in fields(part)}
+    return {k: number(v) if isinstance(v, float) else (v or None) for k, v in values.items()}
+
+
+def _check(check: Check) -> dict[str, Any]:
+    def shown(value: float) -> float | None:
+        return number(from_si(value, check.unit, check.kind)) if isfinite(value) else None
+
+    return {
+        "name": check.name,
+        "method": check.method,
+        "case": check.case or None,
+        "demand": shown(check.demand),
+        "limit": shown(check.limit),
+        "unit": check.unit,
+        "margin": number(check.margin),
+        "needed_margin": check.needed,
+        "status": check.status,
+        "advice": check.advice,
+        "at_time_s": check.at_time,
+        "note": check.note,
+    }
+
+
+def _relaxation(r: Relaxation) -> dict[str, Any]:
+    si = {"si_now": r.before, "si_needed": r.after, "si_unit": KINDS[r.kind].si}
+    return {"field": r.field, "now": r.now, "needed": r.needed, "set": r.set_label} | si
+
+
+def _result(checks: tuple[Check, ...]) -> dict[str, Any]:
+    tightest = worst(checks)
+    return {
+        "status": verdict(checks),
+        "smallest_margin": number(tightest.margin) if tightest else None,
+        "tightest_check": tightest.name if tightest else None,
+        "failed": [c.name for c in checks if c.status == "fail" and not c.advice],
+        "unknown": [c.name for c in checks if c.status == "unknown" and not c.advice],
+    }
+
+
+def _belt(found: DriveSet) -> dict[str, Any]:
+    """Ratio and efficiency; pulleys and belt, null where they are not out of the catalogues."""
+    drive = found.belt_drive
+    return {
+        "ratio": found.belt_ratio,
+        "efficiency": found.belt_efficiency,
+        "pulleys": {"driving": _part(drive.driving), "driven": _part(drive.driven)} if drive else None,
+        "part": _part(drive.belt) if drive else None,
+        "centre_distance_m": drive.centre_distance if drive else None,
+        "teeth_in_mesh": drive.teeth_in_mesh if drive else None,
+    }
+
+
+def drive_set(found: DriveSet) -> dict[str, Any]:
+    """One set of the contract."""
+    return {
+        "rank": found.rank,
+        "status": found.status,
+        "actuator": _part(found.actuator),
+        "motor": _part(found.motor),
+        "gearhead": _part(found.gearhead),
+        "belt": _belt(found),
+        "encoder": _part(found.encoder),
+        "controller": _part(found.controller),
+        "total_ratio": found.total_ratio,
+        "mass_kg": number(found.mass),
+        "mass_of": list(found.mass_of),
+        "objective": number(found.objective),
+        "objective_of": list(found.objective_of),
+        "requirements": {r.name: requirement(r) for r in found.requirements},
+        "figures": {figure.name: _figure(figure) for figure in found.figures},
+        "results": {
+            checks[0].method: _result(checks) for checks in (found.checks, found.beside, found.budget) if checks
+        },
+        "checks": [_check(check) for check in found.every_check],
+        "machine": [{"name": f.name, "title": f.title} | _figure(f) for f in found.machine],
+        "masses": [_mass(row) for row in found.masses],
+        "energy": _energy(found.energy) if found.energy else None,
+        "changes": [_relaxation(r) for r in found.changes],
+        "reliability": reliability(found.reliability),
+    }
+
+
+def _mass(row: MassRow) -> dict[str, Any]:
+    """A line of what the machine weighs."""
+    return {"name": row.name, "number": row.number, "each_kg": number(row.each), "total_kg": number(row.total)}
+
+
+def _energy(budget: EnergyBudget) -> dict[str, Any]:
+    """What draws from the battery and what comes of it; null is unknown, and without end where nothing is drawn."""
+    return {
+        "battery": budget.battery,
+        "consumers": [
+            {
+                "name": one.name,
+                "number": one.number,
+                "mean_W": number(one.mean),
+                "peak_W": number(one.peak),
+                "share_of_time": number(one.duty),
+                "assumed": one.assumed,
+            }
+            for one in budget.consumers
+        ],
+        "figures": {figure.name: _figure(figure) for figure in budget.figures},
+        "assumptions": list(budget.assumptions),
+    }
+
+
+def sizing(result: SizingResult) -> dict[str, Any]:
+    """The document of ``drivesizer size --json``."""
+    method = result.method
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "drivesizer": __version__,
+        "catalogs": dict(result.catalog.digests),
+        "spec": result.spec.entered,
+        "method": method,
+        "objective": result.objective,
+        "requirements": {r.name: requirement(r) for r in result.requirements},
+        "sets": [drive_set(s) for s in result.sets],
+        "misses": [drive_set(s) for s in result.misses],
+        "relaxations": [_relaxation(r) for r in result.relaxations],
+        "pareto": {"objectives": list(result.pareto), "sets": [drive_set(s) for s in result.front]},
+        "unrestricted": drive_set(result.unrestricted) if result.unrestricted else None,
+        "unsure": [drive_set(s) for s in result.unsure],
+        "uncertainty": uncertainty(result.uncertainty),
+        "counts": {
+            "considered": result.counts.considered,
+            "feasible": result.counts.feasible,
+            "failed_by": result.counts.failed_by,
+            "judged": result.counts.judged,
+            "failed_by_budget": result.counts.failed_by_budget,
+        },
+        "assumptions": list(result.assumptions),
+        "warnings": list(result.warnings),
+    }
+
+
+def explanation(found: Explanation) -> dict[str, Any]:
+    """The document of ``drivesizer explain --json``."""
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "drivesizer": __version__,
+        "sets": [drive_set(s) for s in found.sets],
+        "uncertainty": uncertainty(found.uncertainty),
+        "warnings": list(found.warnings),
+    }
+
+
+def _figure(figure: Figure) -> dict[str, Any]:
+    shown = number(from_si(figure.value, figure.unit, figure.kind)) if isfinite(figure.value) else None
+    return {"value": shown, "unit": figure.unit, "si": number(figure.value), "at_time_s": figure.at_time}
+
+
+def validation(proof: Validation) -> dict[str, Any]:
+    """The document of ``drivesizer validate --json``."""
+    gains = proof.gains
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "drivesizer": __version__,
+        "spec": proof.spec.entered,
+        "case": proof.case,
+        "profile": proof.profile,
+        "status": proof.status,
+        "set": drive_set(proof.drive_set),
+        "gains": {f.name: getattr(gains, f.name) for f in fields(gains)},
+        "controller_gains": [asdict(gain) for gain in proof.controller_gains],
+        "figures": {figure.name: _figure(figure) for figure in proof.figures},
+        "checks": [_check(check) for check in proof.checks],
+        "loops": [loop_document(loop) for loop in proof.loops],
+        "assumptions": list(proof.assumptions),
+        "warnings": list(proof.warnings),
+    }

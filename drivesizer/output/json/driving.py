@@ -1,0 +1,60 @@
+"""The JSON document of a platform on its way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from drivesizer.control.path_following.deviation import extremes
+from drivesizer.control.path_following.following import Followed
+from drivesizer.loads.platform_drive import Driving, Wheel
+from drivesizer.output.json.documents import SCHEMA_VERSION, drive_set, requirement
+from drivesizer.output.json.loops import number
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.units import KINDS
+from drivesizer.version import __version__
+
+__all__ = ["driving"]
+
+
+def driving(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]) -> dict[str, Any]:
+    """The document of ``drivesizer drive --json``."""
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "drivesizer": __version__,
+        "spec": found.spec.entered,
+        "trajectory": getattr(found.spec.motion, "trajectory", None),
+        "length_m": found.trajectory.length,
+        "time_s": found.trajectory.total,
+        "wheels": [_wheel(wheel) for wheel in found.wheels],
+        "set": drive_set(chosen) if chosen else None,
+        "measured": _measured(found),
+        "following": {name: _run(run) for name, run in runs.items()},
+    }
+
+
+def _measured(found: Driving) -> list[dict[str, Any]]:
+    """Errors that the spec says were measured on the way."""
+    section = found.spec.platform
+    told = section.following.measured if section else []
+    return [{"name": one.name, "position_m": one.position, "heading_rad": one.heading} for one in told]
+
+
+def _run(run: Followed) -> dict[str, Any]:
+    """Largest deviations of a run."""
+    largest = [
+        {"title": e.title, "si": number(e.value), "si_unit": KINDS[e.kind].si, "at_time_s": e.time, "at_way_m": e.way}
+        for e in extremes(run)
+    ]
+    return {"largest": largest, "time_at_torque_limit": number(float(run.limited.max()))}
+
+
+def _wheel(wheel: Wheel) -> dict[str, Any]:
+    grip = wheel.grip
+    return {
+        "number": wheel.number,
+        "requirements": {r.name: requirement(r) for r in wheel.asked},
+        "force_on_the_floor_N": number(grip.demand) if grip else None,
+        "grip_N": number(grip.limit) if grip else None,
+        "at_time_s": number(grip.time) if grip else None,
+    }

@@ -1,0 +1,68 @@
+"""JSON: the document of ``drivesizer size --json`` with parts list and closed loop in it, for other programs.
+
+null where a figure is unknown, never NaN; figures are SI where the key names no other unit. The schema is in
+``json_schema``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from drivesizer.control.validation import Validation
+from drivesizer.output.json.documents import as_text, sizing, validation
+from drivesizer.output.parts import PartLine, parts_list
+from drivesizer.output.thinning import on_curves
+from drivesizer.results.sizing import SizingResult
+from drivesizer.units import KINDS
+
+__all__ = ["MOST_SAMPLES", "document", "render"]
+
+MOST_SAMPLES = 2000  # of the time series: finer than a screen
+
+
+def render(result: SizingResult, validation: Validation | None, path: Path) -> dict[Path, bytes]:
+    """The file of a JSON report."""
+    text = as_text(document(result, validation)) + "\n"
+    return {path: text.encode("utf-8", "backslashreplace")}  # half a letter, as a spec may have one, becomes \udxxx
+
+
+def document(result: SizingResult, proof: Validation | None) -> dict[str, Any]:
+    """Sizing, parts list and closed loop as one document.
+
+    Parameters
+    ----------
+    result
+        What the sizing found.
+    proof
+        The closed loop, where it was simulated; null in the document where it was not.
+    """
+    bought = parts_list(result.sets[0], result.catalog, result.spec.load.motors) if result.sets else []
+    driven = validation(proof) | {"series": _series(proof)} if proof else None
+    return sizing(result) | {"parts_list": [_line(line) for line in bought], "validation": driven}
+
+
+def _line(line: PartLine) -> dict[str, Any]:
+    return {_KEYS.get(name, name): _known(value) for name, value in asdict(line).items()}
+
+
+_KEYS = {"said": "is", "mass": "mass_kg", "pieces": "price_from_pieces", "confidence": "part_confidence",
+         "document": "part_source", "date": "part_source_date"}  # fmt: skip
+
+
+def _known(value: Any) -> Any:
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    return None if value == "" else value
+
+
+def _series(proof: Validation) -> dict[str, Any]:
+    """Columns over time in SI; ``thinned_from`` says how many samples were recorded."""
+    rows = on_curves(tuple(proof.series.values()), MOST_SAMPLES)
+    return {
+        "thinned_from": len(proof.series["time"]),
+        "units": {name: KINDS[kind].si for name, (kind, _) in proof.series_units.items()},
+        "columns": {name: [_known(x) for x in values[rows].tolist()] for name, values in proof.series.items()},
+    }

@@ -1,0 +1,207 @@
+"""The parts of a set: as the report shows them, and as the list by which they are bought.
+
+What no catalogue says is left open here: an order number that its file made up, a price, a cable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import isnan, nan
+from typing import Any
+
+from drivesizer.catalog import Belt, Catalog, Note, Pulley, Source, columns_of
+from drivesizer.catalog.lookup import origins
+from drivesizer.catalog.query import Hit
+from drivesizer.results.drive_set import DriveSet, made_by, section_of
+from drivesizer.units import show
+
+__all__ = ["PartLine", "Total", "ordered_as", "parts", "parts_list", "totals"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PartLine:
+    """One line of a parts list; an empty text or NaN is unknown."""
+
+    role: str  # motor, gearhead, driving pulley ...
+    maker: str = ""
+    family: str = ""
+    part: str = ""  # its name in the catalogue
+    order_number: str = ""  # the same, where the maker knows it by that
+    said: str = ""  # what it is, in words
+    quantity: int  # of the whole machine
+    mass: float = nan  # kg, of one
+    price: float = nan  # of one, in the currency
+    currency: str = ""
+    pieces: int | None = None  # from so many on that price holds
+    price_date: str = ""
+    price_source: str = ""  # the document
+    price_confidence: str = ""
+    document: str = ""  # where the part comes from
+    date: str = ""
+    confidence: str = ""  # of its number
+    url: str = ""
+    note: str = ""  # what the catalogue remarks on number, price, mass or the part as a whole
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Total:
+    """What the lines of a list come to, as far as that is known."""
+
+    name: str  # mass, price
+    value: float  # kg, or in the currency
+    unit: str  # kg or the currency
+    over: tuple[str, ...]  # roles that it sums
+    lacks: tuple[str, ...]  # roles that it leaves out, unknown
+
+
+def parts_list(found: DriveSet, catalog: Catalog, motor_sets: int) -> list[PartLine]:
+    """What a machine's drives are bought as: a line for each part of a set.
+
+    Parameters
+    ----------
+    found
+        The set; a role of which no part is known has a line as well, and so has a belt known by its ratio.
+    catalog
+        Where its parts are from.
+    motor_sets
+        How many sets the machine has: one part of each role for each of them.
+    """
+    lines = [_line(role, part, catalog, motor_sets) for role, part in found.parts.items()]
+    if _bare_belt(found):
+        lines.insert(_behind_gearhead(found), PartLine(role="belt", said=_ratio(found), quantity=motor_sets))
+    return lines
+
+
+def _line(role: str, part: Any, catalog: Catalog, quantity: int) -> PartLine:
+    if part is None:
+        return PartLine(role=role, quantity=quantity)
+    section = section_of(part)
+    known = origins(Hit("", catalog, section, catalog.table(section).rows[part.part]))
+    notes, source = _remarks(catalog, part), known["part"]
+    return PartLine(
+        role=role, maker=part.manufacturer, family=part.family, part=part.part,
+        order_number=_number(catalog, part),
+        said=_SAID[role](part), quantity=quantity, mass=part.mass, **_priced(part, quantity, known),
+        document=source.document, date=source.date, confidence=source.confidence, url=source.url,
+        note="; ".join(dict.fromkeys(map(_said_of, notes))),
+    )  # fmt: skip
+
+
+def _number(catalog: Catalog, part: Any) -> str:
+    """The order number of a part; empty where the name in the catalogue is the catalogue's own."""
+    return "" if any(_MADE_UP in note.text for note in _remarks(catalog, part)) else str(part.part)
+
+
+def ordered_as(part: str, order_number: str) -> str:
+    """A part as a buyer reads it: its order number, or its name and that no order number is known."""
+    return f"{part}, {_MADE_UP}" if part and not order_number else part
+
+
+_MADE_UP = "no order number known"  # so a catalogue says that the name of a part is its own
+_OF_BUYING = {"part", "mass", "price", "price_5", "price_20", "list_price"}
+_PRICES = (("price_20", 20), ("price_5", 5), ("price", 1), ("list_price", 1))  # field, and from how many pieces
+
+
+def _remarks(catalog: Catalog, part: Any) -> list[Note]:
+    """Notes on the part as a whole, or on what a buyer asks for."""
+    notes = catalog.notes_on(section_of(part), part.part)
+    return [note for note in notes if not note.fields or _OF_BUYING & set(note.fields)]
+
+
+def _said_of(note: Note) -> str:
+    """A note with the figures that it is on, as far as they are a buyer's."""
+    on = ", ".join(name.replace("_", " ") for name in note.fields if name in _OF_BUYING)
+    return f"{on}: {note.text}" if on else note.text
+
+
+def _priced(part: Any, quantity: int, known: dict[str, Source]) -> dict[str, Any]:
+    """The price that holds for so many pieces, with its source; nothing where none is known."""
+    for name, pieces in _PRICES:
+        if quantity >= pieces and name in known:
+            source, unit = known[name], columns_of(section_of(part))[name].unit
+            return {"price": getattr(part, name), "currency": unit, "pieces": pieces, "price_date": source.date,
+                    "price_source": source.document, "price_confidence": source.confidence}  # fmt: skip
+    return {}
+
+
+def totals(lines: Sequence[PartLine]) -> list[Total]:
+    """Mass and price of the whole list; prices by currency, and no line for what no part has.
+
+    Parameters
+    ----------
+    lines
+        Of :func:`parts_list`.
+    """
+    found = [_total("mass", "kg", {line.role: line.quantity * line.mass for line in lines})]
+    for currency in dict.fromkeys(line.currency for line in lines if line.currency):
+        prices = {x.role: x.quantity * x.price if x.currency == currency else nan for x in lines}
+        found.append(_total("price", currency, prices))
+    return [total for total in found if total.over]
+
+
+def _total(name: str, unit: str, values: dict[str, float]) -> Total:
+    over = tuple(role for role, value in values.items() if not isnan(value))
+    lacks = tuple(role for role in values if role not in over)
+    return Total(name=name, value=sum(values[role] for role in over), unit=unit, over=over, lacks=lacks)
+
+
+def parts(found: DriveSet, catalog: Catalog) -> list[dict[str, str]]:
+    """A row for each part, and one for a belt of which only the ratio is known."""
+    rows = [_row(role, part, found, catalog) for role, part in found.parts.items()]
+    if _bare_belt(found):
+        rows.insert(_behind_gearhead(found), {"role": "Belt", "family": "", "part": "", "said": _ratio(found)})
+    return rows
+
+
+def _bare_belt(found: DriveSet) -> bool:
+    """Whether there is a belt of which no parts are known."""
+    return not found.belt_drive and (found.belt_ratio != 1.0 or found.belt_efficiency != 1.0)
+
+
+def _behind_gearhead(found: DriveSet) -> int:
+    return 1 + next((n for n, role in enumerate(found.parts) if role == "gearhead"), 0)
+
+
+def _ratio(found: DriveSet) -> str:
+    return f"{found.belt_ratio:g} : 1, efficiency {100 * found.belt_efficiency:.4g} %"
+
+
+def _row(role: str, part: Any, found: DriveSet, catalog: Catalog) -> dict[str, str]:
+    if part is None:
+        return {"role": role.capitalize(), "family": "unknown", "part": "", "said": ""}
+    said = [_SAID[role](part), *(found.belt_running if role == "belt" else ())]
+    return {
+        "role": role.capitalize(),
+        "family": made_by(part),
+        "part": ordered_as(part.part, _number(catalog, part)),
+        "said": ", ".join(said),
+    }
+
+
+def _figures_of(*names: str) -> Callable[[Any], str]:
+    def said(part: Any) -> str:
+        columns = columns_of(section_of(part))
+        return ", ".join(show(getattr(part, name), columns[name].unit, columns[name].kind) for name in names)
+
+    return said
+
+
+def _toothed(part: Belt | Pulley) -> str:
+    return f"{part.profile} {show(part.pitch, 'mm', 'length')}, {part.teeth:.0f} teeth"
+
+
+def _pulley(part: Pulley) -> str:
+    return _toothed(part) + (f", bore {part.bore}" if part.bore else "")
+
+
+_SAID: dict[str, Callable[[Any], str]] = {
+    "motor": _figures_of("assigned_power", "nominal_voltage"),
+    "gearhead": lambda part: f"{part.reduction}, exactly {part.ratio:.5g}".removeprefix(", "),
+    "driving pulley": _pulley,
+    "belt": lambda part: f"{_toothed(part)}, {show(part.width, 'mm', 'length')} wide",
+    "driven pulley": _pulley,
+    "encoder": lambda part: part.resolution,
+    "controller": lambda part: part.buses.replace(";", ","),
+    "actuator": _figures_of("nominal_voltage", "nominal_torque"),
+}

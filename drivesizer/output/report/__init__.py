@@ -1,0 +1,210 @@
+"""Reports to hand on: what a sizing and its validation found, as PDF, CSV or figures.
+
+Every kind of report is a function from records to the bytes of files, and is imported when it is asked for;
+``put`` writes those bytes, whole or not at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drivesizer.errors import InputError, quoted
+
+if TYPE_CHECKING:
+    from drivesizer.control.path_following.following import Followed
+    from drivesizer.control.validation import Validation
+    from drivesizer.loads.platform_drive import Driving
+    from drivesizer.results.sizing import SizingResult
+
+__all__ = [
+    "KNOWN",
+    "accept",
+    "write",
+    "write_driving",
+    "write_figures",
+    "write_loop_figures",
+    "write_path",
+    "write_series",
+    "write_sets",
+]
+
+# suffix -> module with a function ``render``, and what it takes beside the records
+_RENDERERS: dict[str, tuple[str, tuple[str, ...]]] = {
+    ".pdf": ("report.pdf", ("paper", "date")),
+    ".html": ("report.html.page", ("date",)),
+    ".xlsx": ("report.workbook", ()),
+    ".csv": ("report.table.csv", ()),
+    ".json": ("json.file", ()),
+}
+KNOWN = tuple(_RENDERERS)
+
+
+def write(
+    result: SizingResult,
+    validation: Validation | None,
+    paths: Sequence[Path],
+    *,
+    paper: str = "a4",
+    date: str | None = None,
+) -> list[Path]:
+    """Write reports of one run; the suffix of a path says which kind.
+
+    Parameters
+    ----------
+    result
+        What the sizing found.
+    validation
+        The closed loop of the best set, where it was simulated.
+    paths
+        Where to, such as ``report.pdf`` or ``report.xlsx``.
+    paper
+        Sheets of the PDF: ``a4`` or ``us-letter``.
+    date
+        Printed as it is given; without it a report has no date.
+
+    Returns
+    -------
+    list[Path]
+        The files that were written.
+
+    Raises
+    ------
+    InputError
+        When a suffix is none of the known ones, two paths are one, or a file cannot be written. Nothing is written
+        then, and what stood there before stands unchanged.
+    """
+    from drivesizer.files.writing import put
+
+    accept(paths)
+    given = {"paper": paper, "date": date}
+    files: dict[Path, bytes] = {}
+    for path in paths:
+        module, takes = _RENDERERS[path.suffix.lower()]
+        render = import_module(f"drivesizer.output.{module}").render
+        made: dict[Path, bytes] = render(result, validation, path, **{name: given[name] for name in takes})
+        twice = files.keys() & made.keys()
+        if twice:
+            raise InputError(f"{min(twice)}: would be written twice; expected another name")
+        files |= made
+    return put(files)
+
+
+def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
+    """Refuse what :func:`write` would refuse, before time is spent on what goes into it.
+
+    Parameters
+    ----------
+    paths
+        Of reports.
+    tables
+        Of single tables, whose suffix says nothing.
+
+    Raises
+    ------
+    InputError
+        When a suffix is none of the known ones, a path is no place for a file or what was read, or two are one file.
+    """
+    from drivesizer.files.writing import ready_all
+
+    for path in paths:
+        if path.suffix.lower() not in _RENDERERS:
+            known = f"{', '.join(KNOWN[:-1])} or {KNOWN[-1]}"
+            raise InputError(f"{quoted(path.name)} does not say which kind of report; expected {known}")
+    ready_all((*paths, *tables))
+
+
+def write_sets(result: SizingResult, path: Path) -> list[Path]:
+    """Write the drive sets as CSV, one row each.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    from drivesizer.files.writing import put, ready
+    from drivesizer.output.report.table.csv import sets_csv
+
+    ready(path)
+    return put({path: sets_csv(result)})
+
+
+def write_series(validation: Validation, path: Path) -> list[Path]:
+    """Write the closed loop over time as CSV.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    from drivesizer.files.writing import put, ready
+    from drivesizer.output.report.table.csv import timeseries_csv
+
+    ready(path)
+    return put({path: timeseries_csv(validation)})
+
+
+def write_driving(found: Driving, path: Path) -> list[Path]:
+    """Write a platform's way with speeds and torques of its wheels as CSV.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    from drivesizer.files.writing import put, ready
+    from drivesizer.loads.platform_drive import over_time
+    from drivesizer.output.report.table.csv import columns_csv
+
+    ready(path)
+    return put({path: columns_csv(over_time(found))})
+
+
+def write_path(runs: Mapping[str, Followed], folder: Path) -> list[Path]:
+    """Write the path of a platform and its errors along the way as ``path.svg`` and ``path.png``.
+
+    Raises
+    ------
+    InputError
+        When the folder is a file or cannot be made, or a file cannot be written. No file is changed then.
+    """
+    from drivesizer.output.report.figure_files import figures_into
+    from drivesizer.output.report.figures.path import path_and_errors
+
+    return figures_into({"path": lambda form: path_and_errors(runs, form)}, folder)
+
+
+def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:
+    """Write the figures of the closed loop as SVG and as PNG of 200 dots per inch.
+
+    Parameters
+    ----------
+    validation
+        The closed loop; one without records of its loops has no ``bode`` and no ``step``.
+    folder
+        Where to; it is made where it does not exist, its parent must.
+
+    Returns
+    -------
+    list[Path]
+        ``closed_loop``, ``bode`` and ``step``, each as ``.svg`` and ``.png``.
+
+    Raises
+    ------
+    InputError
+        When the folder is a file or cannot be made, or a file cannot be written. No file is changed then.
+    """
+    from drivesizer.output.report.all_figures import loop_drawings
+    from drivesizer.output.report.figure_files import figures_into
+
+    return figures_into(loop_drawings(validation), folder)
+
+
+def write_figures(result: SizingResult, validation: Validation | None, folder: Path) -> list[Path]:
+    """Write every figure of a report as SVG and as PNG; see :func:`write_loop_figures`."""
+    from drivesizer.output.report.all_figures import report_drawings
+    from drivesizer.output.report.figure_files import figures_into
+
+    return figures_into(report_drawings(result, validation), folder)

@@ -1,0 +1,110 @@
+"""All figures of a report by name, each drawn when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isfinite, nan
+
+import drivesizer.output.report.figures.load_and_loop as figures
+from drivesizer.control.validation import Validation
+from drivesizer.loads import load_cycle
+from drivesizer.output.report.figures.battery import battery, is_known
+from drivesizer.output.report.figures.bode_and_step import bode, step
+from drivesizer.output.report.figures.field import torque_speed
+from drivesizer.output.report.figures.field_panels import panels
+from drivesizer.output.report.figures.margins import margins
+from drivesizer.output.report.figures.motion import speed_profile
+from drivesizer.output.report.figures.pareto_front import trade_off
+from drivesizer.output.report.figures.plan_view import plan_view, ways_of
+from drivesizer.output.report.figures.style import Form
+from drivesizer.output.report.figures.tornado import swings, tornado
+from drivesizer.output.report.figures.wheels import wheels_over_time
+from drivesizer.output.report.lines.machine import first_wheel
+from drivesizer.output.report.lines.reliability import judged
+from drivesizer.output.report.set_behaviour import Behaviour
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.objectives import objective_figure
+from drivesizer.results.sizing import SizingResult
+from drivesizer.units import from_si, label
+
+__all__ = ["IN_TABLES", "Drawing", "loop_drawings", "report_drawings"]
+
+Drawing = Callable[[Form], bytes]
+IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
+
+
+def report_drawings(
+    result: SizingResult, validation: Validation | None, does: Behaviour | None = None
+) -> dict[str, Drawing]:
+    """Every figure of a report, in the order in which it shows them.
+
+    Parameters
+    ----------
+    result
+        What the sizing found.
+    validation
+        The closed loop, where it was simulated.
+    does
+        What the best set or the nearest miss does over the cycles, where that is at hand.
+
+    Returns
+    -------
+    dict
+        By name what draws it: ``way`` of a platform on one, ``profile``, ``cycle``; of a set ``margins``, ``field``,
+        ``efficiency``, ``demand``, ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``;
+        ``tornado``; ``loop``, ``bode`` and ``step``.
+    """
+    best = result.shown
+    cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
+    made: dict[str, Drawing] = {}
+    over_time = wheels_over_time if first_wheel(result.spec) else figures.load_over_time
+    if ways_of(result.spec):
+        made["way"] = lambda form: plan_view(result.spec, form)
+    made["profile"] = lambda form: speed_profile(result.spec, form)
+    made["cycle"] = lambda form: over_time(cycles, form)
+    if len(result.front) > 1:
+        made["front"] = lambda form: _trade_off(result, form)
+    certain = judged(result)
+    if certain and certain.reliability and swings(certain.reliability.drivers):
+        drivers = certain.reliability.drivers
+        made["tornado"] = lambda form: tornado(drivers, form=form)
+    if best:
+        made |= _of_set(result, best, does or Behaviour(result.spec, best))
+    if validation:
+        made |= {"loop" if name == "closed_loop" else name: draw for name, draw in loop_drawings(validation).items()}
+    return made
+
+
+def _of_set(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, Drawing]:
+    """The figures of a set: what hangs on figures that the catalogue does not know is left out."""
+    fields = panels(result.spec, best, result.requirements)
+    made: dict[str, Drawing] = {"margins": lambda form: margins(best.every_check, form)}
+    if fields:
+        made["field"] = lambda form: torque_speed(fields, form)
+    if does.known:
+        made |= {"efficiency": does.efficiency, "demand": does.demand}
+    if does.hottest:
+        made["heat"] = does.temperatures
+    if does.energy.known:
+        made["energy"] = does.flow
+    budget = best.energy
+    if budget and is_known(budget):
+        made["battery"] = lambda form: battery(budget, form)
+    return made
+
+
+def loop_drawings(validation: Validation) -> dict[str, Drawing]:
+    """The figures of a closed loop; one without records of its loops has no ``bode`` and no ``step``."""
+    made: dict[str, Drawing] = {"closed_loop": lambda form: figures.closed_loop(validation, form)}
+    if validation.loops:
+        made["bode"] = lambda form: bode(validation.loops, form)
+        made["step"] = lambda form: step(validation.loops, form)
+    return made
+
+
+def _trade_off(result: SizingResult, form: Form) -> bytes:
+    across, up = ([objective_figure(s, name) for s in result.front] for name in result.pareto[:2])
+    x, y = ([float(from_si(f.value, f.unit, f.kind)) if isfinite(f.value) else nan for f in column]
+            for column in (across, up))  # fmt: skip
+    heads = [f"{column[0].title} ({label(column[0].unit)})" for column in (across, up)]
+    return trade_off([str(s.rank) for s in result.front], [s.label for s in result.front], x, y, heads, form)

@@ -1,0 +1,8 @@
+"""Figures by matplotlib, for reports and as files.
+
+May import: what output may.
+"""
+
+from __future__ import annotations
+
+__all__: list[str] = []

@@ -1,0 +1,44 @@
+"""Current and voltage of the motor over the cycle, with the limits that they must not pass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+
+import numpy as np
+
+from drivesizer.machine.set_cycle import SetCycle, waveform
+from drivesizer.output.report.figures.load_and_loop import Row, Trace, over_time, stretches
+from drivesizer.output.report.figures.style import CASES, Form
+
+__all__ = ["Limits", "current_and_voltage"]
+
+Limits = Sequence[tuple[str, float]]  # name and figure [SI]
+
+
+def current_and_voltage(
+    cases: Sequence[tuple[str, SetCycle]], currents: Limits, voltages: Limits, form: Form = "svg"
+) -> bytes:
+    """What the drive model says of each moment, winding as warm as it then is.
+
+    Parameters
+    ----------
+    cases
+        Load cases by name, the set over each; the first few are drawn.
+    currents, voltages
+        Limits by name; unknown ones are left out.
+    """
+    cases = cases[: len(CASES)]
+    traces, cycles = [], []
+    for name, found in cases:
+        ends, cycle = waveform(found), found.at.cycle
+        columns = {"current": ends.current[0].ravel(), "voltage": ends.voltage[0].ravel()}
+        time = np.cumsum(ends.duration)
+        traces.append(Trace(name, np.stack([time - ends.duration, time], axis=1).ravel(), columns))
+        cycles.append((name, cycle))
+    rows = (Row("current", "current", "A", _known(currents)), Row("voltage", "voltage", "V", _known(voltages)))
+    return over_time(traces, rows, stretches(cycles), form)
+
+
+def _known(limits: Limits) -> tuple[tuple[str, float], ...]:
+    return tuple((name, value) for name, value in limits if isfinite(value))

@@ -1,0 +1,152 @@
+"""The motor's torque-speed field as a figure: voltage lines hot and cold, what is allowed, and the load cases."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.machine.operating_field import OperatingField, hot_winding
+from drivesizer.output.report.figures.field_panels import Panel, reach_of, signed
+from drivesizer.output.report.figures.style import CASES, COLOURS, Form, drawn, named, outside, placed, torque_unit
+from drivesizer.units import from_si, label, show
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["MOST_PANELS", "torque_speed"]
+
+
+def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
+    """The motor's field, winding hot and cold, with the load cases in it.
+
+    Parameters
+    ----------
+    panels
+        One for each usable voltage and ambient; the first few are drawn.
+    """
+    shown = panels[:MOST_PANELS]
+    heights = [_height(panel) for panel in shown]
+
+    def draw(figure: Figure) -> None:
+        grid = placed(figure, len(shown), right=_LEGEND, top=0.2, gaps=(0.6, 0.0), heights=heights, shared=False)
+        for (axes,), panel in zip(grid, shown, strict=True):
+            _field(axes, panel)
+            if len(shown) > 1:
+                lines = panel.cases[0][-1]
+                given = show(lines.voltage, "V", "voltage"), show(lines.ambient, "degC", "temperature")
+                axes.set_title(f"{given[0]} usable, ambient {given[1]}")
+
+    return drawn(draw, sum(heights) + 0.6 * len(shown), form)
+
+
+MOST_PANELS = 3
+_LEGEND = 2.05  # in, of room beside the field
+_LOWEST = 2.3  # in, of a field
+
+
+def _height(panel: Panel) -> float:
+    """Of a field [in]: its legend has a name and a dot of two lines each for a load case, and for a point."""
+    cases = sum(number < len(CASES) for number, *_ in panel.cases)
+    named_ones = 0.2 * _LINES + (0.66 if cases > 1 else 0.53) * cases + 0.33 * len(panel.points)
+    return max(_LOWEST, named_ones - _BESIDE)
+
+
+_LINES = 5  # of a motor that have a name
+_BESIDE = 0.45  # in, of a legend that may stand beside the axis below a field
+_ROOM = 1.12  # of an axis beyond what must be seen
+_HEADROOM = 1.06  # above the highest speed
+
+
+def _field(axes: Axes, panel: Panel) -> None:
+    first = panel.cases[0][-1]
+    reach = reach_of(panel)
+    unit = torque_unit(reach)
+    _lines(axes, first, unit, reach)
+    for number, name, found in panel.cases:
+        if number < len(CASES):
+            _trace(axes, found, unit, *CASES[number], f"load cycle,\n{named(name)}" if name else "load cycle")
+    _mark(axes, panel, unit)
+    right = float(from_si(_ROOM * reach, unit, "torque"))
+    left = min(0.0, *(np.nan_to_num(signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
+    top = max(first.speed[-1], *(f.speed[-1] for *_, f in panel.cases), *(p.speed for p in panel.points))
+    axes.set_xlim(_ROOM * float(from_si(left, unit, "torque")) - 0.03 * right, right)
+    axes.set_ylim(0, float(from_si(_HEADROOM * top, "rpm", "rotary_speed")))
+    axes.axvline(0, color="black", linewidth=0.6)
+    axes.set(xlabel=f"torque at the motor's shaft ({label(unit)})", ylabel="motor speed (rpm)")
+    outside(axes)
+
+
+def _lines(axes: Axes, found: OperatingField, unit: str, reach: float) -> None:
+    """What the motor can do: continuously, by voltage hot and cold, for a while, and by speed."""
+
+    def line(values: NDArray[np.float64], colour: str, dashes: Any, name: str) -> None:
+        if not np.isnan(values).all():
+            torque, rpm = from_si(values, unit, "torque"), from_si(found.speed, "rpm", "rotary_speed")
+            axes.plot(torque, rpm, color=COLOURS[colour], linestyle=dashes, label=name)
+
+    _continuous(axes, found, unit)
+    hot, cold = (np.where(values < 0.0, np.nan, values) for values in (found.voltage_hot, found.voltage_cold))
+    ambient = show(found.ambient, "degC", "temperature", 3)
+    for values, winding, dashes in ((hot, hot_winding(found), "solid"), (cold, ambient, (0, (5, 2)))):
+        said = f"{found.voltage:.3g} V, winding {winding}"
+        line(values, "blue", dashes, said.replace("-", "−"))
+    within = np.fmin(found.voltage_cold, _ROOM * reach)  # beyond that it limits nothing, or is not in sight
+    intermittent = np.where(found.intermittent <= within, found.intermittent, np.nan)
+    line(intermittent, "vermillion", (0, (6, 2, 1, 2)), "intermittent")
+    if found.permissible_speed <= _HEADROOM * found.speed[-1]:
+        axes.axhline(float(from_si(found.permissible_speed, "rpm", "rotary_speed")), color=COLOURS["grey"],
+                     linestyle=(0, (1, 1.5)), label="permissible speed")  # fmt: skip
+
+
+def _continuous(axes: Axes, found: OperatingField, unit: str) -> None:
+    """The field that is allowed for ever, by heat, by the voltage of a hot winding, and by speed."""
+    if np.isnan(found.continuous).any():
+        return
+    allowed = np.fmin(found.continuous, np.maximum(found.voltage_hot, 0.0))
+    if not np.isnan(found.permissible_speed):
+        allowed = np.where(found.speed > found.permissible_speed, 0.0, allowed)
+    name = "continuous" if found.thermal else "continuous, nominal torque"
+    axes.fill_betweenx(from_si(found.speed, "rpm", "rotary_speed"), 0.0, from_si(allowed, unit, "torque"),
+                       color=COLOURS["blue"], alpha=0.12, linewidth=0, label=name)  # fmt: skip
+
+
+_MOST_SEGMENTS = 1500  # of a trace: finer than print
+
+
+def _trace(axes: Axes, found: OperatingField, unit: str, colour: str, dashes: Any, name: str) -> None:
+    speed, torque = signed(found)
+    if np.isnan(torque).any():
+        return
+    extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
+    rows = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
+    axes.plot(from_si(torque[rows].ravel(), unit, "torque"), from_si(speed[rows].ravel(), "rpm", "rotary_speed"),
+              color=COLOURS[colour], linestyle=dashes, zorder=4, label=name)  # fmt: skip
+    if np.isnan(found.rms_torque):  # a motor whose friction is unknown: the line is drawn, its RMS current is not known
+        return
+    rms = found.rms_torque, found.rms_speed, unit
+    axes.plot(*_at(*rms), marker="o", markersize=5.5, color=COLOURS[colour], linestyle="none", zorder=5,
+              label=_told("RMS current and speed", *rms))  # fmt: skip
+
+
+def _at(torque: float, speed: float, unit: str) -> tuple[float, float]:
+    return float(from_si(torque, unit, "torque")), float(from_si(speed, "rpm", "rotary_speed"))
+
+
+def _told(name: str, torque: float, speed: float, unit: str) -> str:
+    x, y = _at(torque, speed, unit)
+    return f"{name}\n{x:.4g} {label(unit)}, {y:.0f} rpm".replace("-", "−")
+
+
+_MARKERS = (("^", "vermillion"), ("s", "grey"), ("v", "purple"), ("D", "blue"))
+
+
+def _mark(axes: Axes, panel: Panel, unit: str) -> None:
+    """Points with a shape each, told in the legend: labels beside them would overlap where points lie close."""
+    for point, (marker, colour) in zip(panel.points, _MARKERS, strict=False):
+        axes.plot(*_at(point.torque, point.speed, unit), marker=marker, markersize=5.5, markerfacecolor="none",
+                  markeredgewidth=1.2, color=COLOURS[colour], linestyle="none", zorder=6,
+                  label=_told(f"paper: {point.name}", point.torque, point.speed, unit))  # fmt: skip

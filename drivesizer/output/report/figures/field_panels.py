@@ -1,0 +1,103 @@
+"""What is drawn of the motor's field: a panel for load cases that share its lines, and the paper's points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isnan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer import equations as eq
+from drivesizer.machine.operating_field import OperatingField, field
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.requirement import Requirement
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["OperatingPoint", "Panel", "panels", "paper_points", "reach_of", "signed"]
+
+_FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OperatingPoint:
+    """A moment of the cycle at the motor shaft."""
+
+    name: str
+    torque: float  # N*m
+    speed: float  # rad/s
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Panel:
+    """Load cases with the same usable voltage and ambient: the motor's lines are the same for all of them."""
+
+    cases: tuple[tuple[int, str, OperatingField], ...]  # number and name; without a name where there is but one
+    points: tuple[OperatingPoint, ...] = ()
+
+
+def panels(spec: RobotSpec, drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> list[Panel]:
+    """The field of a set's motor with the load cases in it; the paper's points too, where its method is asked for.
+
+    Parameters
+    ----------
+    spec
+        The machine with its load cases.
+    drive_set
+        The set.
+    requirements
+        Of the sizing.
+    """
+    alike: dict[tuple[float, float], list[tuple[int, str, OperatingField]]] = {}
+    for number, (name, case) in enumerate(spec.load_cases):
+        found = field(case, drive_set)
+        alike.setdefault((found.voltage, found.ambient), []).append((number, name, found))
+    points = paper_points(drive_set, requirements) if spec.method == "paper" else ()
+    return [Panel(cases=tuple(cases), points=points) for cases in alike.values()]
+
+
+def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> tuple[OperatingPoint, ...]:
+    """The operating points of the paper's cycle, every torque brought to the motor as in (18).
+
+    Parameters
+    ----------
+    drive_set
+        The set.
+    requirements
+        The paper's (1)-(16).
+    """
+    of = {r.name: float(r.value) for r in requirements}
+    wheels = of["maximum_torque"] / of["maximum_torque_per_motor"]
+    torques = {
+        "end of acceleration": (of["maximum_torque_per_motor"], of["nominal_speed"]),
+        "cruise": (of["nominal_torque_per_motor"], of["nominal_speed"]),
+        "start of deceleration": (of["deceleration_torque"] / wheels, of["nominal_speed"]),
+        "RMS": (of["rms_torque_per_motor"], of["rms_speed"]),
+    }
+    chain = {"K_g": drive_set.gearhead.ratio, "eta_gear": drive_set.gearhead.efficiency,
+             "i_b": drive_set.belt_ratio, "eta_b": drive_set.belt_efficiency}  # fmt: skip
+    points = (
+        OperatingPoint(
+            name=name,
+            torque=float(eq.maximum_torque_at_motor(torque, **chain)),
+            speed=speed * drive_set.total_ratio,
+        )
+        for name, (torque, speed) in torques.items()
+    )
+    return tuple(point for point in points if not isnan(point.torque + point.speed))  # unknown is nowhere to be marked
+
+
+def signed(found: OperatingField) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Speed and torque of the cycle, one way as the other: what brakes is below 0, what holds is not."""
+    way = np.sign(found.cycle_speed.mean(1))[:, None]
+    return np.abs(found.cycle_speed), np.where(way == 0.0, np.abs(found.cycle_torque), way * found.cycle_torque)
+
+
+def reach_of(panel: Panel) -> float:
+    """The torque to which the axis goes [N*m]: what the drive may do and the cycle asks for, seldom as far as stall."""
+    first = panel.cases[0][-1]
+    stall = float(np.nan_to_num(first.voltage_cold[0]))
+    lines = (first.continuous.max(), np.fmin(first.intermittent.max(), _FAR * first.continuous.max()))
+    known = [min(float(x), stall) for x in lines if x == x]
+    asked = [float(np.nan_to_num(signed(f)[1]).max()) for *_, f in panel.cases]
+    return max(*known, *asked, *(p.torque for p in panel.points), 1e-6) if known else max(stall, *asked)

@@ -1,0 +1,93 @@
+"""The path of a platform in the plane, desired and driven, and its errors along the way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.control.path_following.deviation import deviation
+from drivesizer.control.path_following.following import Followed
+from drivesizer.errors import InputError
+from drivesizer.output.report.figures.style import COLOURS, Form, drawn, heading, named, placed
+from drivesizer.output.report.figures.time_windows import Window, thinned
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["path_and_errors"]
+
+_LOOKS: tuple[tuple[str, Any], ...] = (  # of the runs: the kinematic and the dynamic model, poses fed back
+    ("vermillion", (0, (5, 2))), ("green", "solid"), ("purple", (0, (1, 1.2))), ("orange", (0, (3, 1, 1, 1))),
+)  # fmt: skip
+_ARROWS = 24  # headings along the path
+_POINTS = 2000  # of a path
+
+
+def path_and_errors(runs: Mapping[str, Followed], form: Form = "svg") -> bytes:
+    """The desired path and what was driven, to scale; distance and heading error over the way.
+
+    Parameters
+    ----------
+    runs
+        At most four along the same trajectory, by name.
+    form
+        Drawing, picture, or drawing for a typesetter.
+
+    Raises
+    ------
+    InputError
+        When there are none, or more than have a look of their own.
+    """
+    if not 1 <= len(runs) <= len(_LOOKS):
+        raise InputError(f"figure of a path: expected 1 to {len(_LOOKS)} runs, got {len(runs)}")
+
+    def draw(figure: Any) -> None:
+        grid = [row[0] for row in placed(figure, 3, top=0.3, gaps=(0.42, 0.1), heights=(3.4, 1.0, 1.0), shared=False)]
+        _plane(grid[0], runs)
+        _over_way(grid[1], runs, "position", "distance (m)")
+        _over_way(grid[2], runs, "heading", "heading (°)")
+        grid[1].tick_params(labelbottom=True)
+        grid[2].set_xlabel("way along the desired path (m)")
+        grid[0].set(xlabel="x (m)", ylabel="y (m)")
+        heading(figure, *grid[0].get_legend_handles_labels(), 4)
+
+    return drawn(draw, 6.4, form)
+
+
+def _plane(axes: Axes, runs: Mapping[str, Followed]) -> None:
+    """Desired path with its headings, and what was driven."""
+    wanted = next(iter(runs.values())).planned.posture
+    x, y = wanted[:2, _every(wanted.shape[1], _POINTS)]
+    axes.plot(x, y, color=COLOURS["blue"], linewidth=1.6, label="desired")
+    for layer, ((name, run), (colour, dashes)) in enumerate(zip(runs.items(), _LOOKS, strict=False)):
+        x, y = run.posture[:2, _every(run.posture.shape[1], _POINTS)]
+        look = {"color": COLOURS[colour], "linestyle": dashes, "zorder": _above(layer)}
+        axes.plot(x, y, label=named(name), **look)
+    at = _every(wanted.shape[1], _ARROWS)
+    axes.quiver(*wanted[:2, at], np.cos(wanted[2, at]), np.sin(wanted[2, at]), color=COLOURS["blue"], width=0.0025,
+                scale=32.0, zorder=3)  # fmt: skip
+    axes.set_aspect("equal", adjustable="datalim")
+
+
+def _above(layer: int) -> float:
+    """Dashes lie on the unbroken line, where two runs are one to the eye."""
+    return 3.0 if _LOOKS[layer][1] != "solid" else 2.5
+
+
+def _every(count: int, most: int) -> NDArray[np.int64]:
+    """Some of so many places, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+
+def _over_way(axes: Axes, runs: Mapping[str, Followed], column: str, title: str) -> None:
+    """An error over the way."""
+    for layer, ((_, run), (colour, dashes)) in enumerate(zip(runs.items(), _LOOKS, strict=False)):
+        d = deviation(run)
+        values = np.degrees(d.heading) if column == "heading" else d.position
+        rows = thinned(d.way, values, Window("", 0.0, float(d.way[-1])))
+        axes.plot(d.way[rows], values[rows], color=COLOURS[colour], linestyle=dashes, zorder=_above(layer))
+    axes.axhline(0.0, color="black", linewidth=0.6)
+    axes.set(xlim=(0.0, float(d.way[-1]) or 1.0), ylabel=title)

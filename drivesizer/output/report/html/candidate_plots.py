@@ -1,0 +1,103 @@
+"""The sets that were found beside one another: mass, margin and price; and a front by its objectives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import Any
+
+from drivesizer.output.report.html.curves import Plot, figure, line, plain
+from drivesizer.results.objectives import objective_figure
+from drivesizer.results.sizing import SizingResult
+from drivesizer.units import from_si, label
+
+__all__ = ["front_plot", "sets_plot"]
+
+_LOOKS = {  # of a set by its status: colour and mark
+    "pass": ("blue", "circle"),
+    "unknown": ("grey", "circle-open"),
+    "fail": ("vermillion", "x-thin-open"),
+}
+_FEW = 10  # numbers beside more points than these would cover one another
+
+
+def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str) -> Plot | None:
+    """The sets of the table by their mass and another figure, None where fewer than two can be drawn.
+
+    Parameters
+    ----------
+    rows
+        Sets as the table has them: their texts, and under ``exact`` the numbers.
+    up
+        Which number goes up.
+    title
+        What the axis is called, unit included.
+    """
+    known = [row for row in rows if row["exact"]["mass"] is not None and row["exact"][up] is not None]
+    if len(known) < 2:
+        return None
+    names = _names(known, up)
+    data = [_of_status(status, [row for row in known if row["status"] == status], up, names) for status in _LOOKS]
+    return figure([trace for trace in data if trace["x"]], _layout("mass (g)", title))
+
+
+def _names(rows: Sequence[dict[str, Any]], up: str) -> dict[str, str]:
+    """What stands beside each point, by rank: sets in one place are named together; none where there are many."""
+    places: dict[tuple[float, float], list[str]] = {}
+    for row in rows:
+        places.setdefault((row["exact"]["mass"], row["exact"][up]), []).append(row["rank"])
+    if len(places) > _FEW:
+        return {}
+    return {ranks[0]: ", ".join(ranks[:3]) + (" …" if len(ranks) > 3 else "") for ranks in places.values()}
+
+
+def _of_status(status: str, rows: Sequence[dict[str, Any]], up: str, names: dict[str, str]) -> Plot:
+    colour, symbol = _LOOKS[status]
+    told = ("rank", "motor", "gearhead", "ratio", "mass", "price", "margin", "check")
+    hover = (
+        "<b>%{customdata[0]}  %{customdata[1]}</b><br>%{customdata[2]}<br>reduction %{customdata[3]}"
+        "<br>%{customdata[4]}, %{customdata[5]}<br>%{customdata[6]} %{customdata[7]}<extra></extra>"
+    )
+    points = line([row["exact"]["mass"] for row in rows], [row["exact"][up] for row in rows], status, colour)
+    return points | {
+        "mode": "markers+text" if names else "markers",
+        "marker": {"symbol": symbol, "size": 9, "color": colour, "line": {"width": 2 if "open" in symbol else 0}},
+        "text": [names.get(row["rank"], "") for row in rows],
+        "textposition": "top center",
+        "cliponaxis": False,
+        "customdata": [[plain(row[name]) for name in told] for row in rows],
+        "hovertemplate": hover,
+    }
+
+
+def _layout(across: str, up: str) -> Plot:
+    return {
+        "height": 340,
+        "hovermode": "closest",
+        "xaxis": {"title": {"text": across}},
+        "yaxis": {},
+        "annotations": [{"text": up, "x": 0, "y": 1, "xref": "paper", "yref": "paper", "xanchor": "left",
+                         "yanchor": "bottom", "showarrow": False}],
+    }  # fmt: skip
+
+
+def front_plot(result: SizingResult) -> Plot | None:
+    """The sets of a Pareto front by its first two objectives, None where fewer than two can be drawn."""
+    found = [[objective_figure(s, name) for name in result.pareto] for s in result.front]
+    places = [[float(from_si(f.value, f.unit, f.kind)) for f in row[:2]] for row in found]
+    known = [n for n, (x, y) in enumerate(places) if isfinite(x) and isfinite(y)]
+    if len(known) < 2:
+        return None
+    points = line([places[n][0] for n in known], [places[n][1] for n in known], "front", "blue")
+    points |= {
+        "mode": "markers+text" if len(known) <= _FEW else "markers",
+        "marker": {"symbol": "circle", "size": 8, "color": "blue"},
+        "text": [str(result.front[n].rank) for n in known],
+        "textposition": "top center",
+        "cliponaxis": False,
+        "customdata": [[str(result.front[n].rank), plain(result.front[n].label),
+                        "<br>".join(f"{f.title} {plain(f.text)}" for f in found[n])] for n in known],
+        "hovertemplate": "<b>%{customdata[0]}  %{customdata[1]}</b><br>%{customdata[2]}<extra></extra>",
+    }  # fmt: skip
+    heads = [f"{f.title} ({label(f.unit)})" for f in found[0][:2]]
+    return figure([points], _layout(*heads))

@@ -1,0 +1,186 @@
+"""On which catalogue figures each check rests: what is unknown for it, and what is less than quoted.
+
+``rests_on`` names every figure whose lack would leave a check of the set unknown or change it; a test takes them away
+one by one and looks.
+"""
+
+from __future__ import annotations
+
+from math import isnan
+from typing import Any
+
+from drivesizer.catalog import Catalog, columns_of
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import Check
+from drivesizer.units import show
+
+__all__ = ["marked_figures", "rests_on", "unknown_figures"]
+
+_GEAR = ("gearhead.ratio", "gearhead.efficiency", "gearhead.inertia", "motor.rotor_inertia", "motor.torque_constant")
+_LOSSES = ("motor.resistance", "motor.thermal_resistance_winding", "motor.thermal_resistance_housing")
+_HOT = ("CURRENT", *_LOSSES, "HOUSING")  # the winding at its mean temperature
+_WARM = (*_HOT, "motor.winding_time_constant", "motor.motor_time_constant")  # as warm as it is at each moment
+_EMF = ("motor.back_emf_constant", "motor.speed_constant")  # where the maker prints one
+_SPEED = ("gearhead.ratio",)
+_WHOLE = {name: (f"motor.{name}", f"gearhead.{name}") for name in ("diameter", "length", "mass", "price")}
+_RESTS: dict[str, dict[str, tuple[str, ...]]] = {  # words in capitals stand for what depends on the motor, see _OF
+    "physics": {
+        "gearhead_continuous_torque": ("gearhead.continuous_torque",),
+        "gearhead_intermittent_torque": ("gearhead.intermittent_torque",),
+        "gearhead_continuous_speed": (*_SPEED, "gearhead.continuous_input_speed"),
+        "gearhead_intermittent_speed": (*_SPEED, "gearhead.intermittent_input_speed"),
+        "gearhead_continuous_power": ("gearhead.continuous_power",),
+        "gearhead_intermittent_power": ("gearhead.intermittent_power",),
+        "gearhead_radial_load": ("gearhead.max_radial_load",),
+        "gearhead_temperature_range": ("gearhead.temperature_min", "gearhead.temperature_max"),
+        "backlash_at_load": ("gearhead.backlash",),
+        "motor_radial_load": ("motor.max_radial_load",),
+        "motor_speed": (*_SPEED, "motor.max_speed"),
+        "motor_nominal_current": ("CURRENT", "motor.nominal_current", "DERATING"),
+        "motor_peak_torque": ("CURRENT", "motor.peak_torque"),
+        "winding_temperature": (*_WARM, "motor.max_winding_temperature"),
+        "motor_temperature_range": ("motor.ambient_min", "motor.ambient_max"),
+        "inertia_ratio": (*_SPEED, "gearhead.inertia", "motor.rotor_inertia"),
+        "first_resonance": (*_SPEED, "gearhead.inertia", "motor.rotor_inertia"),
+        "holding": (*_SPEED, "gearhead.efficiency"),
+        "controller_available": ("controller.supply_min", "controller.supply_max"),
+        "supply_voltage": (*_WARM, *_EMF, "controller.max_duty", "controller.voltage_drop"),
+        "controller_continuous_current": ("CURRENT", "controller.continuous_current"),
+        "controller_peak_current": ("CURRENT", "controller.peak_current"),
+        "controller_peak_time": ("CURRENT", "controller.continuous_current", "controller.peak_time"),
+        "controller_speed": (*_SPEED, "motor.pole_pairs", "controller.max_speed_sine"),
+        "supply_current": (*_WARM, *_EMF),
+        "supply_power": (*_WARM, *_EMF),
+        "bus_voltage": (*_WARM, *_EMF, "controller.supply_max"),
+        "encoder_counts": ("COUNTS",),
+        "encoder_speed": (*_SPEED, "encoder.max_speed"),
+        "encoder_frequency": (*_SPEED, "COUNTS", "encoder.max_frequency", "controller.max_encoder_frequency"),
+        "encoder_resolution": (*_SPEED, "COUNTS"),
+        **_WHOLE,
+    },
+    "budget": dict.fromkeys(  # all that hangs on the power which the drive draws
+        ("battery_autonomy", "battery_range", "battery_power", "battery_voltage", "battery_cutoff",
+         "battery_overcharge", "battery_return_voltage", "battery_room",
+         "battery_continuous_current", "battery_peak_current", "battery_charge_current"),
+        (*_WARM, *_EMF, "controller.max_efficiency"),
+    ),
+    "paper": {
+        "gearhead_continuous_torque": ("motor.rotor_inertia", "gearhead.continuous_torque"),
+        "gearhead_intermittent_torque": ("motor.rotor_inertia", "gearhead.intermittent_torque"),
+        "gearhead_input_speed": (*_SPEED, "gearhead.continuous_input_speed"),
+        "largest_reduction": (*_SPEED, "gearhead.continuous_torque", "gearhead.intermittent_torque",
+                              "gearhead.continuous_input_speed", "motor.rotor_inertia"),
+        "motor_speed": (*_SPEED, "motor.no_load_speed"),
+        "motor_continuous_torque": (*_SPEED, "gearhead.efficiency", "motor.rotor_inertia", "motor.nominal_torque"),
+        "motor_maximum_torque": (*_SPEED, "gearhead.efficiency", "motor.rotor_inertia", "motor.stall_torque"),
+        "motor_power": ("motor.rotor_inertia", "motor.assigned_power"),
+        "speed_constant": (*_SPEED, "gearhead.efficiency", "motor.rotor_inertia", "motor.speed_torque_gradient",
+                           "motor.nominal_voltage", "motor.speed_constant"),
+        "backlash_at_load": ("gearhead.backlash",),
+        "controller_available": ("controller.supply_min", "controller.supply_max"),
+        "controller_continuous_current": (*_SPEED, "gearhead.efficiency", "motor.rotor_inertia",
+                                          "motor.torque_constant", "motor.no_load_current",
+                                          "controller.continuous_current"),
+        "controller_peak_current": (*_SPEED, "gearhead.efficiency", "motor.rotor_inertia", "motor.torque_constant",
+                                    "motor.no_load_current", "controller.peak_current"),
+        "encoder_counts": ("COUNTS",),
+    },
+}  # fmt: skip
+
+
+def rests_on(check: Check, drive_set: DriveSet) -> tuple[str, ...]:
+    """The figures that a check of a set rests on, such as ``motor.resistance``; none for what has none.
+
+    Parameters
+    ----------
+    check
+        One of the set's.
+    drive_set
+        The set: which figures tell its motor's friction depends on the motor.
+    """
+    found: list[str] = []
+    for name in _RESTS[check.method].get(check.name, ()) if check.method in _RESTS else ():
+        found += _of(name, drive_set) if name.isupper() else [name]
+    return tuple(dict.fromkeys(found))
+
+
+def _of(word: str, drive_set: DriveSet) -> list[str]:
+    motor, gearhead, encoder = drive_set.motor, drive_set.gearhead, drive_set.encoder
+    if word == "COUNTS":
+        absolute = encoder is not None and isnan(encoder.counts_per_turn)
+        return ["encoder.steps_per_turn" if absolute else "encoder.counts_per_turn"]
+    if word == "DERATING":
+        return ["motor.max_winding_temperature"]
+    if word == "HOUSING":
+        iron = ["motor.max_winding_temperature", "motor.nominal_current", "motor.nominal_speed"]
+        return [] if motor.kind == "brushed" else iron
+    told = not isnan(motor.friction_torque + motor.viscous_friction)
+    rubbing = ["motor.friction_torque", "motor.viscous_friction"] if told else ["motor.no_load_current"]
+    rubbing += [] if told or motor.kind == "brushed" else ["motor.no_load_speed"]
+    idle = [] if isnan(gearhead.no_load_torque) else ["gearhead.no_load_torque", "gearhead.continuous_torque"]
+    own = ["encoder.inertia"] if encoder and not isnan(encoder.inertia) else []
+    return [*_GEAR, *rubbing, *idle, *own]
+
+
+def unknown_figures(drive_set: DriveSet) -> list[list[str]]:
+    """For each unknown check its title, and which figures are not known."""
+    return [
+        [check.title, ", ".join(_lacking(check, drive_set)) or _told(check)]
+        for check in drive_set.every_check
+        if check.status == "unknown"
+    ]
+
+
+def _lacking(check: Check, drive_set: DriveSet) -> list[str]:
+    """What a check lacks: a part, or figures of parts."""
+    lacking = []
+    for name in rests_on(check, drive_set):
+        role, _, field = name.partition(".")
+        part = getattr(drive_set, role)
+        if part is None:
+            lacking.append(f"any {role}")
+        elif _is_unknown(getattr(part, field)):
+            lacking.append(_named(role, field))
+    return list(dict.fromkeys(lacking))
+
+
+def _named(role: str, field: str) -> str:
+    """A figure in words.
+
+    >>> _named("motor", "motor_time_constant"), _named("gearhead", "max_radial_load")
+    ('motor time constant', 'gearhead max radial load')
+    """
+    return f"{role} {field.removeprefix(f'{role}_').replace('_', ' ')}"
+
+
+def _is_unknown(value: Any) -> bool:
+    return isinstance(value, float) and isnan(value)
+
+
+def _told(check: Check) -> str:
+    """What a check says itself that it lacks, such as masses of parts; else no more than where to look."""
+    return check.note.removeprefix("unknown: ") if check.note.startswith("unknown: ") else _OF_THE_SPEC
+
+
+_OF_THE_SPEC = "a figure of the load or of the spec"
+
+
+def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
+    """Figures that are only derived or recalled and that a check rests on: which, how much, how sure, which checks."""
+    resting: dict[str, list[str]] = {}
+    for check in drive_set.every_check:
+        for name in rests_on(check, drive_set):
+            resting.setdefault(name, []).append(check.title)
+    found = []
+    for name, titles in resting.items():
+        role, _, field = name.partition(".")
+        part, section = getattr(drive_set, role), f"{role}s"
+        table = catalog.table(section)
+        if part is None or part.part not in table.rows:
+            continue
+        mark = catalog.confidence(section, table.rows[part.part]).get(field, "")
+        if mark in ("derived", "recalled"):
+            column = columns_of(section)[field]
+            value = show(getattr(part, field), column.unit, column.kind, 6)
+            found.append([_named(role, field), value, mark, "; ".join(dict.fromkeys(titles))])
+    return found

@@ -1,0 +1,144 @@
+"""What a set does over the cycles of a spec, for figures and tables: each part computed once, when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from functools import cached_property
+from math import fsum, isfinite, isnan
+
+from drivesizer.loads.wheel import WheelLoad
+from drivesizer.machine.energy_flow import EnergyFlow, energy_flow
+from drivesizer.machine.set_cycle import SetCycle, set_cycle, warming
+from drivesizer.machine.warm_up import WarmUp, warm_up
+from drivesizer.output.report.figures.demand import current_and_voltage
+from drivesizer.output.report.figures.efficiency import efficiency_field, efficiency_map
+from drivesizer.output.report.figures.energy import energy_bars, energy_unit
+from drivesizer.output.report.figures.heat import temperatures
+from drivesizer.output.report.figures.style import CASES, Form
+from drivesizer.output.report.lines.machine import first_wheel
+from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
+from drivesizer.physics.usable_voltage import usable_in
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
+
+__all__ = ["Behaviour"]
+
+_BODIES = ("winding_time_constant", "motor_time_constant", "thermal_resistance_winding", "thermal_resistance_housing",
+           "resistance")  # fmt: skip
+
+
+def _summed(cycles: Sequence[tuple[str, SetCycle]]) -> EnergyFlow:
+    """The account of all wheels of a machine's first load case, each as often as there are wheels alike."""
+    loads = [(found, found.spec.load) for _, found in cycles]
+    wheels = [(found, load) for found, load in loads if isinstance(load, WheelLoad)]
+    flows = [(load.alike / load.motors, energy_flow(found)) for found, load in wheels if load.of == wheels[0][1].of]
+    parts = zip(*([share * part for part in flow] for share, flow in flows), strict=True)
+    return EnergyFlow(*map(fsum, parts))
+
+
+class Behaviour:
+    """A set over the load cycles of a spec."""
+
+    def __init__(self, spec: RobotSpec, drive_set: DriveSet) -> None:
+        self.spec, self.drive_set = spec, drive_set
+
+    @cached_property
+    def cycles(self) -> list[tuple[str, SetCycle]]:
+        """The set over each load case, by name."""
+        return [(name, set_cycle(case, self.drive_set)) for name, case in self.spec.load_cases]
+
+    @property
+    def specified(self) -> SetCycle:
+        """The set over the cycle as specified."""
+        return self.cycles[0][1]
+
+    @cached_property
+    def energy(self) -> EnergyFlow:
+        """The account of the cycle as specified; of a platform on its way the sum over its wheels."""
+        return _summed(self.cycles) if first_wheel(self.spec) else energy_flow(self.specified)
+
+    @cached_property
+    def known(self) -> bool:
+        """Whether the motor's current is, in all that is drawn."""
+        return all(found.known for _, found in self.cycles[: len(CASES)])
+
+    @cached_property
+    def hottest(self) -> tuple[str, WarmUp] | None:
+        """The load case in which the winding gets warmest, and how; None where its course is unknown."""
+        found = [(name, self._warm(cycle)) for name, cycle in self.cycles]
+        known = [(name, one) for name, one in found if one is not None]
+        return max(known, key=lambda pair: pair[1].periodic.winding_peak) if len(known) == len(found) else None
+
+    def _warm(self, found: SetCycle) -> WarmUp | None:
+        bodies = two_bodies(asdict(found.motor.part))
+        return warm_up(bodies, found.spec.environment.ambient, warming(found)) if found.known else None
+
+    # -- figures
+
+    def temperatures(self, form: Form) -> bytes:
+        """Winding and housing in the hottest case."""
+        assert self.hottest is not None
+        name, found = self.hottest
+        ambient = dict(self.spec.load_cases)[name].environment.ambient
+        return temperatures(found, ambient, self.drive_set.motor.max_winding_temperature, form)
+
+    def demand(self, form: Form) -> bytes:
+        """Current and voltage; limits are those of the case as specified."""
+        motor, controller = self.drive_set.motor, self.drive_set.controller
+        derated = motor.nominal_current * current_derating(
+            self.spec.environment.ambient, motor.max_winding_temperature, rated_ambient(asdict(motor))
+        )
+        currents = [("motor, nominal", float(derated))]
+        if controller:
+            currents += [("controller, continuous", controller.continuous_current)]
+            currents += [("controller, peak", controller.peak_current)]
+        return current_and_voltage(
+            self.cycles, currents, [("usable", usable_in(self.spec.supply.lowest, controller))], form
+        )
+
+    def efficiency(self, form: Form) -> bytes:
+        """The efficiency map with the load cycles in it."""
+        usable = usable_in(self.spec.supply.lowest, self.drive_set.controller)
+        voltage = usable if isfinite(usable) else self.spec.supply.lowest
+        return efficiency_map(efficiency_field(self.cycles[: len(CASES)], voltage), form)
+
+    def flow(self, form: Form) -> bytes:
+        """Where the energy goes."""
+        return energy_bars(self.energy, form)
+
+    # -- texts
+
+    @property
+    def cost(self) -> str:
+        """Energy that the cycle costs the supply."""
+        net = self.energy.net
+        return "unknown" if isnan(net) else show(net, energy_unit(abs(net)), "energy")
+
+    @property
+    def heat(self) -> list[dict[str, str]]:
+        """Losses and temperatures of the case as specified, as a table."""
+        found, motor = self.specified, self.drive_set.motor
+        copper = found.copper if found.known else float("nan")
+        winding = float(found.course.mean[0]) if found.known else float("nan")
+        housing = winding - motor.thermal_resistance_winding * copper
+        rows = [
+            ("Copper loss, mean", copper, "W", "power"),
+            ("Friction and iron loss, mean", float(found.warm.mean[0]), "W", "power"),
+            ("Thermal resistance, winding to housing", motor.thermal_resistance_winding, "K/W", "thermal_resistance"),
+            ("Thermal resistance, housing to ambient", motor.thermal_resistance_housing, "K/W", "thermal_resistance"),
+            ("Ambient", found.spec.environment.ambient, "degC", "temperature"),
+            ("Housing in the long run, mean", housing, "degC", "temperature"),
+            ("Winding in the long run, mean", winding, "degC", "temperature"),
+            ("Winding, permitted", motor.max_winding_temperature, "degC", "temperature"),
+        ]
+        return [{"title": title, "text": show(value, unit, kind), "at": ""} for title, value, unit, kind in rows]
+
+    @property
+    def heat_lacks(self) -> str:
+        """Why the course of the temperatures is not known."""
+        lacks = [name.replace("_", " ") for name in _BODIES if isnan(getattr(self.drive_set.motor, name))]
+        if lacks:
+            return f"{', '.join(lacks)} of the motor not known"
+        return "the motor runs away" if self.known else "the motor's current is not known"

@@ -1,0 +1,192 @@
+"""CSV: one tidy table of everything that was found, the parts list, the closed loop over time, and the sets in rows.
+
+UTF-8, lines end with a newline. Numbers are written with every digit that they have, an unknown figure is an
+empty cell, one without end is ``inf``. Units are spelled as a spec accepts them.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.control.validation import Validation
+from drivesizer.output.cells import csv_cell
+from drivesizer.output.parts import PartLine, parts_list, totals
+from drivesizer.output.report.table.reliability_rows import (
+    QUANTILES,
+    chance_columns,
+    chances,
+    every_list,
+    less_sure_row,
+    reliability_rows,
+    sampling_rows,
+)
+from drivesizer.output.report.table.rows import (
+    COLUMNS,
+    Row,
+    battery_rows,
+    change_row,
+    check_row,
+    closed_loop_rows,
+    count_rows,
+    figure_row,
+    front_rows,
+    machine_rows,
+    part_rows,
+    requirement_row,
+    set_rows,
+    total_rows,
+)
+from drivesizer.output.sums import price_of
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import SizingResult, worst
+from drivesizer.units import KINDS, from_si
+
+__all__ = ["COLUMNS", "parts_csv", "render", "report_csv", "sets_csv", "timeseries_csv"]
+
+
+def render(result: SizingResult, validation: Validation | None, path: Path) -> dict[Path, bytes]:
+    """The files of a CSV report: the table, and beside it the parts list and the time series when there are such."""
+    files = {path: report_csv(result, validation)}
+    if result.sets:
+        files[path.with_name(f"{path.stem}-parts{path.suffix}")] = parts_csv(_bought(result))
+    if validation is not None:
+        files[path.with_name(f"{path.stem}-timeseries{path.suffix}")] = timeseries_csv(validation)
+    return files
+
+
+def _bought(result: SizingResult) -> list[PartLine]:
+    """The parts list of the best set; a set that falls is not bought."""
+    return parts_list(result.sets[0], result.catalog, result.spec.load.motors) if result.sets else []
+
+
+def report_csv(result: SizingResult, validation: Validation | None) -> bytes:
+    """Requirements, sets, what they do, checks, changes, the Pareto front, the parts list, the closed loop.
+
+    One figure in a row.
+    """
+    rows = (row for part in _sections(result, validation) for row in part)
+    columns = COLUMNS if result.uncertainty is None else (*COLUMNS, *QUANTILES)
+    return _encoded(columns, ([row.get(column, "") for column in columns] for row in rows))
+
+
+def _sections(result: SizingResult, validation: Validation | None) -> Iterator[Iterable[Row]]:
+    yield (requirement_row(r) for r in result.requirements)
+    yield count_rows(result)
+    yield sampling_rows(result)
+    for where, drive_set in every_list(result, front=False):
+        rank = {"set_rank": drive_set.rank}
+        if where == "unsure":
+            yield [less_sure_row(result) | rank]
+        yield ({**row, **rank} for row in set_rows(drive_set, result.objective))
+        yield ({**row, **rank} for row in reliability_rows(drive_set))
+        yield ({**requirement_row(r), **rank} for r in drive_set.requirements)
+        yield ({**figure_row("figure", f), **rank} for f in drive_set.figures)
+        yield ({**check_row("check", c), **rank} for c in drive_set.every_check)
+        yield ({**row, **rank} for row in machine_rows(drive_set))
+        yield ({**row, **rank} for row in battery_rows(drive_set))
+        yield ({**change_row(r), **rank} for r in drive_set.changes)
+    yield (change_row(r) for r in result.relaxations)
+    for drive_set in result.front:
+        yield ({**row, "set_rank": drive_set.rank} for row in front_rows(drive_set, result.pareto))
+    bought = _bought(result)
+    yield ({**row, "set_rank": 1} for line in bought for row in part_rows(line))
+    yield ({**row, "set_rank": 1} for row in total_rows(totals(bought)))
+    if validation is not None:
+        yield closed_loop_rows(validation)
+
+
+_PARTS = (  # head, attribute of a line
+    ("role", "role"), ("maker", "maker"), ("family", "family"), ("part", "part"), ("order_number", "order_number"),
+    ("is", "said"), ("quantity", "quantity"), ("mass_kg", "mass"), ("price", "price"), ("currency", "currency"),
+    ("price_from_pieces", "pieces"), ("price_date", "price_date"), ("price_confidence", "price_confidence"),
+    ("price_source", "price_source"), ("part_confidence", "confidence"), ("part_source", "document"),
+    ("part_source_date", "date"), ("url", "url"), ("note", "note"),
+)  # fmt: skip
+
+
+def parts_csv(lines: Iterable[PartLine]) -> bytes:
+    """A parts list: a row for each part, mass and price of one piece, and how many the machine has."""
+    return _encoded((head for head, _ in _PARTS), ([getattr(line, name) for _, name in _PARTS] for line in lines))
+
+
+def timeseries_csv(validation: Validation) -> bytes:
+    """The closed loop over time: a column per signal, its unit in the head."""
+    units = validation.series_units
+    return columns_csv({name: (values, *units[name]) for name, values in validation.series.items()})
+
+
+def columns_csv(columns: Mapping[str, tuple[NDArray[np.float64], str, str]]) -> bytes:
+    """Columns over time by name, each with its kind and the unit that it is told in."""
+    heads = [f"{name} ({unit})" for name, (_, _, unit) in columns.items()]
+    told = (from_si(values, unit, kind).tolist() for values, kind, unit in columns.values())
+    return _encoded(heads, zip(*told, strict=True))
+
+
+def sets_csv(result: SizingResult) -> bytes:
+    """One row per set, per one that stands but less surely than was asked for, per nearest miss, per set of the front.
+
+    How sure they are is told behind all other columns.
+    """
+    sets = every_list(result)
+    checks = list(dict.fromkeys(c.name for _, s in sets for c in s.own_checks))
+    figures = {f.name: f.kind for _, s in sets for f in s.figures}
+    objective = f"objective_{_slug(result.objective)}_si"
+    heads = [*_SET_HEADS, "price_of", objective, "smallest_margin", "smallest_margin_check"]
+    heads += [*(f"margin_{name}" for name in checks), *(f"figure_{name}_{KINDS[k].si}" for name, k in figures.items())]
+    sure = chance_columns(one for _, one in sets)
+    rows = ([name, *_set_row(one, checks, list(figures)), *chances(one, sure)] for name, one in sets)
+    return _encoded([*heads, *sure], rows)
+
+
+def _slug(title: str) -> str:
+    """The title of an objective as a word: that of several with weights has blanks.
+
+    >>> _slug("2 mass + 1 price")
+    '2_mass_1_price'
+    """
+    return "_".join(title.replace("+", " ").split())
+
+
+_SET_HEADS = (
+    "list", "rank", "status", "motor_family", "motor_part", "gearhead_family", "gearhead_part", "gearhead_ratio",
+    "belt_ratio", "driving_pulley_part", "belt_part", "driven_pulley_part", "centre_distance_m", "teeth_in_mesh",
+    "encoder_family", "encoder_part", "controller_family", "controller_part", "total_ratio", "mass_kg", "mass_of",
+    "price_EUR",
+)  # fmt: skip
+
+
+def _set_row(s: DriveSet, checks: list[str], figures: list[str]) -> list[Any]:
+    tightest, (price, price_over) = worst(s.deciding), price_of(s)
+    margins, does = {c.name: c.margin for c in s.own_checks}, {f.name: f.value for f in s.figures}
+    chosen = [text for part in (s.encoder, s.controller) for text in ((part.family, part.part) if part else ("", ""))]
+    return [
+        s.rank, s.status, s.motor.family, s.motor.part, s.gearhead.family, s.gearhead.part, s.gearhead.ratio,
+        s.belt_ratio, *_belt(s), *chosen, s.total_ratio, s.mass, " + ".join(s.mass_of), price, " + ".join(price_over),
+        s.objective, tightest.margin if tightest else "", tightest.name if tightest else "",
+        *(margins.get(name, "") for name in checks), *(does.get(name, "") for name in figures),
+    ]  # fmt: skip
+
+
+def _belt(s: DriveSet) -> list[Any]:
+    """Belt and pulleys, empty where they are not out of the catalogues."""
+    drive = s.belt_drive
+    return (
+        [*(part.part for part in drive.parts.values()), drive.centre_distance, drive.teeth_in_mesh]
+        if drive
+        else [""] * 5
+    )
+
+
+def _encoded(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(heads)
+    writer.writerows([csv_cell(value) for value in row] for row in rows)
+    return text.getvalue().encode()

@@ -1,0 +1,162 @@
+"""How sure the sets are, as rows of plain data under the names in ``rows.COLUMNS`` and ``QUANTILES``.
+
+CSV and workbook print the same floats. A probability stands in per cent and, in SI, as a share of 1; a margin is a
+share of 1, as in every other row. Nothing is told of sets that were not sampled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from math import nan
+from typing import Any
+
+from drivesizer.output.probability_words import asked_for
+from drivesizer.output.report.table.rows import Row
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.reliability import Driver, Reliability, Spread
+from drivesizer.results.sizing import SizingResult
+
+__all__ = [
+    "QUANTILES", "chance_columns", "chances", "every_list", "less_sure_row", "method_of", "reliability_rows",
+    "sampling_rows",
+]  # fmt: skip
+
+QUANTILES = ("margin_5", "margin_50", "margin_95")  # margins that 95 %, 50 % and 5 % of samples exceed
+
+
+def sampling_rows(result: SizingResult) -> Iterator[Row]:
+    """How the sets were sampled, and each figure that was uncertain with where its tolerance is from."""
+    told = result.uncertainty
+    if told is None:
+        return
+    counts = {
+        "samples": ("Samples of each set", told.samples),
+        "seed": ("Seed of the samples", told.seed),
+        "sets_sampled": ("Sets that were sampled", told.examined),
+    }
+    if told.confidence is not None:
+        yield _share("sampling", "confidence", "Probability that was asked for", told.confidence)
+        counts["sets_that_reach_it"] = ("Sets that are as sure as was asked for", told.reached)
+    for name, (title, count) in counts.items():
+        yield {"section": "sampling", "name": name, "title": title, "value": count}
+    for one in told.assumptions:
+        yield {"section": "uncertain", "name": one.name, "title": one.title, "value": one.text, "note": one.source}
+
+
+def every_list(result: SizingResult, *, front: bool = True) -> list[tuple[str, DriveSet]]:
+    """Every set that is told, with the list that it is on; those of the front have ranks of their own."""
+    lists = {"set": result.sets, "unsure": result.unsure, "miss": result.misses}
+    return [(name, one) for name, some in (lists | {"front": result.front if front else ()}).items() for one in some]
+
+
+def less_sure_row(result: SizingResult) -> Row:
+    """What marks a set that stands at nominal figures, but less surely than was asked for."""
+    wanted = result.uncertainty.confidence if result.uncertainty else None
+    return {"section": "set", "name": "unsure", "title": "Stands, but less surely than was asked for",
+            "note": f"less surely than {asked_for(wanted)}"}  # fmt: skip
+
+
+def reliability_rows(one: DriveSet) -> Iterator[Row]:
+    """A set over its samples: how probable it is that all checks pass, each check alone, and what it hangs on."""
+    found = one.reliability
+    if found is None:
+        return
+    margins = (found.low, found.middle, found.high)
+    yield _share("reliability", "all_checks", "All checks pass", found.passing) | _quantiles(*margins)
+    yield _share("reliability", "none_fails", "No check fails", found.probability)
+    yield _share("reliability", "error_95", "Error of that, 95 % to both sides", found.error)
+    yield {"section": "reliability", "name": "weakest_check", "title": "Weakest check", "value": _weakest(found),
+           "note": found.weakest}  # fmt: skip
+    if found.loop:
+        said = {"note": f"weakest: {found.loop.weakest}"}
+        yield _share("reliability", "closed_loop", "All checks pass in closed loop", found.loop.passing) | said
+        yield _share("reliability", "closed_loop_none_fails", "No check fails in closed loop", found.loop.probability)
+        yield _share("reliability", "closed_loop_error_95", "Error of that, 95 % to both sides", found.loop.error)
+        yield {"section": "reliability", "name": "closed_loop_samples", "title": "Samples in closed loop",
+               "value": found.loop.samples}  # fmt: skip
+    if found.no_loop:
+        yield {"section": "reliability", "name": "closed_loop", "title": "All checks pass in closed loop",
+               "status": "unknown", "note": found.no_loop}  # fmt: skip
+    yield from (_check(spread, one) for spread in found.checks)
+    yield from (row for driver in found.drivers for row in _driver(driver))
+
+
+def _share(section: str, name: str, title: str, value: float) -> Row:
+    return {"section": section, "name": name, "title": title, "value": 100.0 * value, "unit": "%", "si_value": value,
+            "si_unit": "1"}  # fmt: skip
+
+
+def _quantiles(*margins: float) -> Row:
+    return dict(zip(QUANTILES, margins, strict=True))
+
+
+def _check(spread: Spread, one: DriveSet) -> Row:
+    """A check's share of samples that pass; what is left neither passes nor fails."""
+    unknown = 1.0 - spread.passes - spread.fails
+    said = {"status": "unknown", "note": f"unknown in {100.0 * unknown:.4g} % of samples"} if unknown > 0.0 else {}
+    row = _share("reliability", spread.name, f"Passes: {spread.title}", spread.passes) | said
+    return row | {"method": method_of(spread, one)} | _quantiles(spread.low, spread.middle, spread.high)
+
+
+def method_of(spread: Spread, one: DriveSet) -> str:
+    """Whose check it is: the physics', or a budget of the machine's."""
+    budget = {check.name for check in one.budget}
+    return "budget" if spread.name in budget else "physics"
+
+
+def _driver(driver: Driver) -> Iterator[Row]:
+    """What one assumption does to the smallest margin."""
+    of = {"case": driver.name}
+    yield _share("driver", "share_of_variance", "Share of the variance of the smallest margin", driver.share) | of
+    sign = {"value": driver.rank_correlation, "unit": "1", "si_value": driver.rank_correlation, "si_unit": "1"}
+    title = "Rank correlation with the smallest margin"
+    yield {"section": "driver", "name": "rank_correlation", "title": title} | sign | of
+    ends = {"5": (driver.low, driver.low_margin), "95": (driver.high, driver.high_margin)}
+    for quantile, (said, margin) in ends.items():
+        title = f"Smallest margin with this at its {quantile} % quantile"
+        yield {"section": "driver", "name": f"smallest_margin_at_{quantile}", "title": title, "margin": margin,
+               "note": f"at {said}"} | of  # fmt: skip
+
+
+def _weakest(found: Reliability) -> str:
+    """The name of the weakest check, by which the other columns know it."""
+    return next((check.name for check in found.checks if check.title == found.weakest), found.weakest)
+
+
+_WHOLE = ("probability", "none_fails", "probability_error_95", "weakest_check", "unknown_checks", "smallest_margin_5",
+          "smallest_margin_50", "smallest_margin_95")  # fmt: skip
+_LOOP = ("closed_loop_probability", "closed_loop_none_fails", "closed_loop_error_95", "closed_loop_weakest_check",
+         "closed_loop_unknown_checks", "closed_loop_samples")  # fmt: skip
+
+
+def chance_columns(sets: Iterable[DriveSet]) -> tuple[str, ...]:
+    """Heads of the columns of :func:`chances`; none where no set was sampled."""
+    found = [one.reliability for one in sets if one.reliability]
+    if not found:
+        return ()
+    loop = _LOOP if any(one.loop for one in found) else ()
+    checks = dict.fromkeys(check.name for one in found for check in one.checks)
+    each = (f"{head}_{name}" for name in checks for head in ("passes", "fails", *QUANTILES))
+    return (*_WHOLE, *loop, *each)
+
+
+def chances(one: DriveSet, heads: Sequence[str]) -> list[Any]:
+    """How sure a set is, a cell for each head; empty where it was not sampled or has no such check."""
+    cells = _cells(one.reliability) if one.reliability else {}
+    return [cells.get(head, "") for head in heads]
+
+
+def _cells(found: Reliability) -> dict[str, Any]:
+    margins = (found.low, found.middle, found.high)
+    whole = (found.passing, found.probability, found.error, _weakest(found), "; ".join(found.unknown), *margins)
+    loop = found.loop
+    driven: tuple[Any, ...] = ("", "", nan, "", "", "")
+    if loop:
+        open_ = "; ".join(loop.unknown)
+        driven = (loop.passing, loop.probability, loop.error, loop.weakest, open_, loop.samples)
+    cells = dict(zip((*_WHOLE, *_LOOP), (*whole, *driven), strict=True))
+    for check in found.checks:
+        figures = {"passes": check.passes, "fails": check.fails}
+        figures |= _quantiles(check.low, check.middle, check.high)
+        cells |= {f"{head}_{check.name}": value for head, value in figures.items()}
+    return cells

@@ -1,0 +1,216 @@
+"""What was found as rows of plain data, one figure in each, under the names in ``COLUMNS``.
+
+CSV and workbook print the same rows. Figures are floats, NaN where unknown; each stands in the unit of the trade and in
+SI beside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from math import isnan
+from typing import Any
+
+from drivesizer.control.validation import Validation
+from drivesizer.output.gain_table import gain_rows
+from drivesizer.output.loop_table import loop_figures
+from drivesizer.output.parts import PartLine, Total
+from drivesizer.output.report.lines.machine import driven_over
+from drivesizer.output.sums import price_of
+from drivesizer.results.check_columns import TITLES
+from drivesizer.results.drive_set import DriveSet, Relaxation
+from drivesizer.results.objectives import objective_figure
+from drivesizer.results.requirement import Requirement
+from drivesizer.results.sizing import Check, Figure, SizingResult
+from drivesizer.units import KINDS, from_si, show
+
+__all__ = [
+    "COLUMNS", "Row", "battery_rows", "change_row", "check_row", "closed_loop_rows", "count_rows", "figure_row",
+    "front_rows", "machine_rows", "part_rows", "requirement_row", "set_rows", "total_rows",
+]  # fmt: skip
+
+Row = dict[str, Any]
+
+COLUMNS = (
+    "section", "set_rank", "name", "title", "symbol", "equation", "method", "case", "value", "limit", "unit",
+    "si_value", "si_limit", "si_unit", "margin", "needed_margin", "status", "at_time_s", "note",
+)  # fmt: skip
+
+
+def _figure(section: str, name: str, title: str, value: float, kind: str, unit: str) -> Row:
+    return {
+        "section": section,
+        "name": name,
+        "title": title,
+        "value": from_si(value, unit, kind),
+        "unit": unit,
+        "si_value": value,
+        "si_unit": KINDS[kind].si,
+    }
+
+
+def figure_row(section: str, f: Figure) -> Row:
+    """A figure that has no limit of its own."""
+    at_time = "" if f.at_time is None else f.at_time
+    return _figure(section, f.name, f.title, f.value, f.kind, f.unit) | {"at_time_s": at_time}
+
+
+def requirement_row(r: Requirement) -> Row:
+    """What the load asks for, with the paper's symbol and number."""
+    row = _figure("requirement", r.name, r.title, float(r.value), r.kind, r.unit)
+    return row | {"symbol": r.symbol, "equation": r.equation or "", "note": r.note}
+
+
+def check_row(section: str, c: Check) -> Row:
+    """A demand as value against its limit."""
+    return _figure(section, c.name, c.title, c.demand, c.kind, c.unit) | {
+        "method": c.method,
+        "case": c.case,
+        "limit": from_si(c.limit, c.unit, c.kind),
+        "si_limit": c.limit,
+        "margin": c.margin,
+        "needed_margin": c.needed,
+        "status": c.status,
+        "at_time_s": "" if c.at_time is None else c.at_time,
+        "note": c.note,
+    }
+
+
+def battery_rows(s: DriveSet) -> Iterator[Row]:
+    """What draws from the battery, in the mean as value and at most as limit, and what comes of it."""
+    if s.energy is None:
+        return
+    for one in s.energy.consumers:
+        row = _figure("consumer", one.name, one.name, one.mean, "power", "W")
+        said = f"{one.number} of them" + (", assumed" if one.assumed else "")
+        status = "unknown" if isnan(one.mean) else ""
+        yield row | {"limit": one.peak, "si_limit": one.peak, "note": said, "how_many": one.number, "status": status}
+    yield from (figure_row("battery", figure) for figure in s.energy.figures)
+
+
+def machine_rows(s: DriveSet) -> Iterator[Row]:
+    """What the machine weighs, all pieces of a part together, and what else is told of it with the set in it."""
+    for one in s.masses:
+        row = _figure("mass", one.name, one.name, one.total, "mass", "kg")
+        said = f"{one.number} of {show(one.each, 'kg', 'mass')}" if one.number > 1 else ""
+        yield row | {"each": one.each, "how_many": one.number, "note": said,
+                     "status": "unknown" if isnan(one.each) else ""}  # fmt: skip
+    yield from (figure_row("machine", figure) for figure in s.machine)
+
+
+def change_row(r: Relaxation) -> Row:
+    """What would let a set stand: the figure now as value, what it must become as limit."""
+    row = _figure("change", r.field, "What would have to move", r.before, r.kind, r.unit)
+    return row | {
+        "limit": from_si(r.after, r.unit, r.kind),
+        "si_limit": r.after,
+        "note": f"{r.now} to {r.needed}: then {r.set_label} stands",
+    }
+
+
+def count_rows(result: SizingResult) -> Iterator[Row]:
+    """How many sets were looked at, how many stand, and how many fell by which check."""
+    counts, titles = result.counts, TITLES[result.method]
+    yield {"section": "count", "name": "considered", "title": "Sets that were looked at", "value": counts.considered}
+    yield {"section": "count", "name": "feasible", "title": "Sets that stand", "value": counts.feasible}
+    for name, count in counts.failed_by.items():
+        yield {"section": "count", "name": f"failed_{name}", "title": f"Fell by: {titles[name]}", "value": count}
+    for name, count in counts.failed_by_budget.items():
+        title = f"Fell in the machine by: {TITLES['budget'][name]}"
+        yield {"section": "count", "name": f"failed_budget_{name}", "title": title, "value": count}
+
+
+def front_rows(s: DriveSet, objectives: Iterable[str]) -> Iterator[Row]:
+    """A set of the Pareto front by its objectives."""
+    yield from _names("front", {"motor": s.motor, "gearhead": s.gearhead})
+    yield _figure("front", "total_ratio", "Whole reduction", s.total_ratio, "dimensionless", "1")
+    yield from (figure_row("front", objective_figure(s, name)) for name in objectives)
+
+
+def _names(section: str, parts: dict[str, Any]) -> Iterator[Row]:
+    for name, part in parts.items():
+        title = f"{part.manufacturer} {part.family}" if part else ""
+        said = part.part if part else ""
+        yield {"section": section, "name": name, "title": title, "value": said, "status": "" if part else "unknown"}
+
+
+def set_rows(s: DriveSet, objective: str) -> Iterator[Row]:
+    """A set: its parts, ratios, mass, price, what it has of the objective, and the verdict."""
+    yield from _names("set", {name: getattr(s, name) for name in ("motor", "gearhead", "encoder", "controller")})
+    if s.belt_drive:
+        yield from _names("set", {role.replace(" ", "_"): part for role, part in s.belt_drive.parts.items()})
+        yield _figure("set", "centre_distance", "Centre distance", s.belt_drive.centre_distance, "length", "mm")
+        yield _figure("set", "teeth_in_mesh", "Teeth in mesh", s.belt_drive.teeth_in_mesh, "dimensionless", "1")
+    yield _figure("set", "gearhead_ratio", "Reduction of the gearhead", s.gearhead.ratio, "dimensionless", "1")
+    yield _figure("set", "belt_ratio", "Reduction of the belt", s.belt_ratio, "dimensionless", "1")
+    yield _figure("set", "total_ratio", "Whole reduction", s.total_ratio, "dimensionless", "1")
+    price, priced = price_of(s)
+    yield _figure("set", "mass", "Mass", s.mass, "mass", "g") | _over("sum of", s.mass_of)
+    yield _figure("set", "price", "Price", price, "price", "EUR") | _over("sum of", priced)
+    yield {
+        "section": "set",
+        "name": "objective",
+        "title": f"Objective: {objective}",
+        "si_value": s.objective,
+    } | _over("of", s.objective_of)
+    yield {"section": "set", "name": "verdict", "title": "All checks", "status": s.status}
+
+
+def _over(words: str, names: Iterable[str]) -> Row:
+    said = ", ".join(names)
+    return {"note": f"{words} {said}" if said else ""}
+
+
+def part_rows(line: PartLine) -> Iterator[Row]:
+    """A part as it is bought: its order number, then how many, mass and price of one, as far as they are known."""
+    name, bare = line.role.replace(" ", "_"), "" if line.order_number else line.part
+    title = " ".join(filter(None, (line.maker, line.family, bare)))
+    yield {"section": "part", "name": name, "title": title or line.role, "value": line.order_number,
+           "status": "" if line.order_number else "unknown",
+           "note": "; ".join(filter(None, (line.said, line.note)))}  # fmt: skip
+    count = {"section": "part", "name": f"{name}_quantity", "title": f"{line.role}, pieces for the machine"}
+    yield count | {"value": line.quantity, "unit": "1", "si_value": line.quantity, "si_unit": "1"}
+    yield _figure("part", f"{name}_mass", f"{line.role}, mass of one", line.mass, "mass", "g")
+    yield {"section": "part", "name": f"{name}_price", "title": f"{line.role}, price of one", "value": line.price,
+           "unit": line.currency, "si_value": line.price, "si_unit": line.currency,
+           "note": ", ".join(filter(None, (line.price_source, line.price_date)))}  # fmt: skip
+
+
+def total_rows(totals: Iterable[Total]) -> Iterator[Row]:
+    """What a parts list comes to, and of which roles."""
+    for total in totals:
+        unit = "g" if total.name == "mass" else total.unit
+        value = from_si(total.value, unit, "mass") if total.name == "mass" else total.value
+        lacks = f"; not known and not in the sum: {', '.join(total.lacks)}" if total.lacks else ""
+        yield {"section": "part", "name": f"total_{total.name}", "title": f"All parts, {total.name}", "value": value,
+               "unit": unit, "si_value": total.value, "si_unit": total.unit,
+               "note": f"sum of {', '.join(total.over)}{lacks}"}  # fmt: skip
+
+
+def closed_loop_rows(v: Validation) -> Iterator[Row]:
+    """The closed loop: verdict, checks, figures, gains in SI and in the controller's units, and each linear loop."""
+    rank = {"set_rank": v.drive_set.rank}
+    yield {
+        "section": "validation",
+        "name": "verdict",
+        "title": f"Closed loop, {driven_over(v)}",
+        "status": v.status,
+        **rank,
+    }
+    yield from (check_row("validation", c) | rank for c in v.checks)
+    yield from (figure_row("validation", f) | rank for f in v.figures)
+    yield from (row | rank for row in _gains(v))
+    for loop in v.loops:
+        said = {"case": loop.direction, "status": "pass" if loop.stable else "fail"} | rank
+        for f in loop_figures(loop):
+            title = f"{loop.name} loop, {f.title}"
+            yield _figure("loop", f"{loop.name}_{f.name}", title, f.value, f.kind, f.unit) | said
+
+
+def _gains(v: Validation) -> Iterator[Row]:
+    rule = f"{v.gains.rule}; {v.gains.source}"
+    for name, title, value, unit in gain_rows(v.gains):
+        yield {"section": "validation", "name": name, "title": title, "value": value, "unit": unit, "si_value": value,
+               "si_unit": unit, "note": rule}  # fmt: skip
+    for gain in v.controller_gains:
+        yield {"section": "validation", "name": gain.place, "title": f"{gain.name}, as written into the controller",
+               "value": gain.value, "unit": gain.unit}  # fmt: skip

@@ -1,0 +1,28 @@
+"""Figures of a set that more than one report prints: sums over its parts, and what it has of an objective."""
+
+from __future__ import annotations
+
+from math import isnan, nan
+
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.units import show
+
+__all__ = ["not_in_mass", "price_of", "unknown_of"]
+
+
+def price_of(drive_set: DriveSet) -> tuple[float, tuple[str, ...]]:
+    """The sum of the prices that are known [EUR], and of which parts it is; NaN when none is known."""
+    prices = {name: part.price for name, part in drive_set.parts.items() if part is not None and not isnan(part.price)}
+    return (sum(prices.values()) if prices else nan), tuple(prices)
+
+
+def unknown_of(drive_set: DriveSet, known: tuple[str, ...]) -> tuple[str, ...]:
+    """The parts of a set that a sum does not cover."""
+    return tuple(name for name in drive_set.parts if name not in known)
+
+
+def not_in_mass(drive_set: DriveSet) -> tuple[str, ...]:
+    """What the mass of motor and gearhead leaves out, in words: with its figure where a data sheet has one."""
+    left = {name: drive_set.parts[name] for name in unknown_of(drive_set, drive_set.mass_of)}
+    masses = {name: getattr(part, "mass", nan) for name, part in left.items()}
+    return tuple(f"{name} {'not known' if isnan(m) else show(m, 'g', 'mass')}" for name, m in masses.items())

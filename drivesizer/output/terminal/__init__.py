@@ -1,0 +1,8 @@
+"""Results as tables at the terminal.
+
+May import: what output may.
+"""
+
+from __future__ import annotations
+
+__all__: list[str] = []

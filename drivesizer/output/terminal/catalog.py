@@ -1,0 +1,205 @@
+"""Catalogues on the terminal: what they hold, lists, parts side by side, what a text is found in."""
+
+from __future__ import annotations
+
+import textwrap
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from math import isnan
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.measure import Measurement
+from rich.table import Table
+from rich.text import Text
+
+from drivesizer.catalog import Catalog, columns_of
+from drivesizer.catalog.columns import Column
+from drivesizer.catalog.compare import Row
+from drivesizer.catalog.lookup import families
+from drivesizer.catalog.query import OPTIONS, Hit, Selection
+from drivesizer.output.terminal.tables import bare, console, heading
+from drivesizer.units import label, show
+
+__all__ = ["comparison", "counted", "figure", "listing", "overview", "searched"]
+
+_SHOWN: dict[str, tuple[tuple[str, str], ...]] = {  # head, column
+    "motors": (
+        ("power", "assigned_power"), ("voltage", "nominal_voltage"), ("torque", "nominal_torque"),
+        ("speed", "no_load_speed"), ("mass", "mass"), ("price", "price"),
+    ),
+    "gearheads": (
+        ("ratio", "reduction"), ("torque", "continuous_torque"), ("input", "continuous_input_speed"),
+        ("eff.", "efficiency"), ("mass", "mass"), ("price", "price"),
+    ),
+    "encoders": (
+        ("counts", "counts_per_turn"), ("ch.", "channels"), ("frequency", "max_frequency"), ("speed", "max_speed"),
+        ("mass", "mass"), ("price", "price"),
+    ),
+    "controllers": (
+        ("drives", "drives"), ("from", "supply_min"), ("to", "supply_max"), ("cont.", "continuous_current"),
+        ("peak", "peak_current"), ("price", "price"),
+    ),
+    "actuators": (
+        ("ratio", "reduction"), ("voltage", "nominal_voltage"), ("torque", "nominal_torque"), ("peak", "peak_torque"),
+        ("speed", "no_load_speed"), ("mass", "mass"), ("price", "price"),
+    ),
+    "brakes": (("torque", "static_torque"), ("supply", "supply"), ("adds", "added_length"), ("mass", "mass")),
+    "steppers": (
+        ("wiring", "wiring"), ("steps", "full_steps"), ("current", "phase_current"), ("torque", "holding_torque"),
+        ("resistance", "resistance"), ("inductance", "inductance"), ("mass", "mass"),
+    ),
+    "belts": (("profile", "profile"), ("pitch", "pitch"), ("teeth", "teeth"), ("width", "width")),
+    "pulleys": (("profile", "profile"), ("pitch", "pitch"), ("teeth", "teeth"), ("width", "width"), ("bore", "bore")),
+    "batteries": (
+        ("chemistry", "chemistry"), ("voltage", "nominal_voltage"), ("capacity", "capacity"),
+        ("cont.", "continuous_current"), ("resistance", "resistance"), ("mass", "mass"),
+    ),
+}  # fmt: skip
+_NOTES = {
+    "motors": "torque nominal, speed without load",
+    "gearheads": "torque and input speed continuous",
+    "encoders": "",
+    "controllers": "supply from and to; current continuous and peak",
+    "actuators": "at the output: torque continuous and peak, speed without load",
+    "brakes": "",
+    "steppers": "current, resistance and inductance of a phase; torque at standstill",
+    "belts": "",
+    "pulleys": "width of the widest belt",
+    "batteries": "",
+}
+_BESIDE = 4  # parts side by side on 80 columns
+
+
+def figure(value: Any, column: Column, *, unit: bool = True) -> str:
+    """A figure as a data sheet prints it; one that is unknown says so."""
+    if isinstance(value, str):
+        return value or "unknown"
+    if column.kind.startswith("price") and not isnan(value):
+        text = f"{value:.2f} {column.unit}"  # to the cent, as money is
+    else:
+        text = show(value, column.unit, column.kind, 5)
+    return text if unit else text.removesuffix(label(column.unit)).strip()
+
+
+_FEW = 5  # catalogues of which the families are named, else their makers
+
+
+def overview(shelf: Mapping[str, Catalog]) -> None:
+    """The families of each section; of many catalogues the makers."""
+    out = console()
+    for section, names in families(shelf).items():
+        hits = [hit for some in names.values() for hit in some]
+        if not hits:
+            continue
+        heading(out, section, f"{len(hits)} parts in {len(names)} famil{'ies' if len(names) > 1 else 'y'}")
+        if len(shelf) > _FEW:
+            counts: Mapping[str, int] = dict(Counter(hit["manufacturer"] for hit in hits).most_common())
+        else:
+            counts = {name: len(some) for name, some in sorted(names.items())}
+        out.print(counted(counts, out.width))
+        out.print()
+    if len(shelf) > _FEW:
+        out.print(Text("drivesizer catalog list --catalog maxon names the families of one."))
+    out.print(Text("drivesizer catalog list motors --family 'RE 25' lists a family, '--power >=20W' more than one."))
+
+
+def counted(counts: Mapping[str, int], width: int, head: str = "") -> Text:
+    """Names with their counts, one after the other; a line ends between two of them."""
+    glue = "\u00a0"  # no line ends here
+    items = [
+        f"{name or 'no family'} ({count})".replace(" ", glue).replace("-", "\u2011") for name, count in counts.items()
+    ]
+    text = textwrap.fill(f"{head}{', '.join(items)}", width, break_long_words=False)
+    return Text(text.replace(glue, " ").replace("\u2011", "-"))
+
+
+def listing(section: str, found: Selection, limit: int, extra: Sequence[str]) -> None:
+    """The parts of a selection, a line each; further columns are those that were asked for."""
+    out, schema = console(), columns_of(section)
+    usual = [(head, schema[name]) for head, name in _SHOWN[section]]
+    there = {column.name for _, column in usual} | {"part", "family", "manufacturer"}
+    asked = [(name.replace("_", "\n"), schema[name]) for name in dict.fromkeys(extra) if name not in there]
+    hits = found.hits[:limit]
+    while len(usual) > 1 and _width(hits, usual + asked) > out.width:
+        usual.pop()  # what was asked for is of more use than the last of the usual columns
+    if hits:
+        out.print(_table(hits, usual + asked))
+    for line in _footer(section, found, limit):
+        out.print(Text(line))
+
+
+def _table(hits: Sequence[Hit], shown: Sequence[tuple[str, Column]]) -> Table:
+    heads = [(f"{head}\n{label(c.unit)}".rstrip(), "left" if c.kind == "text" else "right") for head, c in shown]
+    table = bare(("part", "left"), ("family", "left"), *heads)
+    table.padding = (0, 1, 0, 0)
+    for hit in hits:
+        mark = Text(" ×" if hit.table.excluded[hit.row] else "", style="red")
+        table.add_row(Text(hit.part) + mark, Text(hit["family"]), *(_short(hit[c.name], c) for _, c in shown))
+    return table
+
+
+def _width(hits: Sequence[Hit], shown: Sequence[tuple[str, Column]]) -> int:
+    """How wide a table would be that breaks no word."""
+    table = _table(hits, shown)
+    return Measurement.get(Console(width=1000), Console(width=1000).options, table).maximum
+
+
+def _short(value: Any, column: Column) -> Text:
+    text = figure(value, column, unit=False)
+    return Text("–", style="dim") if text == "unknown" else Text(text)
+
+
+def _footer(section: str, found: Selection, limit: int) -> list[str]:
+    count = len(found.hits)
+    more = f"the first {limit} of {count} {section}; --limit shows more" if count > limit else f"{count} {section}"
+    said = [f"{more}{f'; {_NOTES[section]}' if count and _NOTES[section] else ''}"]
+    if found.undecided:
+        said.append(f"{found.undecided} more may fit: a figure that is asked for is unknown")
+    if found.excluded:
+        said.append(f"{found.excluded} more are excluded from sizing by a note; --excluded lists them (×)")
+    return said
+
+
+def comparison(hits: Sequence[Hit], rows: Sequence[Row]) -> None:
+    """Parts side by side; a row in which they differ is marked, ? where some are unknown."""
+    out = console()
+    for start in range(0, len(hits), _BESIDE):
+        some = slice(start, start + _BESIDE)
+        table = bare(("", "left"), ("", "left"), *((escape(f"{h.part}\n{h.catalogue}"), "right") for h in hits[some]))
+        for row in rows:
+            mark = "?" if row.differs is None else "≠" if row.differs else ""
+            cells = (figure(value, row.column) for value in row.values[some])
+            style = "bold" if row.differs else ""
+            table.add_row(mark, Text(row.column.name.replace("_", " "), style=style), *map(Text, cells))
+        out.print(table)
+    differing = sum(row.differs is True for row in rows)
+    out.print(Text(f"≠ differs ({differing} of {len(rows)} rows), ? cannot be told: a figure is unknown"))
+
+
+def searched(groups: Mapping[str, Mapping[str, Sequence[Hit]]], parts: Sequence[Hit], limit: int) -> None:
+    """Families and parts that a text was found in."""
+    out = console()
+    if any(groups.values()):
+        table = bare(("", "left"), ("family", "left"), ("parts", "right"), ("kind", "left"), ("catalogue", "left"))
+        for section, names in groups.items():
+            for name, hits in sorted(names.items()):
+                table.add_row(section, *map(Text, (name, str(len(hits)), _kinds(hits), _catalogues(hits))))
+        out.print(table)
+    if parts:
+        table = bare(("", "left"), ("part", "left"), ("family", "left"), ("catalogue", "left"))
+        for hit in parts[:limit]:
+            table.add_row(hit.section, *map(Text, (hit.part, hit["family"], hit.catalogue)))
+        out.print(table)
+    if len(parts) > limit:
+        out.print(Text(f"the first {limit} of {len(parts)} parts; --limit shows more"))
+
+
+def _kinds(hits: Sequence[Hit]) -> str:
+    column = OPTIONS["kind"][hits[0].section]
+    return ", ".join(kind for kind in Counter(hit[column] for hit in hits) if kind)
+
+
+def _catalogues(hits: Sequence[Hit]) -> str:
+    return ", ".join(dict.fromkeys(hit.catalogue for hit in hits))

@@ -1,0 +1,107 @@
+"""A platform on its way, at the terminal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from drivesizer.control.path_following.deviation import extremes
+from drivesizer.control.path_following.following import Followed
+from drivesizer.control.path_following.runs import assumed
+from drivesizer.loads.platform_drive import Driving
+from drivesizer.output.terminal import tables as tables
+from drivesizer.output.terminal.tables import MARK, STYLE
+from drivesizer.physics.load_cycle import OwnLimit
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.units import show
+
+__all__ = ["driven"]
+
+_ASKED = (  # of a wheel: requirement, head
+    ("nominal_speed", "speed"), ("maximum_torque_per_motor", "torque"), ("rms_torque_per_motor", "RMS"),
+    ("maximum_power_per_motor", "power"), ("returned_power_per_motor", "back"),
+)  # fmt: skip
+
+
+_BESIDE = 4  # runs that stand side by side
+
+
+def driven(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]) -> None:
+    """Print what each wheel is asked for, and the checks of a set on the way; without a set the former alone."""
+    console = tables.console()
+    way = found.trajectory
+    length, time = show(way.length, "m", "length"), show(way.total, "s", "time")
+    tables.heading(console, f"{found.spec.name}: {length} in {time}", *_status(chosen))
+    console.print(_wheels(found))
+    if chosen:
+        console.print(Text(chosen.label))
+        console.print(tables.checks(chosen.checks, "The set on this way"))
+        _machine(console, chosen)
+    if runs:
+        console.print(_compared(runs, found) if len(runs) > _BESIDE else _followed(runs))
+        for said in assumed(found):
+            console.print(Text(said, style="dim"))
+
+
+def _followed(runs: Mapping[str, Followed]) -> Table:
+    """Largest deviations of each run, and how long a wheel stood at its torque limit."""
+    found = {name: extremes(run) for name, run in runs.items()}
+    table = tables.bare(
+        ("", "left"), *((name, "right") for name in runs), title="How it follows: largest along the way"
+    )
+    for row in zip(*found.values(), strict=True):
+        table.add_row(row[0].title, *(show(one.value, one.unit, one.kind, 3) for one in row))
+    limited = (show(float(run.limited.max()), "%", "dimensionless", 3) for run in runs.values())
+    table.add_row("Time of a wheel at its torque limit", *limited)
+    return table
+
+
+def _compared(runs: Mapping[str, Followed], found: Driving) -> Table:
+    """A row for each run, below those that were measured."""
+    heads = [(head, "left") for head in ("model", "loops", "poses", "it knows")]
+    figures = [(head, "right") for head in ("position", "heading", "at limit")]
+    table = tables.bare(*heads, *figures, title="How it follows: largest along the way")
+    section = found.spec.platform
+    for one in section.following.measured if section else ():
+        table.add_row(one.name, "measured", "", "", *_errors(one.position, one.heading), "")
+    for name, run in runs.items():
+        by = {one.title: abs(one.value) for one in extremes(run)}
+        limited = show(float(run.limited.max()), "%", "dimensionless", 3)
+        table.add_row(*name.split(", "), *_errors(by["position"], by["heading"]), limited)
+    return table
+
+
+def _errors(position: float, heading: float) -> tuple[str, str]:
+    return show(position, "m", "length", 3), show(heading, "deg", "angle", 3)
+
+
+def _status(chosen: DriveSet | None) -> tuple[str, str]:
+    return (MARK[chosen.status], STYLE[chosen.status]) if chosen else ("no set", "")
+
+
+def _machine(console: Console, chosen: DriveSet) -> None:
+    if chosen.budget:
+        console.print(tables.checks(chosen.budget, "The machine on this way"))
+
+
+def _wheels(found: Driving) -> Table:
+    heads = [(head, "right") for _, head in _ASKED]
+    table = tables.bare(("wheel", "right"), *heads, ("friction needed", "right"), title="What the wheels are asked for")
+    for wheel in found.wheels:
+        asked = {r.name: r.text for r in wheel.asked}
+        table.add_row(str(wheel.number), *(asked[name] for name, _ in _ASKED), _friction(wheel.grip, found))
+    return table
+
+
+def _friction(grip: OwnLimit | None, found: Driving) -> str:
+    """Coefficient at the worst moment, where the wheel's load is known."""
+    mu = getattr(found.spec.load, "friction_coefficient", None)
+    if grip is None or not mu or math.isnan(grip.limit):
+        return "unknown"
+    if grip.limit <= 0.0:
+        return "lifts off"
+    return show(grip.demand / grip.limit * mu, "1", "dimensionless")

@@ -1,0 +1,77 @@
+"""The paper's equations at the terminal: all of them in lines, or one with its terms, notes and source.
+
+Those of the sizing, (1)-(20), are scalars and those of the platform, (21)-(59), matrices; both are told alike.
+"""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.text import Text
+
+from drivesizer.output import formula
+from drivesizer.output.terminal import tables as tables
+from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
+from drivesizer.platform import matrix_equation, printed_forms
+from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation
+from drivesizer.units import label
+
+__all__ = ["equation", "equations", "platform_equation"]
+
+
+def equations() -> None:
+    """Print all equations, a line each."""
+    console = tables.console()
+    table = tables.bare(("", "right"), ("quantity", "left"), ("computed", "left"), ("unit", "left"))
+    for declared in [*EQUATIONS.values(), *COMPANIONS.values()]:
+        number = f"({declared.number})" if declared.number else ""
+        mark = " *" if formula.printed_failure(declared) else ""
+        computed = f"{declared.symbol} = {formula.text(formula.computed(declared))}{mark}"
+        table.add_row(number, Text(declared.title), Text(computed), label(declared.shown))
+    for _, matrix in sorted(PLATFORM.items()):
+        mark = " *" if any(printed_forms.finding(matrix)) else ""
+        computed = f"{matrix.symbol} = {matrix_equation.text(matrix_equation.computed(matrix))}{mark}"
+        table.add_row(f"({matrix.number})", Text(matrix.title), Text(computed), _unit(matrix.result.unit))
+    console.print(table)
+    console.print("* the printed form fails the unit check or gives another value; `drivesizer equations 10` says why.")
+
+
+def _unit(unit: str) -> str:
+    """The unit of a vector where it is short."""
+    return "" if "," in unit or "per" in unit else label(unit)
+
+
+def equation(declared: Equation) -> None:
+    """Print one equation: as printed, as computed, why they differ, units, source."""
+    console = tables.console()
+    tables.heading(console, declared.title, f"equation ({declared.number})" if declared.number else "not in the paper")
+    rows = []
+    failure = formula.printed_failure(declared)
+    if declared.printed:
+        rows.append(("as printed", f"{declared.symbol} = {formula.text(declared.printed, paper=True)}"))
+        rows.append(("unit check", f"fails: {failure}" if failure else "passes"))
+    rows.append(("as computed", f"{declared.symbol} = {formula.text(formula.computed(declared))}"))
+    if declared.note:
+        rows.append(("note", declared.note))
+    rows.append(("result", f"{declared.result.meaning} [{label(declared.shown) or '1'}]"))
+    rows += [(formula.symbol_text(term.name), f"{term.meaning} [{label(term.unit) or '1'}]") for term in declared.terms]
+    _told(console, [*rows, ("source", printed_forms.SOURCE)])
+
+
+def platform_equation(declared: MatrixEquation) -> None:
+    """Print one equation of the platform: as printed, as computed, where they differ, units, source."""
+    console = tables.console()
+    tables.heading(console, declared.title, f"equation ({declared.number})")
+    _told(console, printed_forms.rows(declared))
+
+
+_NAMES = ("as printed", "unit check", "value check", "as computed", "note", "result", "source")
+
+
+def _told(console: Console, rows: list[tuple[str, str]]) -> None:
+    """Rows of a name, or a symbol, and words."""
+    table = tables.bare(("", "left"), ("", "left"))
+    table.show_header = False
+    for name, words in rows:
+        style = "red" if words.startswith("fails") else ""
+        table.add_row(Text(name, style="dim" if name in _NAMES else ""), Text(words, style=style))
+    console.print(table)

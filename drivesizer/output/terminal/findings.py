@@ -1,0 +1,160 @@
+"""On the terminal: how complete catalogues are, what does not fit in them, and what an import read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isnan
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
+
+from drivesizer.catalog import PARTS, Catalog, one_of
+from drivesizer.catalog.coverage import Coverage, coverage, pairs_of
+from drivesizer.catalog.exchange.importing import Taken
+from drivesizer.catalog.laws.check import Finding
+from drivesizer.catalog.parts import printed
+from drivesizer.catalog.tables import CONFIDENCE
+from drivesizer.output.terminal.catalog import counted
+from drivesizer.output.terminal.tables import bare, console, heading
+from drivesizer.units import show
+
+__all__ = ["findings", "statistics", "taken"]
+
+_LEVELS = [(level, "right") for level in CONFIDENCE]  # heads of columns
+_BESIDE = 5  # catalogues side by side on 80 columns
+
+
+def statistics(shelf: Mapping[str, Catalog]) -> None:
+    """How complete each catalogue is, section by section, and how sure its figures are."""
+    out = console()
+    found = {name: {s: one for s in PARTS if (one := coverage(c, s)).parts} for name, c in shelf.items()}
+    if len(shelf) > _BESIDE:
+        _summary(out, found)
+        for section in PARTS:
+            every = [one[section] for one in found.values() if section in one]
+            if every:
+                _completeness(out, {"all": _together(every)}, section)
+        out.print(Text("drivesizer catalog stats --catalog maxon tells of one by itself"))
+        return
+    for name, sections in found.items():
+        pairs = pairs_of(shelf[name]).items()
+        heading(out, name, ", ".join(f"{count} pairs of {what}" for what, count in pairs if count))
+        table = bare(("", "left"), ("parts", "right"), ("families", "right"), *_LEVELS)
+        for section, one in sections.items():
+            table.add_row(section, str(one.parts), str(one.families), *_sureness([one]))
+        out.print(table)
+    for section in PARTS:
+        some = {name: sections[section] for name, sections in found.items() if section in sections}
+        _completeness(out, some, section)
+
+
+def _summary(out: Console, found: Mapping[str, Mapping[str, Coverage]]) -> None:
+    """Many catalogues, a line each, and their sum by section."""
+    table = bare(("", "left"), ("parts", "right"), ("makers", "right"), *_LEVELS)
+    for section in PARTS:
+        some = [one[section] for one in found.values() if section in one]
+        table.add_row(section, str(sum(one.parts for one in some)), str(len(some)), *_sureness(some))
+    out.print(table)
+    table = bare(("catalogue", "left"), ("parts", "left"), *_LEVELS)
+    for name, sections in found.items():
+        parts = "\n".join(
+            f"{one.parts} {section if one.parts > 1 else one_of(section)}" for section, one in sections.items()
+        )
+        table.add_row(Text(name), parts, *_sureness(list(sections.values())))
+    out.print(table)
+
+
+def _sureness(some: Sequence[Coverage]) -> list[str]:
+    """The share of each confidence among all known figures."""
+    counts = {level: sum(one.sure[level] for one in some) for level in CONFIDENCE}
+    return [_share(counts[level], sum(counts.values())) for level in CONFIDENCE]
+
+
+def _together(some: Sequence[Coverage]) -> Coverage:
+    """Several catalogues' parts of one kind as one."""
+
+    def total(counts: Sequence[dict[str, int]]) -> dict[str, int]:
+        return {name: sum(one[name] for one in counts) for name in counts[0]} if counts else {}
+
+    return Coverage(
+        parts=sum(one.parts for one in some), families=sum(one.families for one in some),
+        excluded=sum(one.excluded for one in some), known=total([one.known for one in some]),
+        sure=total([one.sure for one in some]),
+    )  # fmt: skip
+
+
+def _completeness(out: Console, found: Mapping[str, Coverage], section: str) -> None:
+    known = [column for column in printed(section) if any(one.known[column] for one in found.values())]
+    for start in range(0, len(found), _BESIDE):
+        some = dict(list(found.items())[start : start + _BESIDE])
+        table = bare((section, "left"), *((escape(name), "right") for name in some), title=f"{section}: figures known")
+        for column in known:
+            shares = (_share(one.known[column], one.parts) for one in some.values())
+            table.add_row(column.replace("_", " "), *shares)
+        out.print(table)
+    never = [column.replace("_", " ") for column in printed(section) if column not in known]
+    if found and never:
+        out.print(Text(f"never known: {', '.join(never)}"))
+
+
+def _share(count: int, total: int) -> str:
+    """A share in percent that is 0 or 100 only where it is none or all.
+
+    >>> _share(1, 646), _share(645, 646), _share(0, 646), _share(0, 0)
+    ('<1 %', '>99 %', '0 %', '–')
+    """
+    if not total:
+        return "–"
+    percent = 100 * count / total
+    if 0 < percent < 1 or 99 < percent < 100:
+        return "<1 %" if percent < 1 else ">99 %"
+    return f"{percent:.0f} %"
+
+
+def taken(told: Taken) -> None:
+    """What an import read, and what it left."""
+    out = console()
+    out.print(counted(told.families, out.width, f"{told.parts} parts in {len(told.families)} families: "))
+    for theirs, ours in told.columns.items():
+        if theirs != ours:
+            out.print(Text(f"  {theirs} → {ours}"))
+    same = ", ".join(ours for theirs, ours in told.columns.items() if theirs == ours)
+    out.print(Text(f"columns that are called as ours: {same or 'none'}"))
+    for what, names in (
+        ("unknown columns, left out", told.unknown),
+        ("taken, but nothing known", told.empty),
+        ("rows skipped", told.skipped),
+    ):
+        if names:
+            out.print(Text(f"{what}: {', '.join(names)}"))
+
+
+def findings(found: Sequence[Finding], *, everything: bool = False) -> None:
+    """What does not fit, by what it breaks; with ``everything`` also what is accepted or only worth knowing."""
+    out = console()
+    groups: dict[tuple[str, ...], list[Finding]] = {}
+    for one in found:
+        if one.unexplained or everything:
+            groups.setdefault((one.file, one.section, one.identity, one.meaning, one.accepted), []).append(one)
+    for (file, section, identity, meaning, accepted), some in groups.items():
+        out.print(Text(f"{file}, {section}: {identity}", style="bold"), Text(f"  {meaning}"), sep="\n")
+        if accepted:
+            out.print(Text(f"  accepted: {accepted}", style="green"))
+        out.print(_broken(some) if some[0].kind else Text("  " + ", ".join(one.part for one in some)))
+    wrong = sum(one.unexplained for one in found)
+    accepted_too = sum(bool(one.accepted) for one in found)
+    said = f"{wrong} unexplained, {accepted_too} accepted, {len(found) - wrong - accepted_too} only worth knowing"
+    out.print(Text(said if everything or wrong == len(found) else f"{said}; --all shows them"))
+
+
+def _broken(some: Sequence[Finding]) -> Table:
+    heads = ("found", "expected", "off by", "tolerance")
+    table = bare(("part", "left"), ("family", "left"), *((head, "right") for head in heads))
+    for one in some:
+        numbers = [show(value, one.unit, one.kind) for value in (one.found, one.expected)]
+        numbers[1] = f"{one.relation.removeprefix('=')} {numbers[1]}".strip()
+        shares = ["" if isnan(share) else f"{100 * share:.1f} %" for share in (one.deviation, one.tolerance)]
+        table.add_row(*map(Text, (one.part, one.family, *numbers, *shares)))
+    return table

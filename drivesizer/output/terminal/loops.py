@@ -1,0 +1,48 @@
+"""The loops of a validation at the terminal: a line each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.measure import Measurement
+from rich.table import Table
+from rich.text import Text
+
+from drivesizer.control.loop_records import Loop
+from drivesizer.output.loop_table import cell, loop_figures, loop_name
+from drivesizer.output.terminal.tables import STYLE, bare
+
+__all__ = ["loops"]
+
+_FIRST = 6  # figures that 80 columns have room for
+
+
+def loops(found: Sequence[Loop], width: int) -> Table:
+    """What linear theory says of each loop, from the inside out.
+
+    Parameters
+    ----------
+    found
+        The loops of a validation.
+    width
+        Columns of the terminal: the table has as many figures as they have room for.
+    """
+    every, wide = len(loop_figures(found[0])), Console(width=1000)
+    for shown, line in ((every, " "), *((n, "\n") for n in range(every, _FIRST, -1))):
+        table = _table(found, shown, line)
+        if Measurement.get(wide, wide.options, table).maximum <= width:
+            return table
+    return _table(found, _FIRST, "\n")
+
+
+def _table(found: Sequence[Loop], shown: int, line: str) -> Table:
+    """The first figures of each loop; its name and direction on a line or on two."""
+    heads = [figure.title.replace(" ", "\n") for figure in loop_figures(found[0])[:shown]]
+    table = bare(("loop", "left"), *((head, "right") for head in heads), title="The loops by linear theory")
+    for loop in found:
+        name = Text(loop_name(loop).replace(" ", line))
+        if not loop.stable:
+            name += Text("\nUNSTABLE", style=STYLE["fail"])
+        table.add_row(name, *(cell(figure) for figure in loop_figures(loop)[:shown]))
+    return table

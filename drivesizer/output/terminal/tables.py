@@ -1,0 +1,226 @@
+"""Tables for the terminal: they fit 80 columns and use what there is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import isnan
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.rule import Rule
+from rich.table import Table
+from rich.text import Text
+
+from drivesizer.catalog import Catalog, columns_of
+from drivesizer.catalog.catalog_file import DATA
+from drivesizer.control.validation import Validation
+from drivesizer.output.gain_table import gain_rows
+from drivesizer.results.drive_set import DriveSet, made_by, section_of
+from drivesizer.results.requirement import Requirement
+from drivesizer.results.sizing import Check, Figure
+from drivesizer.spec.robot import AS_SPECIFIED
+from drivesizer.units import label, show
+
+__all__ = [
+    "MARK",
+    "STYLE",
+    "bare",
+    "checks",
+    "console",
+    "gains",
+    "heading",
+    "loose",
+    "parts",
+    "percent",
+    "plain",
+    "requirements",
+]
+
+STYLE = {"pass": "green", "fail": "bold red", "unknown": "yellow"}
+MARK = {"pass": "pass", "fail": "FAIL", "unknown": "unknown"}
+
+
+def console() -> Console:
+    """The terminal that results go to."""
+    return Console(highlight=False, soft_wrap=False)
+
+
+def bare(*columns: tuple[str, str], title: str = "", wide: bool = False) -> Table:
+    """A plain table; a column is its header and its alignment."""
+    table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", title_style="bold", pad_edge=False)
+    table.padding = (0, 2, 0, 0)
+    for header, justify in columns:
+        table.add_column(header, justify=justify, overflow="fold")  # type: ignore[arg-type]
+    table.expand = wide
+    return table
+
+
+def percent(margin: float) -> str:
+    """A margin as a share, or as a multiple where it is large.
+
+    >>> percent(0.213), percent(11.0)
+    ('+21 %', '×12')
+    """
+    if isnan(margin):
+        return "–"
+    return f"{100 * margin:+.0f} %" if abs(margin) < 10 else f"×{margin + 1:.0f}"
+
+
+def heading(console: Console, name: str, right: str, style: str = "") -> None:
+    """Print a line that names what follows, something at its right end, and a rule."""
+    grid = Table.grid(expand=True)
+    grid.add_column(overflow="fold")
+    grid.add_column(justify="right", no_wrap=True)
+    grid.add_row(Text(name, style="bold"), Text(right, style=style))
+    console.print(grid)
+    console.print(Rule(style="dim"))
+
+
+def requirements(requirements: Iterable[Requirement], title: str) -> Table:
+    """Requirements with their equation numbers."""
+    table = bare(("eq.", "right"), ("", "left"), ("", "left"), ("", "right"), title=title)
+    for r in requirements:
+        number = f"({r.equation})" if r.equation else ""
+        table.add_row(number, r.symbol, Text(r.title + (", given" if r.note.startswith("given") else "")), r.text)
+    table.show_header = False
+    return table
+
+
+def checks(checks: Iterable[Check], title: str) -> Table:
+    """Checks: demand, limit, margin, verdict, and the worst moment where one is known."""
+    checks = list(checks)
+    timed = any(check.at_time is not None for check in checks)
+    worst_in = {check.case for check in checks} - {AS_SPECIFIED}
+    if len(worst_in) == 1 and len(checks) > 1 and "" not in worst_in:
+        title += f", worst in {worst_in.pop()}"
+    columns = [("check", "left"), ("demand", "right"), ("limit", "right"), ("margin", "right"), ("", "left")]
+    table = bare(*columns, *([("at", "right")] if timed else []), title=title)
+    for check in checks:
+        status = Text(MARK[check.status], style="dim" if check.advice else STYLE[check.status])
+        figures = [plain(check, check.demand), plain(check, check.limit)]
+        when = [f"{check.at_time:.3g} s" if check.at_time is not None else ""] if timed else []
+        where = f" ({check.case})" if check.case in worst_in and check.case else ""
+        needed = f"\nneeds {percent(check.needed)}" if check.needed and not isnan(check.margin) else ""
+        table.add_row(Text(check.title + where), *figures, percent(check.margin) + needed, status, *when)
+    return table
+
+
+def plain(check: Check, figure: float) -> str:
+    """Demand or limit; nothing for a condition that has no figures."""
+    if isnan(check.demand) and isnan(check.limit) and check.status != "unknown":
+        return ""  # a condition that is met or not, without figures
+    return check.shown(figure)
+
+
+_PULLEY = (("teeth", "1", "dimensionless", "teeth"), ("mass", "g", "mass", ""), ("price", "EUR", "price", ""))
+_PARTS: dict[str, tuple[tuple[str, str, str, str], ...]] = {  # figure, unit, kind, words
+    "motor": (
+        ("assigned_power", "W", "power", ""),
+        ("nominal_voltage", "V", "voltage", ""),
+        ("mass", "g", "mass", ""),
+        ("price", "EUR", "price", ""),
+    ),
+    "gearhead": (
+        ("efficiency", "%", "dimensionless", "efficient"),
+        ("mass", "g", "mass", ""),
+        ("price", "EUR", "price", ""),
+    ),
+    "encoder": (),
+    "controller": (("continuous_current", "A", "current", "continuous"), ("peak_current", "A", "current", "peak")),
+    "driving pulley": _PULLEY,
+    "belt": (
+        ("teeth", "1", "dimensionless", "teeth"),
+        ("width", "mm", "length", "wide"),
+        ("mass", "g", "mass", ""),
+        ("price", "EUR", "price", ""),
+    ),
+    "driven pulley": _PULLEY,
+    "actuator": (
+        ("nominal_voltage", "V", "voltage", ""),
+        ("nominal_torque", "N*m", "torque", "continuous"),
+        ("peak_torque", "N*m", "torque", "peak"),
+        ("mass", "g", "mass", ""),
+        ("price", "EUR", "price", ""),
+    ),
+}
+
+
+def parts(found: DriveSet, catalog: Catalog) -> Table:
+    """The set, part by part, with what the catalogue is less sure of."""
+    table = bare(("", "left"), ("", "left"), ("", "left"))
+    table.show_header = False
+    for role, part in found.parts.items():
+        if part is None:
+            table.add_row(role, Text("unknown", style="yellow"), "none is listed for this motor")
+        else:
+            table.add_row(role, *_part(role, part, catalog, found))
+        if role == "motor" and "gearhead" not in found.parts:
+            table.add_row("gearhead", Text("none", style="bold"), "the motor drives the load itself")
+        if role in ("gearhead", "actuator") or ("gearhead" not in found.parts and role == "motor"):
+            _belt(table, found)
+    return table
+
+
+def _part(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[Text, Text]:
+    """Name and number of a part; its main figures, and how sure they are."""
+    reduction = f" {part.reduction}" if role in ("gearhead", "actuator") else ""
+    values = [(getattr(part, field), unit, kind, words) for field, unit, kind, words in _PARTS[role]]
+    shown = [f"{show(v, unit, kind)} {words}".strip() for v, unit, kind, words in values if not isnan(v)]
+    if role == "encoder":
+        shown = [part.resolution]
+    if role == "belt":
+        shown += found.belt_running
+    if section_of(part) == "pulleys" and part.bore:
+        shown.append(f"bore {part.bore}")
+    doubt = _doubt(catalog, section_of(part), part.part)
+    text = Text(" · ".join(shown)) + (Text(f"\n{doubt}", style="yellow") if doubt else Text(""))
+    name = made_by(part) if len(catalog.digests) > 1 else part.family  # with one catalogue it goes without saying
+    return Text(f"{name}{reduction}", style="bold") + Text(f"\n{part.part}"), text
+
+
+def _belt(table: Table, found: DriveSet) -> None:
+    """The belt, where its ratio is all that is known of it."""
+    if found.belt_ratio != 1.0 and not found.belt_drive:
+        efficient = show(found.belt_efficiency, "%", "dimensionless") + " efficient"
+        table.add_row("belt", f"{found.belt_ratio:g}", efficient)
+
+
+def _doubt(catalog: Catalog, section: str, part: str) -> str:
+    """How many figures are not quoted from the maker's own document, the shakiest ones by name."""
+    sure = catalog.confidence(section, catalog.table(section).rows[part])
+    figures = {
+        name: sure[name]
+        for name, column in columns_of(section).items()
+        if name in sure and column.kind != "text" and name != DATA  # a condition of the others
+    }
+    said = []
+    for level in ("secondary", "derived", "recalled"):
+        names = [name.replace("_", " ") for name, value in figures.items() if value == level]
+        if names and level == "secondary":
+            said.append(f"{len(names)} of {len(figures)} figures secondary")
+        elif names:
+            more = f" and {len(names) - 4} more" if len(names) > 5 else ""
+            said.append(f"{level}: {', '.join(names[: 4 if more else 5])}{more}")
+    return "; ".join(said)
+
+
+def loose(figures: Iterable[Figure], title: str) -> Table:
+    """Figures without a limit."""
+    table = bare(("", "left"), ("", "right"), ("", "right"), title=title)
+    table.show_header = False
+    for figure in figures:
+        when = f"at {figure.at_time:.4g} s" if figure.at_time is not None else ""
+        table.add_row(figure.title, figure.text, when)
+    return table
+
+
+def gains(proof: Validation) -> Table:
+    """The controller's gains in SI, and in its own units where they are known."""
+    table = bare(("", "left"), ("", "right"), title=f"Gains: {proof.gains.rule}")
+    table.show_header = False
+    for row in gain_rows(proof.gains):
+        table.add_row(row.title, f"{row.value:.4g} {label(row.unit)}")
+    for gain in proof.controller_gains:
+        table.add_row(f"{gain.place} {gain.name}", f"{gain.value} {gain.unit}")
+    return table

@@ -1,0 +1,8 @@
+"""Formulas on plain figures and arrays: load cycles, current, heat, belts, batteries; no spec, no catalogue.
+
+May import: errors, ranges, units, files.
+"""
+
+from __future__ import annotations
+
+__all__: list[str] = []

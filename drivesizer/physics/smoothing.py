@@ -1,0 +1,115 @@
+"""Local parabolas through sampled data: smoothed values and slopes, for uneven steps too."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["local_parabola"]
+
+Column = NDArray[np.float64]
+
+
+_SLACK = 1e-9  # of a window: a sample on its edge is in it, whatever rounding makes of its time
+
+
+_LEAST_BEND = 0.01  # share of the fourth moment that the times' bend must keep; below it, they stand in two bunches
+
+
+def local_parabola(time: Column, value: Column, window: float) -> tuple[Column, Column]:
+    """Value and slope, at each sample, of the parabola that fits best what lies around it.
+
+    Parameters
+    ----------
+    time
+        Rising, three or more, even or not [s].
+    value
+        What was recorded.
+    window
+        Width around each sample [s]; three samples where it holds fewer.
+
+    Returns
+    -------
+    tuple
+        Values, and slopes per second.
+
+    Examples
+    --------
+    >>> time = np.array([0.0, 1.0, 3.0, 4.0, 7.0])
+    >>> local_parabola(time, time**2, 5.0)[1]
+    array([ 0., 2., 6., 8., 14.])
+    """
+    half = window / 2 * (1 + _SLACK)
+    first = np.searchsorted(time, time - half, side="left")
+    end = np.searchsorted(time, time + half, side="right")
+    few = end - first < 4
+    fit, slope = _three_points(time, value)
+    many = np.flatnonzero(~few)
+    if len(many):
+        fit[many], slope[many] = _least_squares(time, value, half, many, first[many], end[many])
+    return fit, slope
+
+
+def _three_points(time: Column, value: Column) -> tuple[Column, Column]:
+    """The parabola through each sample and its neighbours; at both ends, through the nearest three."""
+    step, rise = np.diff(time), np.diff(value)
+    chord = rise / step
+    bend = np.diff(chord) / (step[:-1] + step[1:])
+    slope = np.empty_like(time)
+    slope[1:-1] = chord[:-1] + bend * step[:-1]
+    slope[0] = chord[0] - bend[0] * step[0]
+    slope[-1] = chord[-1] + bend[-1] * step[-1]
+    return value.copy(), slope
+
+
+def _least_squares(
+    time: Column, value: Column, half: float, at: NDArray[np.int64], first: NDArray[np.int64], end: NDArray[np.int64]
+) -> tuple[Column, Column]:
+    """The parabola in windows of four samples or more, all within half a window of the sample.
+
+    Sums over windows are differences of cumulative sums. So that these stay small numbers, time and value count from
+    the middle and from the first sample of bins three windows wide; there are two rows of bins, half a bin apart, and a
+    window lies in a bin of one of them for certain.
+    """
+    fit, slope = np.empty(len(at)), np.empty(len(at))
+    for row in (0.0, 0.5):
+        number = np.floor(time / (6 * half) + row)
+        inside = number[first] == number[end - 1]
+        s = (time - (number + 0.5 - row) * 6 * half) / half
+        start = value[np.searchsorted(number, number, side="left")]
+        chosen = at[inside]
+        fitted = _fitted(s, value - start, s[chosen], first[inside], end[inside])
+        fit[inside], slope[inside] = fitted[0] + start[chosen], fitted[1] / half
+    return fit, slope
+
+
+def _fitted(
+    s: Column, y: Column, here: Column, first: NDArray[np.int64], end: NDArray[np.int64]
+) -> tuple[Column, Column]:
+    """Value and slope of the least-squares parabola of y over s in each window, by polynomials orthogonal on it."""
+
+    def total(column: Column) -> Column:
+        sums: Column = np.concatenate([[0.0], np.cumsum(column)])
+        return sums[end] - sums[first]
+
+    n = (end - first).astype(float)
+    mean, level = total(s) / n, total(y) / n
+    m2, m3, m4 = _central(n, mean, *(total(s**k) for k in (2, 3, 4)))
+    sy, ssy = total(s * y), total(s * s * y)
+    y1 = sy - n * mean * level
+    y2 = ssy - 2 * mean * sy + n * mean**2 * level
+    skew = m3 / m2
+    bend = m4 - skew * m3 - m2**2 / n
+    curved = bend > _LEAST_BEND * m4
+    c2 = np.where(curved, (y2 - skew * y1 - m2 * level) / np.where(curved, bend, 1.0), 0.0)
+    u, c1 = here - mean, y1 / m2
+    return level + c1 * u + c2 * (u**2 - skew * u - m2 / n), c1 + c2 * (2 * u - skew)
+
+
+def _central(n: Column, mean: Column, s2: Column, s3: Column, s4: Column) -> tuple[Column, Column, Column]:
+    """Second to fourth power sums about the mean, from those about zero."""
+    return (
+        s2 - n * mean**2,
+        s3 - 3 * mean * s2 + 2 * n * mean**3,
+        s4 - 4 * mean * s3 + 6 * mean**2 * s2 - 3 * n * mean**4,
+    )

@@ -1,0 +1,100 @@
+"""Heat and electrical stress of motors over a load cycle, on columns: losses, warm resistance, current, voltage."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.physics.motor_demand import DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
+from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding_temperature
+
+__all__ = ["Heat", "Parts", "Record", "Stress", "heat", "housing_loss", "on", "stress", "volts_of"]
+
+Array = NDArray[np.float64]
+
+
+class Parts(NamedTuple):
+    """Figures of the candidates' parts by field name: columns, NaN where there is no such part."""
+
+    motor: Any
+    gearhead: Any
+    encoder: Any
+    controller: Any
+
+    def on(self, rows: Any) -> Parts:
+        """The parts of some of the candidates: by a mask, numbers or a slice."""
+        return Parts(*(None if part is None else part.on(rows) for part in self))
+
+
+Record = TypeVar("Record", bound=tuple[Any, ...])
+
+
+def on(record: Record, rows: Any) -> Record:
+    """A record of columns, records among them, at some of the candidates."""
+    return type(record)(*(on(x, rows) if isinstance(x, tuple) else x[rows] for x in record))
+
+
+class Heat(NamedTuple):
+    """What warms a motor beside its copper, and how warm it is in the long run."""
+
+    friction: Array  # loss at the housing per speed of the gearhead's output [W s/rad]
+    iron: Array  # and per square of it [W s^2/rad^2]
+    mean: Array  # W, over the cycle
+    winding: Array  # K, steady mean; infinite when it runs away
+
+
+class Stress(NamedTuple):
+    """Largest current, and the voltage from which the winding starts."""
+
+    current: Peak  # A
+    cold_voltage: Peak  # V, winding at the ambient's temperature
+
+
+def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
+    r"""What friction and iron lose at the housing, per speed of the gearhead's output and per square of it.
+
+    Brushed: the friction, :math:`k_t I_0 |w|` or the catalogue's own. Brushless: a loss that grows with the square of
+    the speed and, with the copper's, warms the winding to its permitted temperature at the catalogue's nominal point in
+    the ambient of that rating; not below 0.
+    """
+    brushed = motor["kind"] == "brushed"
+    rise = motor["max_winding_temperature"] - rated_ambient(motor)
+    R_th2 = motor["thermal_resistance_housing"]
+    hot = resistance_at(resistance_25(motor), motor["max_winding_temperature"])
+    copper = hot * motor["nominal_current"] ** 2
+    left = (rise - (motor["thermal_resistance_winding"] + R_th2) * copper) / R_th2
+    iron = np.maximum(left, 0.0) * (ratio / motor["nominal_speed"]) ** 2
+    coulomb, viscous = friction(motor)
+    return np.where(brushed, coulomb * ratio, 0.0), np.where(brushed, viscous * ratio**2, iron)
+
+
+def heat(
+    ambient: Array | float, at: AtGearhead, asked: Demands, motor: Any, losses: tuple[Array, Array] | None = None
+) -> Heat:
+    """Mean temperature of the winding in the long run; with what ``housing_loss`` tells, where that is at hand."""
+    rubbing, iron = losses or housing_loss(motor, asked.total_ratio)
+    if not at.acts[SPEED]:  # nothing rubs in what stands
+        rubbing, iron = np.zeros_like(rubbing), np.zeros_like(iron)
+    mean = rubbing * at.moments[DIRECTION, SPEED] + iron * at.moments[SPEED, SPEED]
+    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    R_25 = resistance_25(motor)
+    winding = steady_winding_temperature(ambient, R_25, *R_th, asked.rms_current, mean)
+    return Heat(rubbing, iron, mean, np.asarray(winding))
+
+
+def stress(ambient: Array | float, at: AtGearhead, asked: Demands, motor: Any) -> Stress:
+    """Largest current of candidates, and largest voltage while the winding is cold; warm: see ``limits_over_time``."""
+    k_t = motor["torque_constant"]
+    cold = resistance_at(resistance_25(motor), ambient)
+    torque = peak(at, asked.coefficients, asked.left_out)
+    volts = peak(at, volts_of(asked, k_t, np.asarray(cold)), asked.left_out)
+    return Stress(Peak(torque.value / k_t, torque.time), volts)
+
+
+def volts_of(asked: Demands, k_t: Array, resistance: Array) -> Array:
+    r"""Coefficients of the motor's voltage from the six functions, :math:`V = R I + k_e K w`."""
+    c = asked.coefficients * (resistance / k_t)[:, None]
+    c[:, SPEED] += asked.back_emf * asked.total_ratio
+    return c

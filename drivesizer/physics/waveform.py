@@ -1,0 +1,256 @@
+"""What needs the current and voltage of each moment: power of the supply, energy with clipped return, time of overload.
+
+Current and voltage are straight lines within a segment, so power is a product of two lines: its sign changes where
+one of them does, its extremes are ends or the vertex, and everything below is exact. Columns over candidates and
+segments; the caller minds how many at a time.
+Symbols: I current [A], V voltage [V], t time [s], E energy [J].
+"""
+
+from __future__ import annotations
+
+from math import prod
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.physics.products import product
+
+__all__ = [
+    "Energy",
+    "Wave",
+    "balanced",
+    "energy",
+    "largest_power",
+    "longest_above",
+    "longest_run",
+    "lost",
+    "mean_square",
+    "share_above",
+    "wave",
+]
+
+Array = NDArray[np.float64]
+
+
+class Wave(NamedTuple):
+    """Current and voltage of candidates: shape (candidates, segments, 2), values at both ends."""
+
+    duration: Array  # s, of each segment; of candidates with a cycle of their own (candidates, segments)
+    current: Array
+    voltage: Array
+
+
+class Energy(NamedTuple):
+    """What one motor set takes from its supply and gives back, over one cycle."""
+
+    drawn: Array  # J
+    returned: Array  # J
+    stored: Array  # J, the most that has come back and not been drawn again
+
+
+def wave(duration: Array, functions: Array, torque: Array, volts: Array, k_t: Array) -> Wave:
+    """Current and voltage over the segments.
+
+    Parameters
+    ----------
+    duration
+        Of each segment [s].
+    functions
+        The six functions at both ends of each segment, shape (segments, 2, 6).
+    torque, volts
+        Coefficients of motor torque and of voltage for each candidate, shape (candidates, 6).
+    k_t
+        Torque constants [N*m/A].
+    """
+    flat = functions.reshape(-1, 6).T
+    shape = (len(torque), len(duration), 2)
+    return Wave(duration, product(torque / k_t[:, None], flat).reshape(shape), product(volts, flat).reshape(shape))
+
+
+def balanced(found: Wave, surplus: Array, speed: Array) -> Wave:
+    r"""The waveform whose V I is the power that windings take whose two constants differ.
+
+    k_e w is the voltage, k_t I the torque, so that of the power k_e w I only k_t w I turns the motor. What they differ
+    by is lost whichever way the power goes, for no figure makes energy of nothing:
+
+    .. math:: P = R I^2 + k_t w I + |k_e - k_t|\,|w I| = V I + \max(0,\ 2 (k_t - k_e) w I)
+
+    Parameters
+    ----------
+    found
+        Current and terminal voltage.
+    surplus
+        k_e - k_t of each candidate, by the speed that is given [V*s/rad].
+    speed
+        At both ends of each segment [rad/s], of one sign in each: (segments, 2), or of each candidate.
+
+    Returns
+    -------
+    Wave
+        Cut where the current changes its sign; the same where no constants differ.
+    """
+    if not (np.abs(surplus) > 0.0).any():
+        return found
+    duration, current, voltage, emf = _cut(found, surplus, speed)
+    against = (current.sum(-1) * emf.sum(-1) < 0.0)[..., None]
+    return Wave(duration, current, np.where(against, voltage - 2.0 * emf, voltage))
+
+
+def lost(found: Wave, surplus: Array, speed: Array) -> Array:
+    """What windings whose constants differ lose by that over the cycle [J]; figures as ``balanced`` takes them."""
+    duration, current, _, emf = _cut(found, surplus, speed)
+    heat: Array = np.abs(duration * _work(current, emf, np.ones(1))[..., 0]).sum(axis=1)
+    return heat
+
+
+def _cut(found: Wave, surplus: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
+    """Duration, current, voltage and what the back-EMF is above k_t w, in halves that meet where no current flows."""
+    share = _crossing(found.current)
+    emf = np.broadcast_to(surplus[:, None, None] * speed, found.current.shape)
+    duration = np.stack([found.duration * share, found.duration * (1.0 - share)], axis=2).reshape(len(share), -1)
+    halves = []
+    for ends in (found.current, found.voltage, emf):
+        middle = ends[..., 0] + share * (ends[..., 1] - ends[..., 0])
+        points = np.stack([ends[..., 0], middle, middle, ends[..., 1]], axis=2)
+        halves.append(points.reshape(len(share), -1, 2))
+    return duration, halves[0], halves[1], halves[2]
+
+
+def mean_square(found: Wave) -> Array:
+    """Mean square current over each segment [A^2]: shape (candidates, segments)."""
+    a, b = found.current[..., 0], found.current[..., 1]
+    square: Array = (a * a + a * b + b * b) / 3
+    return square
+
+
+def largest_power(found: Wave) -> tuple[Array, Array]:
+    """Largest electrical power of each candidate [W], and when [s]; ends of segments and vertices between them."""
+    I, V = found.current, found.voltage
+    rise_I, rise_V = I[..., 1] - I[..., 0], V[..., 1] - V[..., 0]
+    first, last = I[..., 0] * V[..., 0], I[..., 1] * V[..., 1]
+    bend = rise_I * rise_V
+    with np.errstate(divide="ignore", invalid="ignore"):
+        vertex = -(I[..., 0] * rise_V + V[..., 0] * rise_I) / (2 * bend)
+    inside = (bend < 0.0) & (vertex > 0.0) & (vertex < 1.0)
+    at = np.where(inside, vertex, np.where(last > first, 1.0, 0.0))
+    power = (I[..., 0] + at * rise_I) * (V[..., 0] + at * rise_V)
+    worst = power.argmax(axis=1)
+    rows = np.arange(len(power))
+    ends = np.cumsum(found.duration, axis=-1) - found.duration
+    start, duration = (np.broadcast_to(x, power.shape) for x in (ends, found.duration))
+    return power[rows, worst], start[rows, worst] + at[rows, worst] * duration[rows, worst]
+
+
+def energy(found: Wave, kept: Any = 1.0, *, storing: bool = True) -> Energy:
+    """Energy drawn and returned over the cycle, each where power has that sign.
+
+    Parameters
+    ----------
+    found
+        Current and voltage over the segments.
+    kept
+        Share of what comes back that is stored, and drawn first: one, or one of each candidate.
+    storing
+        Tell what is stored as well; else that is NaN.
+    """
+    I, V, dt = found.current, found.voltage, found.duration
+    cuts = np.sort(np.stack([_crossing(I), _crossing(V)], axis=2), axis=2)
+    edges = np.concatenate([np.zeros((*cuts.shape[:2], 1)), cuts, np.ones((*cuts.shape[:2], 1))], axis=2)
+    parts = dt[..., None] * np.diff(_work(I, V, edges), axis=2)  # one sign each
+    drawn, returned = np.maximum(parts, 0.0), np.maximum(-parts, 0.0)
+    taken, back = drawn.sum((1, 2)), returned.sum((1, 2))
+    if not storing:
+        return Energy(taken, back, np.full_like(back, np.nan))
+    share = np.broadcast_to(kept, back.shape)
+    steps = (returned * share[:, None, None] - drawn).reshape(len(parts), prod(parts.shape[1:]))
+    stored = np.where(share * back > taken, np.inf, _most_stored(steps))  # more with every cycle
+    return Energy(taken, back, stored)
+
+
+def _crossing(ends: Array) -> Array:
+    """Share of each segment after which a quantity changes sign; 1 where it does not."""
+    left, right = ends[..., 0], ends[..., 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(left * right < 0.0, left / (left - right), 1.0)
+
+
+def _work(I: Array, V: Array, at: Array) -> Array:
+    """Integral of the power over the first share of each segment, per time of it."""
+    i, v = I[..., :1], V[..., :1]
+    rise_i, rise_v = I[..., 1:] - i, V[..., 1:] - v
+    work: Array = at * (i * v + at * ((i * rise_v + v * rise_i) / 2 + at * rise_i * rise_v / 3))
+    return work
+
+
+def _most_stored(steps: Array) -> Array:
+    """Largest rise of a running sum that repeats: what a store holds at most that is emptied first, step by step."""
+    twice = np.cumsum(np.concatenate([np.zeros((len(steps), 1)), steps, steps], axis=1), axis=1)
+    risen = (twice - np.minimum.accumulate(twice, axis=1)).max(axis=1)
+    stored: Array = np.minimum(risen, np.maximum(steps, 0.0).sum(axis=1))
+    return stored
+
+
+def longest_above(found: Wave, limit: Array) -> Array:
+    """Longest time on end for which the absolute current is above a limit [s]; the cycle repeats.
+
+    Parameters
+    ----------
+    found
+        Current over the segments.
+    limit
+        Of each candidate [A].
+    """
+    above = np.zeros(len(limit))
+    rows = np.flatnonzero((np.abs(found.current) > limit[:, None, None]).any((1, 2)))
+    if len(rows):
+        duration = found.duration if found.duration.ndim == 1 else found.duration[rows]
+        some = Wave(duration, found.current[rows], found.voltage[rows])
+        above[rows] = longest_run(duration, *_below(some, limit[rows, None]))
+    return np.where(np.isnan(limit), np.nan, above)
+
+
+def share_above(found: Wave, limit: Array) -> Array:
+    """Share of the time for which the absolute current is above a limit [1], for each candidate's limit [A]."""
+    enter, leave, whole = _below(found, limit[:, None])
+    below = np.where(whole, 0.0, leave - enter).sum(axis=1)
+    share: Array = 1.0 - below / found.duration.sum(axis=-1)
+    return np.where(np.isnan(limit), np.nan, np.maximum(share, 0.0))
+
+
+def longest_run(duration: Array, enter: Array, leave: Array, whole: NDArray[np.bool_]) -> Array:
+    """Longest time on end, in a cycle that repeats, that no break falls into [s].
+
+    Parameters
+    ----------
+    duration
+        Of each segment [s]; (candidates, segments) where each has a cycle of its own.
+    enter, leave
+        From when until when in each segment there is a break [s], for each candidate or the same for all.
+    whole
+        Where a segment has none.
+    """
+    total, start = duration.sum(axis=-1, keepdims=True), np.cumsum(duration, axis=-1) - duration
+    begins = np.where(whole, -np.inf, start + leave)
+    last = begins.max(axis=1, keepdims=True) - total  # in the cycle before
+    before = np.maximum.accumulate(np.concatenate([last, begins[:, :-1]], axis=1), axis=1)
+    with np.errstate(invalid="ignore"):
+        longest = np.where(whole, 0.0, start + enter - before).max(axis=1)
+    total = total[..., 0]
+    longest = np.maximum(longest - 8 * np.spacing(total), 0.0)  # what rounding of the times may have added
+    run: Array = np.where(whole.all(axis=1), total, longest)
+    return run
+
+
+def _below(found: Wave, limit: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Of each segment: from when until when it is not above [s], and whether all of it is above."""
+    I, dt = found.current, found.duration
+    a, b = I[..., 0], I[..., 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        up, down = (limit - a) / (b - a), (-limit - a) / (b - a)  # shares at which it meets +limit and -limit
+    enter, leave = np.minimum(up, down), np.maximum(up, down)
+    flat = a == b
+    whole = np.where(flat, np.abs(a) > limit, (enter >= 1.0) | (leave <= 0.0))
+    first = np.where(flat, 0.0, np.clip(enter, 0.0, 1.0)) * dt
+    last = np.where(flat, 1.0, np.clip(leave, 0.0, 1.0)) * dt
+    return first, last, whole

@@ -1,0 +1,179 @@
+"""What is right and wrong with the printed form of a platform equation: found by evaluating it, not claimed.
+
+Units, by measuring anew: every figure of a sample robot is told in other base units (a length of 0.3 m, a mass of
+1.7 kg, a time of 0.6 s). A form whose units agree gives the same result in them; one that adds lengths
+to areas does not. This works for whatever can be computed, matrices with entries of several units among it.
+Values, by comparing: what the printed form gives of the sample robot, beside what the computed form gives.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drivesizer.physics.equation import Term
+from drivesizer.platform import equations_dynamics, equations_kinematics, matrix_equation
+from drivesizer.platform.matrix_equation import PLATFORM, Array, MatrixEquation
+from drivesizer.units import registry
+
+__all__ = ["SOURCE", "Finding", "find", "finding", "rows", "sample"]
+
+assert equations_kinematics.__all__ and equations_dynamics.__all__  # importing them declares them
+
+_BASE = {"[length]": 0.3, "[mass]": 1.7, "[time]": 0.6}
+_FUNCTIONS = {n: getattr(np, n) for n in ("array", "concatenate", "cos", "diag", "sin", "sum")} | {
+    n: getattr(np.linalg, n) for n in ("inv", "pinv")
+}
+_NEAR = 1e-9
+SOURCE = "Prados Sesmero et al., Appl. Sci. 2021, 11, 6631, doi:10.3390/app11146631"
+
+
+class Finding(NamedTuple):
+    """What evaluating a printed form has shown; None where nothing is wrong."""
+
+    units: str | None  # why the units fail
+    values: str | None  # where it gives something else than the computed form
+
+
+@cache
+def sample() -> dict[str, Any]:
+    """Figures of the paper's robot on a curve, by the names that equations use; they fit together."""
+    return _dynamics(_motion(_geometry()))
+
+
+def _geometry() -> dict[str, Any]:
+    alpha, L, r = np.radians(29.5), 0.27406, 0.0762
+    alpha_i, gamma_i = np.array([-alpha, alpha, np.pi - alpha, np.pi + alpha]), np.pi / 4 * np.array([1, -1, 1, -1])
+    phi_i, delta_i = np.pi / 2 + gamma_i, np.pi / 2 - alpha_i + gamma_i
+    J_1 = np.array([-np.sin(phi_i), np.cos(phi_i), L * np.cos(delta_i)]).T
+    J_2 = np.diag(r * np.cos(gamma_i))
+    E = -np.linalg.inv(J_2) @ J_1
+    return {
+        "r": r, "L": L, "alpha": alpha, "gamma": gamma_i[1], "phi": phi_i[1], "delta": delta_i[1],
+        "l_1": L * np.cos(alpha), "l_2": L * np.sin(alpha), "phi_i": phi_i, "delta_i": delta_i, "gamma_i": gamma_i,
+        "L_i": np.full(4, L), "r_i": np.full(4, r), "J_1": J_1, "J_2": J_2, "E": E, "K": E,
+        "K_plus": np.linalg.pinv(E),
+    }  # fmt: skip
+
+
+def _motion(s: dict[str, Any]) -> dict[str, Any]:
+    theta, turn = 0.4, 0.8
+    cos, sin = np.cos(theta), np.sin(theta)
+    R = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    R_T_dot = turn * np.array([[-sin, -cos, 0.0], [cos, -sin, 0.0], [0.0, 0.0, 0.0]])
+    eta, eta_dot = np.array([0.9, 0.35, turn]), np.array([0.5, -0.3, 0.6])
+    xi_dot, speeds = R.T @ eta, s["E"] @ eta
+    return s | {f"varphi_{k + 1}_dot": w for k, w in enumerate(speeds)} | {
+        "x": 1.2, "y": -0.7, "theta": theta, "R": R, "R_T_dot": R_T_dot, "eta": eta, "eta_dot": eta_dot,
+        "x_R_dot": eta[0], "y_R_dot": eta[1], "theta_dot": turn, "xi_dot": xi_dot, "x_dot": xi_dot[0],
+        "y_dot": xi_dot[1], "xi_ddot": R.T @ eta_dot + R_T_dot @ eta, "O_Ri_dot": np.array([0.6, -0.2]),
+        "varphi_dot": speeds, "q_dot": speeds, "varphi_i_dot": speeds[1],
+        "varphi_ddot": s["E"] @ eta_dot, "q_ddot": s["E"] @ eta_dot,
+    }  # fmt: skip
+
+
+def _dynamics(s: dict[str, Any]) -> dict[str, Any]:
+    m_R, I_Rz, I_phiy = 45.0, 2.3, np.full(4, 3.1e-3)
+    M_R, M_phi = np.diag([m_R, m_R, I_Rz]), np.diag(I_phiy)
+    M_bar, C_bar = M_R + s["E"].T @ M_phi @ s["E"], s["R"] @ M_R @ s["R_T_dot"]
+    T_xi, K_plus = M_R @ s["xi_ddot"], s["K_plus"]
+    return s | {f"tau_{k}": 0.1 + 0.2 * k for k in (1, 2, 3, 4)} | {
+        "m_R": m_R, "I_Rz": I_Rz, "I_phiy": I_phiy, "x_C": 0.0, "y_C": 0.0, "M_R": M_R, "M_phi": M_phi, "M": M_R / 2,
+        "I_phi": M_phi / 2, "T_xi": T_xi, "T_phi": M_phi @ s["varphi_ddot"], "p_dot": T_xi + 1.0, "T_psi": np.ones(3),
+        "M_bar": M_bar, "C_bar": C_bar, "M_q": K_plus.T @ M_bar @ K_plus, "C_q": K_plus.T @ C_bar @ K_plus,
+        "g_q": np.full(4, 0.2),
+    }  # fmt: skip
+
+
+@cache
+def _unit_of() -> dict[str, str]:
+    return {t.name: t.unit for e in PLATFORM.values() for t in (*e.terms, e.result)}
+
+
+@cache
+def _factor(unit: str) -> float:
+    """What a figure in this SI unit is multiplied with when the base units are ours."""
+    dimension: Any = registry().Quantity(1.0, "" if unit == "1" else unit).dimensionality
+    return float(math.prod(_BASE[base] ** -power for base, power in dimension.items()))
+
+
+def _factors(unit: str) -> Array:
+    """The same of a vector or a matrix, entry by entry; what all entries share stands once."""
+    over, _, under = unit.partition(" per ")
+    up = np.array([_factor(u.strip()) for u in over.split(",")])
+    if not under:
+        return up if len(up) > 1 else up.reshape(())
+    factors: Array = up[:, None] / np.array([_factor(u.strip()) for u in under.split(",")])
+    return factors
+
+
+def _value(expression: str, *, anew: bool = False) -> Any:
+    unit, known = _unit_of(), sample()
+    figures = {n: v * _factors(unit[n]) if anew else v for n, v in known.items() if n in unit}
+    return eval(expression, {"__builtins__": {}}, _FUNCTIONS | figures)  # noqa: S307 - our own declarations
+
+
+def _where(one: Any, other: Any) -> str | None:
+    """The first entry in which two results differ by more than rounding."""
+    one, other = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
+    off = ~(np.abs(one - other) <= _NEAR * max(1e-3, float(np.abs(other).max())))  # written so that NaN fails too
+    if not off.any():
+        return None
+    place = tuple(int(k) for k in np.argwhere(off)[0])
+    entry = f"entry {', '.join(str(k + 1) for k in place)}" if place else "it"
+    return f"{entry} is {one[place]:.4g}, not {other[place]:.4g}"
+
+
+@cache
+def finding(declared: MatrixEquation) -> Finding:
+    """What is wrong with the printed form of an equation.
+
+    >>> finding(PLATFORM[23]).values  # of the sample robot
+    'entry 2 is 0.1592, not 0.5408'
+    >>> finding(PLATFORM[24])
+    Finding(units=None, values=None)
+    """
+    try:
+        plain, again = _value(declared.printed), _value(declared.printed, anew=True)
+    except np.linalg.LinAlgError:
+        rows, columns = np.shape(sample()["E"].T)
+        no_inverse = replace(declared, printed=declared.printed.replace("inv(", "pinv("))  # has the same units
+        return Finding(finding(no_inverse).units, f"Eᵀ is {rows} × {columns}, and only a square matrix has an inverse")
+    units = _where(again / _factors(declared.result.unit), plain)
+    return Finding(
+        f"in other base units {units}" if units else None,
+        _where(plain, _value(matrix_equation.computed(declared))),
+    )
+
+
+def find(key: str) -> MatrixEquation | None:
+    """The equation of the platform with a number (as text) or a function name, or None."""
+    bare = key.strip().strip("()")
+    if bare.isascii() and bare.isdigit():
+        return PLATFORM.get(int(bare))
+    return {e.name: e for e in PLATFORM.values()}.get(bare)
+
+
+def rows(declared: MatrixEquation) -> list[tuple[str, str]]:
+    """An equation as rows of a name and words: as printed, what was found, as computed, note, result, terms, source."""
+    found, left = finding(declared), declared.symbol
+    told = [
+        ("as printed", f"{declared.printed_symbol or left} = {matrix_equation.text(declared.printed)}"),
+        ("unit check", f"fails: {found.units}" if found.units else "passes"),
+        ("value check", f"fails: {found.values}" if found.values else "passes"),
+        ("as computed", f"{left} = {matrix_equation.text(matrix_equation.computed(declared))}"),
+    ]
+    if declared.note:
+        told.append(("note", declared.note))
+    told.append(("result", _told(declared.result)))
+    told += [(matrix_equation.symbol(t.name), _told(t)) for t in declared.terms]
+    return [*told, ("source", SOURCE)]
+
+
+def _told(term: Term) -> str:
+    unit = term.unit.replace("*", "·").replace("^2", "²")
+    return f"{term.meaning} [{unit}]"

@@ -1,0 +1,311 @@
+"""Demand against limit, for all candidates at once: the one place where margins are made.
+
+An upper limit has margin limit/demand - 1, a required minimum actual/required - 1, a temperature the same of its rise
+over the ambient. A figure that is missing makes the check *unknown*; a demand of zero passes and has no margin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import isnan, nan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.results.check import Check, Status
+
+__all__ = ["NOT_ASKED", "TITLES", "CheckColumn", "at_least", "at_most", "between", "fits", "worst_case"]
+
+_SHARED = {
+    "compatibility": "Motor and gearhead fit together",
+    "gearhead_continuous_torque": "Gearhead continuous torque",
+    "gearhead_intermittent_torque": "Gearhead intermittent torque",
+    "backlash_at_load": "Backlash at the load",
+    "encoder_counts": "Encoder counts per turn",
+    "controller_available": "Controller for bus, voltage and motor",
+    "controller_continuous_current": "Controller continuous current",
+    "controller_peak_current": "Controller peak current",
+}
+TITLES = {
+    "paper": _SHARED
+    | {
+        "gearhead_input_speed": "Gearhead input speed",
+        "largest_reduction": "Largest reduction allowed",
+        "motor_speed": "Motor speed (no-load speed)",
+        "motor_continuous_torque": "Motor continuous torque",
+        "motor_maximum_torque": "Motor maximum torque (stall)",
+        "motor_power": "Motor continuous power",
+        "speed_constant": "Speed constant",
+    },
+    "physics": {  # in the order in which people read them
+        "compatibility": _SHARED["compatibility"],
+        "gearhead_continuous_torque": _SHARED["gearhead_continuous_torque"],
+        "gearhead_intermittent_torque": _SHARED["gearhead_intermittent_torque"],
+        "gearhead_continuous_speed": "Gearhead continuous input speed",
+        "gearhead_intermittent_speed": "Gearhead intermittent input speed",
+        "gearhead_continuous_power": "Gearhead continuous power",
+        "gearhead_intermittent_power": "Gearhead intermittent power",
+        "gearhead_radial_load": "Gearhead radial load",
+        "gearhead_temperature_range": "Gearhead temperature range",
+        "backlash_at_load": _SHARED["backlash_at_load"],
+        "motor_radial_load": "Motor radial load",
+        "motor_speed": "Motor permissible speed",
+        "motor_nominal_current": "Motor nominal current (RMS)",
+        "motor_peak_torque": "Motor peak torque",
+        "winding_temperature": "Winding temperature, peak",
+        "motor_temperature_range": "Motor temperature range",
+        "inertia_ratio": "Inertia ratio, load to motor",
+        "first_resonance": "First resonance",
+        "holding": "Holding without power",
+        "controller_available": _SHARED["controller_available"],
+        "supply_voltage": "Motor voltage, cold and hot",
+        "controller_continuous_current": _SHARED["controller_continuous_current"],
+        "controller_peak_current": _SHARED["controller_peak_current"],
+        "controller_peak_time": "Time above continuous current",
+        "controller_speed": "Controller electrical speed",
+        "supply_current": "Supply current, all motor sets",
+        "supply_power": "Supply power, all motor sets",
+        "bus_voltage": "Bus voltage, energy returned",
+        "encoder_counts": _SHARED["encoder_counts"],
+        "encoder_speed": "Encoder speed",
+        "encoder_frequency": "Encoder frequency",
+        "encoder_resolution": "Encoder resolution at the load",
+        "traction": "Traction per wheel",
+        "belt_tension": "Belt effective tension",
+        "belt_speed": "Belt speed",
+        "belt_teeth_in_mesh": "Belt teeth in mesh, small pulley",
+        "diameter": "Diameter of motor and gearhead",
+        "length": "Length of motor and gearhead",
+        "mass": "Mass of motor and gearhead",
+        "price": "Price of motor and gearhead",
+    },
+    "budget": {  # of the machine with a set in it
+        "mass": "Mass of the machine",
+        "mass_sized_for": "Mass that the drive is sized for",
+        "passage_width": "Width of a passage",
+        "passage_height": "Height of a passage",
+        "passage_turning": "Turning on the spot in a passage",
+        "passage_corner": "Corner of two corridors",
+        "passage_clearance": "Width of a passage, along the trajectory",
+        "centre_of_mass": "Every wheel carries at rest",
+        "lift_off": "Acceleration and slope before a wheel lifts off",
+        "tipping": "Acceleration and slope before it tips over",
+        "wheel_unloading": "Load taken off a wheel, along the trajectory",
+        "tipping_motion": "Way to the tipping edge, along the trajectory",
+        "grip_slope": "Slope that the floor's grip holds",
+        "grip_acceleration": "Acceleration that the floor transmits",
+        "grip_motion": "Friction needed, along the trajectory",
+        "battery_autonomy": "Battery autonomy",
+        "battery_range": "Range on one charge",
+        "battery_power": "Battery power, largest",
+        "battery_voltage": "Battery voltage at the peak, lowest supply",
+        "battery_cutoff": "Battery voltage at the peak, end of discharge",
+        "battery_charge_voltage": "Battery voltage while charging",
+        "battery_overcharge": "Battery voltage at the return, end of charge",
+        "battery_return_voltage": "Battery voltage at the return, highest supply",
+        "battery_room": "Charge that comes back, room for it",
+        "battery_continuous_current": "Battery continuous current (RMS)",
+        "battery_peak_current": "Battery peak current",
+        "battery_charge_current": "Battery charge current, energy returned",
+    },
+}
+
+
+_COLUMNS = ("demand", "limit", "passed", "failed", "time", "case")  # what a check has of each candidate
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckColumn:
+    """One check over all candidates; where it neither passed nor failed it is unknown."""
+
+    name: str
+    demand: NDArray[np.float64]
+    limit: NDArray[np.float64]
+    passed: NDArray[np.bool_]
+    failed: NDArray[np.bool_]
+    kind: str
+    unit: str
+    zero: float | NDArray[np.float64] = 0.0  # from where the margin counts; NaN where there is none
+    needed: float = 0.0  # margin that the spec asks for
+    by_choice: bool = False
+    advice: bool = False  # of what nobody asked for: told, but a set neither stands nor falls nor ranks by it
+    time: NDArray[np.float64] | None = None  # s, of the worst moment
+    case: NDArray[np.int64] | None = None  # the load case that is worst, by number
+    note: str = ""
+    undecided: str = ""  # the note where the limit is known and the demand not: what would decide it
+
+    @property
+    def margin(self) -> NDArray[np.float64]:
+        """Share by which the limit exceeds the demand; NaN where unknown, without demand or without end.
+
+        What neither passes nor fails has none, whatever its figures: they may be least ones.
+        """
+        with np.errstate(all="ignore"):
+            found = (self.limit - self.zero) / (self.demand - self.zero) - 1.0
+        known = (self.passed | self.failed) & (self.demand != self.zero)
+        return np.where(known & ~np.isinf(found), found, nan)
+
+    @property
+    def tightness(self) -> NDArray[np.float64]:
+        """The margin as far as it tells of the load; infinite where unknown, without demand, by choice or advice."""
+        margin = self.margin
+        return np.where(np.isnan(margin) | (self.by_choice & self.passed) | self.advice, np.inf, margin)
+
+    def at(
+        self,
+        index: int | tuple[()],
+        method: str,
+        *,
+        title: str = "",
+        at_time: float | None = None,
+        note: str = "",
+        cases: Sequence[str] = ("",),
+    ) -> Check:
+        """The check of one candidate; ``()`` for a column that is a single figure."""
+        status: Status = "pass" if self.passed[index] else "fail" if self.failed[index] else "unknown"
+        time = at_time if self.time is None else float(self.time[index])
+        return Check(
+            name=self.name,
+            title=(title or TITLES[method][self.name]) + (" (advice)" if self.advice else ""),
+            method=method,
+            case=cases[0 if self.case is None else int(self.case[index])],
+            demand=float(self.demand[index]),
+            limit=float(self.limit[index]),
+            kind=self.kind,
+            unit=self.unit,
+            margin=float(self.margin[index]),
+            needed=self.needed,
+            status=status,
+            at_time=None if time is None or time != time else time,
+            by_choice=self.by_choice,
+            advice=self.advice,
+            note=note or self.note or self._lacking(index),
+        )
+
+    def _lacking(self, index: int | tuple[()]) -> str:
+        open_ = not (self.passed[index] or self.failed[index] or isnan(self.limit[index]))
+        return self.undecided if open_ else ""
+
+    def on(self, rows: NDArray[np.int64]) -> CheckColumn:
+        """The same check of some of the candidates."""
+        taken = {n: getattr(self, n)[rows] for n in _COLUMNS if getattr(self, n) is not None}
+        return replace(self, **taken, zero=self.zero[rows] if isinstance(self.zero, np.ndarray) else self.zero)
+
+    def with_rows(self, rows: NDArray[Any], some: CheckColumn) -> CheckColumn:
+        """The same check with some of the candidates as another column has them."""
+        changed: dict[str, Any] = {}
+        for name in (*_COLUMNS, "zero"):
+            old, new = getattr(self, name), getattr(some, name)
+            if isinstance(old, np.ndarray):
+                changed[name] = old.copy()
+                changed[name][rows] = new
+        return replace(self, **changed)
+
+    def on_all(self, rows: NDArray[np.int64]) -> CheckColumn:
+        """A check of one figure, the same for all candidates."""
+        alike = {n: np.full(len(rows), getattr(self, n)) for n in _COLUMNS if getattr(self, n) is not None}
+        return replace(self, **alike)  # type: ignore[arg-type]
+
+
+def _column(name: str, demand: Any, limit: Any, kind: str, unit: str, **more: Any) -> CheckColumn:
+    demand, limit = np.asarray(demand, float), np.asarray(limit, float)
+    shape = np.broadcast(demand, limit).shape
+    demand, limit = (x if x.shape == shape else np.full(shape, x) for x in (demand, limit))
+    zero = more.get("zero", 0.0)
+    idle = demand == zero
+    above = demand if not more.get("needed") else zero + (demand - zero) * (1.0 + more["needed"])
+    return CheckColumn(
+        name=name,
+        demand=demand,
+        limit=limit,
+        passed=(above <= limit) | idle,
+        failed=((above > limit) | (demand == np.inf)) & ~idle,  # what grows without end passes no limit, known or not
+        kind=kind,
+        unit=unit,
+        **more,
+    )
+
+
+def at_most(name: str, demand: Any, limit: Any, kind: str, unit: str, **more: Any) -> CheckColumn:
+    """A demand that must not exceed a limit; margin = limit/demand - 1.
+
+    ``more``: ``needed`` is the margin that must be there, ``zero`` from where it counts, ``time`` of the worst moment.
+
+    >>> at_most("motor_power", 10.0, 20.0, "power", "W").margin.item()
+    1.0
+    """
+    return _column(name, demand, limit, kind, unit, **more)
+
+
+def at_least(name: str, required: Any, actual: Any, kind: str, unit: str, **more: Any) -> CheckColumn:
+    """A minimum that must be reached; margin = actual/required - 1.
+
+    ``by_choice`` marks what the search keeps as small as it may be, so that its margin says nothing of the load.
+    """
+    return _column(name, required, actual, kind, unit, **more)
+
+
+def fits(name: str, good: Any, known: Any) -> CheckColumn:
+    """A condition that is met or not, without figures."""
+    good, known = np.asarray(good, bool), np.asarray(known, bool)
+    passed, failed = good & known, ~good & known
+    nothing = np.full(passed.shape, nan)
+    return CheckColumn(
+        name=name, demand=nothing, limit=nothing, passed=passed, failed=failed,
+        kind="dimensionless", unit="1",
+    )  # fmt: skip
+
+
+def between(low: CheckColumn, high: CheckColumn) -> CheckColumn:
+    """A check of whose demand only bounds are known: it passes where the higher does and fails where the lower does.
+
+    Shown is the bound that decides; where neither does, what is asked at least.
+
+    >>> volts = [at_most("supply_voltage", np.array(bound), 5.2, "voltage", "V") for bound in (5.0, 6.1)]
+    >>> found = between(*volts)
+    >>> found.passed.item(), found.failed.item(), found.demand.item()
+    (False, False, 5.0)
+    """
+    if low is high:
+        return high
+    failed = low.failed & ~high.passed
+    demand, limit = (np.where(high.passed, b, a) for a, b in ((low.demand, high.demand), (low.limit, high.limit)))
+    time = high.time if low.time is None or high.time is None else np.where(high.passed, high.time, low.time)
+    return replace(high, demand=demand, limit=limit, failed=failed, time=time)
+
+
+def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
+    """The same check in several load cases as one: where it fails, is unknown, or is tightest.
+
+    Parameters
+    ----------
+    found
+        The checks, each with the number of its load case.
+    """
+    checks = [check for _, check in found]
+    if len(checks) == 1:
+        return checks[0] if found[0][0] == 0 else replace(checks[0], case=np.full(checks[0].passed.shape, found[0][0]))
+    shape = np.broadcast_shapes(*(c.passed.shape for c in checks))
+    margin = np.stack([np.broadcast_to(np.nan_to_num(c.margin, nan=np.inf), shape) for c in checks])
+    standing = np.stack([np.broadcast_to(np.where(c.failed, 0, np.where(c.passed, 2, 1)), shape) for c in checks])
+    worst = np.lexsort((margin, standing), axis=0)[:1]
+
+    def picked(name: str) -> NDArray[Any] | None:
+        columns = [getattr(c, name) for c in checks]
+        if columns[0] is None:
+            return None
+        stacked = np.stack([np.broadcast_to(c, shape) for c in columns])
+        taken: NDArray[Any] = np.take_along_axis(stacked, worst, axis=0)[0]
+        return taken
+
+    columns = {name: picked(name) for name in (*_COLUMNS, "zero") if name != "case"}
+    numbers = np.array([number for number, _ in found])
+    return replace(checks[0], **columns, case=numbers[worst[0]])  # type: ignore[arg-type]
+
+
+NOT_ASKED: dict[str, Any] = {  # of an encoder that is a proposal
+    "advice": True,
+    "note": "no encoder is asked for: a set does not stand, fall or rank by it",
+}

@@ -1,0 +1,157 @@
+"""A drive: motor, gearhead, belt, encoder and controller, with its checks, figures and changes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from drivesizer.catalog import DIRECT, Actuator, Controller, Encoder, Gearhead, Motor
+from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.results.check import Check, Figure, Status
+from drivesizer.results.energy import EnergyBudget
+from drivesizer.results.mass import MassRow
+from drivesizer.results.reliability import Reliability
+from drivesizer.results.requirement import Requirement
+from drivesizer.units import show
+
+__all__ = ["Comparison", "DriveSet", "Relaxation", "made_by", "section_of"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Comparison:
+    """One limit as both methods see it, and why they differ."""
+
+    paper: Check
+    physics: Check
+    why: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Relaxation:
+    """How far one figure of the spec must move until a set passes."""
+
+    field: str
+    now: str
+    needed: str
+    set_label: str
+    share: float  # how far that is, as a share of what it is now
+    kind: str
+    unit: str  # of the trade
+    before: float  # SI
+    after: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveSet:
+    """Motor, gearhead, belt, encoder and controller that belong together, and how they do."""
+
+    rank: int
+    status: Status
+    motor: Motor
+    gearhead: Gearhead
+    encoder: Encoder | None
+    controller: Controller | None
+    belt_ratio: float
+    belt_efficiency: float
+    total_ratio: float
+    mass: float
+    mass_of: tuple[str, ...]
+    objective: float
+    objective_of: tuple[str, ...]
+    requirements: tuple[Requirement, ...]  # (17)-(20) for this set
+    checks: tuple[Check, ...]  # of the method that ranked
+    figures: tuple[Figure, ...] = ()  # what it does that has no limit of its own
+    beside: tuple[Check, ...] = ()  # of the other method, for the same set
+    budget: tuple[Check, ...] = ()  # of the machine with the set in it: mass, room, footing, grip, battery
+    machine: tuple[Figure, ...] = ()  # of that machine, what has no limit of its own
+    masses: tuple[MassRow, ...] = ()  # what it weighs, part by part
+    energy: EnergyBudget | None = None  # what draws from the battery, and how long it lasts; of the worst load case
+    comparison: tuple[Comparison, ...] = ()  # where both methods look at the same limit
+    changes: tuple[Relaxation, ...] = ()  # where it fails: what would let it pass, each alone
+    actuator: Actuator | None = None  # that motor and gearhead are inside of
+    belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
+    reliability: Reliability | None = None  # how sure it is, where tolerances were sampled
+    quickest: float = inf  # s, time constant of the quickest winding of its catalogues: as fine its cycle is cut
+
+    @property
+    def own_checks(self) -> tuple[Check, ...]:
+        """The checks of the method that ranked and of the machine."""
+        return (*self.checks, *self.budget)
+
+    @property
+    def deciding(self) -> tuple[Check, ...]:
+        """Of those what a set stands or falls by: not mere advice."""
+        return tuple(check for check in self.own_checks if not check.advice)
+
+    @property
+    def every_check(self) -> tuple[Check, ...]:
+        """Those and what the other method says."""
+        return (*self.checks, *self.beside, *self.budget)
+
+    @property
+    def label(self) -> str:
+        """The set in a line: motor, gearhead, belt."""
+        belt = f" + belt {self.belt_name}" if self.belt_name else ""
+        if self.actuator:
+            return f"{self.motor_name} ({self.gearhead.reduction or 'geared'} inside){belt}"
+        names = self.gearhead.family, self.gearhead.reduction, self.gearhead.part
+        gearhead = names[2] if names[2].startswith(names[0]) else " ".join(filter(None, names))  # its part may tell all
+        if self.gearhead.kind == DIRECT:
+            return f"{self.motor_name} without gearhead{belt}"
+        return f"{self.motor_name} + {gearhead}{belt}"
+
+    @property
+    def belt_name(self) -> str:
+        """The belt's ratio, by the teeth of its pulleys where they are known; empty without a belt."""
+        if self.belt_drive:
+            return self.belt_drive.name
+        return f"{self.belt_ratio:g}" if self.belt_ratio != 1.0 else ""
+
+    @property
+    def belt_running(self) -> tuple[str, ...]:
+        """How the belt runs round its pulleys, in words; nothing where they are not known."""
+        drive = self.belt_drive
+        if drive is None:
+            return ()
+        return (
+            f"{drive.name} = {drive.ratio:.4g}",
+            show(self.belt_efficiency, "%", "dimensionless") + " efficient",
+            f"centre distance {show(drive.centre_distance, 'mm', 'length')}",
+            f"{drive.teeth_in_mesh:.1f} teeth in mesh",
+        )
+
+    @property
+    def motor_name(self) -> str:
+        """Family and part of the motor, or of the actuator that it is inside of."""
+        family, part = self.motor.family, self.motor.part
+        return part if part.startswith(family) else f"{family} {part}"
+
+    @property
+    def gearhead_name(self) -> str:
+        """Family and reduction of the gearhead, or where it is."""
+        if self.gearhead.kind == DIRECT:
+            return "none"
+        family = "inside" if self.actuator else self.gearhead.family
+        return f"{family} {self.gearhead.reduction}".strip()
+
+    @property
+    def parts(self) -> dict[str, Any]:
+        """The parts as they are bought, by role; None where none is known. An actuator is one part."""
+        turning: dict[str, Any] = {"motor": self.motor, "gearhead": self.gearhead}
+        controlling = {"encoder": self.encoder, "controller": self.controller}
+        belt = self.belt_drive.parts if self.belt_drive else {}
+        if not self.actuator:
+            return {role: part for role, part in turning.items() if part.part != DIRECT} | belt | controlling
+        outside = {role: part for role, part in controlling.items() if part is None or not part.inside}
+        return {"actuator": self.actuator} | belt | outside
+
+
+def section_of(part: Any) -> str:
+    """The catalogue's section that a part is listed in, such as ``motors``."""
+    return f"{type(part).__name__.lower()}s"
+
+
+def made_by(part: Any) -> str:
+    """Maker and family of a part; the family alone where it names its maker."""
+    return str(part.family if part.manufacturer in part.family else f"{part.manufacturer} {part.family}")

@@ -1,0 +1,65 @@
+"""What a sizing gives: requirements, drive sets and their checks, as plain records.
+
+Terminal, JSON, CSV and reports all print these records and compute nothing of their own. Figures are SI
+floats; each carries its kind and the unit of the trade it is shown in. NaN is *unknown*.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from drivesizer.catalog import Catalog
+from drivesizer.results.check import Check, Figure, Status, verdict, worst
+from drivesizer.results.drive_set import DriveSet, Relaxation
+from drivesizer.results.reliability import Uncertainty
+from drivesizer.results.requirement import Requirement
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["Check", "Counts", "Explanation", "Figure", "SizingResult", "Status", "verdict", "worst"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Counts:
+    """How many sets were looked at, how many stand, and how many fell by which check."""
+
+    considered: int
+    feasible: int
+    failed_by: dict[str, int]
+    judged: int = 0  # of those that no check of the drive makes fall, the best that were held against the machine
+    failed_by_budget: dict[str, int] = field(default_factory=dict)  # of these, how many fell by which budget
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SizingResult:
+    """Everything that a sizing found."""
+
+    spec: RobotSpec
+    catalog: Catalog
+    method: str
+    objective: str
+    requirements: tuple[Requirement, ...]
+    sets: tuple[DriveSet, ...]  # that pass or are unknown, best first
+    misses: tuple[DriveSet, ...]  # the nearest that fall, where fewer stand than were asked for
+    relaxations: tuple[Relaxation, ...]
+    counts: Counts
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+    unrestricted: DriveSet | None = None  # what the whole catalogue would give, where the spec restricts it
+    front: tuple[DriveSet, ...] = ()  # the Pareto front, where one was asked for
+    pareto: tuple[str, ...] = ()  # its objectives
+    unsure: tuple[DriveSet, ...] = ()  # that stand, but not as surely as was asked for; the surest first
+    uncertainty: Uncertainty | None = None  # what was uncertain, where tolerances were sampled
+
+    @property
+    def shown(self) -> DriveSet | None:
+        """The set that is told in full: the best, else the surest, else the nearest miss; None without any."""
+        return next(iter((*self.sets, *self.unsure, *self.misses)), None)
+
+
+class Explanation(NamedTuple):
+    """What was found of one pair of motor and gearhead."""
+
+    sets: list[DriveSet]  # with every belt ratio
+    uncertainty: Uncertainty | None  # what was uncertain, where tolerances were sampled
+    warnings: tuple[str, ...] = ()  # of the motion

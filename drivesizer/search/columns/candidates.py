@@ -1,0 +1,95 @@
+"""Which sets there are to look at: motor x gearhead x belt ratio, as rows of the catalogue's tables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import DIRECT, Catalog, Table
+from drivesizer.search.columns.controllers import selected
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["Candidates", "Rows", "candidates", "joined", "pairs"]
+
+
+class Candidates(NamedTuple):
+    """Rows of motors and gearheads, the belt ratio, and whether a source lists the pair."""
+
+    motor: NDArray[np.int64]
+    gearhead: NDArray[np.int64]
+    belt: NDArray[np.float64]
+    listed: NDArray[np.bool_]
+
+    def on(self, rows: NDArray[Any] | slice) -> Candidates:
+        """Some of them."""
+        return Candidates(self.motor[rows], self.gearhead[rows], self.belt[rows], self.listed[rows])
+
+
+def joined(several: Sequence[Candidates]) -> Candidates:
+    """Several lists of candidates one after the other; at least one."""
+    return Candidates(
+        np.concatenate([c.motor for c in several]),
+        np.concatenate([c.gearhead for c in several]),
+        np.concatenate([c.belt for c in several]),
+        np.concatenate([c.listed for c in several]),
+    )
+
+
+class Rows:
+    """The columns of a table at some rows, taken when asked for; at row -1 every figure is unknown."""
+
+    def __init__(self, table: Table[Any], rows: NDArray[np.int64]) -> None:
+        self.table, self.rows = table, rows
+        self.some_missing = bool((rows < 0).any())
+        self.taken: dict[str, NDArray[Any]] = {}
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self.taken:
+            column: NDArray[Any] = self.table[name]
+            if self.some_missing:
+                column = np.append(column, np.array([np.nan if column.dtype.kind == "f" else ""], column.dtype))
+            self.taken[name] = column[self.rows]
+        return self.taken[name]
+
+    def on(self, rows: NDArray[Any] | slice) -> Rows:
+        """Some of the rows; for all of them this one, with the columns that it has taken."""
+        if isinstance(rows, slice) and rows == slice(None):
+            return self
+        return Rows(self.table, self.rows[rows])
+
+
+def pairs(spec: RobotSpec, catalog: Catalog, also: tuple[int, int] | None = None) -> Candidates:
+    """Every listed pair of motor and gearhead that the spec allows, without a belt; every motor where it names none.
+
+    Parameters
+    ----------
+    spec, catalog
+        What is asked for, and what there is.
+    also
+        Rows of a motor and a gearhead that are looked at even when no source lists the pair.
+    """
+    left, right = _alone(catalog) if spec.is_direct else catalog.motor_gearhead[:2]
+    keep = selected(catalog.motors, spec.select.motor)[left]
+    keep &= selected(catalog.gearheads, spec.select.gearhead)[right]
+    motor, gearhead = left[keep].astype(np.int64), right[keep].astype(np.int64)
+    listed = np.ones(len(motor), bool)
+    if also is not None and not np.any((motor == also[0]) & (gearhead == also[1])):
+        motor, gearhead = np.append(motor, also[0]), np.append(gearhead, also[1])
+        listed = np.append(listed, catalog.gearheads["part"][also[1]] == DIRECT)  # nobody need list what is not there
+    return Candidates(motor, gearhead, np.ones(len(motor)), listed)
+
+
+def _alone(catalog: Catalog) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Every motor that is not inside an actuator, and no gearhead."""
+    motor = np.flatnonzero(catalog.motors["inside"] == "")
+    return motor, np.full(len(motor), catalog.gearheads.rows[DIRECT])
+
+
+def candidates(spec: RobotSpec, catalog: Catalog, also: tuple[int, int] | None = None) -> Candidates:
+    """Every pair of :func:`pairs` with every belt ratio of the spec."""
+    found, belts = pairs(spec, catalog, also), np.array(spec.belt_ratios)
+    every = np.repeat(np.arange(len(found.motor)), len(belts))
+    return found.on(every)._replace(belt=np.tile(belts, len(found.motor)))

@@ -1,0 +1,202 @@
+"""A controller for every candidate at once, out of small tables.
+
+Of those with the bus, the voltage and the kind of motor that do what is asked the smallest, by continuous current; one
+of which all of that is known before one of which something is not. Ties go by part number. Where nothing suffices the
+nearest is named, so that its check can say by how much it falls short.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog, Table
+from drivesizer.physics.usable_voltage import usable_voltage
+from drivesizer.results.check_columns import CheckColumn, at_most, fits
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import Choice
+
+__all__ = [
+    "Chosen",
+    "Speeds",
+    "Usable",
+    "controllers",
+    "in_order",
+    "offered_buses",
+    "offers",
+    "selected",
+    "usable_controllers",
+]
+
+
+class Chosen(NamedTuple):
+    """For each candidate the row of the chosen part (-1: none), and the checks that it brings."""
+
+    row: NDArray[np.int64]
+    checks: list[CheckColumn]
+
+
+class Speeds(NamedTuple):
+    """What candidates ask of a controller beside current and voltage, by its figures' names; 0 where it has no part."""
+
+    max_speed_sine: NDArray[np.float64]  # rad/s, speed times pole pairs
+    max_encoder_frequency: NDArray[np.float64]  # Hz, of the encoder's lines
+
+
+def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
+    """Which rows a choice of families and part numbers leaves."""
+    keep = ~table.excluded
+    if choice.family:
+        keep &= np.isin(table["family"], choice.family)
+    if choice.part:
+        keep &= np.isin(table["part"], choice.part)
+    return keep
+
+
+def in_order(table: Table[Any], figure: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Rows by a figure, then by part number; unknown figures last."""
+    return np.lexsort((table["part"], figure))
+
+
+def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The last in order that a mask over it allows, -1 where it allows none."""
+    if not len(order):
+        return np.full(len(mask), -1)
+    place = len(order) - 1 - np.argmax(mask[:, ::-1], 1)
+    return np.where(mask.any(1), order[place], -1)
+
+
+class Usable(NamedTuple):
+    """Controllers for the spec's supply and bus, by rising current."""
+
+    order: NDArray[np.int64]  # their rows
+    allowed: NDArray[np.bool_]  # which of them may drive which motor: (motors, controllers)
+    lowest: float  # V, of the supply
+
+
+def usable_controllers(spec: RobotSpec, catalog: Catalog, supply: tuple[float, float] | None = None) -> Usable:
+    """Which controllers there are for each motor, whatever it is asked for.
+
+    Parameters
+    ----------
+    spec, catalog
+        What is asked for, and what there is.
+    supply
+        Lowest and highest voltage of the supply in all load cases [V]; the spec's own when not given.
+    """
+    table, (lowest, highest) = catalog.controllers, supply or (spec.supply.lowest, spec.supply.highest)
+    order = in_order(table, table["continuous_current"])
+    order = order[_usable(spec, table, lowest, highest)[order]]  # few are left: what is made of them stays narrow
+    texts, kind = table["drives"][order], catalog.motors["kind"]
+    drives = np.array([[_can_drive(t, kind) for t in texts] for kind in ("brushed", "brushless")], bool)
+    can = np.vstack([drives, drives.any(0)])  # rows: brushed, brushless, motor kind unknown
+    allowed = can[np.where(kind == "brushed", 0, np.where(kind == "brushless", 1, 2))]
+    return Usable(order, allowed & _belongs(catalog, order).T, lowest)
+
+
+def controllers(
+    spec: RobotSpec,
+    catalog: Catalog,
+    motor: NDArray[Any],
+    rms_current: NDArray[Any],
+    peak_current: NDArray[Any],
+    voltage: NDArray[Any] | None = None,
+    speeds: Speeds | None = None,
+    usable: Usable | None = None,
+) -> Chosen:
+    """The controller of each candidate.
+
+    Parameters
+    ----------
+    spec, catalog
+        What is asked for, and what there is.
+    motor
+        Row of each candidate's motor.
+    rms_current, peak_current
+        Motor currents of each candidate [A]; NaN unknown.
+    voltage
+        Motor voltage of each candidate [V], where the method looks at it.
+    speeds
+        What each candidate's controller has to keep up with, where the method looks at it.
+    usable
+        Which there are for each motor, where that is at hand; it knows the supply in all load cases.
+    """
+    table = catalog.controllers
+    order, allowed, lowest = usable or usable_controllers(spec, catalog)
+    allowed = allowed[motor]
+    names = ("continuous_current", "peak_current", "peak_time", "max_duty", "voltage_drop")
+    figure = {name: table[name][order] for name in names}
+    enough = allowed & ~(figure["continuous_current"] < rms_current[:, None])
+    enough &= ~(figure["peak_current"] < peak_current[:, None])
+    lacking = np.isnan(figure["continuous_current"]).astype(np.int8) + np.isnan(figure["peak_current"])
+    if voltage is not None:
+        given = usable_voltage(lowest, figure["max_duty"], figure["voltage_drop"])
+        enough &= ~(np.fmin(given, lowest) < voltage[:, None])
+        timed = figure["continuous_current"] < peak_current[:, None]
+        lacking = lacking + np.isnan(given) + (np.isnan(figure["peak_time"]) & timed)
+    if speeds is not None:
+        for name, asked in speeds._asdict().items():
+            limit, asked = table[name][order], asked[:, None]
+            enough &= ~(limit < asked)
+            lacking = lacking + (np.isnan(limit) & (asked != 0.0))
+    row = _first(order, enough, lacking, _last(allowed, order))
+    found = {name: np.append(table[name], np.nan)[row] for name in ("continuous_current", "peak_current")}
+    return Chosen(row, [
+        fits("controller_available", row >= 0, len(table) > 0),  # catalogues without controllers do not tell
+        at_most("controller_continuous_current", rms_current, found["continuous_current"], "current", "A"),
+        at_most("controller_peak_current", peak_current, found["peak_current"], "current", "A"),
+    ])  # fmt: skip
+
+
+def _belongs(catalog: Catalog, order: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which controllers (rows) may drive which motors (columns): one inside an actuator is for its motor alone."""
+    box, whose = catalog.motors["inside"], catalog.controllers["inside"]
+    has_own = np.isin(box, np.unique(whose[whose != ""]))
+    place = whose[order][:, None]
+    found: NDArray[np.bool_] = np.where(has_own, place == box, place == "")
+    return found
+
+
+def _first(
+    order: NDArray[np.int64], mask: NDArray[np.bool_], lacking: NDArray[np.int8], otherwise: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Of those that a mask allows one of which the fewest figures are lacking: of them the first in order."""
+    if not len(order):
+        return otherwise
+    best = np.where(mask, lacking, np.int8(99)).argmin(axis=1)
+    return np.where(mask.any(axis=1), order[best], otherwise)
+
+
+def _usable(spec: RobotSpec, table: Table[Any], lowest: float, highest: float) -> NDArray[np.bool_]:
+    """Controllers that the spec allows, with the bus it names, at its supply voltages."""
+    keep = selected(table, spec.select.controller)
+    keep &= (table["supply_min"] <= lowest) & (table["supply_max"] >= highest)
+    bus = spec.select.controller.bus
+    if bus:
+        keep &= np.array([any(offers(b, bus) for b in _split(text)) for text in table["buses"]], bool)
+    return keep
+
+
+def _split(buses: str) -> list[str]:
+    return [bus.strip() for bus in str(buses).split(";") if bus.strip()]
+
+
+def offers(offered: str, bus: str) -> bool:
+    """Whether an entry such as ``EtherCAT option card`` is the bus that is asked for.
+
+    >>> offers("EtherCAT option card", "ethercat")
+    True
+    """
+    return f"{offered.casefold()} ".startswith(f"{bus.casefold()} ")
+
+
+def offered_buses(table: Table[Any]) -> set[str]:
+    """All buses that the controllers of a table list."""
+    return {bus for text in table["buses"] for bus in _split(text)}
+
+
+def _can_drive(drives: str, kind: str) -> bool:
+    """Whether a controller may drive a kind of motor; an unknown entry does not rule it out."""
+    return drives in ("", "both", kind)

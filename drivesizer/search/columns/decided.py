@@ -1,0 +1,172 @@
+"""What the waveform asks of candidates, as closely as their checks need it: by bounds, exactly where these are open.
+
+Bounds of all come first; a long cycle is then taken in blocks. What still is open of those that stand is computed from
+the cycle itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.physics.motor_demand import AtGearhead, Demands
+from drivesizer.physics.stress import Heat, Parts, Stress, on
+from drivesizer.physics.thermal import two_bodies
+from drivesizer.search.columns import waveform_bounds
+from drivesizer.search.columns.limits_over_time import Moments, Pair, Wanted, exact, time_above, waveform_limits
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["decided", "put"]
+
+Array = NDArray[np.float64]
+_LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
+_BLOCKS = (64, 1024)
+_PIECES = 8192
+_WINDING = 2  # so many of the limits are those of the winding
+_BUS = 3  # the voltage of the bus
+_POWER = 4  # from here on they are those of the supply's power
+_NOT_BY_HEAT = (2, _BUS)  # time of overload
+
+
+class _Case:
+    """One load case and its candidates: what all bounds and the waveform are computed from."""
+
+    def __init__(
+        self, spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts
+    ) -> None:
+        self.spec, self.at, self.columns = spec, at, (asked, warm, under, parts)
+        self.told = (
+            two_bodies(parts.motor).known & ~np.isnan(warm.winding) & asked.sure
+        )  # whose winding the waveform tells
+
+    def some(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
+        """Of some of the candidates."""
+        asked, warm, under, parts = self.columns
+        return self.spec, self.at, on(asked, mask), on(warm, mask), on(under, mask), parts.on(mask)
+
+    def open(self, found: Pair, alive: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
+        """Of each limit, where the two bounds do not say the same of a candidate that stands so far."""
+        low, high = (waveform_limits(self.spec, side, side, self.columns[3]) for side in found)
+        stands = alive & ~np.logical_or.reduce([a.failed & b.failed for a, b in zip(low, high, strict=True)])
+        masks = [stands & ((a.passed != b.passed) | (a.failed != b.failed)) for a, b in zip(low, high, strict=True)]
+        unknown = np.isnan(found[1].power) & ~self.told  # no waveform tells how warm: at most that it fails while cold
+        if len(masks) > _POWER and (stands & unknown).any():
+            most = found[0]._replace(power=self.coldest)
+            colds = waveform_limits(self.spec, most, most, self.columns[3])[_POWER:]
+            masks[_POWER:] = [m & ~(unknown & ~c.failed) for m, c in zip(masks[_POWER:], colds, strict=True)]
+        return [mask & self.told for mask in masks[:_WINDING]] + masks[_WINDING:]
+
+    @cached_property
+    def coldest(self) -> Array:
+        """More power than the cycle asks for while the winding is cold [W]."""
+        return waveform_bounds.most_cold_power(self.spec, self.at, *self.columns)
+
+
+def decided(
+    spec: RobotSpec,
+    at: AtGearhead,
+    asked: Demands,
+    warm: Heat,
+    under: Stress,
+    parts: Parts,
+    alive: NDArray[np.bool_],
+    before: Pair | None,
+) -> Pair:
+    """What the waveform asks of candidates, exact of those of whom bounds do not decide.
+
+    Parameters
+    ----------
+    spec, at, asked, warm, under, parts
+        As ``limits_over_time.exact`` takes them.
+    alive
+        Which of them stand so far.
+    before
+        What was found with another controller.
+    """
+    case = _Case(spec, at, asked, warm, under, parts)
+    if before:
+        shortest, longest = waveform_bounds.above_bounds(at, asked, under, parts)
+        found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
+    else:
+        found = waveform_bounds.bounds(spec, at, asked, warm, under, parts)
+    left = case.open(found, alive)
+    long = len(at.base.warming.duration) > _LONG
+    if long:
+        found, left = _closer(case, alive, found, left)
+    return _exactly(case, alive, found, left, long)
+
+
+def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDArray[np.bool_]], long: bool) -> Pair:
+    """The same, exact of those left open: by their winding first, as what falls by that is not asked for the rest.
+
+    Over a short cycle all is computed in one go, for a second one would cost more than it saves.
+    """
+    winding, every = np.logical_or.reduce(left[:_WINDING]), np.logical_or.reduce(left)
+    first = winding if long else every
+    what: Wanted = "winding" if long else _wanted(left)
+    few = exact(*case.some(first), what) if first.any() else found
+    if winding.any():
+        new = [on(side, winding[first]).over(on(old, winding), "winding") for side, old in zip(few, found, strict=True)]
+        found = _replaced(found, winding, new)
+        left = case.open(found, alive)
+    rest = np.logical_or.reduce(left[_WINDING:])
+    if not rest.any():
+        return found
+    if long:
+        what = _wanted(left)
+        few = exact(*case.some(rest), what)
+    else:
+        few = on(few[0], rest[first]), on(few[1], rest[first])
+    return _replaced(found, rest, [x.over(on(old, rest), what) for x, old in zip(few, found, strict=True)])
+
+
+def _wanted(left: list[NDArray[np.bool_]]) -> Wanted:
+    """What is to be computed where these limits are open: what the bus stores costs most."""
+    return "limits" if left[_BUS].any() else "power"
+
+
+def _closer(
+    case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDArray[np.bool_]]
+) -> tuple[Pair, list[NDArray[np.bool_]]]:
+    """The same bounds and what they leave open, closer where that is winding, voltage, power or time of overload."""
+    for count in _BLOCKS:
+        mask = np.logical_or.reduce([x for k, x in enumerate(left) if k not in _NOT_BY_HEAT]) & case.told
+        if mask.any():
+            few = waveform_bounds.closer(*case.some(mask), (on(found[0], mask), on(found[1], mask)), count)
+            found = _replaced(found, mask, few)
+            left = case.open(found, alive)
+    mask = left[_WINDING]
+    if mask.any():
+        _, at, asked, _, under, parts = case.some(mask)
+        times = waveform_bounds.above_bounds(at, asked, under, parts, _PIECES)
+        found = _replaced(found, mask, [on(m, mask)._replace(above=a) for m, a in zip(found, times, strict=True)])
+        left = case.open(found, alive)
+    if (mask := left[_WINDING]).any():  # the current alone tells it
+        _, at, asked, _, _, parts = case.some(mask)
+        above = time_above(at, asked, parts)
+        found = _replaced(found, mask, [on(m, mask)._replace(above=above) for m in found])
+        left = case.open(found, alive)
+    return found, left
+
+
+def _replaced(found: Pair, mask: NDArray[np.bool_], few: Sequence[Moments]) -> Pair:
+    """Bounds with those of some candidates replaced."""
+    low, high = (
+        Moments(*(put(a, mask, b) for a, b in zip(*sides, strict=True))) for sides in zip(found, few, strict=True)
+    )
+    return low, high
+
+
+def put(column: NDArray[Any], rows: NDArray[Any], some: NDArray[Any]) -> NDArray[Any]:
+    """A column with some of its rows replaced.
+
+    >>> put(np.array([1, 2, 3]), np.array([True, False, True]), np.array([7, 8])).tolist()
+    [7, 2, 8]
+    """
+    changed = column.copy()
+    changed[rows] = some
+    return changed

@@ -1,0 +1,120 @@
+"""An encoder for every candidate at once: of those that do what is asked one whose own limits are known to hold.
+
+Encoders come in the order of their counts, then of their part numbers. Before that order goes what is known of their
+speed and frequency at the candidate's highest speed: known to hold, then unknown, then failing. Where neither counts
+nor a resolution, family or part are asked for, the encoder is a proposal and its figures are advice.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import EDGES, Catalog, Encoder, Table, lines
+from drivesizer.results.check_columns import CheckColumn, at_least
+from drivesizer.search.columns.controllers import in_order, selected
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["Offered", "angle_per_edge", "counts_check", "encoders_for", "offered_encoders"]
+
+Array = NDArray[np.float64]
+
+
+class Offered(NamedTuple):
+    """Encoders of each motor, by counts and part number: rows are motors; where there are fewer, row -1 at the end."""
+
+    row: NDArray[np.int64]
+    counts: Array  # lines per turn; NaN unknown
+    fastest: Array  # rad/s that no known limit of theirs forbids; infinite where none is known
+    sure: NDArray[np.bool_]  # whether all of their limits are known
+    last: NDArray[np.int64]  # the one with the most counts, -1 where there is none
+    least: float  # counts that are asked for; 0 where none are
+
+
+def angle_per_edge(counts: Any, reduction: Any) -> Any:
+    """Angle of the load per edge of an encoder [rad]: of so many lines, at a motor behind a whole reduction."""
+    return 2 * np.pi / (EDGES * counts * reduction)
+
+
+def offered_encoders(spec: RobotSpec, catalog: Catalog) -> Offered:
+    """The encoders that fit each motor and that the spec allows.
+
+    Parameters
+    ----------
+    spec, catalog
+        What is asked for, and what there is.
+    """
+    table, choice = catalog.encoders, spec.select.encoder
+    counted = lines(table)
+    listed = np.zeros((len(catalog.motors), len(table)), bool)
+    listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
+    order = in_order(table, counted)
+    fitting = (listed & selected(table, choice))[:, order]
+    number = fitting.sum(axis=1)
+    place = np.argsort(~fitting, axis=1, kind="stable")[:, : max(int(number.max(initial=0)), 1)]
+    there = np.arange(place.shape[1]) < number[:, None]
+    row = np.where(there, order[place], -1) if len(order) else np.full((len(listed), 1), -1)
+    fastest, sure = _fastest(table, counted)
+    end = np.where(number > 0, row[np.arange(len(row)), np.maximum(number - 1, 0)], -1)
+    return Offered(
+        row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(sure, False)[row], end,
+        float(max(spec.needs.encoder_counts or 0, choice.min_counts or 0)),
+    )  # fmt: skip
+
+
+def _fastest(table: Table[Encoder], counted: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Highest speed that neither an encoder's own limit nor its frequency forbids, and whether both are known."""
+    by_frequency = table["max_frequency"] * 2 * np.pi / counted
+    lowest = np.fmin(table["max_speed"], by_frequency)
+    return np.where(np.isnan(lowest), np.inf, lowest), ~np.isnan(table["max_speed"] + by_frequency)
+
+
+def encoders_for(
+    spec: RobotSpec, offered: Offered, motor: NDArray[np.int64], speed: Array, reduction: Array
+) -> NDArray[np.int64]:
+    """Row of each candidate's encoder, -1 where none is listed for its motor.
+
+    Parameters
+    ----------
+    spec
+        What is asked for.
+    offered
+        Of ``offered_encoders``.
+    motor
+        Row of each candidate's motor.
+    speed
+        Highest speed of its motor with the margin that the spec asks for [rad/s]; NaN unknown.
+    reduction
+        From its motor to the load.
+
+    Notes
+    -----
+    Where none has counts enough it is the one with the most, so that its check can say by how much it falls short.
+    """
+    rows, counts = offered.row[motor], offered.counts[motor]
+    enough = (counts >= offered.least) & (rows >= 0)
+    finest = spec.needs.resolution_at_load
+    if finest is not None:
+        enough &= angle_per_edge(counts, reduction[:, None]) <= finest
+    holds = enough & (speed[:, None] <= offered.fastest[motor])
+    found = offered.last[motor]
+    every = np.arange(len(rows))
+    for mask in (enough, holds, holds & offered.sure[motor]):  # each better than the one before
+        found = np.where(mask.any(1), rows[every, mask.argmax(1)], found)
+    return found
+
+
+def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> list[CheckColumn]:
+    """The counts of some encoders against those asked for; nothing where the spec asks for no encoder.
+
+    A motor without any listed encoder has an unknown one, for tables of what fits are partial: a reason to fall only
+    where the spec asks for counts, a family or a part.
+    """
+    choice = spec.select.encoder
+    least = max(spec.needs.encoder_counts or 0, choice.min_counts or 0)
+    if not (least or choice.family or choice.part):
+        return []
+    counts = np.where(row >= 0, np.append(lines(catalog.encoders), np.nan)[row], 0.0)
+    return [at_least("encoder_counts", float(least or 1), counts, "dimensionless", "1", by_choice=True)]

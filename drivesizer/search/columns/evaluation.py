@@ -1,0 +1,145 @@
+"""Sets in full: every check by the spec's method, with the numbers that a record shows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.results.check_columns import TITLES, CheckColumn, fits
+from drivesizer.results.requirement import Requirement
+from drivesizer.results.sizing import Check
+from drivesizer.search.columns import paper_method
+from drivesizer.search.columns.candidates import Candidates, Rows
+from drivesizer.search.columns.controllers import controllers
+from drivesizer.search.columns.encoders import counts_check, encoders_for, offered_encoders
+from drivesizer.search.columns.stages import Examined, Problem, examine, problem
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["Evaluation", "by_physics", "evaluate"]
+
+
+class Evaluation(NamedTuple):
+    """Everything that was computed over the candidates."""
+
+    spec: RobotSpec
+    catalog: Catalog
+    candidates: Candidates
+    wheel: dict[str, Requirement]  # (1)-(16), columns where they depend on the motor; by the paper's method
+    shaft: dict[str, Requirement]  # (17)-(20)
+    checks: list[CheckColumn]
+    encoder: NDArray[np.int64]
+    controller: NDArray[np.int64]
+    figures: Mapping[str, NDArray[np.float64]]  # what objectives count beside the catalogue's figures, SI
+    cases: tuple[str, ...]  # names of the load cases
+    asked: Problem | None = None  # their load cycles, by physics
+
+    @property
+    def failed(self) -> NDArray[np.bool_]:
+        """Which candidates fail a check that is not mere advice."""
+        found: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in self.checks if not check.advice])
+        return found
+
+    @property
+    def unknown(self) -> NDArray[np.bool_]:
+        """Which have a check that is unknown, and fail none."""
+        passed: NDArray[np.bool_] = np.logical_and.reduce([c.passed for c in self.checks if not c.advice])
+        return ~self.failed & ~passed
+
+    def checks_of(self, index: int) -> tuple[Check, ...]:
+        """The checks of one candidate, but for those that have no limit to it."""
+        return tuple(
+            check.at(index, self.spec.method, cases=self.cases)
+            for check in self.checks
+            if not np.isposinf(check.limit[index])
+        )
+
+
+def evaluate(
+    spec: RobotSpec, catalog: Catalog, given: Candidates, asked: Problem | None = None, *, exact: bool = True
+) -> Evaluation:
+    """Every candidate's checks by the spec's method; by the paper's, with its requirements.
+
+    Parameters
+    ----------
+    spec, catalog, given
+        What is asked for, what there is, and the candidates.
+    asked
+        The spec with its load cycles, where they are at hand.
+    exact
+        Compute what needs the waveform from it; else by bounds where they decide.
+    """
+    if spec.method == "physics":
+        return by_physics(asked or problem(spec, catalog), given, exact)
+    motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
+    wheel = paper_method.vehicle(spec, motor["rotor_inertia"]).steps
+    shaft = paper_method.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
+    return _by_the_paper(spec, catalog, given, wheel, shaft)
+
+
+def _by_the_paper(
+    spec: RobotSpec, catalog: Catalog, given: Candidates, wheel: dict[str, Requirement], shaft: dict[str, Requirement]
+) -> Evaluation:
+    """The rule of section 3.1.3, and the controller by the torques of (17) and (18)."""
+    motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
+    checks = paper_method.rule(spec, wheel, shaft, motor, gearhead, given.belt)
+    gear = [check for check in checks if check.name.startswith("gearhead")]
+    total = gearhead["ratio"] * given.belt
+    checks.append(paper_method.largest_allowed(catalog, given.motor, given.gearhead, total, gear))
+    torques = shaft["rms_torque_at_motor"].value, paper_method.largest_torque_at_motor(shaft)
+    currents = (torque / motor["torque_constant"] + motor["no_load_current"] for torque in torques)
+    controller = controllers(spec, catalog, given.motor, *currents)
+    speed = wheel["nominal_speed"].value * total  # of (1), as the paper's other limits of speed take it
+    encoder = encoders_for(spec, offered_encoders(spec, catalog), given.motor, speed, total)
+    counted = counts_check(spec, catalog, encoder)
+    checks = [fits("compatibility", True, given.listed), *checks, *controller.checks, *counted]
+    return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder, controller.row, {}, ("",))
+
+
+def by_physics(asked: Problem, given: Candidates, exact: bool) -> Evaluation:
+    """Every limit against the whole load cycle, a belt at a time."""
+    spec, catalog = asked.spec, asked.catalog
+    belts = [np.flatnonzero(given.belt == belt) for belt in np.unique(given.belt)]
+    found = [
+        (rows, examine(asked, float(given.belt[rows[0]]), given.on(rows), staged=False, exact=exact)) for rows in belts
+    ]
+    count = len(given.motor)
+    names = found[0][1].figures if found else {}
+    figures = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}
+    controller = _scattered([(rows, one.controller) for rows, one in found], count, np.int64)
+    encoder = _scattered([(rows, one.encoder) for rows, one in found], count, np.int64)
+    checks = _in_order(found, count)
+    return Evaluation(spec, catalog, given, {}, {}, checks, encoder, controller, figures, asked.names, asked)
+
+
+def _scattered(parts: list[tuple[NDArray[Any], NDArray[Any]]], count: int, dtype: Any = np.float64) -> NDArray[Any]:
+    """Columns of some rows at a time as one column."""
+    whole = np.empty(count, dtype)
+    for rows, part in parts:
+        whole[rows] = part
+    return whole
+
+
+_COLUMNS = {"demand": float, "limit": float, "passed": bool, "failed": bool, "time": float, "case": np.int64}
+
+
+def _in_order(found: list[tuple[NDArray[Any], Examined]], count: int) -> list[CheckColumn]:
+    """Checks of some rows at a time, put together, in the order in which people read them."""
+    order = {name: place for place, name in enumerate(TITLES["physics"])}
+    together = []
+    for same in zip(*(one.checks for _, one in found), strict=True):
+        parts = [(rows, check) for (rows, _), check in zip(found, same, strict=True)]
+        columns = {
+            name: _scattered([(rows, getattr(check, name)) for rows, check in parts], count, kind)
+            for name, kind in _COLUMNS.items()
+            if getattr(same[0], name) is not None
+        }
+        zero = same[0].zero
+        if isinstance(zero, np.ndarray):  # the ambient of the worst case
+            columns["zero"] = _scattered([(rows, np.asarray(check.zero)) for rows, check in parts], count)
+        together.append(replace(same[0], **columns))
+    return sorted(together, key=lambda check: order[check.name])

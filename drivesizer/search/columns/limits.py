@@ -1,0 +1,236 @@
+"""What the load cycle asks of candidates, against every limit that their catalogue figures set, as columns.
+
+In stages, the cheap ones first: what concerns the load alone, a gearhead alone, a motor alone, the moving pair, its
+current. What needs the current of each moment, or how warm the winding then is, is in ``limits_over_time``. Limits are
+those of the catalogues; no factor of the paper enters, the spec's ``margins`` do. A missing figure makes its check
+*unknown*.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import DIRECT, lines
+from drivesizer.physics.belt_geometry import LEAST_IN_MESH
+from drivesizer.physics.lasting_speed import asked_of_the_gearhead
+from drivesizer.physics.motor_demand import AtGearhead, Demands
+from drivesizer.physics.stress import Heat, Parts, Stress
+from drivesizer.results.check_columns import NOT_ASKED, CheckColumn, at_least, at_most
+from drivesizer.results.nominal_current import nominal_current_limit
+from drivesizer.search.columns.encoders import angle_per_edge
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.transmission import BeltStage
+
+__all__ = [
+    "electrical_limits",
+    "electrical_speed",
+    "gearhead_limits",
+    "line_frequency",
+    "load_limits",
+    "motor_limits",
+    "moving_limits",
+    "shaft_limits",
+    "size_limits",
+]
+
+Array = NDArray[np.float64]
+_ROTARY, _TORQUE = ("rotary_speed", "rpm"), ("torque", "N*m")
+
+
+def load_limits(spec: RobotSpec, at: AtGearhead) -> list[CheckColumn]:
+    """Limits of the load and of the belt, the same for all candidates: columns of one figure."""
+    grip = spec.margins.torque
+    found = [
+        at_most(own.name, own.demand, own.limit, own.kind, own.unit, needed=grip, time=np.array(own.time))
+        for own in at.cycle.own
+    ]
+    return found + _belt_limits(spec, spec.belt, at) if spec.belt else found
+
+
+def _belt_limits(spec: RobotSpec, belt: BeltStage, at: AtGearhead) -> list[CheckColumn]:
+    """Limits of the belt of this ratio, as far as its pulleys are known."""
+    found, drive, diameter = [], belt.drive(at.belt), belt.driven_diameter(at.belt)
+    if diameter is not None and belt.max_tension is not None:
+        pull = at.load_torque / (diameter / 2)
+        found.append(at_most("belt_tension", pull, belt.max_tension, "force", "N", needed=spec.margins.torque))
+    if diameter is not None and belt.max_speed is not None:
+        fast = at.load_speed * diameter / 2
+        found.append(at_most("belt_speed", fast, belt.max_speed, "speed", "m/s", needed=spec.margins.speed))
+    if drive is not None:  # no more than it takes, by choice: the smallest pulleys that have it
+        held = drive.teeth_in_mesh
+        found.append(at_least("belt_teeth_in_mesh", LEAST_IN_MESH, held, "dimensionless", "1", by_choice=True))
+    return found
+
+
+def gearhead_limits(spec: RobotSpec, at: AtGearhead, gearhead: Any) -> list[CheckColumn]:
+    """Limits of the gearhead, whatever motor drives it."""
+    i, ambient = gearhead["ratio"], spec.environment.ambient
+    torque: dict[str, Any] = {"needed": spec.margins.torque}
+    speed: dict[str, Any] = {"needed": spec.margins.speed}
+    power = ("power", "W")
+    lasting = asked_of_the_gearhead(gearhead["manufacturer"], at.mean_speed, at.sustained_speed)
+    found = [
+        at_most("gearhead_continuous_torque", at.rms_torque, gearhead["continuous_torque"], *_TORQUE, **torque),
+        at_most("gearhead_intermittent_torque", at.peak_torque, gearhead["intermittent_torque"], *_TORQUE, **torque),
+        at_most("gearhead_continuous_speed", lasting * i, gearhead["continuous_input_speed"], *_ROTARY, **speed),
+        at_most("gearhead_intermittent_speed", at.peak_speed * i, gearhead["intermittent_input_speed"], *_ROTARY,
+                **speed),
+        at_most("gearhead_continuous_power", at.mean_power, gearhead["continuous_power"], *power, **torque),
+        at_most("gearhead_intermittent_power", at.peak_power, gearhead["intermittent_power"], *power, **torque),
+        _in_range("gearhead_temperature_range", ambient, gearhead["temperature_min"], gearhead["temperature_max"]),
+    ]  # fmt: skip
+    needs = spec.needs
+    if needs.backlash_at_load is not None:
+        found.append(
+            at_most("backlash_at_load", gearhead["backlash"] / at.belt, needs.backlash_at_load, "angle", "deg")
+        )
+    if needs.radial_load is not None:
+        load = at_most("gearhead_radial_load", needs.radial_load, gearhead["max_radial_load"], "force", "N", **torque)
+        found.append(load)
+    return found
+
+
+def motor_limits(spec: RobotSpec, motor: Any) -> list[CheckColumn]:
+    """Limits of the motor, whatever it drives."""
+    ambient = spec.environment.ambient
+    return [_in_range("motor_temperature_range", ambient, motor["ambient_min"], motor["ambient_max"])]
+
+
+def _in_range(name: str, ambient: float, least: Any, most: Any) -> CheckColumn:
+    """The ambient within a range: outside of a known end it fails, within both it passes, else it is unknown."""
+    cold, hot = ambient < np.asarray(least), ambient > np.asarray(most)
+    passed = (ambient >= np.asarray(least)) & (ambient <= np.asarray(most))
+    limit = np.where(cold, least, np.where(hot | passed, most, np.nan))
+    column = at_most(name, ambient, limit, "temperature", "degC", zero=np.nan)
+    return replace(column, passed=passed, failed=cold | hot)
+
+
+def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]:
+    """Room, mass and money, where the spec limits them."""
+    needs = spec.needs
+    sums = {name: motor[name] + gearhead[name] for name in ("length", "mass", "price") if getattr(needs, name)}
+    if needs.diameter:
+        sums["diameter"] = np.maximum(motor["diameter"], gearhead["diameter"])
+    units = {"length": ("length", "mm"), "diameter": ("length", "mm"), "mass": ("mass", "g"), "price": ("price", "EUR")}
+    return [at_most(name, value, getattr(needs, name), *units[name]) for name, value in sums.items()]
+
+
+def shaft_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]:
+    """What pulls at the motor's shaft, where no gearhead is between it and the load."""
+    if spec.needs.radial_load is None:
+        return []
+    limit = np.where(gearhead["kind"] == DIRECT, motor["max_radial_load"], np.inf)
+    needed = spec.margins.torque
+    return [at_most("motor_radial_load", spec.needs.radial_load, limit, "force", "N", needed=needed)]
+
+
+def moving_limits(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, parts: Parts) -> list[CheckColumn]:
+    """Limits of the pair in motion that the moments decide; that of the winding by its mean, which is no more."""
+    motor, ambient = parts.motor, spec.environment.ambient
+    torque, speed = spec.margins.torque, spec.margins.speed
+    found = [
+        at_most("motor_speed", asked.peak_speed, motor["max_speed"], *_ROTARY, needed=speed),
+        nominal_current_limit(asked.rms_current, motor, ambient, torque),
+        winding_limit(spec, warm.winding, motor),
+    ]  # fmt: skip
+    return [*found, *_inertias(spec, at, asked, parts), *_holding(spec, at, parts)]
+
+
+def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | None = None) -> CheckColumn:
+    """A winding temperature against the permitted one, and when it is met."""
+    return at_most(
+        "winding_temperature", winding, motor["max_winding_temperature"], "temperature", "degC",
+        zero=spec.environment.ambient, needed=spec.margins.temperature, time=time,
+    )  # fmt: skip
+
+
+def _inertias(spec: RobotSpec, at: AtGearhead, asked: Demands, parts: Parts) -> list[CheckColumn]:
+    """Inertia ratio and first resonance: motor and load as two masses on the belt's stiffness."""
+    needs, found = spec.needs, []
+    own = (parts.motor["rotor_inertia"] + parts.gearhead["inertia"]) * (asked.total_ratio * at.belt) ** 2
+    if needs.inertia_ratio is not None:
+        found.append(at_most("inertia_ratio", at.cycle.inertia / own, needs.inertia_ratio, "dimensionless", "1"))
+    if needs.resonance is not None:
+        stiffness = spec.belt.stiffness if spec.belt and spec.belt.stiffness is not None else np.nan
+        found_at = np.sqrt(stiffness * (1 / own + 1 / at.cycle.inertia)) / (2 * np.pi)
+        found.append(at_least("first_resonance", needs.resonance, found_at, "frequency", "Hz"))
+    return found
+
+
+def _holding(spec: RobotSpec, at: AtGearhead, parts: Parts) -> list[CheckColumn]:
+    """Torque at rest that reaches the motor, against its friction at standstill, which catalogues do not give."""
+    if not spec.needs.hold_unpowered:
+        return []
+    reaches = at.standing_torque * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
+    return [at_most("holding", reaches, np.full(reaches.shape, np.nan), "torque", "mN*m")]
+
+
+def _peak_torque(asked: Demands, under: Stress, motor: Any, needed: float) -> CheckColumn:
+    """The motor's torque against its permitted peak, where the maker limits it beside heat and speed."""
+    torque = under.current.value * motor["torque_constant"]
+    limit = np.where(np.isnan(motor["peak_torque"]), np.inf, motor["peak_torque"])
+    time = under.current.time
+    return at_most("motor_peak_torque", torque, limit, "torque", "mN*m", needed=needed, time=time)
+
+
+def electrical_limits(
+    spec: RobotSpec, at: AtGearhead, asked: Demands, under: Stress, parts: Parts
+) -> list[CheckColumn]:
+    """Limits of controller and encoder by current and speed."""
+    controller, torque = parts.controller, spec.margins.torque
+    amps = ("current", "A")
+    return [
+        _peak_torque(asked, under, parts.motor, torque),
+        at_most("controller_continuous_current", asked.rms_current, controller["continuous_current"], *amps,
+                needed=torque),
+        at_most("controller_peak_current", under.current.value, controller["peak_current"], *amps,
+                needed=torque, time=under.current.time),
+        *_counting(spec, at.belt, asked, parts),
+        *_commutation(spec, asked, parts),
+    ]  # fmt: skip
+
+
+def electrical_speed(asked: Demands, motor: Any) -> Array:
+    """Speed times pole pairs [rad/s], where the controller commutates; 0 of a brushed motor, which does so itself."""
+    return np.where(motor["kind"] == "brushed", 0.0, asked.peak_speed * motor["pole_pairs"])
+
+
+def line_frequency(asked: Demands, encoder: Any) -> Array:
+    """Lines of the encoder per second at the highest speed [Hz]."""
+    return np.asarray(lines(encoder) * asked.peak_speed / (2 * np.pi))
+
+
+def _counting(spec: RobotSpec, belt: float, asked: Demands, parts: Parts) -> list[CheckColumn]:
+    """Encoder by speed and frequency, its own and the controller's, and by resolution."""
+    encoder = parts.encoder
+    speed: dict[str, Any] = {"needed": spec.margins.speed} | ({} if spec.wants_encoder else NOT_ASKED)
+    counted = line_frequency(asked, encoder)
+    rates = encoder["max_frequency"], parts.controller["max_encoder_frequency"]
+    rate = _lower(*rates, counted * (1.0 + spec.margins.speed))
+    found = [
+        at_most("encoder_speed", asked.peak_speed, encoder["max_speed"], *_ROTARY, **speed),
+        at_most("encoder_frequency", counted, rate, "frequency", "kHz", **speed),
+    ]
+    need = spec.needs.resolution_at_load
+    if need is not None:
+        edge = angle_per_edge(lines(encoder), asked.total_ratio * belt)
+        found.append(at_most("encoder_resolution", edge, need, "angle", "deg"))
+    return found
+
+
+def _lower(one: Array, other: Array, needed: Array) -> Array:
+    """The lower of two limits; where one is unknown, the other for what needs more than that: a sure failure."""
+    both, known = np.minimum(one, other), np.fmin(one, other)
+    return np.where(np.isnan(both) & (needed > known), known, both)
+
+
+def _commutation(spec: RobotSpec, asked: Demands, parts: Parts) -> list[CheckColumn]:
+    """Electrical speed against what the controller commutates."""
+    brushed = parts.motor["kind"] == "brushed"
+    electrical = electrical_speed(asked, parts.motor)
+    limit = np.where(brushed, np.inf, parts.controller["max_speed_sine"])
+    return [at_most("controller_speed", electrical, limit, *_ROTARY, needed=spec.margins.speed)]

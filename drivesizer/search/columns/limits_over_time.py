@@ -1,0 +1,299 @@
+"""Limits that need the winding or the current of each moment: temperature, voltage, supply, bus, time of overload.
+
+The winding is as warm as it is at each moment of the cycle that repeats for ever (``heat_course``); its voltage is
+looked at cold, as it starts, too. Where a figure is missing that this needs, a check passes by the warmest that the
+winding may be and fails by the coldest, so that less data never looks better (``checks.between``).
+Before the waveform come safe bounds from moments and extremes alone (``waveform_bounds``).
+Symbols: R resistance [ohm], I current [A], T temperature [K].
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.physics.motor_demand import AtGearhead, Demands, Peak
+from drivesizer.physics.stress import Heat, Parts, Stress, on
+from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding_temperature
+from drivesizer.physics.usable_voltage import most_voltage
+from drivesizer.physics.warm_winding import warming
+from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, longest_above, mean_square, wave
+from drivesizer.results.check_columns import CheckColumn, at_most, between
+from drivesizer.search.columns.limits import winding_limit
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = [
+    "Moments",
+    "Pair",
+    "Wanted",
+    "between_bounds",
+    "exact",
+    "hottest",
+    "kept_on_the_bus",
+    "least",
+    "time_above",
+    "waveform_limits",
+    "while_at_most",
+]
+
+Array = NDArray[np.float64]
+_AT_ONCE = 400_000  # candidates times segments that are held at a time
+_FASTEST_CHOPPING = 100e3  # Hz, of controllers for small motors
+_STAYS = "unknown: where it goes: give supply.capacitance, or supply.accepts: all of a battery or a brake resistor"
+_HELD = "at the supply's highest voltage: the battery, which takes what comes back, is held to it"
+_RIPPLE = 0.1  # of the supply's voltage, at most
+
+
+class Moments(NamedTuple):
+    """What the waveform asks of one motor set, or bounds of that: columns."""
+
+    winding: Array  # K, peak over the periodic cycle
+    winding_time: Array  # s
+    voltage: Array  # V, the larger of winding cold and as warm as it then is
+    voltage_time: Array  # s
+    copper: Array  # W, mean heat of the winding
+    power: Array  # W, largest that the motor draws
+    power_time: Array  # s
+    drawn: Array  # J per cycle
+    returned: Array  # J per cycle
+    stored: Array  # J, the most that is back and not drawn again
+    above: Array  # s, longest time on end above the controller's continuous current
+
+    def agreed(self, other: Moments) -> Moments:
+        """What two bounds agree on; unknown where they do not."""
+        return Moments(*(np.where(a == b, a, np.nan) for a, b in zip(self, other, strict=True)))
+
+    def over(self, other: Moments, what: Wanted) -> Moments:
+        """What was computed of it, the rest of another."""
+        return self if what not in _TOLD else other._replace(**{name: getattr(self, name) for name in _TOLD[what]})
+
+
+Wanted = Literal["winding", "power", "limits", "all"]
+_OF_THE_WINDING = ("winding", "winding_time", "voltage", "voltage_time", "copper")
+_TOLD = {"winding": _OF_THE_WINDING, "power": (*_OF_THE_WINDING, "power", "power_time", "above")}
+Pair = tuple[Moments, Moments]  # bounds: what is asked at least and at most
+
+
+def exact(
+    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts, what: Wanted = "all"
+) -> Pair:
+    """From the current of each moment and the winding's temperature then; some candidates at a time.
+
+    Parameters
+    ----------
+    spec, at, asked, warm, under, parts
+        The spec, its load cycle at the gearhead, and columns over candidates.
+    what
+        To tell: of the ``winding`` temperature, voltage and heat; its ``power`` and time of overload too; whatever
+        has ``limits``, the bus among it; or ``all``, energy too.
+
+    Returns
+    -------
+    pair of Moments
+        The same where heat is known; else what is asked with the winding cold, and as warm as it may be.
+    """
+    slices = _slices(at, len(asked.rms_current))
+    found = [_pair(spec, at, on(asked, k), on(warm, k), on(under, k), parts.on(k), what) for k in slices]
+    low, high = (Moments(*(np.concatenate(c) for c in zip(*side, strict=True))) for side in zip(*found, strict=True))
+    return low, high
+
+
+def _pair(
+    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts, what: Wanted
+) -> Pair:
+    ambient, motor = spec.environment.ambient, parts.motor
+    flows, course = warming(spec.environment.ambient, at, asked, warm, motor)
+    rows = np.flatnonzero(np.isnan(course.peak))
+    T, R_25 = (course.ends, course.means), np.asarray(resistance_25(motor))
+    course.ends[rows] = hottest(spec, at, warm, under, motor)[rows, None, None]
+    surplus, speed = asked.surplus(motor["torque_constant"]), at.turning.speed
+    high = _moments(spec, flows, (R_25, *T), (surplus, speed), under, parts, what)
+    high = high._replace(winding=course.peak, winding_time=course.peak_time)
+    if not len(rows):
+        return high, high
+    some, cold = Wave(flows.duration, flows.current[rows], flows.voltage[rows]), np.full((len(rows), 1, 1), ambient)
+    winding, surplus = (R_25[rows], cold, cold[..., 0]), surplus[rows]
+    low = _moments(spec, some, winding, (surplus, speed), on(under, rows), parts.on(rows), what)
+    return between_bounds(high, low, rows, warm.winding, while_at_most(spec, at, warm, under, motor))
+
+
+def between_bounds(high: Moments, cold: Moments, rows: Any, mean: Array, steady: Array) -> Pair:
+    """Bounds of candidates whose heat is unknown.
+
+    Parameters
+    ----------
+    high
+        Of all candidates; of these with the winding as warm as it may be.
+    cold
+        Of these candidates, the winding cold.
+    rows
+        Which they are.
+    mean, steady
+        Temperature of all windings in the long run at the cycle's RMS current, and at its largest [K].
+    """
+    low = Moments(*(column.copy() for column in high))
+    for name in ("voltage", "voltage_time", "power", "power_time"):
+        getattr(low, name)[rows] = getattr(cold, name)
+    high.stored[rows] = cold.stored  # the more the winding takes, the less comes back
+    low.winding[rows], high.winding[rows] = mean[rows], steady[rows]
+    return low, high
+
+
+def least(found: Pair, asked: Demands, warm: Heat, under: Stress) -> Pair:
+    """The same; where demands are least ones no more than what these leave sure, and the rest open.
+
+    Parameters
+    ----------
+    found
+        What the waveform asks, at least and at most.
+    asked, warm, under
+        What it was computed from.
+    """
+    if asked.sure.all():
+        return found
+    low, high = (Moments(*(np.where(asked.sure, column, np.nan) for column in side)) for side in found)
+    cold = under.cold_voltage
+    sure = {"winding": warm.winding, "voltage": cold.value, "voltage_time": cold.time}
+    filled = {name: np.where(asked.sure, getattr(low, name), column) for name, column in sure.items()}
+    return low._replace(**filled), high
+
+
+def while_at_most(spec: RobotSpec, at: AtGearhead, warm: Heat, under: Stress, motor: Any) -> Array:
+    """Temperature that no winding exceeds: in the long run at the largest current and loss all the time [K]."""
+    fast = at.peak_speed
+    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    loss = warm.friction * fast + warm.iron * fast**2
+    R_25 = resistance_25(motor)
+    found = steady_winding_temperature(spec.environment.ambient, R_25, *R_th, under.current.value, loss)
+    return np.asarray(found)
+
+
+def hottest(spec: RobotSpec, at: AtGearhead, warm: Heat, under: Stress, motor: Any) -> Array:
+    """Temperature that a winding of unknown heat does not exceed, or must not: what is asked then is a safe bound [K].
+
+    NaN where neither is known.
+    """
+    found = while_at_most(spec, at, warm, under, motor)
+    bound: Array = np.fmin(np.where(np.isfinite(found), found, np.nan), motor["max_winding_temperature"])
+    return bound
+
+
+def _moments(
+    spec: RobotSpec,
+    flows: Wave,
+    winding: tuple[Array, Array, Array],
+    turning: tuple[Array, Array],
+    under: Stress,
+    parts: Parts,
+    what: Wanted,
+) -> Moments:
+    """What is asked with windings of a resistance at 25 degC and temperatures at the ends of the pieces and over each.
+
+    ``turning``: by what their constants differ, and the speed at both ends of each piece (see ``waveform.balanced``).
+    """
+    R_25, *T = winding
+    ends, means = resistance_at(R_25[:, None, None], T[0]), resistance_at(R_25[:, None], T[1])
+    at_ends = flows._replace(voltage=flows.voltage + ends * flows.current)
+    voltage, when = _largest_voltage(at_ends, under.cold_voltage)
+    total = flows.duration.sum()
+    copper = (means * mean_square(flows)) @ flows.duration / total
+    nothing = np.full_like(voltage, np.nan)
+    found = Moments(nothing, nothing, voltage, when, copper, *[nothing] * 6)
+    if what == "winding":
+        return found
+    power, power_time = largest_power(balanced(at_ends, *turning))
+    above = longest_above(flows, parts.controller["continuous_current"])
+    found = found._replace(power=power, power_time=power_time, above=above)
+    if what == "power":
+        return found
+    kept = kept_on_the_bus(spec)
+    if what == "limits" and not kept > 0.0:
+        return found._replace(stored=np.zeros_like(power))
+    mean = flows._replace(voltage=flows.voltage + np.asarray(means)[:, :, None] * flows.current)
+    sums = energy(balanced(mean, *turning), kept, storing=kept > 0.0)
+    return found._replace(**(sums._asdict() | ({} if kept > 0.0 else {"stored": np.zeros_like(power)})))
+
+
+def time_above(at: AtGearhead, asked: Demands, parts: Parts) -> Array:
+    """Longest time on end above the controller's continuous current [s]."""
+    found = np.empty(len(asked.rms_current))
+    for k in _slices(at, len(found)):
+        c, k_t = asked.coefficients[k], parts.motor["torque_constant"][k]
+        flows = wave(at.cycle.duration, at.functions, c, c, k_t)
+        found[k] = longest_above(flows, parts.controller["continuous_current"][k])
+    return found
+
+
+def _slices(at: AtGearhead, count: int) -> list[slice]:
+    """Pieces of so many candidates; of none one piece without any, so that columns stay columns."""
+    size = max(1, _AT_ONCE // len(at.base.warming.duration))
+    return [slice(start, start + size) for start in range(0, max(count, 1), size)]
+
+
+def _largest_voltage(found: Wave, cold: Peak) -> Peak:
+    """Largest absolute voltage and when: warm, or cold at the start."""
+    values = np.abs(found.voltage).reshape(len(found.voltage), 2 * len(found.duration))
+    worst, ends = values.argmax(axis=1), np.cumsum(found.duration)
+    time = np.stack([ends - found.duration, ends], axis=1).ravel()[worst]
+    value = values[np.arange(len(values)), worst]
+    colder = cold.value > value
+    return Peak(np.where(colder, cold.value, value), np.where(colder, cold.time, time))
+
+
+def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) -> list[CheckColumn]:
+    """What the waveform asks, at least and at most, against its limits; all motor sets draw from one supply."""
+    if low is high:
+        return _limits(spec, high, parts)
+    return [between(*both) for both in zip(*(_limits(spec, side, parts) for side in (low, high)), strict=True)]
+
+
+def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
+    supply, sets, controller = spec.supply, spec.load.motors, parts.controller
+    torque, speed, power = spec.margins.torque, spec.margins.speed, found.power * sets
+    asked, bus = found.voltage * (1.0 + speed), _bus_voltage(spec, found, controller)
+    usable = most_voltage(supply.lowest, controller["max_duty"], controller["voltage_drop"], asked)
+    held = _HELD if spec.battery and spec.accepts_all else ""
+    checks = [
+        winding_limit(spec, found.winding, parts.motor, found.winding_time),
+        at_most("supply_voltage", found.voltage, usable, "voltage", "V", needed=speed, time=found.voltage_time),
+        at_most("controller_peak_time", found.above, controller["peak_time"], "time", "s"),
+        at_most("bus_voltage", bus, controller["supply_max"], "voltage", "V", undecided=_STAYS, note=held),
+    ]
+    if supply.current is not None:
+        drawn = power / supply.lowest
+        checks.append(at_most("supply_current", drawn, supply.current, "current", "A", needed=torque,
+                              time=found.power_time))  # fmt: skip
+    if supply.power is not None:
+        checks.append(at_most("supply_power", power, supply.power, "power", "W", needed=torque, time=found.power_time))
+    return checks
+
+
+def kept_on_the_bus(spec: Any) -> Any:
+    """Share of the returned energy that the supply does not accept: it has to stay on the bus."""
+    share = 1.0 - np.asarray(spec.supply.regeneration)
+    return 0.0 * share if spec.accepts_all else share
+
+
+def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
+    r"""Highest voltage of the bus: what its capacitance makes of the energy that the supply does not accept [V].
+
+    Where the supply accepts all, it stays at its highest: a battery is held to that at the largest return, with the
+    charge of the start (``energy_checks``).
+
+    Where the capacitance is unknown it is taken as no less than the controller's own: a power stage that chops its
+    continuous current I at a frequency f holds the ripple of its supply U within a share s by
+    :math:`C \ge I D (1 - D) / (f s U)`, at half duty :math:`I / (4 f s U)` (STMicroelectronics, data sheet A6902D,
+    equation (14), without the capacitor's resistance). That no stage chops faster than 100 kHz with more ripple than
+    a tenth is an assumption. That bound passes what even so little bears, such as 1 mJ; what it does not is unknown.
+    """
+    supply = spec.supply
+    if supply.capacitance is not None:
+        raised: Array = np.sqrt(supply.highest**2 + 2.0 * found.stored * spec.load.motors / supply.capacitance)
+        return raised
+    least = controller["continuous_current"] / (4.0 * _FASTEST_CHOPPING * _RIPPLE * supply.highest)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bound = np.sqrt(supply.highest**2 + 2.0 * found.stored / least)  # each controller bears its own motor's return
+    bound = np.where(found.stored == 0.0, supply.highest, bound)
+    return np.where((bound <= controller["supply_max"]) | (found.stored == 0.0), bound, np.nan)

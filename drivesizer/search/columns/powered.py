@@ -1,0 +1,221 @@
+"""Candidates with the smallest controller that does in all load cases, against what is electrical and what is warm.
+
+The voltage that a controller must give depends on how warm the winding is, which is known only when the waveform is
+computed; so a controller is chosen for a cold winding first, and another where that one turns out too weak.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.loads.wheel import machine_cases
+from drivesizer.physics.motor_demand import AtGearhead, Demands
+from drivesizer.physics.stress import Heat, Parts, Stress, on, stress
+from drivesizer.results.check_columns import CheckColumn
+from drivesizer.search.columns.candidates import Rows
+from drivesizer.search.columns.controllers import Chosen, Speeds, controllers
+from drivesizer.search.columns.decided import decided, put
+from drivesizer.search.columns.limits import electrical_limits, electrical_speed, line_frequency
+from drivesizer.search.columns.limits_over_time import Moments, Pair, exact, least, time_above, waveform_limits
+from drivesizer.search.columns.problem import Problem, doubted, each
+
+__all__ = ["Moving", "Powered", "powered"]
+
+Array = NDArray[np.float64]
+_TRIES = 4  # of controllers for a candidate
+
+
+class Moving(NamedTuple):
+    """The columns of one load case."""
+
+    asked: Demands
+    warm: Heat
+
+
+class Powered(NamedTuple):
+    """What was found of candidates with their controllers."""
+
+    controller: NDArray[np.int64]  # row of each
+    checks: list[CheckColumn]
+    figures: dict[str, Array]
+
+
+def powered(
+    given: Problem, ats: Sequence[AtGearhead], cases: Sequence[Moving], parts: Parts, *, exactly: bool
+) -> Powered:
+    """Controllers, and every check that hangs on current, voltage and heat.
+
+    Parameters
+    ----------
+    given
+        The spec and its load cycles.
+    ats
+        The load cycles behind one belt.
+    cases, parts
+        Columns over candidates.
+    exactly
+        Compute the waveform of all; else only of those that safe bounds leave undecided.
+    """
+    case = _Cases(given, ats, cases, [stress(s.environment.ambient, at, c.asked, parts.motor) for s, at, c in zip(
+        given.specs, ats, cases, strict=True)], parts, exactly)  # fmt: skip
+    for_ever = np.zeros(len(parts.motor.rows), bool)
+    chosen = case.controllers([u.cold_voltage.value for u in case.under], for_ever)
+    row, found = chosen.row, case.judged(chosen.row, None)
+    tried, changed = np.zeros_like(for_ever), ~for_ever
+    for _ in range(_TRIES):  # what has not changed would be given the same again
+        short = found.check("controller_peak_time").failed & ~found.weak & ~found.dead
+        again = changed & ((found.weak & ~found.dead & ~tried) | short)
+        for_ever |= short
+        tried |= found.open
+        row, found, changed = _again(case, row, found, for_ever, np.flatnonzero(again))
+        if not changed.any():
+            break
+    figures = _figures(given, [low.agreed(high) for low, high in found.pairs], case.under)
+    return Powered(row, [chosen.checks[0], *found.checks], _where_known(figures, cases))
+
+
+class _Found(NamedTuple):
+    """What was found of candidates with some controllers."""
+
+    checks: list[CheckColumn]
+    dead: NDArray[np.bool_]  # by the electrical limits already
+    weak: NDArray[np.bool_]  # the controller has too little voltage, or may have
+    open: NDArray[np.bool_]  # it may have: bounds of the voltage are all that is known, and do not decide
+    pairs: list[Pair]  # of each load case
+
+    def check(self, name: str) -> CheckColumn:
+        """The check of a name."""
+        return next(check for check in self.checks if check.name == name)
+
+    def replaced(self, rows: NDArray[np.int64], new: _Found, of: NDArray[np.int64]) -> _Found:
+        """With some of the candidates found anew; ``of`` says which of the new ones these are."""
+
+        def both(old: Pair, some: Pair) -> Pair:
+            low, high = (
+                Moments(*(put(a, rows, b[of]) for a, b in zip(*s, strict=True))) for s in zip(old, some, strict=True)
+            )
+            return low, high
+
+        return _Found(
+            [check.with_rows(rows, other.on(of)) for check, other in zip(self.checks, new.checks, strict=True)],
+            put(self.dead, rows, new.dead[of]),
+            put(self.weak, rows, new.weak[of]),
+            put(self.open, rows, new.open[of]),
+            [both(*pair) for pair in zip(self.pairs, new.pairs, strict=True)],
+        )
+
+
+class _Cases(NamedTuple):
+    """The load cases and their candidates."""
+
+    given: Problem
+    ats: Sequence[AtGearhead]
+    moving: Sequence[Moving]
+    under: Sequence[Stress]
+    parts: Parts
+    exactly: bool
+
+    def some(self, rows: NDArray[np.int64]) -> _Cases:
+        """Some of the candidates."""
+        moving, under = [on(case, rows) for case in self.moving], [on(u, rows) for u in self.under]
+        return self._replace(moving=moving, under=under, parts=self.parts.on(rows))
+
+    def controllers(self, voltage: Sequence[Array], for_ever: NDArray[np.bool_]) -> Chosen:
+        """The smallest that does in the worst of all cases, with the margins that the spec asks for."""
+        spec = self.given.spec
+        more, faster = 1.0 + spec.margins.torque, 1.0 + spec.margins.speed
+        rms = more * np.maximum.reduce([c.asked.rms_current for c in self.moving])
+        largest = more * np.maximum.reduce([u.current.value for u in self.under])
+        volts = faster * np.maximum.reduce(list(voltage))
+        carried = np.where(for_ever, largest, rms)
+        motor, usable = self.parts.motor, self.given.usable
+        electrical = faster * np.maximum.reduce([electrical_speed(c.asked, motor) for c in self.moving])
+        lines = faster * np.maximum.reduce([line_frequency(c.asked, self.parts.encoder) for c in self.moving])
+        speeds = Speeds(electrical, lines if spec.wants_encoder else np.zeros_like(lines))
+        return controllers(spec, self.given.catalog, motor.rows, carried, largest, volts, speeds, usable)
+
+    def judged(self, row: NDArray[np.int64], before: list[Pair] | None) -> _Found:
+        """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
+        specs, sure = self.given.specs, [case.asked.sure for case in self.moving]
+        parts = self.parts._replace(controller=Rows(self.given.catalog.controllers, row))
+
+        def electrical(k: int) -> list[CheckColumn]:
+            return doubted(
+                electrical_limits(specs[k], self.ats[k], self.moving[k].asked, self.under[k], parts), sure[k]
+            )
+
+        first = each(self.given, electrical)
+        dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in first if not check.advice])
+        pairs = [
+            least(self._pair(k, parts, dead, before[k] if before else None), *self.moving[k], self.under[k])
+            for k in range(len(specs))
+        ]
+        limits = [waveform_limits(spec, *pair, parts) for spec, pair in zip(specs, pairs, strict=True)]
+        last = each(self.given, lambda k: doubted(limits[k], sure[k]))
+        volts = [next(check for check in some if check.name == "supply_voltage") for some in limits]
+        weak = ~np.logical_and.reduce([check.passed for check in volts])
+        fails = np.logical_or.reduce([check.failed for check in volts])
+        return _Found([*first, *last], dead, weak, weak & ~fails, pairs)
+
+    def _pair(self, k: int, parts: Parts, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
+        """What the waveform asks in one load case."""
+        args = (self.given.specs[k], self.ats[k], *self.moving[k], self.under[k], parts)
+        if not self.exactly:
+            return decided(*args, ~dead, before)
+        if before is None:
+            return exact(*args)
+        above = time_above(self.ats[k], self.moving[k].asked, parts)
+        return before[0]._replace(above=above), before[1]._replace(above=above)
+
+
+def _again(
+    case: _Cases,
+    row: NDArray[np.int64],
+    found: _Found,
+    for_ever: NDArray[np.bool_],
+    rows: NDArray[np.int64],
+) -> tuple[NDArray[np.int64], _Found, NDArray[np.bool_]]:
+    """Other controllers for some candidates, where there are, what is found with them, and who changed."""
+    changed = np.zeros(len(row), bool)
+    if not len(rows):
+        return row, found, changed
+    some, opened = case.some(rows), found.open[rows]
+    volts = [np.where(opened, high.voltage[rows], low.voltage[rows]) for low, high in found.pairs]
+    chosen = some.controllers(volts, for_ever[rows]).row
+    other = np.flatnonzero(chosen != row[rows])
+    if not len(other):
+        return row, found, changed
+    at = rows[other]
+    new = some.some(other).judged(chosen[other], [(on(low, at), on(high, at)) for low, high in found.pairs])
+    # where heat is unknown a controller is none the worse that does for a cold winding and not for a hot one
+    better = np.flatnonzero(~opened[other] | ~new.weak)
+    changed[at[better]] = True
+    return put(row, at[better], chosen[other[better]]), found.replaced(at[better], new, better), changed
+
+
+def _where_known(figures: dict[str, Array], cases: Sequence[Moving]) -> dict[str, Array]:
+    """The figures of sets whose current is known in every case: a least one may fail a check, but is no figure."""
+    sure = np.logical_and.reduce([case.asked.sure for case in cases])
+    return {name: np.where(sure, column, np.nan) for name, column in figures.items()}
+
+
+def _figures(given: Problem, found: Sequence[Moments], under: Sequence[Stress]) -> dict[str, Array]:
+    """What objectives and records count: the first case's energy and heat, the largest current and temperature."""
+    loads, share = [spec.load for spec in given.specs], given.spec.supply.regeneration
+    machines = [numbers for _, numbers in machine_cases(zip(given.names, loads, strict=True))]
+    power = [np.sum([loads[i].alike * found[i].power for i in wheels], 0) for wheels in machines]
+    drawn, returned = (
+        np.sum([loads[i].alike * getattr(found[i], name) for i in machines[0]], 0) for name in ("drawn", "returned")
+    )
+    return {
+        "energy": drawn - share * returned,
+        "returned": returned,
+        "power": np.maximum.reduce(power),
+        "joule_heat": found[0].copper,
+        "peak_current": np.maximum.reduce([u.current.value for u in under]),
+        "winding_temperature": np.maximum.reduce([m.winding for m in found]),
+    }

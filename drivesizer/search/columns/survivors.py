@@ -1,0 +1,122 @@
+"""Candidates on their way through the stages of an examination: who is left, who fell by what, and how near.
+
+In stages only those that do not fail go on, and of their checks no more is kept than what they amount to; otherwise
+all go through, with every check in full.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.results.check_columns import CheckColumn
+from drivesizer.search.columns.candidates import Candidates
+
+__all__ = ["Alone", "Sieve"]
+
+Array = NDArray[np.float64]
+_ALL = slice(None)
+_ENOUGH = 100  # candidates that fell, to find the nearest among
+
+
+class Sieve:
+    """Candidates on their way through the stages."""
+
+    def __init__(self, sets: Candidates, staged: bool, margins: bool) -> None:
+        self.sets, self.staged, self.margins = sets, staged, margins
+        self.rows = np.arange(len(sets.motor))
+        self.checks: list[CheckColumn] = []
+        self.failed_by: Counter[str] = Counter()
+        self.doubtful = np.zeros(len(sets.motor), bool)
+        self.margin = np.full(len(sets.motor), np.inf)
+        self.fallen: list[tuple[NDArray[np.int64], Array]] = []
+
+    def parts(self, alone: Alone) -> None:
+        """The first stage: each part is judged once, and each pair by its two parts."""
+        sets = self.sets
+        for check in alone.load:
+            self.failed_by[check.name] += len(self.rows) * int(check.failed)
+        for found, owner in ((alone.gearhead, sets.gearhead), (alone.motor, sets.motor)):
+            used = np.bincount(owner)
+            for check in found:
+                self.failed_by[check.name] += int(used @ check.failed[: len(used)])
+        if self.staged:
+            self._drop(alone)
+        owners = (
+            (alone.load, self.rows),
+            (alone.gearhead, sets.gearhead[self.rows]),
+            (alone.motor, sets.motor[self.rows]),
+        )
+        for found, owner in owners:
+            self._keep([_of(check, owner) for check in found])
+
+    def _drop(self, alone: Alone) -> None:
+        """Candidates with a part that fails; those of a motor that fails too are hardly among the nearest."""
+        load, gearhead, motor = (_judged(found) for found in alone)
+        bad_gearhead, bad_motor = gearhead[0][self.sets.gearhead], motor[0][self.sets.motor]
+        fails = bad_gearhead | bad_motor | load[0]
+        fallen = np.flatnonzero(fails & ~bad_motor)
+        if len(fallen) < _ENOUGH:
+            fallen = np.flatnonzero(fails)
+        bound = np.minimum(gearhead[1][self.sets.gearhead[fallen]], load[1])
+        self.fallen.append((fallen, np.minimum(bound, motor[1][self.sets.motor[fallen]])))
+        self.rows = np.flatnonzero(~fails)
+        self.doubtful, self.margin = self.doubtful[self.rows], self.margin[self.rows]
+
+    def through(self, found: Sequence[CheckColumn]) -> NDArray[np.bool_] | slice:
+        """Keep what does not fail; which of the rows these are: a mask, or a slice of all of them.
+
+        In stages advice is not looked at.
+        """
+        if self.staged:
+            found = [check for check in found if not check.advice]
+        for check in found:
+            self.failed_by[check.name] += int(np.count_nonzero(check.failed))
+        if not self.staged or not found:
+            self._keep(found)
+            return _ALL
+        keep: NDArray[np.bool_] = ~np.logical_or.reduce([check.failed for check in found])
+        if keep.all():
+            self._keep(found)
+            return _ALL
+        fallen, standing = np.flatnonzero(~keep), np.flatnonzero(keep)
+        self.fallen.append((self.rows[fallen], _judged([check.on(fallen) for check in found])[1]))
+        self.rows, self.doubtful, self.margin = self.rows[standing], self.doubtful[standing], self.margin[standing]
+        self._keep([check.on(standing) for check in found])
+        return keep
+
+    def _keep(self, found: Sequence[CheckColumn]) -> None:
+        """Remember checks of the rows that are left: whole, or what they amount to."""
+        if not self.staged:
+            self.checks += found
+            return
+        for check in found:
+            self.doubtful |= ~check.passed
+            if self.margins:
+                self.margin = np.minimum(self.margin, check.tightness)
+
+
+class Alone(NamedTuple):
+    """Checks of the load, of each gearhead and of each motor of the catalogue."""
+
+    load: list[CheckColumn]
+    gearhead: list[CheckColumn]
+    motor: list[CheckColumn]
+
+
+def _judged(found: Sequence[CheckColumn]) -> tuple[NDArray[np.bool_], Array]:
+    """Whether any check fails, and what the smallest margin is at most; -1 where one fails that has none."""
+    if not found:
+        return np.zeros(1, bool), np.full(1, np.inf)
+    failed = np.logical_or.reduce([np.atleast_1d(check.failed) for check in found])
+    margins = [np.atleast_1d(np.where(np.isnan(c.margin), np.where(c.failed, -1.0, np.inf), c.margin)) for c in found]
+    return failed, np.minimum.reduce(margins)
+
+
+def _of(check: CheckColumn, owner: NDArray[np.int64]) -> CheckColumn:
+    """A check of parts as one of the sets that they belong to."""
+    return check.on(owner) if check.passed.ndim else check.on_all(owner)

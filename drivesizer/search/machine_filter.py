@@ -1,0 +1,194 @@
+"""Which of the sets that a search found stand in the machine that they drive."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from drivesizer.catalog import Catalog
+from drivesizer.machine.budgets import of_the_platform, with_budget
+from drivesizer.machine.platform_budget import MechanicalBudget
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import Check, verdict
+from drivesizer.search.budget_columns import surely_fallen
+from drivesizer.search.columns.evaluation import Evaluation
+from drivesizer.search.columns.stages import Problem, problem
+from drivesizer.search.ranking import Objective
+from drivesizer.search.search import Found, Judge, Kept, search
+from drivesizer.search.set_record import drive_set
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = [
+    "Weigh",
+    "best_in_machine",
+    "divided",
+    "in_machine",
+    "on_the_front",
+    "ranked",
+    "shortfall",
+    "stands",
+    "weighing",
+]
+
+
+Weigh = Callable[[Evaluation, int], DriveSet]  # a row of an evaluation as a record, with the machine's budgets
+
+
+def weighing(spec: RobotSpec, machine: MechanicalBudget | None, objective: Objective) -> Weigh:
+    """What makes records of sets in their machine, of each but once.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    machine
+        What is the same for every set, of ``budgets.of_the_platform``.
+    objective
+        That sets are ranked by.
+    """
+    made: dict[tuple[int, int, float], DriveSet] = {}
+
+    def weigh(sets: Evaluation, row: int) -> DriveSet:
+        given = sets.candidates
+        key = int(given.motor[row]), int(given.gearhead[row]), float(given.belt[row])
+        if key not in made or not isinstance(objective, str):  # several objectives are shares of the best shown
+            made[key] = with_budget(spec, sets.catalog, drive_set(sets, row, 0, objective), machine)
+        return made[key]
+
+    return weigh
+
+
+def in_machine(
+    spec: RobotSpec,
+    machine: MechanicalBudget | None,
+    given: Callable[[], Problem],
+    weigh: Weigh,
+    aside: frozenset[str] = frozenset(),
+) -> Judge | None:
+    """What tells the sets that stand in their machine from those that a budget of it makes fall; None without any.
+
+    Parameters
+    ----------
+    spec, machine
+        As for ``weighing``.
+    given
+        Makes the spec's load cycles, where they are needed.
+    weigh
+        Of ``weighing``.
+    aside
+        Names of budgets that are not looked at.
+    """
+    if not (spec.battery or spec.budget or machine):
+        return None
+
+    def judge(sets: Evaluation, wanted: int) -> Kept:
+        count = len(sets.candidates.motor)
+        if machine and _falls(spec, machine.checks):
+            return Kept(np.arange(0), np.arange(count), count, Counter(dict.fromkeys(_failed(machine.checks), count)))
+        surely = surely_fallen(spec, given(), sets) if spec.battery or spec.budget else {}
+        surely = {name: rows for name, rows in surely.items() if name not in aside}
+        fallen = np.logical_or.reduce([np.zeros(count, bool), *surely.values()])
+        best: list[int] = []
+        by: Counter[str] = Counter()
+        for row in np.flatnonzero(~fallen).tolist():
+            budget = tuple(check for check in weigh(sets, row).budget if check.name not in aside)
+            if _falls(spec, budget):
+                fallen[row] = True
+                by.update(_failed(budget))
+            else:
+                best.append(row)
+            if len(best) == wanted:
+                break
+        judged = best[-1] + 1 if len(best) == wanted else count
+        by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in surely.items()})
+        return Kept(np.array(best, np.int64), np.flatnonzero(fallen[:judged]), judged, by)
+
+    return judge
+
+
+def best_in_machine(
+    spec: RobotSpec, catalog: Catalog, objective: Objective, aside: frozenset[str] = frozenset()
+) -> DriveSet | None:
+    """The best set of a search of its own that stands in its machine too; None where none does.
+
+    Parameters
+    ----------
+    spec, catalog, objective
+        As ``search`` takes them.
+    aside
+        Names of budgets that are not looked at.
+    """
+    machine, asked = of_the_platform(spec.whole), cache(lambda: problem(spec, catalog))
+    judge = in_machine(spec, machine, asked, weighing(spec, machine, objective), aside)
+    given = asked() if spec.method == "physics" else None
+    found = search(spec, catalog, top=1, objective=objective, misses=0, given=given, judge=judge)
+    return drive_set(found.evaluation, 0, 1, objective) if found.standing else None
+
+
+def stands(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> bool:
+    """Whether no budget of its machine makes a set fall, which need not have been held against them."""
+    machine = of_the_platform(spec.whole)
+    if machine and _falls(spec, machine.checks):
+        return False
+    return not _falls(spec, with_budget(spec, catalog, one, machine).budget)
+
+
+def _falls(spec: RobotSpec, checks: tuple[Check, ...]) -> bool:
+    """Whether a machine's checks make its set fall: one that fails, or where the spec rejects that, is unknown."""
+    said = verdict(checks)
+    return said == "fail" or (said == "unknown" and spec.select.unknown != "allow")
+
+
+def _failed(checks: tuple[Check, ...]) -> set[str]:
+    return {check.name for check in checks if check.status == "fail"}
+
+
+def divided(
+    found: Found, spec: RobotSpec, weigh: Weigh, top: int, rows: Iterable[int]
+) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
+    """Of some rows the best sets that stand with the machine's budgets, and the better ones that fall by those.
+
+    Parameters
+    ----------
+    found
+        Of the search.
+    spec
+        The machine.
+    weigh
+        Of ``weighing``.
+    top
+        How many of each.
+    rows
+        Of sets that no check makes fall, in order.
+    """
+    best: dict[int, DriveSet] = {}
+    short: dict[int, DriveSet] = {}
+    for row in rows:
+        one = weigh(found.evaluation, row)
+        (short if one.status == "fail" or _falls(spec, one.budget) else best)[row] = one
+        if len(best) == top:
+            break
+    return best, dict(list(short.items())[:top])
+
+
+def on_the_front(found: Found, weigh: Weigh) -> tuple[DriveSet, ...]:
+    """The sets of the Pareto front of those that stand with the machine's budgets, in its order."""
+    return ranked(weigh(found.evaluation, row) for row in found.front)
+
+
+def ranked(sets: Iterable[DriveSet], before: int = 0) -> tuple[DriveSet, ...]:
+    """Sets by the rank in which they are shown."""
+    return tuple(replace(one, rank=rank) for rank, one in enumerate(sets, before + 1))
+
+
+def shortfall(short: dict[int, DriveSet], better: int) -> list[str]:
+    """That better sets fell by a budget: some of them, and how many there are."""
+    names = sorted({check.title.lower() for one in short.values() for check in one.budget if check.status == "fail"})
+    if not better or not names:
+        return []
+    sets = "1 set that stands" if better == 1 else f"{better} sets that stand"
+    return [f"{sets} by method and objective before these: not enough for the machine ({', '.join(names)})"]

@@ -1,0 +1,244 @@
+"""Belts and pulleys out of the catalogues: which ratios there are, and which parts make each of them.
+
+A pair of pulleys gives a ratio, a belt round it a centre distance. Of each ratio the smallest pulleys are taken that
+keep enough teeth in mesh, of these the belt that comes nearest to the centre distance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog, Table
+from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.errors import InputError, quoted
+from drivesizer.physics.belt_geometry import LEAST_IN_MESH, centre_distance, shortest_recommended, teeth_in_mesh
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.transmission import Offer, Pulleys
+from drivesizer.units import show
+
+__all__ = ["MOST_RATIOS", "assumptions", "spread", "with_pulleys"]
+
+Array = NDArray[np.float64]
+MOST_RATIOS = 60  # that are searched
+_SAME = 1e-6  # two pitches or widths that differ by this share are one
+
+
+class _Ways(NamedTuple):
+    """Ways to lay a belt round two pulleys, as columns."""
+
+    driving: Array  # teeth
+    driven: Array
+    belt: Array
+    centre_distance: Array  # m; NaN where the belt is too short
+
+    @property
+    def ratio(self) -> Array:
+        """Turns of the driving pulley per turn of the driven one; the same teeth reduced are the same float."""
+        return self.driven / self.driving
+
+    def on(self, rows: NDArray[Any]) -> _Ways:
+        """Some of them."""
+        return _Ways(*(column[rows] for column in self))
+
+
+def with_pulleys(spec: RobotSpec, catalog: Catalog) -> RobotSpec:
+    """The spec with the belt drives that the catalogues offer for it; one that names its belt ratios as it is.
+
+    Raises
+    ------
+    InputError
+        When no pulleys, no belt or no ratio fits: what there is.
+    """
+    if spec.belt is None or spec.belt.pulleys is None:
+        return spec
+    stage = spec.transmission.index(spec.belt)
+    try:
+        return spec.with_offer(_offer(spec.belt.pulleys, catalog))
+    except _NothingFitsError as error:
+        raise InputError(f"{spec.where(('transmission', stage, 'pulleys'))}: {error}") from None
+
+
+class _NothingFitsError(Exception):
+    """There is no such part, or none that fits."""
+
+
+def _offer(asked: Pulleys, catalog: Catalog) -> Offer:
+    """One drive for each ratio, at most as many as are searched."""
+    pulleys = _taking(asked, catalog.pulleys, "pulleys")
+    belts = _taking(asked, catalog.belts, "belts")
+    ways = _ways(asked, np.unique(catalog.pulleys["teeth"][pulleys]), np.unique(catalog.belts["teeth"][belts]))
+    best = _best_of_each_ratio(asked, ways)
+    few = best if len(best.belt) <= MOST_RATIOS else _fewer(asked, best)
+    drives = (_drive(catalog, pulleys, belts, few, row, asked.pitch) for row in range(len(few.belt)))
+    return Offer(tuple(drives), len(best.belt))
+
+
+def _taking(asked: Pulleys, table: Table[Any], section: str) -> NDArray[np.int64]:
+    """Rows of the belts that are asked for, or of the pulleys that take them."""
+    fits = np.char.lower(table["profile"]) == asked.profile.lower()
+    fits &= np.isclose(table["pitch"], asked.pitch, rtol=_SAME, atol=0.0) & ~table.excluded & (table["teeth"] > 0)
+    wide_enough = table["width"] >= asked.width * (1.0 - _SAME)
+    not_wider = table["width"] <= asked.width * (1.0 + _SAME)
+    rows = np.flatnonzero(fits & wide_enough & (not_wider if section == "belts" else True))
+    if not len(rows):
+        takes = "of" if section == "belts" else "for a belt of"
+        wanted = f"{quoted(asked.profile)} {_mm(asked.pitch)} {takes} {_mm(asked.width)} width"
+        raise _NothingFitsError(
+            f"no {section} {wanted} in the catalogues that the spec names; {_stock(table, section)}"
+        )
+    return rows
+
+
+def _stock(table: Table[Any], section: str) -> str:
+    """What a table has of belts or pulleys, in words."""
+    kinds: dict[tuple[str, float], set[float]] = {}
+    known = ~table.excluded & (table["profile"] != "") & ~np.isnan(table["pitch"] + table["width"])
+    for row in np.flatnonzero(known):
+        kind = str(table["profile"][row]), float(table["pitch"][row])
+        kinds.setdefault(kind, set()).add(float(table["width"][row]))
+    if not kinds:
+        return f"they list no {section}: select.catalogs needs some that do, e.g. wcp, or all"
+    said = (
+        f"{profile} {_mm(pitch)} of {', '.join(map(_mm, sorted(w)))}" for (profile, pitch), w in sorted(kinds.items())
+    )
+    return f"there are {'; '.join(said)} width"
+
+
+def _ways(asked: Pulleys, pulleys: Array, belts: Array) -> _Ways:
+    """Every way to lay a belt round two pulleys of a ratio in the range, at a centre distance that is asked for."""
+    driving, driven = (side.ravel() for side in np.meshgrid(pulleys, pulleys, indexing="ij"))
+    ratio = driven / driving
+    pairs = np.flatnonzero((ratio >= asked.ratio_min) & (ratio <= asked.ratio_max))
+    if not len(pairs):
+        wanted = f"from {asked.ratio_min:.4g} to {asked.ratio_max:.4g}"
+        raise _NothingFitsError(f"no two pulleys have a ratio {wanted}; {_nearest_ratios(asked, ratio)}")
+    driving, driven = (np.repeat(side[pairs], len(belts)) for side in (driving, driven))
+    belt = np.tile(belts, len(pairs))
+    every = _Ways(driving, driven, belt, centre_distance(driving, driven, asked.pitch, belt))
+    fits = np.flatnonzero(_fits(asked, every))
+    if not len(fits):
+        raise _NothingFitsError(_no_belt(asked, every))
+    return every.on(fits)
+
+
+def _fits(asked: Pulleys, ways: _Ways) -> NDArray[np.bool_]:
+    """Where the shafts can stand as the belt wants them; without a wish, where a new drive should have them."""
+    a, wish = ways.centre_distance, asked.centre_distance
+    least = shortest_recommended(ways.driving, ways.driven, asked.pitch)
+    fits: NDArray[np.bool_] = a >= least if wish is None else np.abs(a - wish) <= asked.adjustable
+    return fits
+
+
+def _nearest_ratios(asked: Pulleys, ratio: Array) -> str:
+    """The next ratios below and above a range that has none, in words."""
+    below, above = ratio[ratio < asked.ratio_min], ratio[ratio > asked.ratio_max]
+    nearest = [*([below.max()] if len(below) else []), *([above.min()] if len(above) else [])]
+    return f"the nearest {'are' if len(nearest) > 1 else 'is'} {' and '.join(f'{one:.4g}' for one in nearest)}"
+
+
+def _no_belt(asked: Pulleys, ways: _Ways) -> str:
+    """That no belt holds the shafts where they are asked for, and which comes nearest."""
+    a, z = ways.centre_distance, np.unique(ways.belt)
+    there_are = f"{len(z)} belts of {z[0]:.0f} to {z[-1]:.0f} teeth"
+    if asked.centre_distance is None or np.isnan(a).all():
+        return f"no belt is long enough for two pulleys of such a ratio; there are {there_are}"
+    row = int(np.nanargmin(np.abs(a - asked.centre_distance)))
+    wanted = f"{_mm(asked.centre_distance)} within {_mm(asked.adjustable)}"
+    pulleys = f"{ways.driven[row]:.0f}:{ways.driving[row]:.0f}"
+    nearest = f"{pulleys} with {ways.belt[row]:.0f} teeth at {show(a[row], 'mm', 'length', 6)}"
+    return f"no belt gives a centre distance of {wanted}; of {there_are} the nearest is {nearest}"
+
+
+def _best_of_each_ratio(asked: Pulleys, ways: _Ways) -> _Ways:
+    """Of each ratio the smallest pulleys that keep enough teeth in mesh, with the belt nearest to what is asked for.
+
+    Where none keeps enough, the one that lacks the fewest; without a centre distance the shortest belt.
+    """
+    held = teeth_in_mesh(ways.driving, ways.driven, asked.pitch, ways.centre_distance)
+    lacking = np.maximum(LEAST_IN_MESH - np.floor(held), 0.0)
+    off = ways.belt if asked.centre_distance is None else np.abs(ways.centre_distance - asked.centre_distance)
+    order = np.lexsort((ways.belt, off, ways.driving, lacking, ways.ratio))
+    first = np.unique(ways.ratio[order], return_index=True)[1]
+    return ways.on(order[first])
+
+
+def _fewer(asked: Pulleys, best: _Ways) -> _Ways:
+    """As many ratios as are searched, spread over the range; where some keep enough teeth in mesh, of those."""
+    held = teeth_in_mesh(best.driving, best.driven, asked.pitch, best.centre_distance)
+    able = best.on(np.flatnonzero(held >= LEAST_IN_MESH)) if (held >= LEAST_IN_MESH).any() else best
+    return able.on(spread(np.log(able.ratio), MOST_RATIOS))
+
+
+def spread(values: Array, most: int) -> NDArray[np.int64]:
+    """Rows of at most so many values that cover their range best: each further one is farthest from those before.
+
+    >>> spread(np.array([0.0, 1.0, 1.1, 4.0, 10.0]), 3).tolist()
+    [0, 3, 4]
+    """
+    if len(values) <= most:
+        return np.arange(len(values))
+    rows = [int(values.argmin()), int(values.argmax())]
+    away = np.minimum(*(np.abs(values - values[row]) for row in rows))
+    while len(rows) < most:
+        rows.append(int(away.argmax()))
+        away = np.minimum(away, np.abs(values - values[rows[-1]]))
+    return np.sort(np.array(rows))
+
+
+def _drive(
+    catalog: Catalog, pulleys: NDArray[Any], belts: NDArray[Any], ways: _Ways, row: int, pitch: float
+) -> BeltDrive:
+    """The parts of one way: pulleys of the belt's maker where there are some."""
+    driving, driven, teeth, distance = (float(column[row]) for column in ways)
+    makers = catalog.pulleys["manufacturer"]
+
+    def chosen(belt: int) -> tuple[tuple[int, str], tuple[int, ...]]:
+        maker = catalog.belts["manufacturer"][belt]
+        both = tuple(_pulley(catalog.pulleys, pulleys, z, maker) for z in (driving, driven))
+        foreign = sum(bool(makers[one] != maker) for one in both)
+        return (foreign, str(catalog.belts["part"][belt])), (*both, belt)
+
+    alike = belts[catalog.belts["teeth"][belts] == teeth]
+    _, (first, second, belt) = min(chosen(int(one)) for one in alike)
+    return BeltDrive(
+        driving=catalog.pulleys.record(first),
+        driven=catalog.pulleys.record(second),
+        belt=catalog.belts.record(belt),
+        centre_distance=distance,
+        teeth_in_mesh=float(teeth_in_mesh(driving, driven, pitch, distance)),
+    )
+
+
+def _pulley(table: Table[Any], rows: NDArray[Any], teeth: float, maker: str) -> int:
+    """The pulley with so many teeth: of the belt's maker, the narrowest that takes it, the first part number."""
+    alike: Iterable[int] = rows[table["teeth"][rows] == teeth].tolist()
+    return min(alike, key=lambda r: (table["manufacturer"][r] != maker, table["width"][r], table["part"][r]))
+
+
+def assumptions(spec: RobotSpec) -> tuple[str, ...]:
+    """What is taken for granted of a belt out of the catalogues, as sentences."""
+    if spec.belt is None or spec.belt.pulleys is None:
+        return ()
+    said = [
+        "how much torque a belt bears is in no catalogue: "
+        + ("only max_tension is checked" if spec.belt.max_tension else "it is not checked; max_tension gives a limit"),
+        "of each belt ratio the smallest pulleys that keep 6 teeth in mesh; their bores are not compared with the "
+        "shafts, their inertia is what the spec gives for the belt",
+    ]
+    if spec.belt.pulleys.centre_distance is None:
+        said.append("no centre distance is given: the shortest belt from 0.2 p (z1 + z2) on is taken")
+    drives, ratios = spec.belt.offer
+    if len(drives) < ratios:
+        said.append(
+            f"the pulleys give {ratios} ratios: {len(drives)} that cover the range best are searched, of those with "
+            "6 teeth in mesh where there are such"
+        )
+    return tuple(said)
+
+
+def _mm(length: float) -> str:
+    return show(length, "mm", "length")

@@ -1,0 +1,143 @@
+"""What makes one set better than another: objectives as columns, the order they give, and the Pareto front."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog, Table
+from drivesizer.errors import InputError, quoted
+from drivesizer.physics.extremes import undominated
+from drivesizer.results.objectives import SUMS
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.spec.select import OBJECTIVES, Weighted
+
+__all__ = ["front", "names_of", "objective_of", "order", "title_of", "values"]
+
+Array = NDArray[np.float64]
+Objective = str | list[Weighted]
+
+
+def objective_of(text: str) -> Objective:
+    """An objective as the command line gives it: a name, or names with weights such as ``mass=2,price=1``.
+
+    Raises
+    ------
+    InputError
+        When a name or a weight is wrong.
+    """
+    parts = [part.partition("=") for part in text.split(",")]
+    for name, _, _ in parts:
+        if name.strip() not in OBJECTIVES:
+            raise InputError(f"objective {quoted(name.strip())} is not known; expected {', '.join(OBJECTIVES)}")
+    if len(parts) == 1 and not parts[0][1]:
+        return parts[0][0].strip()
+    found = []
+    for name, equals, weight in parts:
+        try:
+            value = float(weight) if equals else 1.0
+        except ValueError:
+            value = np.nan
+        if not 0.0 < value < np.inf:
+            raise InputError(f"objective {quoted(name)}: weight {quoted(weight)} is not a number above 0, e.g. mass=2")
+        found.append(Weighted.model_validate({"objective": name.strip(), "weight": value}))
+    return found
+
+
+def names_of(objective: Objective) -> list[str]:
+    """The objectives that are counted."""
+    return [objective] if isinstance(objective, str) else [part.objective for part in objective]
+
+
+def title_of(objective: Objective) -> str:
+    """An objective in a word or a line.
+
+    >>> title_of("mass"), title_of(objective_of("mass=2,price=1"))
+    ('mass', '2 mass + 1 price')
+    """
+    if isinstance(objective, str):
+        return objective
+    return " + ".join(f"{part.weight:g} {part.objective}" for part in objective)
+
+
+def values(
+    catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: Objective
+) -> tuple[Array, NDArray[np.int64]]:
+    """An objective of each set, less is better, and of how many parts it is unknown.
+
+    Parameters
+    ----------
+    catalog
+        The parts.
+    sets
+        Candidates.
+    figures
+        Their energy [J], peak current [A], winding temperature [K] and smallest margin, as far as objectives ask.
+    objective
+        One, or several with weights: then shares of the best value that any of the sets has are summed.
+    """
+    if isinstance(objective, str):
+        return _single(catalog, sets, figures, objective)
+    total, missing = np.zeros(len(sets.motor)), np.zeros(len(sets.motor), np.int64)
+    for part in objective:
+        value, lacking = _single(catalog, sets, figures, part.objective)
+        value = 1.0 / np.maximum(1.0 - value, 1e-9) if part.objective == "margin" else value
+        known = value[lacking == 0]
+        least = known.min() if known.size else 1.0
+        total += part.weight * value / (least if least > 0.0 else 1.0)
+        missing += lacking
+    return total, missing
+
+
+def _single(
+    catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name: str
+) -> tuple[Array, NDArray[np.int64]]:
+    if name not in SUMS:
+        value = np.where(np.isinf(figures["margin"]), np.nan, -figures["margin"]) if name == "margin" else figures[name]
+        return np.nan_to_num(value, nan=0.0), np.isnan(value).astype(np.int64)
+    figure, over = SUMS[name]
+    tables: dict[str, Table[Any]] = {"motor": catalog.motors, "gearhead": catalog.gearheads}
+    found = np.array([tables[part][figure][getattr(sets, part)] for part in over])
+    return np.nansum(found, 0), np.isnan(found).sum(0)
+
+
+def order(
+    catalog: Catalog, sets: Candidates, value: Array, missing: NDArray[np.int64], before: Sequence[NDArray[Any]] = ()
+) -> NDArray[np.int64]:
+    """Sets from best to worst.
+
+    An objective that is known of all parts goes before one that is not, then the better one, then part numbers: the
+    same input gives the same order. ``before``: columns that go before all of that, the first one first.
+    """
+    return np.lexsort((
+        sets.belt,
+        _alphabetical(catalog.gearheads)[sets.gearhead],
+        _alphabetical(catalog.motors)[sets.motor],
+        value,
+        missing,
+        *reversed(before),
+    )).astype(np.int64)  # fmt: skip
+
+
+def _alphabetical(table: Table[Any]) -> NDArray[np.int64]:
+    """Place of each row by part number."""
+    place = np.empty(len(table), np.int64)
+    place[np.argsort(table["part"], kind="stable")] = np.arange(len(table))
+    return place
+
+
+def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], names: Sequence[str]) -> NDArray[np.int64]:
+    """Sets that no other set equals or beats in every one of several objectives, in order of the first.
+
+    Sets of which one of the objectives is not wholly known are left out.
+    """
+    columns = [_single(catalog, sets, figures, name) for name in names]
+    known = np.flatnonzero(sum(missing for _, missing in columns) == 0)
+    values_ = np.stack([value[known] for value, _ in columns], axis=1)
+    ordered = order(catalog, sets.on(known), values_[:, 0], np.zeros(len(known), np.int64))
+    best = ordered[np.sort(undominated(-values_[ordered]))]
+    found: NDArray[np.int64] = known[best]
+    return found

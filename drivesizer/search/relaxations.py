@@ -1,0 +1,197 @@
+"""How far one figure of a spec must move until a set passes: found by search, to one per cent.
+
+For a set that fails, and for a whole search in which nothing stands. Each figure moves alone, in all load cases alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drivesizer.catalog import Catalog
+from drivesizer.results.drive_set import DriveSet, Relaxation
+from drivesizer.search.columns.candidates import Candidates, candidates
+from drivesizer.search.columns.evaluation import evaluate
+from drivesizer.search.machine_filter import best_in_machine, stands
+from drivesizer.search.set_record import drive_set
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import Choice
+from drivesizer.units import show
+
+__all__ = ["changes_for", "relaxations"]
+
+_STEPS = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)  # times
+_NEAR_ENOUGH = 1.01
+_COLDEST = 100.0  # K below what is given
+
+
+class _Figure(NamedTuple):
+    """A figure that may move."""
+
+    path: tuple[str, ...]
+    kind: str
+    unit: str
+    direction: int  # +1 when more helps
+    rotary: tuple[str, str] | None = None  # kind and unit where the load turns
+
+
+_FIGURES = (
+    _Figure(("motion", "speed"), "speed", "m/s", -1, ("rotary_speed", "rpm")),
+    _Figure(("motion", "acceleration_time"), "time", "s", +1),
+    _Figure(("motion", "acceleration"), "acceleration", "m/s^2", -1, ("angular_acceleration", "rad/s^2")),
+    _Figure(("motion", "time"), "time", "s", +1),
+    _Figure(("motion", "period"), "time", "s", +1),
+    _Figure(("motion", "rest_time"), "time", "s", +1),
+    _Figure(("load", "mass"), "mass", "kg", -1),
+    _Figure(("load", "inertia"), "inertia", "kg*m^2", -1),
+    _Figure(("supply", "nominal"), "voltage", "V", +1),
+    _Figure(("supply", "current"), "current", "A", +1),
+    _Figure(("supply", "power"), "power", "W", +1),
+    _Figure(("supply", "capacitance"), "capacitance", "mF", +1),
+    _Figure(("needs", "backlash_at_load"), "angle", "deg", +1),
+    _Figure(("needs", "resolution_at_load"), "angle", "deg", +1),
+    _Figure(("needs", "inertia_ratio"), "dimensionless", "1", +1),
+    _Figure(("needs", "resonance"), "frequency", "Hz", -1),
+    _Figure(("needs", "diameter"), "length", "mm", +1),
+    _Figure(("needs", "length"), "length", "mm", +1),
+    _Figure(("needs", "mass"), "mass", "g", +1),
+    _Figure(("needs", "price"), "price", "EUR", +1),
+)
+_AMBIENT = ("environment", "ambient")
+
+
+def relaxations(spec: RobotSpec, catalog: Catalog) -> tuple[Relaxation, ...]:
+    """What would let a set stand where none does, the least change first."""
+    if not len(candidates(spec, catalog).motor):
+        return ()
+
+    def best(changed: RobotSpec) -> str | None:
+        found = best_in_machine(changed, catalog, spec.select.objective)
+        return found.label if found else None
+
+    return tuple(_found(spec, best))
+
+
+def changes_for(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> tuple[Relaxation, ...]:
+    """What would let a set pass that fails, the least change first; another reduction of its family is one of them."""
+    motor, gearhead = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
+    only = Candidates(np.array([motor]), np.array([gearhead]), np.array([one.belt_ratio]), np.array([True]))
+
+    def passes(changed: RobotSpec) -> str | None:
+        found = evaluate(changed, catalog, only)
+        good = not found.failed[0] and stands(changed, catalog, drive_set(found, 0, 1, changed.select.objective))
+        return one.label if good else None
+
+    if spec.method == "paper":  # its rule looks at the other reductions of the family: those come along
+        return tuple(_other_reductions(spec, catalog, one))
+    return (*_other_reductions(spec, catalog, one), *_found(spec, passes))
+
+
+def _other_reductions(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> Iterator[Relaxation]:
+    """The nearest reduction of the same family that passes with the same motor and belt; not of an actuator."""
+    if one.actuator:
+        return
+    fixed = {"motor": Choice(part=[one.motor.part]), "gearhead": Choice(family=[one.gearhead.family])}
+    narrowed = spec.model_copy(update={"select": spec.select.model_copy(update=fixed)})
+    given = candidates(narrowed, catalog)
+    if not len(given.motor):
+        return
+    failed = evaluate(narrowed, catalog, given).failed
+    ratio = catalog.gearheads["ratio"][given.gearhead]
+    rows = np.flatnonzero(~failed & (given.belt == one.belt_ratio))
+    if len(rows):
+        row = rows[np.abs(np.log(ratio[rows] / one.gearhead.ratio)).argmin()]
+        other = catalog.gearheads.record(int(given.gearhead[row]))
+        label = one.label.replace(f"{one.gearhead.reduction} {one.gearhead.part}", f"{other.reduction} {other.part}")
+        share = abs(other.ratio / one.gearhead.ratio - 1.0)
+        yield Relaxation(
+            field="gearhead",
+            now=one.gearhead.reduction,
+            needed=f"{other.reduction} {other.part}".strip(),
+            set_label=label,
+            share=share,
+            kind="dimensionless",
+            unit="1",
+            before=one.gearhead.ratio,
+            after=other.ratio,
+        )
+
+
+def _found(spec: RobotSpec, passes: Callable[[RobotSpec], str | None]) -> list[Relaxation]:
+    """Each figure that helps when it moves alone."""
+    found = [*_scaled(spec, passes), *_cooler(spec, passes)]
+    return sorted(found, key=lambda r: (r.share, r.field))
+
+
+def _scaled(spec: RobotSpec, passes: Callable[[RobotSpec], str | None]) -> Iterator[Relaxation]:
+    turns = spec.load.axis == "rotary"
+    for figure in _FIGURES:
+        now = _value(spec, figure.path)
+        if not isinstance(now, float) or now == 0.0:
+            continue
+        factor = _least_change(lambda f, at=figure.path: passes(_changed(spec, at, f)), figure.direction)  # type: ignore[misc]
+        if factor is not None:
+            kind, unit = figure.rotary if turns and figure.rotary else (figure.kind, figure.unit)
+            yield Relaxation(
+                field=".".join(figure.path), now=show(now, unit, kind), needed=show(now * factor, unit, kind, 3),
+                set_label=passes(_changed(spec, figure.path, factor)) or "", share=abs(factor - 1.0),
+                kind=kind, unit=unit, before=now, after=now * factor,
+            )  # fmt: skip
+
+
+def _cooler(spec: RobotSpec, passes: Callable[[RobotSpec], str | None]) -> Iterator[Relaxation]:
+    """The ambient, which moves by kelvins."""
+    now = spec.environment.ambient
+
+    def at(fall: float) -> RobotSpec:
+        return _changed(spec, _AMBIENT, 1.0 - fall / now)
+
+    if not passes(at(_COLDEST)):
+        return
+    low, high = 0.0, _COLDEST
+    while high - low > 1.0:
+        middle = (low + high) / 2
+        low, high = (low, middle) if passes(at(middle)) else (middle, high)
+    yield Relaxation(
+        field=".".join(_AMBIENT), now=show(now, "degC", "temperature"),
+        needed=show(now - high, "degC", "temperature", 3), set_label=passes(at(high)) or "", share=high / now,
+        kind="temperature", unit="degC", before=now, after=now - high,
+    )  # fmt: skip
+
+
+def _value(spec: RobotSpec, path: tuple[str, ...]) -> Any:
+    found: Any = spec
+    for name in path:
+        found = getattr(found, name, None)
+    return found
+
+
+def _changed(spec: RobotSpec, path: tuple[str, ...], factor: float) -> RobotSpec:
+    """The spec and its cases with one figure times a factor; of the supply all voltages move together."""
+    section = getattr(spec, path[0])
+    names = ("nominal", "min", "max") if path == ("supply", "nominal") else path[1:]
+    update = {name: getattr(section, name) * factor for name in names if getattr(section, name, None) is not None}
+    changed = spec.model_copy(update={path[0]: section.model_copy(update=update)})
+    changed._cases = tuple((name, _changed(case, path, factor)) for name, case in spec._cases)
+    return changed
+
+
+def _least_change(passes: Callable[[float], Any], direction: int) -> float | None:
+    """The factor nearest to 1 at which something passes, between 1 and 1/20 or 20; None when nothing there does.
+
+    Looked for in steps first: more is not always better, as when a voltage outgrows the controllers.
+    """
+    near = 1.0
+    for step in _STEPS:
+        far = step**direction
+        if passes(far):
+            break
+        near = far
+    else:
+        return None
+    while max(far / near, near / far) > _NEAR_ENOUGH:
+        middle = float(np.sqrt(near * far))
+        near, far = (near, middle) if passes(middle) else (middle, far)
+    return far

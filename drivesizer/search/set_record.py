@@ -1,0 +1,153 @@
+"""One candidate as a record: parts, sums, requirements and checks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
+from drivesizer.physics.motor_demand import AT_REST
+from drivesizer.physics.overload import State, cold, overload_time
+from drivesizer.physics.thermal import two_bodies
+from drivesizer.physics.waveform import Wave, longest_above, share_above
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.objectives import SUMS
+from drivesizer.results.sizing import Figure
+from drivesizer.search import ranking
+from drivesizer.search.columns.evaluation import Evaluation
+from drivesizer.search.columns.problem import quickest_winding
+from drivesizer.search.ranking import Objective
+from drivesizer.search.search import smallest_margin
+
+__all__ = ["drive_set"]
+
+
+def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objective) -> DriveSet:
+    """One row of an evaluation as a record."""
+    catalog, given, belt = evaluation.catalog, evaluation.candidates, evaluation.spec.belt
+    motor = catalog.motors.record(int(given.motor[index]))
+    gearhead = catalog.gearheads.record(int(given.gearhead[index]))
+    encoder, controller = int(evaluation.encoder[index]), int(evaluation.controller[index])
+    mass, mass_of = _summed({"motor": motor, "gearhead": gearhead}, "mass", ("motor", "gearhead"))
+    value, value_of = _objective(evaluation, index, objective, motor, gearhead)
+    return DriveSet(
+        rank=rank,
+        status="fail" if evaluation.failed[index] else "unknown" if evaluation.unknown[index] else "pass",
+        motor=motor,
+        gearhead=gearhead,
+        encoder=catalog.encoders.record(encoder) if encoder >= 0 else None,
+        controller=catalog.controllers.record(controller) if controller >= 0 else None,
+        belt_ratio=float(given.belt[index]),
+        belt_efficiency=evaluation.spec.belt_efficiency,
+        belt_drive=belt.drive(float(given.belt[index])) if belt else None,
+        total_ratio=float(gearhead.ratio * given.belt[index]),
+        mass=mass,
+        mass_of=mass_of,
+        objective=value,
+        objective_of=value_of,
+        requirements=tuple(r.at(index) for r in evaluation.shaft.values()),
+        checks=evaluation.checks_of(index),
+        figures=_figures(evaluation, index, motor, gearhead, controller) if evaluation.figures else (),
+        actuator=catalog.actuators.record(catalog.actuators.rows[motor.inside]) if motor.inside else None,
+        quickest=quickest_winding(catalog),
+    )
+
+
+def _summed(parts: dict[str, Any], figure: str, over: tuple[str, ...]) -> tuple[float, tuple[str, ...]]:
+    """The sum of what is known, and of which parts; unknown where no part of it is that there is."""
+    if parts["motor"].inside:  # whose figures are those of the whole actuator
+        value = getattr(parts["motor"], figure)
+        return value, () if math.isnan(value) else ("actuator",)
+    known = {p: getattr(parts[p], figure) for p in over if not math.isnan(getattr(parts[p], figure))}
+    if all(parts[p].part == DIRECT for p in known):
+        return math.nan, ()
+    return sum(known.values()), tuple(known)
+
+
+def _objective(
+    evaluation: Evaluation, index: int, objective: Objective, motor: Motor, gearhead: Gearhead
+) -> tuple[float, tuple[str, ...]]:
+    """What it is ranked by, as it is shown: the margin itself, not what makes less of it better."""
+    if objective == "margin":
+        least = float(smallest_margin(evaluation.checks)[index])
+        return (math.nan if math.isinf(least) else least), ("smallest margin of all checks",)
+    if not isinstance(objective, str):
+        figures = dict(evaluation.figures) | {"margin": smallest_margin(evaluation.checks)}
+        value, missing = ranking.values(evaluation.catalog, evaluation.candidates, figures, objective)
+        lacking = f", {missing[index]} figures unknown" if missing[index] else ""
+        return math.nan if missing[index] else float(value[index]), (
+            f"shares of the best shown: {ranking.title_of(objective)}{lacking}",
+        )
+    if objective in SUMS:
+        return _summed({"motor": motor, "gearhead": gearhead}, *SUMS[objective])
+    return float(evaluation.figures[objective][index]), (_COUNTED[objective],)
+
+
+_COUNTED = {
+    "energy": "all motor sets, per cycle",
+    "joule_heat": "of the motor's winding, mean",
+    "peak_current": "the motor's, in the worst case",
+    "winding_temperature": "peak over the periodic cycle, in the worst case",
+}
+_TABLE = (
+    ("energy", "Energy per cycle, all motor sets", "energy", "J"),
+    ("returned", "Energy that comes back per cycle", "energy", "J"),
+    ("power", "Largest supply power, all motor sets", "power", "W"),
+    ("joule_heat", "Heat of the winding, mean", "power", "W"),
+    ("peak_current", "Largest motor current", "current", "A"),
+    ("winding_temperature", "Winding temperature, peak", "temperature", "degC"),
+)
+
+
+def _figures(evaluation: Evaluation, index: int, motor: Motor, gearhead: Gearhead, row: int) -> tuple[Figure, ...]:
+    """What a set does that has no limit of its own, and what to set on its controller."""
+    values = {name: float(column[index]) for name, column in evaluation.figures.items()}
+    found = [Figure(name=n, title=t, value=values[n], kind=k, unit=u) for n, t, k, u in _TABLE]
+    if row < 0:
+        return tuple(found)
+    controller = evaluation.catalog.controllers.record(row)
+    at_gear = gearhead.intermittent_torque / (gearhead.ratio * gearhead.efficiency * motor.torque_constant)
+    limit = min(controller.peak_current, at_gear) if at_gear == at_gear else controller.peak_current
+    title = "Current limit to set" + (": no jam overloads the gearhead" if gearhead.kind != DIRECT else "")
+    found.append(Figure(name="current_limit", title=title, value=limit, kind="current", unit="A"))
+    return (
+        *found,
+        *_gearhead_overload(evaluation, index, gearhead),
+        *_overloads(evaluation, values, motor, controller),
+    )
+
+
+def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:
+    """How long and how often the gearhead is above its continuous torque, in the first load case that is."""
+    limit = np.array([gearhead.continuous_torque])
+    for base in evaluation.asked.bases if evaluation.asked else ():
+        torque = base.functions[None, :, :, : AT_REST + 1].sum(axis=3) / evaluation.candidates.belt[index]
+        found = Wave(base.cycle.duration, torque, torque)
+        longest = float(longest_above(found, limit)[0])
+        if longest > 0.0:
+            share = float(share_above(found, limit)[0])
+            title = "Gearhead above its continuous torque"
+            return [
+                Figure(name="gearhead_overload", title=f"{title}, on end", value=longest, kind="time", unit="s"),
+                Figure(name="gearhead_overload_share", title=f"{title}, share of the cycle", value=share,
+                       kind="dimensionless", unit="%"),
+            ]  # fmt: skip
+    return []
+
+
+def _overloads(evaluation: Evaluation, values: dict[str, float], motor: Motor, controller: Controller) -> list[Figure]:
+    """How long the motor bears the controller's peak current, cold, and with housing and winding as warm as it gets."""
+    bodies = two_bodies(asdict(motor))
+    ambient, current = evaluation.spec.environment.ambient, controller.peak_current
+    warm = values["winding_temperature"]
+    starts = {"cold": cold(ambient), "warm": State(warm, warm)}
+    return [
+        Figure(
+            name=f"overload_time_{name}", title=f"Time at the controller's peak current, {name}",
+            value=overload_time(bodies, ambient, start, motor.max_winding_temperature, current), kind="time", unit="s",
+        )
+        for name, start in starts.items()
+    ]  # fmt: skip

@@ -1,0 +1,203 @@
+"""From a spec to the sets that stand: at its own mass, with its pulleys, by search, in its machine, surely enough.
+
+What ``sizing`` tells in full and ``study`` once for each variant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from drivesizer.catalog import DIRECT, Catalog
+from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.loads.platform_wheels import on_wheels
+from drivesizer.machine.budgets import check_battery, of_the_platform
+from drivesizer.machine.platform_budget import MechanicalBudget
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.reliability import Uncertainty
+from drivesizer.search import pulleys
+from drivesizer.search.both_methods import with_both_methods
+from drivesizer.search.columns.controllers import offered_buses, offers
+from drivesizer.search.columns.stages import problem
+from drivesizer.search.machine_filter import Weigh, divided, in_machine, weighing
+from drivesizer.search.own_mass import at_its_own_mass
+from drivesizer.search.ranking import Objective, names_of
+from drivesizer.search.search import Found, Progress, search
+from drivesizer.search.set_record import drive_set
+from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, asked
+from drivesizer.spec.robot import RobotSpec
+
+if TYPE_CHECKING:
+    from drivesizer.search.uncertainty.run import Judged
+
+__all__ = ["Shortlist", "shortlist"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shortlist:
+    """Sets by their rows in what the search found."""
+
+    spec: RobotSpec  # as it was sized: wheels of a platform as load cases, pulleys known
+    found: Found
+    machine: MechanicalBudget | None  # what is the same for every set
+    weigh: Weigh  # makes records of sets in their machine
+    best: dict[int, DriveSet]  # that stand, in order
+    short: dict[int, DriveSet]  # that would, but for a budget of the machine
+    unsure: dict[int, DriveSet]  # that would, but less surely than asked for; the surest first
+    uncertainty: Uncertainty | None  # None: nothing was sampled
+    weighed: tuple[str, ...]  # how the machine's own mass was found
+
+    @property
+    def fallen(self) -> Iterable[int]:
+        """Rows of the nearest that no check lets stand, in order."""
+        evaluation = self.found.evaluation
+        rows = range(self.found.standing, len(evaluation.candidates.motor))
+        failed = evaluation.failed if rows else ()
+        return (row for row in rows if failed[row])
+
+
+def shortlist(
+    spec: RobotSpec,
+    catalog: Catalog,
+    objective: Objective,
+    top: int,
+    *,
+    misses: int = 3,
+    pareto: tuple[str, ...] = (),
+    progress: Progress | None = None,
+    sampling: Sampling | None = None,
+    brief: bool = False,
+) -> Shortlist:
+    """The best sets of a spec, and those that came close.
+
+    Parameters
+    ----------
+    spec
+        The machine, as it was read.
+    catalog
+        Parts to choose from, actuators taken apart and gearheads on every shaft.
+    objective
+        What ranks the sets.
+    top
+        How many to give.
+    misses
+        How many of the nearest that fell to evaluate as well; ``top`` where nothing stands.
+    pareto
+        Objectives of which the front is wanted too.
+    progress
+        Called with the sets that are examined and all there are, a chunk at a time.
+    sampling
+        How sets are sampled; as the spec says when not given.
+    brief
+        Of what is sampled the probabilities alone: not what they hang on, nor the closed loop.
+
+    Raises
+    ------
+    InputError
+        When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
+        another method.
+    """
+    spec, weighed = at_its_own_mass(spec, catalog, objective)
+    spec = pulleys.with_pulleys(on_wheels(spec), catalog)
+    _known_choices(spec, catalog)
+    check_battery(spec, catalog)
+    _known_to(spec, {*names_of(objective), *pareto})
+    sampling = sampling or asked(spec)
+    pool = POOL if sampling and sampling.confidence is not None else 0
+    machine, asked_of = of_the_platform(spec.whole), cache(lambda: problem(spec, catalog))
+    weigh = weighing(spec, machine, objective)
+    judge = in_machine(spec, machine, asked_of, weigh)
+    found = search(
+        spec, catalog, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress,
+        given=asked_of() if spec.method == "physics" else None, judge=judge,
+    )  # fmt: skip
+    rows: Sequence[int] = range(found.standing)
+    sure = _judged(found, spec, catalog, objective, rows[:pool], sampling) if sampling and pool else None
+    best, _ = divided(found, spec, weigh, top, sure.good if sure else rows)
+    short = divided(found, spec, weigh, top, found.short)[1]
+    if sampling and not sure and best:
+        sure = _judged(found, spec, catalog, objective, [*best], sampling)
+    unsure = divided(found, spec, weigh, top, sure.bad)[0] if sure else {}
+    return Shortlist(
+        spec=spec,
+        found=found,
+        machine=machine,
+        weigh=weigh,
+        best=_told(sure, catalog, best, FINALISTS, brief),
+        short=short,
+        unsure=_told(sure, catalog, unsure, 0, brief),
+        uncertainty=_uncertainty(sure),
+        weighed=weighed,
+    )
+
+
+def _judged(
+    found: Found, spec: RobotSpec, catalog: Catalog, objective: Objective, rows: Sequence[int], how: Sampling
+) -> Judged:
+    """Some sets over samples, with their checks by physics whatever the method."""
+    from drivesizer.search.uncertainty.run import (  # where nothing is sampled it need not load
+        judged,
+        subject,
+        subject_of,
+    )
+
+    if spec.method == "physics":
+        subjects = {row: subject(found.evaluation, row) for row in rows}
+    else:
+        records = with_both_methods(spec, catalog, [drive_set(found.evaluation, row, 0, objective) for row in rows])
+        subjects = {row: subject_of(catalog, one) for row, one in zip(rows, records, strict=True)}
+    return judged(spec, catalog, subjects, how)
+
+
+def _told(
+    sure: Judged | None, catalog: Catalog, sets: dict[int, DriveSet], finalists: int, brief: bool
+) -> dict[int, DriveSet]:
+    """Sets with how sure they are, the first of them in closed loop as well."""
+    if sure is None:
+        return sets
+    from drivesizer.search.uncertainty.run import told
+
+    if brief:
+        return {row: replace(one, reliability=sure.found[row][1].reliability) for row, one in sets.items()}
+    return told(sure, catalog, sets, [*sets][:finalists])
+
+
+def _uncertainty(sure: Judged | None) -> Uncertainty | None:
+    """What all sets have in common."""
+    if sure is None:
+        return None
+    from drivesizer.search.uncertainty.run import uncertainty
+
+    return uncertainty(sure)
+
+
+def _known_to(spec: RobotSpec, names: set[str]) -> None:
+    """Refuse objectives that the paper's method does not compute."""
+    foreign = sorted(names & {"energy", "joule_heat", "peak_current", "winding_temperature"})
+    if spec.method == "paper" and foreign:
+        raise InputError(f"objective {foreign[0]}: the paper's method does not compute it; expected method: physics")
+
+
+def _known_choices(spec: RobotSpec, catalog: Catalog) -> None:
+    """Refuse a family or part that no catalogue has: a misspelling would silently find nothing."""
+    none = catalog.gearheads.rows[DIRECT]
+    unlisted = not spec.is_direct and not np.any(catalog.motor_gearhead.right == none)
+    for section in ("motor", "gearhead", "encoder", "controller"):
+        choice, table = getattr(spec.select, section), catalog.table(f"{section}s")
+        for key, wanted in (("family", choice.family or []), ("part", choice.part or [])):
+            known = set(table[key].tolist()) - ({DIRECT} if unlisted else set())
+            for name in wanted:
+                if name not in known:
+                    where = spec.where(("select", section, key))
+                    hint = "; expected transmission: [{kind: direct}]" if name == DIRECT else nearest(name, known)
+                    raise InputError(f"{where}: {quoted(name)} is in no catalogue that the spec names{hint}")
+    bus, buses = spec.select.controller.bus, offered_buses(catalog.controllers)
+    if bus and not any(offers(b, bus) for b in buses):
+        where = spec.where(("select", "controller", "bus"))
+        raise InputError(
+            f"{where}: no controller has the bus {quoted(bus)}; expected one of {', '.join(sorted(buses))}"
+        )

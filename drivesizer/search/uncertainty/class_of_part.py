@@ -1,0 +1,65 @@
+"""Which class holds for a part's figure: the spec's, else its maker's, else the default one.
+
+Sets of several makers are compared in one sizing, so a class may be of one maker's parts alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from drivesizer.catalog import DIRECT, Catalog
+from drivesizer.catalog.maker_tolerances import Stated, stated_of, whose
+from drivesizer.catalog.tolerances.classes import CLASSES, Class, class_of, classes
+
+__all__ = ["holding", "holding_of_a_set", "used"]
+
+_SECTIONS = {"motor": "motors", "gearhead": "gearheads"}
+Given = Mapping[tuple[str, str], str]
+
+
+def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class, ...]:
+    """The classes of one part's figures, one a figure; none of a gearhead that is not there.
+
+    Parameters
+    ----------
+    catalog
+        The parts, and what their makers say.
+    given
+        What a spec puts in place of any other, by part and figure.
+    part, row
+        motor or gearhead, and its row.
+    """
+    table = catalog.table(_SECTIONS[part])
+    if row < 0 or table["part"][row] == DIRECT:
+        return ()
+    stated = stated_of(catalog.tolerances, part, str(table["manufacturer"][row]), str(table["family"][row]))
+    found = []
+    for default in classes(given):
+        if default.part == part:
+            mine = stated.get(default.figure)
+            own = mine is not None and (part, default.figure) not in given
+            found.append(_of_a_maker(catalog, mine) if own and mine else default)
+    return tuple(found)
+
+
+def _of_a_maker(catalog: Catalog, one: Stated) -> Class:
+    source = catalog.sources[one.source]
+    sure = "" if source.confidence == "quoted" else source.confidence
+    date = "" if source.date in source.document else source.date
+    why = ", ".join(text for text in (f"{one.maker}: {source.document}", date, sure) if text)
+    return class_of(one.part, one.figure, one.tolerance, why, whose(catalog.tolerances, one))
+
+
+def holding_of_a_set(catalog: Catalog, given: Given, motor: int, gearhead: int) -> tuple[Class, ...]:
+    """The classes of the figures of a motor and its gearhead, by their rows."""
+    return holding(catalog, given, "motor", motor) + holding(catalog, given, "gearhead", gearhead)
+
+
+def used(catalog: Catalog, given: Given, rows: Iterable[tuple[int, int]]) -> tuple[Class, ...]:
+    """The classes that hold for any of some motors and gearheads, each once, in a fixed order.
+
+    The order is that of the figures, the default class of each first, then the makers' by name.
+    """
+    found = {one for pair in dict.fromkeys(rows) for one in holding_of_a_set(catalog, given, *pair)}
+    order = {key: place for place, key in enumerate(CLASSES)}
+    return tuple(sorted(found, key=lambda one: (order[one.part, one.figure], one.whose, one.text, one.why)))

@@ -1,0 +1,255 @@
+"""Samples made ready: each load case with columns in place of figures, and the load cycles of all samples."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache, partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.files.yaml_source import Path_
+from drivesizer.loads import load_cycle
+from drivesizer.loads.platform_wheels import cycles_of as wheels_of
+from drivesizer.loads.platform_wheels import dynamics_of, trajectory_of
+from drivesizer.loads.wheel import WheelLoad, machine_cases, wheel_load
+from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.search.uncertainty.sampled_battery import Feeding, feeding
+from drivesizer.search.uncertainty.sampled_checks import Block
+from drivesizer.search.uncertainty.sampled_cycle import AtSamples, at_samples
+from drivesizer.search.uncertainty.sampled_load_cycles import Cycles, cycles_of
+from drivesizer.search.uncertainty.sampling import first_of_each
+from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["Prepared", "blocks", "prepared", "unused"]
+
+Array = NDArray[np.float64]
+_CELLS = 400_000  # segments times samples of a block
+_ROWS = 16_384  # samples of a block, at most
+
+
+class _Case(NamedTuple):
+    """One load case, or one wheel of a platform in it."""
+
+    machine: int  # which of the load cases of the whole machine
+    spec: RobotSpec  # as it is sized
+    paths: dict[int, Path_]  # of the assumptions that count in it, by number
+    cycles: Cycles  # of each sample, or one for all
+
+
+class Prepared(NamedTuple):
+    """All that the sets have in common."""
+
+    spec: RobotSpec
+    given: tuple[Assumption, ...]
+    values: Array  # (samples, assumptions); fewer than were drawn where load cycles are long
+    cases: tuple[_Case, ...]
+
+    @property
+    def fitted(self) -> float:
+        """Largest error of the load cycles, of their largest value."""
+        return max(case.cycles.fitted for case in self.cases)
+
+    @property
+    def cells(self) -> int:
+        """Segments times samples, of all load cases."""
+        return sum(len(case.cycles.duration) * len(self.values) for case in self.cases)
+
+
+def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array, *, every: bool = False) -> Prepared:
+    """Samples of a spec, with their load cycles.
+
+    Parameters
+    ----------
+    spec
+        As it is sized: platforms taken apart into wheels, pulleys known.
+    given
+        All that is uncertain.
+    values
+        (samples, assumptions) [SI].
+    every
+        The load cycle of each by itself, and all of them; else fewer where the cycles are long.
+    """
+    cases = []
+    for machine, case, paths, make in _cases(spec, given):
+        own = sorted(paths)
+        nominal = np.array([given[k].nominal for k in own])
+        cycles = cycles_of(partial(_made, make, own), nominal, values[:, own], every=every)
+        cases.append(_Case(machine, case, paths, cycles))
+    fewest = min((case.cycles.size for case in cases if case.cycles.size > 1), default=len(values))
+    if fewest == len(values):
+        return Prepared(spec, tuple(given), values, tuple(cases))
+    rows = first_of_each(fewest, len(values))
+    return Prepared(spec, tuple(given), values[rows], tuple(_fewer(case, fewest) for case in cases))
+
+
+def _fewer(case: _Case, samples: int) -> _Case:
+    """A case with as many samples."""
+    size = case.cycles.size
+    return case if size in (1, samples) else case._replace(cycles=_some(case.cycles, first_of_each(samples, size)))
+
+
+Make = Callable[[Mapping[int, float]], LoadCycle]  # the load cycle at values of assumptions, by their number
+Wheels = Callable[[tuple[float, ...]], tuple[LoadCycle, ...]]  # those of all wheels, at values in the same order
+
+
+def _made(make: Make, own: Sequence[int], values: Array) -> LoadCycle:
+    """A load cycle at values of the assumptions that count in it."""
+    return make(dict(zip(own, values.tolist(), strict=True)))
+
+
+def _cases(spec: RobotSpec, given: Sequence[Assumption]) -> Iterator[tuple[int, RobotSpec, dict[int, Path_], Make]]:
+    """Every load case, of a platform on its way every driven wheel, for what is off need not be the same for all.
+
+    Which case of the machine it is, the spec as it is sized, the assumptions that count, and what makes the cycle.
+    """
+    cases, whole = spec.load_cases, spec.whole
+    for machine, (_, numbers) in enumerate(machine_cases((name, case.load) for name, case in cases)):
+        paths = case_paths(whole, machine - 1 if machine else None)
+        case = cases[numbers[0]][1]
+        if isinstance(case.load, WheelLoad):
+            every = _every_wheel(whole.load_cases[machine][1], paths, given)
+            for number in numbers:
+                for one in _one_by_one(cases[number][1]):
+                    yield machine, one, paths, partial(_of_wheel, every, one)
+        else:
+            yield machine, case, paths, partial(_of_case, case, paths, given)
+
+
+def _of_case(
+    case: RobotSpec, paths: dict[int, Path_], given: Sequence[Assumption], at: Mapping[int, float]
+) -> LoadCycle:
+    return load_cycle(applied(case, _moves(paths, at, given)))
+
+
+def _one_by_one(case: RobotSpec) -> Iterator[RobotSpec]:
+    """The wheels of a load case that are alike at nominal figures."""
+    load = case.load
+    assert isinstance(load, WheelLoad)
+    for number in load.numbers:
+        alone = wheel_load(load.cycle, load.motors, [number], load.way, load.of, load.rolling_torque)
+        yield case.model_copy(update={"load": alone})
+
+
+def _of_wheel(every: Wheels, case: RobotSpec, at: Mapping[int, float]) -> LoadCycle:
+    """The load cycle of one wheel, its belt's inertia included."""
+    load = case.load
+    assert isinstance(load, WheelLoad)
+    cycle = every(tuple(at[k] for k in sorted(at)))[load.numbers[0]]
+    moved = wheel_load(cycle, load.motors, load.numbers, load.way, load.of, load.rolling_torque)
+    return load_cycle(case.model_copy(update={"load": moved}))
+
+
+def _every_wheel(part: RobotSpec, paths: dict[int, Path_], given: Sequence[Assumption]) -> Wheels:
+    """The load cycles of all wheels at values of the assumptions that count, in their order; each computed once."""
+    moving = any(path[0] == "motion" or path[:2] == ("platform", "limits") for path in paths.values())
+    nominal = trajectory_of(part)
+
+    @cache
+    def every(values: tuple[float, ...]) -> tuple[LoadCycle, ...]:
+        moved = applied(part, _moves(paths, dict(zip(sorted(paths), values, strict=True)), given))
+        way = trajectory_of(moved) if moving else nominal
+        assert way is not None
+        return wheels_of(moved, dynamics_of(moved), way)
+
+    return every
+
+
+def _moves(paths: Mapping[int, Path_], values: Mapping[int, float], given: Sequence[Assumption]) -> dict[Path_, float]:
+    """By how much figures move, by their place."""
+    moved = {paths[k]: value - given[k].nominal for k, value in values.items() if k in paths}
+    return {path: difference for path, difference in moved.items() if difference}
+
+
+def unused(one: Prepared) -> list[Assumption]:
+    """Figures of the spec whose tolerance counts in no check that is sampled."""
+    idle = []
+    for k, given in enumerate(one.given):
+        if given.given is None:
+            continue
+        used = any(k in case.paths and (_has_column(case.paths[k]) or _shapes(case, k, one)) for case in one.cases)
+        if not used:
+            idle.append(given)
+    return idle
+
+
+_COLUMNS = {
+    "supply": {"nominal", "min", "max", "current", "power", "regeneration", "capacitance"},
+    "environment": {"ambient"},
+    "needs": {"radial_load", "backlash_at_load", "inertia_ratio", "resonance", "resolution_at_load"},
+    "battery": {"nominal_voltage", "capacity", "rated_time", "peukert_exponent", "resistance", "open_circuit",
+                "peak_current", "start", "usable", "health", "autonomy", "range"},
+    "mission": {"duration"},
+    "equipment": {"power", "peak_power", "efficiency", "duty", "time"},
+}  # fmt: skip
+
+
+def _has_column(path: Path_) -> bool:
+    """Whether a figure is one that checks ask for beside the load cycle."""
+    field = path[1] if path[0] == "battery" else path[-1]
+    return str(field) in _COLUMNS.get(str(path[0]), set()) or (path[0] == "transmission" and field in _BELT)
+
+
+_BELT = {"efficiency", "stiffness", "max_tension", "max_speed"}
+
+
+def _shapes(case: _Case, k: int, one: Prepared) -> bool:
+    """Whether a figure is one of the load, its motion, or what else shapes a cycle."""
+    return case.cycles.size > 1 and case.paths[k][0] in ("load", "motion", "environment", "transmission", "platform")
+
+
+# --- blocks
+
+
+def blocks(one: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[Block]:
+    """The samples, some at a time, ready for sets with any of some belt ratios."""
+    longest = max(len(case.cycles.duration) for case in one.cases)
+    size = int(np.clip(_CELLS // longest, 64, _ROWS))
+    for first in range(0, len(one.values), size):
+        rows = np.arange(first, min(first + size, len(one.values)))
+        yield _block(one, catalog, rows, belts)
+
+
+def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequence[float]) -> Block:
+    factors = {
+        given.catalogue: np.ascontiguousarray(one.values[rows, k])
+        for k, given in enumerate(one.given)
+        if given.catalogue
+    }
+    specs, ats = [], []
+    for case in one.cases:
+        spec = _with_columns(case, one, rows)
+        sampled = at_samples(case.cycles if case.cycles.size == 1 else _some(case.cycles, rows), spec.belt_efficiency)
+        specs.append(spec)
+        ats.append({belt: AtSamples(sampled, belt) for belt in belts})
+    return Block(
+        len(rows), tuple(specs), tuple(ats), tuple(_feeds(one, catalog, specs)), factors, one.spec.tolerances.given
+    )
+
+
+def _feeds(one: Prepared, catalog: Catalog, specs: Sequence[Any]) -> Iterator[tuple[Feeding, tuple[int, ...]]]:
+    """The battery of each load case of the machine, and the numbers of the cases that draw from it together."""
+    for machine in sorted({case.machine for case in one.cases}):
+        numbers = tuple(n for n, case in enumerate(one.cases) if case.machine == machine)
+        rated = one.cases[numbers[0]].spec.battery
+        if rated:
+            yield feeding(specs[numbers[0]], rated, catalog), numbers
+
+
+def _some(cycles: Cycles, rows: NDArray[np.int64]) -> Cycles:
+    """Some of the cycles."""
+    own = {name: (demand[rows], limit[rows]) for name, (demand, limit) in cycles.own.items()}
+    return cycles._replace(
+        duration=cycles.duration[..., rows], speed=cycles.speed[..., rows],
+        acceleration=cycles.acceleration[..., rows], torque=cycles.torque[..., rows], inertia=cycles.inertia[rows],
+        radius=cycles.radius[rows], own=own,
+    )  # fmt: skip
+
+
+def _with_columns(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> RobotSpec:
+    """A load case as limits see it: columns in place of the figures that they ask for."""
+    asked = {k: path for k, path in case.paths.items() if _has_column(path)}
+    return applied(case.spec, {path: one.values[rows, k] - one.given[k].nominal for k, path in asked.items()})

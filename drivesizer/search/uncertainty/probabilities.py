@@ -1,0 +1,247 @@
+"""Drive sets over samples: how probable it is that all checks pass, by what they fall, and what matters most."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.results.check import Check
+from drivesizer.results.check_columns import TITLES, CheckColumn
+from drivesizer.results.reliability import Driver, Reliability, Spread
+from drivesizer.search.uncertainty.class_of_part import holding_of_a_set
+from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
+from drivesizer.search.uncertainty.sampled_battery import SAMPLED
+from drivesizer.search.uncertainty.sampled_checks import SetRows, checks_of
+from drivesizer.search.uncertainty.sampling import Sample, mean_and_error
+from drivesizer.search.uncertainty.sensitivity import first_order, rank_correlations
+from drivesizer.search.uncertainty.uncertain_figures import Assumption
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["Examined", "Subject", "at_ends", "counting", "drivers", "examined"]
+
+Array = NDArray[np.float64]
+_QUANTILES = (0.05, 0.5, 0.95)
+_KEPT = 1_000_000  # segments times samples that are kept at hand for all sets
+_TOGETHER = 8  # sets whose samples are held at a time
+
+
+class Subject(NamedTuple):
+    """A set that is sampled, with its checks at nominal figures."""
+
+    rows: SetRows
+    nominal: tuple[Check, ...]
+
+
+class Examined(NamedTuple):
+    """What the samples of a set gave."""
+
+    reliability: Reliability
+    smallest: Array  # margin of each sample, over all checks that have one
+
+
+class _Over(NamedTuple):
+    """One check over all samples."""
+
+    passed: NDArray[np.bool_]
+    failed: NDArray[np.bool_]
+    margin: Array  # NaN where there is none
+    tightness: Array
+
+
+def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Examined]:
+    """Sets over all samples.
+
+    Parameters
+    ----------
+    given
+        The samples, made ready.
+    catalog
+        The parts.
+    subjects
+        The sets.
+    processes
+        That share the sets; the figures are the same with any number.
+    """
+    if processes > 1 and len(subjects) > 1:
+        return _shared(given, catalog, subjects, processes)
+    belts = sorted({one.rows.belt for one in subjects})
+    kept = list(blocks(given, catalog, belts)) if given.cells <= _KEPT else None
+    found: list[Examined] = []
+    for first in range(0, len(subjects), _TOGETHER):
+        some = subjects[first : first + _TOGETHER]
+        parts: list[list[dict[str, _Over]]] = [[] for _ in some]
+        for block in kept or blocks(given, catalog, belts):
+            for part, one in zip(parts, some, strict=True):
+                part.append({n: _over(c, block.size) for n, c in checks_of(catalog, one.rows, block).items()})
+        found += [_reduced(one, part) for one, part in zip(some, parts, strict=True)]
+    return found
+
+
+def _shared(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int) -> list[Examined]:
+    """The same by several processes, each with some of the sets."""
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    share = -(-len(subjects) // processes)
+    parts = [subjects[first : first + share] for first in range(0, len(subjects), share)]
+    with ProcessPoolExecutor(len(parts), mp_context=get_context("spawn")) as pool:
+        found = list(pool.map(examined, [given] * len(parts), [catalog] * len(parts), parts))
+    return [one for part in found for one in part]
+
+
+def _over(check: CheckColumn, count: int) -> _Over:
+    """What is kept of a check; one figure where all samples have the same."""
+    margin = check.margin
+    tight = np.where(np.isnan(margin) | (check.by_choice & check.passed), np.inf, margin)
+    return _Over(*(_as_many(x, count) for x in (check.passed, check.failed, margin, tight)))
+
+
+def _as_many(column: NDArray[Any], count: int) -> NDArray[Any]:
+    """A column of so many samples; of a single figure a view."""
+    return column if column.shape == (count,) else np.broadcast_to(column, count)
+
+
+def _constant(check: Check, count: int) -> _Over:
+    """A check that no sample changes."""
+    figures = (check.status == "pass", check.status == "fail", check.margin, _tightness(check))
+    return _Over(*(np.broadcast_to(np.asarray(x), count) for x in figures))
+
+
+def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
+    """What the samples of a set amount to."""
+    joined = (
+        parts[0] if len(parts) == 1 else {name: _one_after_the_other([p[name] for p in parts]) for name in parts[0]}
+    )
+    count = len(next(iter(joined.values())).passed)
+    decide = [check for check in one.nominal if not check.advice]
+    every = {check.name: joined.get(check.name) or _constant(check, count) for check in decide}
+    every |= {name: joined[name] for name in SAMPLED if name in joined}
+    titles = {check.name: check.title for check in decide} | {name: TITLES["budget"][name] for name in SAMPLED}
+    failed, smallest, place = np.zeros(count, bool), np.full(count, np.inf), np.full(count, -1)
+    for number, over in enumerate(every.values()):
+        failed |= over.failed
+        tighter = over.tightness < smallest
+        place[tighter] = number
+        smallest = np.minimum(smallest, over.tightness)
+    weakest = np.bincount(place + 1, minlength=len(every) + 1)[1:] / count
+    spreads = [
+        _spread(name, titles[name], over, float(w)) for (name, over), w in zip(every.items(), weakest, strict=True)
+    ]
+    share = mean_and_error(~failed)
+    low, middle, high = _quantiles(smallest)
+    return Examined(
+        Reliability(
+            probability=share.value,
+            error=share.error,
+            unknown=tuple(s.title for s in spreads if s.passes + s.fails < 1.0),
+            weakest=max(spreads, key=lambda s: (s.fails, s.weakest)).title,
+            low=low,
+            middle=middle,
+            high=high,
+            checks=tuple(spreads),
+        ),
+        smallest,
+    )
+
+
+def _one_after_the_other(parts: Sequence[_Over]) -> _Over:
+    return _Over(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def _tightness(check: Check) -> float:
+    return math.inf if math.isnan(check.margin) or (check.by_choice and check.status == "pass") else check.margin
+
+
+def _spread(name: str, title: str, over: _Over, weakest: float) -> Spread:
+    low, middle, high = _quantiles(over.margin)
+    return Spread(
+        name=name, title=title, passes=np.count_nonzero(over.passed) / len(over.passed),
+        fails=np.count_nonzero(over.failed) / len(over.failed),
+        weakest=weakest, low=low, middle=middle, high=high,
+    )  # fmt: skip
+
+
+def _quantiles(values: Array) -> tuple[float, float, float]:
+    """The values that 5 %, 50 % and 95 % of all lie below; NaN where one of them is unknown."""
+    if values.strides == (0,):  # all the same
+        return (float(values[0]),) * 3
+    if np.isnan(values).any():
+        return (math.nan,) * 3
+    low, middle, high = (int(q * len(values)) for q in _QUANTILES)
+    halves = np.partition(values, middle)
+    below, above = np.partition(halves[: middle + 1], low), np.partition(halves[middle:], high - middle)
+    return float(below[low]), float(halves[middle]), float(above[high - middle])
+
+
+# --- what matters
+
+
+def counting(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption]) -> list[int]:
+    """Which assumptions count for a set, by their number: the spec's, and the classes that hold for its parts."""
+    held = holding_of_a_set(catalog, spec.tolerances.given, one.rows.motor, one.rows.gearhead)
+    return [k for k, assumption in enumerate(given) if assumption.catalogue is None or assumption.catalogue in held]
+
+
+def at_ends(spec: RobotSpec, given: Sequence[Assumption]) -> Prepared:
+    """The nominal figures, then two samples an assumption, it alone off: at its 5 % and at its 95 % quantile."""
+    values = np.tile([assumption.nominal for assumption in given], (1 + 2 * len(given), 1))
+    for k, assumption in enumerate(given):
+        values[_ends(k), k] = assumption.distribution.at(np.array([0.05, 0.95]))
+    return prepared(spec, given, values, every=True)
+
+
+def _ends(k: int) -> slice:
+    """The rows in which the assumption of that number is off."""
+    return slice(1 + 2 * k, 3 + 2 * k)
+
+
+def drivers(one: Subject, catalog: Catalog, ends: Prepared, sample: Sample, smallest: Array) -> tuple[Driver, ...]:
+    """What each assumption that counts does to the smallest margin of a set, the one that matters most first.
+
+    Parameters
+    ----------
+    one, catalog
+        The set, and the parts.
+    ends
+        The machine with one assumption off at a time.
+    sample
+        The samples.
+    smallest
+        Margin of each.
+    """
+    known, own = np.isfinite(smallest), counting(one, catalog, ends.spec, ends.given)
+    if not own:
+        return ()
+    values = sample.values[known][:, own]
+    shares = first_order(values, smallest[known])
+    signs = rank_correlations(values, smallest[known])
+    margins = _smallest(one, catalog, ends)
+    found = [_driver(ends, k, float(shares[n]), float(signs[n]), margins) for n, k in enumerate(own)]
+    return tuple(sorted(found, key=lambda driver: (-driver.share, driver.name)))
+
+
+def _driver(ends: Prepared, k: int, share: float, sign: float, margins: Array) -> Driver:
+    """The assumption of that number."""
+    assumption = ends.given[k]
+    (low, high), (low_margin, high_margin) = ends.values[_ends(k), k], margins[_ends(k)]
+    return Driver(
+        name=assumption.name, title=assumption.title, share=share, rank_correlation=sign,
+        low_margin=float(low_margin), high_margin=float(high_margin),
+        low=assumption.shown(low), high=assumption.shown(high),
+    )  # fmt: skip
+
+
+def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
+    """The smallest margin of a set in each sample; what no sample changes is as at nominal figures."""
+    parts = []
+    for block in blocks(given, catalog, [one.rows.belt]):
+        tight = {check.name: np.asarray(_tightness(check)) for check in one.nominal}
+        found = checks_of(catalog, one.rows, block)
+        tight |= {name: found[name].tightness for name in found if name in tight or name in SAMPLED}
+        parts.append(np.min([np.broadcast_to(column, block.size) for column in tight.values()], axis=0))
+    return np.concatenate(parts)

@@ -1,0 +1,125 @@
+"""How long the battery lasts, sample by sample, and what it is asked for at most: autonomy, range, peak, voltage.
+
+As ``energy_budget`` has it for one set: the drive draws by its load cycle, the equipment by its share of the time, the
+run time is that of the mean power. Not here: continuous current, what comes back (current and voltage of charging), and
+what polarisation takes of a voltage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import nan
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.loads.wheel import WheelLoad
+from drivesizer.machine.battery_checks import Load, battery_columns, required_autonomy
+from drivesizer.machine.battery_pack import Pack, pack_of, run_time
+from drivesizer.physics.battery import current_of_power, terminal_voltage
+from drivesizer.physics.stress import Parts
+from drivesizer.results.check_columns import CheckColumn
+from drivesizer.search.uncertainty.sampled_cycle import AtSamples
+from drivesizer.spec.battery import Battery
+from drivesizer.spec.loads import WheeledVehicle
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["SAMPLED", "Draw", "Feeding", "battery_limits", "columns_of", "feeding"]
+
+Array = NDArray[np.float64]
+_LASTING = ("battery_autonomy", "battery_range")
+_PEAKS = ("battery_power", "battery_peak_current")
+_VOLTAGES = ("battery_voltage", "battery_cutoff")
+SAMPLED = (*_LASTING, *_PEAKS, *_VOLTAGES)
+
+
+class Feeding(NamedTuple):
+    """A battery and what else draws from it, of samples."""
+
+    pack: Pack
+    charge: Any  # of the battery over its nominal one
+    mean: Any  # W, of the equipment
+    peak: Any  # W
+    travels: bool
+
+
+class Draw(NamedTuple):
+    """What the motor sets of a load case draw and give back over a cycle, together [J], and at most [W]."""
+
+    drawn: Array
+    returned: Array
+    peak: Array
+
+
+def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
+    """The battery of a machine, and what the equipment draws from it.
+
+    Parameters
+    ----------
+    spec
+        The machine, with columns in place of what is sampled.
+    rated
+        Its battery at nominal figures.
+    catalog
+        Where the battery's part is listed.
+    """
+    given = spec.battery
+    assert given is not None
+    charge: Any = 1.0
+    for name in ("capacity", "health"):
+        if name in given.model_fields_set:
+            charge = charge * (getattr(given, name) / getattr(rated, name))
+            given = given.model_copy(update={name: getattr(rated, name)})
+    mission = spec.mission.duration if spec.mission else None
+    drawn = [one.drawn(mission) for one in spec.equipment]
+    mean, peak = (sum(powers) for powers in zip(*drawn, strict=True)) if drawn else (0.0, 0.0)
+    return Feeding(pack_of(given, catalog), charge, mean, peak, isinstance(spec.load, WheeledVehicle | WheelLoad))
+
+
+def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Draw], parts: Parts) -> list[CheckColumn]:
+    """Autonomy, range, peak and voltage of the battery, as far as they are required.
+
+    Parameters
+    ----------
+    spec
+        With columns.
+    feeds
+        The battery.
+    at
+        The load cycles.
+    draws
+        Of the load case; of a platform on its way of each wheel. Their peaks need not fall together, so those of
+        several are not judged.
+    parts
+        The set's.
+    """
+    total = at.sampled.duration.sum(axis=0)
+    speed = _way(spec, at) / total if feeds.travels else np.full_like(total, nan)
+    return columns_of(spec, feeds, total, speed, draws, parts.controller["max_efficiency"])
+
+
+def columns_of(
+    spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequence[Draw], efficiency: Any
+) -> list[CheckColumn]:
+    """The same of a cycle's length [s], its mean speed [m/s], and the controllers' greatest efficiency."""
+    share, loss = spec.supply.regeneration, np.where(np.isnan(efficiency), 1.0, efficiency)
+    drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
+    mean = (drawn / loss - share * returned * loss) / total + feeds.mean
+    full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # as so many strings side by side
+    required, way = required_autonomy(spec, spec.battery), spec.battery.range
+    required = np.fmax(required, nan if way is None else way / speed)
+    drawn_share = np.where(np.isnan(required), feeds.pack.available, required / full)
+    left = feeds.pack.start - np.minimum(drawn_share, feeds.pack.available)
+    peak = np.maximum(draws[0].peak, 0.0) / loss + feeds.peak
+    emf, resistance = feeds.pack.emf(left), feeds.pack.resistance
+    lowest = terminal_voltage(current_of_power(peak, emf, resistance), emf, resistance)
+    load = Load(mean=mean, peak=peak, rms=nan, back=nan, way=speed, full=full, charge=left, lowest=lowest)
+    judged = _LASTING if len(draws) > 1 else (*_LASTING, *_PEAKS, *(() if feeds.pack.polarisation else _VOLTAGES))
+    return [check for check in battery_columns(spec, spec.battery, feeds.pack, load) if check.name in judged]
+
+
+def _way(spec: Any, at: AtSamples) -> Any:
+    """How far the machine goes in a cycle [m]."""
+    return spec.load.way if isinstance(spec.load, WheelLoad) else at.sampled.scalars["way"]

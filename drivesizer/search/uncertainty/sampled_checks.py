@@ -1,0 +1,201 @@
+"""One drive set against every limit, sample by sample: the column code of the search with samples as columns.
+
+What the search takes for many sets over one load cycle is taken here for one set over many: the parts' figures times
+their factors, the spec's figures as columns, the load cycle of each sample. Encoder and controller stay those of the
+nominal set, for they are bought once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.catalog.tables import Table
+from drivesizer.catalog.tolerances.classes import Class
+from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.motor_demand import Demands, demands
+from drivesizer.physics.stress import Parts, heat, housing_loss, stress
+from drivesizer.results.check_columns import CheckColumn, fits, worst_case
+from drivesizer.search.columns.limits import (
+    electrical_limits,
+    gearhead_limits,
+    load_limits,
+    motor_limits,
+    moving_limits,
+)
+from drivesizer.search.columns.limits_over_time import least, waveform_limits
+from drivesizer.search.columns.stages import doubted
+from drivesizer.search.uncertainty.class_of_part import holding
+from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, battery_limits
+from drivesizer.search.uncertainty.sampled_cycle import AtSamples
+from drivesizer.search.uncertainty.sampled_waveform import moments
+
+__all__ = ["Block", "SetRows", "checks_of", "motor_factors", "with_losses"]
+
+Array = NDArray[np.float64]
+_WHOLE = ("ratio", "inertia", "no_load_current", "friction_torque", "viscous_friction")  # never as a single figure
+
+
+class SetRows(NamedTuple):
+    """The parts of a set, as rows of the catalogue's tables; -1 where there is none."""
+
+    motor: int
+    gearhead: int
+    encoder: int
+    controller: int
+    belt: float
+
+
+class Block(NamedTuple):
+    """Some of the samples, ready for any set: a load case each."""
+
+    size: int
+    specs: tuple[Any, ...]  # with columns
+    ats: tuple[Mapping[float, AtSamples], ...]  # by belt ratio
+    feeds: tuple[tuple[Feeding, tuple[int, ...]], ...]  # batteries, each with the cases that draw from it
+    factors: Mapping[Class, Array]  # of the catalogue's figures
+    given: Mapping[tuple[str, str], str]  # the spec's own classes, before any other
+
+    def factors_of(self, catalog: Catalog, part: str, row: int) -> dict[str, Array]:
+        """By what the figures of a motor or gearhead are multiplied, by class, as far as they are sampled."""
+        held = holding(catalog, self.given, part, row)
+        return {one.figure: self.factors[one] for one in held if one in self.factors}
+
+
+class _Figures:
+    """The figures of a part over samples: a column where it is sampled, else a single one."""
+
+    def __init__(self, table: Table[Any], row: int, count: int, changed: Mapping[str, Array]) -> None:
+        self.table, self.row, self.count = table, row, count
+        self.taken: dict[str, NDArray[Any]] = dict(changed)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self.taken:
+            self.taken[name] = self.nominal(name, self.count if name in _WHOLE else 1)
+        return self.taken[name]
+
+    def nominal(self, name: str, count: int = 1) -> NDArray[Any]:
+        """As the catalogue prints it."""
+        column: NDArray[Any] = self.table[name]
+        if self.row < 0:
+            return np.full(count, np.nan if column.dtype.kind == "f" else "")
+        return np.full(count, column[self.row])
+
+
+def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
+    """By what each figure of a motor is multiplied; heat capacities stay what they are.
+
+    Torque and voltage constant have one factor: what is off is the magnets' flux, which both are made of. What they
+    differ by, saturation and losses, is the type's and no tolerance of the single motor.
+
+    Parameters
+    ----------
+    given
+        Factors by class, as far as they are sampled: columns or single ones.
+    """
+    rubs, heats, k = (given.get(name, 1.0) for name in ("friction", "thermal_resistance", "torque_constant"))
+    return {
+        "resistance": given.get("resistance", 1.0), "torque_constant": k, "back_emf_constant": k,
+        "rotor_inertia": given.get("rotor_inertia", 1.0),
+        "no_load_current": rubs / k, "friction_torque": rubs, "viscous_friction": rubs,
+        "thermal_resistance_winding": heats, "thermal_resistance_housing": heats,
+        "winding_time_constant": heats, "motor_time_constant": heats,
+    }  # fmt: skip
+
+
+def with_losses(efficiency: Any, factor: Any) -> Any:
+    """An efficiency whose losses per torque passed on, 1/e - 1, are so many times as large; it never leaves 0 to 1."""
+    return 1.0 / (1.0 + (1.0 / efficiency - 1.0) * factor)
+
+
+def _motor(catalog: Catalog, row: int, block: Block, factors: Mapping[str, Array]) -> _Figures:
+    """A motor's figures, each times its factor."""
+    times = motor_factors(factors)
+    bought, whole = _Figures(catalog.motors, row, block.size, {}), np.ones(block.size)
+    printed = bought.nominal
+    changed = {
+        name: printed(name) * factor * (whole if name in _WHOLE else 1.0)
+        for name, factor in times.items()
+        if np.ndim(factor) or name in _WHOLE
+    }
+    changed["back_emf_constant"] = back_emf_constant(bought) * times["back_emf_constant"]
+    return _Figures(catalog.motors, row, block.size, changed)
+
+
+def _gearhead(catalog: Catalog, row: int, block: Block) -> _Figures:
+    """A gearhead's figures, each times its factor."""
+    printed = _Figures(catalog.gearheads, row, block.size, {}).nominal
+    changed, factors = {}, block.factors_of(catalog, "gearhead", row)
+    if (losses := factors.get("efficiency")) is not None:
+        changed["efficiency"] = with_losses(printed("efficiency"), losses)
+        changed["no_load_torque"] = printed("no_load_torque") * losses
+    if (gains := factors.get("inertia")) is not None:
+        changed["inertia"] = printed("inertia") * gains
+    return _Figures(catalog.gearheads, row, block.size, changed)
+
+
+def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
+    """Every check that samples may change, by name: columns over the samples, the worst of all load cases."""
+    factors = block.factors_of(catalog, "motor", one.motor)
+    motor, gearhead = _motor(catalog, one.motor, block, factors), _gearhead(catalog, one.gearhead, block)
+    parts = Parts(
+        motor, gearhead, _Figures(catalog.encoders, one.encoder, block.size, {}),
+        _Figures(catalog.controllers, one.controller, block.size, {}),
+    )  # fmt: skip
+    rubs = factors.get("friction", 1.0)
+    told: dict[str, list[tuple[int, CheckColumn]]] = {}
+    draws = []
+    for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
+        checks, draw = _of_a_case(spec, ats[one.belt], parts, one, rubs, energies=bool(block.feeds))
+        draws.append(draw)
+        for check in checks:
+            told.setdefault(check.name, []).append((number, check))
+    for feeds, numbers in block.feeds:
+        first = numbers[0]
+        together = [draws[number] for number in numbers]
+        for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], together, parts):
+            told.setdefault(check.name, []).append((first, check))
+    return {name: worst_case(same) for name, same in told.items()}
+
+
+def _of_a_case(
+    spec: Any, at: AtSamples, parts: Parts, one: SetRows, rubs: Array | float, *, energies: bool
+) -> tuple[list[CheckColumn], Draw]:
+    """The checks of one load case, and what its motor sets draw."""
+    asked = demands(at, parts.motor, parts.gearhead, parts.encoder)
+    at.keep(asked.coefficients)
+    warm = heat(spec.environment.ambient, at, asked, parts.motor, _losses(parts.motor, asked, rubs))
+    under = stress(spec.environment.ambient, at, asked, parts.motor)
+    found = least(moments(spec, at, asked, warm, under, parts, energies=energies), asked, warm, under)
+    moving = [c for c in moving_limits(spec, at, asked, warm, parts) if c.name != "winding_temperature"]
+    electrical = [*moving, *electrical_limits(spec, at, asked, under, parts), *waveform_limits(spec, *found, parts)]
+    sets = spec.load.alike if asked.sure.all() else np.nan  # least demands are not told as if they were all
+    drawn = found[0].agreed(found[1])
+    return [
+        *load_limits(spec, at),
+        *gearhead_limits(spec, at, parts.gearhead),
+        *motor_limits(spec, parts.motor),
+        *doubted(electrical, asked.sure),
+        _controller_fits(spec, parts.controller, one),
+    ], Draw(drawn.drawn * sets, drawn.returned * sets, drawn.power * sets)
+
+
+def _losses(motor: _Figures, asked: Demands, rubs: Array | float) -> tuple[Array, Array]:
+    """What warms the housing; the iron of a brushless motor is calibrated by its printed figures, then off alike."""
+    rubbing, growing = housing_loss(motor, asked.total_ratio)
+    if motor.nominal("kind")[0] == "brushed":
+        return rubbing, growing
+    printed = _Figures(motor.table, motor.row, motor.count, {})
+    return rubbing, housing_loss(printed, asked.total_ratio)[1] * rubs
+
+
+def _controller_fits(spec: Any, controller: Any, one: SetRows) -> CheckColumn:
+    """Whether the chosen controller takes the supply's voltages."""
+    lowest, highest = np.asarray(spec.supply.lowest), np.asarray(spec.supply.highest)
+    good = (controller["supply_min"] <= lowest) & (controller["supply_max"] >= highest) & (one.controller >= 0)
+    known = one.controller < 0 or ~np.isnan(controller["supply_min"] + controller["supply_max"])
+    return fits("controller_available", good, known)

@@ -1,0 +1,158 @@
+"""A set in closed loop over samples: gains designed at nominal figures, machines that are off, marched side by side.
+
+Samples that are asked for the same, as a vehicle's of any mass and friction are, march as one batch. Linear theory's
+loops are those at nominal figures, and the winding's temperature is left to the sampled physics, which knows the cycle
+repeated for ever.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.control.closed_loop.checks import checks
+from drivesizer.control.closed_loop.run import Case, run, without_limits
+from drivesizer.control.closed_loop.set_up import Ready, ready
+from drivesizer.control.engine import Marched, Task, march_many
+from drivesizer.errors import InputError
+from drivesizer.loads.at_shaft import asked_of
+from drivesizer.loads.profile import Profile
+from drivesizer.loads.wheel import WheelLoad
+from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.reliability import LoopShare
+from drivesizer.results.sizing import Check
+from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_losses
+from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error
+from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["loop_share", "off"]
+
+Array = NDArray[np.float64]
+_LEFT = ("winding_temperature",)  # to the physics
+_LOST = "the loop does not come to an end"
+
+
+def loop_share(
+    spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Array, samples: int
+) -> LoopShare | None:
+    """Share of samples in which no check of the closed loop fails; None of the wheels of a platform on its way.
+
+    Parameters
+    ----------
+    spec, one
+        The machine as it was sized, its own load case, and the set.
+    given, values
+        What is uncertain of this set, and the samples of it, replicate after replicate.
+    samples
+        How many of them at most.
+
+    Raises
+    ------
+    InputError
+        When the nominal set cannot be driven in closed loop.
+    """
+    if isinstance(spec.load, WheelLoad):
+        return None
+    asked = asked_of(spec)
+    nominal = run(spec, one, asked)
+    each = max(samples // REPLICATES, 1)
+    rows = (np.arange(REPLICATES)[:, None] * (len(values) // REPLICATES) + np.arange(each)).reshape(-1)
+    found = _judged(nominal, [off(spec, one, given, values[row]) for row in rows])
+    share = mean_and_error(np.array([not any(check.status == "fail" for check in several) for several in found]))
+    unknown = (check.title for several in found for check in several if check.status == "unknown" and not check.advice)
+    return LoopShare(
+        samples=len(rows), probability=share.value, error=share.error, weakest=_weakest(found),
+        unknown=tuple(dict.fromkeys(unknown)),
+    )  # fmt: skip
+
+
+def off(spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Array) -> tuple[RobotSpec, DriveSet]:
+    """A machine and a set whose figures are those of one sample, of what counts for the set: each figure once."""
+    paths = case_paths(spec.whole, None)
+    moved = applied(spec, {path: float(values[k]) - given[k].nominal for k, path in paths.items()})
+    factors: dict[str, dict[str, float]] = {"motor": {}, "gearhead": {}}
+    for k, assumption in enumerate(given):
+        if assumption.catalogue:
+            of_part, figure = factors[assumption.catalogue.part], assumption.catalogue.figure
+            assert figure not in of_part, f"{assumption.name}: of another maker's part"
+            of_part[figure] = float(values[k])
+    bought = replace(one.motor, back_emf_constant=float(back_emf_constant(asdict(one.motor))))
+    motor = replace(bought, **_times(bought, motor_factors(factors["motor"])))
+    losses, gains = (factors["gearhead"].get(name, 1.0) for name in ("efficiency", "inertia"))
+    gearhead = replace(
+        one.gearhead, **_times(one.gearhead, {"inertia": gains, "no_load_torque": losses}),
+        efficiency=with_losses(one.gearhead.efficiency, losses),
+    )  # fmt: skip
+    return moved, replace(one, motor=motor, gearhead=gearhead, belt_efficiency=moved.belt_efficiency)
+
+
+def _times(part: Any, factors: Mapping[str, float]) -> dict[str, Any]:
+    return {name: getattr(part, name) * factor for name, factor in factors.items()}
+
+
+def _judged(nominal: Case, machines: Sequence[tuple[RobotSpec, DriveSet]]) -> list[tuple[Check, ...]]:
+    """The checks of each machine, with the nominal one's controller."""
+    profiles = [_asked(nominal, spec) for spec, _ in machines]
+    made = [ready(*machine, asked, nominal.controller) for machine, asked in zip(machines, profiles, strict=True)]
+    marched = _marched(made)
+    return [
+        _checks(nominal, *machine, asked, one, out)
+        for machine, asked, one, out in zip(machines, profiles, made, marched, strict=True)
+    ]
+
+
+def _asked(nominal: Case, spec: RobotSpec) -> Profile:
+    return nominal.profile if spec.motion == nominal.spec.motion else asked_of(spec)
+
+
+def _marched(made: Sequence[Ready]) -> list[Marched]:
+    """Each on its task; those with the same task side by side."""
+    tasks: list[Task] = []
+    for one in made:
+        if one.task not in tasks:
+            tasks.append(one.task)
+    found: dict[int, Marched] = {}
+    for task in tasks:
+        places = [n for n, one in enumerate(made) if one.task == task]
+        together = march_many([made[n].drive for n in places], task)
+        for k, n in enumerate(places):
+            figures = {name: column[k : k + 1] for name, column in together.figures.items()}
+            found[n] = Marched(figures=figures, problems=(together.problems[k],), series=None)
+    return [found[n] for n in range(len(made))]
+
+
+def _checks(
+    nominal: Case, spec: RobotSpec, drive_set: DriveSet, asked: Profile, made: Ready, out: Marched
+) -> tuple[Check, ...]:
+    """Demand against limit of one sample."""
+    if out.problems[0]:
+        return (replace(checks(nominal)[0], status="fail", title=_LOST),)
+    try:
+        free = without_limits(made.drive, made.task, out, nominal.loops)
+    except InputError:
+        free = out
+    case = Case(
+        spec, drive_set, asked, made.train, made.controller, made.shaft, nominal.loops, made.usable_voltage, made.task,
+        out, free, {}, made.said,
+    )  # fmt: skip
+    return tuple(check for check in checks(case) if check.name not in _LEFT)
+
+
+def _weakest(found: Sequence[tuple[Check, ...]]) -> str:
+    """The check that fails most often, else that with the smallest margin in the mean."""
+    failed = Counter(check.title for several in found for check in several if check.status == "fail")
+    if failed:
+        return failed.most_common(1)[0][0]
+    margins: dict[str, list[float]] = {}
+    for several in found:
+        for check in several:
+            if check.margin == check.margin:
+                margins.setdefault(check.title, []).append(check.margin)
+    return min(margins, key=lambda title: float(np.mean(margins[title])), default="")

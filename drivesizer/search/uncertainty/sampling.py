@@ -1,0 +1,102 @@
+"""Samples of all that is uncertain: quasi-random, several times over, so that their own error can be told.
+
+A scrambled Sobol sequence fills the cube of all assumptions more evenly than chance; it is scrambled anew for each
+of 8 replicates. What the replicates disagree on is the error of sampling (Owen 1998; Lemieux, *Monte Carlo and
+Quasi-Monte Carlo Sampling*, 2009, section 6.2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.search.uncertainty.sobol_sequence import sobol
+from drivesizer.search.uncertainty.uncertain_figures import Assumption
+
+__all__ = ["REPLICATES", "Sample", "Share", "first_of_each", "mean_and_error", "sample"]
+
+Array = NDArray[np.float64]
+REPLICATES = 8
+_STUDENT = 2.3646242510102993  # of 95 % to both sides, with as many replicates less one
+
+
+class Sample(NamedTuple):
+    """Values of all assumptions: one row a machine, replicate after replicate."""
+
+    cube: Array  # (samples, assumptions), 0 to 1
+    values: Array  # (samples, assumptions), SI; of a catalogue figure its factor
+
+    @property
+    def size(self) -> int:
+        """How many samples."""
+        return len(self.values)
+
+
+class Share(NamedTuple):
+    """A share of all machines, and how far it may be off by sampling: 95 % to both sides."""
+
+    value: float
+    error: float
+
+
+def sample(given: Sequence[Assumption], samples: int, seed: int, drawn: Sequence[Assumption] = ()) -> Sample:
+    """Samples of assumptions: the same seed, the same samples.
+
+    Parameters
+    ----------
+    given
+        The assumptions.
+    samples
+        How many at least; rounded up to a multiple of the replicates.
+    seed
+        Of the scrambling.
+    drawn
+        What is drawn for, where that is not what is given: so the same seed gives the same machines, whichever parts
+        are compared. Each of the given takes the column of the one that it shares it with.
+    """
+    columns = [one.column for one in drawn or given]
+    each = -(-samples // REPLICATES)
+    power = max(int(np.ceil(np.log2(each))), 0)
+    points = sobol(max(len(columns), 1), power, [(seed, number) for number in range(REPLICATES)])
+    rows = first_of_each(each * REPLICATES, len(points))
+    cube = points[rows][:, [columns.index(one.column) for one in given]]
+    return Sample(cube, values_of(given, cube))
+
+
+def first_of_each(samples: int, size: int) -> NDArray[np.int64]:
+    """The rows of the first samples of every replicate: together as many as asked for, of all samples.
+
+    Parameters
+    ----------
+    samples, size
+        How many, multiples of the replicates both, and how many there are.
+    """
+    each = np.arange(REPLICATES)[:, None] * (size // REPLICATES) + np.arange(samples // REPLICATES)
+    return each.reshape(-1)
+
+
+def values_of(given: Sequence[Assumption], cube: Array) -> Array:
+    """Values of assumptions at points of the cube."""
+    values = [one.distribution.at(cube[:, k]) for k, one in enumerate(given)]
+    return np.stack(values, axis=1) if values else np.zeros((len(cube), 0))
+
+
+def mean_and_error(hits: NDArray[np.bool_]) -> Share:
+    r"""The share of samples that are hits, and its error.
+
+    .. math:: \pm t_{0.975, R-1} \sqrt{\frac{1}{R (R-1)} \sum_r (p_r - p)^2}
+
+    Where all samples say the same the replicates cannot tell; then 3/n, for that many samples miss what is rarer with
+    a probability of 5 % (the rule of three).
+
+    Parameters
+    ----------
+    hits
+        Of each sample, replicate after replicate.
+    """
+    each = hits.reshape(REPLICATES, -1).mean(axis=1)
+    error = _STUDENT * float(np.std(each, ddof=1)) / np.sqrt(REPLICATES)
+    return Share(float(hits.mean()), max(float(error), 3.0 / len(hits) if hits.all() or not hits.any() else 0.0))

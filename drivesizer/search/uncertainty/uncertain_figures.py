@@ -1,0 +1,122 @@
+"""What is uncertain about a machine and its drive: every figure with a tolerance, in a fixed order.
+
+First the spec's figures, in the order of the file, then the classes of the catalogue's figures. All motor sets of a
+machine are taken to be off alike, and so are all sets that are compared: one sample is one machine. Where makers say
+different things of a figure, a sample is off by the same share of what each allows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog.tolerances.classes import Class, classes
+from drivesizer.catalog.tolerances.distributions import Distribution
+from drivesizer.files.yaml_source import Path_
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.tolerance_text import Toleranced
+
+__all__ = ["Assumption", "applied", "assumptions", "case_paths"]
+
+Array = NDArray[np.float64]
+_VARIED = ("load", "motion", "supply", "environment")  # what a load case may put in place of the spec's
+
+
+class Assumption(NamedTuple):
+    """One uncertain figure."""
+
+    name: str  # load.mass, motor.resistance
+    title: str  # load.mass 45 kg +- 3 kg; Motor resistance +- 10 %
+    nominal: float  # SI; 1 of a factor
+    distribution: Distribution  # SI; of a factor of the printed figure
+    given: Toleranced | None = None  # of the spec
+    catalogue: Class | None = None  # of the catalogue
+
+    @property
+    def column(self) -> str:
+        """What it shares with the same figure of other makers: the place in a sample."""
+        return f"{self.catalogue.part}.{self.catalogue.figure}" if self.catalogue else self.name
+
+    def shown(self, value: float) -> str:
+        """A value of it as it is printed."""
+        if self.given:
+            return self.given.shown(value)
+        return f"{100.0 * (value - 1.0):+.3g} %"
+
+
+def assumptions(spec: RobotSpec, held: Sequence[Class] | None = None) -> tuple[Assumption, ...]:
+    """All uncertain figures of a spec and of the catalogue.
+
+    Parameters
+    ----------
+    spec
+        As it was read: its tolerances count, and the classes that it puts in place of the default ones.
+    held
+        The classes that hold for the parts in question; without them, all where no maker says anything.
+    """
+    whole = spec.whole
+    own = [Assumption(_named(one.path), f"{_named(one.path)} {one.text}", one.value, one.distribution, given=one)
+           for one in whole.toleranced]  # fmt: skip
+    return (*own, *(
+        Assumption(one.name, f"{one.title} {one.text}", 1.0, one.factor, catalogue=one)
+        for one in (classes(spec.tolerances.given) if held is None else held)
+        if one.factor is not None
+    ))  # fmt: skip
+
+
+def _named(path: Path_) -> str:
+    """``transmission[2].efficiency``, as messages have it."""
+    return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).lstrip(".")
+
+
+def case_paths(spec: RobotSpec, number: int | None) -> dict[int, Path_]:
+    """Which of the spec's tolerances count in a load case, by their number, and where they stand there.
+
+    Parameters
+    ----------
+    spec
+        As it was read.
+    number
+        Of the further case; None the spec itself.
+    """
+    if number is None:
+        return {k: one.path for k, one in enumerate(spec.toleranced) if one.path[0] != "cases"}
+    own = spec.entered["cases"][number]
+    found: dict[int, Path_] = {}
+    for k, one in enumerate(spec.toleranced):
+        if one.path[:2] == ("cases", number):
+            found[k] = one.path[2:]
+        elif one.path[0] != "cases" and not _replaced(own, one.path):
+            found[k] = one.path
+    return found
+
+
+def _replaced(case: Mapping[str, Any], path: Path_) -> bool:
+    """Whether a load case has a figure of its own, or another load or motion altogether."""
+    if path[0] not in _VARIED or path[0] not in case:
+        return False
+    section = case[path[0]]
+    return path[1] in section or "kind" in section or "profile" in section
+
+
+def applied(spec: RobotSpec, changes: Mapping[Path_, Any]) -> RobotSpec:
+    """A spec with some figures moved by differences from their nominal values [SI], figures or columns; unchecked."""
+    changed: Any = spec
+    for path, difference in changes.items():
+        changed = _moved(changed, path, difference)
+    return changed  # type: ignore[no-any-return]
+
+
+def _moved(place: Any, path: Sequence[str | int], difference: Any) -> Any:
+    if not path:
+        return place + difference
+    first, rest = path[0], path[1:]
+    if isinstance(place, list):
+        return [_moved(one, rest, difference) if n == first else one for n, one in enumerate(place)]
+    inner = getattr(place, str(first)) if not isinstance(place, dict) else place[first]
+    if isinstance(place, dict):
+        return place | {first: _moved(inner, rest, difference)}
+    return place.model_copy(update={str(first): _moved(inner, rest, difference)})

@@ -1,0 +1,8 @@
+"""robot.yaml as typed data in SI units, each field with the line that it stands in.
+
+May import: files, physics, platform, catalog.
+"""
+
+from __future__ import annotations
+
+__all__: list[str] = []

@@ -1,0 +1,154 @@
+"""What a spec says of its battery and of what else draws from it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from drivesizer.spec.fields import (
+    Allowance,
+    Current,
+    Duration,
+    Factor,
+    Length,
+    Mass,
+    Part,
+    Power,
+    Quantity,
+    Resistance,
+    Section,
+    Share,
+    Voltage,
+)
+
+__all__ = ["Battery", "Consumer", "OpenCircuit", "Polarisation", "Run"]
+
+Charge = Annotated[float, Quantity("charge", above=0.0)]
+Count = Annotated[int, Field(ge=1, le=10_000)]
+
+
+class Run(Section):
+    """One line of a discharge table: what is held, and how long it lasts."""
+
+    current: Current | None = None
+    power: Power | None = None
+    time: Duration
+
+    @model_validator(mode="after")
+    def _one_held(self) -> Run:
+        if (self.current is None) == (self.power is None):
+            raise ValueError("give current or power, exactly one of them")
+        return self
+
+
+class OpenCircuit(Section):
+    """Voltage of a cell or block at rest; straight between full and empty."""
+
+    full: Voltage
+    empty: Voltage
+
+    @model_validator(mode="after")
+    def _falling(self) -> OpenCircuit:
+        if self.empty > self.full:
+            raise ValueError("expected empty <= full")
+        return self
+
+
+class Polarisation(Section):
+    """What adds to the resistance of a cell or block as a current goes on: one RC pair."""
+
+    resistance: Resistance
+    time_constant: Duration
+
+
+class Battery(Section):
+    """Cells or blocks in series and parallel: a part of a catalogue, its own figures, or both. Figures are of one."""
+
+    part: str | None = Field(default=None, min_length=1, description="cell or block of a catalogue")
+    series: Count = Field(default=1, description="cells or blocks one behind the other")
+    parallel: Count = Field(default=1, description="strings side by side")
+    chemistry: Literal["lead-acid", "Li-ion", "LiFePO4"] | None = None
+    nominal_voltage: Voltage | None = None
+    charge_voltage: Voltage | None = None
+    cutoff_voltage: Voltage | None = Field(default=None, description="at which a discharge ends")
+    capacity: Charge | None = Field(default=None, description="drawn in the rated time")
+    rated_time: Duration | None = Field(default=None, description="in which the capacity is drawn, e.g. 20 h")
+    peukert_exponent: Factor | None = None
+    discharge: Annotated[list[Run], Field(min_length=2)] | None = Field(
+        default=None, description="how long constant currents, or powers, last"
+    )
+    resistance: Resistance | None = Field(default=None, description="to direct current")
+    polarisation: Polarisation | None = None
+    open_circuit: OpenCircuit | None = Field(default=None, description="voltage at rest; the nominal where not given")
+    continuous_current: Current | None = None
+    peak_current: Current | None = None
+    max_charge_current: Current | None = None
+    mass: Mass | None = None
+    start: Share = Field(default=1, description="share of the charge at the start of the mission")
+    usable: Share = Field(default=1, description="share of the charge that may be drawn")
+    health: Share = Field(default=1, description="share of the rated capacity that age and cold leave")
+    autonomy: Duration | None = Field(default=None, description="that is required; the mission's where not given")
+    range: Length | None = Field(default=None, description="that is required, of a vehicle")
+    reserve: Allowance = Field(default=0, description="by which autonomy and range must exceed what is required")
+
+    @model_validator(mode="after")
+    def _known(self) -> Battery:
+        lacking = [n for n in ("nominal_voltage", "capacity") if getattr(self, n) is None]
+        if self.part is None and lacking:
+            raise ValueError(f"give a part of a catalogue, or {' and '.join(lacking)} as well")
+        if len({run.power is None for run in self.discharge or ()}) > 1:
+            raise ValueError("give currents or powers in discharge, not both")
+        if self.start + self.usable <= 1.0:
+            raise ValueError("expected start above the share that may not be drawn, 1 - usable")
+        return self
+
+
+class Consumer(Section):
+    """Something beside the drive that draws from the battery."""
+
+    name: str = Field(min_length=1, max_length=60)
+    power: Power = Field(description="of one, while it is on")
+    number: Count = 1
+    duty: Part | None = Field(default=None, description="share of the time for which it is on; 1 where not given")
+    time: Duration | None = Field(default=None, description="for which it is on in the mission, instead of duty")
+    peak_power: Power | None = Field(default=None, description="of one; its power where not given")
+    efficiency: Share = Field(default=1, description="of the converter that supplies it")
+    assumed: bool = Field(default=False, description="whether its figures are a guess, to be told as one")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Consumer:
+        if self.duty is not None and self.time is not None:
+            raise ValueError("give duty or time, not both")
+        if self.peak_power is not None and self.peak_power < self.power:
+            raise ValueError("expected peak_power >= power")
+        return self
+
+    def share(self, mission: float | None) -> float:
+        """Share of a mission's time [s] for which it is on [1].
+
+        Raises
+        ------
+        ValueError
+            When it is given by its time and there is no mission, or the mission is shorter.
+        """
+        if self.time is None:
+            return 1.0 if self.duty is None else self.duty
+        if mission is None:
+            raise ValueError(f"expected mission.duration for the time of {self.name}; else give its duty")
+        if np.all(self.time > mission):
+            raise ValueError(f"expected the time of {self.name} not to be longer than the mission")
+        return np.minimum(self.time / mission, 1.0)  # type: ignore[no-any-return]  # a column where it is sampled
+
+    def drawn(self, mission: float | None) -> tuple[float, float]:
+        """Power out of the battery in the mean over a mission's time [s] and at most [W].
+
+        Raises
+        ------
+        ValueError
+            As ``share``.
+        """
+        each = self.number / self.efficiency
+        highest = self.power if self.peak_power is None else self.peak_power
+        return each * self.power * self.share(mission), each * highest

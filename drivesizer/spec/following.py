@@ -1,0 +1,64 @@
+"""What a spec says of how its platform is controlled on a way, and of what was measured there."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from drivesizer.spec.fields import (
+    Angle,
+    Coefficient,
+    Duration,
+    Inertia,
+    Length,
+    Quantity,
+    Section,
+    Speed,
+    TorqueAbove,
+    default,
+)
+
+__all__ = ["Following", "Measured"]
+
+Damping = Annotated[float, Quantity("damping", above=0.0)]
+Restoring = Annotated[float, Quantity("torsional_stiffness", least=0.0)]
+Name = Annotated[str, Field(min_length=1, max_length=60)]
+
+
+class Measured(Section):
+    """Largest errors of a real robot on the way, to be printed beside those that are simulated."""
+
+    name: Name
+    position: Length
+    heading: Angle
+
+
+class Following(Section):
+    """Controllers, floor and what is compared, for `drivesizer drive --follow`."""
+
+    speed_loop: Literal["PI", "P"] = Field(default="PI", description="of each driven wheel")
+    speed_gain: Damping | None = Field(default=None, description="at a wheel; designed where not given")
+    speed_integral: Restoring | None = Field(default=None, description="at a wheel, of PI; designed where not given")
+    period: Duration = default("1 ms", description="of the speed loops")
+    pose_period: Duration = default("50 ms", description="between two poses that are fed back")
+    torque_limit: TorqueAbove | None = Field(
+        default=None, description="at a wheel; that at the controller's peak current where not given"
+    )
+    rotor_inertia: Inertia | None = Field(
+        default=None, description="of motor and gearhead at a wheel; that of the drive set where not given"
+    )
+    slip_speed: Speed = default("10 mm/s", description="at which a wheel's slip would meet the grip, at rest")
+    creep: Coefficient = Field(default=0, description="what rolling adds to it, as a share of the rolling speed")
+    compare: bool = Field(
+        default=False, description="whether both models are driven with either loop, with and without what is misjudged"
+    )
+    measured: Annotated[list[Measured], Field(max_length=20)] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _of_its_loop(self) -> Following:
+        if self.speed_loop == "P" and self.speed_integral is not None and not self.compare:
+            raise ValueError("speed_integral: a speed_loop P has none; leave it out, or take PI")
+        if self.pose_period < self.period:
+            raise ValueError("pose_period: expected no less than period, that of the speed loops")
+        return self

@@ -1,0 +1,274 @@
+r"""A spec to start from, out of a URDF: a vehicle by its wheels, or an arm by one joint.
+
+Wheels are continuous joints with a limit whose link has a cylinder about the joint's axis, or a sphere. Any other
+machine is taken as an arm that one revolute joint swings, all joints beyond it at 0:
+
+.. math:: m = \sum m_n, \qquad J = \sum \left( a^T I_n a + m_n |a \times (r_n - p)|^2 \right)
+
+a axis and p place of the joint, r_n centre of mass and I_n inertia of each link that it carries. What a URDF does not
+say (times of the motion, friction, supply) is in the text with a remark.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.spec.urdf import Joint, Link, Robot, read_urdf
+
+__all__ = ["Carried", "carried", "spec_of"]
+
+Array = NDArray[np.float64]
+_ALIKE = 0.01  # share by which wheels that are driven alike may differ
+_PARALLEL = 0.99  # of the axes of a wheel and of its cylinder
+_CENTRED = 1e-5  # m, of a centre of mass that lies on the axis
+_MOST_REACH = 20.0  # s, that a joint without an end is turned for
+
+
+class Carried(NamedTuple):
+    """All that a joint carries, the joints beyond it at 0."""
+
+    mass: float  # kg
+    lever: float  # m, from the joint's axis to the centre of mass
+    inertia: float  # kg*m^2, about the joint's axis
+    tilt: float  # rad, of the joint's axis from level, in the frame of the root
+
+
+def spec_of(path: Path, joint: str | None = None) -> str:
+    """The text of a robot.yaml.
+
+    Parameters
+    ----------
+    path
+        The URDF.
+    joint
+        A joint to take as an arm's; without it wheels, else the only revolute joint that has limits.
+
+    Raises
+    ------
+    InputError
+        One line: the file is no URDF, a mass is negative, a limit is missing, no joint can be driven.
+    """
+    robot = read_urdf(path)
+    wheels = [] if joint is not None else _wheels(robot)
+    if wheels:
+        return _vehicle(robot, wheels)
+    return _arm(robot, _chosen(robot, joint))
+
+
+def _wheels(robot: Robot) -> list[tuple[Joint, float]]:
+    """Driven joints with the radius of what they turn [m]."""
+    return [
+        (joint, radius)
+        for joint in robot.joints.values()
+        if joint.kind == "continuous" and joint.limited and (radius := _radius(robot.links[joint.child], joint)) > 0.0
+    ]
+
+
+def _radius(link: Link, joint: Joint) -> float:
+    for radius, axis in link.radii:
+        if not axis.any() or abs(float(axis @ joint.axis)) >= _PARALLEL:
+            return radius
+    return 0.0
+
+
+def _limits(robot: Robot, joint: Joint) -> tuple[float, float]:
+    """Effort and velocity of a joint."""
+    for name in ("effort", "velocity"):
+        value = getattr(joint, name)
+        if not value > 0.0:
+            found = "has no" if math.isnan(value) else f"has {value:g} as"
+            raise InputError(
+                f"{robot.file}:{joint.line}: joint {quoted(joint.name)} {found} limit of {name}; expected more than 0"
+            )
+    return joint.effort, joint.velocity
+
+
+def _vehicle(robot: Robot, wheels: list[tuple[Joint, float]]) -> str:
+    joints, radii = [joint for joint, _ in wheels], [radius for _, radius in wheels]
+    if max(radii) - min(radii) > _ALIKE * max(radii):
+        told = ", ".join(f"{joint.name} {radius:g} m" for joint, radius in wheels)
+        raise InputError(f"{robot.file}: driven wheels of one size are expected, found radii {told}"[:300])
+    efforts, speeds = zip(*(_limits(robot, joint) for joint in joints), strict=True)
+    mass = sum(link.mass for link in robot.links.values())
+    inertia = max(carried(robot, joint).inertia for joint in joints)
+    for what, value, unit in (("mass", mass, "kg"), ("inertia of a wheel", inertia, "kg·m²")):
+        if not value > 0.0:
+            raise InputError(f"{robot.file}: the {what} is 0 {unit}; expected <inertial> with more")
+    speed = min(speeds) * radii[0]
+    return _VEHICLE.format(
+        name=_name(robot), file=_yaml(Path(robot.file).name), mass=_shown(mass), wheels=len(wheels),
+        diameter=_shown(2.0 * radii[0]), inertia=_shown(inertia), speed=_shown(speed), effort=_shown(min(efforts)),
+        turning=_shown(min(speeds)), joints=_yaml(", ".join(joint.name for joint in joints)),
+    )  # fmt: skip
+
+
+def _chosen(robot: Robot, name: str | None) -> Joint:
+    """The joint that is taken as an arm's."""
+    if name is not None:
+        if name not in robot.joints:
+            raise InputError(f"--joint: {quoted(name)} is not in {robot.file}{nearest(name, robot.joints)}")
+        joint = robot.joints[name]
+        if joint.kind not in ("revolute", "continuous"):
+            raise InputError(f"--joint: {quoted(name)} is {quoted(joint.kind)}; expected revolute or continuous")
+        return joint
+    turning = [joint for joint in robot.joints.values() if joint.kind in ("revolute", "continuous")]
+    if not turning:
+        raise InputError(f"{robot.file}: no joint turns; expected wheels or a revolute joint with a <limit>")
+    if len(turning) > 1:
+        names = ", ".join(joint.name for joint in turning[:8])
+        raise InputError(
+            f"{robot.file}: {len(turning)} joints turn and none is a driven wheel; name one with --joint: {names}"
+        )
+    return turning[0]
+
+
+def _arm(robot: Robot, joint: Joint) -> str:
+    effort, velocity = _limits(robot, joint)
+    load = carried(robot, joint)
+    if not (load.mass > 0.0 and load.inertia > 0.0):
+        raise InputError(f"{robot.file}:{joint.line}: joint {quoted(joint.name)} carries no mass")
+    reach = joint.upper - joint.lower
+    span = min(reach / velocity, _MOST_REACH) if reach > 0.0 else _MOST_REACH / 4
+    text = _ARM if load.lever > _CENTRED else _TABLE
+    return text.format(
+        name=_name(robot), file=_yaml(Path(robot.file).name), joint=_yaml(joint.name), mass=_shown(load.mass),
+        length=_shown(load.lever), inertia=_shown(load.inertia), tilt=f"{math.degrees(load.tilt):.9g}",
+        speed=_shown(velocity), ramp=_shown(span / 2), cruise=_shown(span / 2), effort=_shown(effort),
+    )  # fmt: skip
+
+
+def carried(robot: Robot, joint: Joint) -> Carried:
+    """Mass, lever, inertia and tilt of what a joint moves."""
+    places = _places(robot)
+    place, turn = places[joint.child]
+    axis = turn @ joint.axis
+    mass, moment, inertia = 0.0, np.zeros(3), 0.0
+    for name in _beyond(robot, joint.child):
+        link, (at, turned) = robot.links[name], places[name]
+        arm = at + turned @ link.centre - place
+        off = np.cross(axis, arm)
+        mass, moment = mass + link.mass, moment + link.mass * arm
+        inertia += float(axis @ turned @ link.inertia @ turned.T @ axis) + link.mass * float(off @ off)
+    lever = float(np.linalg.norm(np.cross(axis, moment))) / mass if mass > 0.0 else 0.0
+    return Carried(mass, lever, inertia, abs(math.asin(min(1.0, max(-1.0, float(axis[2]))))))
+
+
+def _places(robot: Robot) -> dict[str, tuple[Array, Array]]:
+    """Place and turn of every link in the frame of its root."""
+    above = {joint.child: joint for joint in robot.joints.values()}
+    found: dict[str, tuple[Array, Array]] = {
+        name: (np.zeros(3), np.eye(3)) for name in robot.links if name not in above
+    }
+    for name in above:
+        chain, at = [], name
+        while at not in found:
+            chain.append(above[at])
+            at = above[at].parent
+        for joint in reversed(chain):
+            place, turn = found[joint.parent]
+            found[joint.child] = place + turn @ joint.place, turn @ joint.turn
+    return found
+
+
+def _beyond(robot: Robot, name: str) -> list[str]:
+    """A link and all that hang on it."""
+    found = [name]
+    for link in found:
+        found += [joint.child for joint in robot.joints.values() if joint.parent == link]
+    return found
+
+
+# --- as text
+
+
+def _shown(value: float) -> str:
+    return f"{value:.6g}"
+
+
+def _yaml(said: str) -> str:
+    """A user's name inside a comment: on one line and printable."""
+    return quoted(said)[1:-1]
+
+
+def _name(robot: Robot) -> str:
+    """The name as a quoted YAML text; a blank stands for what a spec refuses because it cannot be seen."""
+    names = (robot.name, Path(robot.file).stem)
+    seen = ("".join(c if c.isprintable() else " " for c in name).strip() for name in names)
+    return quoted(next(filter(None, seen), "robot").replace("\\", "/").replace('"', "'"), 200)
+
+
+_HEAD = """# Made of {file} by drivesizer; what a URDF does not say is marked "not in the URDF".
+# Every quantity carries its unit. Then: drivesizer size robot.yaml
+
+name: {name}
+
+"""
+_TAIL = """
+transmission:
+  - kind: gearhead                 # searched; or kind: direct, any motor without a gearhead
+
+supply:
+  nominal: 24 V                    # not in the URDF
+
+select:
+  catalogs: [maxon]
+  objective: mass
+"""
+_VEHICLE = (
+    _HEAD
+    + """load:
+  kind: wheeled_vehicle
+  mass: {mass} kg                  # all links; the payload is not in the URDF
+  driven_wheels: {wheels}          # {joints}
+  wheel_diameter: {diameter} m
+  rolling_resistance: 0.015        # not in the URDF
+  inertia: {inertia} kg*m^2        # of one wheel about its joint, the largest
+
+motion:
+  profile: trapezoid
+  speed: {speed} m/s               # the velocity limit of the joints, {turning} rad/s, at the wheel's radius
+  acceleration_time: 1 s           # not in the URDF; its effort limit is {effort} N*m a wheel
+  cruise_time: 20 s                # not in the URDF
+  rest_time: 5 s                   # not in the URDF
+"""
+    + _TAIL
+)
+_TURNING = """
+motion:
+  profile: trapezoid
+  speed: {speed} rad/s             # the velocity limit of the joint
+  acceleration_time: {ramp} s      # not in the URDF; its effort limit is {effort} N*m
+  cruise_time: {cruise} s          # so that the joint goes from end to end, where it has ends
+  rest_time: 1 s                   # not in the URDF
+  there_and_back: true
+"""
+_ARM = (
+    _HEAD
+    + """load:
+  kind: arm
+  mass: {mass} kg                  # all links that joint {joint} carries; a payload is not in the URDF
+  length: {length} m               # from the axis to their centre of mass
+  inertia: {inertia} kg*m^2        # about the axis, the joints beyond it at 0
+  start_angle: 0 deg               # not in the URDF: above the level line, when the cycle starts
+  tilt: {tilt} deg                 # of the axis from level
+  friction_torque: 0 N*m           # not in the URDF
+"""
+    + _TURNING
+    + _TAIL
+)
+_TABLE = (  # what is balanced about its axis feels no gravity
+    _HEAD
+    + """load:
+  kind: rotary_table
+  inertia: {inertia} kg*m^2        # of all links that joint {joint} carries, about its axis, the joints beyond it at 0
+  friction_torque: 0 N*m           # not in the URDF
+"""
+    + _TURNING
+    + _TAIL
+)

@@ -1,0 +1,313 @@
+"""robot.yaml to typed data: the only place where a user's file becomes numbers.
+
+Every quantity is read by the strict reader of ``units`` and is an SI float from here on. The models here, in
+``machines`` (what is moved) and in ``motions`` (how) are the file's schema; their descriptions are the documentation
+that ``drivesizer schema`` prints.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from copy import deepcopy
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
+
+from drivesizer.errors import InputError, quoted
+from drivesizer.files.yaml_source import Path_, YamlSource, read
+from drivesizer.spec.battery import Battery, Consumer
+from drivesizer.spec.control import Control, Plant
+from drivesizer.spec.fields import Section, default
+from drivesizer.spec.loads import AXES, Load, WheeledVehicle
+from drivesizer.spec.messages import explained
+from drivesizer.spec.motions import Motion, Track, Trapezoid, Waypoints
+from drivesizer.spec.platform import Budget, Platform
+from drivesizer.spec.sections import Case, Environment, Margins, Mission, Needs, PaperFactors, Supply
+from drivesizer.spec.select import Select
+from drivesizer.spec.tolerance_text import Toleranced, taken
+from drivesizer.spec.tolerances import Tolerances
+from drivesizer.spec.transmission import DIRECT, BeltStage, DirectStage, GearheadStage, Offer, Stage
+
+__all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
+
+
+AS_SPECIFIED = "as specified"  # the name of the first load case where there are others
+_VARIED = ("load", "motion", "supply", "environment", "platform")
+
+
+class RobotSpec(Section):
+    """A robot.yaml: the load, its motion, and what the drive may be made of."""
+
+    name: str = Field(min_length=1, max_length=200)
+    method: Literal["paper", "physics"] = Field(
+        default="physics", description="what ranks: the whole load cycle, or the paper's equations and rule"
+    )
+    load: Load
+    motion: Motion | None = Field(default=None, description="one cycle, repeated; a recorded load brings its own")
+    transmission: Annotated[list[Stage], Field(min_length=1, max_length=2)] = default(
+        [{"kind": "gearhead"}], description="from the motor to the load"
+    )
+    paper_factors: PaperFactors = Field(default_factory=PaperFactors)
+    margins: Margins = Field(default_factory=Margins)
+    supply: Supply
+    environment: Environment = Field(default_factory=Environment)
+    needs: Needs = Field(default_factory=Needs)
+    mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
+    battery: Battery | None = Field(default=None, description="what feeds the machine; without it only the supply")
+    equipment: Annotated[list[Consumer], Field(max_length=100)] = Field(
+        default_factory=list, description="what else draws from the battery"
+    )
+    platform: Platform | None = Field(default=None, description="of a wheeled vehicle: wheels, mass, room, limits")
+    budget: Budget | None = Field(default=None, description="what the machine may weigh")
+    control: Control = Field(default_factory=Control)
+    plant: Plant = Field(default_factory=Plant)
+    select: Select = Field(default_factory=Select)
+    tolerances: Tolerances = Field(default_factory=Tolerances)
+    cases: Annotated[list[Case], Field(max_length=100)] = Field(
+        default_factory=list, description="further load cases; a set must pass all"
+    )
+
+    _source: YamlSource | None = PrivateAttr(default=None)
+    _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
+    _first: str = PrivateAttr(default=AS_SPECIFIED)  # name of the spec itself among load cases
+    _whole: RobotSpec | None = PrivateAttr(default=None)
+    _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
+
+    @model_validator(mode="after")
+    def _chain(self) -> RobotSpec:
+        kinds = [stage.kind for stage in self.transmission]
+        if kinds[0] == "belt" or kinds[1:] not in ([], ["belt"]):
+            raise ValueError("transmission must be a gearhead or direct, or one of them and then a belt")
+        named = [*(self.select.gearhead.family or []), *(self.select.gearhead.part or [])]
+        if self.is_direct and set(named) - {DIRECT}:
+            raise ValueError(f"select: with kind: {DIRECT} as transmission there is none; leave gearhead out")
+        return self
+
+    @field_validator("cases")
+    @classmethod
+    def _named_apart(cls, cases: list[Case]) -> list[Case]:
+        names = [case.name for case in cases]
+        if len(set(names)) != len(names):
+            raise ValueError("expected cases with names of their own")
+        return cases
+
+    @model_validator(mode="after")
+    def _moved(self) -> RobotSpec:
+        recorded = self.load.kind == "recorded"
+        if recorded and self.motion is not None:
+            raise ValueError("motion: a recorded load brings its own motion; leave this one out")
+        if not recorded and self.motion is None:
+            raise ValueError("motion is missing; expected fields such as speed, acceleration_time, cruise_time")
+        if self.method == "paper" and not self.paper_applies:
+            raise ValueError(
+                "method: the paper treats a wheeled_vehicle without wind on a trapezoid that decelerates as it "
+                "accelerates, in one case; expected method: physics"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _on_wheels(self) -> RobotSpec:
+        if self.platform is None:
+            if isinstance(self.motion, Track | Waypoints):
+                raise ValueError("motion: a trajectory moves a platform; expected a section platform with its wheels")
+            return self
+        if not isinstance(self.load, WheeledVehicle):
+            raise ValueError("platform: it stands on the wheels of a load of kind wheeled_vehicle; leave it out")
+        driven, wanted = sum(place.driven for place in self.platform.places), self.load.driven_wheels
+        if driven != wanted:
+            raise ValueError(
+                f"platform: {driven} of its wheels are driven; expected as many as load.driven_wheels, {wanted}"
+            )
+        if self.load.driven_share is not None:
+            raise ValueError("load.driven_share: the platform's places tell what each wheel carries; leave it out")
+        if not sum(payload.mass for payload in self.platform.payloads) < self.load.mass:
+            raise ValueError("platform: expected payloads that leave some of load.mass, which includes them")
+        return self
+
+    @model_validator(mode="after")
+    def _equipped(self) -> RobotSpec:
+        if self.equipment and self.battery is None:
+            raise ValueError("equipment: it draws from a battery; expected a section battery")
+        for one in self.equipment:
+            try:
+                one.share(self.mission.duration if self.mission else None)
+            except ValueError as error:
+                raise ValueError(f"equipment: {error}") from None
+        return self
+
+    @property
+    def paper_applies(self) -> bool:
+        """Whether the paper's equations (1)-(20) treat this load and motion."""
+        load, motion = self.load, self.motion
+        return (
+            isinstance(load, WheeledVehicle)
+            and isinstance(motion, Trapezoid)
+            and motion.deceleration_time in (None, motion.acceleration_time)
+            and not motion.there_and_back
+            and load.drag_area == 0.0
+            and not self.cases
+        )
+
+    @property
+    def wants_encoder(self) -> bool:
+        """Whether counts, a resolution, a family or a part of an encoder are asked for; else it is a proposal."""
+        needs, choice = self.needs, self.select.encoder
+        return any((needs.encoder_counts, needs.resolution_at_load, choice.min_counts, choice.family, choice.part))
+
+    @property
+    def accepts_all(self) -> bool:
+        """Whether all that comes back leaves the bus: it is stored, or lost in a battery or a brake resistor."""
+        return (self.supply.accepts or ("all" if self.battery else "share")) == "all"
+
+    @property
+    def load_cases(self) -> tuple[tuple[str, RobotSpec], ...]:
+        """The spec itself and its further cases, by name."""
+        first = self._first if self._cases or self._whole else ""
+        return ((first, self), *self._cases)
+
+    @property
+    def whole(self) -> RobotSpec:
+        """The machine as it was specified, where this is a part of it."""
+        return self._whole or self
+
+    def with_cases(self, first: str, others: Sequence[tuple[str, RobotSpec]], of: RobotSpec) -> RobotSpec:
+        """The spec as the first of several load cases of parts of a machine."""
+        made = self.model_copy()
+        made._first, made._cases, made._whole = first, tuple(others), of
+        return made
+
+    @property
+    def is_direct(self) -> bool:
+        """Whether there is to be no gearhead."""
+        return self.transmission[0].kind == DIRECT
+
+    def behind(self, gearhead: str) -> RobotSpec:
+        """The spec with the first stage that a gearhead of that part number is, or the lack of one."""
+        first = DirectStage(kind="direct") if gearhead == DIRECT else GearheadStage(kind="gearhead")
+        return self.model_copy(update={"transmission": [first, *self.transmission[1:]]})
+
+    @property
+    def belt(self) -> BeltStage | None:
+        """The belt stage, where there is one."""
+        return next((stage for stage in self.transmission if isinstance(stage, BeltStage)), None)
+
+    @property
+    def belt_ratios(self) -> list[float]:
+        """The belt ratios to search; 1 without a belt, those that the catalogues offer for pulleys."""
+        return self.belt.to_search if self.belt else [1.0]
+
+    @property
+    def belt_efficiency(self) -> float:
+        """Efficiency of the belt; 1 without one."""
+        return self.belt.efficiency if self.belt else 1.0
+
+    def alone(self, **sections: Any) -> RobotSpec:
+        """The spec without further load cases, some of its sections changed."""
+        made = self.model_copy(update={"cases": [], **sections})
+        made._cases = ()
+        return made
+
+    def with_offer(self, offer: Offer) -> RobotSpec:
+        """The spec and its cases with what the catalogues offer for the belt."""
+        stages = [s.with_offer(offer) if isinstance(s, BeltStage) else s for s in self.transmission]
+        changed = self.model_copy(update={"transmission": stages})
+        changed._cases = tuple((name, case.with_offer(offer)) for name, case in self._cases)
+        return changed
+
+    @property
+    def toleranced(self) -> tuple[Toleranced, ...]:
+        """The figures that carry a tolerance, in the order of the file; those of load cases among them."""
+        return self._toleranced
+
+    @property
+    def entered(self) -> dict[str, Any]:
+        """The spec as the user wrote it."""
+        return dict(self._source.data) if self._source else {}
+
+    @property
+    def text(self) -> str:
+        """The file as the user wrote it, comments included."""
+        return self._source.text if self._source else ""
+
+    @property
+    def file(self) -> str:
+        """Name of the file."""
+        return self._source.name if self._source else ""
+
+    def where(self, path: Path_) -> str:
+        """File, line and name of a field, for a message."""
+        return self._source.where(path) if self._source else ".".join(str(step) for step in path)
+
+
+def read_spec(source: YamlSource) -> RobotSpec:
+    """A spec from YAML that was read already.
+
+    Raises
+    ------
+    InputError
+        One line with file, line, field, what was found and what is expected.
+    """
+    if not isinstance(source.data, dict):
+        raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
+    data, toleranced = taken(source)
+    spec = _read(source, data)
+    spec._toleranced = toleranced
+    for one in toleranced:  # a tolerance must not lead where the figure itself may not be
+        for end, value in (("lowest", one.distribution.low), ("highest", one.distribution.high)):
+            _reached(source, data, one, end, value)
+    return spec
+
+
+def _read(source: YamlSource, data: dict[str, Any]) -> RobotSpec:
+    spec = _validated(source, data)
+    spec._cases = tuple((case.name, _case(source, data, number)) for number, case in enumerate(spec.cases))
+    return spec
+
+
+def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str, value: float) -> None:
+    """Refuse a tolerance of which an end is no value that the figure may have."""
+    changed = deepcopy(data)
+    place: Any = changed
+    for step in one.path[:-1]:
+        place = place[step]
+    place[one.path[-1]] = one.as_text(value)
+    try:
+        _read(source, changed)
+    except InputError as error:
+        told = re.sub(r'^\S+:\d+: (\S+: )?("[^"]*" )?', "", str(error))
+        said = f"{quoted(one.text)} is {one.shown(value)} at its {end}: {told}"
+        raise InputError(f"{source.where(one.path)}: {said}") from None
+
+
+def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> RobotSpec:
+    kind = data["load"].get("kind") if isinstance(data.get("load"), dict) else None
+    try:
+        spec = RobotSpec.model_validate(data, context={"axis": AXES.get(str(kind), "linear")})
+    except ValidationError as error:
+        raise InputError(explained(error, source, RobotSpec, data, at)) from None
+    spec._source = source
+    return spec
+
+
+def _case(source: YamlSource, whole: dict[str, Any], number: int) -> RobotSpec:
+    """The spec as one of its cases changes it, read as a spec of its own."""
+    case, data = whole["cases"][number], deepcopy(whole)
+    del data["cases"]
+    for section in _VARIED:
+        if section in case:
+            another = "kind" in case[section] or "profile" in case[section]  # another load or motion altogether
+            data[section] = {**({} if another else data.get(section) or {}), **case[section]}
+    return _validated(source, data, ("cases", number))
+
+
+def load_spec(path: str | Path) -> RobotSpec:
+    """A spec from a file.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read or something in it is wrong: one line that says where and what.
+    """
+    return read_spec(read(Path(path)))

@@ -1,0 +1,128 @@
+"""The sections of robot.yaml that are not load, motion, transmission, loop, choice, battery or platform."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from drivesizer.spec.fields import (
+    Allowance,
+    Angle,
+    Capacitance,
+    Current,
+    Duration,
+    Factor,
+    Force,
+    Frequency,
+    Gravity,
+    Length,
+    Mass,
+    Part,
+    Power,
+    Price,
+    Ratio,
+    Resistance,
+    Section,
+    Share,
+    Temperature,
+    Voltage,
+    default,
+)
+
+__all__ = ["Case", "Environment", "Margins", "Mission", "Needs", "PaperFactors", "Supply"]
+
+
+class PaperFactors(Section):
+    """The paper's factors; it gives no values for them."""
+
+    speed_reserve: Share = Field(default=1, description="η of (1)")
+    bearing: Share = Field(default=1, description="δ of (2)")
+    robot_efficiency: Share = Field(default=1, description="η of (10)")
+    confidence: Share = Field(default=1, description="κ of (7)")
+    oversize: Factor = Field(default=1, description="PF of (7) and (10)")
+
+
+class Supply(Section):
+    """The electrical supply of the motor controllers."""
+
+    nominal: Voltage
+    min: Voltage | None = Field(default=None, description="lowest voltage; nominal where not given")
+    max: Voltage | None = Field(default=None, description="highest voltage; nominal where not given")
+    resistance: Resistance | None = Field(default=None, description="of source and cables, in the closed loop")
+    current: Current | None = Field(default=None, description="what the supply can give to all motor sets")
+    power: Power | None = Field(default=None, description="what the supply can give to all motor sets")
+    regeneration: Part = Field(default=0, description="share of returned energy that is stored and had again; 0 none")
+    accepts: Literal["all", "share"] | None = Field(
+        default=None,
+        description="all: the rest of it is lost as heat, in a battery or a brake resistor, as where a section battery "
+        "is; share: the rest stays on the bus, as of a power supply unit",
+    )
+    capacitance: Capacitance | None = Field(default=None, description="of the bus, where what is not accepted stays")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Supply:
+        if not (self.min or self.nominal) <= self.nominal <= (self.max or self.nominal):
+            raise ValueError("expected min <= nominal <= max")
+        return self
+
+    @property
+    def lowest(self) -> float:
+        """Lowest supply voltage [V]."""
+        return self.nominal if self.min is None else self.min
+
+    @property
+    def highest(self) -> float:
+        """Highest supply voltage [V]."""
+        return self.nominal if self.max is None else self.max
+
+
+class Environment(Section):
+    """Where the machine works."""
+
+    ambient: Temperature = default("25 degC")
+    gravity: Gravity = default("9.80665 m/s^2")
+
+
+class Margins(Section):
+    """How much every limit must exceed what is asked, by physics; the paper has its own factors."""
+
+    torque: Allowance = Field(default=0, description="of gearhead torques, motor and controller currents, traction")
+    speed: Allowance = Field(default=0, description="of motor, gearhead and encoder speeds, and of voltage")
+    temperature: Allowance = Field(default=0, description="of the winding's permitted rise over the ambient")
+
+
+class Mission(Section):
+    """What is done with the motion, for the closed loop."""
+
+    duration: Duration = Field(description="for which the cycle is repeated, rounded up to whole cycles")
+
+
+class Needs(Section):
+    """What the drive must offer beyond moving the load."""
+
+    encoder_counts: Annotated[int, Field(ge=1)] | None = Field(default=None, description="counts per motor turn")
+    backlash_at_load: Angle | None = Field(default=None, description="lost motion of the gearhead, seen at the load")
+    bandwidth: Frequency | None = Field(default=None, description="of the closed velocity loop")
+    resolution_at_load: Angle | None = Field(default=None, description="angle of the load per edge of the encoder")
+    inertia_ratio: Ratio | None = Field(default=None, description="load's inertia over the motor's, at most")
+    resonance: Frequency | None = Field(default=None, description="of motor and load on the belt, at least")
+    hold_unpowered: bool = Field(default=False, description="the load must stay where it is without power")
+    radial_load: Force | None = Field(
+        default=None, description="on the gearhead's shaft, or the motor's without one, such as a belt's pull"
+    )
+    diameter: Length | None = Field(default=None, description="of motor and gearhead, at most")
+    length: Length | None = Field(default=None, description="of motor and gearhead together, at most")
+    mass: Mass | None = Field(default=None, description="of motor and gearhead together, at most")
+    price: Price | None = Field(default=None, description="of motor and gearhead together, at most")
+
+
+class Case(Section):
+    """What differs in another load case; everything else is as the spec says."""
+
+    name: str = Field(min_length=1, max_length=60)
+    load: dict[str, Any] = Field(default_factory=dict)
+    motion: dict[str, Any] = Field(default_factory=dict)
+    supply: dict[str, Any] = Field(default_factory=dict)
+    environment: dict[str, Any] = Field(default_factory=dict)
+    platform: dict[str, Any] = Field(default_factory=dict)

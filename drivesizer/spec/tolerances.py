@@ -1,0 +1,65 @@
+"""The section ``tolerances`` of a spec: how many samples, how sure, and how far catalogue figures may be off."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field
+
+from drivesizer.catalog.tolerances.factors import share
+from drivesizer.spec.fields import Section, Share
+
+__all__ = ["FEWEST", "MOST", "GearheadTolerances", "MotorTolerances", "Tolerances"]
+
+FEWEST, MOST = 64, 1_000_000  # samples of a set
+
+
+def _readable(text: object) -> object:
+    if isinstance(text, str):
+        share(text)  # an InputError is a ValueError
+    return text
+
+
+Factor = Annotated[str, BeforeValidator(_readable)]
+_FACTOR = "+- 7 %, -10 %..30 %, normal(5 %) or none"
+
+
+class MotorTolerances(Section):
+    """Of a motor's figures, as shares of what the catalogue prints; the default class where not given."""
+
+    resistance: Factor | None = Field(default=None, description=_FACTOR)
+    torque_constant: Factor | None = Field(default=None, description=_FACTOR)
+    friction: Factor | None = Field(default=None, description=f"of friction and iron loss: {_FACTOR}")
+    rotor_inertia: Factor | None = Field(default=None, description=_FACTOR)
+    thermal_resistance: Factor | None = Field(default=None, description=f"of both: {_FACTOR}")
+
+
+class GearheadTolerances(Section):
+    """Of a gearhead's figures; the default class where not given."""
+
+    efficiency: Factor | None = Field(default=None, description=f"of its losses: {_FACTOR}")
+    inertia: Factor | None = Field(default=None, description=_FACTOR)
+
+
+class Tolerances(Section):
+    """How sure a drive must be, and how that is sampled."""
+
+    confidence: Share | None = Field(default=None, description="probability that no check fails, at least")
+    samples: Annotated[int, Field(ge=FEWEST, le=MOST)] = Field(default=8192, description="of each set")
+    loop_samples: Annotated[int, Field(ge=0, le=10_000)] = Field(
+        default=64, description="of the best sets in closed loop, where a confidence is asked for; 0 for none"
+    )
+    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = Field(default=1, description="the same seed, the same figures")
+    motor: MotorTolerances = Field(default_factory=MotorTolerances)
+    gearhead: GearheadTolerances = Field(default_factory=GearheadTolerances)
+
+    @property
+    def given(self) -> dict[tuple[str, str], str]:
+        """What stands in place of default classes, by part and figure."""
+        parts = {"motor": self.motor, "gearhead": self.gearhead}
+        return {
+            (part, figure): text
+            for part, section in parts.items()
+            for figure in type(section).model_fields
+            if (text := getattr(section, figure)) is not None
+        }

@@ -1,0 +1,121 @@
+"""The stages between motor and load that a spec may name."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import Field, PrivateAttr, model_validator
+
+from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.spec.fields import (
+    Force,
+    Inertia,
+    Length,
+    Ratio,
+    Section,
+    Share,
+    Speed,
+    Stiffness,
+    Thickness,
+    default,
+    exactly_one,
+)
+
+__all__ = ["DIRECT", "BeltStage", "DirectStage", "GearheadStage", "Offer", "Pulleys", "Stage"]
+
+DIRECT = "direct"  # the kind of stage, and as catalogues list the lack of a gearhead
+
+
+class GearheadStage(Section):
+    """A gearhead out of the catalogues: searched; none where the catalogues list a motor for direct drive."""
+
+    kind: Literal["gearhead"]
+
+
+class DirectStage(Section):
+    """No gearhead: any motor may drive the load directly, or the belt."""
+
+    kind: Literal["direct"]
+
+
+class Pulleys(Section):
+    """A toothed belt and its two pulleys out of the catalogues: every ratio that they give is searched."""
+
+    profile: str = Field(min_length=1, max_length=60, description="of the teeth, as catalogues name it: HTD, GT2")
+    pitch: Length
+    width: Length = Field(description="of the belt; pulleys take it or a wider one")
+    ratio_min: Ratio = Field(description="teeth of the load's pulley per tooth of the gearhead's, at least")
+    ratio_max: Ratio = Field(description="and at most; below 1 the load turns faster")
+    centre_distance: Length | None = Field(default=None, description="of the shafts; any where not given")
+    adjustable: Thickness = default("3 mm", description="by how much the shafts may be moved, either way")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Pulleys:
+        if not self.ratio_min <= self.ratio_max:
+            raise ValueError("expected ratio_min <= ratio_max")
+        return self
+
+
+class Offer(NamedTuple):
+    """What catalogues offer for a stage with pulleys."""
+
+    drives: tuple[BeltDrive, ...]  # one for each ratio that is searched, by ratio
+    ratios: int  # how many there are
+
+
+class BeltStage(Section):
+    """A belt between gearhead, or motor, and load: one ratio, several to search, or pulleys out of the catalogues."""
+
+    kind: Literal["belt"]
+    ratio: Ratio | None = Field(default=None, description="gearhead turns per turn of the load; or ratios, or pulleys")
+    ratios: Annotated[list[Ratio], Field(min_length=1, max_length=1000)] | None = None
+    pulleys: Pulleys | None = None
+    efficiency: Share = Field(description="in either direction of power")
+    inertia: Inertia = default("0 kg*m^2", description="of belt and pulleys, seen at the load's shaft")
+    stiffness: Stiffness | None = Field(default=None, description="of the belt, seen at the load's shaft")
+    pulley_diameter: Length | None = Field(default=None, description="of the load's pulley; teeth tell it with pulleys")
+    max_tension: Force | None = Field(default=None, description="permitted effective tension, with a known pulley")
+    max_speed: Speed | None = Field(default=None, description="permitted belt speed, with a known pulley")
+
+    _offer: Offer | None = PrivateAttr(default=None)
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> BeltStage:
+        exactly_one(self, "ratio", "ratios", "pulleys")
+        if self.pulleys is not None and self.pulley_diameter is not None:
+            raise ValueError("give pulleys or pulley_diameter, not both: the pulleys' teeth tell their diameters")
+        if self.pulleys is None and self.pulley_diameter is None and (self.max_tension or self.max_speed):
+            raise ValueError("give pulley_diameter beside max_tension and max_speed")
+        return self
+
+    def with_offer(self, offer: Offer) -> BeltStage:
+        """The same stage with what the catalogues offer for it."""
+        changed = self.model_copy()
+        changed._offer = offer
+        return changed
+
+    @property
+    def offer(self) -> Offer:
+        """What the catalogues offer; nothing where the stage names its ratios, or nobody has looked yet."""
+        return self._offer or Offer((), 0)
+
+    @property
+    def to_search(self) -> list[float]:
+        """The ratios to search, the smallest first."""
+        if self.pulleys is not None:
+            if self._offer is None:
+                raise RuntimeError("nobody has looked for the pulleys: belt_choice.with_pulleys does")
+            return [drive.ratio for drive in self.offer.drives]
+        return [self.ratio] if self.ratio is not None else sorted(set(self.ratios or []))
+
+    def drive(self, ratio: float) -> BeltDrive | None:
+        """Belt and pulleys of a ratio, where they are out of the catalogues."""
+        return next((drive for drive in self.offer.drives if drive.ratio == ratio), None)
+
+    def driven_diameter(self, ratio: float) -> float | None:
+        """Pitch diameter of the load's pulley [m], where it is known."""
+        drive = self.drive(ratio)
+        return drive.driven_diameter if drive else self.pulley_diameter
+
+
+Stage = Annotated[GearheadStage | DirectStage | BeltStage, Field(discriminator="kind")]

@@ -1,0 +1,404 @@
+"""The program against the same physics in plain Python (``by_hand``): every check, every verdict, the whole ranking."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import random
+import sys
+from collections import Counter
+from functools import cache
+
+import by_hand
+import numpy as np
+import pytest
+
+from drivesizer.catalog import load
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.loads import load_cycle
+from drivesizer.physics.motor_demand import at_gearhead, demands
+from drivesizer.physics.stress import Parts, heat, stress
+from drivesizer.search.columns import limits_over_time as wave
+from drivesizer.search.columns.candidates import Candidates, Rows, candidates
+from drivesizer.search.columns.controllers import controllers
+from drivesizer.search.columns.encoders import encoders_for, offered_encoders
+from drivesizer.search.columns.evaluation import evaluate
+from drivesizer.search.columns.waveform_bounds import bounds
+from drivesizer.search.search import search
+from drivesizer.sizing import size
+from drivesizer.spec.robot import read_spec
+
+PAIRS = 2000  # sets per load; of the arm, which has hundreds of segments, fewer
+
+RECORDING = """time,speed,torque
+s,rpm,N*m
+0,0,0.2
+0.5,40,1.4
+1.1,35,-0.9
+2.5,40,0.9
+2.8,-12,-0.8
+3.3,-9,0.7
+3.6,0,-0.3
+4.4,0,0.25
+5,0,0
+"""
+
+TABLE = "rotary table, its rotor alone drives back"
+LOADS = {
+    "vehicle braking down a slope": """
+load: {kind: wheeled_vehicle, mass: 16 kg, driven_wheels: 2, wheel_diameter: 190 mm, rolling_resistance: 0.018,
+       slope: -7 deg, inertia: 45 kg*cm^2, friction_coefficient: 0.55}
+motion: {speed: 1.1 m/s, acceleration_time: 0.8 s, deceleration_time: 1.3 s, cruise_time: 6 s, rest_time: 2 s}
+transmission: [{kind: gearhead}, {kind: belt, ratios: [0.8, 1.35], efficiency: 0.92, pulley_diameter: 60 mm,
+                max_tension: 180 N, max_speed: 0.5 m/s}]
+supply: {nominal: 36 V, min: 30 V, max: 42 V, current: 11 A}
+environment: {ambient: 38 degC}
+margins: {torque: 7 %, speed: 4 %, temperature: 11 %}
+needs: {encoder_counts: 400, backlash_at_load: 1.3 deg}
+""",
+    "hoist lowering past its counterweight": """
+load: {kind: hoist, mass: 13 kg, counterweight: 4.5 kg, drum_diameter: 55 mm, falls: 2, rope_efficiency: 0.94,
+       friction_force: 6 N, inertia: 3 kg*cm^2, motors: 2}
+motion: {speed: 0.22 m/s, acceleration_time: 0.3 s, cruise_time: 2.2 s, rest_time: 1.7 s, there_and_back: true}
+transmission: [{kind: gearhead}, {kind: belt, ratio: 1.7, efficiency: 0.95}]
+supply: {nominal: 24 V, min: 21 V, max: 28 V, regeneration: 0.6, power: 70 W}
+environment: {ambient: 31 degC}
+needs: {length: 110 mm, mass: 500 g, diameter: 38 mm, price: 600 EUR, radial_load: 60 N}
+""",
+    "arm swinging through": """
+load: {kind: arm, mass: 2.2 kg, length: 280 mm, inertia: 0.21 kg*m^2, start_angle: -115 deg, friction_torque: 0.25 N*m}
+motion: {speed: 80 deg/s, acceleration_time: 0.2 s, cruise_time: 0.4 s, rest_time: 1.1 s, there_and_back: true}
+transmission: [{kind: gearhead}, {kind: belt, ratio: 2.2, efficiency: 0.96, stiffness: 900 N*m/rad}]
+supply: {nominal: 24 V, min: 22 V, max: 29 V, current: 6 A, power: 90 W}
+environment: {ambient: 27 degC}
+margins: {torque: 12 %, speed: 9 %}
+needs: {inertia_ratio: 30, resonance: 9 Hz}
+""",
+    "ball screw upright": """
+load: {kind: ball_screw, mass: 14 kg, lead: 16 mm, efficiency: 0.9, back_efficiency: 0.8, incline: 70 deg,
+       friction_coefficient: 0.01, friction_force: 12 N, preload_torque: 0.02 N*m, inertia: 0.5 kg*cm^2}
+motion: {speed: 0.12 m/s, acceleration_time: 0.25 s, cruise_time: 1.6 s, rest_time: 0.8 s, there_and_back: true}
+transmission: [{kind: gearhead}, {kind: belt, ratios: [0.75], efficiency: 0.9}]
+supply: {nominal: 45 V, min: 44 V, max: 46 V, capacitance: 90 mF}
+environment: {ambient: 12 degC}
+margins: {temperature: 20 %}
+""",
+    "recorded": """
+load: {kind: recorded, file: cycle.csv, inertia: 12 kg*cm^2}
+transmission: [{kind: gearhead}, {kind: belt, ratio: 0.7, efficiency: 0.93}]
+supply: {nominal: 24 V, min: 22 V, max: 26 V}
+""",
+    TABLE: """
+load: {kind: rotary_table, inertia: 0.02 kg*m^2, friction_torque: 0.9 N*m}
+motion: {profile: segments, segments: [{time: 0.2 s, to: 240 deg/s}, {time: 0.3 s, to: 0 deg/s}, {time: 0.5 s},
+         {time: 0.22 s, to: -230 deg/s}, {time: 0.31 s, to: 0 deg/s}, {time: 0.4 s}]}
+transmission: [{kind: gearhead}, {kind: belt, ratio: 2.5, efficiency: 0.94}]
+supply: {nominal: 24 V, min: 22 V, max: 26 V, capacitance: 0.4 mF}
+environment: {ambient: 45 degC}
+margins: {torque: 5 %}
+""",
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    found = tmp_path_factory.mktemp("brute")
+    (found / "cycle.csv").write_text(RECORDING, encoding="utf-8")
+    return found
+
+
+def spec_of(name, folder, more=""):
+    return read_spec(YamlSource(f"name: x\n{LOADS[name]}{more}", str(folder / "x.yaml")))
+
+
+@cache
+def records(section):
+    table = load(["maxon"]).table(section)
+    return [table.record(row) for row in range(len(table))]
+
+
+@cache
+def encoders_of():
+    catalog, found = load(["maxon"]), {}
+    for left, right in zip(catalog.motor_encoder.left.tolist(), catalog.motor_encoder.right.tolist(), strict=True):
+        if not catalog.encoders.excluded[right]:
+            found.setdefault(left, []).append(records("encoders")[right])
+    return found
+
+
+def some_pairs(catalog, count, seed):
+    """Random pairs that the catalogue lists and that are on offer."""
+    listing = catalog.motor_gearhead
+    offered = ~catalog.motors.excluded[listing.left] & ~catalog.gearheads.excluded[listing.right]
+    rows = random.Random(seed).sample(np.flatnonzero(offered).tolist(), count)
+    left, right = listing.left[rows].astype(np.int64), listing.right[rows].astype(np.int64)
+    return Candidates(left, right, np.ones(count), np.ones(count, bool))
+
+
+def with_belts(pairs, belts):
+    every = np.repeat(np.arange(len(pairs.motor)), len(belts))
+    return pairs.on(every)._replace(belt=np.tile(np.array(belts), len(pairs.motor)))
+
+
+def all_by_hand(spec, catalog, sets):
+    """Each set's checks, controller and demands."""
+    cycle = load_cycle(spec)
+    segments = by_hand.segments_of(cycle)
+    offered = [c for c, out in zip(records("controllers"), catalog.controllers.excluded, strict=True) if not out]
+    found = []
+    for m, g, belt in zip(sets.motor.tolist(), sets.gearhead.tolist(), sets.belt.tolist(), strict=True):
+        motor, head = records("motors")[m], records("gearheads")[g]
+        speed = head.ratio * belt * max(abs(w) for segment in segments for w in segment.speed)
+        encoder = by_hand.encoder_for(spec, encoders_of().get(m, []), speed, head.ratio * belt)
+        extra = by_hand.figure(encoder, "inertia")
+        extra = 0.0 if math.isnan(extra) else extra
+        pieces = by_hand.drive(motor, head, extra, belt, spec.belt_efficiency, segments)
+        kept = 1.0 - spec.supply.regeneration  # the rest of what comes back
+        asked = by_hand.asked(pieces, motor, head, spec.environment.ambient, kept)
+        checks, controller = by_hand.checks(spec, cycle, pieces, asked, (motor, head, encoder), belt, offered)
+        found.append((checks, controller, asked, pieces))
+    return found
+
+
+@pytest.fixture(scope="module")
+def worked(folder, catalog):
+    """Random sets of each load, worked out both ways; once per load."""
+    done = {}
+
+    def of(name):
+        if name not in done:
+            spec = spec_of(name, folder)
+            count = PAIRS // len(spec.belt_ratios) if "arm" not in name else PAIRS // 8
+            sets = with_belts(some_pairs(catalog, count, name), spec.belt_ratios)
+            done[name] = spec, sets, all_by_hand(spec, catalog, sets)
+        return done[name]
+
+    return of
+
+
+def same(a, b):
+    return (math.isnan(a) and math.isnan(b)) or math.isclose(a, b, rel_tol=1e-9, abs_tol=1e-15)
+
+
+@pytest.mark.parametrize("name", LOADS)
+def test_every_check_of_random_sets(name, worked, catalog):
+    spec, sets, mine = worked(name)
+    found = evaluate(spec, catalog, sets)
+    theirs = {check.name: check for check in found.checks}
+    assert set(theirs) == set(mine[0][0])
+    wrong = []
+    for row, (checks, controller, asked, _) in enumerate(mine):
+        for name_, verdict in checks.items():
+            check = theirs[name_]
+            status = "pass" if check.passed[row] else "fail" if check.failed[row] else "unknown"
+            demand, limit = float(check.demand[row]), float(check.limit[row])
+            if name_ == "bus_voltage" and 0.0 < asked.stored[1] < 1e-9 * asked.drawn:
+                continue  # nothing or next to nothing: as rounding has it
+            ok = status == verdict.status and (math.isnan(verdict.demand) or same(demand, verdict.demand))
+            if not math.isnan(verdict.limit):
+                ok &= same(limit, verdict.limit)
+            if not ok:
+                wrong.append((row, name_, status, demand, limit, verdict))
+        chosen = int(found.controller[row])
+        assert (chosen < 0) == (controller is None)
+        if controller is not None:
+            assert records("controllers")[chosen].part == controller.part
+    assert not wrong, (len(wrong), Counter(w[1] for w in wrong), wrong[:3])
+
+
+@pytest.mark.parametrize("name", [name for name in LOADS if name != "recorded"])
+def test_these_loads_really_drive_back(name, worked):
+    """Power flows back at the gearhead for a good part of the cycle, and many motors return energy."""
+    spec, _, mine = worked(name)
+    pieces = mine[0][3]
+    back = [p for p in pieces if p.way * sum(p.gear_torque) < 0]
+    if name == TABLE:  # its friction is more than its inertia: only the rotor drives back
+        assert not back
+    else:
+        assert sum(p.time for p in back) > 0.05 * sum(p.time for p in pieces)
+    returned = [asked.returned for _, _, asked, _ in mine if not math.isnan(asked.returned)]
+    assert sum(energy > 0 for energy in returned) > 0.2 * len(returned)
+    assert spec.belt_efficiency != 1
+
+
+@pytest.mark.parametrize("name", LOADS)
+def test_the_peak_of_the_winding_by_a_march_in_small_steps(name, worked, catalog):
+    """The closed form of ``by_hand`` and of the program against nothing but the two differential equations."""
+    spec, sets, mine = worked(name)
+    ambient, seen = spec.environment.ambient, 0
+    for row in range(0, len(mine), 37):
+        motor, (_, _, asked, pieces) = records("motors")[int(sets.motor[row])], mine[row]
+        if not 1.0 < asked.winding[0] - ambient < 400.0 or math.isnan(motor.winding_time_constant):
+            continue
+        rise = by_hand.marched_peak(pieces, motor, ambient, 8) - ambient  # with the current of each moment
+        assert rise == pytest.approx(asked.winding[0] - ambient, rel=2e-3)
+        seen += 1
+        if seen == (1 if len(pieces) > 60 else 4):
+            break
+    assert seen
+
+
+def ranked(spec, sets, mine, objective):
+    """Rows of the sets that stand: pass before unknown, then what is known of all parts, then the better one."""
+    rows, idle = [], () if by_hand.encoder_asked(spec) else ("encoder_speed", "encoder_frequency")
+    for row, (every, _, asked, _) in enumerate(mine):
+        checks = {name: verdict for name, verdict in every.items() if name not in idle}
+        status = {v.status for v in checks.values()}
+        if "fail" in status:
+            continue
+        motor, head = records("motors")[int(sets.motor[row])], records("gearheads")[int(sets.gearhead[row])]
+        if objective == "mass":
+            figures = [motor.mass, head.mass]
+        elif objective == "energy":
+            figures = [(asked.drawn - spec.supply.regeneration * asked.returned) * spec.load.motors]
+        elif objective == "peak_current":
+            figures = [asked.I_peak]
+        else:
+            figures = [-min((v.margin for v in checks.values() if not math.isnan(v.margin)), default=math.inf)]
+        known = [x for x in figures if not math.isnan(x)]
+        key = ("unknown" in status, len(figures) - len(known), sum(known))
+        rows.append((key, motor.part, head.part, float(sets.belt[row])))
+    return sorted(rows)
+
+
+@pytest.mark.parametrize(
+    ("name", "objective"),
+    [pytest.param(name, objective) for name in LOADS for objective in ("mass", "energy", "peak_current", "margin")],
+)
+def test_the_ranking(name, objective, worked, catalog, monkeypatch):
+    """The whole order of the same sets, as the search gives it."""
+    spec, sets, mine = worked(name)
+    one_each = sets.on(np.flatnonzero(sets.belt == spec.belt_ratios[0]))
+    monkeypatch.setattr(sys.modules[search.__module__], "pairs", lambda *_, **__: one_each)
+    found = search(spec, catalog, top=10**6, objective=objective, misses=0)
+    expected = ranked(spec, sets, mine, objective)
+    assert found.counts.considered == len(mine)
+    assert found.counts.feasible == found.standing == len(expected) > 10
+    order = []
+    for row in range(found.standing):
+        s = found.evaluation.candidates
+        motor, head = records("motors")[int(s.motor[row])], records("gearheads")[int(s.gearhead[row])]
+        order.append((motor.part, head.part, float(s.belt[row])))
+    keys = {row[1:]: row[0] for row in expected}
+    assert set(order) == set(keys)
+    for one, other in itertools.pairwise(order):
+        a, b = keys[one], keys[other]
+        if a[:2] == b[:2] and same(a[2], b[2]):
+            assert objective != "mass" or a[2] != b[2] or one < other  # of equals by part number
+        else:
+            assert a < b, (one, other)
+    if objective == "mass":
+        assert order == [row[1:] for row in expected]
+
+
+SELECTED = {
+    "vehicle braking down a slope": "select: {motor: {family: [RE 25, EC-i 40]}, gearhead: {family: GP 32 C}}",
+    "hoist lowering past its counterweight": "select: {motor: {family: [RE 30, EC-max 30, RE 25]}}",
+    "ball screw upright": "select: {motor: {family: [RE 40, EC-i 40, EC 45 flat]}}",
+    TABLE: "select: {motor: {family: [EC-max 30, EC-i 40, RE 30]}}",
+    "recorded": "select: {motor: {family: [RE 25, EC-max 22, A-max 22]}}",
+}
+SELECTED["several cases"] = SELECTED["hoist lowering past its counterweight"]
+LOADS_AND_CASES = LOADS | {
+    "several cases": LOADS["hoist lowering past its counterweight"].replace("needs:", "control:").split("control:")[0]
+    + """cases:
+  - {name: empty, load: {mass: 5.5 kg}}
+  - {name: weak battery in the heat, supply: {nominal: 22 V, min: 20.5 V}, environment: {ambient: 44 degC}}
+"""
+}
+
+
+@pytest.mark.parametrize("objective", ["mass", "energy"], ids=["by bounds", "exact"])
+@pytest.mark.parametrize("name", SELECTED)
+def test_the_search_in_stages_finds_what_all_checks_find(name, objective, folder, catalog):
+    text = f"name: x\n{LOADS_AND_CASES[name]}{SELECTED[name]}\n"
+    spec = read_spec(YamlSource(text, str(folder / "x.yaml")))
+    every = candidates(spec, catalog)
+    whole = evaluate(spec, catalog, every)
+    found = search(spec, catalog, top=10**6, objective=objective, misses=0)
+
+    def keys(sets, rows):
+        return set(zip(sets.motor[rows].tolist(), sets.gearhead[rows].tolist(), sets.belt[rows].tolist(), strict=True))
+
+    standing = np.arange(len(found.evaluation.candidates.motor)) < found.standing
+    doubtful = found.evaluation.unknown
+    assert not found.evaluation.failed[standing].any()
+    assert keys(found.evaluation.candidates, standing) == keys(every, ~whole.failed)
+    assert keys(found.evaluation.candidates, standing & doubtful) == keys(every, whole.unknown)
+    assert 0 < found.standing < len(every.motor)
+    of_all = {check.name: int(check.failed.sum()) for check in whole.checks}
+    assert all(count <= of_all[check] for check, count in found.counts.failed_by.items())
+    assert sum(found.counts.failed_by.values()) >= len(every.motor) - found.standing
+
+
+@pytest.mark.parametrize("name", [pytest.param(name) for name in LOADS])
+def test_bounds_hold_and_decide_nothing_wrongly(name, folder, catalog):
+    spec = spec_of(name, folder)
+    pairs = some_pairs(catalog, 600, f"bounds {name}")
+    at = at_gearhead(load_cycle(spec), spec.belt_efficiency).behind(spec.belt_ratios[0])
+    motor, head = Rows(catalog.motors, pairs.motor), Rows(catalog.gearheads, pairs.gearhead)
+    speed = at.peak_speed * head["ratio"]
+    chosen = encoders_for(spec, offered_encoders(spec, catalog), pairs.motor, speed, head["ratio"] * at.belt)
+    encoder = Rows(catalog.encoders, chosen)
+    asked = demands(at, motor, head, encoder)
+    warm = heat(spec.environment.ambient, at, asked, motor)
+    under = stress(spec.environment.ambient, at, asked, motor)
+    cold = under.cold_voltage.value
+    row = controllers(spec, catalog, pairs.motor, asked.rms_current, under.current.value, cold).row
+    parts = Parts(motor, head, encoder, Rows(catalog.controllers, row))
+    low, high = bounds(spec, at, asked, warm, under, parts)
+    exact, same_again = wave.exact(spec, at, asked, warm, under, parts)
+    known = ~np.isnan(exact.winding) & ~np.isnan(exact.power) & ~np.isnan(exact.above)
+    known &= ~(exact.winding > motor["max_winding_temperature"])  # what fails by its heat needs no other bound
+    np.testing.assert_array_equal(exact.voltage[known], same_again.voltage[known])
+    assert known.sum() > 200
+    for figure in ("winding", "voltage", "power", "stored", "above"):
+        least, middle, most = (getattr(m, figure)[known] for m in (low, exact, high))
+        if np.isnan(least).all() or np.isnan(most).all():  # a bound that no limit of this spec asks for
+            continue
+        with np.errstate(invalid="ignore"):
+            slack = 1e-9 * np.abs(np.nan_to_num(middle, posinf=0.0))
+        assert (least <= middle + slack).all(), figure
+        assert (middle <= most + slack).all(), figure
+    for a, b, c in zip(*(wave.waveform_limits(spec, m, m, parts) for m in (low, exact, high)), strict=True):
+        decided = known & (a.passed == c.passed) & (a.failed == c.failed)
+        assert (a.passed == b.passed)[decided].all(), a.name
+        assert (a.failed == b.failed)[decided].all(), a.name
+
+
+def test_resolution_at_the_load_counts_the_belt(catalog):
+    """An edge of 4 x counts per motor turn is, at the load, that over the whole reduction; the belt turns it too."""
+    text = LOADS["vehicle braking down a slope"] + "select: {motor: {part: 118752}, gearhead: {family: GP 26 A}}\n"
+    spec = read_spec(
+        YamlSource(f"name: x\n{text.replace('needs: {', 'needs: {resolution_at_load: 3 deg, ')}", "x.yaml")
+    )
+    found = evaluate(spec, catalog, candidates(spec, catalog))
+    check = next(c for c in found.checks if c.name == "encoder_resolution")
+    counts = catalog.encoders["counts_per_turn"][found.encoder]
+    whole = catalog.gearheads["ratio"][found.candidates.gearhead] * found.candidates.belt
+    assert check.demand == pytest.approx(2 * math.pi / (4 * counts * whole), rel=1e-12)
+
+
+def test_size_takes_the_same_best_set(worked, catalog):
+    """From the outside: the first set of the whole catalogue is no worse than the first of the random ones."""
+    spec, sets, mine = worked("hoist lowering past its counterweight")
+    best = ranked(spec, sets, mine, "mass")[0]
+    first = size(spec, catalog=catalog, top=1).sets[0]
+    assert (first.status == "unknown", first.objective) <= (best[0][0], best[0][2])
+
+
+def test_the_winding_follows_a_torque_that_rises_slowly(tmp_path, catalog):
+    """A recording of few samples: torque from nothing to 2 N·m in 20 s, ten winding time constants, at one speed."""
+    (tmp_path / "cycle.csv").write_text("time,speed,torque\ns,rpm,N*m\n0,25,0\n20,25,2\n20.1,25,0\n40,25,0\n", "utf-8")
+    spec = spec_of("recorded", tmp_path)
+    sets = some_pairs(catalog, 60, "slow")._replace(belt=np.full(60, 0.7))
+    found = evaluate(spec, catalog, sets)
+    check = next(c for c in found.checks if c.name == "winding_temperature")
+    ambient, seen = spec.environment.ambient, 0
+    for row, (_, _, asked, pieces) in enumerate(all_by_hand(spec, catalog, sets)):
+        motor = records("motors")[int(sets.motor[row])]
+        if seen < 4 and 2.0 < asked.winding[0] - ambient < 200.0 and motor.winding_time_constant < 4.0:
+            seen += 1
+            rise = by_hand.marched_peak(pieces, motor, ambient, 200) - ambient
+            assert check.demand[row] - ambient == pytest.approx(rise, rel=2e-3)
+    assert seen

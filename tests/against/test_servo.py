@@ -1,0 +1,361 @@
+"""The closed loop of a servo cascade, from the spec to the verdict."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from dataclasses import replace
+from functools import cache, partial
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from drivesizer.cli import app
+from drivesizer.control.cascade import Cascade
+from drivesizer.control.closed_loop import run as closed_loop_run
+from drivesizer.control.closed_loop import set_up
+from drivesizer.control.closed_loop.checks import checks
+from drivesizer.control.drive_train import Regime, modes
+from drivesizer.control.validation import Validation
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.loads.at_shaft import asked_of
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.simulate import validate
+from drivesizer.sizing import explain
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+SPEC = """
+name: a cart uphill
+load: {kind: wheeled_vehicle, mass: 60 kg, driven_wheels: 4, wheel_diameter: 160 mm, rolling_resistance: 0.02, slope: 2 deg, inertia: 0.004 kg*m^2}
+motion: {speed: 1.2 m/s, acceleration_time: 0.8 s, cruise_time: 4 s, rest_time: 1 s}
+supply: {nominal: 24 V, min: 22 V, current: 40 A, regeneration: 0.5}
+control: CONTROL
+PLANT
+"""  # noqa: E501
+SOFT = "{structure: cascade, position: {}, velocity: {bandwidth: 4 Hz}}"  # a faster loop is unstable on a soft shaft
+MOTOR, GEARHEAD = "DCX26L01GBKL529", "GPX26AALN0021CPLW"
+
+
+def spec_of(
+    control: str = "{structure: cascade, position: {}, velocity: {bandwidth: 30 Hz}}", plant: str = ""
+) -> RobotSpec:
+    text = SPEC.replace("CONTROL", control).replace("PLANT", plant)
+    return read_spec(YamlSource(text, "cart.yaml"))
+
+
+def proof(spec: RobotSpec) -> Validation:
+    return validate(spec, chosen(spec))
+
+
+def chosen(spec: RobotSpec) -> DriveSet:
+    """The pair's set; what would have to change where it falls is sixty searches, and nobody asks for it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("drivesizer.sizing.changes_for", lambda *_: ())
+        return explain(spec, *parts())[0]
+
+
+@cache
+def parts() -> tuple[str, str]:
+    """A 26 mm brushed motor with every thermal figure, and a gearhead that a source lists with it."""
+    from drivesizer.catalog import load
+
+    catalog = load()
+    row = catalog.motors.rows[MOTOR]
+    fits = catalog.motor_gearhead.right[catalog.motor_gearhead.left == row]
+    ratio = catalog.gearheads["ratio"][fits]
+    return MOTOR, str(catalog.gearheads["part"][fits[np.abs(ratio - 20.0).argmin()]])
+
+
+@pytest.fixture(scope="module")
+def rigid() -> Validation:
+    return proof(spec_of())
+
+
+def figures(found: Validation) -> dict[str, float]:
+    return {figure.name: figure.value for figure in found.figures}
+
+
+def test_the_drive_follows_and_every_loop_is_stable(rigid):
+    assert isinstance(rigid.gains, Cascade) and "pole placement" in rigid.gains.rule
+    named = {check.name: check for check in rigid.checks}
+    assert named["stability"].status == named["tracking_error"].status == "pass"
+    assert figures(rigid)["bandwidth"] == pytest.approx(30.0, rel=0.15)  # placed for a continuous loop without delay
+
+
+def test_what_is_told_is_in_the_series(rigid):
+    series, told = rigid.series, figures(rigid)
+    motor = np.abs(series["speed_reference"] - series["speed"]).max()
+    assert motor == pytest.approx(told["tracking_error_peak"], rel=0.05)
+    assert np.abs(series["current"]).max() == pytest.approx(told["peak_current"], rel=0.02)
+    assert series["winding_temperature"][-1] == pytest.approx(told["winding_end"], abs=0.1)
+    power = series["voltage"] * series["current"] * 4
+    np.testing.assert_allclose(series["supply_power"], power)
+
+
+def test_energy_is_the_work_and_the_losses(rigid):
+    """Lifting 60 kg by 2 deg and rolling: what the supply gives is that through the gears, friction and copper."""
+    spec, told = rigid.spec, figures(rigid)
+    way = 1.2 * (0.8 / 2 + 4 + 0.8 / 2)
+    work = 60 * 9.80665 * way * (math.sin(math.radians(2)) + 0.02 * math.cos(math.radians(2)))
+    gear = rigid.drive_set.gearhead.efficiency * rigid.drive_set.belt_efficiency
+    net = (told["energy_in"] - told["energy_returned"]) / 1.0
+    assert spec.load.motors == 4
+    assert work / gear < net < 2.0 * work / gear
+
+
+def test_the_winding_in_the_cycle_repeated_for_ever(rigid):
+    """Its mean follows from the mean losses in the long run; its highest lies above by the swing of one cycle."""
+    found = rigid.drive_set.motor
+    limit = next(check for check in rigid.checks if check.name == "winding_temperature")
+    rms = figures(rigid)["rms_current"]
+    R_th1, R_th2 = found.thermal_resistance_winding, found.thermal_resistance_housing
+    mean_speed = float(
+        np.trapezoid(np.abs(rigid.series["motor_speed"]), rigid.series["time"]) / rigid.series["time"][-1]
+    )
+    rubbing = found.torque_constant * found.no_load_current * mean_speed
+    hot = 298.15
+    for _ in range(50):  # T = T_a + (R_th1 + R_th2) I^2 R(T) + R_th2 P
+        copper = rms**2 * found.resistance * (1 + 0.0039 * (hot - 298.15))
+        hot = 298.15 + (R_th1 + R_th2) * copper + R_th2 * rubbing
+    assert hot - 1.0 < limit.demand < hot + 12.0
+    assert limit.demand > figures(rigid)["winding_end"] > 298.15
+
+
+def test_two_masses_swing_at_their_resonance():
+    """f = sqrt(c (1/(e K^2 J_M)... at the load: 1/J_L and the motor's own through K^2 with the gears' share) / 2 pi."""
+    spec = spec_of(SOFT, "plant: {model: two_mass, stiffness: 3000 N*m/rad, damping_ratio: 0.1, backlash: 0.2 deg}")
+    found = proof(spec)
+    case = closed_loop_run.run(spec, found.drive_set, _profile(spec))
+    train = case.train
+    braking = train.efficiency / train.ratio  # the share of the shaft's torque that the motor feels
+    own = 3000.0 * (1 / train.load_inertia + braking / (train.ratio * train.motor_inertia))
+    assert figures(found)["resonance"] == pytest.approx(math.sqrt(own) / (2 * math.pi), rel=1e-9)
+    assert "two masses" in " ".join(found.assumptions)
+
+
+def test_errors_are_those_of_the_mass_that_they_are_named_for():
+    """The figures against the kept course: of the load, and of the motor through the whole reduction."""
+    found = proof(spec_of(SOFT, "plant: {model: two_mass, stiffness: 3000 N*m/rad, damping_ratio: 0.1}"))
+    told, s, radius = {f.name: f.value for f in found.figures}, found.series, 0.08
+    per_speed = found.drive_set.gearhead.ratio * found.drive_set.belt_ratio / radius
+    of_the_motor = s["speed_reference"] - s["motor_speed"] / per_speed
+    np.testing.assert_allclose(s["error"], s["speed_reference"] - s["speed"], atol=1e-12)
+    np.testing.assert_allclose(s["motor_error"], of_the_motor, atol=1e-12)
+    for name, column in (("tracking_error", "error"), ("position_error", "position_error")):
+        for whose in ("", "motor_"):
+            kept = np.abs(s[f"{whose}{column}"]).max()  # the course is thinned: a peak may lie between its rows
+            assert told[f"{whose}{name}_peak"] == pytest.approx(kept, rel=0.02), (whose, name)
+            assert told[f"{whose}{name}_peak"] >= kept * (1 - 1e-9)
+    assert told["motor_tracking_error_peak"] != pytest.approx(told["tracking_error_peak"], rel=1e-3)
+    check = next(check for check in found.checks if check.name == "tracking_error")
+    assert check.demand == pytest.approx(told["tracking_error_peak"])
+    ends = told["distance_error"], told["motor_distance_error"]
+    assert ends == pytest.approx((s["position_error"][-1], s["motor_position_error"][-1]), abs=1e-9)
+
+
+def _profile(spec: RobotSpec):
+    from drivesizer.loads.profile import profile_of
+
+    return profile_of(spec)
+
+
+def test_counts_are_coarser_than_an_exact_measurement(rigid):
+    counted = proof(spec_of("{structure: cascade, position: {}, velocity: {bandwidth: 30 Hz}, speed_from: counts}"))
+    if counted.drive_set.encoder is None:
+        pytest.skip("no encoder is listed for the motor")
+    assert figures(counted)["tracking_error_rms"] > figures(rigid)["tracking_error_rms"]
+
+
+def test_a_soft_source_sags_by_its_current(rigid):
+    spec = rigid.spec
+    soft = spec.model_copy(update={"supply": spec.supply.model_copy(update={"resistance": 0.05})})
+    sagging = proof(soft)
+    found, hard = figures(sagging), figures(rigid)
+    most = max(sagging.series["supply_power"]) / found["bus_lowest"]
+    assert hard["bus_lowest"] == pytest.approx(22.0)
+    assert 22.0 - found["bus_lowest"] == pytest.approx(0.05 * most, rel=0.1)
+
+
+def test_without_feedforward_the_error_at_the_ramps_start_is_that_of_a_second_order_loop():
+    """To a ramp a and a drag D the error is (a + D/J) / (s^2 + 2 z w s + w^2): largest exp(-acos(z) z / sqrt(1-z^2)) of
+    (a + D/J) / w. Friction holds the cart until the current has grown, so that it does not roll back first: less."""
+    bare = (
+        "{structure: cascade, velocity: {bandwidth: 30 Hz}, feedforward: {friction: 0, acceleration: 0, velocity: 0}}"
+    )
+    spec = spec_of(bare)
+    found = proof(spec)
+    train = closed_loop_run.run(spec, found.drive_set, _profile(spec)).train
+    mode, z = modes(train)[Regime.FORWARD_DRIVING], math.sqrt(0.5)
+    gains = found.gains
+    assert isinstance(gains, Cascade)
+    w = math.sqrt(train.torque_constant * gains.velocity_ki / mode.inertia)
+    ramp, drag = 1.2 / 0.8 * train.motor_per_speed, mode.drag / mode.inertia
+    largest = math.exp(-math.acos(z) * z / math.sqrt(1 - z * z)) / w / train.motor_per_speed
+    assert ramp * largest < figures(found)["tracking_error_peak"] < (ramp + drag) * largest
+    assert drag < ramp  # so that the bounds are near each other
+
+
+def test_gains_that_are_given_are_taken():
+    found = proof(spec_of("{structure: cascade, current: {kp: 0.4, ki: 900}, velocity: {kp: 1.5, ki: 60}}"))
+    gains = found.gains
+    assert isinstance(gains, Cascade)
+    assert (gains.current_kp, gains.current_ki, gains.velocity_kp, gains.velocity_ki) == (0.4, 900.0, 1.5, 60.0)
+
+
+@pytest.mark.parametrize(
+    ("control", "plant", "said"),
+    [
+        ("{structure: cascade, velocity: {bandwidth: 5 kHz}}", "", "faster than the delay of the loop allows"),
+        ("{structure: cascade, velocity: {kp: 5, bandwidth: 30 Hz}}", "", "expected one of them"),
+        ("{structure: cascade, velocity: {kp: 1, ki: 1}}", "plant: {model: two_mass}", "needs plant.stiffness"),
+    ],
+)
+def test_what_cannot_be_is_one_line(control, plant, said):
+    with pytest.raises(InputError, match=said) as caught:
+        proof(spec_of(control, plant))
+    assert "cart.yaml:" in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{structure: cascade, kp: 3}", "{velocity: {kp: 3}}", "{structure: cascade, velocity: {kp: -1}}",
+     "{structure: cascad}", "{structure: cascade, velocity: {kq: 1}}"],
+)  # fmt: skip
+def test_a_wrong_control_section_is_refused(text):
+    with pytest.raises(InputError, match="control"):
+        spec_of(text)
+
+
+def test_unstable_gains_are_told_and_do_not_pass():
+    found = proof(spec_of("{structure: cascade, velocity: {kp: 3000, ki: 9000000}}"))
+    assert found.status == "fail"
+    assert any("unstable" in warning for warning in found.warnings)
+
+
+def test_json_csv_and_report_carry_the_same(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = SPEC.replace("CONTROL", "{structure: cascade, velocity: {bandwidth: 30 Hz}}").replace("PLANT", "")
+    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
+    run = CliRunner().invoke(app, ["validate", "--set", "/".join(parts()), "--json", "--csv", "loop.csv"])
+    document = json.loads(run.stdout)
+    assert document["gains"]["velocity_kp"] > 0 and document["gains"]["current_period"] > 0
+    rows = list(csv.reader((tmp_path / "loop.csv").read_text(encoding="utf-8").splitlines()))
+    assert "winding_temperature (degC)" in rows[0] and len(rows) > 1000
+    written = CliRunner().invoke(app, ["report", "-o", "report.csv", "--top", "1"])
+    assert written.exit_code in (0, 1)
+    assert "velocity_kp" in (tmp_path / "report.csv").read_text(encoding="utf-8")
+
+
+def test_a_profile_beyond_any_machine_is_refused():
+    from drivesizer.loads.profile import Profile
+
+    spec = spec_of()
+    fast = Profile(name="fast", time=(0.0, 1.0, 2.0), speed=(0.0, 1e300, 0.0))
+    with pytest.raises(InputError, match="no speed that a motor can be turned to"):
+        validate(spec, chosen(spec), profile=fast)
+
+
+def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_between_cold_and_as_warm_as_it_may_be():
+    """By hand: U_hot = U + R_25 0.0039/K (T - 25 degC) I, T that of the largest current for ever, or what is permitted;
+    P_hot likewise with I^2, over the voltage of a source without resistance."""
+    spec = spec_of()
+    one = chosen(spec)
+    one = replace(one, motor=replace(one.motor, winding_time_constant=math.nan))
+    case, motor = closed_loop_run.run(spec, one, asked_of(spec)), one.motor
+    assert not case.periodic and spec.supply.resistance is None
+    current, R = float(case.out.figures["current"][0]), case.train.resistance
+    R_th, heat = motor.thermal_resistance_winding + motor.thermal_resistance_housing, R * current**2
+    forever = 298.15 + R_th * heat / (1 - 0.0039 * R_th * heat) if 0.0039 * R_th * heat < 1 else math.inf
+    more = R * 0.0039 * (min(forever, motor.max_winding_temperature) - 298.15)
+    assert more > 0.1 * R
+
+    def status(name, case):
+        return next(check.status for check in checks(case) if check.name == name)
+
+    def usable(volts):
+        return status("supply_voltage", case._replace(usable_voltage=volts))
+
+    cold, hot = case.takes("voltage_asked"), case.takes("voltage_asked") + more * current
+    found = [usable(volts) for volts in (0.99 * cold, 1.01 * cold, 0.99 * hot, 1.01 * hot)]
+    assert found == ["fail", "unknown", "unknown", "pass"]
+
+    def supplied(amperes):
+        supply = spec.supply.model_copy(update={"current": amperes})
+        return status("supply_current", case._replace(spec=spec.model_copy(update={"supply": supply})))
+
+    cold = case.figure("bus_current")
+    hot = cold + spec.load.motors * more * current**2 / spec.supply.lowest
+    found = [supplied(amperes) for amperes in (0.99 * cold, 1.01 * cold, 0.99 * hot, 1.01 * hot)]
+    assert found == ["fail", "unknown", "unknown", "pass"]
+
+
+def restless(monkeypatch):
+    """A motion that never repeats, 40 s long, where a hundredth of the steps is marched that are otherwise."""
+    from drivesizer.control.engine import march
+    from drivesizer.loads.profile import Profile
+
+    most = march.__kwdefaults__["most_steps"]
+    monkeypatch.setattr(closed_loop_run, "march", partial(march, most_steps=most // 100))
+    corners = tuple(np.linspace(0.0, 40.0, 41).tolist())
+    return Profile(name="long", time=corners, speed=tuple(1.0 + 0.1 * math.sin(n * n) for n in range(41)))
+
+
+def test_a_profile_with_more_samples_than_are_marched_is_refused_in_plain_words(monkeypatch):
+    spec, long = spec_of(), restless(monkeypatch)
+    monkeypatch.setattr("drivesizer.control.closed_loop.long_motion.LONGEST", 1000)
+    with pytest.raises(InputError, match="profile long: more steps than are permitted; expected a slower control"):
+        validate(spec, chosen(spec), profile=long)
+
+
+def test_a_long_profile_says_where_it_was_simulated_in_full_and_is_unknown_where_its_allowance_decides(monkeypatch):
+    spec, long = spec_of(), restless(monkeypatch)
+    one = chosen(spec)
+    case = closed_loop_run.run(spec, one, long)
+    told = next(said for said in validate(spec, one, profile=long).assumptions if said.startswith("the whole motion"))
+    assert "from 0 to 2, " in told and "unknown where that decides" in told
+
+    def status(more):
+        found = checks(case._replace(allowed=({"load_speed_error": more}, {})))
+        return next(check.status for check in found if check.name == "tracking_error")
+
+    margin = next(check.margin for check in checks(case._replace(allowed=({}, {}))) if check.name == "tracking_error")
+    assert [status(0.99 * (1 + margin)), status(1.01 * (1 + margin))] == ["pass", "unknown"]
+
+
+def test_the_best_sets_of_the_search_are_ranked_anew(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = SPEC.replace("CONTROL", "{structure: cascade, velocity: {bandwidth: 30 Hz}}").replace("PLANT", "")
+    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
+    run = CliRunner().invoke(app, ["validate", "--all", "--top", "3", "--json"])
+    proofs = json.loads(run.stdout)["validations"]
+    assert len(proofs) == 3
+    status = [proof["status"] != "pass" for proof in proofs]
+    assert status == sorted(status)
+    assert sorted(proof["set"]["rank"] for proof in proofs) == [1, 2, 3]
+    shown = CliRunner().invoke(app, ["validate", "--all", "--top", "2"])
+    assert "2 sets in closed loop" in shown.stdout and "tightest" in shown.stdout
+    refused = CliRunner().invoke(app, ["validate", "--all", "--csv", "x.csv"])
+    assert isinstance(refused.exception, InputError) and not (tmp_path / "x.csv").exists()
+
+
+def test_iron_warms_by_the_square_of_the_speed():
+    """At its nominal point, by the datasheet, the winding of a brushless motor is as hot as it may be in 25 degC."""
+    from drivesizer.catalog import load
+
+    spec, catalog = spec_of(), load()
+    motor = catalog.motors.record(catalog.motors.rows["309756"])  # EC-4pole 30
+    heat, said = set_up._heat(spec, replace(chosen(spec), motor=motor))
+    assert heat and heat.loss_torque == 0.0 and not said
+    rise = motor.max_winding_temperature - 298.15
+    copper = motor.resistance * (1.0 + 0.00392 * rise) * motor.nominal_current**2
+    iron = heat.loss_viscous * motor.nominal_speed**2
+    R_th1, R_th2 = motor.thermal_resistance_winding, motor.thermal_resistance_housing
+    assert R_th1 * copper + R_th2 * (copper + iron) == pytest.approx(rise, rel=2e-3)
+    assert iron > 0.1 * copper
+
+    unknown = replace(motor, nominal_speed=float("nan"))
+    heat, said = set_up._heat(spec, replace(chosen(spec), motor=unknown))
+    assert heat and heat.loss_viscous == 0.0 and "unknown" in said[0]

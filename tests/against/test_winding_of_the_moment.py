@@ -1,0 +1,94 @@
+"""Voltage and heat with the winding as warm as it is at each moment: held against SciPy, and against less data."""
+
+from dataclasses import replace
+from math import nan
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from drivesizer.catalog import load
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.results.check_columns import at_most, between
+from drivesizer.search.columns.candidates import candidates
+from drivesizer.search.columns.evaluation import evaluate
+from drivesizer.sizing import size
+from drivesizer.spec.robot import read_spec
+
+SPEC = """
+name: an hour in ten
+load: {kind: rotary_table, inertia: 0.001 kg*m^2, friction_torque: 1.0 N*m}
+motion: {profile: segments, segments: [{time: 1 s, to: 30 rpm}, {time: 3598 s}, {time: 1 s, to: 0 rpm}, {time: 9 h}]}
+transmission: [{kind: gearhead}]
+supply: {nominal: 24 V, regeneration: 100 %}
+method: physics
+select: {catalogs: [maxon], motor: {part: 236662}, gearhead: {part: 166163}}
+"""
+ALPHA, ROOM = 0.0039, 298.15  # 1/K of copper, K of data sheets
+
+
+@pytest.fixture(scope="module")
+def hour(tmp_path_factory):
+    return size(read_spec(YamlSource(SPEC, "x.yaml")), top=1).sets[0]
+
+
+def test_voltage_and_heat_of_an_hour_in_ten(hour):
+    """The network of winding and housing by SciPy, two cycles on: nothing is left of the start after nine hours."""
+    m, i, e = hour.motor, hour.gearhead.ratio, hour.gearhead.efficiency
+    assert m.kind == "brushed" and hour.status != "fail"
+    k, w = m.torque_constant, 30 * np.pi / 30 * i
+    I = (1.0 / (i * e)) / k + m.no_load_current
+    C_w, C_h = (tau / R for tau, R in (
+        (m.winding_time_constant, m.thermal_resistance_winding), (m.motor_time_constant, m.thermal_resistance_housing),
+    ))  # fmt: skip
+    ambient = 298.15
+
+    def rates(t, x, on):
+        R = m.resistance * (1 + ALPHA * (x[0] - ROOM))
+        through = (x[0] - x[1]) / m.thermal_resistance_winding
+        out = (x[1] - ambient) / m.thermal_resistance_housing
+        copper, rubs = on * R * I * I, on * k * m.no_load_current * w
+        return [(copper - through) / C_w, (rubs + through - out) / C_h, copper]
+
+    x = [ambient, ambient, 0.0]
+    for on, time in ((1, 3599.0), (0, 32401.0), (1, 3599.0)):
+        x[2] = 0.0
+        found = solve_ivp(rates, (0.0, time), x, args=(on,), rtol=1e-9, atol=1e-9, method="LSODA")
+        x = list(found.y[:, -1])
+    end, joule = x[0], x[2]
+    told = {check.name: check for check in hour.checks}
+    figures = {figure.name: figure.value for figure in hour.figures}
+    volts = m.resistance * (1 + ALPHA * (end - ROOM)) * I + k * w
+    assert told["supply_voltage"].demand == pytest.approx(volts, rel=2e-4)
+    assert told["supply_voltage"].at_time == pytest.approx(3599.0)
+    assert figures["joule_heat"] == pytest.approx(joule / 36000.0, rel=2e-3)  # the ramps' acceleration apart
+    mean = m.resistance * I * I * 0.1  # with R of the long mean, 25 degC and little more, a fifth less
+    assert figures["joule_heat"] > 1.15 * mean
+    assert end - ambient > 40.0
+
+
+def test_bounds_pass_by_the_warmest_and_fail_by_the_coldest():
+    """5.047 V cold and 6.13 V warm: of 6.2 V they pass, of 5 V they fail, of 5.06 V nobody knows."""
+    for limit, status in ((6.2, "pass"), (5.0, "fail"), (5.06, "unknown")):
+        low, high = (at_most("supply_voltage", np.array([x]), limit, "voltage", "V") for x in (5.047, 6.13))
+        assert between(low, high).at(0, "physics").status == status
+    low, high = (at_most("supply_voltage", np.array([x]), 5.06, "voltage", "V") for x in (5.047, nan))
+    assert between(low, high).at(0, "physics").status == "unknown"
+
+
+@pytest.mark.parametrize("lacking", ["thermal_resistance_housing", "winding_time_constant", "max_winding_temperature"])
+def test_less_data_never_looks_better(hour, lacking):
+    """A figure taken away from every motor: no check passes that did not with it, but where the winding got too hot."""
+    few = SPEC.replace("part: 236662", "family: [A-max 26, A-max 32]").replace("part: 166163", "family: GP 32 A")
+    spec, catalog = read_spec(YamlSource(few, "x.yaml")), load(["maxon"])
+    columns = dict(catalog.motors.columns) | {lacking: np.full(len(catalog.motors), nan)}
+    blind = replace(catalog, motors=replace(catalog.motors, columns=columns))
+    whole, less = (
+        {check.name: check.passed for check in evaluate(spec, given, candidates(spec, given)).checks}
+        for given in (catalog, blind)
+    )
+    for name, passed in less.items():
+        assert not (passed & ~whole[name] & whole["winding_temperature"]).any(), name
+    assert not (less["winding_temperature"] & ~whole["winding_temperature"]).any()
+    assert whole["supply_voltage"].any() and whole["winding_temperature"].any()
+    assert less["winding_temperature"].sum() < whole["winding_temperature"].sum()

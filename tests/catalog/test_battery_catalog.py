@@ -1,0 +1,221 @@
+"""Discharge tables in the catalogues: as printed, read strictly, kept, joined, and checked."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivesizer.catalog import Catalog, load, shipped
+from drivesizer.catalog.discharges import Discharges
+from drivesizer.catalog.laws.check import Finding, check
+from drivesizer.cli import main
+from drivesizer.errors import CatalogError
+
+HOUR = 3600.0
+CELLS = 6
+# maker, battery, held, end voltage [V], time [h], draw [A or W] of the block; power per cell where the sheet has it so
+PRINTED = [
+    ("sigmastek", "SP12-7.5T1", "current", 1.75 * CELLS, 20, 0.379),
+    ("sigmastek", "SP12-7.5T1", "current", 1.60 * CELLS, 1 / 12, 29.0),
+    ("sigmastek", "SP12-7.5T1", "current", 1.80 * CELLS, 3, 1.88),
+    ("sigmastek", "SP12-7.5T1", "power", 1.75 * CELLS, 1, 8.23 * CELLS),
+    ("sigmastek", "SP12-7.5T1", "power", 1.65 * CELLS, 0.25, 25.5 * CELLS),
+    ("sigmastek", "SP12-20-DZM", "current", 1.67 * CELLS, 2, 10.20),
+    ("sigmastek", "SP12-20-DZM", "power", 1.60 * CELLS, 10, 5.20 * CELLS),
+    ("sunnyway", "SW12140E", "current", 9.6, 1, 8.4),
+    ("sunnyway", "SW12140E", "power", 10.5, 4, 30.8),
+    ("sunnyway", "SW12140E", "power", 11.1, 1 / 6, 321.4),
+    ("yuasa", "NP4-12", "current", 10.2, 10, 0.38),
+]
+COUNTS = {"sigmastek": 66 + 65 + 50 + 10, "sunnyway": 2 * 48 - 1, "yuasa": 6}
+
+
+def of(catalog: Catalog, part: str) -> Discharges:
+    return catalog.discharges.on(catalog.discharges.battery == catalog.batteries.rows[part])
+
+
+@pytest.mark.parametrize(("maker", "part", "held", "volts", "hours", "draw"), PRINTED)
+def test_as_printed(maker: str, part: str, held: str, volts: float, hours: float, draw: float) -> None:
+    own = of(load([maker]), part)
+    near = np.isclose(own.cutoff_voltage, volts) & np.isclose(own.time, hours * HOUR) & ~np.isnan(getattr(own, held))
+    assert getattr(own, held)[near].tolist() == pytest.approx([draw])
+
+
+@pytest.mark.parametrize("maker", sorted(COUNTS))
+def test_how_many(maker: str) -> None:
+    catalog = load([maker])
+    found = catalog.discharges
+    assert len(found.time) == COUNTS[maker]
+    assert (np.isnan(found.current) != np.isnan(found.power)).all()
+    sheets = {catalog.sources[number].confidence for number in found.source}
+    assert sheets == {"quoted"}
+
+
+def test_all_catalogues_that_have_tables_are_tested() -> None:
+    assert {n for n, path in shipped().items() if "\ndischarges:" in path.read_text(encoding="utf-8")} == set(COUNTS)
+
+
+# --- reading ---------------------------------------------------------------------------------------------------------
+
+TEXT = """\
+catalog: 1
+manufacturer: Volta
+sources:
+  sheet: {document: "sheet", confidence: quoted}
+batteries:
+- family: B
+  source: sheet
+  common: {chemistry: lead-acid, nominal_voltage: 12 V, rated_time: 20 h, cutoff_voltage: 10.5 V}
+  columns: [part, capacity (A*h), capacity_1h (A*h)]
+  rows:
+  - [B7, 7, 4.2]
+  - [B9, 9, ~]
+discharges:
+- battery: B7
+  source: sheet
+  held: current (mA)
+  columns: [cutoff_voltage (V), 30 min, 1 h, 20 h]
+  rows:
+  - [10.5, 7000, 4200, 350]
+  - [10.8, ~, 4000, 340]
+- battery: B7
+  source: sheet
+  held: power (W)
+  cells: 6
+  columns: [cutoff_voltage (V), 1 h]
+  rows:
+  - [1.75, 8]
+"""
+
+
+def file(folder: Path, text: str, name: str = "volta") -> str:
+    path = folder / f"{name}.yaml"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def test_units_and_cells(tmp_path: Path) -> None:
+    own = of(load([file(tmp_path, TEXT)]), "B7")
+    assert own.time.tolist() == [1800.0, HOUR, 20 * HOUR, HOUR, 20 * HOUR, HOUR]
+    assert own.current[:-1].tolist() == pytest.approx([7.0, 4.2, 0.35, 4.0, 0.34])
+    assert own.power[-1] == pytest.approx(48.0)
+    assert own.cutoff_voltage.tolist() == pytest.approx([10.5, 10.5, 10.5, 10.8, 10.8, 10.5])
+
+
+def test_kept_as_it_was_read(tmp_path: Path) -> None:
+    path = file(tmp_path, TEXT)
+    for first, again in zip(load([path]).discharges, load([path]).discharges, strict=True):
+        assert first.dtype == again.dtype
+        assert np.array_equal(first, again, equal_nan=first.dtype.kind == "f")
+
+
+def test_an_overriding_catalogue_brings_its_own_table(tmp_path: Path) -> None:
+    mine = TEXT.replace("catalog: 1", "catalog: 1\noverrides: true").replace("4200, 350", "4100, 350")
+    both = load([file(tmp_path, TEXT), file(tmp_path, mine, "mine"), "yuasa"])
+    own = of(both, "B7")
+    assert own.current[:3].tolist() == pytest.approx([7.0, 4.1, 0.35])
+    assert len(own.time) == 6
+    assert len(of(both, "NP4-12").time) == 6
+    assert {both.sources[number].document for number in of(both, "NP4-12").source} == {
+        "Yuasa data sheet NP4-12 (paperzz.com/doc/9488465)"
+    }
+
+
+def test_a_part_that_is_replaced_without_a_table_has_none(tmp_path: Path) -> None:
+    mine = TEXT.replace("catalog: 1", "catalog: 1\noverrides: true").partition("discharges:")[0]
+    assert len(load([file(tmp_path, TEXT), file(tmp_path, mine, "mine")]).discharges.time) == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("- battery: B7\n  source: sheet\n  held: current", "- battery: B8\n  source: sheet\n  held: current",
+         'volta.yaml:14: discharges[1].battery: "B8" is not a battery of this file'),
+        ("held: current (mA)", "held: torque (N*m)",
+         'discharges[1].held: "torque (N*m)" is not known; expected current (A) or power (W)'),
+        ("held: current (mA)", "held: current (W)", "discharges[1].held: "),
+        ("held: current (mA)", "held: current", 'discharges[1].held: "current" is not known'),
+        ("cells: 6", "cells: 0", 'discharges[2].cells: "0" is not a number of cells in series'),
+        ("cutoff_voltage (V), 30 min, 1 h, 20 h]", "cutoff_voltage (V), 30, 1 h, 20 h]", "discharges[1].columns[2]: "),
+        ("[cutoff_voltage (V), 30 min, 1 h, 20 h]", "[cutoff_voltage (V), 0 s, 1 h, 20 h]",
+         'discharges[1].columns[2]: "0 s" is not above 0 s'),
+        ("[cutoff_voltage (V), 30 min, 1 h, 20 h]", "[30 min, 1 h, 20 h, 30 h]",
+         "discharges[1].columns: expected cutoff_voltage (V) and then times"),
+        ("7000, 4200, 350", "7000, 4200", "discharges[1].rows[1]: expected 4 cells as in `columns`, found 3"),
+        ("7000, 4200, 350", "7000, -4, 350", 'discharges[1].rows[1][3]: "-4" is not a number above 0; unknown is'),
+        ("7000, 4200, 350", "7000, true, 350", 'discharges[1].rows[1][3]: "True" is not a number above 0'),
+        ("- [10.8, ~", "- [10.5, ~", "discharges[1].rows[2][3]: this end voltage and time are given twice"),
+        ("  held: power (W)", "  hold: power (W)", "discharges[2].hold: unknown key"),
+    ],
+)  # fmt: skip
+def test_a_wrong_table_is_one_line(tmp_path: Path, old: str, new: str, said: str) -> None:
+    assert old in TEXT
+    with pytest.raises(CatalogError) as error:
+        load([file(tmp_path, TEXT.replace(old, new))])
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+# --- what contradicts itself -----------------------------------------------------------------------------------------
+
+
+def changed(catalog: Catalog, part: str, held: str, volts: float, hours: float, draw: float) -> Catalog:
+    """The catalogue with another draw at one place of a table."""
+    d = catalog.discharges
+    column = getattr(d, held).copy()
+    near = (d.battery == catalog.batteries.rows[part]) & np.isclose(d.cutoff_voltage, volts)
+    near &= np.isclose(d.time, hours * HOUR) & ~np.isnan(column)
+    assert near.sum() == 1
+    column[near] = draw
+    return replace(catalog, discharges=d._replace(**{held: column}))
+
+
+def tables(findings: list[Finding]) -> list[Finding]:
+    return [f for f in findings if "discharges" in f.fields]
+
+
+def test_what_ships_contradicts_itself_in_one_place_that_is_told() -> None:
+    found = [f for maker in sorted(COUNTS) for f in tables(check(load([maker])))]
+    assert [(f.part, f.identity, bool(f.accepted)) for f in found] == [("SP12-7.5T1", "mean voltage", True)]
+    assert found[0].found == pytest.approx(34.2 / 14.3 * CELLS)
+
+
+@pytest.mark.parametrize(
+    ("maker", "part", "held", "volts", "hours", "draw", "identity"),
+    [
+        ("sunnyway", "SW12140E", "current", 10.5, 3, 33.8, "current falls with time"),  # as at 10.8 V
+        ("sigmastek", "SP12-7.5T1", "power", 1.75 * CELLS, 20, 0.66 * CELLS, "energy and rate"),
+        ("sigmastek", "SP12-7.5T1", "power", 1.75 * CELLS, 1 / 6, 26.0 * CELLS, "mean voltage"),
+        ("sigmastek", "SP12-7.5T1", "current", 1.75 * CELLS, 2, 2.62, "current and end voltage"),
+        ("sigmastek", "SP12-20-DZM", "current", 1.75 * CELLS, 20, 1.16, "charge and rate"),
+        ("sigmastek", "SP12-20-DZM", "current", 1.75 * CELLS, 5, 4.60, "capacity 5h in the table"),
+        ("yuasa", "NP4-12", "current", 10.2, 20, 0.22, "capacity in the table"),
+    ],
+)  # fmt: skip
+def test_one_wrong_figure_is_found(
+    maker: str, part: str, held: str, volts: float, hours: float, draw: float, identity: str
+) -> None:
+    catalog = load([maker])
+    catalog = replace(catalog, notes=())
+    before = {(f.identity, f.meaning) for f in tables(check(catalog))}
+    new = [f for f in tables(check(changed(catalog, part, held, volts, hours, draw)))
+           if (f.identity, f.meaning) not in before]  # fmt: skip
+    assert identity in {f.identity for f in new}
+    assert all(f.part == part and f.unexplained for f in new)
+
+
+def test_a_battery_is_shown_with_its_discharges(capsys, monkeypatch) -> None:
+    """Times down, end voltages across; three figures of the sheet as printed."""
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setattr("sys.argv", ["drivesizer", "catalog", "show", "SP12-7.5T1", "--catalog", "sigmastek"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    out = capsys.readouterr().out
+    currents = out.split("Constant power")[0].splitlines()
+    rows = {"".join(words[:2]): words[2:] for words in map(str.split, currents) if len(words) == 8}
+    assert ended.value.code in (0, None)
+    assert "Constant current (A), down to" in out and "9.6 V" in out and "10.5 V" in out
+    assert rows["1h"][0] == "4.71" and rows["20h"][3] == "0.379" and rows["5min"][-1] == "14.3"

@@ -1,0 +1,532 @@
+"""The catalogue's schema: what a good file becomes, and what is said about a wrong one."""
+
+# ruff: noqa: E501 - the tables of wrong files are read best with one case on a line
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drivesizer.catalog import PARTS, Catalog, columns_of, load, shipped
+from drivesizer.catalog.catalog_file import parse
+from drivesizer.catalog.clamping_hubs import on_any_shaft
+from drivesizer.catalog.joining import joined
+from drivesizer.errors import CatalogError, InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.search.columns.controllers import selected
+from drivesizer.search.search import candidates
+from drivesizer.spec.select import Choice
+
+ACME = """\
+catalog: 1
+manufacturer: Acme
+sources:
+  sheet: {document: "Acme M40, rev. C", date: 2024, confidence: quoted}
+  copy: {document: "a table that somebody copied", confidence: secondary}
+motors:
+- family: M40
+  source: sheet
+  common: {kind: brushed, diameter: 40 mm, ambient_min: -20 degC}
+  columns: [part, nominal_voltage (V), stall_torque (mN*m), mass (g)]
+  rows:
+  - ["M40-24", 24, 2270, 480]
+  - ["M40-48", 48, 2310, ~]
+  notes:
+  - {parts: ["M40-48"], fields: [stall_torque], text: from a test bench, confidence: derived, source: copy}
+  - {parts: ["M40-24"], text: said to be discontinued}
+- family: M60
+  source: copy
+  columns: [part, nominal_voltage (V), bearing]
+  rows:
+  - ["M60-24", 24, ball bearings]
+  - ["M60-X", ~, ~]
+  notes:
+  - {parts: ["M60-X"], text: nothing is known of it, exclude: true}
+gearheads:
+- family: G42
+  source: sheet
+  columns: [part, ratio, reduction, efficiency (%), direction]
+  rows:
+  - [4201, 26/7, "3.7:1", 80, 1]
+  - [4202, 676/49, "14:1", 75, -1]
+- family: G62
+  source: sheet
+  columns: [part, ratio]
+  rows:
+  - ["6201", 5]
+encoders:
+- family: E
+  source: sheet
+  columns: [part, counts_per_turn]
+  rows:
+  - ["E-500", 500]
+compatibility:
+  motor_gearhead:
+  - {source: sheet, motors: [M40], gearheads: [G42]}
+  - {source: copy, motors: ["M40-24", M60], gearheads: [G42, G62], without: ["4202"]}
+  motor_encoder:
+  - {source: copy, motors: [M40], encoders: [E]}
+  triples:
+  - {source: sheet, motors: ["M60-24"], gearheads: ["4202"], encoders: ["E-500"]}
+"""
+
+
+def acme(text: str = ACME, name: str = "acme") -> Catalog:
+    return parse(YamlSource(text, f"{name}.yaml"), name, "0")
+
+
+def changed(old: str, new: str) -> str:
+    assert ACME.count(old) == 1, f"{old!r} must be in the file once"
+    return ACME.replace(old, new)
+
+
+def pairs(catalog: Catalog, right: str = "gearhead") -> dict[tuple[str, str], str]:
+    """Which parts go together, by part number, and the document that says so."""
+    found = getattr(catalog, f"motor_{right}")
+    motors, others = catalog.motors["part"], catalog.table(f"{right}s")["part"]
+    triples = zip(found.left, found.right, found.source, strict=True)
+    return {(str(motors[m]), str(others[g])): catalog.sources[s].document for m, g, s in triples}
+
+
+# --- a good file ---------------------------------------------------------------------------------------------------
+
+
+def test_figures_are_si_floats() -> None:
+    motor = acme().motors.record(0)
+    assert (motor.part, motor.family, motor.manufacturer, motor.kind) == ("M40-24", "M40", "Acme", "brushed")
+    assert motor.nominal_voltage == 24.0
+    assert motor.stall_torque == pytest.approx(2.27)
+    assert motor.mass == pytest.approx(0.48)
+    assert motor.diameter == pytest.approx(0.04)
+    assert motor.ambient_min == pytest.approx(253.15)
+
+
+def test_an_unknown_figure_is_nan_and_an_unknown_text_is_empty() -> None:
+    motors = acme().motors
+    assert np.isnan(motors["mass"][motors.rows["M40-48"]])  # written ~
+    assert np.isnan(motors["resistance"]).all()  # not in any table
+    assert motors["bearing"].tolist() == ["", "", "ball bearings", ""]
+
+
+def test_a_ratio_is_the_exact_fraction() -> None:
+    assert acme().gearheads["ratio"].tolist() == [26 / 7, 676 / 49, 5.0]
+
+
+def test_a_part_number_without_quotes_is_text() -> None:
+    assert acme().gearheads["part"].tolist() == ["4201", "4202", "6201"]
+
+
+def test_compatibility_by_family_part_and_triple() -> None:
+    sheet, copy = "Acme M40, rev. C", "a table that somebody copied"
+    assert pairs(acme()) == {
+        ("M40-24", "4201"): sheet,  # stated twice: the first source counts
+        ("M40-24", "4202"): sheet,
+        ("M40-24", "6201"): copy,
+        ("M40-48", "4201"): sheet,
+        ("M40-48", "4202"): sheet,
+        ("M60-24", "4201"): copy,
+        ("M60-24", "4202"): sheet,  # left out by `without`, stated by the triple
+        ("M60-24", "6201"): copy,
+        ("M60-X", "4201"): copy,
+        ("M60-X", "6201"): copy,
+    }
+    assert pairs(acme(), "encoder") == {
+        ("M40-24", "E-500"): copy,
+        ("M40-48", "E-500"): copy,
+        ("M60-24", "E-500"): sheet,
+    }
+
+
+def test_confidence_is_the_sources_until_a_note_changes_it() -> None:
+    catalog = acme()
+    first, second = catalog.confidence("motors", 0), catalog.confidence("motors", 1)
+    assert set(first.values()) == {"quoted"}
+    assert {name for name, value in second.items() if value != "quoted"} == {"stall_torque"}
+    assert second["stall_torque"] == "derived"
+    assert "mass" in first and "mass" not in second  # unknown: nothing to be sure of
+    assert set(catalog.confidence("motors", 2).values()) == {"secondary"}
+
+
+def test_notes_of_a_part() -> None:
+    catalog = acme()
+    assert [note.text for note in catalog.notes_on("motors", "M40-24")] == ["said to be discontinued"]
+    (note,) = catalog.notes_on("motors", "M40-48")
+    assert (note.fields, note.source) == (("stall_torque",), "a table that somebody copied")
+
+
+def test_an_excluded_part_stays_in_the_file_and_is_not_offered() -> None:
+    motors = acme().motors
+    assert motors["part"][motors.excluded].tolist() == ["M60-X"]
+    assert motors["part"][selected(motors, Choice())].tolist() == ["M40-24", "M40-48", "M60-24"]
+    assert motors["part"][selected(motors, Choice(family=["M60"]))].tolist() == ["M60-24"]
+
+
+def test_no_candidate_holds_an_excluded_part(spec, catalog: Catalog) -> None:
+    free = spec.model_copy(update={"select": type(spec.select)()})
+    given_ = candidates(free, catalog)
+    assert len(given_.motor) > 50_000
+    assert not catalog.motors.excluded[given_.motor].any()
+    assert not catalog.gearheads.excluded[given_.gearhead].any()
+
+
+def test_a_catalogue_may_hold_nothing_but_its_head() -> None:
+    empty = acme('catalog: 1\nmanufacturer: Acme\nsources: {sheet: {document: "A", confidence: quoted}}\n')
+    assert [len(empty.table(section)) for section in PARTS] == [0] * len(PARTS)
+    assert not pairs(empty)
+
+
+# --- units: the same parts as two makers print them ----------------------------------------------------------------
+
+INCH, POUND, GRAVITY = 0.0254, 0.45359237, 9.80665  # by definition
+OZ_IN = POUND / 16 * GRAVITY * INCH  # N*m
+TURN = 2 * np.pi
+MOTOR = {  # field: datasheet column and figure, column in other units and the same figure there
+    "stall_torque": ("mN*m", 243.0, "oz-in", 0.243 / OZ_IN),
+    "nominal_torque": ("mN*m", 26.3, "lb-in", 0.0263 / (16 * OZ_IN)),
+    "mass": ("g", 130.0, "lb", 0.130 / POUND),
+    "length": ("mm", 54.5, "inch", 0.0545 / INCH),
+    "diameter": ("mm", 25.0, "in", 0.025 / INCH),
+    "rotor_inertia": ("g*cm^2", 10.8, "oz-in-s2", 10.8e-7 / OZ_IN),
+    "torque_constant": ("mN*m/A", 23.4, "oz-in/A", 0.0234 / OZ_IN),
+    "speed_constant": ("rpm/V", 408.0, "rad/s/V", 408.0 * TURN / 60),
+    "speed_torque_gradient": ("rpm/(mN*m)", 40.5, "rpm/oz-in", 40.5 * OZ_IN * 1000),
+    "no_load_speed": ("rpm", 9560.0, "rev/s", 9560.0 / 60),
+    "resistance": ("ohm", 2.32, "mohm", 2320.0),
+    "inductance": ("mH", 0.238, "uH", 238.0),
+    "no_load_current": ("mA", 36.9, "A", 0.0369),
+    "mechanical_time_constant": ("ms", 4.58, "s", 0.00458),
+    "motor_time_constant": ("s", 612.0, "min", 10.2),
+    "assigned_power": ("W", 20.0, "hp", 20.0 / (550 * 12 * INCH * POUND * GRAVITY)),
+    "max_radial_load": ("N", 32.0, "lbf", 32.0 / (POUND * GRAVITY)),
+    "max_winding_temperature": ("degC", 125.0, "degF", 257.0),
+    "max_efficiency": ("%", 85.0, "1", 0.85),
+}
+
+
+def test_odd_units_give_the_same_columns() -> None:
+    def motors(unit: int, value: int) -> Catalog:
+        head = ", ".join(f'"{name} ({row[unit]})"' for name, row in MOTOR.items())
+        cells = ", ".join(repr(row[value]) for row in MOTOR.values())
+        return acme(
+            'catalog: 1\nmanufacturer: A\nsources: {s: {document: "A", confidence: quoted}}\nmotors:\n'
+            f'- {{family: M, source: s, columns: [part, {head}], rows: [["1", {cells}]]}}\n'
+        )
+
+    metric, odd = motors(0, 1), motors(2, 3)
+    for name in MOTOR:
+        np.testing.assert_allclose(odd.motors[name], metric.motors[name], rtol=1e-12, err_msg=name)
+    assert metric.motors["rotor_inertia"][0] == pytest.approx(1.08e-6, rel=1e-15)
+
+
+def test_a_common_figure_is_the_same_as_a_column() -> None:
+    as_column = acme(changed("stall_torque (mN*m), mass (g)]", "stall_torque (oz-in), mass (g)]"))
+    figure = acme(changed("diameter: 40 mm,", "diameter: 40 mm, length: 16 in, nominal_torque: 2270 oz-in,"))
+    assert figure.motors["nominal_torque"][0] == as_column.motors["stall_torque"][0] == pytest.approx(2270 * OZ_IN)
+    assert figure.motors["length"][1] == pytest.approx(16 * INCH)
+
+
+# --- compatibility, against sets written out in plain Python -------------------------------------------------------
+
+NAMES = {"motors": {"F": ["f1", "f2"], "H": ["h1", "h2", "h3"]}, "gearheads": {"P": ["p1", "p2", "p3"], "S": ["s1"]}}
+
+
+def _group(left: list[str], right: list[str], without: list[str]) -> str:
+    out = f", without: [{', '.join(without)}]" if without else ""
+    return f"  - {{source: s, motors: [{', '.join(left)}], gearheads: [{', '.join(right)}]{out}}}\n"
+
+
+def _choices(section: str, least: int = 1) -> st.SearchStrategy[list[str]]:
+    families = NAMES[section]
+    return st.lists(
+        st.sampled_from([*families, *(part for parts in families.values() for part in parts)]),
+        min_size=least,
+        max_size=4,
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(_choices("motors"), _choices("gearheads"), _choices("gearheads", 0)), max_size=4))
+def test_groups_multiply_out(groups: list[tuple[list[str], list[str], list[str]]]) -> None:
+    text = 'catalog: 1\nmanufacturer: A\nsources: {s: {document: "A", confidence: quoted}}\n'
+    for section, families in NAMES.items():
+        text += f"{section}:\n"
+        for family, parts in families.items():
+            rows = ", ".join(f"[{part}]" for part in parts)
+            text += f"- {{family: {family}, source: s, columns: [part], rows: [{rows}]}}\n"
+    text += "compatibility:\n  motor_gearhead:\n" + "".join(_group(*g) for g in groups) if groups else ""
+
+    def members(section: str, names: list[str]) -> set[str]:
+        return {part for name in names for part in NAMES[section].get(name, [name])}
+
+    expected = {
+        (m, g)
+        for left, right, without in groups
+        for m in members("motors", left)
+        for g in members("gearheads", right) - members("gearheads", without)
+    }
+    catalog = acme(text)
+    assert set(pairs(catalog)) == expected
+    assert len(catalog.motor_gearhead.left) == len(expected)  # each pair once
+
+
+# --- several catalogues as one -------------------------------------------------------------------------------------
+
+OTHER = """\
+catalog: 1
+manufacturer: Other
+sources:
+  page: {document: "Other, page 7", confidence: secondary}
+motors:
+- {family: Z, source: page, columns: [part, mass (g)], rows: [["Z1", 10], ["Z2", 20], ["Z3", 30]]}
+gearheads:
+- {family: Y, source: page, columns: [part, ratio], rows: [["Y1", 10], ["Y2", 20]]}
+compatibility:
+  motor_gearhead:
+  - {source: page, motors: ["Z3"], gearheads: ["Y1"]}
+  - {source: page, motors: ["Z1"], gearheads: [Y]}
+"""
+
+
+def test_joined_catalogues_keep_parts_pairs_and_sources() -> None:
+    one, two = acme(), acme(OTHER, "other")
+    for several in ([one, two], [two, one]):
+        both = joined(several)
+        for right in ("gearhead", "encoder"):
+            assert pairs(both, right) == pairs(one, right) | pairs(two, right)
+        for catalog in several:
+            for row, part in enumerate(catalog.motors["part"]):
+                there = both.motors.rows[str(part)]
+                assert repr(both.motors.record(there)) == repr(catalog.motors.record(row))  # repr: NaN equals NaN
+                assert both.confidence("motors", there) == catalog.confidence("motors", row)
+                assert both.motors.excluded[there] == catalog.motors.excluded[row]
+    assert both.digests == {"acme": "0", "other": "0"}
+
+
+def test_a_part_that_two_catalogues_give_is_an_error() -> None:
+    clash = OTHER.replace('["Z1", 10]', '["M40-24", 10]').replace('motors: ["Z1"]', 'motors: ["Z2"]')
+    with pytest.raises(CatalogError, match='part "M40-24" is in two catalogues: acme and other'):
+        joined([acme(), acme(clash, "other")])
+
+
+def test_loading_by_name_and_by_file(tmp_path: Path) -> None:
+    (tmp_path / "own.yaml").write_text(OTHER)
+    both = load(["maxon", "own.yaml"], beside=tmp_path)
+    assert both.motors["part"][-3:].tolist() == ["Z1", "Z2", "Z3"]
+    assert set(both.digests) == {"maxon", "own"}
+    assert "maxon" in shipped()
+
+
+def test_two_files_of_one_name(tmp_path: Path) -> None:
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "own.yaml").write_text(OTHER)
+    with pytest.raises(InputError, match='two catalogues are called "own"'):
+        load(["a/own.yaml", "b/own.yaml"], beside=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("maxom", 'no catalogue is called "maxom"; the nearest is maxon'),
+        ("absent.yaml", "absent.yaml: cannot be read (no such file or directory)"),
+    ],
+)
+def test_a_catalogue_that_is_not_there(tmp_path: Path, name: str, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load([name], beside=tmp_path)
+    assert said in str(caught.value)
+
+
+# --- wrong files: one line with file, line, field, what was found, what is expected ---------------------------------
+
+WRONG = [
+    # what, old text, new text, place, what is said
+    ("unknown key", "- family: M40", "- famly: M40", '7: motors[1].famly', 'unknown key "famly"; did you mean "family"?'),
+    ("unknown section", "encoders:\n", "sensors:\n", "37: sensors", 'unknown key "sensors"; did you mean "encoders"?'),
+    ("unknown column", "mass (g)]", "mas (g)]", "10: motors[1].columns[4]", 'unknown column "mas"; did you mean "mass"?'),
+    ("unknown common", "common: {kind", "common: {knid", "9: motors[1].common.knid", 'unknown key "knid"; did you mean "kind"?'),
+    ("missing key", "  source: sheet\n  common", "  common", "7: motors[1]", '"source" is missing'),
+    ("missing unit", "mass (g)]", "mass]", "10: motors[1].columns[4]", "mass needs its unit in brackets, e.g. mass (g)"),
+    ("unit of another kind", "mass (g)]", "mass (mm)]", "10: motors[1].columns[4]", '"mm" is a unit of length, not of mass'),
+    ("energy for torque", "stall_torque (mN*m)", "stall_torque (mJ)", "10: motors[1].columns[3]", '"mJ" is a unit of energy, not of torque'),
+    ("no unit at all", "mass (g)]", "mass (stone)]", "10: motors[1].columns[4]", '"stone" is not a unit of mass'),
+    ("unit on a ratio", "ratio, reduction", "ratio (rpm), reduction", "28: gearheads[1].columns[2]", 'ratio has no unit, found "rpm"'),
+    ("bare common", "diameter: 40 mm", "diameter: 40", "9: motors[1].common.diameter", '"40" has no unit; expected length'),
+    ("common of another kind", "diameter: 40 mm", "diameter: 40 g", "9: motors[1].common.diameter", "unit of mass, not of length"),
+    ("cell too few", '24, 2270, 480]', "24, 2270]", "12: motors[1].rows[1]", "expected 4 cells as in `columns`, found 3"),
+    ("cell too many", '24, 2270, 480]', "24, 2270, 480, 1]", "12: motors[1].rows[1]", "expected 4 cells as in `columns`, found 5"),
+    ("text for a number", "24, 2270, 480]", "24, strong, 480]", "12: motors[1].rows[1][3]", '"strong" is not a number; unknown is written ~'),
+    ("decimal comma", "24, 2270, 480]", '24, "2,27", 480]', "12: motors[1].rows[1][3]", '"2,27" is not a number'),
+    ("truth for a number", "24, 2270, 480]", "24, true, 480]", "12: motors[1].rows[1][3]", '"True" is not a number'),
+    ("not a number", "24, 2270, 480]", "24, .nan, 480]", "12: motors[1].rows[1][3]", '".nan" is not a number'),
+    ("beyond a float", "24, 2270, 480]", "24, 1e999, 480]", "12: motors[1].rows[1][3]", '"1e999" is not a number'),
+    ("negative", "24, 2270, 480]", "24, -2270, 480]", "12: motors[1].rows[1][3]", 'stall_torque "-2270" is below 0'),
+    ("negative common", "diameter: 40 mm", "diameter: -40 mm", "9: motors[1].common.diameter", '"-40 mm" is below 0'),
+    ("ratio of zero", "26/7", "0/7", "30: gearheads[1].rows[1][2]", "ratio"),
+    ("zero below the line", "26/7", "26/0", "30: gearheads[1].rows[1][2]", '"26/0" is not a number'),
+    ("huge fraction", "26/7", f'"{"9" * 400}/7"', "30: gearheads[1].rows[1][2]", "ratio"),
+    ("endless fraction", "26/7", f'"{"9" * 5000}/7"', "30: gearheads[1].rows[1][2]", "ratio"),
+    ("unknown source", "  source: sheet\n  common", "  source: sheat\n  common", "8: motors[1].source", '"sheat" is not one of the file\'s sources (sheet, copy)'),
+    ("source is a list", "  source: sheet\n  common", "  source: [sheet]\n  common", "8: motors[1].source", "is not one of the file's sources"),
+    ("duplicate part", '["6201", 5]', '["4201", 5]', "36: gearheads[2].rows[1]", 'part "4201" is given twice'),
+    ("part is a number with a point", '["6201", 5]', "[62.01, 5]", "36: gearheads[2].rows[1][1]", '"62.01" is not a part number; quote it'),
+    ("part is missing", '["6201", 5]', "[~, 5]", "36: gearheads[2].rows[1][1]", "is not a part number"),
+    ("no part column", "columns: [part, ratio]", "columns: [reduction, ratio]", "34: gearheads[2].columns", "a table needs the column `part`"),
+    ("column twice", "columns: [part, ratio]", "columns: [part, part]", "34: gearheads[2].columns", "every column once"),
+    ("column and common", "diameter: 40 mm", "mass: 40 g", "9: motors[1].common.mass", "mass is a column of this table as well; give it once"),
+    ("part in common", "diameter: 40 mm", "part: X", "9: motors[1].common.part", "part is a column of this table as well"),
+    ("family as a column", "columns: [part, ratio]", "columns: [part, family]", "34: gearheads[2].columns[2]", "family stands at the head of its table"),
+    ("family in common", "diameter: 40 mm", "family: X", "9: motors[1].common.family", "family stands at the head of its table"),
+    ("unknown confidence", "confidence: quoted}", "confidence: sure}", "4: sources.sheet", 'confidence "sure" is not one of quoted, secondary, derived, recalled'),
+    ("source without document", 'document: "Acme M40, rev. C", ', "", "4: sources.sheet", '"document" is missing'),
+    ("no sources", ACME[ACME.index("  sheet:") : ACME.index("motors:\n")], "", "3: sources", "expected at least one, e.g. sheet: {document:"),
+    ("note on an unknown part", 'parts: ["M40-48"], fields', 'parts: ["M40-49"], fields', "15: motors[1].notes[1].parts", '"M40-49" is not a part of this table'),
+    ("note on an unknown field", "fields: [stall_torque]", "fields: [stall_torqe]", "15: motors[1].notes[1].fields", '"stall_torqe" is not a figure of this table'),
+    ("note of unknown confidence", "confidence: derived", "confidence: guessed", "15: motors[1].notes[1]", 'confidence "guessed"'),
+    ("note without text", "text: said to be discontinued", "exclude: true", "16: motors[1].notes[2]", '"text" is missing'),
+    ("exclude is not true or false", "exclude: true", "exclude: yes", "24: motors[2].notes[1].exclude", '"yes" is not true or false'),
+    ("unknown name", "motors: [M40], gearheads: [G42]", "motors: [M40], gearheads: [G43]", "45: compatibility.motor_gearhead[1].gearheads[1]", '"G43" is neither a family nor a part of this catalogue; the nearest is G42'),
+    ("unknown name left out", 'without: ["4202"]', 'without: ["4203"]', "46: compatibility.motor_gearhead[2].without[1]", '"4203" is neither a family nor a part'),
+    ("unknown relation", "  triples:\n", "  tripels:\n", "49: compatibility.tripels", 'did you mean "triples"?'),
+    ("wrong schema", "catalog: 1\n", "catalog: 2\n", "1: catalog", 'schema "2" is not known; expected 1'),
+    ("schema is no number", "catalog: 1\n", "catalog: true\n", "1: catalog", "is not known; expected 1"),
+    ("rows are no list", 'rows:\n  - ["6201", 5]', "rows: 6201", "35: gearheads[2].rows", "expected a list"),
+    ("section is no list", ACME[ACME.index("encoders:\n") : ACME.index("compatibility")], "encoders: 5\n", "37: encoders", "expected a list"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "place", "said"), [w[1:] for w in WRONG], ids=[w[0] for w in WRONG])
+def test_a_wrong_file_is_one_line_with_its_place(old: str, new: str, place: str | None, said: str) -> None:
+    with pytest.raises((CatalogError, InputError)) as caught:
+        acme(changed(old, new))
+    message = str(caught.value)
+    assert "\n" not in message
+    assert len(message) < 400
+    assert message.startswith(f"acme.yaml:{place}: " if place else "acme.yaml:"), message
+    assert said in message
+
+
+def test_every_column_asks_for_its_unit() -> None:
+    """No field of any part can be given as a bare number, except ratios and plain numbers."""
+    for section in PARTS:
+        for name, column in columns_of(section).items():
+            if column.kind in ("text", "ratio", "dimensionless"):
+                continue
+            text = (
+                'catalog: 1\nmanufacturer: A\nsources: {s: {document: "A", confidence: quoted}}\n'
+                f"{section}:\n- {{family: F, source: s, columns: [part, {name}], rows: [[x, 1]]}}\n"
+            )
+            with pytest.raises(CatalogError, match=f"{name} needs its unit in brackets"):
+                acme(text)
+
+
+def _bomb(depth: int) -> str:
+    """Nine aliases to nine aliases to nine ...: 9**depth strings, were it expanded."""
+    lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x]"]
+    lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, depth)]
+    return "\n".join(lines) + "\n"
+
+
+HOSTILE = [
+    ("bomb of aliases", _bomb(30), 1, "anchors and aliases"),
+    ("alias alone", ACME.replace("[M40], gearheads", "*all, gearheads"), 45, "anchors and aliases"),
+    ("tag of Python", ACME.replace("family: M40", "family: !!python/object/apply:os.system [id]"), 7, "the tag"),
+    ("tag of YAML", ACME.replace("family: M40", "family: !!str M40"), 7, "the tag"),
+    ("merge key", ACME.replace("- family: M40", "- <<: {x: 1}\n  family: M40"), 7, "merge keys"),
+    ("key twice", ACME.replace("- family: M40", "- family: M40\n  family: M41"), 8, 'the key "family" is given twice'),
+    ("list as key", ACME.replace("- family: M40", "- [a]: M40"), 7, "a key must be plain text"),
+    ("tab", ACME.replace("  source: sheet\n  common", "\tsource: sheet\n  common"), 8, "indent with blanks, not tabs"),
+    ("not UTF-8", ACME.encode().replace(b"somebody", b"somebod\xfd"), 5, "the file is not UTF-8 text"),
+    ("UTF-16", ACME.encode("utf-16"), 1, "the file is not UTF-8 text"),
+    ("NUL", ACME.replace("family: M40", "family: M\x0040"), 7, "is not allowed in YAML"),
+    ("escape after umlauts", "# äöüß\n# äöüß\na: \x1b[31m\n", 3, "is not allowed in YAML"),
+    ("deep in brackets", "a: " + "[" * 100_000, 1, "nested deeper than 20 levels"),
+    ("deep in braces", "a: " + "{a: " * 100_000, 1, "nested deeper than 20 levels"),
+    ("deep in dashes", "- " * 100_000, 1, "nested deeper than 20 levels"),
+    ("second document", ACME.replace("\nencoders:", "\n---\nencoders:"), 37, "a second document"),
+    ("unfinished", 'a: "' + "x" * 100_000, 1, "not YAML"),
+    ("nothing", "", None, "expected fields such as catalog, manufacturer, sources"),
+    ("a list", "[1, 2]", None, "expected fields such as catalog, manufacturer, sources"),
+    ("a text", "motors", None, "expected fields such as catalog, manufacturer, sources"),
+]
+
+
+@pytest.mark.parametrize(("content", "line", "said"), [h[1:] for h in HOSTILE], ids=[h[0] for h in HOSTILE])
+def test_a_hostile_file_is_one_line(tmp_path: Path, content: str | bytes, line: int | None, said: str) -> None:
+    path = tmp_path / "acme.yaml"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises((CatalogError, InputError)) as caught:
+        load([str(path)])
+    message = str(caught.value)
+    assert "\n" not in message and "\x1b" not in message
+    assert len(message) < 400 + len(str(path))
+    assert message.startswith(f"{path}:{line}: " if line else f"{path}: "), message
+    assert said in message
+
+
+@pytest.mark.parametrize("newline", ["\r\n", "\n"])
+@pytest.mark.parametrize("head", ["", "\ufeff"])
+def test_line_ends_and_byte_order_mark_do_not_matter(tmp_path: Path, newline: str, head: str) -> None:
+    path = tmp_path / "acme.yaml"
+    path.write_bytes((head + ACME.replace("\n", newline)).encode())
+    assert pairs(load([str(path)])) == pairs(acme())
+
+
+# --- parts of another catalogue --------------------------------------------------------------------------------------
+
+GUEST = """
+catalog: 1
+manufacturer: Guest
+sources: {sheet: {document: sheet, confidence: quoted}}
+motors:
+  - {family: GM, source: sheet, columns: [part, torque_constant (mN*m/A), shaft_diameter (mm)], rows: [[GM-1, 40, 9]]}
+gearheads:
+  - {family: GH, source: sheet, common: {mounting: clamping hub}, columns: [part, ratio, max_motor_shaft (mm)],
+     rows: [[GH-5, 5, 11], [GH-7, 7, 8], [GH-9, 9, 19]]}
+compatibility:
+  motor_gearhead:
+    - {source: sheet, motors: [GM], gearheads: [{maxon: GP 26 A}]}
+    - {source: sheet, motors: [{maxon: "118752"}, {faulhaber: no such family}], gearheads: [GH-5]}
+"""
+
+
+def named(catalog: Catalog) -> set[tuple[str, str]]:
+    found = catalog.motor_gearhead
+    return {
+        (str(catalog.motors["part"][a]), str(catalog.gearheads["part"][b]))
+        for a, b in zip(found.left, found.right, strict=True)
+    }
+
+
+@pytest.fixture
+def guest(tmp_path: Path) -> Path:
+    (tmp_path / "guest.yaml").write_text(GUEST)
+    return tmp_path
+
+
+def test_a_list_may_name_parts_of_another_catalogue(guest: Path, catalog: Catalog) -> None:
+    both = load(["maxon", "guest.yaml"], beside=guest)
+    mine = {pair for pair in named(both) if pair[0] == "GM-1" or pair[1] == "GH-5"}
+    family = catalog.gearheads["part"][catalog.gearheads["family"] == "GP 26 A"].tolist()
+    assert mine == {("GM-1", part) for part in family} | {("118752", "GH-5")}
+    assert load(["maxon", "guest.yaml"], beside=guest).motor_gearhead.left.tolist() == both.motor_gearhead.left.tolist()
+
+
+def test_without_that_catalogue_there_is_nothing_to_pair_with(guest: Path) -> None:
+    assert named(load(["guest.yaml"], beside=guest)) == set()
+
+
+def test_a_misspelt_part_of_a_catalogue_that_is_loaded_is_an_error(guest: Path) -> None:
+    (guest / "guest.yaml").write_text(GUEST.replace("GP 26 A", "GP 26 AA"))
+    with pytest.raises(CatalogError, match=r"GP 26 AA.*is no family or part of maxon.*GP 26 A"):
+        load(["maxon", "guest.yaml"], beside=guest)
+
+
+def test_a_clamping_hub_takes_the_shafts_that_it_holds(guest: Path) -> None:
+    """A 9 mm shaft: the 11 mm hub with a bushing; not the 8 mm one, not the 19 mm one; unknown shafts with none."""
+    found = named(on_any_shaft(load(["maxon", "guest.yaml"], beside=guest)))
+    assert {pair for pair in found if pair[1].startswith("GH")} == {("GM-1", "GH-5"), ("118752", "GH-5")}

@@ -1,0 +1,409 @@
+"""Compiled catalogues: whatever happens to the cache folder, the right figures come out."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import multiprocessing
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+import warnings
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drivesizer.catalog import PARTS, CacheWarning, Catalog, columns_of, load
+from drivesizer.catalog.compiled import recall, store
+from drivesizer.errors import DrivesizerError, InputError
+from drivesizer.files.cache import folder
+
+TEXT = """\
+catalog: 1
+manufacturer: Acme
+sources:
+  sheet: {document: "Acme Motoren GmbH, Blatt für M40", confidence: quoted}
+motors:
+- family: M40
+  source: sheet
+  columns: [part, bearing, nominal_voltage (V), mass (g)]
+  rows:
+  - [M1, kugelgelagert ø, 24, 480]
+  - [M2, ~, 48, ~]
+  notes:
+  - {parts: [M2], fields: [nominal_voltage], text: a remark, confidence: derived, exclude: true}
+gearheads:
+- {family: G, source: sheet, columns: [part, ratio], rows: [[G1, 26/7]]}
+compatibility:
+  motor_gearhead:
+  - {source: sheet, motors: [M40], gearheads: [G]}
+"""
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+@pytest.fixture
+def acme(tmp_path: Path) -> Path:
+    path = tmp_path / "acme.yaml"
+    path.write_text(TEXT, encoding="utf-8")
+    return path
+
+
+def essence(catalog: Catalog) -> Any:
+    """Everything in a catalogue, comparable (the text of NaN equals itself)."""
+    tables = [
+        (section, {name: repr(catalog.table(section)[name].tolist()) for name in columns_of(section)},
+         catalog.table(section).source.tolist(), catalog.table(section).excluded.tolist())
+        for section in PARTS
+    ]  # fmt: skip
+    pairs = [[column.tolist() for column in p] for p in (catalog.motor_gearhead, catalog.motor_encoder)]
+    return tables, pairs, catalog.sources, catalog.notes, catalog.tolerances, dict(catalog.digests)
+
+
+def compiled(cache: Path) -> Path:
+    """The one compiled file in the folder; nothing else is left there."""
+    files = list(cache.iterdir())
+    assert len(files) == 1, files
+    assert files[0].suffix == ".catalog"
+    return files[0]
+
+
+def test_the_second_load_comes_from_the_cache_and_is_the_same(
+    cache: Path, acme: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cold = load([str(acme)])
+    monkeypatch.setattr("drivesizer.catalog.catalog_file.parse", lambda *_: pytest.fail("the file was read again"))
+    warm = load([str(acme)])
+    assert essence(warm) == essence(cold)
+    assert {warm.motors[name].dtype.kind for name in ("part", "family", "bearing")} == {"U"}
+    assert warm.motors["part"].tolist() == ["M1", "M2"]
+    assert warm.motors["bearing"].tolist() == ["kugelgelagert ø", ""]
+    assert warm.confidence("motors", 1)["nominal_voltage"] == "derived"
+    assert compiled(cache).name.startswith("acme-")
+
+
+def test_the_shipped_catalogue_is_the_same_from_the_cache(cache: Path) -> None:
+    assert essence(load()) == essence(load())
+
+
+def test_the_same_catalogue_gives_the_same_bytes(cache: Path, acme: Path) -> None:
+    load([str(acme)])
+    first = compiled(cache).read_bytes()
+    compiled(cache).unlink()
+    time.sleep(0.01)
+    load([str(acme)])
+    assert compiled(cache).read_bytes() == first
+
+
+def _sealed(body: bytes) -> bytes:
+    """A body with the digest that an intact file has."""
+    return hashlib.blake2b(body, digest_size=32).digest() + body
+
+
+def _flipped(raw: bytes, place: float) -> bytes:
+    at = int(place * (len(raw) - 1))
+    return raw[:at] + bytes([raw[at] ^ 0x01]) + raw[at + 1 :]
+
+
+def _other_layout(raw: bytes) -> bytes:
+    buffer = io.BytesIO()
+    np.savez(buffer, motors=np.arange(3.0))
+    return _sealed(buffer.getvalue())
+
+
+def _other_texts(raw: bytes) -> bytes:
+    """The right arrays, but texts of another make."""
+    with np.load(io.BytesIO(raw[32:])) as arrays:
+        content = {name: arrays[name] for name in arrays.files}
+    content["texts"] = np.frombuffer(json.dumps(["of another version"]).encode(), np.uint8)
+    buffer = io.BytesIO()
+    np.savez(buffer, **content)
+    return _sealed(buffer.getvalue())
+
+
+DAMAGE: dict[str, Callable[[bytes], bytes]] = {
+    "empty": lambda raw: b"",
+    "digest alone": lambda raw: raw[:32],
+    "half of the digest": lambda raw: raw[:16],
+    "cut in the middle": lambda raw: raw[: len(raw) // 2],
+    "last byte missing": lambda raw: raw[:-1],
+    "one byte more": lambda raw: raw + b"\0",
+    "bit in the digest": lambda raw: _flipped(raw, 0.0),
+    "bit in the figures": lambda raw: _flipped(raw, 0.4),
+    "last bit": lambda raw: _flipped(raw, 1.0),
+    "text": lambda raw: b"this is not a catalogue\n" * 50,
+    "zeros": lambda raw: bytes(len(raw)),
+    "sealed nothing": lambda raw: _sealed(b""),
+    "sealed text": lambda raw: _sealed(b"this is not a catalogue"),
+    "sealed array": lambda raw: _sealed(raw[:0] + b"\x93NUMPY\x01\x00"),
+    "sealed half": lambda raw: _sealed(raw[32 : len(raw) // 2]),
+    "other layout": _other_layout,
+    "other texts": _other_texts,
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
+def test_a_damaged_file_is_made_again(cache: Path, acme: Path, damage: Callable[[bytes], bytes]) -> None:
+    expected = essence(load([str(acme)]))
+    path = compiled(cache)
+    intact = path.read_bytes()
+    path.write_bytes(damage(intact))
+    assert recall(path) is None
+    assert essence(load([str(acme)])) == expected
+    assert compiled(cache).read_bytes() == intact
+
+
+class _Trap:
+    """Creates a file when unpickled."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __reduce__(self) -> Any:
+        return Path.touch, (self.path,)
+
+
+@pytest.mark.parametrize("wrapped", [True, False], ids=["object array", "bare pickle"])
+def test_nothing_in_a_compiled_file_is_unpickled(cache: Path, acme: Path, tmp_path: Path, wrapped: bool) -> None:
+    load([str(acme)])
+    trap, path = tmp_path / "sprung", compiled(cache)
+    buffer = io.BytesIO()
+    if wrapped:
+        np.savez(buffer, texts=np.array([_Trap(trap)], dtype=object))
+    else:
+        pickle.dump(_Trap(trap), buffer)
+    path.write_bytes(_sealed(buffer.getvalue()))
+    assert load([str(acme)]).motors["part"].tolist() == ["M1", "M2"]
+    assert not trap.exists()
+
+
+def test_a_compiled_file_holds_plain_arrays_and_json(cache: Path) -> None:
+    load()
+    with zipfile.ZipFile(io.BytesIO(compiled(cache).read_bytes()[32:])) as archive:
+        for name in archive.namelist():
+            array = np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
+            assert array.dtype.kind in "fiub", name
+        texts = np.lib.format.read_array(io.BytesIO(archive.read("texts.npy")), allow_pickle=False)
+    assert set(json.loads(texts.tobytes())) >= {"motors", "gearheads", "sources", "notes"}
+
+
+def test_a_changed_catalogue_is_compiled_again_and_the_old_one_goes(cache: Path, acme: Path) -> None:
+    load([str(acme)])
+    before = compiled(cache)
+    acme.write_text(TEXT.replace("480]", "481]"), encoding="utf-8")
+    assert load([str(acme)]).motors["mass"][0] == pytest.approx(0.481)
+    assert compiled(cache) != before
+
+
+def test_another_version_of_the_program_compiles_again(
+    cache: Path, acme: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    load([str(acme)])
+    before = compiled(cache)
+    monkeypatch.setattr("drivesizer.catalog.__version__", "99.0")
+    load([str(acme)])
+    assert compiled(cache) != before
+
+
+def test_catalogues_with_names_alike_leave_each_other_alone(cache: Path, tmp_path: Path) -> None:
+    for name in ("acme", "acme-own", "acme-own-2", "[acme]", "acme"):
+        (tmp_path / f"{name}.yaml").write_text(TEXT, encoding="utf-8")
+        load([str(tmp_path / f"{name}.yaml")])
+    names = sorted(path.name[:-41] for path in cache.iterdir())
+    assert names == ["[acme]", "acme", "acme-own", "acme-own-2"]
+
+
+def test_where_nothing_can_be_kept_the_program_goes_on_and_says_so(acme: Path, cache: Path) -> None:
+    expected = essence(load([str(acme)]))
+    compiled(cache).unlink()
+    cache.rmdir()
+    cache.write_text("a file where the folder should be")
+    with pytest.warns(CacheWarning, match="is not kept in"):
+        assert essence(load([str(acme)])) == expected
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="everything is writable to this user")
+def test_a_folder_without_write_permission(acme: Path, cache: Path) -> None:
+    cache.mkdir()
+    cache.chmod(0o500)
+    try:
+        with pytest.warns(CacheWarning, match="permission denied"):
+            assert load([str(acme)]).motors["part"].tolist() == ["M1", "M2"]
+    finally:
+        cache.chmod(0o700)
+
+
+def test_a_full_disk_leaves_no_half_file(acme: Path, cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("drivesizer.files.cache.os.replace", full)
+    with pytest.warns(CacheWarning, match="no space left"):
+        load([str(acme)])
+    assert list(cache.iterdir()) == []
+
+
+def test_the_folder_is_made_when_it_is_not_there(cache: Path, acme: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DRIVESIZER_CACHE", str(cache / "new" / "deep"))
+    load([str(acme)])
+    assert compiled(cache / "new" / "deep").stat().st_size > 1000
+
+
+def test_the_users_folder_is_the_default(monkeypatch: pytest.MonkeyPatch) -> None:
+    from platformdirs import user_cache_path
+
+    monkeypatch.delenv("DRIVESIZER_CACHE")
+    assert folder() == user_cache_path("drivesizer", appauthor=False)
+
+
+def test_a_stored_catalogue_comes_back(tmp_path: Path, catalog: Catalog) -> None:
+    path = tmp_path / f"maxon-{'0' * 32}.catalog"
+    store(path, catalog)
+    again = recall(path)
+    assert again is not None
+    assert essence(again) == essence(catalog)
+
+
+def _start(barrier: Any, answers: Any) -> None:
+    """Load the shipped catalogue at the same moment as the other process."""
+    barrier.wait(60)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        loaded = load()
+    answers.put(hashlib.sha256(repr(essence(loaded)).encode()).hexdigest())
+
+
+def test_two_processes_at_once_on_an_empty_folder(cache: Path, catalog: Catalog) -> None:
+    context = multiprocessing.get_context("spawn")
+    barrier, answers = context.Barrier(2), context.Queue()
+    processes = [context.Process(target=_start, args=(barrier, answers)) for _ in range(2)]
+    for process in processes:
+        process.start()
+    found = [answers.get(timeout=120) for _ in processes]
+    for process in processes:
+        process.join(30)
+    assert [process.exitcode for process in processes] == [0, 0]
+    assert found == [hashlib.sha256(repr(essence(catalog)).encode()).hexdigest()] * 2
+    assert recall(compiled(cache)) is not None  # one whole file, no half ones beside it
+
+
+def test_a_warm_load_is_much_faster_than_a_cold_one(cache: Path) -> None:
+    def seconds() -> float:
+        start = time.perf_counter()
+        load()
+        return time.perf_counter() - start
+
+    cold = seconds()
+    warm = min(seconds() for _ in range(5))
+    assert warm < cold / 3  # about 1/30; the limit leaves room for a busy machine
+
+
+def test_several_catalogues_are_kept_as_one_too(
+    cache: Path, acme: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cold = load(["maxon", str(acme)])
+    assert len(list(cache.iterdir())) == 3
+    monkeypatch.setattr("drivesizer.catalog.joined", lambda *_: pytest.fail("they were joined again"))
+    assert essence(load(["maxon", str(acme)])) == essence(cold)
+    monkeypatch.undo()
+    monkeypatch.setenv("DRIVESIZER_CACHE", str(cache))
+    acme.write_text(acme.read_text(encoding="utf-8").replace("M2", "M3"), encoding="utf-8")
+    assert "M3" in load(["maxon", str(acme)]).motors.rows
+    assert len(list(cache.iterdir())) == 3  # the older ones are gone
+
+
+KILLED = """
+import os, signal, sys
+from drivesizer.catalog import load
+import drivesizer.files.cache as cache
+cache.Path.replace = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
+load([sys.argv[1]])
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
+def test_a_process_killed_while_it_compiles_leaves_nothing_that_is_used(cache: Path, acme: Path) -> None:
+    killed = subprocess.run([sys.executable, "-c", KILLED, str(acme)], env=os.environ, timeout=60)
+    assert killed.returncode == -signal.SIGKILL
+    (half,) = cache.iterdir()
+    assert half.name.startswith(".compiling-")
+    assert load([str(acme)]).motors["part"].tolist() == ["M1", "M2"]
+    assert half.exists()  # another process may still be writing it
+    os.utime(half, (0, 0))
+    acme.write_text(acme.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    load([str(acme)])
+    assert not half.exists()
+
+
+# --- files that mean harm --------------------------------------------------------------------------------------------
+
+HEAD = "catalog: 1\nmanufacturer: Acme\nsources: {s: {document: d, confidence: quoted}}\n"
+TABLE = HEAD + "motors:\n  - {family: F, source: s, columns: [part, mass (g)], rows: %s}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (HEAD + "motors: &a [x, x]\nencoders: [*a, *a, *a]\n", "anchors"),
+        (HEAD + "manufacturer: Other\n", "manufacturer"),
+        (HEAD + "motors: !!python/object/apply:os.system [ls]\n", "tag"),
+        (HEAD + "<<: {motors: []}\n", "merge"),
+        (HEAD + "motors:\n\t- {}\n", "tabs"),
+        (HEAD + "motors: " + "[" * 5000, "nested deeper"),
+        (TABLE % "[[M1, heavy]]", "not a number"),
+        (TABLE % "[[M1, 5, 6]]", "cells"),
+        (TABLE % "[[M1, .nan]]", "not a number"),
+        (TABLE % "[[M1, true]]", "not a number"),
+        (TABLE % "{M1: 5}", "list"),
+        (TABLE % ("[" + "[M1, 5], " * 200_000 + "]"), "given twice"),
+        (TABLE % f"[[{'9' * 4_000_000}, 5]]", ""),
+        (HEAD + f"motors: {'x' * 10_000_000}\n", "expected a list"),
+    ],
+    ids=lambda value: value[:24] if len(value) < 200 else "big",
+)
+def test_a_hostile_catalogue_is_one_line_in_bounded_time(cache: Path, tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "bad.yaml"
+    path.write_text(text, encoding="utf-8")
+    start = time.perf_counter()
+    try:
+        load([str(path)])
+        assert not said
+    except DrivesizerError as error:
+        assert said in str(error)
+        assert len(str(error)) < 500 and "\n" not in str(error)
+    assert time.perf_counter() - start < 60.0  # not a measure: that it ends
+
+
+def test_a_scalar_of_100_megabytes_is_refused_unread(cache: Path, tmp_path: Path) -> None:
+    path = tmp_path / "bad.yaml"
+    with path.open("wb") as file:
+        file.write(HEAD.encode() + b"motors: ")
+        file.truncate(100_000_000)
+    with pytest.raises(InputError, match="larger than 16 MB"):
+        load([str(path)])
+
+
+def test_what_has_no_size_and_no_end_is_refused(cache: Path, tmp_path: Path) -> None:
+    endless = tmp_path / "zero.yaml"
+    endless.symlink_to("/dev/zero")
+    with pytest.raises(InputError, match="larger than 16 MB"):
+        load([str(endless)])
+
+
+def test_bytes_that_are_no_text_are_refused(cache: Path, tmp_path: Path) -> None:
+    path = tmp_path / "bad.yaml"
+    path.write_bytes(HEAD.encode() + b"# \xff\xfe\n")
+    with pytest.raises(InputError, match=r"bad\.yaml:4: the file is not UTF-8 text"):
+        load([str(path)])

@@ -1,0 +1,229 @@
+"""Actuators: one part to buy, motor and gearhead inside to compute with."""
+
+from __future__ import annotations
+
+import json
+from math import inf, isnan, nan, pi
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from drivesizer.catalog import load
+from drivesizer.catalog.actuators_apart import taken_apart
+from drivesizer.cli import app
+from drivesizer.errors import CatalogError, InputError
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.simulate import validate
+from drivesizer.sizing import explain, size
+from drivesizer.spec.robot import load_spec
+
+RPM = 2 * pi / 60
+
+# What the maker prints, and the same machine as motor and gearhead, by hand: i = 10, e = 0.9.
+#   k_t 0.9 N*m/A / (10 x 0.9) = 0.1 N*m/A; 8.1 N*m / 9 = 0.9 N*m; J 0.0075 kg*m^2 / 100 = 750 g*cm^2; 228 rpm x 10,
+#   which 24 V turn it to by the same k_t, as a speed that the controller inside sets would tell nothing of k_e.
+WHOLE = """
+catalog: 1
+manufacturer: Example Actuators
+sources: {sheet: {document: "sheet XA", confidence: quoted}}
+actuators:
+  - family: XA 70
+    source: sheet
+    common: {kind: brushless, gearing: planetary, pole_pairs: 14, thermal_resistance_winding: 1.2 K/W,
+      thermal_resistance_housing: 3 K/W, max_winding_temperature: 120 degC, winding_time_constant: 30 s,
+      motor_time_constant: 900 s, ambient_min: -20 degC, ambient_max: 60 degC, %s}
+    columns: [part, reduction, ratio, efficiency (%%), nominal_voltage (V), no_load_speed (rpm), no_load_current (A),
+      nominal_speed (rpm), nominal_torque (N*m), nominal_current (A), peak_torque (N*m), peak_current (A),
+      torque_constant (N*m/A), resistance (ohm), output_inertia (kg*m^2), backlash (deg), mass (g), price (EUR)]
+    rows:
+      - [XA70-10, "10:1", 10, 90, 24, 228, 0.4, 190, 8.1, 9.4, 24, 28, 0.9, 0.3, 0.0075, 0.2, 520, 310]
+"""
+OWN_CONTROLLER = "controller: integrated, buses: CAN, supply_min: 18 V, supply_max: 52 V, steps_per_turn: 32768"
+PIECES = """
+catalog: 1
+manufacturer: Example Parts
+sources: {sheet: {document: "sheet XM", confidence: quoted}}
+motors:
+  - family: XM
+    source: sheet
+    common: {kind: brushless, pole_pairs: 14, thermal_resistance_winding: 1.2 K/W, thermal_resistance_housing: 3 K/W,
+      max_winding_temperature: 120 degC, winding_time_constant: 30 s, motor_time_constant: 900 s,
+      ambient_min: -20 degC, ambient_max: 60 degC}
+    columns: [part, nominal_voltage (V), no_load_speed (rpm), no_load_current (A), nominal_speed (rpm),
+      nominal_torque (N*m), nominal_current (A), max_speed (rpm), torque_constant (N*m/A), resistance (ohm),
+      rotor_inertia (g*cm^2), mass (g), price (EUR)]
+    rows: [[XM-1, 24, 2280, 0.4, 1900, 0.9, 9.4, 2280, 0.1, 0.3, 750, 500, 300]]
+gearheads:
+  - family: XG
+    source: sheet
+    common: {kind: planetary, efficiency: 90 %, continuous_torque: 8.1 N*m, intermittent_torque: 24 N*m,
+      continuous_input_speed: 2280 rpm, intermittent_input_speed: 2280 rpm, backlash: 0.2 deg, inertia: 1e-6 g*cm^2,
+      continuous_power: 1e6 W, intermittent_power: 1e6 W, temperature_min: -20 degC, temperature_max: 60 degC}
+    columns: [part, reduction, ratio, mass (g), price (EUR)]
+    rows: [[XG-10, "10:1", 10, 20, 10]]
+compatibility: {motor_gearhead: [{source: sheet, motors: [XM], gearheads: [XG]}]}
+"""
+
+
+@pytest.fixture
+def shop(tmp_path, example_text):
+    """The SPS robot by physics, without its choice of families, beside both catalogues."""
+    text = example_text.replace("method: paper", "method: physics").replace("min: 22 V", "min: 23 V")
+    text = text.partition("battery:")[0] + "environment:" + text.partition("environment:")[2]  # fed by the mains
+    head, _, tail = text.partition("select:")
+    rest = tail.partition("\n\n")[2]
+    (tmp_path / "robot.yaml").write_text(f"{head}select: {{catalogs: [whole.yaml, pieces.yaml, maxon]}}\n\n{rest}")
+    (tmp_path / "whole.yaml").write_text(WHOLE % OWN_CONTROLLER)
+    (tmp_path / "pieces.yaml").write_text(PIECES)
+    return tmp_path
+
+
+def one(shop, motor: str, gearhead: str = "") -> DriveSet:
+    return explain(load_spec(shop / "robot.yaml"), motor, gearhead)[0]
+
+
+def test_the_motor_inside_has_the_figures_of_the_rotor(shop):
+    apart = taken_apart(load(["whole.yaml"], beside=shop))
+    motor = apart.motors.record(apart.motors.rows["XA70-10"])
+    assert motor.torque_constant == pytest.approx(0.1)
+    assert motor.nominal_torque == pytest.approx(0.9)
+    assert motor.rotor_inertia == pytest.approx(750e-7)
+    assert motor.no_load_speed == pytest.approx(2280 * RPM)
+    assert motor.nominal_speed == pytest.approx(1900 * RPM)
+    assert (motor.resistance, motor.no_load_current, motor.nominal_current) == (0.3, 0.4, 9.4)
+    assert motor.max_speed == motor.no_load_speed  # none is printed: where it runs without load, it may run
+    assert (motor.mass, motor.price) == (0.52, 310.0)
+
+
+def test_the_gearhead_inside_weighs_and_costs_nothing(shop):
+    apart = taken_apart(load(["whole.yaml"], beside=shop))
+    gearhead = apart.gearheads.record(apart.gearheads.rows["XA70-10"])
+    assert (gearhead.ratio, gearhead.efficiency, gearhead.kind) == (10.0, 0.9, "planetary")
+    assert (gearhead.continuous_torque, gearhead.intermittent_torque) == (8.1, 24.0)
+    assert (gearhead.mass, gearhead.price, gearhead.inertia) == (0.0, 0.0, 0.0)
+    assert gearhead.continuous_power == inf  # the maker limits torque and speed
+    assert gearhead.backlash == pytest.approx(0.2 * pi / 180)
+
+
+def test_a_rotor_constant_that_is_printed_goes_before_the_outputs(shop):
+    text = (WHOLE % OWN_CONTROLLER).replace("torque_constant (N*m/A)", "motor_torque_constant (N*m/A)")
+    (shop / "whole.yaml").write_text(text.replace("28, 0.9, 0.3", "28, 0.11, 0.3"))
+    apart = taken_apart(load(["whole.yaml"], beside=shop))
+    assert apart.motors["torque_constant"][apart.motors.rows["XA70-10"]] == pytest.approx(0.11)
+
+
+def test_what_is_not_printed_stays_unknown(shop):
+    text = (WHOLE % OWN_CONTROLLER).replace(", 10, 90, 24,", ", 10, ~, 24,")
+    (shop / "whole.yaml").write_text(text)
+    apart = taken_apart(load(["whole.yaml"], beside=shop))
+    motor = apart.motors.record(apart.motors.rows["XA70-10"])
+    assert isnan(motor.torque_constant) and isnan(motor.nominal_torque) and not isnan(motor.rotor_inertia)
+
+
+def test_taking_apart_is_done_once_and_leaves_the_catalogue_as_printed(shop):
+    catalog = load(["whole.yaml"], beside=shop)
+    apart = taken_apart(catalog)
+    assert taken_apart(apart) is apart
+    assert (len(catalog.motors), len(apart.motors), len(apart.actuators)) == (0, 1, 1)
+    assert catalog.actuators.record(0).nominal_torque == 8.1
+
+
+def test_the_whole_does_what_its_pieces_do(shop):
+    """An actuator and the same motor and gearhead as two parts: every demand and limit of the physics agrees."""
+    whole, pieces = one(shop, "XA70-10"), one(shop, "XM-1", "XG-10")
+    beside = {c.name: c for c in pieces.checks}
+    compared = [c for c in whole.checks if not c.name.startswith(("controller", "encoder", "supply_voltage", "bus"))]
+    assert len(compared) > 8
+    for check in compared:
+        if check.name != "overcurrent_time":
+            assert check.demand == pytest.approx(beside[check.name].demand, rel=1e-9, nan_ok=True), check.name
+            assert check.limit == pytest.approx(beside[check.name].limit, rel=1e-9, nan_ok=True), check.name
+    assert whole.mass == pytest.approx(pieces.mass) == pytest.approx(0.52)
+
+
+def test_it_is_one_part_in_the_set(shop):
+    found = one(shop, "XA70-10")
+    assert list(found.parts) == ["actuator"]  # its encoder and controller are inside
+    assert found.label == "XA 70 XA70-10 (10:1 inside) + belt 1.1"
+    assert found.mass_of == ("actuator",)
+    assert found.encoder and found.encoder.counts_per_turn == 32768 / 4 / 10  # at the motor, in lines of four edges
+    assert found.controller and found.controller.inside == "XA70-10"
+    assert found.controller.continuous_current == 9.4
+
+
+def test_one_without_a_controller_takes_one_from_the_shelf(shop):
+    (shop / "whole.yaml").write_text(WHOLE % "direction: 1")
+    found = one(shop, "XA70-10")
+    assert found.controller and found.controller.manufacturer == "maxon" and not found.controller.inside
+    assert list(found.parts) == ["actuator", "encoder", "controller"] and found.encoder is None
+
+
+def test_nobody_elses_motor_gets_the_controller_inside(shop, monkeypatch):
+    monkeypatch.setattr(
+        "drivesizer.search.set_record.overload_time", lambda *_: nan
+    )  # of hundreds of sets, and nobody asks
+    path = shop / "robot.yaml"
+    families = "motor: {family: [XA 70, XM, EC-i 40, EC 45 flat]}"
+    path.write_text(path.read_text().replace("maxon]}", f"maxon], {families}}}"))
+    result = size(load_spec(path), top=100)
+    assert any(s.actuator for s in result.sets)
+    assert {"EC-i 40", "EC 45 flat"} & {s.motor.family for s in result.sets}
+    for s in (*result.sets, *result.misses):
+        assert s.controller is None or s.controller.inside == (s.actuator.part if s.actuator else "")
+        assert s.encoder is None or s.encoder.inside in ("", s.motor.inside)
+        assert s.gearhead.inside == s.motor.inside
+
+
+def test_a_controller_inside_that_lacks_the_bus_is_none(shop):
+    spec = load_spec(shop / "robot.yaml")
+    choice = spec.select.controller.model_copy(update={"bus": "EtherCAT"})
+    narrowed = spec.model_copy(update={"select": spec.select.model_copy(update={"controller": choice})})
+    found = explain(narrowed, "XA70-10")[0]
+    assert found.controller is None
+    assert {c.name: c.status for c in found.checks}["controller_available"] == "fail"
+
+
+@pytest.mark.parametrize(
+    ("motor", "gearhead", "said"),
+    [("XA70-10", "XG-10", "is an actuator"), ("XM-1", "XA70-10", "is an actuator"), ("XM-1", "", "needs one")],
+)
+def test_an_actuator_is_not_paired_with_anything_else(shop, motor, gearhead, said):
+    with pytest.raises(InputError, match=said):
+        one(shop, motor, gearhead)
+
+
+def test_the_contract_has_it_as_the_maker_prints_it(shop, monkeypatch):
+    monkeypatch.chdir(shop)
+    run = CliRunner().invoke(app, ["explain", "robot.yaml", "--motor", "XA70-10", "--json"])
+    found = json.loads(run.stdout)["sets"][0]
+    assert found["actuator"]["nominal_torque"] == 8.1 and found["actuator"]["no_load_speed"] == pytest.approx(228 * RPM)
+    assert found["motor"]["inside"] == found["gearhead"]["inside"] == "XA70-10"
+
+
+def test_a_part_number_of_a_motor_cannot_be_an_actuators(shop):
+    text = (WHOLE % OWN_CONTROLLER).replace("XA70-10", "XM-1")
+    (shop / "whole.yaml").write_text(text)
+    with pytest.raises(CatalogError, match='"XM-1" is an actuator and a motor as well'):
+        size(load_spec(shop / "robot.yaml"))
+
+
+def test_absolute_encoders_count_as_lines_of_four_edges(shop):
+    (shop / "own.yaml").write_text(
+        "catalog: 1\nmanufacturer: Own\nsources: {s: {document: sheet, confidence: quoted}}\nencoders:\n"
+        "  - {family: XE, source: s, columns: [part, steps_per_turn, max_speed (rpm)], rows: [[XE-1, 4096, 9000]]}\n"
+        "motors:\n  - {family: XM, source: s, columns: [part], rows: [[XM-2]]}\n"
+        "compatibility: {motor_encoder: [{source: s, motors: [XM-2], encoders: [XE]}]}\n"
+    )
+    catalog = load(["own.yaml"], beside=shop)
+    encoder = catalog.encoders.record(0)
+    assert encoder.lines == 1024 and encoder.resolution == "4096 steps per turn"
+    assert np.isnan(catalog.encoders["counts_per_turn"][0])
+
+
+def test_the_closed_loop_checks_nothing_that_nobody_limits(shop):
+    """The encoder inside has no frequency limit of its own: what the actuator may do is its speed."""
+    proof = validate(load_spec(shop / "robot.yaml"), one(shop, "XA70-10"))
+    names = {check.name for check in proof.checks}
+    assert "motor_speed" in names and not names & {"encoder_frequency", "encoder_speed", "controller_frequency"}
+    assert all(check.limit < inf or isnan(check.limit) for check in proof.checks)

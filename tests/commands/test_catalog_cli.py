@@ -1,0 +1,685 @@
+"""``drivesizer catalog``: what each command shows, its exit status, and that parts survive the way out and in."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from catalog_texts import MAP, SHEET
+
+from drivesizer import cli
+from drivesizer.catalog import PARTS, columns_of, load
+from drivesizer.catalog.compare import side_by_side
+from drivesizer.catalog.coverage import coverage
+from drivesizer.catalog.exchange.exporting import digits, plain, safe
+from drivesizer.catalog.lookup import find, origins, partners
+from drivesizer.catalog.query import Hit, open_all, option, select, where
+
+SMALL = """\
+catalog: 1
+manufacturer: Anymaker
+sources:
+  sheet: {document: "data sheet, page 3", confidence: quoted, date: "2024-05", url: "https://example.org"}
+  forum: {document: a forum, confidence: recalled}
+motors:
+- family: M 20
+  source: sheet
+  common: {kind: brushed, diameter: 20 mm}
+  columns: [part, nominal_voltage (V), assigned_power (W), no_load_speed (rpm), nominal_torque (mN*m),
+    stall_torque (mN*m), ambient_min (degC), mass (g), price (EUR), bearing]
+  rows:
+  - [M1, 24, 20, 9560, 26.3, 243, -30, 54, 99.5, "=ball"]
+  - [M2, 12,  ~, 4860, 28.6, 129,   ~, 54, 1e3, ~]
+  - ["007", 24, 40, ~, ~, ~, -30, ~, ~, ~]
+  - [M4, 24, 90, 100, 1, 2, -30, 5, 7, ~]
+  notes:
+  - {parts: [M1], fields: [mass], text: weighed, confidence: recalled, source: forum}
+  - {parts: [M4], text: not made any more, exclude: true}
+gearheads:
+- family: G 26
+  source: sheet
+  columns: [part, ratio, reduction, efficiency (%), temperature_max (degC), continuous_power (W)]
+  rows:
+  - [G27, 3249/121, "27:1", 80, 85, 30]
+  - [G5, 26/5, "5.2:1", 90, 85, ~]
+encoders:
+- family: E 1
+  source: forum
+  columns: [part, counts_per_turn]
+  rows: [[E500, 500]]
+controllers:
+- family: C 1
+  source: sheet
+  columns: [part, drives, supply_min (V), supply_max (V)]
+  rows:
+  - [C50, both, 10, 50]
+  - [C24, brushless, 8, 24]
+compatibility:
+  motor_gearhead:
+  - {motors: [M 20], gearheads: [G27], source: sheet}
+  motor_encoder:
+  - {motors: [M1], encoders: [E 1], source: sheet}
+"""
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    path = tmp_path / "small.yaml"
+    path.write_text(SMALL, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Run a catalogue command in an empty folder; its status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+
+    def call(*args):
+        monkeypatch.setattr(sys, "argv", ["drivesizer", "catalog", *map(str, args)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        out = capsys.readouterr()
+        return end.value.code, out.out, out.err
+
+    return call
+
+
+def words(text: str) -> str:
+    return " ".join(text.split())
+
+
+def parts_of(out: str) -> list[str]:
+    return [part["part"] for part in json.loads(out, parse_constant=pytest.fail)["parts"]]
+
+
+# --- list ------------------------------------------------------------------------------------------------------------
+
+
+def test_without_conditions_the_families_are_listed(run, small):
+    status, out, err = run("list", "--catalog", small)
+    assert (status, err) == (0, "")
+    assert "4 parts in 1 family" in words(out)
+    assert "M 20 (4)" in out
+    assert "C 1 (2)" in out
+
+
+@pytest.mark.parametrize(
+    ("args", "parts"),
+    [
+        (["motors"], ["M1", "M2", "007"]),
+        (["motors", "--excluded"], ["M1", "M2", "007", "M4"]),
+        (["motors", "--voltage", "24 V"], ["M1", "007"]),
+        (["motors", "--voltage", "24000 mV"], ["M1", "007"]),
+        (["motors", "--voltage", "<24 V"], ["M2"]),
+        (["motors", "--power", ">=20 W"], ["M1", "007"]),
+        (["motors", "--power", ">20W"], ["007"]),
+        (["motors", "--diameter", "<=20 mm", "--voltage", "!=24 V"], ["M2"]),
+        (["motors", "--diameter", "<=0.79 in"], ["M1", "M2", "007"]),
+        (["motors", "--kind", "BRUSHED", "--sort", "-no load speed"], ["M1", "M2", "007"]),
+        (["motors", "--sort", "-nominal_torque"], ["M2", "M1", "007"]),
+        (["motors", "--sort", "nominal_torque"], ["M1", "M2", "007"]),
+        (["motors", "--where", "ambient_min<=-30 degC", "--where", "mass = 54 g"], ["M1"]),
+        (["motors", "--where", "bearing==*BALL"], ["M1"]),
+        (["motors", "--where", "bearing!=x*"], ["M1"]),
+        (["gearheads", "--family", "g*", "--where", "ratio<10"], ["G5"]),
+        (["controllers", "--voltage", "48 V"], ["C50"]),
+        (["controllers", "--voltage", "24 V", "--kind", "brushless"], ["C50", "C24"]),
+        (["controllers", "--voltage", ">24 V"], ["C50"]),
+        (["controllers", "--voltage", "<10 V"], ["C24"]),
+        (["controllers", "--kind", "brushed"], ["C50"]),
+        (["--power", ">=30 W"], ["007", "G27"]),
+        (["--where", "counts_per_turn>=500"], ["E500"]),
+    ],
+    ids=" ".join,
+)
+def test_conditions(run, small, args, parts):
+    status, out, _ = run("list", *args, "--catalog", small, "--json")
+    assert status == 0
+    assert parts_of(out) == parts
+
+
+def test_an_unknown_figure_meets_nothing_and_is_counted(run, small):
+    status, out, _ = run("list", "motors", "--power", ">=1 W", "--catalog", small)
+    assert status == 0
+    assert "M2" not in out
+    assert "1 more may fit: a figure that is asked for is unknown" in words(out)
+    assert "1 more are excluded from sizing" in words(out)
+    document = json.loads(run("list", "motors", "--power", ">=1 W", "--catalog", small, "--json")[1])
+    assert (document["found"], document["undecided"]) == (2, 1)
+    assert document["parts"][1]["mass"] is None
+    assert document["units"]["motors"]["mass"] == "kg"
+    assert document["parts"][0]["mass"] == pytest.approx(0.054)
+    unknown = select(open_all([str(small)]), "motors", [where("motors", "assigned_power!=3 W")])
+    assert [hit.part for hit in unknown.hits] == ["M1", "007"]
+
+
+def test_nothing_found_is_status_1(run, small):
+    status, out, err = run("list", "motors", "--voltage", "48 V", "--catalog", small)
+    assert (status, out.strip(), err) == (1, "0 motors", "")
+    status, out, _ = run("list", "motors", "--voltage", "48 V", "--catalog", small, "--json")
+    assert (status, parts_of(out)) == (1, [])
+    status, _, _ = run("list", "motors", "--voltage", "48 V", "--catalog", small, "--csv", "none.csv")
+    assert status == 1
+    assert not Path("none.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (["list", "motor"], "expected motors"),
+        (["list", "motors", "--voltage", "24"], "e.g. 24 V"),
+        (["list", "motors", "--voltage", ">="], "voltage"),
+        (["list", "motors", "--voltage", "24 mm"], "a unit of length, not of voltage"),
+        (["list", "motors", "--diameter", "26,5 mm"], "decimal point"),
+        (["list", "motors", "--where", "max_sped>=1 rpm"], "max_speed"),
+        (["list", "motors", "--where", "max_speed"], "max_speed>=8000 rpm"),
+        (["list", "motors", "--where", "kind>=brushed"], "kind is text"),
+        (["list", "motors", "--sort", "weight"], "--sort"),
+        (["list", "encoders", "--power", ">1 W"], "--power: encoders has no such figure"),
+        (["list", "motors", "--limit", "0"], "--limit"),
+        (["list", "--catalog", "nix"], 'no catalogue is called "nix"; expected'),
+        (["list", "--catalog", "nix.yaml"], "cannot be read"),
+        (["list", "--sort", "mass", "--csv", "all.csv"], "one section"),
+        (["show", "11875"], "the nearest"),
+        (["show", "M 20", "--catalog", "SMALL"], "a family of motors"),
+        (["compare", "M1", "--catalog", "SMALL"], "two or more"),
+        (["compare", "M1", "G27", "--catalog", "SMALL"], "parts of one kind"),
+        (["compare", "M1", "nix", "--catalog", "SMALL"], "in no catalogue"),
+        (["export", "-o", "parts.csv"], "one section"),
+        (["export", "motors", "-o", "parts.xlsx"], ".csv or .json"),
+        (["export", "motors", "-o", "no/such/parts.csv"], "no folder"),
+        (["export", "motor", "-o", "parts.csv"], "expected motors"),
+        (["export"], "--output"),
+        (["searhc", "x"], "searhc"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_a_wrong_input_is_one_line(run, small, args, said):
+    status, out, err = run(*(small if arg == "SMALL" else arg for arg in args))
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert said in err
+    assert [path.name for path in Path().iterdir()] == ["small.yaml"]
+
+
+def test_two_catalogues_of_one_name_are_refused(run, small, tmp_path):
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "small.yaml").write_text(SMALL)
+    status, _, err = run("list", "--catalog", small, "--catalog", "other/small.yaml")
+    assert status == 2
+    assert "two catalogues are called" in err
+
+
+@pytest.mark.parametrize(
+    "args",
+    [
+        ["list"],
+        ["list", "motors", "--limit", "600"],
+        ["list", "gearheads", "--excluded", "--sort", "-mass", "--where", "max_radial_load>0 N"],
+        ["list", "motors", "--where", "thermal_resistance_housing>0 K/W", "--where", "winding_time_constant>0 s"],
+        ["list", "encoders"],
+        ["list", "controllers"],
+        ["show", "118752"],
+        ["show", "118752", "--source"],
+        ["show", "406764", "--source"],
+        ["compare", "118752", "118743", "236662", "236670", "110212"],
+        ["search", "EPOS4"],
+        ["stats"],
+        ["check", "--all"],
+    ],
+    ids=" ".join,
+)
+def test_all_fits_80_columns(run, args):
+    status, out, _ = run(*args)
+    assert status in (0, 1)
+    assert out.strip()
+    assert max(len(line.rstrip()) for line in out.splitlines()) <= 80
+
+
+def test_further_columns_take_the_place_of_others_and_break_no_part_number(run):
+    asked = ("list", "motors", "--family", "ECX SPEED 13 L", "--where", "winding_time_constant>0 s")
+    parts = parts_of(run(*asked, "--json")[1])
+    out = run(*asked, "--limit", "99")[1]
+    assert "winding" in out
+    assert "power" in out
+    assert "price" not in out
+    assert all(f" {part} " in out for part in parts)
+
+
+# --- one part, several parts, a text ---------------------------------------------------------------------------------
+
+
+def test_a_parts_page(run, small):
+    status, out, err = run("show", "M1", "--catalog", small)
+    assert (status, err) == (0, "")
+    said = words(out)
+    assert "Anymaker M 20" in said
+    assert "M1 · motor in small" in said
+    assert "nominal torque 26.3 mN·m" in said
+    assert "price 99.50 EUR" in said
+    assert "mass 54 g recalled" in said
+    assert "no load 9560 rpm 0 unknown nominal unknown 26.3 mN·m unknown stall 0 243 mN·m unknown" in said
+    assert "gearheads: 1 in 1 families: G 26 (1)" in said
+    assert "encoders: 1 in 1 families: E 1 (1)" in said
+    assert "note: mass: weighed; recalled" in said
+    assert "source: data sheet, page 3, 2024-05 (quoted)" in said
+    assert "inductance" not in said  # unknown: not on the page
+
+
+def test_where_each_figure_is_from(run, small):
+    _, out, _ = run("show", "M1", "--source", "--catalog", small)
+    said = words(out)
+    assert "nominal torque 26.3 mN·m quoted [1]" in said
+    assert "mass 54 g recalled [2]" in said
+    assert "[1] data sheet, page 3, 2024-05, https://example.org" in said
+    assert "[2] a forum" in said
+    document = json.loads(run("show", "M1", "--catalog", small, "--json")[1])
+    (part,) = document["parts"]
+    assert part["sources"]["mass"] == {"document": "a forum", "confidence": "recalled", "date": "", "url": ""}
+    assert part["goes_with"] == {"gearheads": {"G 26": 1}, "encoders": {"E 1": 1}}
+    assert part["resistance"] is None
+    assert "resistance" not in part["sources"]
+
+
+def test_what_goes_with_a_gearhead(run, small):
+    assert "motors: 4 in 1 families: M 20 (4)" in words(run("show", "G27", "--catalog", small)[1])
+    assert "motors: none is listed; one may still exist" in words(run("show", "G5", "--catalog", small)[1])
+    assert "excluded from sizing by a note" in words(run("show", "M4", "--catalog", small)[1])
+    assert partners(find(open_all([str(small)]), "C50")[0]) == {}
+
+
+def test_the_papers_motor_is_shown_as_the_catalogue_has_it(run):
+    said = words(run("show", "118752")[1])
+    assert "torque constant 23.4 mN·m/A secondary" in said
+    assert "nominal torque 26.3 mN·m derived" in said
+    assert "GP 26 A (9)" in said
+
+
+def test_parts_side_by_side(run, small):
+    status, out, _ = run("compare", "M1", "M2", "--catalog", small)
+    assert status == 0
+    lines = {words(line) for line in out.splitlines()}
+    assert "≠ nominal voltage 24 V 12 V" in lines
+    assert "diameter 20 mm 20 mm" in lines
+    assert "? assigned power 20 W unknown" in lines
+    _, out, _ = run("compare", "M1", "M2", "--differing", "--catalog", small)
+    assert "diameter" not in out
+    document = json.loads(run("compare", "M1", "M2", "--catalog", small, "--json")[1])
+    assert document["differs"]["nominal_voltage"] is True
+    assert document["differs"]["diameter"] is False
+    assert document["differs"]["assigned_power"] is None
+    hits = find(open_all([str(small)]), "M1") + find(open_all([str(small)]), "007")
+    assert next(row for row in side_by_side(hits) if row.column.name == "mass").differs is None
+
+
+def test_search(run, small):
+    status, out, _ = run("search", "g2", "--catalog", small)
+    assert status == 0
+    assert "G27" in out
+    status, out, _ = run("search", "BRUSHLESS", "--catalog", small)
+    assert (status, "C 1" in out) == (0, True)
+    document = json.loads(run("search", "m 2", "--catalog", small, "--json")[1])
+    assert document["families"]["motors"] == {"M 20": 4}
+    status, out, err = run("search", "RE 52")
+    assert (status, out, err.count("\n")) == (1, "", 1)
+    assert "RE 25" in err
+    assert run("search", "zzz", "--catalog", small, "--json")[0] == 1
+
+
+# --- how complete, how right -----------------------------------------------------------------------------------------
+
+
+def test_stats(run, small):
+    status, out, _ = run("stats", "--catalog", small)
+    assert status == 0
+    assert "4 pairs of motor and gearhead, 1 pairs of motor and encoder" in words(out)
+    assert "assigned power 75 %" in words(out)
+    document = json.loads(run("stats", "--catalog", small, "--json")[1])["catalogs"]["small"]
+    assert document["motors"]["known"]["mass"] == 3
+    assert document["motors"]["excluded"] == 1
+    assert document["motors"]["sure"]["recalled"] == 1
+    assert document["encoders"]["sure"] == {"quoted": 0, "secondary": 0, "derived": 0, "recalled": 1}
+
+
+@pytest.mark.parametrize("section", PARTS)
+def test_the_shares_are_those_of_the_catalogue(catalog, section):
+    columns = columns_of(section)
+    counts: dict[str, int] = dict.fromkeys(("quoted", "secondary", "derived", "recalled"), 0)
+    for row in range(len(catalog.table(section))):
+        for name, sure in catalog.confidence(section, row).items():
+            counts[sure] += columns[name].kind != "text"
+    assert coverage(catalog, section).sure == counts
+
+
+FAST = """\
+catalog: 1
+manufacturer: Anymaker
+sources: {sheet: {document: a sheet, confidence: quoted}}
+motors:
+- family: M 20
+  source: sheet
+  columns: [part, nominal_speed (rpm), max_speed (rpm)]
+  rows: [[FAST, 9999, 9000], [KNOWN, 9998, 9000], [SLOW, 8000, 9000], [OPEN, ~, 9000]]
+  notes: [{parts: [KNOWN], fields: [nominal_speed], text: as printed, accepted: true}]
+"""
+
+
+def test_check_tells_what_is_unexplained(run, tmp_path):
+    (tmp_path / "fast.yaml").write_text(FAST)
+    status, out, _ = run("check", "--catalog", "fast.yaml")
+    said = words(out)
+    assert status == 1
+    assert "fast, motors: " in said
+    assert "FAST M 20 9999 rpm <= 9000 rpm 11.1 % 0.0 %" in said
+    assert "KNOWN" not in said
+    assert "1 unexplained, 1 accepted" in said
+    _, out, _ = run("check", "--catalog", "fast.yaml", "--all")
+    assert "accepted: as printed" in words(out)
+    assert "KNOWN M 20 9998 rpm" in words(out)
+    (found,) = json.loads(run("check", "--catalog", "fast.yaml", "--json")[1])["findings"]
+    assert (found["part"], found["unexplained"], found["accepted"]) == ("FAST", True, None)
+    assert found["found"] == pytest.approx(9999 * np.pi / 30)
+    everything = json.loads(run("check", "--catalog", "fast.yaml", "--json", "--all")[1])["findings"]
+    assert {"FAST", "KNOWN"} <= {one["part"] for one in everything}
+    (tmp_path / "fast.yaml").write_text(FAST.replace("9999", "8999"))
+    status, out, _ = run("check", "--catalog", "fast.yaml")
+    assert status == 0
+    assert "0 unexplained" in out
+
+
+def test_many_catalogues_fit_80_columns(run, tmp_path):
+    names = [f"a_catalogue_of_{n}" for n in range(7)]
+    for name in names:
+        (tmp_path / f"{name}.yaml").write_text(SMALL)
+    status, out, _ = run("stats", *(word for name in names for word in ("--catalog", f"{name}.yaml")))
+    assert status == 0
+    assert max(len(line.rstrip()) for line in out.splitlines()) <= 80
+    assert "never known: " in out
+    assert (
+        run("show", "M1", "--catalog", "a_catalogue_of_1.yaml", "--catalog", "a_catalogue_of_2.yaml")[1].count("M1 ·")
+        == 2
+    )
+
+
+def test_text_is_not_taken_for_markup(run, tmp_path):
+    (tmp_path / "odd.yaml").write_text(FAST.replace("[[FAST", '[["[red]A"').replace("M 20", '"[b]M"'))
+    for args in (
+        ["list"],
+        ["list", "motors"],
+        ["show", "[red]A"],
+        ["compare", "[red]A", "SLOW"],
+        ["check"],
+        ["search", "[red]"],
+    ):
+        status, out, _ = run(*args, "--catalog", "odd.yaml")
+        assert status in (0, 1)
+        assert ("[b]M" if args == ["list"] else "[red]A") in out
+
+
+# --- out and in ------------------------------------------------------------------------------------------------------
+
+
+def same(one, other, section: str) -> None:
+    """Two tables have the same parts with the same figures, unknown ones included."""
+    for name in columns_of(section):
+        rows = [other.rows[part] for part in one["part"]]
+        np.testing.assert_array_equal(one[name], other[name][rows], err_msg=name)
+
+
+FULL = dict.fromkeys(PARTS, "maxon") | {
+    "actuators": "robotis", "steppers": "beckhoff", "belts": "andymark", "pulleys": "andymark", "batteries": "samsung",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("section", "name"), FULL.items())
+def test_what_is_exported_and_imported_is_the_same(run, section, name):
+    catalog = load([name])
+    assert len(catalog.table(section)) > 3
+    status, out, _ = run("export", section, "--catalog", name, "-o", "parts.csv")
+    assert (status, out) == (0, f"parts.csv: {len(catalog.table(section))} parts\n")
+    told = ("--document", "the export", "--confidence", "secondary")
+    status, out, err = run("import", "parts.csv", "--section", section, "-o", "mine.yaml", *told)
+    assert (status, err) == (0, "")
+    assert "left out: catalog, document, confidence, excluded" in words(out)
+    again = load(["mine.yaml"])
+    same(catalog.table(section), again.table(section), section)
+    assert again.sources[0].confidence == "secondary"
+    assert again.sources[0].document == "the export"
+
+
+def test_the_csv_has_units_and_empty_cells(run, small):
+    run("export", "motors", "--catalog", small, "-o", "motors.csv")
+    header, units, *rows = list(csv.reader(Path("motors.csv").read_text(encoding="utf-8").splitlines()))
+    first, second = (dict(zip(header, row, strict=True)) for row in rows[:2])
+    assert dict(zip(header, units, strict=True))["nominal_torque"] == "mN*m"
+    assert (first["nominal_torque"], first["ambient_min"], first["price"]) == ("26.3", "-30", "99.5")
+    assert (second["assigned_power"], second["ambient_min"], second["price"]) == ("", "", "1000")
+    assert first["bearing"] == "'=ball"
+    assert (first["catalog"], first["confidence"], rows[3][header.index("excluded")]) == ("small", "quoted", "true")
+
+
+def test_the_formula_comes_back_as_it_was(run, small):
+    run("list", "motors", "--catalog", small, "--csv", "motors.csv")
+    told = ("--document", "x", "--confidence", "recalled")
+    assert run("import", "motors.csv", "--section", "motors", "-o", "mine.yaml", *told)[0] == 0
+    again = load(["mine.yaml"]).motors
+    assert again["bearing"][again.rows["M1"]] == "=ball"
+    assert "007" in again.rows
+    assert "M4" not in again.rows
+
+
+@pytest.mark.parametrize("text", ["=1+1", "'=1+1", "''@x", "-5", "'n Sync", "plain", "", "'"])
+def test_apostrophes_go_and_come(text):
+    assert plain(safe(text)) == text
+    assert not safe(text).startswith(("=", "+", "-", "@"))
+
+
+def test_digits_give_the_same_figure_back(catalog):
+    for section in PARTS:
+        for name, column in columns_of(section).items():
+            values = [] if column.kind == "text" else catalog.table(section)[name][::97].tolist()
+            for value in values:
+                assert (digits(value, column) == "") == np.isnan(value)
+
+
+def test_export_to_json(run, small):
+    assert run("export", "--catalog", small, "-o", "parts.json")[0] == 0
+    document = json.loads(Path("parts.json").read_text(encoding="utf-8"), parse_constant=pytest.fail)
+    assert document["schema_version"] == 1
+    assert list(document["catalogs"]) == ["small"]
+    assert [part["part"] for part in document["parts"]] == ["M1", "M2", "007", "M4", "G27", "G5", "E500", "C50", "C24"]
+    assert document["parts"][4]["ratio"] == pytest.approx(3249 / 121)
+    assert document["parts"][3]["excluded"] is True
+
+
+# --- import ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def sheet(tmp_path: Path) -> Path:
+    (tmp_path / "sheet.csv").write_text(SHEET, encoding="utf-8")
+    (tmp_path / "map.yaml").write_text(MAP, encoding="utf-8")
+    return tmp_path
+
+
+ARGS = ("import", "sheet.csv", "--section", "motors", "--map", "map.yaml")
+
+
+def test_another_programs_table(run, sheet):
+    status, out, err = run(*ARGS, "-o", "other.yaml")
+    assert (status, err) == (0, "")
+    said = words(out)
+    assert "3 parts in 2 families: X 10 (2), Y: 2 (1)" in said
+    assert "Order no. → part" in said
+    assert "unknown columns, left out: Colour" in said
+    assert "rows skipped: line 5: empty" in said
+    assert "other.yaml written" in said
+    motors = load(["other.yaml"]).motors
+    assert list(motors.rows) == ["A1", "A2", "A:3"]
+    assert motors["nominal_torque"][0] == pytest.approx(3.72 * 0.3048 / 12 * 0.45359237 / 16 * 9.80665, rel=1e-12)
+    assert motors["no_load_speed"][0] == pytest.approx(9560 * np.pi / 30)
+    assert np.isnan(motors["no_load_speed"][1:]).all()  # unknown stays unknown
+    assert np.isnan(motors["mass"][1])
+    assert set(motors["diameter"]) == {0.01}
+    assert set(motors["manufacturer"]) == {"Other & Sons"}
+    source = load(["other.yaml"]).sources[0]
+    assert source == ("price list: 2024", "secondary", "2024-05", "https://example.org/a#b")
+    assert "3.72" in Path("other.yaml").read_text(encoding="utf-8")  # as printed
+    assert run("show", "A1", "--catalog", "other.yaml")[0] == 0
+
+
+def test_options_win_over_the_map(run, sheet):
+    options = ("--confidence", "recalled", "--manufacturer", "Third", "--document", "hearsay", "--name", "talk")
+    assert run(*ARGS, "-o", "other.yaml", *options)[0] == 0
+    catalog = load(["other.yaml"])
+    assert catalog.sources[0][:2] == ("hearsay", "recalled")
+    assert set(catalog.motors["manufacturer"]) == {"Third"}
+
+
+def test_a_dry_run_writes_nothing(run, sheet):
+    before = sorted(sheet.iterdir())
+    status, out, _ = run(*ARGS, "--dry-run")
+    assert status == 0
+    assert "3 parts" in out
+    assert run(*ARGS, "--dry-run", "-o", "other.yaml")[0] == 0
+    assert sorted(sheet.iterdir()) == before
+
+
+def test_nothing_is_overwritten(run, sheet):
+    (sheet / "other.yaml").write_text("mine")
+    status, _, err = run(*ARGS, "-o", "other.yaml")
+    assert (status, err.count("\n")) == (2, 1)
+    assert "left alone" in err
+    assert (sheet / "other.yaml").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("A1,X 10,24", "A1,X 10,24 V", "sheet.csv:3: Nominal voltage"),
+        ("A1,X 10,24", 'A1,X 10,"24,5"', "decimal point"),
+        ("A1,X 10,24", "A1,X 10,abc", "does not start with a number"),
+        ("A1,X 10,24", "A1,X 10,-24", "below 0"),
+        ("A1,X 10,24", "A1,X 10,1e999", "outside the range"),
+        ("A1,X 10,24", "A2,X 10,24", "is in line 3 too"),
+        ("A1,X 10,24", "A1,,24", "sheet.csv:3: family: unknown"),
+        ("A1,X 10,24,9560", "A1,X 10,24", "7 cells; the header has 8"),
+        (",,V,", ",,mm,", "a unit of length, not of voltage"),
+        (",,V,", ",,,", "needs a unit in the second row"),
+        (",,V,", "x,,V,", "has no unit"),
+        ("Weight", "Wheight", "the nearest is Wheight"),
+        ("Colour", "nominal_voltage", "are both nominal_voltage"),
+        ("Colour", "diameter", "in common too"),
+        ("A1,", '"A1,', "row"),
+    ],
+)
+def test_a_wrong_table_is_one_line_and_writes_nothing(run, sheet, old, new, said):
+    (sheet / "sheet.csv").write_text(SHEET.replace(old, new, 1))
+    before = sorted(sheet.iterdir())
+    status, out, err = run(*ARGS, "-o", "other.yaml")
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert said in err
+    assert sorted(sheet.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("columns:", "colums:", "unknown key"),
+        ("Weight: mass", "Weight: mas", "the nearest"),
+        ("confidence: secondary", "confidence: sure", "expected one of quoted"),
+        ('document: "price list: 2024", ', "", "--document"),
+        ("manufacturer: Other & Sons\n", "", "--manufacturer"),
+        ('["-"]', "none", "expected a list"),
+        ("kind: brushed", "colour: red", "have in common"),
+        ("diameter: 10 mm", "diameter: 10 V", "nothing was written"),
+        ("Order no.: part", "Order no.: ~", "part number"),
+    ],
+)
+def test_a_wrong_map_is_one_line_and_writes_nothing(run, sheet, old, new, said):
+    assert old in MAP
+    (sheet / "map.yaml").write_text(MAP.replace(old, new, 1))
+    before = sorted(sheet.iterdir())
+    status, out, err = run(*ARGS, "-o", "other.yaml")
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert said in err
+    assert sorted(sheet.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (
+            ("import", "no.csv", "--section", "motors", "-o", "o.yaml", "--document", "x", "--confidence", "quoted"),
+            "read",
+        ),
+        ((*ARGS,), "--output"),
+        ((*ARGS, "-o", "o.csv"), "expected .yaml"),
+        ((*ARGS, "-o", "no/such/o.yaml"), "no folder"),
+        (("import", "sheet.csv", "--section", "motor", "-o", "o.yaml"), "--section"),
+        ((*ARGS[:-1], "no.yaml", "-o", "o.yaml"), "no.yaml: cannot be read"),
+    ],
+)
+def test_a_wrong_import_is_one_line(run, sheet, args, said):
+    status, out, err = run(*args)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert said in err
+
+
+def test_hostile_cells_stay_text(run, tmp_path):
+    cells = [
+        'x"], [y',
+        "a\\b",
+        "null",
+        "1e5",
+        "0x10",
+        "é ü 漢",
+        "a #b",
+        "- a",
+        "{a: b}",
+        "*a",
+        "tab\there",
+        "line\nbreak",
+    ]
+    with (tmp_path / "t.csv").open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerows([["part", "bearing"], ["", ""], *([f"P{n}", cell] for n, cell in enumerate(cells))])
+    told = ("--manufacturer", "true", "--family", "~x: [", "--document", "d", "--confidence", "quoted")
+    assert run("import", "t.csv", "--section", "motors", "-o", "t.yaml", *told)[0] == 0
+    motors = load(["t.yaml"]).motors
+    assert motors["bearing"].tolist() == cells
+    assert set(motors["manufacturer"]) == {"true"}
+    assert set(motors["family"]) == {"~x: ["}
+
+
+# --- the pieces ------------------------------------------------------------------------------------------------------
+
+
+def test_origins_follow_the_notes(catalog):
+    hit = Hit("maxon", catalog, "motors", catalog.motors.rows["118752"])
+    found = origins(hit)
+    assert found["nominal_torque"].confidence == "derived"
+    assert set(found) == set(catalog.confidence("motors", hit.row))
+
+
+def test_an_option_that_a_section_lacks():
+    assert option("encoders", "voltage", "24 V") is None
+
+
+def test_the_help_names_every_command(run):
+    status, out, _ = run("-h")
+    assert status == 0
+    for name in ("list", "show", "compare", "search", "stats", "check", "export", "import"):
+        assert f"\n  {name} " in out
+
+
+def test_starting_costs_nothing_for_other_commands():
+    import subprocess
+
+    code = "import sys, drivesizer.cli; print(' '.join(m for m in sys.modules if m.startswith('drivesizer')))"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert not {"drivesizer.catalog", "drivesizer.output.terminal.catalog", "drivesizer.output.report"} & set(loaded)

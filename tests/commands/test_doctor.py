@@ -1,0 +1,101 @@
+"""`drivesizer doctor`: what is found, and what is said where something does not work."""
+
+from __future__ import annotations
+
+import json
+import sys
+from importlib import metadata
+
+import pytest
+from typer.testing import CliRunner
+
+from drivesizer.cli import app
+from drivesizer.commands import common, doctor
+
+RUN = CliRunner()
+
+
+def by_subject(findings):
+    return {one.subject: one for one in findings}
+
+
+def test_this_installation_works():
+    found = by_subject(doctor.examined())
+    assert all(one.works for one in found.values()), [one for one in found.values() if not one.works]
+    assert found["numpy"].found == metadata.version("numpy")
+    assert {"Python", "cache", "catalogues", "closed loop", "figures", "PDF and fonts", "terminal"} <= found.keys()
+    wanted = {line.split(">=")[0] for line in metadata.requires("drivesizer") if "extra" not in line}
+    assert wanted <= found.keys()
+
+
+def test_at_the_terminal_and_as_json():
+    shown = RUN.invoke(app, ["doctor"])
+    assert shown.exit_code == 0 and "Everything works." in shown.stdout
+    told = json.loads(RUN.invoke(app, ["doctor", "--json"]).stdout)
+    assert [one["subject"] for one in told["findings"]][:2] == ["drivesizer", "Python"]
+
+
+def test_a_cache_that_cannot_be_written(tmp_path, monkeypatch):
+    (tmp_path / "taken").write_text("a file", encoding="utf-8")
+    monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path / "taken"))
+    shown = RUN.invoke(app, ["doctor"])
+    assert shown.exit_code == 1
+    assert "cannot be written" in " ".join(shown.stdout.split()) and "DRIVESIZER_CACHE" in shown.stdout
+
+
+@pytest.mark.parametrize("version", ["0.0.9", None])
+def test_a_library_that_is_old_or_missing(version, monkeypatch):
+    known = metadata.version
+
+    def told(name):
+        if name != "typst":
+            return known(name)
+        if version is None:
+            raise metadata.PackageNotFoundError(name)
+        return version
+
+    monkeypatch.setattr(doctor.metadata, "version", told)
+    found = by_subject(doctor.examined())["typst"]
+    assert (found.works, found.found) == (False, version or "missing")
+    assert found.remedy.startswith("pip install 'typst>=")
+
+
+@pytest.mark.parametrize(("version", "works"), [(None, True), ("0.0.9", False)])
+def test_a_library_of_an_extra_may_be_missing_but_not_old(version, works, monkeypatch):
+    named = ["pyarrow>=18.0; extra == 'study'", "pyarrow>=18.0; extra == 'dev'", "lxml>=5.2; extra == 'dev'"]
+
+    def told(name):
+        if version is None:
+            raise metadata.PackageNotFoundError(name)
+        return version
+
+    monkeypatch.setattr(doctor.metadata, "requires", lambda name: named)
+    monkeypatch.setattr(doctor.metadata, "version", told)
+    (found,) = doctor._libraries()
+    assert (found.subject, found.works) == ("pyarrow", works)
+    assert found.found == (version or "not installed; drivesizer[study] brings it")
+
+
+def test_what_breaks_on_the_way_is_a_finding(monkeypatch):
+    from drivesizer.output.report.figures import style
+
+    def broken(*_):
+        raise OSError("no fonts")
+
+    monkeypatch.setattr(style, "drawn", broken)
+    found = by_subject(doctor.examined())["report"]
+    assert not found.works and "no fonts" in found.found
+
+
+def test_what_takes_long_is_said_to_a_person_alone(monkeypatch, capsys):
+    with common.working("writing the report"):
+        pass
+    assert capsys.readouterr() == ("", "")
+
+    monkeypatch.setattr(common, "_PATIENCE", 0.0)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    with common.working("writing the report"):
+        common.time.sleep(0.1)
+    out = capsys.readouterr()
+    assert out.out == "" and "writing the report" in out.err

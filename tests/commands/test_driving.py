@@ -1,0 +1,388 @@
+"""A platform's trajectory as the load of its motor sets: against the sizing part, by hand, and what is refused."""
+
+import csv
+import io
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivesizer.cli import main
+from drivesizer.control.path_following.runs import follow_all
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.loads import load_cycle
+from drivesizer.loads.platform_drive import driving, on_the_way, over_time
+from drivesizer.loads.platform_wheels import on_wheels
+from drivesizer.machine.supply_power import drive_power, together
+from drivesizer.sizing import explain, size
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+VEHICLE = """
+name: cart
+load: {kind: wheeled_vehicle, mass: 45 kg, driven_wheels: 4, wheel_diameter: 152.4 mm, rolling_resistance: 0.02,
+       friction_coefficient: 0.6, inertia: 40 kg*cm^2, slope: 2 deg}
+transmission: [{kind: gearhead}, {kind: belt, ratio: 1.1, efficiency: 0.95}]
+supply: {nominal: 24 V, min: 22 V, max: 29 V, current: 40 A, regeneration: 0.7}
+margins: {torque: 10 %}
+select: {catalogs: [maxon], motor: {family: [RE 25, RE 30, RE 40]}, gearhead: {family: [GP 26 A, GP 32 C, GP 42 C]}}
+"""
+PLATFORM = """
+platform:
+  layout: {kind: mecanum, wheelbase: 477 mm, track: 270 mm}
+  centre_of_mass: {height: 0 mm}
+  inertia: 2.3 kg*m^2
+  uphill: 0 deg
+  limits: {speed: 1.4 m/s, acceleration: 0.7 m/s^2, turning_speed: 60 deg/s, turning_acceleration: 60 deg/s^2}
+"""
+STRAIGHT = "motion: {speed: 1.4 m/s, acceleration_time: 2 s, cruise_time: 8 s}\n"
+
+
+def way(*points: str) -> str:
+    return f"motion: {{waypoints: [{', '.join(f'{{{p}}}' for p in points)}]}}\n"
+
+
+START = "x: 0 m, y: 0 m, heading: 0 deg"
+AHEAD = way(START, "x: 14 m, y: 0 m, heading: 0 deg")  # 1.4 m/s · (8 + 2) s
+
+
+def spec_of(*parts: str) -> RobotSpec:
+    return read_spec(YamlSource("".join(parts), "robot.yaml"))
+
+
+# --- the same machine in two ways -------------------------------------------------------------------------------------
+
+
+def test_straight_ahead_is_the_vehicle_s_own_load_cycle():
+    vehicle = load_cycle(spec_of(VEHICLE, STRAIGHT))
+    cases = on_wheels(spec_of(VEHICLE, PLATFORM, AHEAD)).load_cases
+    assert [name for name, _ in cases] == ["wheels 1, 2, 3 and 4"]
+    cycle = load_cycle(cases[0][1])
+    assert cycle.total == pytest.approx(vehicle.total)
+    at = np.linspace(0.0, vehicle.total, 997)  # no corner among them
+    for name in ("speed", "acceleration", "torque"):
+        one, other = (np.interp(at, c.time.ravel(), getattr(c, name).ravel()) for c in (cycle, vehicle))
+        assert one == pytest.approx(other, abs=1e-9), name
+    assert cycle.inertia == pytest.approx(vehicle.inertia)
+
+
+def test_the_same_sets_stand_for_the_way_and_for_the_trapezoid():
+    """Straight ahead and all wheels alike: every check that both have is the same, but for traction."""
+    one, other = (size(spec_of(VEHICLE, *parts)) for parts in ((STRAIGHT,), (PLATFORM, AHEAD)))
+    assert [s.label for s in one.sets] == [s.label for s in other.sets] and len(one.sets) > 2
+    fell = [(found.counts.considered, found.counts.feasible, found.counts.failed_by) for found in (one, other)]
+    assert fell[0] == fell[1]
+    for a, b in zip(one.sets, other.sets, strict=True):
+        mine, theirs = ({c.name: c for c in s.checks if c.name != "traction"} for s in (a, b))
+        assert mine.keys() == theirs.keys()
+        for name, check in mine.items():
+            assert theirs[name].demand == pytest.approx(check.demand, rel=1e-6, nan_ok=True), name
+            assert theirs[name].status == check.status
+
+
+def test_a_mecanum_wheel_pulls_along_its_rollers():
+    """The floor sees √2 times the force of a plain wheel."""
+    plain = next(o for o in load_cycle(spec_of(VEHICLE, STRAIGHT)).own if o.name == "traction")
+    rolling = 0.02 * 45.0 * 9.80665 * math.cos(math.radians(2.0)) / 4
+    ((_, case),) = on_wheels(spec_of(VEHICLE, PLATFORM, AHEAD)).load_cases
+    (slanted,) = load_cycle(case).own
+    assert slanted.demand == pytest.approx(math.sqrt(2.0) * (plain.demand - rolling), rel=1e-6)
+
+
+def test_sideways_and_diagonal():
+    """Sideways all wheels turn as fast as ahead; on the diagonal two turn √2 times as fast and two stand."""
+    level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg")
+    aside = driving(
+        on_the_way(
+            spec_of(level, PLATFORM, way("x: 0 m, y: 0 m, heading: 0 deg", "x: 0 m, y: 5 m, heading: 0 deg")), None
+        )
+    )
+    slant = driving(
+        on_the_way(
+            spec_of(level, PLATFORM, way("x: 0 m, y: 0 m, heading: 0 deg", "x: 5 m, y: 5 m, heading: 0 deg")), None
+        )
+    )
+    top = 1.4 / 0.0762
+    assert [np.abs(w.cycle.speed).max() for w in aside.wheels] == pytest.approx([top] * 4)
+    assert sorted(np.abs(w.cycle.speed).max() for w in slant.wheels) == pytest.approx(
+        [0.0, 0.0, math.sqrt(2) * top, math.sqrt(2) * top], abs=1e-9
+    )
+
+
+# --- the command's pieces ---------------------------------------------------------------------------------------------
+
+TURNING = way(
+    "x: 0 m, y: 0 m, heading: 0 deg", "x: 6 m, y: 0 m, heading: 90 deg, pause: 2 s", "x: 6 m, y: -3 m, heading: 0 deg"
+)
+
+
+def test_work_over_the_way_is_what_the_wheels_roll_off():
+    """From rest to rest on a level floor no energy is left: all work goes into rolling, C_rr N r |ω| at each wheel."""
+    level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg")
+    found = driving(on_the_way(spec_of(level, PLATFORM, TURNING), None))
+    work = rolled = 0.0
+    for wheel in found.wheels:
+        c = wheel.cycle
+        product = c.torque * c.speed
+        work += (
+            float(
+                c.duration
+                @ (product.sum(axis=1) + (c.torque[:, 0] * c.speed[:, 1] + c.torque[:, 1] * c.speed[:, 0]) / 2)
+            )
+            / 3
+        )
+        rolled += 0.02 * 45.0 * 9.80665 / 4 * 0.0762 * float(c.duration @ np.abs(c.speed).mean(axis=1))
+    assert work == pytest.approx(rolled, rel=1e-4)
+
+
+def test_columns_over_time():
+    found = driving(on_the_way(spec_of(VEHICLE, PLATFORM, TURNING), None))
+    columns = over_time(found)
+    time, heading = columns["time"][0], columns["heading"][0]
+    assert (np.diff(time) >= 0.0).all() and time[-1] == pytest.approx(found.trajectory.total)
+    assert [columns[n][0][-1] for n in ("x", "y")] == pytest.approx([6.0, -3.0], abs=1e-9)
+    assert heading.max() == pytest.approx(math.pi / 2) and heading[-1] == pytest.approx(0.0, abs=1e-9)
+    for wheel in found.wheels:
+        assert np.abs(columns[f"torque_{wheel.number}"][0]).max() == pytest.approx(np.abs(wheel.cycle.torque).max())
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "robot.yaml").write_text(VEHICLE + PLATFORM + TURNING, encoding="utf-8")
+    (tmp_path / "way.csv").write_text("x,y,heading\nm,m,deg\n0,0,0\n0,2,0\n", encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture
+def drive(folder, monkeypatch, capsys):
+    def call(*arguments: str):
+        monkeypatch.setattr("sys.argv", ["drivesizer", "drive", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return ended.value.code, *capsys.readouterr()
+
+    return call
+
+
+def test_the_command(folder, drive):
+    status, out, _ = drive()
+    assert status == 0 and "wheel" in out and "9 m in" in out and "Friction needed" in out
+    status, out, _ = drive("robot.yaml", "way.csv", "--csv", "over.csv", "--json")
+    told = json.loads(out)
+    assert status in (0, 1) and told["length_m"] == pytest.approx(2.0)
+    assert [w["number"] for w in told["wheels"]] == [1, 2, 3, 4]
+    rows = list(csv.reader(io.StringIO((folder / "over.csv").read_text())))
+    assert rows[0][:4] == ["time (s)", "x (m)", "y (m)", "heading (deg)"]
+    assert float(rows[-1][2]) == pytest.approx(2.0)
+
+
+TWO_WHEELS = PLATFORM.replace("mecanum, wheelbase: 477 mm, ", "differential, ")
+NO_SPEED = PLATFORM.replace("speed: 1.4 m/s, acc", "acc")
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"robot.yaml": VEHICLE + STRAIGHT}, "no section platform"),
+        ({"robot.yaml": VEHICLE + PLATFORM + STRAIGHT}, "TRAJECTORY.CSV is missing"),
+        (
+            {"robot.yaml": VEHICLE + PLATFORM.replace("mecanum, wheelbase: 477 mm, ", "differential, ") + TURNING},
+            "driven",
+        ),
+        ({"robot.yaml": VEHICLE.replace("45 kg", "-45 kg") + PLATFORM + TURNING}, "load.mass"),
+        ({"robot.yaml": VEHICLE + TURNING}, "expected a section platform"),
+        (
+            {"robot.yaml": VEHICLE + PLATFORM.replace("speed: 1.4 m/s, acceleration: 0.7 m/s^2, ", "") + TURNING},
+            "limits",
+        ),
+        ({"robot.yaml": VEHICLE + PLATFORM.replace("limits", "limit") + TURNING}, "platform.limit"),
+        ({"robot.yaml": VEHICLE + PLATFORM.replace("track: 270 mm", "track: 0 mm") + TURNING}, "track"),
+        ({"way.csv": "x,z\nm,m\n0,0\n"}, "way.csv:1: header"),
+        ({"way.csv": "t,x,y,heading\ns,m,m,deg\n0,0,0,0\n1,0,0,0\n2,90,0,0\n3,90,0,0\n4,90,0,0\n"}, "way.csv"),
+        ({"way.csv": "t,x,y\ns,m,m\n0,0,0\n"}, "way.csv:1: header"),
+    ],
+)
+def test_what_is_wrong_is_one_line(folder, drive, changed, told):
+    for name, text in changed.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    arguments = ("robot.yaml", "way.csv") if "way.csv" in changed else ("robot.yaml",)
+    before = sorted(p.name for p in folder.iterdir())
+    status, out, err = drive(*arguments, "--csv", "out.csv")
+    assert status == 2 and out == "" and err.count("\n") == 1 and told in err, err
+    assert sorted(p.name for p in folder.iterdir()) == before
+
+
+def test_a_wrong_call_writes_nothing(folder, drive):
+    """Neither a set that no catalogue has nor options that do not go together leave a file behind."""
+    before = sorted(p.name for p in folder.iterdir())
+    for wrong in (("--set", "118752/nothing"), ("--figures", "drawn")):
+        status, out, err = drive("--csv", "out.csv", *wrong)
+        assert status == 2 and out == "" and err.count("\n") == 1
+        assert sorted(p.name for p in folder.iterdir()) == before
+
+
+WALKER = """
+  wheels:
+    - {kind: fixed, x: 0 m, y: 0.3 m}
+    - {kind: fixed, x: 0.5 m, y: 0 m, heading: 90 deg}
+"""
+
+
+def test_wheels_that_cannot_hold_a_platform_are_refused():
+    """Two fixed wheels at right angles allow turning about one point only: no way leads anywhere."""
+    text = VEHICLE.replace("driven_wheels: 4", "driven_wheels: 2") + PLATFORM.replace(
+        "\n  layout: {kind: mecanum, wheelbase: 477 mm, track: 270 mm}", WALKER.rstrip()
+    )
+    with pytest.raises(InputError, match="slides"):
+        on_wheels(spec_of(text, AHEAD))
+    same = text.replace("x: 0.5 m, y: 0 m", "x: 0 m, y: 0.3 m")
+    with pytest.raises(InputError, match="stand in one place"):
+        spec_of(same, AHEAD)
+
+
+# --- the machine's mass -----------------------------------------------------------------------------------------------
+
+OWN = "budget: {structure: 30 kg, drive_counts: true, mass: 60 kg}\n"
+
+
+def test_a_drive_that_carries_itself():
+    """The mass that it was sized for is structure and drive, to the gram, and the same set comes out at that mass."""
+    result = size(spec_of(VEHICLE, PLATFORM, AHEAD, OWN), top=1)
+    (best,) = result.sets
+    drive = sum(row.total for row in best.masses if row.name != "structure" and row.each == row.each)
+    load = result.spec.whole.load
+    assert load.mass == pytest.approx(30.0 + drive, abs=1e-3)
+    again = size(spec_of(VEHICLE.replace("45 kg", f"{load.mass:.9f} kg"), PLATFORM, AHEAD), top=1)
+    assert again.sets[0].label == best.label
+    assert any("Settled" in said for said in result.warnings)
+
+
+def test_explain_looks_at_the_machine_that_was_sized():
+    """The same set at the same mass: the same checks, encoder and controller."""
+    spec = spec_of(VEHICLE, PLATFORM, AHEAD, OWN)
+    (best,) = size(spec, top=1).sets
+    (one,) = explain(spec, best.motor.part, best.gearhead.part)
+    assert repr((one.checks, one.budget)) == repr((best.checks, best.budget))
+    assert repr((one.encoder, one.controller)) == repr((best.encoder, best.controller))
+
+
+def test_a_drive_that_is_too_heavy_fails_by_the_budget():
+    result = size(spec_of(VEHICLE, PLATFORM, AHEAD, "budget: {structure: 44.99 kg, mass: 45 kg}\n"), top=1)
+    assert not result.sets
+    failed = {c.name for c in result.misses[0].budget if c.status == "fail"}
+    assert {"mass", "mass_sized_for"} <= failed
+    assert result.misses[0].status == "fail" and any("not enough for the machine" in w for w in result.warnings)
+
+
+def test_explain_counts_the_machine_too():
+    text = spec_of(VEHICLE, PLATFORM, AHEAD, "budget: {structure: 44.9 kg, mass: 45 kg}\n")
+    best = size(text, top=1).misses[0]
+    (one,) = explain(text, best.motor.part, best.gearhead.part)
+    assert [c.status for c in one.budget] == [c.status for c in best.budget]
+
+
+def test_cases_keep_their_names(tmp_path: Path):
+    """A further load case of a platform is taken apart as well; grip is that of the worst."""
+    text = VEHICLE + PLATFORM + TURNING + "cases: [{name: loaded, load: {mass: 60 kg}}]\n"
+    names = [name for name, _ in on_wheels(spec_of(text)).load_cases]
+    assert len(names) == 8 and all(n.startswith("wheel") for n in names[:4])
+    assert all(n.startswith("loaded, wheel") for n in names[4:])
+    best = size(spec_of(text), top=1)
+    shown = (*best.sets, *best.misses)[0]
+    assert next(c for c in shown.budget if c.name == "grip_motion").case in ("as specified", "loaded")
+
+
+def test_the_energy_of_a_way_is_summed_over_its_wheels():
+    """What the sizing tells of a cycle is what the battery's side adds up from each wheel."""
+    spec = spec_of(VEHICLE, PLATFORM, TURNING)
+    result = size(spec, top=1)
+    (best,) = result.sets
+    parts = [case for _, case in result.spec.load_cases]
+    power = together([drive_power(case, best) for case in parts])
+    drawn, returned = (power.total * power.mean(column) for column in (power.drawn, power.returned))
+    told = {f.name: f.value for f in best.figures}
+    assert len(parts) == 4
+    assert told["energy"] == pytest.approx(drawn - 0.7 * returned, rel=1e-3)
+    assert told["returned"] == pytest.approx(returned, rel=1e-3)
+
+
+# --- a motor that has failed ------------------------------------------------------------------------------------------
+
+
+def test_three_motors_of_four_still_drive_the_way():
+    """Straight on without wheel 2: t1 + t3 = t4 for no force aside, t1 + t4 = t3 for no moment: by the rear axle."""
+    level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg").replace("rolling_resistance: 0.02", "rolling_resistance: 0")
+    spec = spec_of(level, PLATFORM, AHEAD)
+    whole, left = (driving(on_the_way(spec, None, failed)) for failed in ((), (2,)))
+    assert [w.number for w in left.wheels] == [1, 3, 4]
+    most = {w.number: float(np.abs(w.cycle.torque).max()) for w in left.wheels}
+    usual = float(np.abs(whole.wheels[0].cycle.torque).max())
+    assert most[3] == pytest.approx(2.0 * usual) and most[4] == pytest.approx(2.0 * usual)
+    assert most[1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_load_case_with_a_failed_motor_is_sized_for():
+    """Torque doubles in the case without one motor, and the sets are sized for it; all four are still bought."""
+    text = VEHICLE + PLATFORM + AHEAD
+    plain, spare = (
+        size(spec_of(text, case), top=1) for case in ("", "cases: [{name: lost, platform: {failed: [2]}}]\n")
+    )
+    torques = [
+        next(r.value for r in result.requirements if r.name == "maximum_torque_per_motor") for result in (plain, spare)
+    ]
+    assert torques[1] == pytest.approx(2.0 * torques[0], rel=0.02)
+    assert spare.spec.load.motors == 4
+
+
+@pytest.mark.parametrize(
+    ("failed", "told"),
+    [((5,), "there is no wheel 5"), ((2, 3), "with its driven wheels at rest"), ((1, 2, 3, 4), "no wheel is driven")],
+)
+def test_what_cannot_be_driven_any_more(failed, told):
+    with pytest.raises(InputError, match=told):
+        driving(on_the_way(spec_of(VEHICLE, PLATFORM, TURNING), None, failed))
+
+
+def test_omni_wheels_that_all_roll_ahead_hold_no_platform():
+    places = ", ".join(
+        f"{{kind: omni, x: {x} m, y: {y} m}}" for x, y in ((0.3, -0.2), (0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2))
+    )
+    text = PLATFORM.replace("layout: {kind: mecanum, wheelbase: 477 mm, track: 270 mm}", f"wheels: [{places}]")
+    with pytest.raises(InputError, match="driven wheels at rest") as told:
+        spec_of(VEHICLE, text, AHEAD)
+    assert str(told.value).count("\n") == 0
+
+
+def test_a_wheel_that_lifts_off_is_told(drive, folder):
+    """The centre of mass lies before the front axle: the rear wheels carry nothing, and no friction holds them."""
+    text = (folder / "robot.yaml").read_text().replace("centre_of_mass: {", "centre_of_mass: {x: 300 mm, ")
+    (folder / "robot.yaml").write_text(text)
+    status, out, _ = drive()
+    assert status == 1 and out.count("lifts off") == 2
+    found = json.loads(drive("--json")[1])
+    assert [w["grip_N"] for w in found["wheels"][2:]] == [0.0, 0.0]
+
+
+def test_the_spec_says_how_soft_the_loops_are(folder):
+    """A proportional loop lags by torque over gain, 0.168 N·m over 2 N·m·s/rad, for 12 s; an integral takes it away."""
+    level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg")
+    soft = "  following: {speed_loop: P, speed_gain: 2 N*m*s/rad, slip_speed: 0.1 mm/s}\n"
+    lag = 0.02 * 45.0 * 9.80665 * 0.0762 / 4 / 2.0 * 0.0762 * 12.0
+    for more, behind in ((soft, lag), (soft.replace("P,", "PI,"), 0.0)):
+        found = driving(on_the_way(spec_of(level, PLATFORM, more, AHEAD), None))
+        assert found.trajectory.total == pytest.approx(12.0)
+        run = follow_all(found, None)["kinematic model"]
+        assert run.planned.posture[0, -1] - run.posture[0, -1] == pytest.approx(behind, rel=0.02, abs=lag / 10)
+    with pytest.raises(InputError, match="speed_integral: a speed_loop P has none"):
+        spec_of(level, PLATFORM, soft.replace("P,", "P, speed_integral: 1 N*m/rad,"), AHEAD)
+
+
+def test_a_platform_that_tips_over_is_not_followed():
+    """By hand: 0.7 m/s² · 3.5 m / 9.80665 m/s² = 249.83 mm, where the wheels stand 238.5 mm from the centre."""
+    tall = PLATFORM.replace("height: 0 mm", "height: 3.5 m")
+    spec = spec_of(VEHICLE.replace("slope: 2 deg", "slope: 0 deg"), tall, AHEAD)
+    with pytest.raises(InputError, match=r"platform\.centre_of_mass: the platform tips over .* 11\.33 mm beyond its"):
+        follow_all(driving(spec), None)

@@ -1,0 +1,495 @@
+"""The servo cascade: rules against the textbooks' closed loops, sampled loops against a march in plain loops."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from dataclasses import replace
+from types import SimpleNamespace
+
+import control
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from drivesizer.control.cascade import Cascade, Rates, controller_gains, rates
+from drivesizer.control.cascade_design import Wanted, design_cascade
+from drivesizer.control.cascade_rules import (
+    feedforward,
+    magnitude_optimum,
+    most_bandwidth,
+    natural_frequency,
+    pole_placement,
+    spread_of,
+    symmetrical_optimum,
+)
+from drivesizer.control.drive_train import DriveTrain, Regime, modes
+from drivesizer.control.loop_analysis import analyse, loop_of
+from drivesizer.control.loop_models import (
+    Shaft,
+    current_open_loop,
+    plant,
+    position_open_loop,
+    resonance,
+    velocity_open_loop,
+    voltage_open_loop,
+)
+from drivesizer.control.loop_warnings import loop_warnings, resolution_warning, resonance_warning, shortest_ramp
+from drivesizer.control.validation import Gains
+from drivesizer.errors import InputError
+from drivesizer.loads.profile import Profile
+
+EPOS4 = Rates(4e-5, 4e-4, 4e-4)
+R, L, K_T, K_E, J_M = 2.3, 2.4e-4, 0.0234, 0.0271, 1.3e-6
+K, E = 27.0 * 1.1, 0.8 * 0.95
+J_L = 1e-3 + 11.0 * 0.0762**2
+S = control.tf("s")
+
+
+def train_of(**figures):
+    """A small brushed motor behind a gearhead and a belt."""
+    given = {
+        "resistance": R, "inductance": L, "torque_constant": K_T, "back_emf_constant": K_E, "friction": 9e-4,
+        "motor_inertia": J_M, "gear_ratio": 27.0, "gear_efficiency": 0.8, "belt_ratio": 1.1, "belt_efficiency": 0.95,
+        "load_inertia": J_L, "radius": 0.0762, "forward_torque": 0.3, "backward_torque": -0.1, "rest_torque": 0.1,
+    }  # fmt: skip
+    return DriveTrain(**(given | figures))
+
+
+TRAIN = train_of()
+J = J_M + J_L / (E * K * K)  # driving
+
+
+def designed(train=TRAIN, every=EPOS4, **wanted):
+    return design_cascade(train, every, Wanted(**wanted))[0]
+
+
+def dead(time):
+    """A dead time, to a Padé approximation of high order."""
+    return control.tf(*control.pade(time, 8))
+
+
+def overshoot(closed, end):
+    _, y = control.step_response(closed, np.linspace(0.0, end, 20_001))
+    return y.max() / float(np.real(closed(0j))) - 1.0
+
+
+# --- the rules against the closed loops of the textbooks
+
+
+def test_magnitude_optimum():
+    """Kessler 1955: damping 0.707, overshoot 4.3 %, and 2 T as the lag of the loop."""
+    lag = 6e-5
+    kp, ki = magnitude_optimum(R, L, lag)
+    closed = control.feedback((kp + ki / S) / (R + L * S) / (1 + lag * S), 1)
+    w, damping, poles = control.damp(closed, doprint=False)
+    pair = [n for n, p in enumerate(poles) if abs(p.imag) > 1.0]
+    assert damping[pair] == pytest.approx([math.sqrt(0.5)] * 2, rel=1e-9)
+    assert w[pair] == pytest.approx([1 / (math.sqrt(2) * lag)] * 2, rel=1e-9)
+    assert overshoot(closed, 20 * lag) == pytest.approx(0.0432, abs=1e-4)  # exp(-pi)
+    slope = (1.0 - float(np.real(closed(1j * 1.0)))) + abs(float(np.imag(closed(1j * 1.0))))
+    assert slope == pytest.approx(2 * lag, rel=1e-3)
+
+
+@pytest.mark.parametrize("a", [1.7, 2.0, 2.6])
+def test_symmetrical_optimum(a):
+    """Kessler 1958; Schröder: crossover 1/(a T), margin atan((a^2 - 1)/(2 a)), damping (a - 1)/2."""
+    lag = 7e-4
+    kp, ki = symmetrical_optimum(J, K_T, lag, a)
+    opened = (kp + ki / S) * K_T / (J * S) / (1 + lag * S)
+    _, margin, _, crossover = control.margin(opened)
+    assert margin == pytest.approx(math.degrees(math.atan((a * a - 1) / (2 * a))), abs=1e-4)
+    assert crossover == pytest.approx(1 / (a * lag), rel=1e-6)
+    assert spread_of(math.radians(margin)) == pytest.approx(a, rel=1e-5)
+    poles = control.feedback(opened, 1).poles()
+    wanted = np.roots(np.polymul([a * lag, 1], [(a * lag) ** 2, (a - 1) * a * lag, 1]))
+    assert np.sort_complex(poles) == pytest.approx(np.sort_complex(wanted), rel=1e-6)
+    if a == 2.0:
+        assert margin == pytest.approx(36.87, abs=0.01)
+        assert overshoot(control.feedback(opened, 1), 40 * lag) == pytest.approx(0.434, abs=5e-4)
+
+
+@pytest.mark.parametrize("damping", [0.4, math.sqrt(0.5), 1.3])
+def test_pole_placement_and_the_bandwidth_it_is_asked_for(damping):
+    w, b = natural_frequency(12.0, damping), 2e-5
+    kp, ki = pole_placement(J, K_T, w, damping, b)
+    placed = control.feedback((kp + ki / S) * K_T / (J * S + b), 1).poles()
+    assert np.sort_complex(placed) == pytest.approx(np.sort_complex(np.roots([1, 2 * damping * w, w * w])), rel=1e-9)
+    kp, ki = pole_placement(J, K_T, w, damping)
+    closed = control.feedback((kp + ki / S) * K_T / (J * S), 1)
+    assert abs(closed(2j * math.pi * 12.0)) == pytest.approx(math.sqrt(0.5), rel=1e-9)
+
+
+@pytest.mark.parametrize("damping", [0.5, 1.0])
+def test_the_widest_bandwidth_leaves_30_degrees_where_the_inertia_is_least(damping):
+    lag, left = 7e-4, 0.6
+    w = natural_frequency(most_bandwidth(lag, damping, left), damping)
+    kp, ki = pole_placement(J, K_T, w, damping)
+    _, margin, _, _ = control.margin((kp + ki / S) * K_T / (left * J * S) * dead(lag))
+    assert margin == pytest.approx(30.0, abs=0.01)
+
+
+def test_feedforward_by_hand():
+    acceleration, viscous, friction = feedforward(replace(TRAIN, viscous=3e-6))
+    assert acceleration == pytest.approx(J / K_T)
+    assert viscous == pytest.approx(3e-6 / K_T)
+    assert friction == pytest.approx((9e-4 + 0.2 / (K * E)) / K_T)  # half of what the direction changes
+
+
+# --- an EPOS4's own figures
+
+
+def test_units_of_the_epos4():
+    """The defaults of objects 0x30A0 and 0x30A2 in both units, as a user's guide to the EPOS4 prints them (EposLib)."""
+    cascade = Cascade(
+        current_kp=1.17188, current_ki=3906.25, velocity_kp=0.02, velocity_ki=0.5, current_period=4e-5,
+        velocity_period=4e-4, feedforward_velocity=20.858e-3, feedforward_acceleration=6.274e-3,
+    )  # fmt: skip
+    gains, said = controller_gains(cascade, "EPOS4 Compact 50/5 CAN")
+    assert [(g.place, g.value, g.unit) for g in gains] == [
+        ("0x30A0:01", 1_171_880, "µV/A"),
+        ("0x30A0:02", 3_906_250, "µV/(A·ms)"),
+        ("0x30A2:01", 20_000, "µA·s/rad"),
+        ("0x30A2:02", 500_000, "µA/rad"),
+        ("0x30A2:03", 20_858, "µA·s/rad"),
+        ("0x30A2:04", 6_274, "µA·s²/rad"),
+    ]
+    assert said == []
+    assert controller_gains(cascade, "ESCON 50/5") == ((), [])
+
+
+def test_an_auto_tuned_epos4_has_these_gains():
+    """Objects of one EPOS4 after EPOS Studio's tuning, as read from it (github.com/chimnonvuive/ExoModel)."""
+    k_t, inertia, viscous = 69_523e-6, 4_378_489e-10, 152_443e-9 * 30 / math.pi  # 0x3001:05, 0x30A3:05, 0x30A3:04
+    kp, ki = 775_467e-6, 23_963_356e-6  # 0x30A2:01, :02
+    by_rule = pole_placement(inertia, k_t, math.sqrt(k_t * ki / inertia), 1.0)
+    assert by_rule == pytest.approx((kp, ki), rel=3e-3)  # it places a double pole
+    train = train_of(torque_constant=k_t, motor_inertia=inertia - J_L / (E * K * K))
+    rubbing = replace(train, viscous=viscous)
+    assert feedforward(rubbing)[:2] == pytest.approx((6_274e-6, 20_858e-6), rel=5e-3)  # 0x30A2:04, :03
+
+
+def test_the_epos4_s_position_pid_is_the_cascade_with_the_path_s_velocity():
+    cascade = replace(designed(position=True, bandwidth=40.0), velocity_kd=1e-4)
+    gains, said = controller_gains(cascade, "EPOS4 50/5")
+    pid = {g.place: g.value * 1e-6 for g in gains}
+    kv, pi = cascade.position_kp, cascade.velocity_kp + cascade.velocity_ki / S
+    ours, theirs = pi * (kv + S), pid["0x30A1:01"] + pid["0x30A1:02"] / S + pid["0x30A1:03"] * S
+    for w in (1.0, 30.0, 1000.0):
+        assert ours(1j * w) == pytest.approx(theirs(1j * w), rel=1e-5)
+    assert said == [
+        "the EPOS4 has no place for velocity kd",
+        "the EPOS4 has no place for feedforward friction",
+    ]
+
+
+# --- sampled loops
+
+
+def by_hand(train, cascade, shaft, samples):
+    """A step of the angle and of the speed, marched by current periods in plain Python; physical coordinates."""
+    share = 1.0 / (K * E)  # driving: torque at the wheel to torque at the motor
+    d, c = shaft.damping, shaft.stiffness
+    twist = np.array([[0, 1 / K, -1, 0, 0]]), np.array([[0, 0, 0, 1 / K, -1]])  # of speeds, of angles, at the wheel
+    torque = d * twist[0] + c * twist[1]
+    A = np.zeros((5, 5))  # i, w motor, w wheel, angle motor, angle wheel
+    A[0, :2] = -R / L, -K_E / L
+    A[1] = -share * torque / J_M
+    A[1, 0] = K_T / J_M
+    A[2] = torque / J_L
+    A[3, 1] = A[4, 2] = 1.0
+    T = cascade.current_period
+    held = expm(np.block([[A, np.array([[1 / L, 0, 0, 0, 0]]).T], [np.zeros((1, 6))]]) * T)
+    result = {}
+    for kind in ("velocity", "position"):
+        x, u, current, speed = np.zeros(5), 0.0, (0.0, 0.0), (0.0, 0.0)
+        q_i = q_w = derivative = last = 0.0
+        n, m, rows = cascade.current_steps, cascade.velocity_steps, []
+        every = n * m if kind == "position" else n
+        for k in range(samples * every):
+            if kind == "position" and k % (n * m) == 0:
+                rows.append(x[3])
+                speed = (speed[1], cascade.position_kp * (1.0 - x[3]))
+            if k % n == 0:
+                if kind == "velocity":
+                    rows.append(x[1])
+                error = (1.0 if kind == "velocity" else speed[0]) - x[1]
+                q_w += cascade.velocity_ki * cascade.velocity_period * error
+                filtered = cascade.filter_time + cascade.velocity_period
+                derivative = (cascade.filter_time * derivative + cascade.velocity_kd * (error - last)) / filtered
+                last = error
+                current = (current[1], cascade.velocity_kp * error + q_w + derivative)
+            q_i += cascade.current_ki * T * (current[0] - x[0])
+            new = cascade.current_kp * (current[0] - x[0]) + q_i
+            x, u = held[:5, :5] @ x + held[:5, 5] * u, new
+        result[kind] = np.array(rows)
+    return result
+
+
+def test_the_lifted_loops_are_exact():
+    train, shaft = TRAIN, Shaft(stiffness=30_000.0, damping=2.0)
+    cascade = replace(
+        designed(train, Rates(4e-5, 4e-4, 1.2e-3), bandwidth=4.0, position=True), velocity_kd=2e-5, filter_time=5e-4
+    )
+    assert (cascade.current_steps, cascade.velocity_steps) == (10, 3)
+    marched = by_hand(train, cascade, shaft, 120)
+    mode = modes(train)[Regime.FORWARD_DRIVING]
+    for kind, opened in (("velocity", velocity_open_loop), ("position", position_open_loop)):
+        closed = control.feedback(opened(train, mode, cascade, shaft), 1)
+        y = control.step_response(closed, np.arange(120) * closed.dt).outputs
+        assert y == pytest.approx(marched[kind], rel=1e-7, abs=1e-9)
+        assert 0.1 < y[-1] < 1.5  # it does something
+
+
+def test_the_sampled_current_loop_is_the_magnitude_optimum():
+    """Dead time instead of a lag: L = exp(-1.5 T s)/(3 T s), 90 - 0.5 rad = 61.35 deg at 1/(3 T)."""
+    T = EPOS4.current
+    slow = train_of(inductance=R * 500 * T)  # so slow a winding that the sampled integral is a continuous one
+    loop = loop_of("current", current_open_loop(slow, designed(slow)))
+    assert math.degrees(loop.phase_margin) == pytest.approx(90 - math.degrees(0.5), abs=0.7)
+    assert loop.crossover == pytest.approx(1 / (3 * T) / (2 * math.pi), rel=0.01)
+    continuous = control.feedback(control.tf(*control.pade(1.5, 4)) / (3 * S), 1)  # in periods
+    assert loop.overshoot == pytest.approx(overshoot(continuous, 60.0), abs=0.012)
+    assert loop.bandwidth == pytest.approx(control.bandwidth(continuous) / (2 * math.pi * T), rel=0.05)
+    quick = loop_of("current", current_open_loop(TRAIN, designed()))
+    assert quick.stable and quick.overshoot < 0.06
+
+
+def continuous_velocity_loop(cascade, inertia, train=TRAIN):
+    """The same cascade with dead times, back-EMF and all, put together from transfer functions."""
+    r, l_, k, k_e = train.resistance, train.inductance, train.torque_constant, train.back_emf_constant
+    winding = inertia * S / (l_ * inertia * S**2 + r * inertia * S + k * k_e)
+    # a sampled integral is that of the sample that is just taken: half a period of it ahead
+    voltage = cascade.current_kp + cascade.current_ki * (1 / S + cascade.current_period / 2)
+    # the demand changes on a current period's beginning: only what is fed back is late by half of one more
+    forward = voltage * winding * dead(cascade.current_period)
+    current = forward / (1 + forward * dead(0.5 * cascade.current_period))
+    speed = current * k / (inertia * S) * dead(1.5 * cascade.velocity_period)
+    return (cascade.velocity_kp + cascade.velocity_ki * (1 / S + cascade.velocity_period / 2)) * speed
+
+
+@pytest.mark.parametrize("wanted", [{}, {"phase_margin": math.radians(50.0)}, {"bandwidth": 40.0, "damping": 0.8}])
+def test_margins_are_those_of_an_independent_continuous_model(wanted):
+    cascade = designed(**wanted)
+    for regime, inertia in ((Regime.FORWARD_DRIVING, J), (Regime.FORWARD_BRAKING, J_M + J_L * E / K**2)):
+        loop = loop_of("velocity", velocity_open_loop(TRAIN, modes(TRAIN)[regime], cascade))
+        opened = continuous_velocity_loop(cascade, inertia)
+        w = np.geomspace(1.0, 5000.0, 4000)
+        L_ = opened(1j * w)
+        crossing = np.flatnonzero(np.abs(L_) < 1.0)[0]
+        margin = 180.0 + math.degrees(np.angle(L_[crossing]))
+        # what is left goes with the square: a hold droops by x^2/6, a sampled integral by x^2/3
+        square = (w[crossing] * EPOS4.velocity / 2) ** 2
+        assert math.degrees(loop.phase_margin) == pytest.approx(margin, abs=math.degrees(square / 3))
+        assert loop.crossover == pytest.approx(w[crossing] / (2 * math.pi), rel=max(square / 3, 0.003))
+        if not wanted and regime == Regime.FORWARD_DRIVING:
+            assert math.degrees(loop.phase_margin) == pytest.approx(36.87, abs=3.0)  # dead times are not lags
+            assert loop.overshoot == pytest.approx(0.434, abs=0.12)
+
+
+def test_margins_are_control_s():
+    """On the same sampled loop python-control finds the same, by its own way."""
+    loop_ = velocity_open_loop(TRAIN, modes(TRAIN)[Regime.FORWARD_DRIVING], designed(bandwidth=40.0))
+    found = loop_of("velocity", loop_)
+    w = np.geomspace(50.0, math.pi / loop_.dt * 0.9999, 3000)
+    points = control.frequency_response(loop_, w, squeeze=True)
+    response = points.magnitude * np.exp(1j * points.phase)
+    gain, margin, _, crossover = control.margin(control.frd(response, w))
+    assert found.gain_margin == pytest.approx(gain, rel=1e-3)
+    assert math.degrees(found.phase_margin) == pytest.approx(margin, abs=0.01)
+    assert found.crossover == pytest.approx(crossover / (2 * math.pi), rel=1e-3)
+    assert np.max(found.bode.closed_magnitude) < found.sensitivity + 1.0
+    assert np.interp(found.crossover, found.bode.frequency, found.bode.open_magnitude) == pytest.approx(1.0, rel=1e-3)
+
+
+def test_placed_poles_are_there_in_the_sampled_loop():
+    cascade = designed(bandwidth=4.0, damping=0.8)
+    loop = loop_of("velocity", velocity_open_loop(TRAIN, modes(TRAIN)[Regime.FORWARD_DRIVING], cascade))
+    w = natural_frequency(4.0, 0.8)
+    wanted = np.exp((-0.8 + 1j * math.sqrt(1 - 0.64)) * w * EPOS4.velocity)
+    nearest = min(loop.poles, key=lambda p: abs(p - wanted))
+    assert abs(nearest - wanted) < 0.03 * abs(1 - wanted)  # of the way from the pole to 1: 3 % of the frequency
+    assert loop.bandwidth == pytest.approx(4.0, rel=0.03)
+
+
+@pytest.mark.filterwarnings("ignore")  # control.margin leaves polynomials for the frequency response, which is accurate
+def test_the_voltage_loop_has_python_control_s_margins():
+    gains = Gains(kp=0.05, ki=1.5, kd=0.0, filter_time=0.0, period=4e-4, rule="", source="")
+    found = analyse(TRAIN, gains)
+    both = [voltage_open_loop(TRAIN, modes(TRAIN)[r], gains) for r in (Regime.FORWARD_DRIVING, Regime.FORWARD_BRAKING)]
+    gain, phase = zip(*(control.margin(loop)[:2] for loop in both), strict=True)
+    assert found.velocity.gain_margin == pytest.approx(min(gain), rel=1e-5)
+    assert math.degrees(found.velocity.phase_margin) == pytest.approx(min(phase), rel=1e-5)
+    assert found.velocity.stable and found.velocity.direction in ("driving", "braking")
+    assert found.all == (found.velocity,)
+
+
+@pytest.mark.parametrize("wanted", [{}, {"bandwidth": 20.0}, {"bandwidth": 60.0, "damping": 1.0}, {"velocity_ki": 0.0,
+                                    "velocity_kp": 2.0}])  # fmt: skip
+def test_the_position_loop_does_not_overshoot(wanted):
+    loops = analyse(TRAIN, designed(position=True, **wanted))
+    assert loops.position.stable and loops.position.overshoot < 1e-3
+    assert [loop.name for loop in loops.all] == ["current", "velocity", "position"]
+    assert loops.position.settling_time > loops.position.rise_time > loops.velocity.rise_time
+
+
+# --- the elastic machine
+
+
+@pytest.mark.parametrize("regime", [Regime.FORWARD_DRIVING, Regime.FORWARD_BRAKING])
+def test_resonances_are_the_closed_forms(regime):
+    """Schröder: c/J_L, and c (1/J_L + 1/(e K^2 J_M)); both also as poles and zeros of the plant."""
+    c, e = 500.0, E if regime == Regime.FORWARD_DRIVING else 1 / E
+    mode, shaft = modes(TRAIN)[regime], Shaft(stiffness=c)
+    anti, main = (2 * math.pi * f for f in resonance(TRAIN, mode, shaft))
+    assert anti == pytest.approx(math.sqrt(c / J_L), rel=1e-12)
+    assert main == pytest.approx(math.sqrt(c * (1 / J_L + 1 / (e * K * K * J_M))), rel=1e-12)
+    stiff = np.array([[c / (e * K * K), -c / (e * K)], [-c / K, c]]) / np.array([[J_M], [J_L]])  # angles motor, wheel
+    assert math.sqrt(max(np.linalg.eigvals(stiff).real)) == pytest.approx(main, rel=1e-9)
+    elastic = plant(TRAIN, mode, shaft)
+    assert np.abs(elastic[1, 0].zeros().imag) == pytest.approx([anti, anti], rel=1e-6)
+    assert max(np.abs(np.linalg.eigvals(elastic.A[1:, 1:]).imag)) == pytest.approx(main, rel=1e-9)
+
+
+def test_a_stiff_shaft_is_a_rigid_one():
+    cascade = designed(bandwidth=20.0, position=True)
+    rigid, stiff = analyse(TRAIN, cascade), analyse(TRAIN, cascade, Shaft(stiffness=1e9, damping=1e4))
+    for a, b in zip(rigid.all, stiff.all, strict=True):
+        assert b.bandwidth == pytest.approx(a.bandwidth, rel=1e-3)
+        assert b.phase_margin == pytest.approx(a.phase_margin, rel=1e-3)
+    assert stiff.rigid_bandwidth == pytest.approx(rigid.velocity.bandwidth)
+
+
+def test_resonance_near_the_bandwidth_is_told_and_its_cure_is_one():
+    cascade, shaft = designed(bandwidth=20.0), Shaft(stiffness=500.0)
+    loops = analyse(TRAIN, cascade, shaft)
+    (said,) = resonance_warning(loops, shaft)
+    assert "within the bandwidth" in said and "a fifth" in said
+    stiffer = Shaft(stiffness=1.01 * float(said.rsplit("above ", 1)[1].split()[0]))
+    assert resonance_warning(analyse(TRAIN, cascade, stiffer), stiffer) == []
+    for figures in ({"stiffness": 0.0}, {"stiffness": math.nan}, {"stiffness": 5.0, "damping": -1.0}):
+        with pytest.raises(InputError, match=r"expected"):
+            Shaft(**figures)
+
+
+def test_a_sharp_resonance_is_not_missed_between_two_frequencies():
+    mode, shaft = modes(TRAIN)[Regime.FORWARD_DRIVING], Shaft(stiffness=500.0, damping=1e-4)
+    opened = velocity_open_loop(TRAIN, mode, designed(bandwidth=1.0), shaft)
+    f = max(abs(np.angle(p)) for p in opened.poles() if abs(p) > 0.99 and p.imag > 0.0) / (2 * math.pi * opened.dt)
+    near = f * (1.0 + np.linspace(-1e-3, 1e-3, 2001))
+    peak = np.abs(opened(np.exp(2j * math.pi * near * opened.dt))).max()
+    bode = loop_of("velocity", opened).bode
+    there = np.abs(bode.frequency / f - 1.0) < 1e-3
+    assert bode.open_magnitude[there].max() == pytest.approx(peak, rel=0.02)
+
+
+# --- warnings
+
+
+def test_warnings():
+    assert loop_warnings(analyse(TRAIN, designed(bandwidth=20.0)).all) == []
+    wild = analyse(TRAIN, designed(velocity_kp=30.0, velocity_ki=0.0))
+    assert any("velocity loop, " in w and "unstable" in w for w in loop_warnings(wild.all))
+    assert math.isnan(wild.velocity.phase_margin) and math.isnan(wild.velocity.bandwidth)
+    rings = analyse(TRAIN, designed())  # braking, a = 2 is too near
+    assert any("rings: phase margin" in w for w in loop_warnings(rings.all))
+    slow = analyse(TRAIN, designed(bandwidth=2.0))
+    (said,) = loop_warnings(slow.all, Profile("jerky", (0.0, 0.02, 0.05, 1.0, 1.4), (0.0, 0.5, 1.0, 1.0, 0.0)))
+    assert "slower than the profile" in said and "0.05 s, asks for 6.99 Hz" in said  # 0.35/0.05 s
+
+
+def test_shortest_ramp():
+    assert shortest_ramp(Profile("", (0.0, 1.0, 1.5, 2.0, 5.0, 5.7), (0.0, 2.0, 2.5, 2.5, -1.0, 0.0))) == pytest.approx(
+        0.7
+    )
+    assert math.isnan(shortest_ramp(Profile("", (0.0, 1.0), (1.0, 1.0))))
+
+
+def test_resolution():
+    """500 lines at 2.5 kHz: 2 pi/(2000 * 0.4 ms) = 75 rpm."""
+    (said,) = resolution_warning(500.0, 4e-4, 0.5, 10.0)
+    assert "75 rpm" in said and "3.93 A of 10 A" in said
+    assert resolution_warning(500.0, 4e-4, 0.1, 10.0) == []
+    assert resolution_warning(math.nan, 4e-4, 0.5, 10.0) == []
+    assert "3.93 V" in resolution_warning(500.0, 4e-4, 0.5, 10.0, "voltage")[0]
+
+
+# --- rates and what the user gives
+
+
+def test_rates():
+    own = SimpleNamespace(current_loop=25e3, speed_loop=2.5e3, position_loop=1.7e3)
+    found, said = rates(own)
+    assert found == pytest.approx((4e-5, 4e-4, 4e-4))
+    assert said == ["the position loop runs every 400 µs, a whole multiple of the loop inside"]
+    found, said = rates(SimpleNamespace(current_loop=math.nan, speed_loop=2e3, position_loop=math.nan))
+    assert found == pytest.approx((5e-5, 5e-4, 1e-3))
+    assert len(said) == 2 and all("unknown" in s for s in said)
+    assert rates(None)[0] == pytest.approx((1e-4, 1e-3, 1e-3))
+
+
+def test_what_is_given_is_taken_and_the_rest_designed_around_it():
+    whole = designed()
+    names = ("current_kp", "current_ki", "velocity_kp", "velocity_ki")
+    for given in names:
+        found = designed(**{given: getattr(whole, given)})
+        for name in names:
+            assert getattr(found, name) == pytest.approx(getattr(whole, name), rel=1e-9)
+    placed = designed(bandwidth=25.0, damping=0.9)
+    for name in ("velocity_kp", "velocity_ki"):
+        found = designed(damping=0.9, **{name: getattr(placed, name)})
+        assert found.velocity_kp == pytest.approx(placed.velocity_kp, rel=1e-9)
+        assert found.velocity_ki == pytest.approx(placed.velocity_ki, rel=1e-9)
+    slower = designed(current_ki=whole.current_ki / 10)
+    assert slower.velocity_kp < whole.velocity_kp  # around the slower current loop
+    mixed = designed(velocity_kp=0.7, velocity_ki=9.0, velocity_kd=0.01, position_kp=3.0, feedforward_friction=0.2)
+    assert (mixed.velocity_kp, mixed.velocity_ki, mixed.position_kp, mixed.feedforward_friction) == (0.7, 9.0, 3.0, 0.2)
+    assert mixed.filter_time == pytest.approx(0.01 / 0.7 / 10)
+    assert "given" in mixed.rule and "magnitude optimum" in mixed.rule and "Kessler" in mixed.source
+
+
+def test_the_widest_bandwidth_is_reachable_and_no_more():
+    with pytest.raises(
+        InputError, match=r"control\.bandwidth: 900 Hz is faster .* expected at most [\d.]+ Hz$"
+    ) as said:
+        designed(bandwidth=900.0)
+    most = float(str(said.value).split()[-2])
+    loop = analyse(TRAIN, designed(bandwidth=most)).velocity
+    assert loop.stable and 30.0 < math.degrees(loop.phase_margin) < 35.0
+    with pytest.raises(InputError):
+        designed(bandwidth=most + 0.2)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"velocity_kp": 1e4}, "control.velocity_kp: with 1e+04 no reset time makes the loop stable; expected less"),
+        ({"velocity_ki": 1e6}, "control.velocity_ki: with 1e+06 no reset time"),
+        ({"velocity_kp": math.nan}, "control.velocity_kp: nan is no use; expected 0 to 1e+09"),
+        ({"position_kp": -1.0}, "control.position_kp: -1 is no use"),
+        ({"bandwidth": 0.0}, "control.bandwidth: 0 is no use; expected more"),
+        ({"bandwidth": 9.0, "velocity_kp": 1.0}, "control.bandwidth: velocity_kp is given too"),
+        ({"damping": 1.0}, "control.damping: it belongs to bandwidth, velocity_kp or velocity_ki"),
+        ({"damping": 0.1, "bandwidth": 5.0}, "control.damping: 0.1 leaves a phase margin below 30°"),
+        ({"phase_margin": 0.7, "bandwidth": 5.0}, "control.phase_margin: expected either it, or bandwidth"),
+        ({"phase_margin": 1.6}, "control.phase_margin: expected more than 0°"),
+        ({"filter_time": 0.01}, "control.filter_time: it belongs to velocity_kd; expected both"),
+        ({"current_kp": 0.0}, "control.current_kp: without it and current_ki no current flows"),
+    ],
+)
+def test_bad_input_is_one_line(given, said):
+    with pytest.raises(InputError) as error:
+        designed(**given)
+    assert str(error.value).startswith(said) and "\n" not in str(error.value)
+
+
+def test_a_bandwidth_below_the_friction_s_own_is_refused():
+    with pytest.raises(InputError, match="the friction alone makes the drive faster"):
+        design_cascade(replace(TRAIN, viscous=1e-3), EPOS4, Wanted(bandwidth=0.1))
+
+
+def test_design_loads_neither_control_nor_scipy():
+    code = "import sys, drivesizer.control.loop_warnings, drivesizer.control.cascade_design; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert not {"control", "scipy.signal", "scipy.linalg", "matplotlib", "numba"} & set(loaded)

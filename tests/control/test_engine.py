@@ -1,0 +1,318 @@
+"""The engine of the closed loop: closed forms, an independent integrator, energy, batches, cycles."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from engine_tasks import FAR, MOTOR, PERIOD, SERVO, figure, gains, machine, open_drive, saturated_by_solver
+from scipy.integrate import solve_ivp
+
+from drivesizer.control.drive_train import Regime, drive_train, modes
+from drivesizer.control.engine import (
+    CurrentLimit,
+    Drive,
+    Encoder,
+    Heat,
+    Supply,
+    Task,
+    batch,
+    march,
+    march_many,
+    repeats,
+    sample_loop,
+)
+from drivesizer.control.linear_modes import columns, discretised, generators, machine_of
+from drivesizer.control.loop_models import voltage_open_loop
+from drivesizer.control.voltage_loop_design import design
+from drivesizer.errors import InputError
+from drivesizer.physics.overload import State, steady_state
+from drivesizer.sizing import explain
+
+# --- the modes and the machine
+
+
+@pytest.mark.parametrize("more", [{}, {"stiffness": 900.0, "damping": 0.4, "gap": 1e-3, "viscous": 1e-6}])
+def test_modes_are_the_matrix_exponential(more):
+    from scipy.linalg import expm
+
+    table = columns([machine(**more)])
+    R, period = np.array([[2.32]]), np.array([PERIOD])
+    G, found = generators(table, R), discretised(table, R, period)
+    states = found.shape[-1] - 4
+    for mode in range(G.shape[2]):
+        for level, share in ((0, 1024), (5, 32), (10, 1)):
+            exact = expm(G[0, 0, mode] * PERIOD / share)[: states + 2]
+            exact = np.delete(exact, [states, states + 1], axis=1)
+            assert found[0, 0, mode, level] == pytest.approx(exact, rel=1e-9, abs=1e-12 * np.abs(exact).max())
+
+
+def test_speed_at_a_held_voltage_rises_like_first_order():
+    m = machine(inductance=1e-9, load_inertia=8e-3)
+    J = m.motor_inertia + m.load_inertia / (m.ratio**2 * m.efficiency)
+    tau, k = m.resistance * J / (m.torque_constant * m.back_emf_constant), m.back_emf_constant
+    run = march(open_drive(m, 10.0), replace(FAR, time=(0.0, 1e-3, 1.5)))
+    t, w = run.series["time"], run.series["motor_speed"]
+    late = (t > 0.01) & (run.series["voltage"] == 10.0)
+    started = t[np.flatnonzero(run.series["voltage"] == 10.0)[0]]
+    expected = 10.0 / k * -np.expm1(-(t[late] - started) / tau)
+    assert w[late] == pytest.approx(expected, abs=1e-3)  # rad/s of 427
+    assert 2.0 * tau < 1.5
+
+
+def test_torsional_resonance():
+    m = machine(stiffness=40.0, resistance=1e7, inductance=1.0, load_inertia=3e-4, forward_torque=0.5)
+    drive = Drive(machine=m, controller=gains(ki=1e-12, period=1e-4), supply=Supply(voltage=1e12))
+    # behind such a resistance the current stays; the load's torque steps a little while
+    # the shaft stays loaded in one direction: a free oscillation about the new load
+    task = Task(time=(0.0, 0.05), speed=(900.0, 900.0), load_time=(0.0, 1e-4, 0.05), load_torque=(0.0, 0.05, 0.05))
+    run = march(drive, task)
+    relative = run.series["motor_speed"] / m.ratio - run.series["load_speed"]
+    t = run.series["time"]
+    up = np.flatnonzero((relative[:-1] < 0.0) & (relative[1:] >= 0.0))
+    at = t[up] - relative[up] * (t[up + 1] - t[up]) / (relative[up + 1] - relative[up])
+    seen = m.motor_inertia * m.ratio**2 * m.efficiency  # the motor's inertia behind the gears, power forward
+    expected = math.sqrt(m.stiffness * (1.0 / seen + 1.0 / m.load_inertia)) / (2 * math.pi)
+    assert len(at) > 3
+    assert (len(at) - 1) / (at[-1] - at[0]) == pytest.approx(expected, rel=2e-4)
+
+
+def test_coasting_stops_when_friction_has_taken_the_speed():
+    m = machine(resistance=1e7, inductance=1.0, friction=5e-3, forward_torque=0.05, backward_torque=-0.05)
+    run = march(
+        Drive(machine=m, controller=gains(), supply=Supply(voltage=1e-6)), Task(time=(0.0, 0.5), speed=(40.0, 40.0))
+    )
+    # braking all the way: the load's inertia pushes back through the gears
+    share = m.efficiency / m.ratio
+    J = m.motor_inertia + m.load_inertia * share / m.ratio
+    when = 40.0 * m.ratio * J / (5e-3 + 0.05 * share)
+    w, t = run.series["motor_speed"], run.series["time"]
+    first = t[np.flatnonzero(w == 0.0)[0]]
+    assert first - 1.01 * PERIOD <= when <= first
+    assert not w[t >= first].any()
+    assert figure(run, "angle") == pytest.approx(0.5 * 40.0 * m.ratio * when, rel=1e-4)
+
+
+# --- heat
+
+
+def test_heat_of_a_locked_rotor_against_an_integrator():
+    m = machine(stiction=1.0, inductance=1e-4)
+    heat = Heat(bodies=MOTOR, ambient=303.15, winding=320.0, housing=310.0, loss=0.5)
+    run = march(open_drive(m, 6.0, heat=heat), Task(time=(0.0, 1e-3, 30.0), speed=(0.0, 1e4, 1e4)))
+
+    def rate(_, x):
+        R = 2.32 * (1 + 0.0039 * (x[0] - 298.15))
+        across = (x[0] - x[1]) / 3.1
+        return (36.0 / R - across) / (12.4 / 3.1), (across - (x[1] - 303.15) / 14.0 + 0.5) / (612.0 / 14.0)
+
+    exact = solve_ivp(rate, (0.0, 30.0), (320.0, 310.0), rtol=1e-11, atol=1e-9).y[:, -1]
+    assert (figure(run, "winding"), figure(run, "housing")) == pytest.approx(tuple(exact), abs=5e-3)  # K
+
+
+def test_a_day_at_one_speed_is_carried_to_the_steady_temperature():
+    m = machine(friction=0.02)
+    heat = Heat(bodies=MOTOR, ambient=298.15, loss_torque=1e-3)
+    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
+    run = march(drive, Task(time=(0.0, 86400.0), speed=(20.0, 20.0)))
+    settled = steady_state(MOTOR, 298.15, 0.02 / 0.0234, 1e-3 * 20.0 * 9.1)
+    assert State(figure(run, "winding"), figure(run, "housing")) == pytest.approx(settled, abs=1e-2)
+    assert figure(run, "steps") < 2e6
+
+
+# --- against other programs
+
+
+@pytest.mark.parametrize("more", [{}, {"stiffness": 30.0, "damping": 0.02}])
+def test_saturated_loop_against_an_integrator(more):
+    m, g = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1, **more), gains(kp=0.04, ki=0.6)
+    task = Task(time=(0.0, 0.1, 0.4, 0.5, 0.6), speed=(10.0, 10.0, 60.0, 20.0, 20.0))
+    run = march(Drive(machine=m, controller=g, supply=Supply(voltage=11.0)), task)
+    exact = saturated_by_solver(m, g, 11.0, task, 1500)
+    n = np.rint(run.series["time"][:-1] / PERIOD).astype(int)
+    assert figure(run, "time_at_voltage_limit") > 0.05
+    assert run.series["motor_speed"][:-1] == pytest.approx(exact[n, 1], abs=2e-3)  # rad/s of 546
+    assert run.series["current"][:-1] == pytest.approx(exact[n, 0], abs=1e-4)  # A of 4
+
+
+@pytest.fixture(scope="module")
+def robot(spec, catalog):
+    chosen = explain(spec, "118752", "406764", catalog=catalog)[0]
+    train, _ = drive_train(spec, chosen, PERIOD)
+    return spec, train, design(spec, train, PERIOD)
+
+
+def robot_drive(train, g, **more):
+    supply = Supply(voltage=22.0, max_duty=0.9, voltage_drop=1.0)
+    return Drive(machine=machine_of(train), controller=g, supply=supply, **more)
+
+
+def test_linear_loop_against_python_control(robot):
+    import control
+
+    _, train, g = robot
+    task = Task(time=(0.0, 0.05, 0.15, 0.4), speed=tuple(v / train.radius for v in (1.0, 1.0, 1.02, 1.02)))
+    run = march(robot_drive(train, g), task)
+    opened = voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], g)
+    time = np.arange(1001) * PERIOD
+    change = (np.interp(time, task.time, task.speed) - task.speed[0]) * train.ratio
+    linear = control.forced_response(control.feedback(opened, 1), time, change).outputs
+    n = np.rint(run.series["time"] / PERIOD).astype(int)
+    assert run.series["motor_speed"] - train.motor_per_speed == pytest.approx(linear[n], abs=1e-8)  # rad/s
+
+
+# --- energy, periods, limits
+
+
+@pytest.mark.parametrize("more", [{}, {"stiffness": 60.0, "damping": 0.05, "gap": 4e-3}])
+def test_energy_balance(more):
+    """Electrical work = copper + friction + gears + load + shaft + (k_e - k_t) w I, from rest to rest, to 0.2 %."""
+    m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1, **more)
+    g = gains(kp=0.02, ki=0.3, period=1e-4)
+    task = Task(time=(0.0, 0.4, 0.8, 1.2, 1.6), speed=(0.0, 40.0, 40.0, 0.0, 0.0))
+    run = march(Drive(machine=m, controller=g, supply=Supply(voltage=24.0)), task)
+    s = run.series
+    T = s["gear_torque"] * s["motor_speed"]
+    at_shaft = s["gear_torque"] * np.where(T > 0, 1.3 * 0.9, 1.3 / 0.9)
+    driving = at_shaft * s["motor_speed"] > 0
+    gears = np.abs(at_shaft * s["motor_speed"] / m.ratio) * np.where(driving, 1 / m.efficiency - 1, 1 - m.efficiency)
+    shaft = at_shaft * (s["motor_speed"] / m.ratio - s["load_speed"])  # what twists it, and what its damping takes
+    taken = np.trapezoid(1e-3 * np.abs(s["motor_speed"]) + gears + 0.1 * np.abs(s["load_speed"]) + shaft, s["time"])
+    electrical = figure(run, "energy_in") - figure(run, "energy_back")
+    taken += np.trapezoid((m.back_emf_constant - m.torque_constant) * s["motor_speed"] * s["current"], s["time"])
+    assert electrical == pytest.approx(taken + figure(run, "copper_heat"), rel=2e-3)
+    assert s["motor_speed"].max() > 350.0
+
+
+def test_half_the_period_changes_little():
+    m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
+    task = Task(time=(0.0, 0.4, 0.8, 1.2), speed=(0.0, 40.0, 40.0, 0.0))
+    found = [
+        march(Drive(machine=m, controller=gains(kp=0.02, ki=0.3, period=h), supply=Supply(voltage=24.0)), task)
+        for h in (2e-4, 1e-4)
+    ]
+    for name, share in (("rms_current", 1e-3), ("energy_in", 1e-3), ("current", 0.02), ("speed", 1e-3)):
+        assert figure(found[0], name) == pytest.approx(figure(found[1], name), rel=share)
+
+
+def test_bus_sags_by_its_resistance():
+    m = machine(stiction=1.0, inductance=5e-3)
+    supply = Supply(voltage=24.0, resistance=0.3, sets=4, max_duty=0.9, voltage_drop=1.0)
+    run = march(replace(open_drive(m, 1.0), supply=supply), FAR)
+    u, i = run.series["voltage"][-1], run.series["current"][-1]
+    bus = u / 0.9 + 1.0
+    assert i == pytest.approx(u / 2.32, rel=1e-6)  # the rotor is locked
+    assert bus == pytest.approx(24.0 - 0.3 * 4 * u * i / bus, rel=1e-6)
+    # on the way there the current grows within a period, which the limit does not see
+    assert figure(run, "bus_lowest") == pytest.approx(bus, rel=0.02)
+
+
+def test_peak_current_for_its_time_then_the_continuous():
+    m = machine(stiction=1.0)
+    limit = CurrentLimit(peak=4.0, continuous=1.5, peak_time=0.5)
+    drive = Drive(machine=m, controller=SERVO, supply=Supply(voltage=24.0), current=limit)
+    run = march(drive, FAR)
+    i, t = run.series["current"], run.series["time"]
+    assert i[(t > 0.01) & (t < 0.49)] == pytest.approx(4.0, abs=1e-3)
+    assert i[t > 0.53] == pytest.approx(1.5, abs=1e-3)
+    assert figure(run, "i2t_share") == pytest.approx(1.0, abs=2e-3)
+
+
+def test_cascade_follows_in_speed_and_angle():
+    m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
+    task = Task(time=(0.0, 0.4, 1.2, 1.6, 2.6), speed=(0.0, 40.0, 40.0, 0.0, 0.0))
+    drive = Drive(machine=m, controller=SERVO, supply=Supply(voltage=24.0), current=CurrentLimit(peak=6.0))
+    run = march(drive, task)
+    cruise = np.searchsorted(run.series["time"], 1.19)
+    assert run.series["motor_speed"][cruise] == pytest.approx(40.0 * m.ratio, rel=1e-6)
+    assert figure(run, "angle") == pytest.approx(48.0 * m.ratio, rel=1e-3)
+    counted = march(replace(drive, encoder=Encoder(edges=2000, periods=4)), task)
+    assert figure(counted, "rms_current") == pytest.approx(figure(run, "rms_current"), rel=0.05)
+    assert np.abs(counted.series["position_error"][-1]) < 0.2  # rad at the motor; an edge is 3 mrad
+
+
+# --- backlash
+
+
+def test_a_gap_is_crossed_without_torque():
+    m = machine(stiffness=200.0, damping=0.2, gap=0.02, friction=5e-4)
+    run = march(Drive(machine=m, controller=gains(kp=0.02), supply=Supply(voltage=24.0)),
+                Task(time=(0.0, 0.2, 0.4), speed=(0.0, 20.0, -20.0)))  # fmt: skip
+    free = run.series["gear_torque"] == 0.0
+    assert free[1:].any() and not free.all()
+    twist = figure(run, "angle") / m.ratio - figure(run, "load_angle")
+    assert abs(twist) == pytest.approx(0.01, abs=2e-3)
+
+
+# --- many, long, wrong
+
+
+def test_many_are_as_one_by_one_and_threads_do_not_matter():
+    m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
+    heat = Heat(bodies=MOTOR, ambient=298.15)
+    drives = [
+        Drive(machine=replace(m, resistance=2.32 + 0.01 * n), controller=gains(kp=0.02 + 1e-3 * n, ki=0.3),
+              supply=Supply(voltage=12.0), heat=heat if n % 3 == 0 else None)
+        for n in range(10)
+    ]  # fmt: skip
+    task = Task(time=(0.0, 0.2, 0.4), speed=(0.0, 40.0, 0.0))
+    one, two = (march_many(drives, task, threads=n) for n in (1, 2))
+    for name, column in one.figures.items():
+        assert column.tobytes() == two.figures[name].tobytes()
+        single = np.array([march(d, task).figures[name][0] for d in drives])
+        # matrices of a block share the number of squarings: the last digits may differ
+        assert column == pytest.approx(single, rel=1e-9, abs=1e-9, nan_ok=True)
+
+
+def test_plain_python_gives_the_same(monkeypatch):
+    m = machine(friction=1e-3, stiffness=60.0, damping=0.02, gap=1e-3)
+    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
+    task = Task(time=(0.0, 0.1, 0.2), speed=(0.0, 40.0, 0.0))
+    fast = march(drive, task)
+    monkeypatch.setattr(batch, "compiled", lambda: sample_loop.march_one)
+    slow = march(drive, task)
+    for name, column in fast.figures.items():
+        assert column == pytest.approx(slow.figures[name], rel=1e-6, abs=1e-9, nan_ok=True)
+
+
+@pytest.mark.parametrize("heat", [None, Heat(bodies=MOTOR, ambient=298.15)])
+def test_cycles_that_repeat_are_added(heat, monkeypatch):
+    m = machine(friction=2e-2, forward_torque=0.3, backward_torque=-0.3)
+    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=24.0), heat=heat)
+    task = Task(time=(0.0, 0.2, 0.8, 1.0, 2.0), speed=(0.0, 30.0, 30.0, 0.0, 0.0), cycles=60)
+    added = march(drive, task)
+    for name in ("_PERIODIC", "_PERIODIC_WARM", "_ALIKE"):
+        monkeypatch.setattr(repeats, name, -1.0)  # nothing repeats
+    marched = march(drive, task)
+    assert figure(added, "steps") < 0.1 * figure(marched, "steps")
+    for name in ("time", "rms_current", "energy_in", "copper_heat", "speed_error_square", "angle"):
+        assert figure(added, name) == pytest.approx(
+            figure(marched, name), rel=(0.01 if "square" in name else 5e-3) if heat else 1e-6
+        )
+    if heat:
+        for name in ("winding", "winding_highest", "housing"):
+            assert figure(added, name) == pytest.approx(figure(marched, name), abs=0.3)  # K of a rise of 129
+
+
+def test_unstable_gains_come_to_an_end():
+    wild = Drive(machine=machine(), controller=gains(kp=1e5, ki=1e7), supply=Supply(voltage=math.inf))
+    run = march(wild, FAR)
+    assert "unstable" in run.problems[0]
+    few = march(open_drive(machine(), 12.0), FAR, most_steps=100)
+    assert "steps" in few.problems[0] and figure(few, "steps") <= 101 + 2048
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"machine": machine(resistance=math.nan)}, "resistance"),
+        ({"controller": replace(SERVO, velocity_period=5e-5)}, "whole multiple"),
+        ({"supply": Supply(voltage=0.5, voltage_drop=1.0)}, "supply"),
+        ({"heat": Heat(bodies=replace(MOTOR, tau_w=math.nan), ambient=300.0)}, "unknown"),
+    ],
+)
+def test_what_cannot_be_computed_is_one_line(change, message):
+    with pytest.raises(InputError, match=message):
+        march(replace(open_drive(machine(), 12.0), **change), FAR)

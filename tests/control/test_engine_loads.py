@@ -1,0 +1,253 @@
+"""The engine under loads that change, returned energy, friction at the load, backlash, heat of the housing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from engine_tasks import FAR, MOTOR, PERIOD, figure, gains, machine, open_drive, saturated_by_solver
+
+from drivesizer.control.cascade import Cascade
+from drivesizer.control.engine import Drive, Heat, Supply, Task, march
+from drivesizer.physics.overload import State, steady_state
+from drivesizer.physics.thermal import TwoBodies
+
+# --- energy that comes back
+
+
+def pulled(supply, **more):
+    """A set that its load pulls at a constant speed, and the current that holds it."""
+    m = machine(friction=1e-3)
+    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=supply)
+    task = Task(**({"time": (0.0, 2.0), "speed": (40.0, 40.0)} | more), load_time=(0.0,), load_torque=(-0.6,))
+    return march(drive, task), (1e-3 - 0.6 * 0.72 / 9.1) / 0.0234
+
+
+@pytest.mark.parametrize("raises", [True, False])
+def test_returned_energy_raises_the_bus_over_its_resistance_or_a_chopper_takes_it(raises):
+    run, i = pulled(Supply(voltage=24.0, resistance=0.3, sets=4, raises=raises))
+    power = 4 * (2.32 * i + 0.026 * 40.0 * 9.1) * i  # the voltage rests on k_e, the current on k_t
+    assert power < -25.0
+    bus = (24.0 + math.sqrt(24.0**2 - 4 * 0.3 * power)) / 2  # V (V - V_0) / R_s is what flows back into the source
+    assert figure(run, "bus_highest") == pytest.approx(bus if raises else 24.0, rel=1e-9)
+    assert figure(run, "bus_lowest") == pytest.approx(bus if raises else 24.0, rel=1e-9)
+    assert figure(run, "energy_back") == pytest.approx(-power / 4 * 2.0, rel=1e-9)
+    assert figure(run, "energy_in") == figure(run, "bus_current") == 0.0
+
+
+@pytest.mark.parametrize("raises", [True, False])
+def test_a_raised_bus_leaves_more_voltage(raises):
+    supply = Supply(voltage=24.0, resistance=0.5, sets=4, max_duty=0.9, voltage_drop=1.0, raises=raises)
+    run, i = pulled(supply, time=(0.0, 1e-3, 3.0), speed=(40.0, 1e4, 1e4))
+    # V = V_0 - R_s n u i / V with u = 0.9 (V - 1): what four sets give back, at full duty
+    r = 0.5 * 4 * 0.9 * i if raises else 0.0
+    V = ((24.0 - r) + math.sqrt((24.0 - r) ** 2 + 4.0 * r)) / 2.0
+    assert V > 25.0 or not raises
+    assert run.series["voltage"][-1] == pytest.approx(0.9 * (V - 1.0), rel=1e-6)
+    assert run.series["motor_speed"][-1] == pytest.approx((0.9 * (V - 1.0) - 2.32 * i) / 0.026, rel=1e-6)
+
+
+# --- loads
+
+
+def test_viscous_friction_at_the_load_is_first_order():
+    m = machine(inductance=1e-9, load_inertia=8e-3, load_viscous=4e-3)
+    share = 1.0 / (m.ratio**2 * m.efficiency)
+    J, drag, k = m.motor_inertia + m.load_inertia * share, m.load_viscous * share, m.torque_constant
+    damping = k * m.back_emf_constant / m.resistance + drag
+    assert 0.2 < drag / damping < 0.8
+    run = march(open_drive(m, 10.0), replace(FAR, time=(0.0, 1e-3, 2.0)))
+    t, w = run.series["time"], run.series["motor_speed"]
+    late = (t > 0.01) & (run.series["voltage"] == 10.0)
+    started = t[np.flatnonzero(run.series["voltage"] == 10.0)[0]]
+    expected = k * 10.0 / m.resistance / damping * -np.expm1(-(t[late] - started) * damping / J)
+    assert w[late] == pytest.approx(expected, abs=1e-3)  # rad/s of some 300
+    assert w[-1] > 100.0
+
+
+@pytest.mark.parametrize("more", [{}, {"stiffness": 30.0, "damping": 0.02}])
+def test_a_load_with_corners_in_a_saturated_loop_against_an_integrator(more):
+    m, g = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1, **more), gains(kp=0.04, ki=0.6)
+    corners = tuple(PERIOD * n for n in (250, 500, 625, 1125, 1375))  # at samples: the engine has no others
+    task = Task(
+        time=(0.0, 0.1, 0.4, 0.5, 0.6), speed=(10.0, 10.0, 60.0, 20.0, 20.0), load_time=corners,
+        load_torque=(0.05, 0.25, -0.05, 0.1, 0.3),
+    )  # fmt: skip
+    run = march(Drive(machine=m, controller=g, supply=Supply(voltage=11.0)), task)
+    exact = saturated_by_solver(m, g, 11.0, task, 1500)
+    n = np.rint(run.series["time"][:-1] / PERIOD).astype(int)
+    assert figure(run, "time_at_voltage_limit") > 0.05
+    assert run.series["motor_speed"][:-1] == pytest.approx(exact[n, 1], abs=2e-3)  # rad/s of 546
+    assert run.series["current"][:-1] == pytest.approx(exact[n, 0], abs=2e-4)  # A of 4
+
+
+@pytest.mark.parametrize("when", [250 * PERIOD, 250.3 * PERIOD, 0.1, 7 * PERIOD])
+def test_a_jump_of_the_load_takes_effect_at_the_next_sample(when):
+    m = machine(resistance=1e7, inductance=1.0)  # no current: it coasts
+    task = Task(
+        time=(0.0, 0.2), speed=(40.0, 40.0), load_time=(when, math.nextafter(when, 1.0)), load_torque=(0.0, 0.1)
+    )
+    run = march(Drive(machine=m, controller=gains(), supply=Supply(voltage=1e-6)), task)
+    share = 1.0 / (m.ratio * m.efficiency)
+    slows = 0.1 * share / (m.motor_inertia + m.load_inertia * share / m.ratio)
+    sample = math.ceil(when / PERIOD - 1e-6) * PERIOD
+    expected = 364.0 - slows * np.maximum(run.series["time"] - sample, 0.0)
+    turning = expected > 10.0
+    assert run.series["motor_speed"][turning] == pytest.approx(expected[turning], abs=1e-3)  # a sample is 0.8 rad/s
+    assert expected.min() < 200.0
+
+
+def test_a_load_of_many_corners_within_a_sample_keeps_its_size():
+    """Pieces that are short beside a sample run to where the load is at the next one, never beyond."""
+    m = machine(resistance=1e7, inductance=1.0)
+    # a ramp within a hundredth of a period, with a sample in its middle
+    mid = 100 * PERIOD
+    task = Task(time=(0.0, 0.2), speed=(40.0, 40.0), load_time=(mid - 2e-6, mid + 2e-6), load_torque=(0.0, 0.1))
+    run = march(Drive(machine=m, controller=gains(), supply=Supply(voltage=1e-6)), task)
+    share = 1.0 / (m.ratio * m.efficiency)
+    slows = 0.1 * share / (m.motor_inertia + m.load_inertia * share / m.ratio)
+    late = run.series["time"] > mid + PERIOD
+    # half of it at the sample, all of it at the next: three quarters of it over that period
+    expected = 364.0 - slows * (run.series["time"][late] - mid - PERIOD / 4)
+    assert run.series["motor_speed"][late] == pytest.approx(expected, abs=1e-3)
+
+
+def test_hours_under_loads_that_are_constant_in_pieces_are_carried():
+    m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
+    jumps = (1200.0, math.nextafter(1200.0, 2e3), 2400.0, math.nextafter(2400.0, 3e3))
+    task = Task(time=(0.0, 3600.0), speed=(20.0, 20.0), load_time=jumps, load_torque=(0.0, 0.2, 0.2, 0.4))
+    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0))
+    run = march(drive, task)
+    share = 1.0 / (m.ratio * m.efficiency)
+    currents = [(1e-3 + T * share) / m.torque_constant for T in (0.1, 0.3, 0.5)]
+    assert figure(run, "rms_current") == pytest.approx(math.sqrt(sum(i * i for i in currents) / 3.0), rel=1e-5)
+    w = 20.0 * m.ratio
+    energy = 1200.0 * sum((2.32 * i + 0.026 * w) * i for i in currents)
+    assert figure(run, "energy_in") == pytest.approx(energy, rel=1e-5)
+    assert figure(run, "steps") < 0.01 * 3600.0 / PERIOD
+
+
+# --- a million corners
+
+
+@pytest.mark.parametrize("given", [tuple, np.asarray])
+def test_corners_on_a_straight_line_change_nothing(given):
+    m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
+    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=24.0))
+    few = Task(time=(0.0, 4.0, 6.0, 10.0), speed=(0.0, 40.0, 40.0, 5.0), load_time=(0.0, 10.0), load_torque=(0.0, 0.1))
+    time = np.linspace(0.0, 10.0, 1_000_001)  # 40 to a sample
+    many = Task(
+        time=given(time), speed=given(np.interp(time, few.time, few.speed)), load_time=given(time),
+        load_torque=given(0.01 * time),
+    )  # fmt: skip
+    one, other = march(drive, few), march(drive, many)
+    for name in ("rms_current", "energy_in", "speed_error", "gear_torque", "angle", "current"):
+        assert figure(other, name) == pytest.approx(figure(one, name), rel=1e-6)
+
+
+# --- backlash
+
+CASCADE = Cascade(
+    current_kp=0.5, current_ki=800.0, velocity_kp=0.015, velocity_ki=0.3, position_kp=15.0, current_period=1e-4,
+    velocity_period=4e-4, position_period=8e-4,
+)  # fmt: skip
+
+
+def gap_by_steps(m, c, task, n, parts):
+    """A cascade with two masses and a gap between them, by Runge-Kutta steps; the state at the samples.
+
+    The shaft's contact is a torque that only presses; the weight of the load holds it against one side at the start.
+    """
+    K, k, k_e, h, weight = m.ratio, m.torque_constant, m.back_emf_constant, c.current_period, m.rest_torque
+    drives, brakes, half, dt = 1.0 / (K * m.efficiency), m.efficiency / K, m.gap / 2.0, c.current_period / parts
+    w, T = task.speed[0] * K, weight + m.load_viscous * task.speed[0]
+    i = (m.friction + T * drives) / k
+
+    def rate(i, w, f, v, u):
+        turns = w / K - v
+        T = m.stiffness * (f - math.copysign(half, f)) + m.damping * turns if abs(f) > half else 0.0
+        T = T if T * f > 0.0 else 0.0
+        way = 1.0 if w > 0.0 else -1.0
+        push = k * i - way * m.friction - T * (drives if T * way > 0.0 else brakes)
+        slows = weight + m.load_viscous * v
+        return (
+            (u - m.resistance * i - k_e * w) / m.inductance,
+            push / m.motor_inertia,
+            turns,
+            (T - slows) / m.load_inertia,
+        )
+
+    def runge(x, u):
+        a = rate(*x, u)
+        b = rate(*(p + dt / 2 * q for p, q in zip(x, a, strict=True)), u)
+        c = rate(*(p + dt / 2 * q for p, q in zip(x, b, strict=True)), u)
+        d = rate(*(p + dt * q for p, q in zip(x, c, strict=True)), u)
+        return [p + dt / 6 * (q + 2 * r + 2 * s + t) for p, q, r, s, t in zip(x, a, b, c, d, strict=True)]
+
+    x, angle, gone, more, asked = [i, w, T / m.stiffness + half, w / K], 0.0, 0.0, 0.0, i
+    outer, inner, before, found = i, m.resistance * i + k_e * w, w, []
+    pending, following, later = inner, i, 0.0  # what each loop answers its sample before
+    for step in range(n):
+        speed = K * np.interp(step * h, task.time, task.speed)
+        angle, before = angle + (speed + before) / 2.0 * h * (step > 0), speed  # its corners are at samples
+        found.append(x)
+        if step % 4 == 0:
+            if step % 8 == 0:
+                more, later = later, c.position_kp * (angle - gone)
+            error = speed + more - x[1]
+            outer += c.velocity_ki * c.velocity_period * error
+            asked, following = following, c.velocity_kp * error + outer
+        inner += c.current_ki * h * (asked - x[0])
+        u, pending = pending, c.current_kp * (asked - x[0]) + inner
+        for _ in range(parts):
+            w = x[1]
+            x = runge(x, u)
+            gone += (w + x[1]) / 2.0 * dt
+    return np.array(found)
+
+
+def test_a_cascade_through_a_gap_against_fine_steps():
+    m = machine(
+        stiffness=60.0, damping=0.05, gap=0.02, friction=1e-3, load_viscous=1e-3, forward_torque=0.03,
+        backward_torque=0.03, rest_torque=0.03, motor_inertia=4e-6,
+    )  # fmt: skip
+    task = Task(time=(0.0, 0.01, 0.06, 0.12), speed=(15.0, 15.0, -20.0, 12.0))
+    run = march(Drive(machine=m, controller=CASCADE, supply=Supply(voltage=60.0)), task)
+    exact = gap_by_steps(m, CASCADE, task, 1201, 100)  # with the state at the end
+    n = np.rint(run.series["time"] / 1e-4).astype(int)
+    free = run.series["gear_torque"] == 0.0
+    assert np.count_nonzero(np.diff(free.astype(int))) == 4  # through the gap and back
+    assert figure(run, "time_at_voltage_limit") == 0.0
+    assert run.series["motor_speed"] == pytest.approx(exact[n, 1], abs=3e-3)  # rad/s of 200
+    assert run.series["load_speed"] == pytest.approx(exact[n, 3], abs=3e-4)  # rad/s of 20
+    assert run.series["current"] == pytest.approx(exact[n, 0], abs=5e-5)  # A of 3
+
+
+# --- what the housing loses
+
+
+def test_a_loss_that_grows_with_the_square_of_speed_settles_as_computed():
+    m = machine(friction=0.02)
+    heat = Heat(bodies=MOTOR, ambient=298.15, loss=0.2, loss_torque=1e-3, loss_viscous=5e-5)
+    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
+    run = march(drive, Task(time=(0.0, 86400.0), speed=(20.0, 20.0)))
+    w = 20.0 * m.ratio
+    settled = steady_state(MOTOR, 298.15, 0.02 / 0.0234, 0.2 + 1e-3 * w + 5e-5 * w**2)
+    assert 5e-5 * w**2 > 1.0
+    assert State(figure(run, "winding"), figure(run, "housing")) == pytest.approx(settled, abs=1e-2)
+
+
+def test_a_loss_by_the_square_of_speed_over_ramps():
+    """All of the heat stays where nothing leads it away: copper's, and the integral of the speed's square."""
+    kept = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=1e9, tau_w=12.4, tau_h=612e8)
+    heat = Heat(bodies=kept, ambient=298.15, loss_viscous=5e-5)
+    m = machine(friction=1e-3)
+    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
+    run = march(drive, Task(time=(0.0, 0.5, 1.0, 1.5), speed=(0.0, 40.0, 40.0, -10.0)))
+    w = run.series["motor_speed"]
+    swept = PERIOD / 3.0 * np.sum(w[:-1] ** 2 + w[:-1] * w[1:] + w[1:] ** 2)
+    stored = 12.4 / 3.1 * (figure(run, "winding") - 298.15) + 61.2 * (figure(run, "housing") - 298.15)
+    assert stored == pytest.approx(figure(run, "copper_heat") + 5e-5 * swept, rel=2e-4)
+    assert 5e-5 * swept > 0.1 * figure(run, "copper_heat")

@@ -1,0 +1,114 @@
+"""The way that is wanted, and how it is told what a platform made of it."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from following_ways import AHEAD, CURVED, STIFF, robot
+from routes import route
+
+from drivesizer.control.path_following.deviation import deviation, extremes
+from drivesizer.control.path_following.following import follow, sampled
+from drivesizer.control.path_following.runs import drawn, follow_all
+from drivesizer.errors import InputError
+from drivesizer.loads.platform_drive import driving, on_the_way
+from drivesizer.loads.platform_record import platform_of
+from drivesizer.output.report.figures.path import path_and_errors
+from drivesizer.platform.trajectory import Trajectory
+from drivesizer.spec.robot import load_spec
+
+# --- the way that is wanted -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("way", [CURVED, AHEAD], ids=["turning", "unicycle"])
+def test_a_route_is_the_integral_of_its_velocity(way):
+    step = way.duration * (way.velocity[..., 0] + way.velocity[..., 1]) / 2.0
+    assert way.posture[..., 1] - way.posture[..., 0] == pytest.approx(step, abs=2e-6)
+    assert way.posture[:, 1:, 0] == pytest.approx(way.posture[:, :-1, 1], abs=1e-9)
+    assert way.velocity[:, 1:, 0] == pytest.approx(way.velocity[:, :-1, 1], abs=1e-9)
+    change = way.duration * (way.acceleration[..., 0] + way.acceleration[..., 1]) / 2.0
+    assert way.velocity[..., 1] - way.velocity[..., 0] == pytest.approx(change, abs=3e-5)
+    assert way.velocity[:, [0, -1], [0, 1]] == pytest.approx(np.zeros((3, 2)), abs=1e-12)
+
+
+def test_where_a_route_ends():
+    quarter = route([(2.0, 0.0), (1.5 * math.pi, 1.0 / 3.0)], speed=1.2, acceleration=0.6, turns=[(1.0, 5.0, -0.7)])
+    assert quarter.posture[:, -1, 1] == pytest.approx([5.0, 3.0, -0.7])
+    assert np.hypot(*quarter.velocity[:2]).max() == pytest.approx(1.2)
+    short = route([(0.5, 0.0)], speed=2.0, acceleration=0.5)  # never at full speed: 2 sqrt(s / a)
+    assert short.total == pytest.approx(2.0)
+
+
+def test_a_trajectory_between_its_ends():
+    parabola = Trajectory(
+        duration=np.array([2.0]),
+        posture=np.array([[[0.0, 3.0]], [[1.0, 1.0]], [[0.0, 0.0]]]),
+        velocity=np.array([[[0.5, 2.5]], [[0.0, 0.0]], [[0.0, 0.0]]]),
+        acceleration=np.array([[[1.0, 1.0]], [[0.0, 0.0]], [[0.0, 0.0]]]),
+    )
+    found = sampled(parabola, np.array([-1.0, 0.0, 0.5, 1.5, 2.0, 3.0]))
+    assert found.posture[0] == pytest.approx([0.0, 0.0, 0.375, 1.875, 3.0, 3.0])
+    assert found.velocity[0] == pytest.approx([0.0, 0.5, 1.0, 2.0, 2.5, 0.0])
+    assert found.acceleration[0] == pytest.approx([0.0, 1.0, 1.0, 1.0, 1.0, 0.0])
+
+
+# --- how it is told ---------------------------------------------------------------------------------------------------
+
+
+def test_along_and_across_by_hand():
+    found = follow(route([(1.0, 0.0), (0.5 * math.pi, 1.0)], speed=0.5, acceleration=1.0), robot(), contact=STIFF)
+    moved = replace(found, posture=found.posture + np.array([[0.3], [0.4], [0.01]]))
+    d = deviation(moved)
+    assert d.position == pytest.approx(np.full(len(d.time), 0.5), abs=1e-3)
+    assert (d.along[0], d.across[0]) == pytest.approx((0.3, 0.4), abs=1e-3)  # heading along x
+    assert (d.along[-1], d.across[-1]) == pytest.approx((0.4, -0.3), abs=1e-3)  # along y in the end
+    assert d.way[-1] == pytest.approx(1.0 + 0.5 * math.pi, rel=1e-5)
+    by = {e.title: e for e in extremes(moved)}
+    assert by["heading"].value == pytest.approx(0.01, rel=0.01)
+    assert (by["heading"].unit, by["position"].unit, by["slip"].unit) == ("deg", "m", "mm/s")
+
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "sps_following.yaml"
+
+
+@pytest.fixture(scope="module")
+def example():
+    return driving(on_the_way(load_spec(EXAMPLE), None))
+
+
+def test_figure_13_of_the_paper_is_in_the_examples(example):
+    """Mass, wheels, places and the errors that the paper measured are its own; its path is of about 90 m."""
+    section = example.spec.platform
+    assert [(one.position, one.heading) for one in section.following.measured] == [
+        (2.78, pytest.approx(math.radians(5.1))), (0.89, pytest.approx(math.radians(0.45))),
+    ]  # fmt: skip
+    robot = platform_of(section, example.spec.load)
+    assert (robot.mass, robot.wheels[0].radius, robot.wheels[0].L) == pytest.approx((45.0, 0.0762, 0.27406))
+    assert max(w.alpha for w in robot.wheels) == pytest.approx(math.radians(150.5))
+    assert example.trajectory.length == pytest.approx(34 + 18 + 21 + 6 * math.pi, rel=0.01)  # straights, arcs of 3 m
+    assert example.trajectory.posture[2, -1, 1] == pytest.approx(1.5 - 2.0 + 1.0, abs=1e-6)
+
+
+def test_every_way_to_drive_it(example):
+    """Feed-forward halves what soft loops lag by at least; an integral finds it itself; misjudged radii are in all."""
+    runs = follow_all(example, None)
+    assert len(runs) == 10 and all(run.imbalance < 1e-5 for run in runs.values())
+    worst = {name: np.abs(deviation(run).position).max() for name, run in runs.items()}
+    assert worst["dynamic, P, open loop, all"] < worst["kinematic, P, open loop, all"] / 2.0
+    assert worst["kinematic, PI, open loop, all"] < worst["kinematic, P, open loop, all"] / 2.0
+    assert worst["dynamic, P, open loop, not all"] > 5.0 * worst["dynamic, P, open loop, all"]
+    assert max(worst[f"{model}, PI, fed back, not all"] for model in ("kinematic", "dynamic")) < 0.01
+    assert list(drawn(runs)) == [name for name in runs if ", P, open loop" in name]
+
+
+def test_the_figure():
+    runs = {"kinematic": follow(CURVED, robot(), model="kinematic"), "dynamic": follow(CURVED, robot())}
+    drawing = path_and_errors(runs, "typeset")
+    assert drawing == path_and_errors(runs, "typeset")
+    for word in ("desired", "kinematic", "dynamic", "heading (°)", "distance (m)", "way along the desired path (m)"):
+        assert word in drawing.decode()
+    assert path_and_errors(runs, "png")[:4] == b"\x89PNG"
+    with pytest.raises(InputError, match=r"^figure of a path: expected 1 to 4 runs, got 0$"):
+        path_and_errors({})

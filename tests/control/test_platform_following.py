@@ -1,0 +1,323 @@
+"""Following a trajectory: against laws of what is misjudged, dead reckoning, orders of error, and by hand."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from following_ways import AHEAD, CURVED, LEVER, STIFF, STRAIGHT, cart, robot
+from platforms import MASS, RADIUS, WHEEL, car, mecanum
+from routes import route
+
+from drivesizer.control.path_following.deviation import (
+    curvature_by_radii,
+    deviation,
+    extremes,
+    heading_by_lever,
+    way_by_radius,
+)
+from drivesizer.control.path_following.following import Followed, follow
+from drivesizer.control.path_following.pose_control import SpeedLoop, pose_loop, speed_loop
+from drivesizer.control.path_following.slip import Contact
+from drivesizer.errors import InputError
+from drivesizer.platform.contact_loads import Ground
+from drivesizer.platform.dynamics import dynamics
+from drivesizer.platform.kinematics import kinematics
+from drivesizer.platform.misjudged import EXACT, Misjudged, actual
+from drivesizer.platform.trajectory import Trajectory
+from drivesizer.platform.wheels import Payload, Platform, without_motor
+
+
+def worst(found):
+    return np.abs(found.posture - found.planned.posture).max(axis=1)
+
+
+# --- no errors --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("p", "way"), [(robot(), CURVED), (cart(), AHEAD)], ids=["mecanum", "differential"])
+def test_the_kinematic_model_s_error_is_of_second_order_in_the_period(p, way):
+    """What the speed loops lag by is J a / k_i, and k_i goes with 1/T²."""
+    errors = [
+        worst(
+            follow(way, p, model="kinematic", contact=STIFF, speeds=speed_loop(dynamics(p), period=T), tolerance=1e-7)
+        )
+        for T in (4e-3, 2e-3, 1e-3)
+    ]
+    assert errors[0][0] > 5e-3
+    for coarse, fine in pairwise(errors):
+        assert (coarse[[0, 2]] / fine[[0, 2]] > 3.4).all() and (coarse[[0, 2]] / fine[[0, 2]] < 4.6).all()
+
+
+@pytest.mark.parametrize("p", [robot(), cart(), replace(robot(rolling_resistance=0.02), x=0.05, y=-0.02, height=0.2)])
+def test_the_dynamic_model_without_errors_leaves_next_to_none(p):
+    way = CURVED if len(p.wheels) == 4 else AHEAD
+    found = follow(way, p, contact=replace(STIFF, turnround=1e-5), tolerance=1e-7)
+    kinematic = follow(way, p, model="kinematic", contact=STIFF, tolerance=1e-7)
+    assert worst(found).max() < 1e-4 < worst(kinematic).max()
+    assert found.limited.max() == 0.0
+
+
+def test_torque_is_fed_forward_for_the_time_in_which_it_acts():
+    """Half a period early or late leaves some 25 times as much."""
+    p = cart()
+    slow = follow(AHEAD, p, contact=STIFF, speeds=speed_loop(dynamics(p), period=4e-3), tolerance=1e-7)
+    assert worst(slow).max() < 3e-6
+
+
+def test_torques_of_the_speed_loops_are_those_of_the_model_in_the_end():
+    """Without feedforward the loops find them by themselves: at constant speed, what resists."""
+    p = robot(rolling_resistance=0.03)
+    found = follow(STRAIGHT, p, model="kinematic", contact=STIFF)
+    cruise = int(3.5 / 1e-3)
+    assert found.torque[:, cruise] == pytest.approx([0.03 * MASS * 9.80665 / 4.0 * RADIUS] * 4, rel=1e-3)
+
+
+def test_gains_by_hand():
+    d = dynamics(robot())
+    found, own = speed_loop(d, limit=5.0), 0.01 + WHEEL
+    most = MASS * RADIUS**2 / 4.0 + own
+    assert most > INERTIA_OF_TURNING  # ahead it meets more than turning
+    assert found.proportional == pytest.approx([own / 3e-3] * 4)  # J / (2 * 1.5 T)
+    assert found.integral == pytest.approx([found.proportional[0] ** 2 / (4.0 * most)] * 4)
+    assert np.roots([most, found.proportional[0], found.integral[0]]).imag == pytest.approx([0.0, 0.0], abs=1e-3)
+    assert found.limit == (5.0,) * 4
+    lag = most / found.proportional[0] + 1.5 * 0.04
+    poses = pose_loop(d, found, period=0.04)
+    assert (poses.proportional, poses.integral) == pytest.approx((1.0 / (3.0 * lag), 1.0 / (27.0 * lag**2)))
+    assert speed_loop(d, integral=False).integral == (0.0,) * 4
+
+
+INERTIA_OF_TURNING = 2.34 / 4.0 * (RADIUS / LEVER) ** 2 + 0.01 + WHEEL
+
+
+# --- what is misjudged, open-loop -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("model", ["kinematic", "dynamic"])
+@pytest.mark.parametrize("error", [0.01, -0.02])
+@pytest.mark.parametrize("p", [robot(), cart()], ids=["mecanum", "differential"])
+def test_all_radii_off_lengthen_the_way(p, error, model):
+    found, without = (
+        deviation(follow(STRAIGHT, p, model=model, misjudged=Misjudged(radius=e), contact=STIFF)) for e in (error, 0.0)
+    )
+    assert found.along[-1] - without.along[-1] == pytest.approx(way_by_radius(error, 6.0), rel=2e-3)
+    assert np.abs(found.across).max() < 1e-6 and np.abs(found.heading).max() < 1e-6
+
+
+@pytest.mark.parametrize("p", [robot(), cart()], ids=["mecanum", "differential"])
+def test_wheels_farther_out_turn_less(p):
+    found = deviation(follow(AHEAD, p, misjudged=Misjudged(lever=0.03), contact=STIFF))
+    assert found.turned[-1] == pytest.approx(2.0)
+    assert found.heading[-1] == pytest.approx(heading_by_lever(0.03, 2.0), rel=3e-3)
+
+
+def test_radii_apart_make_an_arc():
+    found = follow(STRAIGHT, cart(), misjudged=Misjudged(radius=(0.02, -0.02)), contact=STIFF)  # right, left
+    bend = curvature_by_radii(0.02, 0.5)
+    assert found.posture[2, -1] == pytest.approx(bend * 6.0, rel=2e-3)
+    assert found.posture[0, -1] == pytest.approx(math.sin(bend * 6.0) / bend, rel=2e-3)
+    assert found.posture[1, -1] == pytest.approx((1.0 - math.cos(bend * 6.0)) / bend, rel=2e-3)
+
+
+def dead_reckoned(plan, believed, true):
+    """Posture by wheel speeds alone, on the platform as it is: no forces, no controllers."""
+    E, K_plus = kinematics(believed.wheels).E, kinematics(true.wheels).K_plus
+    eta = K_plus @ E @ plan.in_robot()[0]
+    step = np.diff(plan.time)
+    middle = (eta[:, 1:] + eta[:, :-1]) / 2.0 * step
+    theta = plan.posture[2, 0] + np.concatenate([[0.0], np.cumsum(middle[2])])
+    half = (theta[1:] + theta[:-1]) / 2.0
+    path = np.cumsum((middle[0] + 1j * middle[1]) * np.exp(1j * half))
+    return np.array([path[-1].real, path[-1].imag, theta[-1]])
+
+
+@pytest.mark.parametrize(
+    "off",
+    [Misjudged(radius=(0.01, -0.005, 0.004, 0.0)), Misjudged(toe=(0.01, -0.02, 0.005, 0.0)),
+     Misjudged(radius=0.02, lever=-0.02)],
+)  # fmt: skip
+def test_stiff_tyres_are_dead_reckoning(off):
+    """Loads alike: of wheels that cannot all roll, least squares of what they slip by."""
+    p = robot()
+    found = follow(CURVED, p, misjudged=off, contact=Contact(slip_speed=1.0, friction=1000.0), tolerance=1e-6)
+    by_wheels = dead_reckoned(found.planned, p, actual(p, off))
+    missed = by_wheels - found.planned.posture[:, -1]
+    assert np.abs(missed).max() > 0.01
+    assert found.posture[:, -1] - found.planned.posture[:, -1] == pytest.approx(missed, abs=0.02 * np.abs(missed).max())
+
+
+def test_a_motor_that_is_weak_is_made_up_for_by_its_integral():
+    weak = Misjudged(motor=(0.0, -0.4, 0.0, 0.0))
+    p = robot(rolling_resistance=0.03)
+    d = dynamics(p)
+    with_sum, without = (
+        deviation(follow(STRAIGHT, p, misjudged=weak, contact=STIFF, speeds=speed_loop(d, integral=i))).position.max()
+        for i in (True, False)
+    )
+    assert with_sum < 0.005 < 0.02 < without
+
+
+def test_what_a_proportional_loop_is_slow_by():
+    """At constant speed the wheel lags by torque over gain; fed forward, by what the model misjudges of it."""
+    p = robot(rolling_resistance=0.03)
+    speeds = speed_loop(dynamics(p), integral=False)
+    torque = 0.03 * MASS * 9.80665 / 4.0 * RADIUS
+    for model, off, share in (("kinematic", EXACT, 1.0), ("dynamic", Misjudged(rolling_resistance=0.006), 0.2)):
+        found = follow(STRAIGHT, p, model=model, misjudged=off, contact=STIFF, speeds=speeds)
+        lag = 1.0 / RADIUS - found.speeds[:, 3500]
+        assert lag == pytest.approx([share * torque / speeds.proportional[0]] * 4, rel=5e-3)
+
+
+# --- poses fed back ---------------------------------------------------------------------------------------------------
+
+
+def test_poses_take_a_constant_bias_away():
+    p, long = robot(), route([(12.0, 0.0)], speed=1.0, acceleration=1.0)
+    d, off = dynamics(p), Misjudged(radius=0.02, rolling_resistance=0.01)
+    speeds = speed_loop(d)
+    open_loop = deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds))
+    found = deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds, poses=pose_loop(d, speeds)))
+    assert open_loop.along[9000] == pytest.approx(0.02 * found.way[9000], rel=0.01)
+    assert abs(found.along[11500]) < 1e-4  # at constant speed
+    assert found.position.max() < 0.01
+
+
+def test_poses_take_a_sideways_bias_away():
+    p, long = robot(), route([(12.0, 0.0)], speed=1.0, acceleration=1.0)
+    d, off = dynamics(p), Misjudged(toe=0.02)  # of all wheels
+    speeds = speed_loop(d)
+    free = deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds))
+    assert free.across[-1] == pytest.approx(12.0 * math.sin(0.02), rel=1e-3)
+    held = deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds, poses=pose_loop(d, speeds)))
+    assert abs(held.across[11500]) < 1e-4 < held.position.max() < 0.01
+
+
+def test_poses_take_an_error_of_direction_away():
+    p = robot()
+    d, off = dynamics(p), Misjudged(radius=(0.01, -0.01, -0.01, 0.01), toe=0.01)
+    speeds = speed_loop(d)
+    free = deviation(follow(CURVED, p, misjudged=off, speeds=speeds))
+    held = deviation(follow(CURVED, p, misjudged=off, speeds=speeds, poses=pose_loop(d, speeds)))
+    assert free.position.max() > 20.0 * held.position.max()
+    assert np.abs(free.heading).max() > 20.0 * np.abs(held.heading).max()
+
+
+def test_a_unicycle_s_lateral_error():
+    """Radii apart bend the way by δ at speed v; the law holds it where v y / d² = δ, so y = -2 e d² / b."""
+    p, long = cart(), route([(20.0, 0.0)], speed=1.0, acceleration=1.0)
+    d = dynamics(p)
+    speeds = speed_loop(d)
+    poses = pose_loop(d, speeds, speed=1.0)
+    off = Misjudged(radius=(0.01, -0.01))
+    found = deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds, poses=poses))
+    at = int(19.0 / 1e-3)
+    assert found.across[at] == pytest.approx(curvature_by_radii(0.01, 0.5) * poses.distance**2, rel=0.03)
+    assert abs(found.along[at]) < 1e-4
+    assert abs(deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds)).across[at]) > 5.0
+
+
+# --- limits -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_torque_limit_that_is_hit_is_told():
+    p = robot(rolling_resistance=0.02)
+    d = dynamics(p)
+    hard = route([(3.0, 0.0)], speed=1.5, acceleration=2.0)
+    need = MASS * 2.0 / 4.0 * RADIUS
+    found = follow(hard, p, contact=STIFF, speeds=speed_loop(d, limit=0.8 * need))
+    assert np.abs(found.torque).max() == pytest.approx(0.8 * need)
+    assert (found.limited > (1.5 / 1.6 + 0.75) / 2.75).all() and (found.limited < 0.8).all()  # both ramps, and longer
+    free = follow(hard, p, contact=STIFF, speeds=speed_loop(d))
+    assert free.limited.max() == 0.0 and np.abs(free.torque).max() > need
+    assert free.slip.max() < 3.0 * STIFF.slip_speed  # a step that is too long would jump from side to side
+    assert worst(found)[0] > 10.0 * worst(free)[0]
+
+
+def test_on_ice_the_wheels_spin_and_the_floor_gives_no_more():
+    ice = Contact(friction=0.05, slip_speed=0.01)
+    found = follow(route([(3.0, 0.0)], speed=1.5, acceleration=2.0), robot(), contact=ice)
+    assert (found.traction <= 0.05 * found.load * (1.0 + 1e-12)).all()
+    by = {e.title: e for e in extremes(found)}
+    assert by["use of the floor's grip"].value > 0.999
+    assert by["slip"].value > 0.3 and by["position"].value > 0.5
+    rate = np.diff(found.velocity[0]) / 1e-3
+    assert rate.max() < 0.05 * 9.80665 / math.sqrt(2.0) * 1.0001
+
+
+@pytest.mark.parametrize("blocked", [False, True])
+def test_without_a_motor(blocked):
+    left = without_motor(robot(), 3, blocked=blocked)
+    S = kinematics(left.wheels).motions
+    if not blocked:
+        found = follow(CURVED, left, contact=STIFF, tolerance=1e-7)
+        assert worst(found).max() < 1e-4 and np.abs(found.torque[2]).max() == 0.0
+        return
+    eta = 0.3 * S[:, 0] / np.abs(S[:, 0]).max()
+    rest = np.zeros((3, 1, 2))
+    moving = Trajectory(np.array([1.0]), rest.copy(), rest + eta[:, None, None], rest.copy())
+    if eta[2] == 0.0:
+        moving.posture[:, 0, 1] = eta
+        found = follow(moving, left, contact=STIFF)
+        assert worst(found).max() < 1e-4 and np.abs(found.speeds[2]).max() == 0.0
+
+
+# --- what cannot be ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"model": "both"}, "following: model must be kinematic or dynamic, got 'both'"),
+        ({"platform": cart()}, "velocity of the trajectory: it slides wheel 1 by"),
+        ({"platform": mecanum(inertia=0.0)},
+         "speed loop: a driven wheel has no inertia; give inertia or rotor_inertia"),
+        ({"misjudged": Misjudged(radius=(0.1, 0.2))}, "misjudged radius: expected one figure, or 4, got 2"),
+        ({"misjudged": Misjudged(mass=-1.5)}, "platform: mass must be above 0, got -22.5"),
+        ({"speeds": speed_loop(dynamics(cart()))}, "speed loop: expected gains of 4 driven wheels, got 2"),
+        ({"poses": pose_loop(dynamics(cart()), speed_loop(dynamics(cart())))},
+         "pose loop: it is not for the motions that this platform allows"),
+        ({"speeds": SpeedLoop(period=1e-3, proportional=(1e6,) * 4, integral=(0.0,) * 4, limit=(math.inf,) * 4)},
+         "following: speeds run away at"),
+        ({"ground": Ground(slope=np.zeros(3))}, "following: expected one slope for all of the way"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_followed(change, said):
+    with pytest.raises(InputError) as caught:
+        follow(**({"trajectory": CURVED, "platform": robot()} | change))
+    assert str(caught.value).startswith(said) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: Misjudged(lever=math.nan), "misjudged: lever must be a number below 10, got nan"),
+        (lambda: Misjudged(motor=-1.2), "misjudged: motor must be -1 or more, got -1.2"),
+        (lambda: speed_loop(dynamics(robot()), limit=-1.0),
+         "speed loop: limit must be 0 or more, got (-1.0, -1.0, -1.0, -1.0)"),
+        (lambda: speed_loop(dynamics(robot()), period=5.0),
+         "speed loop: period must lie between 1e-05 s and 1 s, got 5.0"),
+        (lambda: pose_loop(dynamics(steered()), speed_loop(dynamics(steered()))),
+         "pose loop: expected a platform that allows all motions, or forwards and turning only"),
+    ],
+)  # fmt: skip
+def test_one_line_of_what_is_wrong(make, said):
+    with pytest.raises(InputError) as caught:
+        make()
+    assert str(caught.value) == said
+
+
+def steered():
+    p = car(1.1, 0.6, 0.3)
+    return replace(p, wheels=tuple(replace(w, inertia=0.01) for w in p.wheels))
+
+
+def test_a_payload_that_the_model_does_not_know():
+    there = actual(robot(), Misjudged(payload=Payload(mass=5.0, x=0.45, height=0.9), centre=(0.0, 0.05, 0.1)))
+    assert isinstance(there, Platform)
+    assert (there.mass, there.x, there.y, there.height) == pytest.approx((50.0, 0.045, 0.045, 0.18))
+    found = follow(STRAIGHT, robot(), misjudged=Misjudged(payload=Payload(mass=5.0, x=0.2)))
+    assert isinstance(found, Followed)
+    assert found.load[:, 3500].sum() == pytest.approx(50.0 * 9.80665)
+    assert found.load[0, 3500] > found.load[3, 3500]

@@ -1,0 +1,254 @@
+"""What the pages show is run: every command, what it prints, every spec, catalogue and piece of Python."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+from catalog_texts import MAP, SHEET
+
+from drivesizer.catalog import PARTS, columns_of, load
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.spec.robot import read_spec
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "docs"))
+
+from blocks import Shell, blocks, commands, renewed, shown, written  # noqa: E402
+
+PAGES = sorted((ROOT / "docs").glob("*.md"))
+LANGUAGES = {"bash", "text", "python", "yaml", "csv"}
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+CATALOGUES = (ROOT / "docs" / "catalogues.md").read_text(encoding="utf-8")
+
+
+def text_of(page):
+    return page.read_text(encoding="utf-8")
+
+
+def said_by(code):
+    """What a piece of Python says that it prints: comments on lines of their own, and behind a print."""
+    return [m[1] for m in re.finditer(r"^(?:print\(.*\)  )?# (.*)$", code, re.MULTILINE)]
+
+
+def read(text, folder):
+    """A spec or a catalogue by the strict reader."""
+    if text.startswith("catalog:"):
+        path = folder / "shown.yaml"
+        path.write_text(text, encoding="utf-8")
+        return load([str(path)])
+    return read_spec(YamlSource(text, "shown.yaml"))
+
+
+# --- the pages
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_every_block_of_a_page_has_a_language_that_is_run(page):
+    known = {block.language for block in blocks(text_of(page))}
+    assert known <= LANGUAGES
+    fences = len(re.findall(r"^ *```", text_of(page), re.MULTILINE))
+    assert fences == 2 * len(blocks(text_of(page)))  # none is left open, none is overlooked
+    assert not re.search(r"(?:^|\n\n)(?:    |\t)(?![-*\d ]).*\n", re.sub(r"(?s)```.*?```", "", text_of(page)))
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if "```" in text_of(p)], ids=lambda page: page.stem)
+def test_what_a_page_shows_is_what_happens(page, tmp_path, monkeypatch, capsys):
+    """In the order of the page, in one folder: commands, what they print, and Python."""
+    compared = []
+
+    def compare(block, output):
+        assert shown(block.text, output) == "", f"{page.name}:{block.line}\n{output}"
+        compared.append(block)
+
+    written(text_of(page), tmp_path, compare)
+    found = blocks(text_of(page))
+    assert len(compared) == sum(block.language == "text" for block in found)
+    monkeypatch.chdir(tmp_path)
+    capsys.readouterr()
+    for block in found:
+        if block.language == "python":
+            exec(compile(block.text, f"{page.name}:{block.line}", "exec"), {})
+            assert capsys.readouterr().out.splitlines() == said_by(block.text)
+        elif block.language == "yaml" and not block.title:
+            read(block.text, tmp_path)
+
+
+def test_a_text_follows_the_commands_that_print_it():
+    for page in PAGES:
+        order = [block.language for block in blocks(text_of(page)) if block.language in ("bash", "text")]
+        assert all(order[n - 1 : n] == ["bash"] for n, language in enumerate(order) if language == "text"), page.name
+
+
+def test_the_robot_of_the_tutorial_is_the_example():
+    """Without the comments that say what the paper states and what is assumed."""
+    (block,) = (b for b in blocks(text_of(ROOT / "docs" / "tutorial.md")) if b.title == "robot.yaml")
+    example = (ROOT / "examples" / "sps_robot.yaml").read_text(encoding="utf-8")
+    assert YamlSource(block.text, "robot.yaml").data == YamlSource(example, "sps_robot.yaml").data
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md"])
+def test_what_is_linked_is_there(name):
+    for target in re.findall(r"\]\(([^)#]+)", (ROOT / name).read_text(encoding="utf-8")):
+        assert target.startswith("http") or (ROOT / target).exists(), target
+
+
+def test_lines_of_code_fit_the_page():
+    for page in PAGES:
+        for block in blocks(text_of(page)):
+            if page.name != "catalogues.md" and block.language in ("yaml", "python"):
+                assert max(map(len, block.text.splitlines())) <= 92, f"{page.name}:{block.line}"
+
+
+# --- the comparison itself
+
+
+SAYS = "a 1\nb 2\nc 3\nd 4\n"
+
+
+@pytest.mark.parametrize("block", [SAYS, "a 1\n...\nd 4\n", "...\nb 2\nc 3\n...\n", "a 1\n...\n", "...\nd 4\n"])
+def test_a_block_that_is_what_was_printed(block):
+    assert shown(block, SAYS) == ""
+
+
+@pytest.mark.parametrize(
+    "block",
+    ["a 1\nb 2\nc 3\n", "b 2\nc 3\nd 4\n", "a 1\nb 9\nc 3\nd 4\n", "a 1\n...\nd 5\n", "a 1\n...\nb 2\n",
+     "...\nc 3\nb 2\n...\n", "a 1\n...\nc 3\n...\nb 2\n...\n", "e\n...\n", SAYS + "e 5\n"],
+)  # fmt: skip
+def test_a_block_that_is_not(block):
+    assert shown(block, SAYS) != ""
+
+
+def test_a_block_is_brought_up_to_date():
+    now = "a 7\nb 8\nc 9\nd 0\n"
+    for block in (SAYS, "a 1\n...\nd 4\n", "...\nb 2\nc 3\n...\n", "a 1\n...\n"):
+        assert shown(block, now) != "" and shown(renewed(block, now), now) == ""
+
+
+def test_a_status_other_than_the_page_says_is_told(tmp_path):
+    page = "```bash\ndrivesizer size\n```\n"
+    with pytest.raises(ValueError, match="exit status 2"):
+        written(page, tmp_path, lambda *_: None)
+    written(page.replace("size\n", "size    # exit status 2\n"), tmp_path, lambda *_: None)
+
+
+def test_a_command_that_the_project_has_not_is_told(tmp_path):
+    for command in ("make coffee", "pip install motors", "rm -r /"):
+        with pytest.raises(ValueError, match="no command"):
+            Shell(tmp_path).run(command)
+    assert Shell(tmp_path).run("make run").status == 0
+
+
+# --- README and CONTRIBUTING
+
+
+_RUN: dict[str, object] = {}  # what a command said, so that none is run twice
+
+
+@pytest.fixture
+def desk(tmp_path):
+    """A folder with what the examples of the help name, each command in a state as if it were the first."""
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    for name, text in (("parts.csv", SHEET), ("map.yaml", MAP), ("my_parts.yaml", catalogue_of_the_page())):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+
+    def run(command):
+        command = command.replace(" examples/sps_robot.yaml", "")  # it is the robot.yaml of the folder
+        if command not in _RUN:
+            _RUN[command] = anew(command)
+        return _RUN[command]
+
+    def anew(command):
+        target = re.search(r"(?:-o|>) (\S+)", command)
+        (tmp_path / (target[1] if target else "none")).unlink(missing_ok=True)
+        if command.split()[1] == "init":
+            (tmp_path / "robot.yaml").unlink(missing_ok=True)
+        elif not target or target[1] != "robot.yaml":
+            shutil.copy(ROOT / "examples" / "sps_robot.yaml", tmp_path / "robot.yaml")
+        return Shell(tmp_path).run(command)
+
+    return run
+
+
+def catalogue_of_the_page():
+    return next(block.text for block in blocks(CATALOGUES) if block.language == "yaml")
+
+
+def test_every_command_of_the_readme_runs(desk):
+    (block,) = (block for block in blocks(README) if block.language == "sh")
+    found = commands(re.sub(r"^ +#.*$", "", block.text, flags=re.MULTILINE))
+    assert len(found) >= 10
+    for command, _ in found:
+        said = desk(command)
+        assert said.status < 2, f"{command}\n{said.text}"
+        assert said.status == 0 or "explain" in command, command  # which shows a pair that falls
+
+
+def test_every_example_of_the_help_runs(desk):
+    import typer.main
+
+    from drivesizer.cli import app
+
+    def examples(command):
+        for below in getattr(command, "commands", {}).values():
+            if not getattr(below, "commands", None):
+                assert below.epilog, below.name
+                yield below.epilog.removeprefix("Example: ")
+            yield from examples(below)
+
+    found = list(examples(typer.main.get_command(app)))
+    assert len(found) >= 14
+    for command in found:
+        said = desk(command)
+        assert said.status < 2, f"{command}\n{said.text}"
+
+
+def test_blocks_of_the_readme_are_all_run():
+    """yaml, python and text in test_package, sh above; what is indented is looked up, or the program's own words."""
+    assert {block.language for block in blocks(README)} == {"yaml", "python", "text", "sh"}
+    assert len(blocks(README)) == 4
+    for name in ("README.md", "CONTRIBUTING.md"):
+        text = re.sub(r"(?s)```.*?```", "", (ROOT / name).read_text(encoding="utf-8"))
+        for run in re.findall(r"(?:^    .*\n)+", text, re.MULTILINE):
+            lines = [line[4:] for line in run.splitlines() if not line.startswith("     ")]
+            for command, _ in commands("\n".join(line for line in lines if not line.startswith(("$", "drivesizer:")))):
+                assert command.startswith("drivesizer ") or Shell(ROOT).run(command).status == 0
+
+
+def test_the_error_in_the_readme_is_what_the_program_says(tmp_path):
+    (line,) = re.findall(r"^    (drivesizer: .*)$", README, re.MULTILINE)
+    number = int(re.search(r"yaml:(\d+)", line)[1])
+    mass = "  wheel_diameter: 0.1 m\n  driven_wheels: 4\n  rolling_resistance: 2 %\n  inertia: 3 kg*cm^2\n  mass: 45\n"
+    rest = "motion: {speed: 1 m/s, acceleration_time: 1 s, cruise_time: 1 s}\nsupply: {nominal: 24 V}\n"
+    spec = f"name: x\nload:\n  kind: wheeled_vehicle\n{mass}{rest}"
+    assert spec.splitlines()[number - 1] == "  mass: 45"
+    (tmp_path / "robot.yaml").write_text(spec, encoding="utf-8")
+    assert Shell(tmp_path).run("drivesizer size").text.startswith(line)
+
+
+# --- the page of the catalogues
+
+
+def test_the_catalogue_on_the_page_is_read_as_it_says(tmp_path):
+    (tmp_path / "example.yaml").write_text(catalogue_of_the_page(), encoding="utf-8")
+    catalog = load([str(tmp_path / "example.yaml")])
+    assert (len(catalog.motors), len(catalog.gearheads), len(catalog.motor_gearhead.left)) == (2, 2, 4)
+    assert catalog.gearheads.record(0).ratio == 12.25
+    assert catalog.confidence("motors", 0)["mass"] == "derived"
+
+
+def test_the_columns_on_the_page_are_those_of_the_schema():
+    for section in PARTS:
+        table = CATALOGUES.split(f"### {section}\n", 1)[1].split("### ", 1)[0]
+        rows = re.findall(r"^\| `(\w+)` \| (\S+) \|$", table, re.MULTILINE)
+        units = {"text": "text"}
+        expected = [
+            (c.name, units.get(c.kind, c.unit if c.unit != "1" else "number"))
+            for c in columns_of(section).values()
+            if c.name != "inside"
+        ]
+        assert rows == expected

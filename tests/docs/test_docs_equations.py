@@ -1,0 +1,61 @@
+"""Equations on their page: as at the terminal, whatever the notation."""
+
+from __future__ import annotations
+
+import pytest
+from docs_pages import bare, signs
+
+from drivesizer.output import formula
+from drivesizer.physics.equation import COMPANIONS, EQUATIONS
+from drivesizer.platform import matrix_equation
+from drivesizer.platform.matrix_equation import PLATFORM
+
+mathematics = pytest.importorskip("mathematics", reason="the documentation's own packages are not installed")
+EVERY = [*EQUATIONS.values(), *COMPANIONS.values()]
+MATRICES = [PLATFORM[number] for number in sorted(PLATFORM)]
+
+
+@pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
+def test_an_equation_on_the_page_is_the_one_at_the_terminal(declared):
+    """Another notation of the same syntax tree: what is read from left to right and from top to bottom is the same."""
+    for form, paper in ((formula.computed(declared), False), (declared.printed, True)):
+        if form:
+            made = mathematics.mathml(mathematics.expression(form, paper=paper), "block")
+            assert signs(made) == signs(formula.text(form, paper=paper))
+            assert made.count("<mfrac>") >= (1 if "/" in form and "1 / 2" not in form else 0)
+            assert made.count("<msqrt>") == form.count("sqrt(") + form.count("(1 / 2)")
+
+
+def test_fractions_stand_as_they_are_written():
+    fraction = mathematics.expression
+    assert fraction("a / b / c") == r"\frac{a}{b\,c}"
+    assert fraction("a / (b / c)") == r"\frac{a}{b}\,c"
+    assert fraction("a * (b + c) / d") == r"\frac{a\,\left(b + c\right)}{d}"
+    assert fraction("a - (b - c)") == r"a - \left(b - c\right)"
+    assert fraction("(a + b) * (2 * c / d) * e") == r"\left(a + b\right)\,\frac{2\,c}{d}\,e"
+    assert fraction("(a + b)**2 / 2") == r"\frac{\left(a + b\right)^{2}}{2}"
+
+
+@pytest.mark.parametrize("declared", MATRICES, ids=lambda e: str(e.number))
+def test_an_equation_of_the_platform_on_the_page_is_the_one_at_the_terminal(declared):
+    import matrices
+
+    left = declared.printed_symbol or declared.symbol
+    for side, form in ((left, declared.printed), (declared.symbol, matrix_equation.computed(declared))):
+        made = mathematics.mathml(matrices.equation(side, form), "block")
+        side, _, vector = side.partition("] / ")  # what stands on the left as divided by a vector is multiplied by it
+        right = matrix_equation.text(form)
+        if form.startswith("array") and " / " in form.rsplit(")", 1)[-1]:  # and a matrix by one over what divides it
+            whole, _, below = right.rpartition(" / ")
+            right = f"1 / {below} {whole}"
+        assert bare(made) == bare(f"{side} = {right} {vector}")
+        rows = 1 + right.count("; ") if "[" in right.replace("[T]", "") else 0
+        assert made.count("<mtr>") >= rows and "merror" not in made
+
+
+def test_a_vector_is_a_column_and_what_a_vector_is_multiplied_with_a_row():
+    import matrices
+
+    column, row = (mathematics.mathml(matrices.expression(form)) for form in ("array([a, b])", "array([a, b]) @ c"))
+    assert (column.count("<mtr>"), row.count("<mtr>"), row.count("<mtd>")) == (2, 1, 2)
+    assert mathematics.mathml(matrices.expression("array([[a, b, c], [a, b, c]])")).count("<mtr>") == 2

@@ -1,0 +1,262 @@
+"""The site: built with warnings fatal, nothing from elsewhere, and what it says of the program is so.
+
+Tables that people wrote are held against the program's own records; what hooks make is held against another way to it.
+"""
+
+from __future__ import annotations
+
+import doctest
+import html
+import json
+import math
+import os
+import re
+
+import pytest
+from docs_pages import ROOT, Loads, blocks, held_against_the_page, page, rows
+
+from drivesizer import size, validate
+from drivesizer.equations import nominal_speed
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output import formula
+from drivesizer.output.json import documents as json_documents
+from drivesizer.physics.equation import COMPANIONS, EQUATIONS
+from drivesizer.platform import printed_forms
+from drivesizer.platform.matrix_equation import PLATFORM
+from drivesizer.results.check_columns import TITLES
+from drivesizer.sizing import explain
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+mathematics = pytest.importorskip("mathematics", reason="the documentation's own packages are not installed")
+EVERY = [*EQUATIONS.values(), *COMPANIONS.values()]
+MATRICES = [PLATFORM[number] for number in sorted(PLATFORM)]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The site as `mkdocs build --strict` makes it: a warning ends it."""
+    os.environ["NO_MKDOCS_2_WARNING"] = "1"
+    from mkdocs.commands.build import build
+    from mkdocs.config import load_config
+
+    folder = tmp_path_factory.mktemp("site")
+    build(load_config(str(ROOT / "mkdocs.yml"), strict=True, site_dir=str(folder)))
+    return folder
+
+
+def test_the_examples_of_the_hooks():
+    import docstrings
+    import matrices
+
+    for module in (mathematics, docstrings, matrices):
+        found = doctest.testmod(module)
+        assert found.attempted and not found.failed
+
+
+# --- the site as a whole
+
+
+def test_nothing_comes_from_elsewhere(site):
+    pages = sorted(site.glob("*.html"))
+    assert len(pages) >= 23
+    for path in pages:
+        seen = Loads()
+        seen.feed(path.read_text(encoding="utf-8"))
+        for address in filter(None, seen.found):
+            assert not re.match(r"(?:https?:)?//", address), f"{path.name}: {address}"
+            assert (site / address.lstrip("/").split("?")[0].split("#")[0]).exists(), f"{path.name}: {address}"
+    for path in (site / "assets").rglob("*.css"):
+        assert not re.search(r"url\(\s*['\"]?(?:https?:)?//", path.read_text(encoding="utf-8")), path.name
+    assert (site / "assets" / "stix-two-math.woff").read_bytes()[:4] == b"wOFF"
+
+
+def test_every_formula_is_mathematics(site):
+    for path in site.glob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        assert "arithmatex" not in text, path.name
+        outside = re.sub(r"(?s)<(pre|code|script|math|style)\b.*?</\1>", "", text)
+        assert not re.search(r"\$[^$\n]{1,80}\$|\\[a-z]{2,}\{|\\\(", outside), path.name
+    assert "<merror" not in "".join(p.read_text(encoding="utf-8") for p in site.glob("*.html"))
+
+
+def test_the_project_s_own_files_are_pages(site):
+    for name in ("architecture", "contributing", "changelog"):
+        assert (site / f"{name}.html").exists()
+
+
+# --- equations
+
+
+def test_every_equation_of_the_platform_is_on_the_page_with_its_units(site):
+    text = (site / "equations.html").read_text(encoding="utf-8")
+    seen = Loads()
+    seen.feed(text)
+    assert sorted(PLATFORM) == list(range(21, 60))
+    for declared in MATRICES:
+        assert f"eq-{declared.number}" in seen.ids
+        part = text.split(f'id="eq-{declared.number}"', 1)[1].split("<h3", 1)[0]
+        for term in (*declared.terms, declared.result):
+            assert html.escape(term.meaning, quote=False) in part
+            assert term.unit.replace("*", "·").replace("^2", "²") in part
+        assert ("Fails the value check" in part) == bool(printed_forms.finding(declared).values)
+    assert text.count("Fails the value check") == 5
+
+
+def test_every_equation_is_on_the_page_with_its_units(site):
+    text = (site / "equations.html").read_text(encoding="utf-8")
+    seen = Loads()
+    seen.feed(text)
+    for declared in EVERY:
+        anchor = f"eq-{declared.number}" if declared.number else declared.name.replace("_", "-")
+        assert anchor in seen.ids
+        assert all(html.escape(term.meaning, quote=False) in text for term in declared.terms)
+    assert text.count("Fails the unit check") == sum(bool(formula.printed_failure(e)) for e in EVERY) == 2
+
+
+def test_the_page_of_the_paper_names_what_fails():
+    told = rows(page("paper"), "## Where the printed form cannot be followed")
+    numbers = [int(n) for row in told for n in re.findall(r"\((\d+)\)", row[0])]
+    assert numbers == [e.number for e in EVERY if formula.printed_failure(e)]
+
+
+@pytest.mark.parametrize(("reserve", "chosen"), [(0.69, None), (0.70, 27), (0.90, 27), (0.91, 35)])
+def test_the_choice_of_the_paper_hangs_on_its_speed_reserve(reserve, chosen):
+    """Of the reductions 3249/121 and 34.977 the larger that turns the gearhead's input at 8000 rpm at most."""
+    assert "any from 0.70 to 0.90 gives 27:1" in page("paper")
+    wheel = nominal_speed(1.5, 0.1524, reserve) * 30.0 / math.pi
+    allowed = [name for name, ratio in ((27, 3249 / 121), (35, 34.977)) if wheel * 1.1 * ratio <= 8000.0]
+    assert max(allowed, default=None) == chosen
+
+
+# --- what the program checks and figures out
+
+
+def test_every_limit_of_the_physics_is_on_its_page():
+    told = {row[0] for row in rows(page("physics"), "## Limits")}
+    beside = {TITLES["physics"][name] for name in ("compatibility", "controller_available")}
+    assert told == set(TITLES["physics"].values()) - beside
+    assert all(f"*{title}*" in page("physics") for title in beside)
+
+
+MACHINES = {
+    "voltage": "",
+    "cascade": "control: {structure: cascade, velocity: {bandwidth: 20 Hz}, position: {}}\nneeds: {bandwidth: 5 Hz}\n",
+    "soft": "plant: {model: two_mass, stiffness: 3000 N*m/rad}\nmission: {duration: 60 s}\n",
+}
+
+
+@pytest.fixture(scope="module")
+def proofs():
+    """Closed loops that have all kinds of checks and figures between them."""
+    (text,) = (b.text for b in blocks(page("validation")) if b.title == "robot.yaml")
+    bare = re.sub(r"(?ms)^(?:control|mission|cases):.*?(?=^\w|\Z)", "", text)
+    bare = bare.replace("rolling_resistance: 2 %", "rolling_resistance: 2 %\n  friction_coefficient: 0.6")
+    specs = [read_spec(YamlSource(bare + more, "x.yaml")) for more in MACHINES.values()]
+    chosen = size(specs[0], top=1).sets[0]
+    return [validate(spec, chosen) for spec in specs]
+
+
+def test_every_check_and_figure_of_the_closed_loop_is_on_its_page(proofs):
+    text = page("validation")
+    checks = " | ".join(row[0] for row in rows(text, "## Checks and figures"))
+    figures = " | ".join(row[0] for row in rows(text, "## Checks and figures", r"\| figure"))
+    for proof in proofs:
+        for check in proof.checks:
+            assert check.title.removesuffix(" (advice)") in checks, check.title
+        for figure in proof.figures:
+            first, _, rest = figure.title.partition(", ")
+            assert first in figures and rest.split(", ")[-1] in figures, figure.title
+
+
+# --- the platform, the battery, the machine
+
+
+ROUTE = re.compile(
+    r"^ (kinematic|dynamic) +(PI?) +(open loop|fed back) +(all|not all) +([\d.]+) m +[\d.]+ ° +0 %$", re.MULTILINE
+)
+
+
+def test_what_is_read_out_of_the_runs_is_in_the_tables():
+    """Every figure of the reading is one of the table's, and what is said of them holds."""
+    text = page("platform")
+    reading = text.split("How we read it:", 1)[1].split("![Path", 1)[0]
+    figures = {m[0] for m in re.finditer(r"[\d.]+ m\b", reading)}
+    at = {row[:4]: float(row[4]) for row in ROUTE.findall(text)}
+    assert len(at) == 10 and len(figures) == 8 and figures <= {f"{value:g} m" for value in at.values()}
+    P, PI = ("P", "open loop"), ("PI", "open loop")
+    assert round(at["kinematic", *P, "all"] / at["dynamic", *P, "all"]) == 11 and "to an eleventh" in reading
+    for loops, knows in ((PI, "all"), (PI, "not all"), (P, "not all")):
+        assert abs(at["kinematic", *loops, knows] / at["dynamic", *loops, knows] - 1.0) < 0.25
+    assert max(value for key, value in at.items() if key[2] == "fed back") < 0.005
+    for errors in ("2.78 m      5.1 °", "0.89 m     0.45 °"):  # the paper's, section V
+        assert f" measured                             {errors}" in text
+
+
+AMOUNTS = {  # what the page says, and the line of the test that says it
+    "8 mrad/s of 470 rad/s": ("mujoco", "< 8e-3  # rad/s of up to 470"),
+    "10 µA of 4.3 A": ("mujoco", "< 1e-5  # A of up to 4.3"),
+    "12 mrad/s and 1 mA RMS over a second": ("mujoco", "strayed[0] < 0.012 and strayed[1] < 1e-3"),
+    "0.08 rad/s at the reversal": ("mujoco", "abs=0.08)"),
+    "0.45 rad/s of 380": ("mujoco", "off(fine, s)[0] < 0.45"),
+    "0.4 mrad/s; no motion below": ("mujoco", "abs=4e-4)"),
+    "0.6 mrad/s of 290 rad/s": ("solvers", "[(0.0, {}, 6e-4),"),
+    "energy to 1e-5": ("solvers", "pytest.approx(electrical, rel=1e-5)"),
+    "0.06 rad/s": ("solvers", '{"gap": 0.01}, 0.06)]'),
+    "0.6 mrad/s; 5 µA": ("controllers", "[(0.0, {}, 6e-4, 5e-6)"),
+    "before the reversal 3e-6": ("controllers", "before.max() < 3e-6"),
+    "1e-8 rad/s of 8": ("linear", "abs=1e-8)  # rad/s of 8"),
+    "1e-10 rad": ("linear", "abs=1e-10)  # rad"),
+    "to 4 % of that": ("linear", "pytest.approx([2.0] * 3, abs=0.08)"),
+    "1e-6 of what is turned over": ("itself", "abs=1e-6 * turned_over"),
+}
+
+
+@pytest.mark.parametrize("said", AMOUNTS)
+def test_amounts_of_the_page_are_those_of_the_tests(said):
+    name, line = AMOUNTS[said]
+    assert said in page("validation")
+    assert line in (ROOT / "tests" / "against" / f"test_against_{name}.py").read_text(encoding="utf-8")
+
+
+# --- the spec, the loads, JSON
+
+
+def test_every_field_of_a_spec_is_on_a_page(site):
+    text = "".join((site / f"{name}.html").read_text(encoding="utf-8") for name in ("spec", "loads"))
+    shown = set(re.findall(r"<code>(\w+)</code>", text))
+    models = {"RobotSpec": RobotSpec.model_json_schema(), **RobotSpec.model_json_schema()["$defs"]}
+    for name, model in models.items():
+        lacking = set(model["properties"]) - shown - {"kind", "profile"}
+        assert not lacking, f"{name}: {lacking}"
+
+
+RECORDS = {  # heading: where such a record is in a document
+    "Sizing": lambda sizing, proof: [sizing],
+    "Set": lambda sizing, proof: [*sizing["sets"], *sizing["misses"], proof["set"]],
+    "Requirement": lambda sizing, proof: [
+        requirement for part in (sizing, sizing["sets"][0]) for requirement in part["requirements"].values()
+    ],
+    "Check": lambda sizing, proof: [*sizing["sets"][0]["checks"], *proof["checks"]],
+    "Figure": lambda sizing, proof: [*proof["figures"].values(), *proof["set"]["figures"].values()],
+    "Change": lambda sizing, proof: sizing["explained"]["changes"],
+    "Validation": lambda sizing, proof: [proof],
+    "Loop": lambda sizing, proof: proof["loops"],
+}
+
+
+@pytest.fixture(scope="module")
+def documents(spec, catalog, proofs):
+    """Of a sizing with misses and changes, and of a closed loop."""
+    result = size(spec, catalog=catalog)
+    document = json.loads(json_documents.as_text(json_documents.sizing(result)))
+    fallen = spec.model_copy(update={"method": "physics"})
+    heavy = fallen.model_copy(update={"load": fallen.load.model_copy(update={"mass": 300.0})})
+    found = explain(heavy, "118752", "406764", catalog=catalog)[0]
+    document["explained"] = json.loads(json_documents.as_text(json_documents.drive_set(found)))
+    assert document["misses"] and document["explained"]["changes"]
+    return document, json.loads(json_documents.as_text(json_documents.validation(proofs[1])))
+
+
+@pytest.mark.parametrize("heading", RECORDS)
+def test_the_tables_of_the_json_page_are_the_documents(documents, heading):
+    held_against_the_page(heading, RECORDS[heading](*documents))

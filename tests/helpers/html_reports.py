@@ -1,0 +1,64 @@
+"""Reports for the tests of the page: a drive with every figure, and one whose texts try to be markup."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from loops_by_hand import CASCADE, UNSTABLE
+from lxml import html
+from synthetic_validation import synthetic_validation
+
+import drivesizer
+from drivesizer.control.validation import Validation
+from drivesizer.files.yaml_source import read
+from drivesizer.results.sizing import SizingResult
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"
+NAME = (
+    """<script>alert(1)</script> "</script> <!-- ]]> & &lt; ${1} #eval("1") $x$ *b* `r` =1+1 \\\\ """
+    "測試 робот \u202e %{x}"
+)
+CASE = "<img src=x onerror=alert(1)> %{y} <b>b</b> &amp; 'q'"
+
+
+def parsed(content: bytes) -> Any:
+    """A page as a tree."""
+    return html.document_fromstring(content.decode(), parser=html.HTMLParser(encoding="utf-8"))
+
+
+def figures_of(page: Any) -> dict[str, Any]:
+    """The figures that a page draws, as plain data."""
+    (block,) = page.xpath("//script[@id='figures']")
+    found: dict[str, Any] = json.loads(block.text)
+    return found
+
+
+def hostile_spec(folder: Path) -> RobotSpec:
+    """A hoist whose names are markup in every language near: HTML, JavaScript, plotly, typst, CSV."""
+    text = (STARTERS / "hoist.yaml").read_text(encoding="utf-8")
+    shown = NAME.replace("\u202e", "")  # refused at the door; a report spells it out nevertheless
+    lines = ["name: " + json.dumps(shown) if line.startswith("name:") else line for line in text.splitlines()]
+    cases = {
+        "cases": [
+            {"name": CASE, "load": {"mass": "18 kg"}},
+            {"name": "weak", "supply": {"nominal": "20 V", "min": "18 V"}},
+        ]
+    }
+    path = folder / "robot.yaml"
+    path.write_text("\n".join([*lines, f"cases: {json.dumps(cases['cases'])}"]) + "\n", encoding="utf-8")
+    return read_spec(read(path)).model_copy(update={"name": NAME})
+
+
+def whole_validation(result: SizingResult) -> Validation:
+    """A made-up cascade of the SPS robot: every loop, one of them unstable, a position error, a winding that warms."""
+    plain = synthetic_validation(result)
+    time = plain.series["time"]
+    more = {"position_error": 0.002 * np.sin(time), "winding_temperature": 298.15 + 3.0 * time}
+    units = {"position_error": ("length", "mm"), "winding_temperature": ("temperature", "degC")}
+    loops = (*CASCADE, replace(UNSTABLE[1], name="shaft"))
+    return replace(plain, loops=loops, series=plain.series | more, series_units=plain.series_units | units)

@@ -1,0 +1,47 @@
+"""Machines without limits, for which linear theory has the answer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from textbook_machine import SHAFT
+
+from drivesizer.control.cascade import Rates
+from drivesizer.control.cascade_design import Wanted, design_cascade
+from drivesizer.control.drive_train import Regime
+from drivesizer.control.linear_modes import machine_of
+from drivesizer.control.loop_models import Shaft
+
+ENDS = ((3.0, Regime.FORWARD_DRIVING), (-6.0, Regime.FORWARD_BRAKING))  # slope in degrees, mode
+
+RATES = Rates(4e-5, 4e-4, 1.2e-3)  # s: current, velocity, position
+
+SOFT = Shaft(stiffness=SHAFT["stiffness"], damping=SHAFT["damping"])
+
+shafts = pytest.mark.parametrize("shaft", [None, SOFT], ids=["rigid", "two masses"])
+
+both_ways = pytest.mark.parametrize(("degrees", "regime"), ENDS, ids=["driving", "braking"])
+
+
+def machine(train, shaft):
+    return replace(machine_of(train), **(SHAFT if shaft else {}))
+
+
+def one_mode(run, regime):
+    """All the way forward, the load driven or driving."""
+    sign = 1 if regime == Regime.FORWARD_DRIVING else -1
+    return run.series["motor_speed"].min() > 0.0 and (sign * run.series["gear_torque"]).min() > 0.0
+
+
+def servo(train, shaft, **more):
+    """A cascade without feedforward, that a shaft bears."""
+    c, _ = design_cascade(train, RATES, Wanted(bandwidth=5.0 if shaft else 30.0, position=True))
+    fed = {f"feedforward_{name}": 0.0 for name in ("velocity", "friction", "acceleration")}
+    return replace(c, velocity_kd=2e-5 if shaft else 1e-3, filter_time=1e-3, **fed, **more)
+
+
+def shorter(controller, n):
+    """The same gains, all loops n times as often."""
+    names = [f for f in ("period", "current_period", "velocity_period", "position_period") if hasattr(controller, f)]
+    return replace(controller, **{name: getattr(controller, name) / n for name in names})

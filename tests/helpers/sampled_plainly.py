@@ -1,0 +1,81 @@
+"""Samples of a set, one by one: a machine and a catalogue of its own, by the evaluation that knows no samples."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from drivesizer.catalog import Catalog
+from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.search.columns.evaluation import Evaluation, evaluate
+from drivesizer.search.uncertainty.sampled_checks import SetRows
+from drivesizer.search.uncertainty.uncertain_figures import applied, case_paths
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import ControllerChoice
+from drivesizer.spec.tolerances import GearheadTolerances, MotorTolerances
+
+FACTORS = {"motor": MotorTolerances, "gearhead": GearheadTolerances}
+
+
+def machine_of(spec: RobotSpec, given: Any, values: Any) -> RobotSpec:
+    """The machine of one sample."""
+    return applied(spec, {path: float(values[k]) - given[k].nominal for k, path in case_paths(spec, None).items()})
+
+
+def scaled(table: Any, row: int, factors: dict[str, float]) -> Any:
+    """A table with some figures of a row times factors."""
+    columns = dict(table.columns)
+    for name, factor in factors.items():
+        columns[name] = columns[name].copy()
+        columns[name][row] *= factor
+    return replace(table, columns=columns)
+
+
+def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values: Any) -> tuple[Evaluation, Catalog]:
+    """One sample of a set by the plain evaluation: a spec and a catalogue of its own."""
+    v = {f"{part}.{figure}": 1.0 for part, section in FACTORS.items() for figure in section.model_fields}
+    v |= {assumption.name: value for assumption, value in zip(given, values, strict=True)}
+    heats, rubs, k = v["motor.thermal_resistance"], v["motor.friction"], v["motor.torque_constant"]
+    e = parts.gearheads["efficiency"][one.gearhead]
+    told = np.where(np.arange(len(parts.motors)) == one.motor, back_emf_constant(parts.motors.columns), np.nan)
+    motors = replace(parts.motors, columns=parts.motors.columns | {"back_emf_constant": told})
+    catalog = replace(
+        parts,
+        motors=scaled(motors, one.motor, {
+            "back_emf_constant": k, "resistance": v["motor.resistance"], "torque_constant": k,
+            "no_load_current": rubs / k, "friction_torque": rubs, "viscous_friction": rubs,
+            "rotor_inertia": v["motor.rotor_inertia"], "thermal_resistance_winding": heats,
+            "thermal_resistance_housing": heats, "winding_time_constant": heats, "motor_time_constant": heats,
+        }),
+        gearheads=scaled(parts.gearheads, one.gearhead, {
+            "efficiency": 1.0 / (1.0 + (1.0 / e - 1.0) * v["gearhead.efficiency"]) / e,
+            "no_load_torque": v["gearhead.efficiency"], "inertia": v["gearhead.inertia"],
+        }),
+    )  # fmt: skip
+    moved = machine_of(spec, given, values)
+    mine = ControllerChoice(part=[str(parts.controllers["part"][one.controller])])
+    moved = moved.model_copy(update={"select": moved.select.model_copy(update={"controller": mine})})
+    only = Candidates(np.array([one.motor]), np.array([one.gearhead]), np.array([one.belt]), np.array([True]))
+    return evaluate(moved, catalog, only), catalog
+
+
+def held_alike(plainly: Evaluation, got: dict[str, Any], row: int, size: int) -> None:
+    """Demand, limit and verdict of every check: the same to 1e-5, of windings to 1e-3."""
+    for check in plainly.checks:
+        if check.name not in got:
+            assert check.name in ("compatibility", "encoder_counts")
+            continue
+        mine = got[check.name]
+        near = 1e-3 if check.name == "winding_temperature" else 1e-5
+        for name in ("demand", "limit"):
+            column = np.broadcast_to(getattr(mine, name), size)
+            largest = np.abs(column[np.isfinite(column)]).max(initial=0.0)
+            np.testing.assert_allclose(
+                column[row], getattr(check, name)[0], rtol=near, atol=near * largest, err_msg=check.name
+            )
+        if not abs(check.margin[0]) < 10 * near:  # else rounding decides
+            for name in ("passed", "failed"):
+                assert np.broadcast_to(getattr(mine, name), size)[row] == getattr(check, name)[0], check.name

@@ -1,0 +1,185 @@
+"""What a load is to a shaft that turns freely, and every kind of load in closed loop."""
+
+from __future__ import annotations
+
+import math
+import re
+from importlib import resources
+
+import numpy as np
+import pytest
+
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.loads import load_cycle
+from drivesizer.loads.at_shaft import asked_of, at_shaft, remaining_torque
+from drivesizer.loads.profile import Profile
+from drivesizer.simulate import validate
+from drivesizer.sizing import explain, size
+from drivesizer.spec.robot import read_spec
+
+G = 9.80665
+HEAD = "name: a load\nsupply: {nominal: 48 V}\n"
+MOTION = "motion: {speed: 0.3 m/s, acceleration_time: 0.4 s, cruise_time: 1 s, rest_time: 0.5 s}\n"
+TURN = "motion: {speed: 30 deg/s, acceleration_time: 0.5 s, cruise_time: 2 s, rest_time: 0.5 s, there_and_back: true}\n"
+FAN = "motion: {speed: 1500 rpm, acceleration_time: 4 s, cruise_time: 6 s, rest_time: 1 s}\n"
+
+
+def spec_of(text):
+    return read_spec(YamlSource(HEAD + text, "load.yaml"))
+
+
+def starter(kind):
+    text = (resources.files("drivesizer.spec") / "starters" / f"{kind}.yaml").read_text(encoding="utf-8")
+    found = read_spec(YamlSource(text, f"{kind}.yaml"))
+    exact = found.control.model_copy(update={"speed_from": "exact"})  # counts would add their ripple to the torque
+    return found.model_copy(update={"control": exact})
+
+
+def test_a_conveyor_uphill():
+    """Forward friction and weight through the drum's efficiency; backward the weight comes back through it."""
+    load = "{kind: conveyor, mass: 15 kg, belt_mass: 4 kg, drum_diameter: 80 mm, friction_coefficient: 0.05, "
+    spec = spec_of(f"load: {load}efficiency: 90 %, incline: 20 deg, inertia: 0.002 kg*m^2, motors: 2}}\n{MOTION}")
+    found, a = at_shaft(spec), math.radians(20.0)
+    rubs, weight = 0.05 * 19.0 * G * math.cos(a), 15.0 * G * math.sin(a)
+    assert found.forward_torque == pytest.approx((weight + rubs) * 0.04 / 0.9 / 2)
+    assert found.backward_torque == pytest.approx((weight - rubs) * 0.04 * 0.9 / 2)
+    assert found.rest_torque == pytest.approx(weight * 0.04 / 2)
+    assert found.inertia == pytest.approx((0.002 + 19.0 * 0.04**2) / 2)
+    assert found.radius == pytest.approx(0.04)
+
+
+def test_a_self_locking_screw_holds_by_itself_and_has_to_be_driven_down():
+    load = "{kind: lead_screw, mass: 60 kg, lead: 4 mm, efficiency: 35 %, incline: 90 deg, inertia: 2e-5 kg*m^2}"
+    found = at_shaft(spec_of(f"load: {load}\n{MOTION.replace('0.3 m/s', '20 mm/s')}"))
+    ideal = 60.0 * G * 0.004 / (2 * math.pi)
+    assert found.forward_torque == pytest.approx(ideal / 0.35)
+    assert found.backward_torque == pytest.approx(ideal * (2 - 1 / 0.35))
+    assert found.backward_torque < 0.0 == found.rest_torque
+
+
+def test_a_rope_that_friction_would_slacken_pulls_with_nothing():
+    load = "{kind: hoist, mass: 5 kg, drum_diameter: 90 mm, friction_force: 60 N, rope_efficiency: 95 %}"
+    found = at_shaft(spec_of(f"load: {load}\n{MOTION}"))
+    assert found.backward_torque == 0.0 < found.rest_torque
+
+
+def test_an_arm_s_weight_comes_with_its_angle():
+    load = "{kind: arm, mass: 6 kg, length: 0.4 m, start_angle: 10 deg, friction_torque: 0.7 N*m}"
+    spec = spec_of(f"load: {load}\n{TURN}")
+    shaft, profile = at_shaft(spec), asked_of(spec)
+    moment, start = 6.0 * G * 0.4, math.radians(10.0)
+    assert shaft.rest_torque == pytest.approx(moment * math.cos(start))
+    assert (shaft.forward_torque - shaft.backward_torque) / 2 == pytest.approx(0.7)
+    time, torque = remaining_torque(spec, profile, shaft).T
+    fine = np.linspace(0.0, 3.0, 2000)
+    angle = start + np.interp(fine, *_angle(profile))
+    expected = moment * (np.cos(angle) - math.cos(start))
+    assert np.interp(fine, time, torque) == pytest.approx(expected, abs=2e-5 * moment)
+    assert np.all(np.diff(time) > 0.0)
+
+
+def _angle(profile):
+    """Angle of a profile at 20 000 moments."""
+    time = np.linspace(profile.time[0], profile.time[-1], 20_001)
+    speed = np.interp(time, profile.time, profile.speed)
+    return time, np.concatenate([[0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2)])
+
+
+def test_a_fan_s_drag_comes_with_its_speed():
+    load = "{kind: fan, rated_torque: 0.8 N*m, rated_speed: 1500 rpm, friction_torque: 0.05 N*m, inertia: 0.01 kg*m^2}"
+    spec = spec_of(f"load: {load}\n{FAN}")
+    shaft = at_shaft(spec)
+    assert (shaft.forward_torque, shaft.rest_torque) == pytest.approx((0.05, 0.0), abs=1e-12)
+    time, torque = remaining_torque(spec, asked_of(spec), shaft).T
+    assert np.interp([1.0, 2.0, 6.0, 14.5], time, torque) == pytest.approx([0.05, 0.2, 0.8, 0.0], abs=2e-5)
+
+
+KINDS = [
+    "conveyor",
+    "hoist",
+    "lead_screw",
+    "ball_screw",
+    "rack_pinion",
+    "rotary_table",
+    "arm",
+    "fan",
+    "flywheel",
+    "wheeled_vehicle",
+]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_taken_apart_and_put_together_again_it_is_the_load_cycle(kind):
+    spec = starter(kind)
+    shaft, profile, cycle = at_shaft(spec), asked_of(spec), load_cycle(spec)
+    left = remaining_torque(spec, profile, shaft)
+    middle = cycle.time.mean(axis=1)
+    speed, torque, slope = (getattr(cycle, name).mean(axis=1) for name in ("speed", "torque", "acceleration"))
+    constant = np.select([speed > 0.0, speed < 0.0], [shaft.forward_torque, shaft.backward_torque], shaft.rest_torque)
+    over_time = np.interp(middle, *left.T) if len(left) else 0.0
+    whole = shaft.inertia * slope + constant + over_time
+    assert whole == pytest.approx(torque, abs=1e-9 * np.abs(torque).max())
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("conveyor", "gearhead_continuous_torque"),
+        ("arm", "gearhead_continuous_torque"),
+        ("fan", "gearhead_intermittent_torque"),  # it creeps to rest, so that its running time is longer
+    ],
+)
+def test_the_closed_loop_takes_what_the_load_cycle_asks(kind, name):
+    """Torque at the gearhead: the closed loop's against the sizing's, which knows the motion beforehand."""
+    spec = starter(kind)
+    best = size(spec, top=1).sets[0]
+    proof = validate(spec, best)
+    asked, got = ({c.name: c.demand for c in checks}[name] for checks in (best.checks, proof.checks))
+    assert got == pytest.approx(asked, rel=0.02)
+    shown = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}[spec.load.axis]
+    assert proof.series_units["speed"] == shown
+    assert {c.name: c.status for c in proof.checks}["tracking_error"] == "pass"
+    if kind == "arm":
+        said = next(said for said in proof.assumptions if "an arm's weight" in said)
+        told = float(re.search(r"([\d.]+)% of its largest off", said)[1]) / 100.0
+        assert weight_off(proof.series) <= told + 5e-5 and told < 0.01
+
+
+def weight_off(series):
+    """By how much the weight of an arm that starts 60 deg below level differs at its angle from that asked for."""
+    t, v = series["time"], series["speed_reference"]
+    asked = np.radians(-60.0) + np.concatenate(([0.0], np.cumsum(np.diff(t) * (v[1:] + v[:-1]) / 2)))
+    return float(np.abs(np.cos(asked) - np.cos(asked - series["position_error"])).max())
+
+
+def test_a_recorded_load_is_driven_along_its_own_motion(tmp_path):
+    time = np.linspace(0.0, 3.0, 61)
+    speed = 8.0 * np.sin(np.pi * time / 3.0)
+    torque = 1.5 + 0.4 * speed
+    rows = "\n".join(f"{t:.6f},{w:.9f},{m:.9f}" for t, w, m in zip(time, speed, torque, strict=True))
+    (tmp_path / "cycle.csv").write_text(f"time,speed,torque\ns,rad/s,N*m\n{rows}\n", encoding="utf-8")
+    text = HEAD + "load: {kind: recorded, file: cycle.csv, inertia: 0.01 kg*m^2}\n"
+    spec = read_spec(YamlSource(text, str(tmp_path / "load.yaml")))
+    asked, shaft = asked_of(spec), at_shaft(spec)
+    assert asked.top_speed == pytest.approx(8.0)
+    left = remaining_torque(spec, asked, shaft)
+    assert np.interp(time, *left.T) == pytest.approx(torque, abs=1e-6)
+    best = size(spec, top=1).sets[0]
+    assert {c.name: c.status for c in validate(spec, best).checks}["tracking_error"] == "pass"
+    with pytest.raises(InputError, match="recorded load brings its own motion"):
+        validate(spec, best, profile=Profile("other", (0.0, 1.0), (0.0, 1.0)))
+
+
+def test_a_mission_is_its_cycle_many_times(spec, catalog):
+    """80 minutes in 20 cycles of 244 s: energy and way of one, twenty times."""
+    chosen = explain(spec, "118752", "406764", catalog=catalog)[0]
+    text = spec.text + "\nmission: {duration: 80 min}\n"
+    mission = read_spec(YamlSource(text, "mission.yaml"))
+    one, many = ({f.name: f.value for f in validate(s, chosen).figures} for s in (spec, mission))
+    assert many["mission"] == pytest.approx(20 * 244.0)
+    for name in ("energy_in", "energy_returned"):
+        assert many[name] == pytest.approx(20 * one[name], rel=1e-3)
+    assert many["rms_current"] == pytest.approx(one["rms_current"], rel=1e-3)
+    # the first cycle starts in equilibrium, the others with what the loop's integral kept of the stop before
+    assert one["tracking_error_peak"] < many["tracking_error_peak"] < 2 * one["tracking_error_peak"]

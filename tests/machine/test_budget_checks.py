@@ -1,0 +1,299 @@
+"""Checks of mass, room, footing and grip: the paper's robot by hand, what is unknown, and that each can fail."""
+
+import math
+from dataclasses import replace
+from math import nan
+
+import pytest
+from platform_specs import DIAGONAL, DOOR, SIZE, section, vehicle
+from platforms import MASS
+from trajectories import joined, piece, straight
+
+from drivesizer import size
+from drivesizer.errors import InputError
+from drivesizer.loads.platform_record import platform_of
+from drivesizer.machine.platform_budget import budget_checks
+from drivesizer.machine.platform_checks import Standing, envelope_checks, grip_checks, machine_mass, mass_checks
+from drivesizer.machine.platform_checks import stability_checks as footing
+from drivesizer.platform.dynamics import dynamics
+from drivesizer.results.check_columns import TITLES
+from drivesizer.spec.platform import Budget
+
+G = 9.80665
+LOW = {"height": "90 mm"}
+
+
+@pytest.fixture(scope="module")
+def drive(spec):
+    found = size(spec).sets[0]
+    return replace(
+        found,
+        encoder=replace(found.encoder, mass=0.010),
+        controller=replace(found.controller, mass=0.080),
+        belt_ratio=1.0,
+    )
+
+
+def of(checks):
+    return {check.name: check for check in checks}
+
+
+def standing(load=None, trajectory=None, needed=0.0, **given):
+    found, moved = section(**({"centre_of_mass": LOW} | given)), vehicle(**(load or {}))
+    return Standing(found, moved, dynamics(platform_of(found, moved)), G, needed, trajectory)
+
+
+# --- mass -------------------------------------------------------------------------------------------------------------
+
+
+def budget(**given):
+    return Budget.model_validate({"mass": "45 kg", "structure": "20 kg"} | given)
+
+
+def test_mass_against_its_limit(drive):
+    """4 (130 + 77 + 10 + 80) g, 20 kg, 10.8 kg and 3 cameras of 120 g: 32.348 kg of 45 kg."""
+    camera = {"name": "camera", "mass": "120 g", "number": 3}
+    found = machine_mass(budget(others=[camera]), drive, 4, battery=10.8)
+    check = of(mass_checks(found, 40.0))
+    assert check["mass"].demand == pytest.approx(32.348)
+    assert check["mass"].margin == pytest.approx(45.0 / 32.348 - 1.0)
+    assert {c.status for c in check.values()} == {"pass"}
+    assert "3 x camera" in [row.name for row in found.rows]
+    assert of(mass_checks(found, 32.0))["mass_sized_for"].status == "fail"
+    assert of(mass_checks(machine_mass(budget(structure="34 kg"), drive, 4, battery=10.8)))["mass"].status == "fail"
+
+
+def test_payloads_are_in_the_budget(drive):
+    carried = section(payloads=[{"name": "case", "mass": "15 kg"}])
+    found = machine_mass(budget(), drive, 4, platform=carried)
+    assert found.total == pytest.approx(4 * 0.297 + 20.0 + 15.0)
+
+
+def test_an_unknown_mass_may_fail_but_not_pass(drive):
+    unknown = machine_mass(budget(), replace(drive, encoder=None), 4, battery=nan)
+    check = of(mass_checks(unknown, 45.0))["mass"]
+    assert (check.status, check.note) == ("unknown", "unknown: encoder, battery")
+    heavy = machine_mass(budget(structure="46 kg"), replace(drive, encoder=None), 4)
+    check = of(mass_checks(heavy))["mass"]
+    assert (check.status, check.note) == ("fail", "")
+    assert mass_checks(machine_mass(Budget(), drive, 4)) == ()  # nothing is asked
+
+
+# --- room -------------------------------------------------------------------------------------------------------------
+
+
+def test_the_papers_robot_through_the_papers_door():
+    door = DOOR | {"height": "200 mm"}
+    check = of(envelope_checks(section(passages=[door])))
+    assert check["passage_width"].margin == pytest.approx(400.0 / 350.0 - 1.0)
+    assert check["passage_height"].margin == pytest.approx(200.0 / 184.0 - 1.0)
+    assert {c.case for c in check.values()} == {"door"}
+    for changed, failing in (
+        ({"heading_error": "4.2 deg"}, "passage_width"), ({"aside": "26 mm"}, "passage_width"),
+        ({"width": "349 mm"}, "passage_width"), ({"height": "183 mm"}, "passage_height"),
+    ):  # fmt: skip
+        assert of(envelope_checks(section(passages=[door | changed])))[failing].status == "fail"
+    fine = of(envelope_checks(section(passages=[door | {"heading_error": "4.1 deg"}])))
+    assert fine["passage_width"].status == "pass"
+
+
+def test_turning_and_corners():
+    """The diagonal is 788.9 mm; two alike corridors of 510 mm leave 510 √2 − 707 / 2 = 367.7 mm at the corner."""
+    for width, turning in (("800 mm", "pass"), ("780 mm", "fail")):
+        check = of(envelope_checks(section(passages=[DOOR | {"width": width, "turns": True}])))
+        assert check["passage_turning"].status == turning
+        assert check["passage_turning"].demand == pytest.approx(0.7889, abs=5e-5)
+    for corner, status in (("510 mm", "pass"), ("480 mm", "fail")):
+        check = of(envelope_checks(section(passages=[DOOR | {"width": "510 mm", "corner": corner}])))
+        assert check["passage_corner"].status == status
+    wide = of(envelope_checks(section(passages=[DOOR | {"width": "510 mm", "corner": "510 mm"}])))
+    assert wide["passage_corner"].limit == pytest.approx(0.3677, abs=5e-5)
+
+
+def test_clearance_along_a_trajectory():
+    placed = DOOR | {"x": "0 m", "y": "0 m", "depth": "100 mm"}
+    away = DOOR | {"name": "far", "x": "0 m", "y": "9 m"}
+    found = section(passages=[placed, away, DOOR | {"name": "anywhere"}])
+    for aside, status in ((0.01, "pass"), (0.03, "fail")):
+        checks = envelope_checks(found, straight((-2.0, aside), (2.0, aside), 0.0, 8.0))
+        near, far = (c for c in checks if c.name == "passage_clearance")
+        assert (near.case, near.status) == ("door", status)
+        assert near.demand == pytest.approx(0.350 + 2 * aside)
+        assert near.at_time is not None and "left jamb" in near.note
+        assert (far.case, far.status, far.at_time) == ("far", "unknown", None)
+    assert [c for c in envelope_checks(found) if c.name == "passage_clearance"] == []
+
+
+# --- footing ----------------------------------------------------------------------------------------------------------
+
+
+def test_braking_and_slope_against_the_tipping_laws():
+    """Half track 134.95 mm, 90 mm high: the worst direction lifts a corner at g / (4 h √(1 / 2B² + 1 / 2T²))."""
+    worst = G / 4 / (0.090 * math.hypot(1 / 0.95412, 1 / 0.5398))
+    check = of(footing(standing(limits={"acceleration": "1.2 m/s^2"})))
+    assert check["lift_off"].limit == pytest.approx(worst)
+    assert check["lift_off"].demand == pytest.approx(1.2)
+    assert check["tipping"].limit == pytest.approx(G * 0.13495 / 0.090)
+    assert {c.status for c in check.values()} == {"pass"}
+    tall = of(footing(standing(limits={"acceleration": "1.2 m/s^2"}, centre_of_mass={"height": "1.2 m"})))
+    assert tall["lift_off"].status == "fail" and tall["tipping"].status == "fail"
+    slope = of(footing(standing(load={"slope": "10 deg"}, limits={"acceleration": "1.2 m/s^2"})))["lift_off"]
+    assert slope.demand == pytest.approx(1.2 / math.cos(math.radians(10.0)) + G * math.tan(math.radians(10.0)))
+    assert slope.limit == pytest.approx(worst)  # both may point the same way
+    assert of(footing(standing(load={"slope": "-10 deg"})))["lift_off"].demand == pytest.approx(G * 0.17633, rel=1e-4)
+
+
+def test_a_differential_drive_gains_speed_along_itself_only():
+    """Two wheels 0.5 m apart and a caster 0.4 m behind, the centre 0.1 m behind the axle: braking at g 0.1 / h."""
+    given = {
+        "layout": {"kind": "differential", "track": "500 mm"}, "casters": [{"x": "-0.4 m", "y": "0 m"}],
+        "centre_of_mass": {"x": "-0.1 m", "height": "0.3 m"}, "limits": {"acceleration": "2.5 m/s^2"},
+    }  # fmt: skip
+    check = of(footing(standing(load={"driven_wheels": 2}, **given)))
+    assert check["lift_off"].limit == pytest.approx(G * 0.1 / 0.3)
+    assert check["tipping"].limit == pytest.approx(G * 0.1 / 0.3)
+
+
+def test_along_a_trajectory():
+    """Braking at 3 m/s² moves m a h / 2B to each front wheel of 45 kg / 4; the way to the edge is h a / g."""
+    way = joined(
+        piece((0, 0, 0), (0, 0, 0), (1.0, 0, 0), 1.5), piece((1.125, 0, 0), (1.5, 0, 0), (-3.0, 0, 0), 0.5)
+    )  # fmt: skip
+    check = of(footing(standing(trajectory=way)))
+    assert check["wheel_unloading"].demand == pytest.approx(3.0 * 0.090 / (2 * 0.47706) / (G / 4))
+    assert check["wheel_unloading"].note in ("wheel 3", "wheel 4") and check["wheel_unloading"].at_time >= 1.5
+    assert check["tipping_motion"].demand == pytest.approx(3.0 * 0.090 / G / 0.23853)
+    assert {c.status for c in check.values()} == {"pass"}
+    tall = of(footing(standing(trajectory=way, centre_of_mass={"height": "0.9 m"})))
+    assert tall["wheel_unloading"].status == "fail" and tall["tipping_motion"].status == "fail"
+
+
+def test_what_keeps_it_up_is_not_known():
+    flat = of(footing(standing(centre_of_mass={"x": "0 m"}, limits={"acceleration": "1 m/s^2"})))
+    assert (flat["lift_off"].status, flat["lift_off"].note) == ("unknown", "unknown: height of the centre of mass")
+    assert flat["centre_of_mass"].status == "pass"
+    moving = of(footing(standing(centre_of_mass={"x": "0 m"}, trajectory=straight((0, 0), (1, 0), 0.0, 2.0))))
+    assert moving["wheel_unloading"].status == moving["tipping_motion"].status == "unknown"
+    pair = standing(load={"driven_wheels": 2}, layout={"kind": "differential", "track": "500 mm"})
+    (check,) = footing(pair)
+    assert (check.name, check.status) == ("centre_of_mass", "unknown") and "one line" in check.note
+    outside = of(
+        footing(standing(centre_of_mass={"x": "0.3 m", "height": "0.1 m"}, limits={"acceleration": "1 m/s^2"}))
+    )
+    assert outside["centre_of_mass"].status == outside["lift_off"].status == "fail"
+
+
+@pytest.mark.parametrize(("track", "axle"), [(0.5, 0.0), (0.613, 0.1), (0.7, -0.23), (0.331, 0.07), (0.9, 0.3)])
+def test_a_centre_of_mass_over_the_axle_is_on_the_edge_whatever_rounding_says(track, axle):
+    """The caster behind carries nothing: the robot stands on the line between its wheels, and that is not inside."""
+    two = {"layout": {"kind": "differential", "track": f"{track} m", "x": f"{axle} m"}}
+    caster = {"casters": [{"x": f"{axle - 0.317} m", "y": "0 m"}]}
+    edge = standing({"driven_wheels": 2}, **two, **caster, centre_of_mass={"x": f"{axle} m", "height": "0.2 m"})
+    assert of(footing(edge))["centre_of_mass"].status == "fail"
+    inside = standing(
+        {"driven_wheels": 2}, **two, **caster, centre_of_mass={"x": f"{axle - 0.01} m", "height": "0.2 m"}
+    )
+    assert of(footing(inside))["centre_of_mass"].status == "pass"
+
+
+# --- grip -------------------------------------------------------------------------------------------------------------
+
+
+def test_mecanum_wheels_have_less_grip_than_their_weight_times_mu():
+    """Low on the floor, without rolling resistance: across the diagonal two wheels pull, a = μ g / 2."""
+    load = {"friction_coefficient": 0.6, "rolling_resistance": 0.0, "slope": "5 deg"}
+    low = {"centre_of_mass": {"height": "0 mm"}}
+    check = of(grip_checks(standing(load, limits={"acceleration": "1 m/s^2"}, **low)))
+    assert check["grip_slope"].limit == pytest.approx(math.atan(0.3))
+    up = G * (0.3 * math.cos(math.radians(5.0)) - math.sin(math.radians(5.0)))
+    assert check["grip_acceleration"].limit == pytest.approx(up)
+    faster = of(grip_checks(standing(load, limits={"acceleration": "2.2 m/s^2"}, **low)))
+    assert faster["grip_acceleration"].status == "fail"  # four wheels of μ m g / 4 would have passed: 5.0 m/s²
+    steep = of(grip_checks(standing(load | {"slope": "17 deg"}, **low)))
+    assert steep["grip_slope"].status == "fail"
+    careful = of(grip_checks(standing(load, needed=1.2, limits={"acceleration": "1 m/s^2"}, **low)))
+    assert careful["grip_acceleration"].status == "fail" and careful["grip_acceleration"].needed == 1.2
+
+
+def test_friction_along_a_trajectory():
+    """2 m/s² forwards: F = m a / (4 cos 45°) at each wheel, on what is left behind it when the nose dips."""
+    way = piece((0, 0, 0), (1.5, 0, 0), (-2.0, 0, 0), 0.7)
+    load = {"friction_coefficient": 0.6, "rolling_resistance": 0.0, "inertia": "0 kg*m^2"}
+    check = of(grip_checks(standing(load, trajectory=way)))["grip_motion"]
+    weight = MASS * G / 4 - MASS * 2.0 * 0.090 / 0.47706 / 2
+    assert check.demand == pytest.approx(MASS * 2.0 / 4 / math.cos(math.pi / 4) / weight)
+    assert check.status == "pass" and check.note in ("wheel 3", "wheel 4")
+    slick = of(grip_checks(standing(load | {"friction_coefficient": 0.25}, trajectory=way)))["grip_motion"]
+    assert slick.status == "fail"
+
+
+def test_grip_that_is_not_known():
+    given = {"limits": {"acceleration": "1 m/s^2"}, "trajectory": piece((0, 0, 0), (1, 0, 0), (1.0, 0, 0), 0.5)}
+    bare = of(grip_checks(standing({"slope": "5 deg"}, **given)))
+    assert {c.status for c in bare.values()} == {"unknown"} and len(bare) == 3
+    assert {c.note for c in bare.values()} == {"unknown: friction_coefficient"}
+    no_height = {"centre_of_mass": {"x": "0 m"}}
+    flat = of(grip_checks(standing({"friction_coefficient": 0.6, "slope": "5 deg"}, **given, **no_height)))
+    assert {c.status for c in flat.values()} == {"unknown"}
+    ice = of(grip_checks(standing({"friction_coefficient": 0.01, "slope": "5 deg"}, **given, **no_height)))
+    assert {c.status for c in ice.values()} == {"fail"}
+    pair = {"layout": {"kind": "differential", "track": "500 mm"}, "load": {"driven_wheels": 2, "slope": "5 deg"}}
+    (check,) = grip_checks(standing(**(pair | {"load": pair["load"] | {"friction_coefficient": 0.6}})))
+    assert (check.status, check.name) == ("unknown", "grip_slope") and "one line" in check.note
+
+
+# --- all of it --------------------------------------------------------------------------------------------------------
+
+
+def whole(drive, **given):
+    found = section(
+        centre_of_mass=LOW, limits={"acceleration": "1 m/s^2"},
+        passages=[DOOR | {"height": "200 mm", "x": "0 m", "y": "0 m"}],
+    )  # fmt: skip
+    everything = {
+        "budget": budget(), "platform": found, "load": vehicle(friction_coefficient=0.6, slope="2 deg"),
+        "battery": 10.8, "trajectory": straight((-2.0, 0.01), (2.0, 0.01), 0.0, 4.0),
+    }  # fmt: skip
+    return budget_checks(drive, 4, **(everything | given))
+
+
+def test_a_whole_machine(drive):
+    found = whole(drive)
+    assert found.status == "pass" and found.mass.total == pytest.approx(31.988)
+    assert {c.title for c in found.checks} == {TITLES["budget"][c.name] for c in found.checks}
+    assert all(c.margin > 0.0 for c in found.checks if c.margin == c.margin)
+    figure = {f.name: f.value for f in found.figures}
+    assert figure["turning_circle"] == pytest.approx(0.7889, abs=5e-5)
+    assert math.degrees(figure["heading_held"]) == pytest.approx(4.13, abs=0.005)
+    assert figure["tipping_slope"] == pytest.approx(math.atan(0.13495 / 0.090))
+    assert figure["mass_left"] == pytest.approx(45.0 - 31.988)
+    assert any("homogeneous box" in sentence for sentence in found.assumptions)
+    assert repr(found) == repr(whole(drive))  # the same every time
+
+
+def test_parts_of_it_alone(drive):
+    assert whole(drive, budget=None).mass is None
+    assert {c.name for c in whole(drive, platform=None, trajectory=None).checks} == {"mass", "mass_sized_for"}
+    nothing = budget_checks(drive, 4)
+    assert (nothing.checks, nothing.figures, nothing.status) == ((), (), "pass")
+    unknown = whole(replace(drive, controller=None))
+    assert unknown.status == "unknown" and any("without controller" in s for s in unknown.assumptions)
+
+
+def test_unknown_figures_stay_unknown(drive):
+    bare = section(centre_of_mass={"x": "0 m"})
+    found = {f.name: f.value for f in whole(drive, platform=bare, trajectory=None).figures}
+    assert all(math.isnan(found[n]) for n in ("lift_off_slope", "tipping_slope", "lift_off_acceleration", "grip_slope"))
+    assert found["tipping_distance"] == pytest.approx(0.13495)
+
+
+def test_a_trajectory_that_the_wheels_do_not_allow_is_refused(drive):
+    given = {"layout": {"kind": "differential", "track": "500 mm"}, "casters": [{"x": "-0.4 m", "y": "0 m"}]}
+    platform = section(centre_of_mass={"x": "-0.1 m", "height": "0.1 m"}, **given)
+    sideways = straight((0.0, -1.0), (0.0, 1.0), 0.0, 2.0)
+    with pytest.raises(InputError, match="slides wheel"):
+        whole(drive, platform=platform, load=vehicle(driven_wheels=2), trajectory=sideways)
+
+
+def test_the_layout_of_these_tests_is_the_papers():
+    assert (SIZE["length"], SIZE["width"], DIAGONAL["kind"]) == ("707 mm", "350 mm", "mecanum")

@@ -1,0 +1,69 @@
+"""The bus by its energy balance: what the supply does not take raises its capacitor, by C/2 (U^2 - U_0^2)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.physics.waveform import Wave, energy
+from drivesizer.sizing import explain
+from drivesizer.spec.robot import read_spec
+
+WHEEL = """
+name: a wheel that is stopped
+load: {kind: flywheel, inertia: %s, friction_torque: 1 mN*m}
+motion: {speed: %s, acceleration_time: 1 s, cruise_time: 1 s, deceleration_time: %s, rest_time: 5 s}
+supply: {nominal: 24 V, %s}
+select: {catalogs: [maxon]}
+"""
+
+
+def bus(catalog, inertia="3e-4 kg*m^2", supply="regeneration: 0", speed="600 rpm", stops="100 ms"):
+    spec = read_spec(YamlSource(WHEEL % (inertia, speed, stops, supply), "wheel.yaml"))
+    (one,) = explain(spec, "110940", "406764", catalog=catalog)
+    return next(check for check in one.checks if check.name == "bus_voltage"), one
+
+
+def test_what_is_not_taken_stays_whatever_share_is_taken(catalog):
+    """A share of 1 % takes 1 % off the energy, not all of it."""
+    none, *some = (bus(catalog, supply=f"capacitance: 1 mF, regeneration: {r}")[0].demand for r in (0, 0.01, 0.5, 1))
+    assert none > 24.01
+    for demand, share in zip(some, (0.01, 0.5, 1), strict=True):
+        assert demand**2 - 24**2 == pytest.approx((1 - share) * (none**2 - 24**2), rel=1e-9, abs=1e-9)
+
+
+def test_the_capacitor_is_emptied_before_the_supply_is_asked():
+    """8 J back, 5 J drawn, 4 J back: of all 8 and then 7 J are held, of half 4 J and then 2 J."""
+    back = Wave(np.ones(4), np.array([[[-8.0, -8.0], [5.0, 5.0], [-4.0, -4.0], [9.0, 9.0]]]), np.ones((1, 4, 2)))
+    assert [energy(back, kept).stored[0] for kept in (1.0, 0.5, 0.0)] == pytest.approx([8.0, 4.0, 0.0])
+
+
+def test_without_a_capacitance_the_verdict_does_not_hang_on_a_share(catalog):
+    """A share of 0.9 of 1.5 J leaves 0.15 J, which no 20 uF bear; what is lacking is told as at a share of 0."""
+    for share in (0, 0.01, 0.5, 0.9):
+        found, _ = bus(catalog, supply=f"regeneration: {share}")
+        assert found.status == "unknown"
+        assert "supply.capacitance" in found.note and "accepts: all" in found.note
+    assert bus(catalog, supply="regeneration: 1")[0].status == "pass"
+
+
+def test_a_battery_takes_all_and_loses_the_rest_inside(catalog):
+    """Its voltage is the bus's, whatever share of the energy is had again."""
+    pack = "}\nbattery: {nominal_voltage: 24 V, capacity: 10 A*h"
+    for share in (0, 0.5):
+        for supply in (f"regeneration: {share}, accepts: all", f"regeneration: {share}{pack}"):
+            found, _ = bus(catalog, supply=supply)
+            assert (found.status, found.demand) == ("pass", 24.0)
+    diode = f"regeneration: 0, accepts: share{pack}"
+    assert bus(catalog, supply=diode)[0].status == "unknown"
+
+
+def test_a_trace_of_energy_does_not_make_the_bus_unknown(catalog):
+    """5 A chopped at 100 kHz to a tenth of 24 V need 5.2 uF: 1.4 mJ raise them to 34 of 50 V; what 9 mJ do is open."""
+    trace, one = bus(catalog, "1e-6 kg*m^2", speed="60 rpm", stops="20 ms")
+    back = next(figure.value for figure in one.figures if figure.name == "returned")
+    assert back == pytest.approx(1.44e-3, abs=1e-5) and one.controller.continuous_current == 5.0
+    assert trace.status == "pass"
+    assert trace.demand == pytest.approx((24**2 + 2 * back / (5 / (4 * 100e3 * 2.4))) ** 0.5, rel=1e-6)
+    assert bus(catalog, "1e-6 kg*m^2", speed="300 rpm", stops="100 ms")[0].status == "unknown"

@@ -1,0 +1,202 @@
+"""Figures: the same bytes each time, units on the axes, no peak lost in the thinning."""
+
+import json
+import warnings
+from dataclasses import replace
+from math import nan
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from synthetic_validation import labels, synthetic_validation
+
+from drivesizer.files.yaml_source import read
+from drivesizer.loads import load_cycle
+from drivesizer.output.report.figures import load_and_loop
+from drivesizer.output.report.figures.field import torque_speed
+from drivesizer.output.report.figures.field_panels import panels, paper_points
+from drivesizer.output.report.figures.motion import speed_profile
+from drivesizer.output.report.figures.pareto_front import trade_off
+from drivesizer.output.report.figures.style import STYLE, named
+from drivesizer.output.report.figures.time_windows import Window, thinned, windows
+from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.results.sizing import SizingResult
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+
+@pytest.fixture(scope="module")
+def result(spec: RobotSpec) -> SizingResult:
+    return size(spec)
+
+
+def drawn(result: SizingResult) -> dict[str, bytes]:
+    return {
+        "profile": speed_profile(result.spec),
+        "load": load_and_loop.load_over_time([("", load_cycle(result.spec))]),
+        "field": torque_speed(panels(result.spec, result.sets[0], result.requirements)),
+        "front": trade_off(["1", "2"], ["one", "two"], [270.0, 340.0], [328.3, nan], ["mass (g)", "price (EUR)"]),
+        "loop": load_and_loop.closed_loop(synthetic_validation(result)),
+    }
+
+
+def test_every_figure_is_a_vector_drawing_with_the_same_bytes_each_time(result):
+    first, second = drawn(result), drawn(result)
+    for name, svg in first.items():
+        assert ElementTree.fromstring(svg).tag == "{http://www.w3.org/2000/svg}svg", name
+        assert svg == second[name], name
+        assert b"<image" not in svg, name
+        assert b"<dc:date>" not in svg, name
+
+
+def test_every_axis_names_its_unit(result):
+    said = {name: labels(svg) for name, svg in drawn(result).items()}
+    assert {"time (s), phases not to scale", "speed (m/s)", "acceleration", "2 s"} <= said["profile"]
+    assert {"torque (mN·m)", "speed (rpm)", "time (s)"} <= said["load"]
+    assert {"torque at the motor's shaft (mN·m)", "motor speed (rpm)"} <= said["field"]
+    assert {"load cycle", "intermittent", "18.9 V, winding 25 °C", "paper: cruise"} <= said["field"]
+    assert {"mass (g)", "price (EUR)", "1  one"} <= said["front"] and not said["front"] & {
+        "2",
+        "2  two",
+    }  # unknown: not drawn
+    assert {"speed", "speed error", "(m/s)", "current", "(A)", "voltage", "(V)", "time (s)"} <= said["loop"]
+
+
+def test_figures_do_not_follow_the_users_matplotlib(result):
+    import matplotlib
+
+    plain = speed_profile(result.spec)
+    with matplotlib.rc_context({"lines.linewidth": 9.0, "font.size": 30.0}):
+        assert speed_profile(result.spec) == plain
+        assert matplotlib.rcParams["font.size"] == 30.0  # and leave it as it was
+
+
+def test_operating_points_agree_with_the_requirements_of_the_set(result):
+    of = {r.name: r.value for r in result.sets[0].requirements}
+    points = {p.name: p for p in paper_points(result.sets[0], result.requirements)}
+    assert points["end of acceleration"].torque == pytest.approx(of["maximum_torque_at_motor"], rel=1e-12)
+    assert points["RMS"].torque == pytest.approx(of["rms_torque_at_motor"], rel=1e-12)
+    # EQUATIONS.md: through the pulleys 27:1 needs 6169 rpm at the motor
+    assert points["cruise"].speed * 60 / (2 * np.pi) == pytest.approx(6169, abs=0.5)
+    assert points["start of deceleration"].torque < 0
+
+
+MOTIONS = {  # motion in the spec, and what stands at its axes
+    "{profile: triangle, distance: 2 rad, time: 3 s, rest_time: 1 s}": {"time (s)", "speed (rpm)"},
+    "{profile: harmonic, amplitude: 30 deg, period: 3 s}": {"time (s)", "speed (rpm)"},
+    "{profile: s_curve, distance: 2 rad, speed: 2 rad/s, acceleration: 5 rad/s^2, jerk: 40 rad/s^3}": {"speed (rpm)"},
+    "{profile: segments, segments: [{time: 1 s, to: 5 rpm}, {time: 2 s, to: -5 rpm}, {time: 1 s, to: 0 rpm}]}": {
+        "time (s)"
+    },
+    "{profile: csv, file: speed.csv}": {"time (s)", "speed (rpm)"},
+    "{speed: 20 rpm, acceleration_time: 0.5 s, deceleration_time: 0.7 s, cruise_time: 1 s, there_and_back: true}": {
+        "0.7 s",
+        "acceleration",
+        "speed (rpm)",
+    },
+}
+
+
+def table(folder: Path, motion: str, more: str = "") -> RobotSpec:
+    """A turning table with a motion."""
+    (folder / "speed.csv").write_text("time,speed\ns,rpm\n3,0\n4,20\n6,-8\n7,0\n")
+    path = folder / "table.yaml"
+    load = "load: {kind: rotary_table, inertia: 0.05 kg*m^2, friction_torque: 0.2 N*m}"
+    path.write_text(f"name: table\n{load}\nmotion: {motion}\nsupply: {{nominal: 24 V}}\n{more}", encoding="utf-8")
+    return read_spec(read(path))
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_every_motion_has_its_curve(motion, tmp_path):
+    spec = table(tmp_path, motion)
+    assert MOTIONS[motion] <= labels(speed_profile(spec))
+    assert {"torque (mN·m)", "speed (rpm)"} <= labels(load_and_loop.load_over_time([("", load_cycle(spec))]))
+
+
+def test_a_recorded_load_shows_the_speed_of_its_recording(tmp_path):
+    (tmp_path / "cycle.csv").write_text("time,speed,torque\ns,rpm,N*m\n0,0,0.2\n1,40,1.4\n3,40,0.9\n4,0,-0.3\n")
+    path = tmp_path / "recorded.yaml"
+    path.write_text("name: x\nload: {kind: recorded, file: cycle.csv}\nsupply: {nominal: 24 V}\n", encoding="utf-8")
+    assert {"speed (rpm)", "time (s)", "40"} <= labels(speed_profile(read_spec(read(path))))
+
+
+def test_load_cases_have_names_of_their_own_and_plain_text(result, tmp_path):
+    names = ["$a_1$ <b> & c", "_under", "測試 робот", "x" * 60]  # what turns the writing, a spec refuses
+    cases = "".join(
+        f"  - {{name: {json.dumps(name)}, load: {{inertia: {n}.5 kg*m^2}}}}\n" for n, name in enumerate(names)
+    )
+    spec = table(tmp_path, next(iter(MOTIONS)), f"cases:\n{cases}")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cycles = load_and_loop.load_over_time([(name, load_cycle(case)) for name, case in spec.load_cases])
+        field = torque_speed(panels(spec, result.sets[0], ()))
+    for svg in (cycles, field):
+        ElementTree.fromstring(svg)
+    assert {"as specified", "$a_1$ &lt;b> &amp; c", " _under"} <= {said.replace("&gt;", ">") for said in labels(cycles)}
+    assert named("x" * 60) == "x" * 26 + "…" and named("short") == "short"
+    assert STYLE["text.parse_math"] is False
+
+
+def test_cases_of_other_supplies_and_ambients_have_panels_of_their_own(result, tmp_path):
+    more = """cases:
+  - {name: heavy, load: {inertia: 0.1 kg*m^2}}
+  - {name: weak, supply: {nominal: 20 V}}
+  - {name: cold, environment: {ambient: -20 degC}}
+"""
+    found = panels(table(tmp_path, next(iter(MOTIONS)), more), result.sets[0], ())
+    assert [[name for _, name, _ in panel.cases] for panel in found] == [["as specified", "heavy"], ["weak"], ["cold"]]
+    said = labels(torque_speed(found))
+    assert {"load cycle,", "heavy", "weak", "cold"} <= said
+    assert len([text for text in said if "usable, ambient" in text]) == 3
+
+
+def test_an_unknown_figure_leaves_its_line_out_and_the_rest_stands(result):
+    best = result.sets[0]
+    bare = replace(best, motor=replace(best.motor, nominal_torque=nan, max_winding_temperature=nan), controller=None,
+                   gearhead=replace(best.gearhead, inertia=nan, intermittent_torque=nan))  # fmt: skip
+    said = labels(torque_speed(panels(result.spec, bare, result.requirements)))
+    assert "22 V, winding 25 °C" in said
+    assert not said & {"continuous", "continuous, nominal torque", "intermittent", "load cycle"}
+
+
+def test_a_stretch_in_which_only_the_torque_changes_is_not_left_out():
+    time = np.array([1.0, 20.0, 1.0])
+    speed, torque = np.array([[0.0, 5.0], [5.0, 5.0], [5.0, 0.0]]), np.array([[1.0, 1.0], [1.0, 3.0], [0.5, 0.5]])
+    level = np.full((3, 2), 0.7)
+    assert len(load_and_loop.stretches([("", LoadCycle("x", time, speed, level, torque))])) == 1
+    quiet = LoadCycle("x", time, speed, level, level)
+    assert (
+        len(load_and_loop.stretches([("", quiet)]))
+        == len(load_and_loop.stretches([("", quiet), ("alike", quiet)]))
+        == 2
+    )
+    other = replace(quiet, duration=np.array([2.0, 20.0, 1.0]))
+    assert load_and_loop.stretches([("", quiet), ("other", other)]) == [Window("", 0.0, 23.0)]
+
+
+def test_a_long_cruise_is_left_out_and_a_short_one_is_not():
+    time = np.arange(0.0, 100.0, 0.1)
+    long = np.clip(np.minimum(time / 2.0, (99.9 - time) / 2.0), 0, 1)
+    first, last = windows({"time": time, "speed_reference": long})
+    assert first.start == 0.0 and 2.0 < first.end < 4.0
+    assert 95.0 < last.start < 97.9 and last.end == pytest.approx(99.9)
+    short = np.clip(np.minimum(time / 40.0, (99.9 - time) / 40.0), 0, 1)
+    assert [w.title for w in windows({"time": time, "speed_reference": short})] == ["whole cycle"]
+    assert len(windows({"time": time, "speed_reference": np.ones_like(time)})) == 1
+
+
+def test_thinning_keeps_the_highest_and_the_lowest_sample():
+    time = np.linspace(0.0, 1.0, 200_001)
+    values = np.sin(40.0 * time)
+    values[123_457], values[77_777] = 9.0, -9.0
+    rows = thinned(time, values, Window("", 0.0, 1.0))
+    assert len(rows) < 2000
+    assert {123_457, 77_777, 0, 200_000} <= set(rows.tolist())
+    assert np.all(np.diff(rows) > 0)
+
+
+def test_a_quiet_stretch_without_samples_is_still_drawn_to_the_edge():
+    time = np.array([0.0, 1.0, 2.0, 90.0, 91.0])
+    rows = thinned(time, np.ones(5), Window("", 0.0, 3.0))
+    assert rows.tolist() == [0, 1, 2, 3]

@@ -1,0 +1,399 @@
+"""The HTML report: one file that asks for nothing; its numbers are those of the JSON document, its texts are text."""
+
+import base64
+import hashlib
+import json
+import re
+import zlib
+from dataclasses import replace
+from itertools import pairwise
+from math import nan
+
+import jinja2
+import numpy as np
+import pytest
+from html_reports import CASE, NAME, STARTERS, figures_of, hostile_spec, parsed, whole_validation
+from printed import blank_figures
+
+from drivesizer.control.validation import Validation
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import read
+from drivesizer.loads import load_cycle
+from drivesizer.output.json import documents as json_documents
+from drivesizer.output.report import write
+from drivesizer.output.report.figures.field_panels import panels
+from drivesizer.output.report.figures.style import COLOURS
+from drivesizer.output.report.html import page as page_module
+from drivesizer.output.report.html.curves import plain, sampled
+from drivesizer.output.report.html.field_plot import field_plot
+from drivesizer.output.report.html.mathematics import mathml
+from drivesizer.output.report.html.page import report_html
+from drivesizer.results.sizing import SizingResult
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+
+@pytest.fixture(scope="module")
+def result(spec: RobotSpec) -> SizingResult:
+    return size(spec)
+
+
+@pytest.fixture(scope="module")
+def proof(result: SizingResult) -> Validation:
+    return whole_validation(result)
+
+
+@pytest.fixture(scope="module")
+def content(result: SizingResult, proof: Validation) -> bytes:
+    return report_html(result, proof)
+
+
+@pytest.fixture(scope="module")
+def page(content):
+    return parsed(content)
+
+
+@pytest.fixture(scope="module")
+def hostile(tmp_path_factory, catalog) -> SizingResult:
+    return size(
+        hostile_spec(tmp_path_factory.mktemp("hostile")), catalog=catalog, top=6, pareto=("mass", "price", "energy")
+    )
+
+
+@pytest.fixture(scope="module")
+def hostile_page(hostile):
+    return parsed(report_html(hostile, None))
+
+
+FAMILY = "</td><script>alert(2)</script>{{ 7*7 }}<a href='javascript:1'>x</a>"
+
+
+@pytest.fixture(scope="module")
+def named_page(hostile):
+    """The page of a motor whose family is markup."""
+    best = hostile.sets[0]
+    named = replace(best, motor=replace(best.motor, family=FAMILY))
+    return parsed(report_html(replace(hostile, sets=(named, *hostile.sets[1:])), None))
+
+
+def words(element) -> str:
+    return " ".join(element.text_content().split())
+
+
+# -- the numbers
+
+
+def shown_number(text: str) -> float:
+    """The last number of a text or of mathematics, such as ``n = 9.422⋅10−4 kg·m²``."""
+    found = re.findall(r"([-−]?\d+(?:\.\d+)?)(?:⋅10([-−]?\d+))?(?![\d/]*\w*\s*[=⋅])", text.split("=")[-1])
+    mantissa, power = found[0]
+    return float(mantissa.replace("−", "-")) * 10.0 ** int((power or "0").replace("−", "-"))
+
+
+def value_of(element) -> float | None:
+    found = element.xpath("descendant-or-self::data/@value")
+    return float(found[0]) if found else None
+
+
+def test_requirements_are_those_of_the_json_document(page, result):
+    document = json_documents.sizing(result)
+    wanted = document["requirements"] | document["sets"][0]["requirements"]
+    shown = {e.get("data-requirement"): e.xpath(".//data")[0] for e in page.xpath("//*[@data-requirement]")}
+    assert list(shown) == list(wanted) and len(wanted) > 20
+    for name, data in shown.items():
+        assert float(data.get("value")) == wanted[name]["value"]  # every digit
+        assert shown_number(data.text_content()) == pytest.approx(wanted[name]["value"], rel=5.1e-4)
+
+
+def test_requirements_of_a_load_that_the_paper_does_not_treat(hostile, hostile_page):
+    page, wanted = hostile_page, json_documents.sizing(hostile)["requirements"]
+    shown = {e.get("data-requirement"): e.xpath(".//data")[0] for e in page.xpath("//*[@data-requirement]")}
+    assert {name: float(data.get("value")) for name, data in shown.items()} == {
+        n: r["value"] for n, r in wanted.items()
+    }
+    for name, data in shown.items():
+        assert float(data.text.split()[0]) == pytest.approx(wanted[name]["value"], rel=5.1e-4)
+
+
+@pytest.mark.parametrize("table", ["checks", "beside", "budget", "loop-checks"])
+def test_checks_are_those_of_the_json_document(page, result, proof, table):
+    document = json_documents.validation(proof) if table == "loop-checks" else json_documents.drive_set(result.sets[0])
+    best = result.sets[0]
+    own, both = len(best.checks), len(best.checks) + len(best.beside)
+    parts = {"checks": slice(own), "beside": slice(own, both), "budget": slice(both, None)}
+    wanted = document["checks"][parts.get(table, slice(None))]
+    rows = page.xpath(f"//table[@id='{table}']//tr[@data-check]")
+    assert [row.get("data-check") for row in rows] == [check["name"] for check in wanted] and len(rows) >= 2
+    for row, check in zip(rows, wanted, strict=True):
+        cells = dict(zip(("demand", "limit", "margin"), row.xpath("td")[:3], strict=True))
+        for name, cell in cells.items():
+            assert value_of(cell) == (check[name] if words(cell) else None)
+            if check[name] is None:
+                assert words(cell) in ("", "unknown")
+            elif words(cell):
+                said = float(words(cell).split()[0].replace("−", "-"))
+                if name == "margin":  # in percent, to a tenth below ten
+                    assert said == pytest.approx(100.0 * check[name], rel=0.0, abs=0.051 if abs(said) < 9.95 else 0.51)
+                else:
+                    assert said == pytest.approx(check[name], rel=5.1e-4)
+        assert words(row.xpath("td")[-1]) == check["status"]
+
+
+def test_sets_are_those_of_the_json_document(hostile, hostile_page):
+    document, page = json_documents.sizing(hostile), hostile_page
+    wanted = [*document["sets"], *document["misses"]]
+    rows = page.xpath("//table[@id='sets']/tbody/tr")
+    assert len(rows) == len(wanted) > 6
+    for row, found in zip(rows, wanted, strict=True):
+        cells = row.xpath("td")
+        assert found["motor"]["part"] in words(cells[1]) and found["gearhead"]["part"] in words(cells[2])
+        assert value_of(cells[0]) == found["rank"] == int(words(cells[0]))
+        assert value_of(cells[3]) == found["total_ratio"] == pytest.approx(float(words(cells[3])), rel=5.1e-4)
+        assert value_of(cells[4]) == pytest.approx(1e3 * found["mass_kg"], rel=1e-12)
+        assert value_of(cells[6]) == found["results"]["physics"]["smallest_margin"]
+        prices = [p["price"] for p in (found["motor"], found["gearhead"], found["encoder"], found["controller"]) if p]
+        assert value_of(cells[5]) == pytest.approx(sum(p for p in prices if p), abs=0.005)
+        assert words(cells[8]) == found["status"]
+
+
+# -- one file
+
+
+def test_the_same_input_gives_the_same_bytes(content, result, proof, tmp_path):
+    (path,) = write(result, proof, [tmp_path / "report.html"])
+    assert path.read_bytes() == content
+    assert len(content) <= 5_000_000
+
+
+def test_the_file_asks_for_nothing(content, page):
+    assert (
+        page.xpath("//link[not(@rel='icon')] | //iframe | //object | //embed | //base | //*[@src][not(self::img)]")
+        == []
+    )
+    stills = page.xpath("//img/@src")
+    assert len(stills) >= 3 and all(src.startswith("data:image/svg+xml;base64,") for src in stills)
+    for src in stills:  # nor does a drawing inside it
+        drawing = base64.b64decode(src.partition(",")[2]).decode()
+        assert not re.search(r"<(script|image|foreignObject)|(?:href|src)=.(?!#)", drawing)
+    assert page.xpath("//link/@href") == ["data:,"]
+    assert all(re.match(r"#|https://", href) for href in page.xpath("//a/@href"))
+    assert not re.search(r"@import|url\(", page.xpath("string(//style)"))
+    policy = page.xpath("string(//meta[@http-equiv='Content-Security-Policy']/@content)")
+    assert policy.startswith("default-src 'none'; ") and "unsafe-eval" not in policy
+    script = page.xpath("//script[not(@type)]")
+    library = zlib.decompress(base64.b64decode(page.xpath("string(//script[@id='library'])")))
+    assert len(script) == 1 and library.startswith(b"/**\n* plotly.js v")
+    digests = [base64.b64encode(hashlib.sha256(s).digest()).decode() for s in (script[0].text.encode(), library)]
+    assert re.findall(r"'sha256-(.*?)'", policy) == digests
+
+
+def test_headings_and_contents_agree(page):
+    heads = {h.get("id"): words(h) for h in page.xpath("//h2")}
+    assert {a.get("href")[1:]: words(a) for a in page.xpath("//nav//a")} == heads and len(heads) == 10
+    levels = [int(h.tag[1]) for h in page.xpath("//h1 | //h2 | //h3 | //h4")]
+    assert levels[0] == 1 and levels.count(1) == 1 and all(b <= a + 1 for a, b in pairwise(levels))
+    ids = page.xpath("//@id")
+    assert len(ids) == len(set(ids))
+    for box in page.xpath("//*[@tabindex='0']"):
+        assert box.get("aria-label"), box.get("class")
+
+
+def test_what_the_summary_says_first(page, result):
+    best = result.sets[0]
+    tiles = {words(t.xpath("dt")[0]): words(t.xpath("dd")[0]) for t in page.xpath("//dl[@class='tiles']/div")}
+    assert tiles["mass of one set"] == "207 g" and tiles["price of one set"] == "127.73 EUR"
+    assert tiles["smallest margin"] == "+4.7 %" and tiles["energy of a cycle"].endswith(" J")
+    for part in (best.motor, best.gearhead, best.encoder, best.controller):
+        assert part is not None and part.part in words(page.xpath("//table[contains(@class, 'parts')]")[0])
+
+
+def test_energy_is_that_of_the_load_cycle_where_it_is_known(hostile, hostile_page):
+    energy = next(f for f in hostile.sets[0].figures if f.name == "energy")
+    assert energy.text in [words(dd) for dd in hostile_page.xpath("//dl[@class='tiles']/div/dd")]
+
+
+# -- text stays text
+
+
+def test_hostile_text_is_shown_letter_by_letter(named_page):
+    page = named_page
+    seen = "".join(c if c.isprintable() else repr(c)[1:-1] for c in json.loads(json.dumps(NAME)))
+    assert page.xpath("string(//h1)") == seen and "\\u202e" in seen
+    assert page.xpath("string(//title)").startswith(seen)
+    assert [s.get("type") for s in page.xpath("//script")] == ["application/json", "text/plain", None]
+    ours = "self::img and ancestor::figure[contains(@class, 'still')] or ancestor::span[contains(@class, 'bar')]"
+    assert page.xpath(f"(//img | //b)[not({ours})]") == []
+    assert not [name for e in page.iter() if isinstance(e.tag, str) for name in e.attrib if name.startswith("on")]
+    assert any(f"case {CASE}" in words(small) for small in page.xpath("//table[@id='checks']//small"))
+    assert FAMILY in words(page.xpath("//table[contains(@class, 'parts')]")[0])
+    labels = [words(button) for button in page.xpath("//*[@id='figure-cycle']//button")]
+    assert labels == ["as specified", CASE, "weak"]
+
+
+def test_no_text_of_a_figure_is_read_as_markup(named_page):
+    """Whatever plotly draws as text has no angle bracket but those of our own hovers."""
+    found = figures_of(named_page)
+    drawn = [(t["name"], t.get("text"), t.get("customdata")) for plot in found.values() for t in plot["data"]]
+    text = json.dumps([drawn, [plot["layout"] for plot in found.values()]], ensure_ascii=False)
+    assert "&lt;img src=x onerror" in text and "&lt;a href='javascript:1'&gt;" in text
+    assert set(re.findall(r"<[^>]*>?", text)) <= {"<br>"}
+    assert plain("<b>&lt;") == "&lt;b&gt;&amp;lt;"
+
+
+def test_only_an_address_of_the_web_becomes_a_link():
+    parts = page_module._template({}).environment.get_template("parts.html").module
+    assert "<a " not in parts.linked("javascript:alert(1)") and "<a " not in parts.linked(" https://x.org")
+    assert parts.linked('https://x.org/?a="><b>') == (
+        '<a href="https://x.org/?a=&#34;&gt;&lt;b&gt;" rel="noopener noreferrer">https://x.org/?a=&#34;&gt;&lt;b&gt;</a>'
+    )
+
+
+def test_a_figure_that_the_document_lacks_is_an_error(result, monkeypatch):
+    original = page_module.document
+    monkeypatch.setattr(
+        page_module, "document", lambda *a, **k: {key: v for key, v in original(*a, **k).items() if key != "warnings"}
+    )
+    with pytest.raises(jinja2.UndefinedError, match="warnings"):
+        report_html(result, None)
+
+
+# -- mathematics
+
+
+def test_every_formula_is_mathematics_of_the_browser(page):
+    for step in page.xpath("//article[@class='step']"):
+        assert step.xpath("header//math")
+    said = {words(math) for math in page.xpath("//math")}
+    assert not [text for text in said if re.search(r"thin|sqrt|dot|\"|_|\^", text)]
+    assert "Vnom=1.5" not in said and any(text.startswith("nnom=") and "208.9" in text for text in said)
+    assert len(page.xpath("//article//math//mfrac")) > 20 and page.xpath("//article//math//msqrt")
+
+
+def test_mathematics_without_sources():
+    assert mathml([]) == {} == mathml([""])
+
+
+# -- figures
+
+
+def test_every_figure_has_its_place_and_every_place_its_figure(page):
+    found = figures_of(page)
+    assert list(found) == ["motion", "cycle", "sets-margin", "sets-price", "field-1", "consumers",
+                           "charge", "loop", "bode", "step-1", "step-2", "step-3"]  # fmt: skip
+    assert sorted(d.get("data-plot") for d in page.xpath("//div[@class='drawing']")) == sorted(found)
+    names = {*COLOURS, "ink"}
+    for plot in found.values():
+        colours = re.findall(r'"(?:fill)?color": "(.*?)"', json.dumps(plot))
+        assert set(colours) <= names  # the page has their values, in light and in dark
+        for entry in plot["legend"]:
+            assert entry["colour"] in names and entry["traces"]
+
+
+def test_the_operating_points_are_those_of_the_field_and_of_the_cycle(result):
+    (panel,) = panels(result.spec, result.sets[0], result.requirements)
+    field, cycle = panel.cases[0][-1], load_cycle(result.spec)
+    plot = field_plot(panel, [cycle.time])
+    way = next(t for t in plot["data"] if t["name"] == "load cycle")
+    assert way["y"] == pytest.approx(np.abs(field.cycle_speed).ravel() * 30.0 / np.pi, rel=1e-5)
+    assert way["x"] == pytest.approx(1e3 * field.cycle_torque.ravel(), rel=1e-5)  # mN·m; it drives one way
+    assert [moment[0] for moment in way["customdata"]] == pytest.approx([0.0, 2.0, 2.0, 242.0, 242.0, 244.0])
+    power = (np.abs(field.cycle_speed) * field.cycle_torque).ravel()
+    assert [float(m[1].split()[0].replace("−", "-")) for m in way["customdata"]] == pytest.approx(power, rel=5.1e-4)
+
+
+def test_the_continuous_field_lies_inside_the_intermittent_one_and_both_under_the_hot_line(hostile):
+    for panel in panels(hostile.spec, hostile.sets[0], hostile.requirements):
+        field = panel.cases[0][-1]
+        data = field_plot(panel, [load_cycle(case).time for _, case in hostile.spec.load_cases])["data"]
+        filled = {t["name"]: np.array(t["x"]).reshape(2, -1) for t in data if t.get("fill")}
+        while_, ever = (side[1, ::-1] / 1e3 for side in (filled["intermittent"], filled["continuous"]))
+        assert (filled["continuous"][0] == 0.0).all() and np.allclose(filled["intermittent"][0] / 1e3, ever, rtol=1e-5)
+        slow = field.speed <= field.permissible_speed
+        assert not ever[~slow].any() and not while_[~slow].any()
+        hot = np.maximum(field.voltage_hot, 0.0)
+        assert (ever <= while_ + 1e-9).all() and (while_ <= hot * (1 + 1e-5)).all() and while_[slow].any()
+        assert np.allclose(ever[slow], np.minimum(field.continuous, hot)[slow], rtol=1e-5)
+
+
+def test_unknown_figures_leave_their_lines_out(result):
+    best = result.sets[0]
+    motor = replace(best.motor, nominal_torque=nan, max_winding_temperature=nan)
+    gearhead = replace(best.gearhead, inertia=nan, intermittent_torque=nan, mass=nan)
+    bare = replace(best, motor=motor, gearhead=gearhead, controller=None, mass=nan)
+    page = parsed(report_html(replace(result, sets=(bare,), misses=()), None))
+    found = figures_of(page)
+    labels = [entry["label"] for entry in found["field-1"]["legend"]]
+    assert not {"continuous", "continuous, nominal torque", "intermittent", "load cycle"} & set(labels)
+    assert "sets-margin" not in found  # nothing to draw
+    assert words(page.xpath("//table[@id='sets']/tbody/tr[1]/td[5]")[0]) == "unknown"
+    assert page.xpath("//table[@id='sets']/tbody/tr[1]/td[5]/data") == []
+
+
+def test_no_peak_of_the_closed_loop_is_lost(page, proof):
+    plot = figures_of(page)["loop"]
+    current = next(t for t in plot["data"] if t["name"] == "current")
+    assert max(current["y"]) == pytest.approx(proof.series["current"].max(), rel=1e-5)
+    assert min(current["y"]) == pytest.approx(proof.series["current"].min(), rel=1e-5)
+    assert {t.get("xaxis", "x") for t in plot["data"]} == {"x"}  # one axis of time for all
+    assert [view["title"] for view in plot["views"]] == ["acceleration", "deceleration", "all"]
+    assert [view["shown"] for view in plot["views"]] == [True, False, False]
+    assert [entry["label"] for entry in plot["legend"]] == ["speed reference", "speed"]
+
+
+def test_a_record_of_one_sample_is_drawn():
+    assert sampled(np.zeros(1), [np.ones(1)], []).tolist() == [0]
+
+
+# -- every kind of drive
+
+CYCLE = "time,speed,torque\ns,rpm,N*m\n0,0,0.2\n0.5,40,1.4\n2.5,40,0.9\n3,0,-0.3\n4,0,0\n"
+
+
+@pytest.mark.parametrize("kind", sorted(path.stem for path in STARTERS.glob("*.yaml")))
+def test_every_starter_has_its_page(kind, tmp_path, catalog):
+    (tmp_path / "cycle.csv").write_text(CYCLE)
+    (tmp_path / "robot.yaml").write_bytes((STARTERS / f"{kind}.yaml").read_bytes())
+    found = size(read_spec(read(tmp_path / "robot.yaml")), catalog=catalog, top=2)
+    with blank_figures():  # those of every starter stand in the PDF
+        page = parsed(report_html(found, None))
+    assert found.sets[0].motor.part in words(page.xpath("//table[contains(@class, 'parts')]")[0])
+    assert {"motion", "cycle", "field-1"} <= set(figures_of(page)) and "Closed loop" not in words(
+        page.xpath("//nav")[0]
+    )
+
+
+def test_a_front_is_a_table_and_a_figure(hostile, hostile_page):
+    page = hostile_page
+    rows = page.xpath("//table[@id='front']/tbody/tr")
+    points = figures_of(page)["front"]["data"][0]
+    assert len(rows) == min(len(hostile.front), 40) and len(points["x"]) == len(hostile.front)
+    for point, one in zip(points["customdata"], hostile.front, strict=True):
+        assert point[0] == str(one.rank) and plain(one.label) == point[1] and "energy" in point[2]
+
+
+def test_a_page_without_a_set_names_the_nearest_misses(example_text, tmp_path):
+    (tmp_path / "robot.yaml").write_text(example_text.replace("speed: 1.5 m/s", "speed: 9 m/s"), encoding="utf-8")
+    result = size(read_spec(read(tmp_path / "robot.yaml")))
+    assert not result.sets
+    page = parsed(report_html(result, None))
+    verdict = words(page.xpath("//div[contains(@class, 'verdict')]")[0])
+    assert verdict.startswith("No set.") and "it falls by:" in verdict and result.misses[0].label in verdict
+    assert "The nearest miss" in [words(h) for h in page.xpath("//h2")]
+
+
+def test_a_page_without_anything_to_look_at(result):
+    empty = replace(result.counts, considered=0, feasible=0, failed_by={})
+    page = parsed(report_html(replace(result, sets=(), misses=(), counts=empty, unrestricted=None), None))
+    assert "no pair of motor and gearhead" in words(page.xpath("//div[contains(@class, 'verdict')]")[0])
+    assert list(figures_of(page)) == ["motion", "cycle"]
+
+
+def test_a_suffix_that_is_no_kind_of_report_is_one_line(result, tmp_path):
+    with pytest.raises(InputError, match=r"expected \.pdf, \.html, \.xlsx, \.csv or \.json"):
+        write(result, None, [tmp_path / "report.htm"])
+
+
+def test_a_symbol_in_a_note_is_lowered_and_the_rest_escaped():
+    assert (
+        page_module._noted("F_N <b> & k_t^2") == "<var>F</var><sub>N</sub> &lt;b&gt; &amp; <var>k</var><sub>t</sub>^2"
+    )

@@ -1,0 +1,342 @@
+"""Loops in figures, tables and JSON: held against a sampled integrator, all of whose figures have closed forms."""
+
+import csv
+import io
+import json
+import struct
+from dataclasses import replace
+from math import degrees, nan
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from loops_by_hand import CASCADE, UNSTABLE, lag
+from matplotlib.figure import Figure
+from printed import blank_figures, text_of
+from rich.console import Console
+from synthetic_validation import labels, synthetic_validation
+
+from drivesizer.control.cascade import ControllerGain
+from drivesizer.control.validation import Validation
+from drivesizer.errors import InputError
+from drivesizer.output.json import documents as json_documents
+from drivesizer.output.loop_table import cell, loop_figures, settled
+from drivesizer.output.report import pdf, write_loop_figures
+from drivesizer.output.report.figures import bode_and_step, load_and_loop
+from drivesizer.output.report.table import csv as csv_tables
+from drivesizer.output.terminal import sizing as terminal
+from drivesizer.output.terminal.loops import loops
+from drivesizer.output.thinning import extremes, on_curves
+from drivesizer.results.sizing import SizingResult
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec
+
+VELOCITY = CASCADE[1]
+
+
+@pytest.fixture(scope="module")
+def result(spec: RobotSpec) -> SizingResult:
+    return size(spec)
+
+
+@pytest.fixture(scope="module")
+def proof(result: SizingResult) -> Validation:
+    """A made-up cascade: every loop, a position error, and a winding that warms."""
+    plain = synthetic_validation(result)
+    time = plain.series["time"]
+    more = {"position_error": 0.002 * np.sin(time), "winding_temperature": 298.15 + 3.0 * time}
+    units = {"position_error": ("length", "mm"), "winding_temperature": ("temperature", "degC")}
+    return replace(plain, loops=CASCADE, series=plain.series | more, series_units=plain.series_units | units)
+
+
+def test_the_loops_by_hand_are_those_of_python_control():
+    """The closed forms that the tests lean on, against the analysis of the same loop."""
+    control = pytest.importorskip("control")
+    from drivesizer.control.loop_analysis import loop_of
+
+    for mine in CASCADE:
+        opened = control.ss([[1.0]], [[1.0 - mine.poles[0].real]], [[1.0]], [[0.0]], mine.period)
+        found = loop_of(mine.name, opened)
+        for name in ("pole_radius", "gain_margin", "phase_margin", "crossover", "bandwidth", "sensitivity"):
+            assert getattr(found, name) == pytest.approx(getattr(mine, name), rel=1e-6), name
+        assert found.settling_time == pytest.approx(mine.settling_time, abs=1.01 * mine.period)
+        assert found.rise_time == pytest.approx(mine.rise_time, abs=mine.period)
+
+
+# -- what is drawn
+
+
+@pytest.fixture
+def canvas(monkeypatch):
+    """What a function of ``loop_curves`` draws, as axes."""
+
+    def of(function, some):
+        kept = []
+        figure = Figure()
+        with monkeypatch.context() as patch:
+            patch.setattr(bode_and_step, "drawn", lambda draw, height, form: kept.append(draw))
+            function(some)
+        kept[0](figure)
+        return figure.axes
+
+    return of
+
+
+def marks(axes) -> dict[str, tuple[float, float]]:
+    """Single points of a diagram by their colour."""
+    return {
+        line.get_color(): (*line.get_xdata(), *line.get_ydata()) for line in axes.lines if len(line.get_xdata()) == 1
+    }
+
+
+def test_crossover_margin_and_bandwidth_are_marked_where_the_closed_forms_have_them(canvas):
+    opened, phase, closed = canvas(bode_and_step.bode, CASCADE)
+    for loop in CASCADE:
+        colour = bode_and_step.COLOURS[bode_and_step.look_of(loop)[0]]
+        assert marks(opened)[colour] == (loop.crossover, 0.0)
+        assert marks(phase)[colour] == pytest.approx((loop.crossover, -180.0 + degrees(loop.phase_margin)), abs=0.01)
+        assert marks(closed)[colour] == pytest.approx((loop.bandwidth, -3.0103), abs=1e-3)
+        (margin,) = [x for x in phase.lines if len(x.get_xdata()) == 2 and x.get_color() == colour]
+        assert np.ptp(margin.get_ydata()) == pytest.approx(degrees(loop.phase_margin), abs=0.01)
+        assert margin.get_ydata()[0] == -180.0
+
+
+def test_no_curve_goes_beyond_its_nyquist_frequency_and_the_axis_to_the_highest(canvas):
+    axes = canvas(bode_and_step.bode, CASCADE)
+    ends = sorted(float(line.get_xdata()[-1]) for line in axes[0].lines if len(line.get_xdata()) > 2)
+    assert ends == pytest.approx(sorted(0.5 / loop.period for loop in CASCADE))
+    left, right = axes[2].get_xlim()
+    assert right == pytest.approx(0.5 / CASCADE[0].period)
+    assert left < 0.1 * min(loop.crossover for loop in CASCADE)
+    assert axes[2].get_xscale() == "log"
+
+
+@pytest.mark.parametrize("turns", [-2, 0, 1, 3])
+def test_the_phase_starts_in_the_same_turn_whatever_the_arctangent_gave(turns):
+    curve = bode_and_step.curve_of(lag("velocity", 0.07, 4e-4, turns=turns))
+    assert curve.phase[0] == pytest.approx(-90.0, abs=0.01) and curve.phase[-1] == pytest.approx(-180.0)
+
+
+def test_two_integrators_start_at_minus_180_degrees_on_either_side_of_the_cut():
+    for start in (np.pi, np.pi - 1e-9, -np.pi):
+        bode = replace(VELOCITY.bode, open_phase=np.linspace(start, start - 1.0, 1500))
+        assert bode_and_step.curve_of(replace(VELOCITY, bode=bode)).phase[0] == pytest.approx(-180.0)
+
+
+def test_loops_differ_in_dashes_and_marks_and_not_in_colour_alone():
+    looks = [bode_and_step.look_of(loop) for loop in (*CASCADE, replace(VELOCITY, name="other"))]
+    for part in zip(*looks, strict=True):
+        assert len(set(part)) == len(looks)
+
+
+def test_an_unstable_loop_is_drawn_without_marks_and_says_so(canvas):
+    opened, phase, closed = canvas(bode_and_step.bode, UNSTABLE)
+    assert [len(marks(axes)) for axes in (opened, phase, closed)] == [1, 1, 1]  # those of the current loop
+    assert len([line for line in opened.lines if len(line.get_xdata()) > 2]) == 2
+    said = labels(bode_and_step.bode(UNSTABLE))
+    assert "velocity, braking: unstable, largest pole 1.6" in said
+    steps = canvas(bode_and_step.step, UNSTABLE)
+    assert [len(axes.lines) > 0 for axes in steps] == [True, False]
+    assert "largest pole 1.6" in steps[1].texts[0].get_text()
+
+
+def test_a_step_is_drawn_until_it_has_settled_with_a_mark_where(canvas):
+    for axes, loop in zip(canvas(bode_and_step.step, CASCADE), CASCADE, strict=True):
+        curve, mark = axes.lines[:2]
+        time = curve.get_xdata() * (1.0 if "(s)" in axes.get_xlabel() else 1e-3)
+        assert time[-1] >= 2.0 * loop.settling_time or len(loop.step) == settled(loop)
+        a = loop.poles[0].real
+        np.testing.assert_allclose(curve.get_ydata(), 100.0 * (1.0 - a ** (time / loop.period)), atol=1e-9)
+        assert mark.get_xdata()[0] in (1e3 * loop.settling_time, loop.settling_time)
+
+
+def test_a_response_without_end_or_nothing_at_all_does_not_stop_the_drawing():
+    bode = VELOCITY.bode
+    odd = replace(bode, open_magnitude=np.where(bode.frequency > 100.0, 0.0, bode.open_magnitude),
+                  closed_magnitude=np.where(bode.frequency > 500.0, np.inf, bode.closed_magnitude))  # fmt: skip
+    ElementTree.fromstring(bode_and_step.bode([replace(VELOCITY, bode=odd)]))
+    ElementTree.fromstring(bode_and_step.step([replace(VELOCITY, settling_time=nan, step=np.full(20_000, 0.3))]))
+
+
+def test_figures_of_loops_have_units():
+    assert {"frequency (Hz)", "(dB)", "phase", "(°)", "closed loop"} <= labels(bode_and_step.bode(CASCADE))
+    assert "velocity, braking: crossover" in " ".join(labels(bode_and_step.bode(CASCADE)))
+    assert {"answer to a step (%)", "time (ms)", "time (s)"} <= labels(bode_and_step.step(CASCADE))
+
+
+def test_the_closed_loop_shows_what_is_known_and_no_more(proof):
+    said = labels(load_and_loop.closed_loop(proof))
+    assert {"position", "error", "(mm)", "winding", "temperature", "(°C)", "(V)", "(A)", "(m/s)"} <= said
+    turning = replace(proof, series_units=proof.series_units | {"position_error": ("angle", "deg")})
+    assert "(°)" in labels(load_and_loop.closed_loop(turning))
+    unknown = {"winding_temperature": np.full_like(proof.series["time"], nan)}
+    assert "winding" not in labels(load_and_loop.closed_loop(replace(proof, series=proof.series | unknown)))
+    held = {"winding_temperature": np.full_like(proof.series["time"], 298.15)}  # kept, as it is not known
+    assert "winding" not in labels(load_and_loop.closed_loop(replace(proof, series=proof.series | held)))
+    bare = {name: values for name, values in proof.series.items() if name not in ("position_error", "voltage")}
+    titles = [title for _, title in load_and_loop.closed_loop_rows(replace(proof, series=bare))]
+    assert titles == ["speed", "speed error", "current", "winding temperature"]
+
+
+# -- files
+
+
+def test_figures_go_into_a_folder_as_drawing_and_picture_with_the_same_bytes_each_time(proof, tmp_path):
+    folder = tmp_path / "loop"
+    paths = write_loop_figures(proof, folder)
+    names = [f"{name}.{form}" for name in ("closed_loop", "bode", "step") for form in ("svg", "png")]
+    assert [path.name for path in paths] == names == [p.name for p in sorted(folder.iterdir(), key=paths.index)]
+    first = {path: path.read_bytes() for path in paths}
+    for path, content in first.items():
+        if path.suffix == ".png":
+            assert content.startswith(b"\x89PNG") and struct.unpack(">I", content[16:20]) == (1300,)  # 6.5 in
+            assert b"pHYs" in content and b"tEXt" not in content and b"tIME" not in content
+        else:
+            assert ElementTree.fromstring(content).tag.endswith("svg")
+    (folder / "notes.txt").write_text("mine")
+    assert {path: path.read_bytes() for path in write_loop_figures(proof, folder)} == first
+    assert (folder / "notes.txt").read_text() == "mine"
+
+
+def test_a_validation_without_records_of_its_loops_has_its_course_alone(result, tmp_path):
+    paths = write_loop_figures(synthetic_validation(result), tmp_path)
+    assert [path.name for path in paths] == ["closed_loop.svg", "closed_loop.png"]
+
+
+def test_a_folder_that_cannot_be_is_refused_in_a_line(proof, tmp_path, monkeypatch):
+    taken = tmp_path / "taken"
+    taken.write_text("older")
+    monkeypatch.setattr(load_and_loop, "drawn", lambda *_: pytest.fail("drawn before the folder was looked at"))
+    with pytest.raises(InputError, match=r"taken: is a file; expected a folder"):
+        write_loop_figures(proof, taken)
+    with pytest.raises(InputError, match="there is no folder"):
+        write_loop_figures(proof, tmp_path / "missing" / "loop")
+    assert taken.read_text() == "older" and [path.name for path in tmp_path.iterdir()] == ["taken"]
+
+
+def test_no_figure_changes_when_one_cannot_be_written(proof, tmp_path):
+    (tmp_path / "closed_loop.svg").write_text("older")
+    (tmp_path / "step.png").mkdir()
+    with pytest.raises(InputError, match=r"step\.png: cannot be written"):
+        write_loop_figures(proof, tmp_path)
+    assert (tmp_path / "closed_loop.svg").read_text() == "older"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["closed_loop.svg", "step.png"]
+
+
+# -- tables
+
+
+def test_a_table_says_the_figures_of_the_closed_forms():
+    said = {figure.name: cell(figure) for figure in loop_figures(lag("velocity", 0.5, 2e-3))}
+    # g = 1/2: crossover 2 asin(1/4)/(2 pi T), margin 90° - asin(1/4), gain margin 4, pole 1/2; cos of the bandwidth 3/4
+    assert said["crossover"] == "40.2 Hz" and said["phase_margin"] == "75.5 °" and said["gain_margin"] == "4"
+    assert said["pole_radius"] == "0.5" and said["bandwidth"] == "57.5 Hz" and said["overshoot"] == "0 %"
+    assert said["settling_time"] == "12 ms" and said["period"] == "2 ms"  # 0.5^6 = 0.016 is below 2 %
+    none = {figure.name: cell(figure) for figure in loop_figures(UNSTABLE[1])}
+    assert none["pole_radius"] == "1.6" and {none[n] for n in ("bandwidth", "phase_margin", "sensitivity")} == {"–"}
+
+
+@pytest.mark.parametrize("some", [CASCADE, UNSTABLE, (VELOCITY,)])
+@pytest.mark.parametrize("width", [80, 100, 120, 140])
+def test_the_terminals_table_fits_and_breaks_no_word(some, width):
+    stream = io.StringIO()
+    Console(file=stream, width=width).print(loops(some, width))
+    lines = [line.rstrip() for line in stream.getvalue().splitlines()]
+    assert max(map(len, lines)) <= width
+    words = " ".join(lines).split()
+    assert {"bandwidth", "overshoot", "settling", "largest", *(loop.name for loop in some)} <= {
+        w.strip(",") for w in words
+    }
+    assert ("UNSTABLE" in words) is (some is UNSTABLE)
+    assert ("sensitivity" in words and "velocity, braking" in stream.getvalue()) is (width == 140) or width == 120
+
+
+def test_the_terminal_prints_the_loops_of_a_validation(proof, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    terminal.validation(proof)
+    out = capsys.readouterr().out
+    assert "The loops by linear theory" in out and max(len(line.rstrip()) for line in out.splitlines()) <= 80
+
+
+def test_the_report_has_table_figures_and_the_controllers_own_units(result, proof):
+    own = ControllerGain(place="0x30A0:01", name="current controller P gain", value=250_000, unit="µV/A")
+    content = pdf.report_pdf(result, replace(proof, loops=(*UNSTABLE, CASCADE[2]), controller_gains=(own,)))
+    text = text_of(content)
+    for said in (
+        "The loops by linear theory", "velocity, braking unstable", "1.6", "Frequency response", "Answer of each loop",
+        "An unstable loop has no margins", "0x30A0:01", "250000 µV/A", "position error, current, voltage and winding",
+    ):  # fmt: skip
+        assert said in text, said
+    with blank_figures():
+        bare = text_of(pdf.report_pdf(result, replace(proof, loops=())))
+    assert "linear theory" not in bare and "Frequency response" not in bare and "0x30A0" not in bare
+
+
+def test_the_csv_report_has_a_row_for_each_figure_of_a_loop(result, proof):
+    content = csv_tables.report_csv(result, replace(proof, loops=UNSTABLE)).decode()
+    rows = {r["name"]: r for r in csv.DictReader(io.StringIO(content)) if r["section"] == "loop"}
+    assert float(rows["current_bandwidth"]["si_value"]) == UNSTABLE[0].bandwidth
+    assert float(rows["current_phase_margin"]["value"]) == pytest.approx(degrees(UNSTABLE[0].phase_margin))
+    assert rows["velocity_bandwidth"]["si_value"] == "" and rows["velocity_bandwidth"]["status"] == "fail"
+    assert rows["velocity_pole_radius"]["case"] == "braking"
+
+
+# -- JSON
+
+
+def document(proof: Validation) -> list[dict]:
+    text = json_documents.as_text(json_documents.validation(proof))
+    return json.loads(text, parse_constant=lambda c: pytest.fail(f"{c} in the JSON"))["loops"]
+
+
+def test_the_document_has_every_figure_of_every_loop(proof):
+    keys = {"period_s": "period", "pole_radius": "pole_radius", "gain_margin": "gain_margin",
+            "phase_margin_rad": "phase_margin", "crossover_Hz": "crossover", "bandwidth_Hz": "bandwidth",
+            "rise_time_s": "rise_time", "overshoot": "overshoot", "settling_time_s": "settling_time",
+            "sensitivity": "sensitivity"}  # fmt: skip
+    for written, loop in zip(document(proof), CASCADE, strict=True):
+        assert {name: written[key] for key, name in keys.items()} == {n: getattr(loop, n) for n in keys.values()}
+        assert written["gain_reduction"] is None and written["stable"] is True
+        assert written["poles"] == [[loop.poles[0].real, 0.0]]
+        assert (written["name"], written["direction"]) == (loop.name, loop.direction or None)
+
+
+def test_curves_in_the_document_are_thin_true_and_say_of_how_many(proof):
+    for written, loop in zip(document(proof), CASCADE, strict=True):
+        bode, step = written["bode"], written["step"]
+        assert bode["thinned_from"] == 1500 and step["thinned_from"] == len(loop.step)
+        assert {len(column) for column in list(bode.values())[1:]} == {len(bode["frequency_Hz"])}
+        assert len(bode["frequency_Hz"]) <= 200 and len(step["time_s"]) == len(step["response"]) <= 200
+        theta = 2.0 * np.pi * np.array(bode["frequency_Hz"]) * loop.period
+        gain = 1.0 - loop.poles[0].real
+        np.testing.assert_allclose(bode["open_magnitude"], gain / (2.0 * np.sin(theta / 2.0)), rtol=1e-9)
+        assert bode["frequency_Hz"][-1] == pytest.approx(0.5 / loop.period)
+        answer = 1.0 - loop.poles[0].real ** (np.array(step["time_s"]) / loop.period)
+        np.testing.assert_allclose(step["response"], answer, atol=1e-9)
+        assert abs(step["response"][-1] - 1.0) < 0.02
+
+
+def test_an_unstable_loop_is_null_where_it_has_no_figure(proof):
+    _, written = document(replace(proof, loops=UNSTABLE))
+    assert written["stable"] is False and written["step"] is None and written["pole_radius"] == pytest.approx(1.6)
+    for key in ("gain_margin", "phase_margin_rad", "crossover_Hz", "bandwidth_Hz", "rise_time_s", "settling_time_s"):
+        assert written[key] is None
+    assert len(written["bode"]["frequency_Hz"]) > 100
+
+
+# -- thinning
+
+
+def test_thinning_keeps_peaks_wherever_they_are_and_no_more_than_was_asked_for():
+    for count in (1499, 1500, 1777, 20_000):
+        for place in (1, count // 3, count - 2):
+            smooth, peaked = np.linspace(1.0, 0.0, count), np.zeros(count)
+            peaked[place] = 7.0
+            rows = on_curves((smooth, peaked), 200)
+            assert place in rows and {0, count - 1} <= set(rows.tolist()) and len(rows) <= 200
+            assert np.all(np.diff(rows) > 0)
+            assert place in extremes(-peaked, 300)  # in the last bin, which is not full, as well
+
+
+def test_few_points_stay_all():
+    assert on_curves((np.arange(7.0),), 200).tolist() == list(range(7)) == extremes(np.arange(7.0), 200).tolist()

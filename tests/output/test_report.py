@@ -1,0 +1,358 @@
+"""Reports: what they say is what was found, hostile text stays text, and a file is whole or untouched."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from math import inf, isnan, nan
+from pathlib import Path
+
+import pytest
+from printed import blank_figures, text_of
+from report_texts import STARTERS, rows_of, starter
+from synthetic_validation import synthetic_validation
+
+import drivesizer
+from drivesizer.errors import InputError
+from drivesizer.files.writing import put
+from drivesizer.output.derivation import found_failures, step
+from drivesizer.output.report import pdf, write, write_series, write_sets
+from drivesizer.output.report.table import csv as csv_tables
+from drivesizer.output.sums import price_of
+from drivesizer.results.drive_set import Relaxation
+from drivesizer.results.objectives import objective_figure
+from drivesizer.results.sizing import SizingResult
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec
+
+
+@pytest.fixture(scope="module")
+def result(spec: RobotSpec) -> SizingResult:
+    return size(spec)
+
+
+# -- CSV
+
+
+def test_csv_read_back_has_every_number_of_the_result(result):
+    rows = rows_of(csv_tables.report_csv(result, None))
+    wheel = {r["name"]: r for r in rows if r["section"] == "requirement" and not r["set_rank"]}
+    for r in result.requirements:
+        row = wheel[r.name]
+        assert float(row["si_value"]) == float(r.value)  # every digit
+        assert float(row["value"]) == r.shown
+        assert row["equation"] == str(r.equation or "")
+    checks = {(r["method"], r["name"]): r for r in rows if r["section"] == "check" and r["set_rank"] == "1"}
+    for c in result.sets[0].every_check:
+        row = checks[c.method, c.name]
+        for cell, figure in (("si_value", c.demand), ("si_limit", c.limit), ("margin", c.margin)):
+            assert row[cell] == "" if isnan(figure) else float(row[cell]) == figure
+        assert row["status"] == c.status
+    assert {r["set_rank"] for r in rows} == {"", *(str(s.rank) for s in (*result.sets, *result.misses))}
+
+
+def test_csv_shows_the_units_of_the_trade(result):
+    rows = {r["name"]: r for r in rows_of(csv_tables.report_csv(result, None)) if r["set_rank"] in ("", "1")}
+    # EQUATIONS.md: n_nom = 208.865 rpm; the set of the paper
+    assert rows["nominal_speed"]["unit"] == "rpm"
+    assert float(rows["nominal_speed"]["value"]) == pytest.approx(208.865, abs=0.0005)
+    assert (rows["motor"]["value"], rows["gearhead"]["value"]) == ("118752", "406764")
+    assert rows["price"]["note"] == "sum of gearhead"
+
+
+def test_time_series_beside_the_table(result, tmp_path):
+    validation = synthetic_validation(result)
+    written = write(result, validation, [tmp_path / "report.csv"])
+    assert [path.name for path in written] == ["report.csv", "report-parts.csv", "report-timeseries.csv"]
+    raw = written[2].read_bytes()
+    assert b"\r" not in raw
+    rows = rows_of(raw)
+    assert list(rows[0])[:2] == ["time (s)", "speed_reference (m/s)"]
+    assert "motor_speed (rpm)" in rows[0]
+    assert [float(r["current (A)"]) for r in rows] == validation.series["current"].tolist()
+    table = [r for r in rows_of(written[0].read_bytes()) if r["section"] == "validation"]
+    assert {r["name"]: r["status"] for r in table}["winding"] == "unknown"
+    assert {r["name"]: r["si_limit"] for r in table}["winding"] == ""
+    assert {r["name"]: r["at_time_s"] for r in table}["current"] == "1.98"
+    alone = write_series(validation, tmp_path / "alone.csv")
+    assert alone[0].read_bytes() == raw
+
+
+def test_sets_in_rows(result, tmp_path):
+    (path,) = write_sets(result, tmp_path / "sets.csv")
+    rows = rows_of(path.read_bytes())
+    assert len(rows) == len(result.sets) + len(result.misses)
+    best = result.sets[0]
+    assert (rows[0]["rank"], rows[0]["status"], rows[0]["motor_part"]) == ("1", "pass", best.motor.part)
+    assert float(rows[0]["total_ratio"]) == best.total_ratio
+    for check in best.checks:
+        cell = rows[0][f"margin_{check.name}"]
+        assert cell == "" if isnan(check.margin) else float(cell) == check.margin
+    assert rows[0]["smallest_margin_check"] == "battery_autonomy"  # what was kept small by choice does not count
+
+
+@pytest.mark.parametrize("start", ["=", "+", "-", "@", "\t", "\r"])
+def test_no_cell_of_text_is_a_formula(result, start):
+    best = result.sets[0]
+    hostile = replace(best, motor=replace(best.motor, family=f"{start}1+1", part=f"{start}HYPERLINK()"))
+    content = csv_tables.sets_csv(replace(result, sets=(hostile,), misses=()))
+    row = rows_of(content)[0]
+    start = start.replace("\r", "\n")  # line ends have one form
+    assert row["motor_family"] == f"'{start}1+1"
+    assert row["motor_part"] == f"'{start}HYPERLINK()"
+
+
+def test_negative_numbers_stay_numbers(result):
+    rows = {r["name"]: r for r in rows_of(csv_tables.report_csv(result, None)) if not r["set_rank"]}
+    assert float(rows["deceleration_torque"]["value"]) < 0
+
+
+def test_a_price_sums_what_is_known(result):
+    best = result.sets[0]
+    known = replace(best, motor=replace(best.motor, price=100.0), gearhead=replace(best.gearhead, price=27.5))
+    assert price_of(known) == (127.5, ("motor", "gearhead"))
+    nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None, controller=None)
+    assert isnan(price_of(nothing)[0])
+
+
+# -- PDF
+
+
+def test_pdf_says_what_was_found_and_has_the_same_bytes_each_time(result, tmp_path):
+    validation = synthetic_validation(result)
+    (path,) = write(result, validation, [tmp_path / "report.pdf"])
+    content = path.read_bytes()
+    assert content.startswith(b"%PDF")
+    assert pdf.report_pdf(result, validation) == content
+    assert b"CreationDate" not in content
+    text, best = text_of(content), result.sets[0]
+    for part in (best.motor, best.gearhead, best.encoder, best.controller):
+        assert part is not None and part.part in text
+    for number in (*range(1, 4), *range(5, 21)):  # the spec gives C_rr: no (4)
+        assert f"({number})" in text
+    for said in (
+        "A set was found",
+        "208.9",
+        "337.3",
+        "secondary",
+        "derived",
+        "recalled",
+        "Kessler 1955",
+        "drivesizer 0",
+    ):
+        assert said in text
+    assert "fails the unit check" in text
+    assert next(iter(result.catalog.digests.values())) in text
+    assert "# assumed: rubber on concrete" in text  # the spec file, comments included
+
+
+def test_letters_of_other_scripts_and_control_characters_do_no_harm(result):
+    named = result.spec.model_copy(update={"name": "測試 робот 😀 \x00\x1b[31m \u202e"})
+    with blank_figures():
+        content = pdf.report_pdf(replace(result, spec=named), None)
+    assert "робот" in text_of(content)
+    assert "\\x1b[31m" in text_of(content)
+
+
+def test_nothing_to_look_at_at_all(result):
+    empty = replace(result.counts, considered=0, feasible=0, failed_by={})
+    bare = replace(result, sets=(), misses=(), counts=empty, unrestricted=None)
+    assert "no pair of motor and gearhead" in text_of(pdf.report_pdf(bare, None))
+    assert csv_tables.report_csv(bare, None)
+
+
+def test_every_requirement_has_its_numbers_put_in(result):
+    for r in (*result.requirements, *result.sets[0].requirements):
+        if r.declared is not None:
+            made = step(r)
+            assert made["numbers"] and made["result"]
+            assert bool(made["failure"]) == (r.equation in (10, 20))
+    made = {r.name: step(r) for r in result.requirements}
+    assert made["rms_torque"]["numbers"].count("(-2.855 thin") == 1  # a negative figure under a square has brackets
+    assert made["wheel_mass"]["numbers"].count('(0.0762 thin "m")^(2)') == 1
+
+
+def test_the_kept_failures_of_printed_forms_are_those_that_are_found():
+    kept = json.loads(
+        (Path(drivesizer.__file__).parent / "output" / "printed_failures.json").read_text(encoding="utf-8")
+    )
+    assert kept == found_failures() and set(kept) == {"acceleration_torque", "no_load_speed"}
+
+
+# -- every kind of load, load cases, margins, fronts
+
+
+@pytest.mark.parametrize("kind", sorted(path.stem for path in STARTERS.glob("*.yaml")))
+def test_every_starter_has_its_reports(kind, tmp_path, catalog):
+    found = size(starter(kind, tmp_path), catalog=catalog, top=2)
+    best = found.sets[0]
+    text = text_of(pdf.report_pdf(found, None), most=5)  # the contents, and all that differs from load to load
+    assert text.count(best.motor.part) >= 2 and "How to repeat this" in text
+    wheels, platform = kind == "wheeled_vehicle", kind == "mecanum_platform"
+    assert ("at the load's shaft" in text) is not (wheels or platform)
+    assert "The vehicle and its wheels" not in text  # requirements are those of the method: no starter asks the paper's
+    assert ("belong to the paper's own method" in " ".join(text.replace("’", "'").split())) is not platform
+    assert ("Each driven wheel is a load case" in text) is platform
+    assert "Closed loop" not in text and "Current limit to set" in text
+    rows = rows_of(csv_tables.report_csv(found, None))
+    figures = {r["name"]: r for r in rows if r["section"] == "figure" and r["set_rank"] == "1"}
+    assert list(figures) == [f.name for f in best.figures]
+    for figure in best.figures:
+        assert figures[figure.name]["si_value"] == ("" if isnan(figure.value) else str(float(figure.value)))
+    header, *sets = csv_tables.sets_csv(found).decode().splitlines()
+    assert len(sets) == len(found.sets) + len(found.misses) and "figure_energy_J" in header
+
+
+@pytest.fixture(scope="module")
+def cased(tmp_path_factory, catalog) -> SizingResult:
+    """A hoist with margins, load cases of hostile names, a weighted objective, and a front."""
+    more = """
+margins: {torque: 20 %, temperature: 0.15}
+cases:
+  - {name: '#eval("1+1") $x$ `raw`', load: {mass: 18 kg}}
+  - {name: weak battery, supply: {nominal: 20 V, min: 18 V}}
+"""
+    weighted = "objective: [{objective: mass, weight: 2}, {objective: price, weight: 1}]"
+    spec = starter("hoist", tmp_path_factory.mktemp("cases"), ("objective: mass", weighted), more=more)
+    return size(spec, catalog=catalog, top=2, pareto=("mass", "price", "energy"))
+
+
+@pytest.fixture(scope="module")
+def cased_pdf(cased) -> bytes:
+    return pdf.report_pdf(cased, None)
+
+
+def test_load_cases_margins_and_objectives_are_told(cased, cased_pdf):
+    assert pdf.report_pdf(cased, None) == cased_pdf
+    text = text_of(cased_pdf)
+    assert 'case #eval("1+1") $x$ `raw`' in text  # the load case in which a check is worst
+    assert "needs +20 %" in text and "needs +15 %" in text
+    assert "best of them by 2 mass + 1 price" in text and "in the worst load case" in text
+    rows = [r for r in rows_of(csv_tables.report_csv(cased, None)) if r["section"] == "check" and r["set_rank"] == "1"]
+    for row, check in zip(rows, cased.sets[0].checks, strict=True):
+        assert (row["case"], float(row["needed_margin"])) == (check.case, check.needed)
+    assert {0.0, 0.2, 0.15} == {float(row["needed_margin"]) for row in rows}
+    (head,) = [name for name in rows_of(csv_tables.sets_csv(cased))[0] if name.startswith("objective")]
+    assert head == "objective_2_mass_1_price_si"
+
+
+def test_a_front_is_printed_drawn_and_in_the_tables(cased, cased_pdf):
+    assert len(cased.front) > 1
+    text = text_of(cased_pdf)
+    assert "The Pareto front" in text and "energy per cycle" in text
+    for one in cased.front[:5]:
+        assert one.motor.part in text
+    rows = [r for r in rows_of(csv_tables.report_csv(cased, None)) if r["section"] == "front"]
+    for one in cased.front:
+        mine = {r["name"]: r for r in rows if r["set_rank"] == str(one.rank)}
+        assert mine["motor"]["value"] == one.motor.part
+        assert float(mine["mass"]["si_value"]) == one.motor.mass + one.gearhead.mass
+        assert mine["energy"]["unit"] == "J"
+    listed = [r["list"] for r in rows_of(csv_tables.sets_csv(cased))]
+    assert listed == ["set"] * len(cased.sets) + ["miss"] * len(cased.misses) + ["front"] * len(cased.front)
+
+
+def test_what_a_set_has_of_an_objective(cased):
+    best = cased.sets[0]
+    assert objective_figure(best, "power").value == best.motor.assigned_power  # not the power of the supply
+    assert isnan(best.motor.length) and isnan(objective_figure(best, "length").value)  # its catalogue gives no length
+    long = replace(best, motor=replace(best.motor, length=0.06), gearhead=replace(best.gearhead, length=0.04))
+    assert objective_figure(long, "length").value == pytest.approx(0.1)
+    assert objective_figure(best, "margin").value == min(c.margin for c in best.checks if not isnan(c.margin))
+    does = {f.name: f.value for f in best.figures}
+    assert objective_figure(best, "energy").value == does["energy"]
+    assert isnan(objective_figure(replace(best, figures=()), "energy").value)
+
+
+def test_changes_are_told_with_numbers(cased):
+    moves = (
+        Relaxation(field="load.inertia", now="3 kg·m²", needed="2.5 kg·m²", set_label="that set", share=0.17,
+                   kind="inertia", unit="kg*m^2", before=3.0, after=2.5),
+        Relaxation(field="environment.ambient", now="40 °C", needed="25.5 °C", set_label="that set", share=0.05,
+                   kind="temperature", unit="degC", before=313.15, after=298.65),
+        Relaxation(field="gearhead", now="27:1", needed="35:1", set_label="another", share=0.3,
+                   kind="dimensionless", unit="1", before=26.85, after=34.97),
+    )  # fmt: skip
+    miss = replace(cased.sets[0], status="fail", changes=moves)
+    nothing = replace(cased, sets=(), misses=(miss,), relaxations=moves[:1])
+    rows = [r for r in rows_of(csv_tables.report_csv(nothing, None)) if r["section"] == "change"]
+    assert [(r["name"], r["value"], r["limit"], r["unit"]) for r in rows] == [
+        ("load.inertia", "3.0", "2.5", "kg*m^2"),
+        ("environment.ambient", "40.0", "25.5", "degC"),
+        ("gearhead", "26.85", "34.97", "1"),
+        ("load.inertia", "3.0", "2.5", "kg*m^2"),
+    ]
+    with blank_figures():
+        text = text_of(pdf.report_pdf(nothing, None))
+        without = text_of(pdf.report_pdf(replace(nothing, relaxations=()), None))
+    assert "What would let it pass" in text and "What would have to move" in text and "load › inertia" in text
+    assert "No single figure" in without and "No single figure" not in text
+
+
+def test_what_has_no_end_is_told_from_what_is_unknown(cased):
+    best = cased.sets[0]
+    figures = (replace(best.figures[0], value=inf), replace(best.figures[1], value=nan))
+    rows = rows_of(csv_tables.report_csv(replace(cased, sets=(replace(best, figures=figures),), misses=()), None))
+    assert [r["si_value"] for r in rows if r["section"] == "figure"] == ["inf", ""]
+
+
+# -- files
+
+
+def test_an_unknown_kind_is_named_with_the_known_ones(result, tmp_path):
+    with pytest.raises(InputError, match=r'"report\.docx".*\.pdf, \.html, \.xlsx, \.csv or \.json'):
+        write(result, None, [tmp_path / "report.docx"])
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_failing_render_leaves_the_older_file_alone(result, tmp_path, monkeypatch):
+    path = tmp_path / "report.pdf"
+    path.write_bytes(b"older")
+    monkeypatch.setattr(pdf, "document", lambda *_: {"name": "no template can set this"})
+    with pytest.raises(pdf.ReportError, match="could not be set"):
+        write(result, None, [path])
+    assert path.read_bytes() == b"older"
+    assert [p.name for p in tmp_path.iterdir()] == ["report.pdf"]
+
+
+def test_a_target_that_cannot_be_written(result, tmp_path):
+    with pytest.raises(InputError, match="there is no folder"):
+        write(result, None, [tmp_path / "missing" / "report.csv"])
+    (tmp_path / "taken.csv").mkdir()
+    with pytest.raises(InputError, match="it is a folder"):
+        write_sets(result, tmp_path / "taken.csv")
+    assert [p.name for p in tmp_path.iterdir()] == ["taken.csv"]
+
+
+def test_no_file_changes_when_one_of_several_cannot_be_written(tmp_path, monkeypatch):
+    first, second = tmp_path / "a.csv", tmp_path / "b.csv"
+    first.write_bytes(b"older")
+    real = Path.open
+
+    def refuse(path, *args, **kwargs):
+        if path.name.endswith("-1.part"):
+            raise PermissionError(13, "Permission denied")
+        return real(path, *args, **kwargs)
+
+    monkeypatch.setattr(Path, "open", refuse)
+    with pytest.raises(InputError, match=r"b\.csv: cannot be written \(permission denied\)"):
+        put({first: b"new", second: b"new"})
+    assert first.read_bytes() == b"older"
+    assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (tmp_path / "real.csv").write_bytes(b"older")
+    link = tmp_path / "link.csv"
+    try:
+        link.symlink_to(tmp_path / "real.csv")
+    except OSError:
+        pytest.skip("no links here")
+    put({link: b"new"})
+    assert link.is_symlink() and (tmp_path / "real.csv").read_bytes() == b"new"
+
+
+def test_csv_and_the_package_load_neither_matplotlib_nor_typst():
+    code = "import sys, drivesizer.output.report.table.csv; print({'matplotlib', 'typst'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"

@@ -1,0 +1,287 @@
+"""The machine in a report: what it is, its way in plan view, its wheels over time, what it weighs, why it falls."""
+
+import re
+from math import cos, isnan, sin
+
+import numpy as np
+import pytest
+from conftest import ROOT
+from matplotlib.colors import to_hex
+from pdf_pages import SHEETS, assert_within_margins
+from printed import Printed, blank_figures, printed, text_of
+
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.loads import load_cycle
+from drivesizer.loads.platform_wheels import trajectory_of
+from drivesizer.output.report import html, workbook
+from drivesizer.output.report.all_figures import report_drawings
+from drivesizer.output.report.figures import motion, plan_view, wheels
+from drivesizer.output.report.figures.style import COLOURS
+from drivesizer.output.report.figures.time_windows import Window, thinned
+from drivesizer.output.report.html.page import report_html
+from drivesizer.output.report.lines.battery import battery_rows, without
+from drivesizer.output.report.lines.figures_behind_checks import unknown_figures
+from drivesizer.output.report.lines.machine import driven_over, machine_rows, machine_words
+from drivesizer.output.report.pdf import report_pdf
+from drivesizer.output.report.set_behaviour import Behaviour
+from drivesizer.results.sizing import SizingResult
+from drivesizer.simulate import validate
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec, load_spec, read_spec
+
+EXAMPLE = ROOT / "examples" / "sps_platform.yaml"
+TEXT = EXAMPLE.read_text(encoding="utf-8")
+
+
+def changed(*pairs: tuple[str, str]) -> RobotSpec:
+    text = TEXT
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    return read_spec(YamlSource(text, str(EXAMPLE)))
+
+
+PLACED = ("heading_error: 2 deg}", "heading_error: 2 deg, x: 26 m, y: 11 m, direction: 90 deg}")
+
+
+@pytest.fixture(scope="module")
+def result() -> SizingResult:
+    return size(load_spec(EXAMPLE), top=2)
+
+
+# -- what it is
+
+
+def test_a_platform_is_told_by_mass_wheels_size_and_way(spec):
+    way = trajectory_of(load_spec(EXAMPLE))
+    assert machine_words(load_spec(EXAMPLE)) == (
+        "Platform of 45 kg on 4 driven mecanum wheels, wheel diameter 152.4 mm; 707 × 350 × 184 mm; "
+        f"its way is {way.length:.4g} m in {way.total:.4g} s"
+    )
+    assert machine_words(spec) == "Wheeled vehicle, 45 kg, 4 motor sets"
+
+
+def test_free_wheels_and_casters_are_told_apart():
+    text = re.sub(r"  wheels:.*?  roller_resistance: 0.01[^\n]*\n", WHEELS, TEXT, flags=re.DOTALL)
+    text = text.replace("driven_wheels: 4", "driven_wheels: 2").replace("{trajectory: sps_way.csv}", TRAPEZOID)
+    assert "on 2 driven fixed wheels and 1 free fixed wheel and 1 caster, " in machine_words(
+        read_spec(YamlSource(text, str(EXAMPLE)))
+    )
+
+
+WHEELS = """  wheels:
+    - {kind: fixed, x: 0 mm, y: 150 mm}
+    - {kind: fixed, x: 0 mm, y: -150 mm}
+    - {kind: fixed, x: 0 mm, y: 100 mm, driven: false}
+  casters: [{x: 300 mm, y: 0 mm}]
+"""
+TRAPEZOID = "{speed: 1 m/s, acceleration_time: 2 s, cruise_time: 5 s}"
+
+
+# -- the way
+
+
+def test_the_way_is_drawn_to_scale_with_its_headings_and_ends(canvas):
+    spec = changed(PLACED)
+    (axes,) = canvas(plan_view, plan_view.plan_view, spec).axes
+    box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
+    assert (right - left) / box.width == pytest.approx((high - low) / box.height, rel=1e-3)
+    way = trajectory_of(spec)
+    (path,) = [line for line in axes.lines if to_hex(line.get_color()) == COLOURS["blue"].lower()]
+    x, y, _ = way.at(np.linspace(0.0, way.total, len(path.get_xdata())))
+    assert np.allclose(path.get_xdata(), x) and np.allclose(path.get_ydata(), y)
+    assert left < x.min() and x.max() < right and low < y.min() and y.max() < high
+    arrows = next(c for c in axes.collections if hasattr(c, "U"))
+    assert 15 <= len(arrows.U) <= 30
+    for px, py, u, v in zip(*arrows.XY.T, arrows.U, arrows.V, strict=True):
+        near = int(np.hypot(x - px, y - py).argmin())
+        heads = way.at(np.linspace(0.0, way.total, len(x)))[2]
+        same = [h for h, a, b in zip(heads, x, y, strict=True) if np.hypot(a - x[near], b - y[near]) < 1e-9]
+        assert any(abs(u * sin(h) - v * cos(h)) < 1e-9 and u * cos(h) + v * sin(h) > 0.0 for h in same)
+    assert [text.get_text() for text in axes.texts] == ["door of a section", "start and end"]
+
+
+def test_a_passage_stands_where_it_is_and_is_as_wide_as_it_is(canvas):
+    (axes,) = canvas(plan_view, plan_view.plan_view, changed(PLACED)).axes
+    walls = [patch.get_xy()[:4] for patch in axes.patches]
+    assert len(walls) == 2
+    inner = sorted(min(abs(wall[:, 0] - 26.0)) for wall in walls)
+    assert inner == pytest.approx([0.2, 0.2])  # half of 400 mm to either side, across a way that goes up
+    assert all(np.ptp(wall[:, 1]) == pytest.approx(0.1) and wall[:, 1].mean() == pytest.approx(11.0) for wall in walls)
+    (bare,) = canvas(plan_view, plan_view.plan_view, load_spec(EXAMPLE)).axes
+    assert not bare.patches  # without a place
+
+
+def test_a_way_that_ends_elsewhere_has_two_marks_and_the_same_way_is_drawn_once(canvas):
+    spec = changed(("{trajectory: sps_way.csv}", "{waypoints: [{x: 0 m, y: 0 m}, {x: 4 m, y: 0 m}, {x: 4 m, y: 2 m}]}"))
+    (axes,) = canvas(plan_view, plan_view.plan_view, spec).axes
+    assert [text.get_text() for text in axes.texts] == ["start", "end"]
+    more = read_spec(YamlSource(TEXT + "cases: [{name: slope, load: {slope: 2 deg}}]\n", str(EXAMPLE)))
+    assert len(plan_view.ways_of(more)) == 1
+
+
+def test_the_profile_of_a_platform_is_its_own_motion(canvas, result):
+    straight, turning = canvas(motion, motion.speed_profile, result.spec).axes
+    forwards, left = (line for line in straight.lines if len(line.get_xdata()) > 2)
+    assert max(forwards.get_ydata()) == pytest.approx(1.5) and min(left.get_ydata()) < -0.5
+    assert (straight.get_ylabel(), turning.get_ylabel()) == ("speed (m/s)", "turning (°/s)")
+    (turned,) = (line for line in turning.lines if len(line.get_xdata()) > 2)
+    x, y = (np.asarray(column, float) for column in turned.get_data())
+    assert np.trapezoid(y, x) == pytest.approx(360.0, rel=2e-3)  # from 0 to 360 degrees
+    speed = np.hypot(*(np.interp(np.arange(0.0, 86.0, 0.01), *line.get_data()) for line in (forwards, left)))
+    assert speed.sum() * 0.01 == pytest.approx(trajectory_of(load_spec(EXAMPLE)).length, rel=5e-3)
+
+
+# -- wheels
+
+
+def test_each_wheel_has_a_row_of_its_torque_and_its_speed(canvas, result):
+    cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
+    axes = canvas(wheels, wheels.wheels_over_time, cycles).axes
+    assert [a.get_title(loc="left") for a in axes] == [
+        f"{name}: {what}" for name, _ in cycles for what in ("torque (N·m)", "speed (rpm)")
+    ]
+    assert len({a.get_ylim() for a in axes[::2]}) == len({a.get_ylim() for a in axes[1::2]}) == 1
+    for row, (_, cycle) in enumerate(cycles):
+        torque, speed = (axes[2 * row + column].lines[0].get_ydata() for column in (0, 1))
+        assert (torque.min(), torque.max()) == pytest.approx((cycle.torque.min(), cycle.torque.max()))
+        rpm = cycle.speed * 30.0 / np.pi
+        assert (speed.min(), speed.max()) == pytest.approx((rpm.min(), rpm.max()))
+
+
+def test_a_wheel_that_rests_is_drawn_at_rest(canvas, result):
+    """A long piece between many short ones keeps both of its ends."""
+    cycle = load_cycle(result.spec)
+    still = [k for k in range(len(cycle.duration)) if cycle.duration[k] > 4.9 and not cycle.speed[k].any()]
+    start, end = cycle.time[still[0]]
+    assert end - start == pytest.approx(5.0) and not cycle.torque[still[0]].any()
+    line = canvas(wheels, wheels.wheels_over_time, [("a", cycle)]).axes[0].lines[0]
+    inside = np.linspace(start + 0.05, end - 0.05, 50)
+    assert np.abs(np.interp(inside, *line.get_data())).max() < 1e-9
+
+
+def test_thinning_keeps_both_ends_of_a_step_in_time_that_can_be_seen():
+    time = np.concatenate([np.linspace(0.0, 1.0, 3000), np.linspace(6.0, 7.0, 3000)])
+    values = np.concatenate([np.linspace(1.0, 0.0, 3000), np.linspace(0.0, 1.0, 3000)])
+    rows = thinned(time, values, Window("", 0.0, 7.0))
+    assert {2999, 3000} <= set(rows.tolist()) and len(rows) < 750
+
+
+def test_more_wheels_than_rows_leave_the_rest_to_other_reports(canvas, result):
+    cycle = load_cycle(result.spec)
+    most = wheels.MOST_WHEELS
+    axes = canvas(wheels, wheels.wheels_over_time, [(f"wheel {n}", cycle) for n in range(most + 3)]).axes
+    assert len(axes) == 2 * most
+
+
+def test_the_energy_of_a_way_is_the_sum_over_its_wheels(result):
+    best = result.sets[0]
+    flow = Behaviour(result.spec, best).energy
+    drawn = {one.name: one.mean for one in best.energy.consumers}
+    total = trajectory_of(load_spec(EXAMPLE)).total
+    assert flow.drawn == pytest.approx(drawn["drive"] * total, rel=1e-6)
+    assert flow.stored == pytest.approx(-drawn["energy that comes back"] * total, rel=1e-6)
+    parts = (flow.copper, flow.friction, flow.gearhead, flow.belt, flow.load, flow.rotor, flow.returned)
+    assert sum(parts) == pytest.approx(flow.drawn, rel=1e-6)
+
+
+# -- masses and battery
+
+
+def test_masses_are_told_one_by_one_with_their_sum_and_what_it_lacks(result):
+    best = result.sets[0]
+    told = machine_rows(best)
+    rows = {row["name"]: row for row in told["masses"]}
+    each = best.motor.mass
+    assert rows["motor"] == {"name": "motor", "number": "4 ×", "each": f"{each:.4g} kg", "all": f"{4 * each:.4g} kg"}
+    assert rows["controller"]["all"] == "unknown" and rows["structure"]["number"] == ""
+    known = sum(row.number * row.each for row in best.masses if not isnan(row.each))
+    assert told["mass_sums"][0]["text"] == f"{known:.4g} kg"
+    assert told["mass_lacks"] == ", ".join(row.name for row in best.masses if isnan(row.each))
+    assert "mass_known" not in {f["title"] for f in told["machine"]} and len(told["machine"]) > 5
+
+
+def test_what_nobody_knows_of_a_consumer_is_said_and_not_summed(result):
+    budget = result.sets[0].energy
+    assert without(budget) == ("losses of the controllers",)
+    told = battery_rows(result.sets[0])
+    assert told["consumers"][-1]["said"] == "of what is known" and told["lacks"] == "losses of the controllers"
+    bars = html.battery_plots.consumers_plot(budget)["data"][0]
+    place = bars["y"].index("losses of the controllers")
+    assert bars["customdata"][place] == bars["text"][place] == "unknown" and bars["x"][place] == 0.0
+    assert bars["x"][bars["y"].index("drive")] == pytest.approx(budget.consumers[0].mean, rel=1e-5)
+    charge = html.battery_plots.charge_plot(budget)["data"][0]
+    assert charge["y"][0] == 100.0 and charge["x"][-1] == pytest.approx(budget.autonomy / 3600.0, rel=1e-4)
+
+
+def test_unknown_masses_are_named_where_unknown_checks_are(result):
+    lacks = dict(unknown_figures(result.sets[0]))
+    assert lacks["Mass of the machine"] == "encoder, controller, belt and pulleys"  # maxon gives no mass of either
+
+
+def test_the_workbook_has_masses_and_says_what_the_machine_is(result):
+    book = {sheet.name: sheet for sheet in workbook.sheets(result, None)}
+    rows = [row for row in book["Machine"].rows if row["set_rank"] == 1 and row["section"] == "mass"]
+    assert [(row["title"], row["how_many"]) for row in rows][:2] == [("motor", 4), ("gearhead", 4)]
+    assert {row["title"] for row in rows if row["status"] == "unknown"} >= {"controller", "belt and pulleys"}
+    told = {row.get("title"): row.get("note") for row in book["Summary"].rows}
+    assert told["What it is"] == machine_words(result.spec)
+
+
+# -- what falls
+
+
+LIGHTER = ("  mass: 45 kg                      # paper: about 45 kg\n  structure", "  mass: 35 kg\n  structure")
+
+
+@pytest.mark.parametrize(
+    ("change", "title"),
+    [
+        (("autonomy: 1 h", "autonomy: 30 h"), "Battery autonomy"),
+        (LIGHTER, "Mass of the machine"),
+    ],
+)
+def test_a_set_that_falls_by_its_machine_says_so_first(change, title):
+    result = size(changed(change), top=2)
+    assert not result.sets and result.misses
+    with blank_figures():
+        summary, found, _ = text_of(report_pdf(result, None), most=2).partition("CONTENTS")
+        page = re.sub(r"\s+", " ", report_html(result, None).decode())
+    assert found and re.search(rf"falls by:[^.]*{title}", summary)
+    assert re.search(rf"it falls by: [^<]*{title}", page)
+    verdict = next(row for row in workbook.sheets(result, None)[0].rows if row.get("title") == "Verdict")
+    assert verdict["status"] == "fail"
+
+
+# -- the whole report
+
+
+@pytest.fixture(scope="module")
+def sheets(result) -> dict[str, Printed]:
+    proof = validate(result.spec, result.sets[0])
+    assert driven_over(proof) == "the cycle of wheel 1"
+    return {paper: printed(result, proof, paper=paper) for paper in SHEETS}
+
+
+@pytest.mark.parametrize("paper", SHEETS)
+def test_the_platforms_report_stays_on_its_pages(paper, sheets):
+    pages = sheets[paper].pictures
+    assert_within_margins(pages, paper)
+    for page in pages[:-1]:  # a figure that found no room does not leave a page to itself
+        inked = np.flatnonzero((page < 0.7).any(axis=1))
+        within = (inked > 0.08 * len(page)) & (inked < 0.94 * len(page))
+        assert len(inked[within]) > 0.15 * len(page) and inked[within].min() < 0.2 * len(page)
+
+
+def test_the_platforms_report_speaks_of_wheels(sheets):
+    text = text_of(sheets["a4"].content)
+    assert "Closed loop over the cycle of wheel 1" in text and "What it weighs" in text
+    assert "each at its worst wheel" in text and "as specified" not in text and "case wheel" not in text
+
+
+def test_figures_of_a_way_are_drawn_with_the_same_bytes_each_time(result, spec):
+    made = report_drawings(result, None)
+    assert list(made)[:3] == ["way", "profile", "cycle"]
+    for name in ("way", "profile", "cycle", "battery"):
+        assert made[name]("svg") == made[name]("svg")
+    assert "way" not in report_drawings(size(spec, top=1), None)

@@ -1,0 +1,176 @@
+"""The PDF page by page: as many as a reader takes in, everything within its margins, every section and its figures."""
+
+import io
+import re
+from dataclasses import replace
+from math import nan
+
+import pypdf
+import pytest
+from pdf_pages import SHEETS, assert_within_margins
+from printed import Printed, printed, text_of
+from report_texts import HOSTILE, changed, starter
+from synthetic_validation import synthetic_validation
+
+from drivesizer.control.validation import Validation
+from drivesizer.errors import InputError
+from drivesizer.output.report import pdf
+from drivesizer.results.sizing import SizingResult
+from drivesizer.simulate import validate
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec
+
+SECTIONS = (
+    "What was asked", "Derivation", "The vehicle and its wheels", "At the motor shaft", "Candidates", "The chosen set",
+    "Checks", "Over the cycle", "Heat", "Energy", "Parts list", "Data sheets", "Closed loop",
+    "The loops by linear theory", "Assumptions and unknowns", "How to repeat this", "The spec file",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def result(spec: RobotSpec) -> SizingResult:
+    return size(spec)
+
+
+@pytest.fixture(scope="module")
+def proof(result: SizingResult) -> Validation:
+    return validate(result.spec, result.sets[0])
+
+
+DATED = "1 March 2026"
+
+
+@pytest.fixture(scope="module")
+def sheets(result, proof) -> dict[str, Printed]:
+    """The robot's report on each paper; on the last with a date."""
+    dates = dict.fromkeys(SHEETS) | {"us-letter": DATED}
+    return {paper: printed(result, proof, paper=paper, date=date) for paper, date in dates.items()}
+
+
+@pytest.fixture(scope="module")
+def text(sheets) -> str:
+    return text_of(sheets["a4"].content)
+
+
+# -- the robot
+
+
+@pytest.mark.parametrize("paper", SHEETS)
+def test_the_robots_report_has_six_to_twelve_pages_of_the_paper(sheets, paper):
+    pages = pypdf.PdfReader(io.BytesIO(sheets[paper].content)).pages
+    assert 6 <= len(pages) == len(sheets[paper].pictures) <= 12
+    for page in pages:
+        sheet = [float(x) * 25.4 / 72.0 for x in page.mediabox[2:]]
+        assert sheet == pytest.approx(SHEETS[paper], abs=0.2)
+
+
+@pytest.mark.parametrize("paper", SHEETS)
+def test_nothing_of_the_robots_report_leaves_the_page(sheets, paper):
+    assert_within_margins(sheets[paper].pictures, paper)
+
+
+def test_every_section_figure_and_table_is_there_and_numbered(sheets, text):
+    for section in SECTIONS:
+        assert len(re.findall(re.escape(section), text)) >= 2, section  # in the contents as well
+    captions = [int(n) for n in re.findall(r"Figure (\d+): ", text)]
+    assert sorted(captions) == list(range(1, len(captions) + 1)) and len(captions) == 10
+    for n in captions:
+        assert len(re.findall(rf"Figure {n}\b", text)) >= 2, f"figure {n} is not referred to"
+    tables = [int(n) for n in re.findall(r"Table (\d+): ", text)]
+    assert sorted(tables) == list(range(1, len(tables) + 1))
+    last = len(sheets["a4"].pictures)
+    assert f"page {last} of {last}" in text
+
+
+def test_what_figures_say_can_be_searched_and_copied(text):
+    for said in ("torque at the motor's shaft", "energy of a cycle (J)", "speed there (rpm)", "current (A)",
+                 "friction and iron of the motor", "frequency (Hz)"):  # fmt: skip
+        assert said in text, said
+
+
+def test_energy_heat_parts_and_what_is_not_known_are_told(text):
+    for said in (
+        "Energy per cycle 5088 J", "drawn less what comes back and is kept (70 %", "Copper loss, mean 0.3658 W",
+        "Winding in the long run, mean 38.23 °C", "winding time constant, motor time constant of the motor not known",
+        "4 × gearhead maxon GP 26 A 406764 127.73 EUR 510.92 EUR", "without motor, belt, encoder, controller",
+        "Cables, connectors", "Motor permissible speed motor max speed", "encoder max speed 24000 rpm recalled",
+    ):  # fmt: skip
+        assert said in text, said
+
+
+def test_a_date_is_printed_where_it_is_given_and_nowhere_else(sheets, text):
+    plain, dated = (sheets[paper].content for paper in ("a4", "us-letter"))
+    pages = pypdf.PdfReader(io.BytesIO(dated)).pages
+    assert all(DATED in page.extract_text() for page in pages)
+    assert DATED not in text
+    assert b"CreationDate" not in plain + dated and b"ModDate" not in plain + dated
+
+
+def test_an_unknown_paper_is_refused_in_a_line(result):
+    with pytest.raises(InputError, match=r'paper "a5" is not known; expected a4 or us-letter'):
+        pdf.report_pdf(result, None, paper="a5")
+
+
+# -- other machines, long names, other scripts, markup
+
+
+FAMILY = '#eval("1+1") `raw` $x$ @ref'
+LONG = "A hoist with a name of remarkable length " * 2 + "W" * 90
+CASES = f"""
+margins: {{torque: 20 %, temperature: 0.15}}
+cases:
+  - {{name: '{HOSTILE}', load: {{mass: 18 kg}}}}
+  - {{name: тяжёлый груз Ωσ, load: {{mass: 20 kg}}}}
+  - {{name: {"X" * 60}, supply: {{nominal: 24 V, min: 21 V}}}}
+  - {{name: '# $ * _ ` < @', load: {{mass: 11 kg}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "paper"), [(LONG, "a4"), (HOSTILE + " робот Ω", "us-letter")], ids=["long", "hostile"]
+)
+def test_long_and_hostile_names_stay_within_the_page_and_are_printed(name, paper, tmp_path, catalog):
+    spec = starter("hoist", tmp_path, ("name: my hoist", f"name: '{name}'"), more=CASES)
+    found = size(spec, catalog=catalog, top=3, pareto=("mass", "price", "energy"))
+    best = found.sets[0]
+    named = replace(best, motor=replace(best.motor, family=FAMILY))
+    found = replace(found, sets=(named, *found.sets[1:]))
+    proof = synthetic_validation(found) if hasattr(found.spec.motion, "cruise_time") else None
+    made = printed(found, proof, paper=paper, date=HOSTILE)
+    assert_within_margins(made.pictures, paper)
+    text = text_of(made.content).replace(" ", "")
+    assert name.replace(" ", "") in text and FAMILY.replace(" ", "") in text
+    assert text.count(HOSTILE.replace(" ", "")) >= 2 + len(made.pictures)  # as the date on every page
+    assert "тяжёлыйгруз" in text and "X" * 60 in text
+
+
+def test_sixty_candidates_run_over_pages_with_their_head_repeated(tmp_path, catalog):
+    found = size(starter("conveyor", tmp_path), catalog=catalog, top=60)
+    made = printed(found, None, paper="us-letter")
+    assert_within_margins(made.pictures, "us-letter")
+    text = text_of(made.content)
+    assert all(
+        f"{s.rank} {s.motor_name}" in text for s in found.sets if " " not in s.motor.part and len(s.motor.part) < 15
+    )
+    assert text.count("price (EUR)") >= 2
+
+
+def test_a_set_of_unknown_figures_says_which_and_draws_the_rest(result):
+    best = result.sets[0]
+    bare = replace(best, gearhead=replace(best.gearhead, inertia=nan, price=nan), encoder=None)
+    made = printed(replace(result, sets=(bare,)), None)
+    assert_within_margins(made.pictures, "a4")
+    text = text_of(made.content)
+    assert "Energy per cycle unknown" in text and "current over time is unknown" in text
+    assert "sum of the known prices unknown" in text and not re.search(r"\bnan\b", text)
+
+
+def test_misses_are_reported_with_bars_and_what_would_have_to_move(example_text, tmp_path):
+    pairs = ("speed: 1.5 m/s", "speed: 9 m/s"), ("name: SPS surveillance robot", f"name: {LONG}")
+    found = size(changed(example_text, tmp_path, *pairs))
+    assert not found.sets
+    made = printed(found, None)
+    assert_within_margins(made.pictures, "a4")
+    text = text_of(made.content)
+    assert "No set." in text and "; it falls by:" in text and found.misses[0].motor.part in text
+    assert "The nearest miss" in text and "What would have to move" in text and re.search(r"and \d+ more", text)

@@ -1,0 +1,123 @@
+"""CSV against the spreadsheets that open it: no text is computed, however it is split, and numbers stay numbers."""
+
+import csv
+import io
+import re
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from synthetic_validation import synthetic_validation
+
+from drivesizer.output.cells import LONGEST, csv_cell, visible
+from drivesizer.output.report.table import csv as csv_tables
+from drivesizer.results.sizing import SizingResult
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec
+
+STARTS = ("=", "+", "-", "@", "＝", "＋", "－", "＠")
+PAYLOADS = (
+    "=cmd|' /C calc'!A0", "+1+1", "-2+3", "@SUM(1+9)", "\t=1", "\r=1", "\n=1", " =1", "a;=1+1", "a\t=1+1", 'a"\n=1+1',
+    "a,b;@x", "＝1+1", "'=1+1", "x\r\n-1",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def result(spec: RobotSpec) -> SizingResult:
+    return size(spec, top=2)
+
+
+def hostile(result: SizingResult, text: str) -> SizingResult:
+    best = result.sets[0]
+    checks = (replace(best.checks[0], note=text, case=text), *best.checks[1:])
+    first, *others = result.requirements
+    return replace(
+        result,
+        sets=(replace(best, checks=checks, motor=replace(best.motor, family=text)),),
+        requirements=(replace(first, title=text, note=text), *others),
+    )
+
+
+def every_cell(content: bytes) -> set[str]:
+    """Cells as programs split them that know the rules, and as those that do not."""
+    text = content.decode()
+    cells = {cell for row in csv.reader(io.StringIO(text, newline="")) for cell in row}
+    for separator in ",;\t":
+        cells |= {cell for row in csv.reader(io.StringIO(text), delimiter=separator) for cell in row}
+    return cells | {cell.strip('"') for cell in re.split(r"[;\t\n]", text)}
+
+
+def is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize("text", PAYLOADS)
+def test_no_cell_is_computed_however_the_file_is_split(text, result):
+    found = hostile(result, text)
+    content = csv_tables.report_csv(found, None)
+    # A comma that is no separator leaves the rest of the row in the cell: only its start is looked at.
+    computed = {c for c in every_cell(content) if c.lstrip(" ").startswith(STARTS) and not is_number(c.split(",")[0])}
+    assert computed == set()
+
+
+@pytest.mark.parametrize("text", PAYLOADS)
+def test_the_text_is_still_there(text, result):
+    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(hostile(result, text), None).decode(), newline="")))
+    told = rows[0]["title"].replace("'", "")
+    assert told == text.replace("\r\n", "\n").replace("\r", "\n").replace("'", "")
+
+
+def test_negative_numbers_are_numbers(result):
+    proof = synthetic_validation(result, step=0.5)
+    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(result, proof).decode())))
+    assert any(float(r["value"]) < 0 for r in rows if r["name"] == "deceleration_torque")
+    margins = [r["margin"] for r in rows if r["margin"].startswith("-")]
+    assert margins and all(float(m) < 0 for m in margins)  # of the nearest misses
+    series = list(csv.reader(io.StringIO(csv_tables.timeseries_csv(proof).decode())))
+    assert all(is_number(cell) for row in series[1:] for cell in row)
+    assert any(cell.startswith("-") for row in series[1:] for cell in row)
+
+
+@given(st.floats(allow_nan=False))
+def test_a_number_is_written_with_all_its_digits(value):
+    text = io.StringIO()
+    csv.writer(text).writerow([csv_cell(value)])
+    assert float(text.getvalue()) == value
+
+
+@given(st.text(max_size=40))
+def test_any_text_is_one_cell_that_is_not_computed(text):
+    cell = csv_cell(text)
+    assert not cell.lstrip(" ").startswith((*STARTS, "\t"))
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerow([cell, "end"])
+    assert list(csv.reader(io.StringIO(out.getvalue(), newline=""))) == [[cell, "end"]]
+    out.getvalue().encode()  # half a letter cannot be written
+    assert "\x00" not in cell and "\r" not in cell
+
+
+@given(st.text(alphabet=st.characters(categories=("L", "N", "P", "S", "Zs", "Mn"), exclude_characters="\x00")))
+def test_letters_of_any_script_stay_as_they_are(text):
+    assert visible(text) == text
+
+
+def test_a_text_is_cut_where_no_cell_would_hold_it():
+    assert visible("x" * LONGEST) == "x" * LONGEST
+    assert len(visible("x" * (LONGEST + 1))) == LONGEST and visible("x" * (LONGEST + 1)).endswith("…")
+
+
+def test_the_table_has_a_section_for_everything(result):
+    proof = synthetic_validation(result, step=0.5)
+    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(result, proof).decode())))
+    assert {"requirement", "count", "set", "check", "part", "validation"} <= {r["section"] for r in rows}
+    counts = {r["name"]: r["value"] for r in rows if r["section"] == "count"}
+    assert (counts["considered"], counts["feasible"]) == ("18", "1")
+    assert {n.removeprefix("failed_"): int(v) for n, v in counts.items() if n.startswith("failed_")} == (
+        result.counts.failed_by
+    )
+    assert all(len(row) == len(csv_tables.COLUMNS) and None not in row.values() for row in rows)

@@ -1,0 +1,477 @@
+"""One run, told by every kind of report: the same numbers in all of them.
+
+The CSV has every digit and is held against the records. A workbook and a JSON document must have the same floats; what
+is printed for people must round to the same. A further kind of report is one more line in ``READERS``.
+"""
+
+import csv
+import io
+import json
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from math import floor, inf, isclose, isfinite, isnan, log10, nan
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import openpyxl
+import pypdf
+import pytest
+from lxml import html
+from numbers_read import NUMBER, number, sheet, value_of, words
+from printed import blank_figures
+
+import drivesizer
+from drivesizer.control.validation import Validation
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.report import KNOWN, write
+from drivesizer.results.sizing import Check, SizingResult
+from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.simulate import validate
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec, load_spec, read_spec
+from drivesizer.units import from_si, label
+
+
+class Fact(NamedTuple):
+    """A figure, or a demand with its limit: numbers in the unit of the trade; NaN is unknown."""
+
+    value: float = nan
+    limit: float = nan
+    margin: float = nan
+    unit: str = ""  # as it is printed
+    status: str = ""
+
+
+Key = tuple[Any, ...]  # ("requirement", name), ("check", method, name), ("candidate", rank, figure) ...
+Facts = dict[Key, Fact]
+
+
+class Run(NamedTuple):
+    """What was found: a reader takes the names of what it looks for from it, and no number."""
+
+    result: SizingResult
+    proof: Validation | None
+
+    @property
+    def best(self) -> Any:
+        return self.result.shown
+
+    @property
+    def candidates(self) -> list[Any]:
+        return [*self.result.sets, *self.result.misses]
+
+    def checks(self) -> list[tuple[str, Check]]:
+        """Each check of the chosen set and of its closed loop, with where it stands."""
+        own = [("check", c) for c in self.best.every_check]
+        return own + [("validation", c) for c in (self.proof.checks if self.proof else ())]
+
+
+# -- what the records say
+
+
+def recorded(run: Run) -> Facts:
+    """The facts as the sizing found them."""
+    found: Facts = {}
+    for place, r in [(0, r) for r in run.result.requirements] + [(1, r) for r in run.best.requirements]:
+        found["requirement", place, r.name] = Fact(r.shown, unit=label(r.unit))
+    for where, c in run.checks():
+        demand, limit = (float(from_si(x, c.unit, c.kind)) for x in (c.demand, c.limit))
+        found[where, c.method, c.name] = Fact(demand, limit, c.margin, label(c.unit), c.status)
+    for s in run.candidates:
+        prices = [p.price for p in s.parts.values() if p is not None and not isnan(p.price)]
+        found["candidate", s.rank, "mass"] = Fact(1000.0 * s.mass, unit="g")
+        found["candidate", s.rank, "price"] = Fact(sum(prices) if prices else nan, unit="EUR")
+        found["candidate", s.rank, "total_ratio"] = Fact(s.total_ratio)
+        found["candidate", s.rank, "verdict"] = Fact(status=s.status)
+    for f in run.proof.figures if run.proof else ():
+        found["figure", f.name] = Fact(float(from_si(f.value, f.unit, f.kind)), unit=label(f.unit))
+    return found | machine(run)
+
+
+def machine(run: Run) -> Facts:
+    """What the machine weighs and draws with the chosen set: masses of all pieces; consumers, mean and at most."""
+    found = {("mass", row.name): Fact(row.number * row.each, unit="kg") for row in run.best.masses}
+    energy = run.best.energy
+    for f in (*run.best.machine, *(energy.figures if energy else ())):
+        found["machine", f.title] = Fact(float(from_si(f.value, f.unit, f.kind)), unit=label(f.unit))
+    for one in energy.consumers if energy else ():
+        found["consumer", one.name] = Fact(one.mean, one.peak, unit="W")
+    return found
+
+
+OF_THE_MACHINE = {"mass": "mass", "machine": "machine", "battery": "machine", "consumer": "consumer"}  # section: key
+
+
+# -- readers: from the files of a report to its facts
+
+
+SETS = {("set", name) for name in ("mass", "price", "total_ratio", "verdict")}
+
+
+def from_csv(folder: Path, run: Run) -> Facts:
+    rows = list(csv.DictReader(io.StringIO((folder / "report.csv").read_text(encoding="utf-8"))))
+    found: Facts = {}
+    limited = {(where, c.method, c.name) for where, c in run.checks()}
+    for row in rows:
+        section, name, rank = row["section"], row["name"], row["set_rank"]
+        if section in OF_THE_MACHINE and rank == str(run.best.rank):
+            found |= of_the_machine(section, row["title"], row["value"], row["limit"], row["unit"])
+        if section not in ("requirement", "check", "validation") and (section, name) not in SETS:
+            continue
+        fact = Fact(*(number(row[key]) for key in ("value", "limit", "margin")), label(row["unit"]), row["status"])
+        if section == "requirement" and rank in ("", str(run.best.rank)):
+            found[section, int(bool(rank)), name] = fact
+        elif (section, row["method"], name) in limited and rank == str(run.best.rank):
+            found[section, row["method"], name] = fact
+        elif section == "set":
+            found["candidate", int(rank), name] = fact
+        elif section == "validation" and row["note"] == row["status"] == "" and name != "verdict":
+            found["figure", name] = fact
+    return found
+
+
+def of_the_machine(section: str, title: str, value: Any, limit: Any, unit: str | None) -> Facts:
+    most = number(limit) if section == "consumer" else nan
+    return {(OF_THE_MACHINE[section], title): Fact(number(value), most, unit=label(unit or ""))}
+
+
+def from_xlsx(folder: Path, run: Run) -> Facts:
+    book = openpyxl.load_workbook(folder / "report.xlsx", read_only=True)
+    found: Facts = {}
+    names = {(i, r.title): r.name for i, of in enumerate((run.result, run.best)) for r in of.requirements}
+    for row in sheet(book, "Requirements"):
+        if row["set"] in (None, run.best.rank):
+            place = int(row["set"] is not None)
+            found["requirement", place, names[place, row["requirement"]]] = told(row, "value")
+    called = {(where, c.method, c.title): c.name for where, c in run.checks()}
+    for row in sheet(book, "Checks"):
+        if row["set"] == run.best.rank:
+            found["check", row["method"], called["check", row["method"], row["check"]]] = told(row, "value or demand")
+    for row in (*sheet(book, "Machine"), *sheet(book, "Battery")):
+        if row["set"] == run.best.rank:
+            found |= of_the_machine(row["of"], row["what"], row["value"], row.get("at most"), row["unit"])
+    for row in sheet(book, "Candidates"):
+        rank = row["set"]
+        found["candidate", rank, "mass"] = Fact(number(row["mass (g)"]), unit="g")
+        found["candidate", rank, "price"] = Fact(number(row["price (EUR)"]), unit="EUR")
+        found["candidate", rank, "total_ratio"] = Fact(number(row["whole reduction"]))
+        found["candidate", rank, "verdict"] = Fact(status=row["status"])
+    figures = {f.title: f.name for f in run.proof.figures} if run.proof else {}
+    for row in sheet(book, "Closed loop"):
+        method = run.proof.checks[0].method if run.proof and run.proof.checks else ""
+        if name := called.get(("validation", method, row["figure"])):
+            found["validation", method, name] = told(row, "value or demand")
+        elif row["of"] == "validation" and row["figure"] in figures:
+            found["figure", figures[row["figure"]]] = told(row, "value or demand")
+    return found
+
+
+def told(row: dict[str, Any], value: str) -> Fact:
+    return Fact(
+        number(row[value]), number(row.get("limit")), number(row.get("margin (%)")), row["unit"] or "",
+        row.get("status") or "",
+    )  # fmt: skip
+
+
+def from_json(folder: Path, run: Run) -> Facts:
+    document = json.loads((folder / "report.json").read_text(encoding="utf-8"), parse_constant=pytest.fail)
+    best = (document["sets"] or document["unsure"] or document["misses"])[0]
+    found: Facts = {}
+    for place, requirements in enumerate((document["requirements"], best["requirements"])):
+        for name, r in requirements.items():
+            found["requirement", place, name] = Fact(number(r["value"]), unit=label(r["unit"]))
+    driven = document["validation"] or {"checks": [], "figures": {}}
+    for where, checks in (("check", best["checks"]), ("validation", driven["checks"])):
+        for c in checks:
+            numbers = (number(c[key]) for key in ("demand", "limit", "margin"))
+            found[where, c["method"], c["name"]] = Fact(*numbers, label(c["unit"]), c["status"])
+    for s in (*document["sets"], *document["misses"]):
+        whole = [s["actuator"]] if s["actuator"] else [s["motor"], s["gearhead"]]
+        pulleys = (s["belt"]["pulleys"] or {}).values()
+        prices = [p["price"] for p in (*whole, s["belt"]["part"], *pulleys, s["encoder"], s["controller"])
+                  if p and not p.get("inside") and p["part"] != "direct" and p["price"] is not None]  # fmt: skip
+        found["candidate", s["rank"], "mass"] = Fact(1000.0 * number(s["mass_kg"]), unit="g")
+        found["candidate", s["rank"], "price"] = Fact(sum(prices) if prices else nan, unit="EUR")
+        found["candidate", s["rank"], "total_ratio"] = Fact(s["total_ratio"])
+        found["candidate", s["rank"], "verdict"] = Fact(status=s["status"])
+    for name, f in driven["figures"].items():
+        found["figure", name] = Fact(number(f["value"]), unit=label(f["unit"]))
+    energy = best["energy"]
+    for m in best["masses"]:
+        found["mass", m["name"]] = Fact(number(m["total_kg"]), unit="kg")
+    for f in best["machine"]:
+        found["machine", f["title"]] = Fact(number(f["value"]), unit=label(f["unit"]))
+    titles = {f.name: f.title for f in run.best.energy.figures} if energy else {}
+    for name, f in energy["figures"].items() if energy else ():
+        found["machine", titles[name]] = Fact(number(f["value"]), unit=label(f["unit"]))
+    for c in energy["consumers"] if energy else ():
+        found["consumer", c["name"]] = Fact(number(c["mean_W"]), number(c["peak_W"]), unit="W")
+    return found
+
+
+def from_pdf(folder: Path, run: Run) -> Facts:
+    pages = pypdf.PdfReader(folder / "report.pdf").pages
+    return from_text(" ".join(page.extract_text() for page in pages), run)
+
+
+def from_html(folder: Path, run: Run) -> Facts:
+    page = html.parse(folder / "report.html").getroot()
+    for script in page.xpath("//script | //style"):
+        script.drop_tree()
+    for formula in page.xpath("//math"):  # its signs and powers are elements of their own
+        text, tail = "".join(formula.itertext()), formula.tail
+        formula.clear()
+        formula.text, formula.tail = text, tail
+    return from_text(" ".join(page.itertext()), run)
+
+
+STATUS = r"\b(?P<status>pass|fail|unknown)\b"
+
+
+def from_text(text: str, run: Run) -> Facts:
+    """The facts of a report for people, by the titles beside which its numbers stand."""
+    text = re.sub(r"\s+", " ", text).replace("\u200b", "").replace("\xa0", " ")
+    expected, found = recorded(run), {}
+    titles: dict[Key, str] = {(where, c.method, c.name): c.title for where, c in run.checks()}
+    for place, of in enumerate((run.result, run.best)):
+        titles |= {("requirement", place, r.name): r.title for r in of.requirements}
+    titles |= {("figure", f.name): f.title for f in (run.proof.figures if run.proof else ())}
+    titles |= {key: key[1] for key in expected if key[0] == "machine"}
+    for key in expected:
+        if key[0] in ("mass", "consumer"):
+            found[key] = nearest(expected[key], read_row(text, key, expected[key].unit))
+    for key, title in titles.items():
+        found[key] = nearest(expected[key], read_all(text, title, expected[key], key[0] in ("check", "validation")))
+    for s in run.candidates:
+        found |= candidate(text, s, expected)
+    return {key: fact for key, fact in found.items() if fact is not None}
+
+
+def read_all(text: str, title: str, expected: Fact, limited: bool) -> list[Fact]:
+    """What stands behind each place at which a title does: a method's table, the other's, the tightest margins."""
+    unit = re.escape(expected.unit)
+    quantity = rf"(?:({NUMBER}) ?{unit}|(unknown)|(without end))(?![\w.])"
+    if not limited:
+        pattern = rf"{words(title)}.{{0,90}}?[= ]{quantity}"
+        return [Fact(parsed(m, 1), unit=expected.unit) for m in re.finditer(pattern, text)]
+    if isnan(expected.value) and isnan(expected.limit):  # a condition without figures
+        pattern = rf"{words(title)} [^%]{{0,200}}?{STATUS}"
+        return [Fact(unit=expected.unit, status=m["status"]) for m in re.finditer(pattern, text)]
+    margin = rf"(?: (?P<margin>{NUMBER}) %)?(?: needs \S+ %)?"
+    pattern = rf"{words(title)} .{{0,300}}?{quantity} {quantity}{margin} {STATUS}"
+    return [
+        Fact(
+            parsed(m, 1),
+            parsed(m, 4),
+            value_of(m["margin"]) / 100.0 if m["margin"] else nan,
+            expected.unit,
+            m["status"],
+        )
+        for m in re.finditer(pattern, text)
+    ]
+
+
+def read_row(text: str, key: Key, unit: str) -> list[Fact]:
+    """A row of a table: after the name how many there are, where it is more than one, then its figures.
+
+    A part's mass is each and together, where there are several; a consumer's power is the mean and then the peak,
+    which is left out where it is nothing.
+    """
+    quantity = rf"(?:({NUMBER}) {unit}|(unknown))(?![\w.])"
+    pattern = rf"(?<!\w){words(key[1])} (?:\d+ (?:× )?)?{quantity}(?: {quantity})?"
+    found = []
+    for m in re.finditer(pattern, text):
+        several = bool(m[3] or m[4])
+        if key[0] == "mass":
+            found.append(Fact(parsed_of(m, 3 if several else 1), unit=unit))
+        else:
+            found.append(Fact(parsed_of(m, 1), parsed_of(m, 3) if several else 0.0, unit=unit))
+    return found
+
+
+def parsed_of(match: re.Match[str], first: int) -> float:
+    return value_of(match[first]) if match[first] else nan
+
+
+def parsed(match: re.Match[str], first: int) -> float:
+    digits, unknown, endless = match.group(first, first + 1, first + 2)
+    return nan if unknown else inf if endless else value_of(digits)
+
+
+def nearest(expected: Fact, read: list[Fact]) -> Fact | None:
+    """Of several places the one that agrees; else the first, which does not."""
+    return next((fact for fact in read if rounds(expected, fact)), read[0] if read else None)
+
+
+def candidate(text: str, s: Any, expected: Facts) -> Facts:
+    pattern = (
+        rf"\b{s.rank} {words(s.motor_name)} .{{0,80}}? (?P<ratio>{NUMBER}) (?P<mass>{NUMBER} g|unknown) "
+        rf"(?P<price>{NUMBER}(?: EUR)?|unknown) .{{0,120}}?{STATUS}"
+    )
+    match = re.search(pattern, text[text.index("pairs of motor and gearhead") :])
+    if match is None:
+        return {}
+    amount = {name: nan if match[name] == "unknown" else value_of(match[name].split()[0]) for name in ("mass", "price")}
+    return {
+        ("candidate", s.rank, "mass"): Fact(amount["mass"], unit="g"),
+        ("candidate", s.rank, "price"): Fact(amount["price"], unit="EUR"),
+        ("candidate", s.rank, "total_ratio"): Fact(value_of(match["ratio"])),
+        ("candidate", s.rank, "verdict"): Fact(status=match["status"]),
+    }
+
+
+# -- how well they must agree
+
+
+def same(expected: Fact, fact: Fact) -> bool:
+    """All digits; a workbook keeps 16 of 17."""
+    numbers = zip(expected[:3], fact[:3], strict=True)
+    return expected[3:] == fact[3:] and all(both_unknown(a, b) or isclose(a, b, rel_tol=1e-15) for a, b in numbers)
+
+
+def rounds(expected: Fact, fact: Fact) -> bool:
+    """Four digits, money to the cent, a margin to the tenth of a percent below ten and to the percent above."""
+    fine = 0.0005 if abs(expected.margin) < 0.0995 else 0.005
+    return (
+        expected[3:] == fact[3:]
+        and all(
+            both_unknown(a, b) or abs(a - b) <= digit(a, expected.unit)
+            for a, b in zip(expected[:2], fact[:2], strict=True)
+        )
+        and (both_unknown(expected.margin, fact.margin) or abs(expected.margin - fact.margin) <= fine * (1 + 1e-9))
+    )
+
+
+def digit(value: float, unit: str) -> float:
+    """Half of the last digit that is printed."""
+    if unit == "EUR":
+        return 0.005 * (1 + 1e-9)
+    return 0.5 * 10.0 ** (floor(log10(abs(value))) - 3) * (1 + 1e-9) if value and isfinite(value) else 0.0
+
+
+def both_unknown(a: float, b: float) -> bool:
+    return (isnan(a) and isnan(b)) or a == b
+
+
+# A kind of report: from its folder to its facts, and how well these agree with the records.
+READERS: dict[str, tuple[Callable[[Path, Run], Facts], Callable[[Fact, Fact], bool]]] = {
+    ".csv": (from_csv, same),
+    ".xlsx": (from_xlsx, same),
+    ".json": (from_json, same),
+    ".pdf": (from_pdf, rounds),
+    ".html": (from_html, rounds),
+}
+
+
+def differences(suffix: str, run: Run, folder: Path, records: Facts) -> dict[Key, tuple[Fact, Fact | None]]:
+    """Where a report says other than the records, or nothing."""
+    with blank_figures():  # numbers stand in words and tables
+        write(run.result, run.proof, [folder / f"report{suffix}"])
+    read, agree = READERS[suffix]
+    facts = read(folder, run)
+    return {k: (v, facts.get(k)) for k, v in records.items() if k not in facts or not agree(v, facts[k])}
+
+
+# -- the runs
+
+STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def starter(kind: str, *pairs: tuple[str, str]) -> RobotSpec:
+    text = (STARTERS / f"{kind}.yaml").read_text(encoding="utf-8")
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    return read_spec(YamlSource(text, f"{kind}.yaml"))
+
+
+def driven(result: SizingResult) -> Validation:
+    """The closed loop of the best set, of whose samples, which nobody reads here, few are kept."""
+    proof = validate(result.spec, result.sets[0])
+    return replace(proof, series={name: values[::50] for name, values in proof.series.items()})
+
+
+@pytest.fixture(scope="module")
+def runs(spec: RobotSpec) -> dict[str, Run]:
+    paper = size(spec, top=5)
+    hoist = size(starter("hoist", ("mass: 15 kg", "mass: 900 kg")), top=3)
+    arm = starter("arm")
+    platform = size(load_spec(ROOT / "examples" / "sps_platform.yaml"), top=3)
+    wide = arm.select.model_copy(update={"catalogs": ["cubemars", "robstride", "myactuator"]})
+    return {
+        "paper": Run(paper, driven(paper)),
+        "fails": Run(hoist, None),
+        "platform": Run(platform, driven(platform)),
+        "actuators": Run(size(arm.model_copy(update={"select": wide}), top=3), None),
+        "unsure": Run(size(paper.spec, top=2, sampling=Sampling(256, 1, 1.0)), None),
+    }
+
+
+@pytest.mark.parametrize("name", ["paper", "fails", "actuators", "platform", "unsure"])
+@pytest.mark.parametrize("suffix", READERS)
+def test_every_report_has_the_numbers_of_the_run(suffix, name, runs, tmp_path):
+    records = recorded(runs[name])
+    assert differences(suffix, runs[name], tmp_path, records) == {}
+
+
+def test_the_runs_have_what_they_are_for(runs):
+    """Figures that fail, that are unknown, and that belong to a closed loop."""
+    statuses = {name: {fact.status for fact in recorded(run).values()} for name, run in runs.items()}
+    assert {"pass", "unknown"} <= statuses["paper"] and "fail" in statuses["fails"]
+    assert not runs["fails"].result.sets and runs["actuators"].best.actuator is not None
+    assert "unknown" in statuses["actuators"]
+    assert not runs["unsure"].result.sets and runs["unsure"].best in runs["unsure"].result.unsure
+    kinds = {key[0] for key in recorded(runs["paper"])}
+    assert kinds == {"requirement", "check", "candidate", "validation", "figure", "machine", "consumer"}
+    machine = recorded(runs["platform"])
+    assert {key[0] for key in machine} == kinds | {"mass"}
+    budget = [key for key in machine if key[:2] == ("check", "budget")]
+    assert len(budget) > 10 and {"mass", "battery_autonomy"} <= {name for *_, name in budget}
+    unknown = {key for key, fact in machine.items() if isnan(fact.value)}
+    assert {("mass", "controller"), ("consumer", "losses of the controllers")} <= unknown
+
+
+@pytest.mark.parametrize("suffix", READERS)
+def test_a_number_that_differs_is_found(suffix, runs, tmp_path):
+    """The comparison is held against a report of other numbers: a thousandth off, of each kind of fact."""
+    run = runs["platform"]
+    best, proof, records = run.best, run.proof, recorded(run)
+    assert proof is not None
+    n, m = 1, len(proof.checks) - 1  # checks with numbers
+    (motor, *parts), (drive, *consumers) = best.masses, best.energy.consumers
+    moved = replace(
+        best,
+        checks=(*best.checks[:n], off(best.checks[n], "demand"), *best.checks[n + 1 :]),
+        mass=1.003 * best.mass,
+        budget=(off(best.budget[0], "demand"), *best.budget[1:]),
+        masses=(off(motor, "each"), *parts),
+        machine=(*best.machine[:-1], off(best.machine[-1], "value")),
+        energy=replace(best.energy, consumers=(drive._replace(mean=1.001 * drive.mean), *consumers)),
+    )
+    first, *others = run.result.requirements
+    result = replace(run.result, requirements=(off(first, "value"), *others), sets=(moved, *run.result.sets[1:]))
+    checks = (*proof.checks[:m], replace(proof.checks[m], status="fail"))
+    figure, *figures = proof.figures
+    other = Run(result, replace(proof, checks=checks, figures=(off(figure, "value"), *figures)))
+    assert set(differences(suffix, other, tmp_path, records)) == {
+        ("requirement", 0, first.name),
+        ("check", best.checks[n].method, best.checks[n].name),
+        ("check", "budget", best.budget[0].name),
+        ("candidate", best.rank, "mass"),
+        ("validation", checks[m].method, checks[m].name),
+        ("figure", figure.name),
+        ("mass", motor.name),
+        ("machine", best.machine[-1].title),
+        ("consumer", drive.name),
+    }
+
+
+def off(record: Any, name: str) -> Any:
+    """A record with a figure that is a thousandth larger."""
+    return replace(record, **{name: 1.001 * getattr(record, name)})
+
+
+def test_every_kind_of_report_is_read():
+    assert set(KNOWN) == set(READERS)

@@ -1,0 +1,295 @@
+"""Figures of a set: what is drawn is what was computed, or what closed forms say; told apart without colour."""
+
+from dataclasses import replace
+from itertools import combinations
+from math import inf, isnan, nan, sqrt
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from starters import BODIES, starter
+from synthetic_validation import labels
+
+from drivesizer.machine.energy_flow import EnergyFlow
+from drivesizer.machine.set_cycle import Warming, set_cycle
+from drivesizer.machine.warm_up import warm_up
+from drivesizer.output.parts import parts_list
+from drivesizer.output.report.all_figures import report_drawings
+from drivesizer.output.report.figures import demand, efficiency, energy, heat, load_and_loop, margins, pareto_front
+from drivesizer.output.report.lines.order_list import order_list
+from drivesizer.output.report.set_behaviour import Behaviour
+from drivesizer.results.sizing import Check, SizingResult
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec
+
+
+@pytest.fixture(scope="module")
+def result(spec: RobotSpec) -> SizingResult:
+    return size(spec)
+
+
+@pytest.fixture(scope="module")
+def hoist(tmp_path_factory, catalog) -> SizingResult:
+    return size(
+        starter("hoist", tmp_path_factory.mktemp("hoist")), catalog=catalog, top=2, pareto=("mass", "price", "energy")
+    )
+
+
+def hatches(axes) -> list[str | None]:
+    return [patch.get_hatch() for patch in axes.patches]
+
+
+# -- margins
+
+
+def check(title: str, **more) -> Check:
+    given = {"name": "x", "method": "physics", "demand": 1.0, "limit": 2.0, "kind": "current", "unit": "A",
+             "margin": 1.0, "status": "pass"}  # fmt: skip
+    return Check(title=title, **(given | more))
+
+
+CHECKS = (
+    check("half", margin=1.0),
+    check("four fifths, a quarter asked for", margin=0.25, needed=0.2),
+    check("too much", margin=-0.5, status="fail"),
+    check("unknown", margin=nan, limit=nan, status="unknown"),
+    check("a condition", margin=nan, demand=nan, limit=nan),
+    check("not met", margin=nan, demand=nan, limit=nan, status="fail"),
+)
+
+
+def test_bars_are_the_used_share_of_each_limit_and_status_needs_no_colour(canvas):
+    (axes,) = canvas(margins, margins.margins, CHECKS).axes
+    bars = {axes.get_yticklabels()[round(bar.get_y() + bar.get_height() / 2)].get_text(): bar for bar in axes.patches}
+    widths = [bars[c.title].get_width() for c in CHECKS]
+    assert widths == pytest.approx([50.0, 80.0, 125.0, 125.0, 0.0, 125.0])
+    looks = {c.status: bars[c.title].get_hatch() for c in CHECKS}
+    assert looks["pass"] is None and len(set(looks.values())) == 3
+    (needed,) = [line for line in axes.lines if len(set(line.get_xdata())) == 1 and line.get_xdata()[0] < 99.0]
+    assert needed.get_xdata()[0] == pytest.approx(100.0 / 1.2)
+    assert {text.get_text() for text in axes.texts} == {"+100 %", "+25 %", "−50 %", "unknown", "pass", "fail"}
+    assert "used share of the limit (%)" in labels(margins.margins(CHECKS))
+
+
+def test_the_margins_of_a_set_have_a_bar_for_each_check(canvas, result):
+    best = result.sets[0]
+    (axes,) = canvas(margins, margins.margins, best.beside).axes
+    for bar, one in zip(axes.patches, reversed(best.beside), strict=True):
+        if not isnan(one.margin):
+            assert bar.get_width() == pytest.approx(
+                min(100.0 * one.demand / one.limit, 125.0), rel=1e-9
+            ) or one.name in (
+                "encoder_counts",
+                "largest_reduction",
+                "winding_temperature",
+            )
+
+
+# -- energy
+
+FLOW = EnergyFlow(drawn=100.0, copper=20.0, friction=10.0, gearhead=15.0, belt=5.0, load=30.0, rotor=0.0, returned=20.0,
+                  stored=12.0)  # fmt: skip
+
+
+def test_bars_of_energy_go_down_from_what_is_drawn_to_nothing(canvas):
+    (axes,) = canvas(energy, energy.energy_bars, FLOW).axes
+    whole, *parts = axes.patches
+    assert (whole.get_x(), whole.get_width()) == (0.0, 100.0)
+    left = 100.0
+    for bar, value in zip(parts, (20.0, 10.0, 15.0, 5.0, 30.0, 12.0, 8.0), strict=True):
+        ends = sorted([bar.get_x(), bar.get_x() + bar.get_width()])
+        assert ends == pytest.approx([left - value, left])
+        left -= value
+    assert left == pytest.approx(0.0)
+    assert len({*hatches(axes)}) == 3
+    said = labels(energy.energy_bars(FLOW))
+    assert {"energy of a cycle (J)", "20 J, 20 %", "work on the load", "comes back, kept by the supply"} <= said
+
+
+def test_a_load_that_gives_goes_up_again_and_large_energies_have_larger_units(canvas):
+    flow = EnergyFlow(*(1e3 * x for x in (40.0, 10.0, 5.0, 5.0, 0.0, -30.0, 0.0, 50.0, 50.0)))
+    (axes,) = canvas(energy, energy.energy_bars, flow).axes
+    ends = [bar.get_x() + bar.get_width() for bar in axes.patches]
+    assert ends == pytest.approx([40.0, 30.0, 25.0, 20.0, 50.0, 0.0])
+    said = labels(energy.energy_bars(flow))
+    assert "energy of a cycle (kJ)" in said and "−30 kJ, −75 %" in said and "belt" not in said
+
+
+def test_the_bars_of_a_result_sum_to_its_figures(hoist):
+    does = Behaviour(hoist.spec, hoist.sets[0])
+    shown = {share.name: share.value for share in energy.shares(does.energy)}
+    told = {figure.name: figure.value for figure in hoist.sets[0].figures}
+    whole = shown.pop("drawn from the supply")
+    assert sum(shown.values()) == pytest.approx(whole, rel=1e-9)
+    assert whole - shown["comes back, kept by the supply"] == pytest.approx(told["energy"], rel=1e-9)
+    back = shown["comes back, kept by the supply"] + shown["comes back, not kept"]
+    assert back == pytest.approx(told["returned"], rel=1e-9)
+
+
+# -- efficiency
+
+
+def test_lines_of_efficiency_lie_where_the_efficiency_is(canvas, result):
+    found = set_cycle(result.spec, result.sets[0])
+    field = efficiency.efficiency_field([("", found)], 18.9)
+    (axes,) = canvas(efficiency, efficiency.efficiency_map, field).axes
+    motor, head = result.sets[0].motor, result.sets[0].gearhead
+    R, k, I_0, i, e = (
+        float(found.hot[0]),
+        motor.torque_constant,
+        motor.no_load_current,
+        head.ratio,
+        head.efficiency,
+    )
+    seen = 0
+    for lines in axes.collections:
+        levels = getattr(lines, "levels", ())
+        if not len(levels) or lines.get_facecolor().size or levels[0] == 18.9:
+            continue
+        for level, path in zip(levels, lines.get_paths(), strict=True):
+            for torque, rpm in path.vertices[:: max(len(path.vertices) // 7, 1)]:
+                speed, power = rpm * np.pi / 30.0, torque * rpm * np.pi / 30.0
+                I = (torque / (i * e) if torque > 0.0 else torque * e / i) / k + I_0
+                electrical = I * (R * I + k * i * speed)
+                share = power / electrical if torque > 0.0 else electrical / power
+                assert 100.0 * share == pytest.approx(level, abs=1.2), (torque, rpm)
+                seen += 1
+    assert seen > 30
+    assert {"torque at the gearhead's output (N·m)", "speed there (rpm)", "load cycle", "18.9 V, winding warm",
+            "drives", "brakes", "60 %"} <= labels(efficiency.efficiency_map(field))  # fmt: skip
+
+
+def test_the_cycle_stands_in_the_map_with_its_torques_and_speeds(canvas, result):
+    """By hand: 1.5 m/s on a wheel of 152.4 mm through a belt of 1.1 : 1, and the beside check's largest torque."""
+    best = result.sets[0]
+    field = efficiency.efficiency_field([("", set_cycle(result.spec, best))], 18.9)
+    ((_, torque, speed),) = field.traces
+    assert speed.max() == pytest.approx(1.5 / 0.0762 * 1.1)
+    told = {c.name: c.demand for c in best.beside}
+    assert np.abs(torque).max() == pytest.approx(told["gearhead_intermittent_torque"])
+    assert torque.min() < 0.0 and field.torque[0] < torque.min() and field.torque[-1] > torque.max()
+
+
+def test_the_best_of_the_map_is_no_better_than_the_handbook_allows(result):
+    """(1 - sqrt(I_0 / I_s))^2 times the gearhead's, at the usable voltage; the map comes near where it reaches."""
+    found = set_cycle(result.spec, result.sets[0])
+    field = efficiency.efficiency_field([("", found)], 18.9)
+    motor, share = result.sets[0].motor, field.field.efficiency[:, field.torque > 0.0]
+    limit = (1.0 - sqrt(motor.no_load_current * float(found.hot[0]) / 18.9)) ** 2
+    best = np.nanmax(np.where(field.field.voltage[:, field.torque > 0.0] <= 18.9, share, 0.0))
+    assert 0.97 * limit < best / result.sets[0].gearhead.efficiency <= limit * (1.0 + 1e-9)
+
+
+# -- current and voltage
+
+
+def test_current_and_voltage_are_drawn_with_the_limits_in_sight(canvas, result):
+    does = Behaviour(result.spec, result.sets[0])
+    figure = canvas(load_and_loop, demand.current_and_voltage, does.cycles,
+                    [("nominal", 1.16), ("peak", 15.0), ("no", nan), ("none", inf)], [("usable", 18.9)])  # fmt: skip
+    told = {c.name: c.demand for c in result.sets[0].beside}
+    # This motor states no time constants: the check's voltage is that of a winding at the ambient, the least that it
+    # may be, the figure's that of one at its mean temperature. Copper, of the resistance at 25 degC: 0.0039 / K.
+    rise = told["winding_temperature"] - 298.15
+    warmer = told["controller_peak_current"] * result.sets[0].motor.resistance * 0.0039 * rise
+    currents, voltages = figure.axes[:1], figure.axes[1:]
+    assert max(
+        np.abs(line.get_ydata()).max() for axes in currents for line in axes.lines if len(line.get_ydata()) > 2
+    ) == (pytest.approx(told["controller_peak_current"]))
+    assert max(
+        np.abs(line.get_ydata()).max() for axes in voltages for line in axes.lines if len(line.get_ydata()) > 2
+    ) == (pytest.approx(told["supply_voltage"] + warmer))
+    across = [{line.get_ydata()[0] for line in axes.lines if len(line.get_ydata()) == 2} for axes in figure.axes]
+    assert all(1.16 in some and 15.0 not in some for some in across[:1]) and all(18.9 in some for some in across[1:])
+    said = labels(demand.current_and_voltage(does.cycles, [("nominal", 1.16), ("peak", 15.0)], [("usable", 18.9)]))
+    assert {"nominal 1.16 A", "beyond: peak 15 A", "usable 18.9 V", "current (A)", "voltage (V)", "time (s)"} <= said
+
+
+# -- heat
+
+
+def test_temperatures_are_drawn_with_their_limits(canvas):
+    found = warm_up(BODIES, 298.15, Warming(np.array([5.0, 25.0]), np.array([9.0, 0.2]), np.array([0.1, 0.1])))
+    figure = canvas(heat, heat.temperatures, found, 298.15, 373.15)
+    way, cycle = figure.axes
+    for axes in (way, cycle):
+        across = {line.get_ydata()[0] for line in axes.lines if len(line.get_ydata()) == 2}
+        assert {25.0, 100.0} <= {round(y, 9) for y in across}
+    (peak,) = [line for line in cycle.lines if line.get_marker() == "o"]
+    assert peak.get_ydata()[0] == pytest.approx(found.periodic.winding_peak - 273.15)
+    assert peak.get_xdata()[0] == pytest.approx(5.0)  # the end of the pulse
+    (housing,) = [line for line in way.lines if len(line.get_ydata()) > 2]
+    assert housing.get_ydata()[0] == pytest.approx(25.0)
+    assert housing.get_ydata()[-1] == pytest.approx(found.periodic.housing_mean - 273.15, abs=1.2)
+    said = labels(heat.temperatures(found, 298.15, 373.15))
+    assert {"temperature (°C)", "time in the cycle (s)", "permitted 100 °C", "ambient 25 °C", "from cold"} <= said
+    assert "permitted" not in " ".join(labels(heat.temperatures(found, 298.15, nan)))
+
+
+# -- front
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_names_of_a_front_cover_neither_each_other_nor_a_mark(canvas, seed):
+    random = np.random.default_rng(seed)
+    x, y = np.sort(random.gamma(1.5, 100.0, 40)), np.sort(random.gamma(1.5, 60.0, 40))[::-1]
+    numbers = [str(n) for n in range(1, 41)]
+    names = [f"EC-i 40 48{n}669 + GP 32 HP 14:1" for n in range(40)]
+    figure = canvas(pareto_front, pareto_front.trade_off, numbers, names, x.tolist(), y.tolist(), ["mass (g)", "EUR"])
+    axes = figure.axes[0]
+    figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert len(boxes) >= 10 and any("+" in text.get_text() for text in axes.texts)
+    frame = axes.get_window_extent().padded(1.0)
+    for box in boxes:
+        assert frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1
+    for one, other in combinations(boxes, 2):
+        assert not one.padded(-0.6).overlaps(other.padded(-0.6))
+    for point in axes.transData.transform(np.column_stack([x, y])):
+        assert not any(box.padded(-0.6).contains(*point) for box in boxes)
+
+
+def test_the_front_of_a_result_is_drawn_with_its_parts(hoist):
+    said = labels(report_drawings(hoist, None)["front"]("svg"))
+    assert {"mass (g)", "price (EUR)"} <= said
+    assert any(hoist.front[0].motor.part[:8] in text for text in said)
+
+
+# -- all of them
+
+
+def test_every_figure_of_a_set_has_a_name_units_and_the_same_bytes(hoist, result):
+    made = report_drawings(hoist, None)
+    assert list(made) == ["profile", "cycle", "front", "margins", "field", "efficiency", "demand", "heat", "energy"]
+    for name, draw in made.items():
+        svg = draw("svg")
+        assert ElementTree.fromstring(svg).tag.endswith("svg") and draw("svg") == svg, name
+        assert draw("png").startswith(b"\x89PNG"), name
+        typeset = draw("typeset")
+        assert b"<text" in typeset and len(typeset) < len(svg), name
+    assert "heat" not in report_drawings(result, None)  # the time constants of its motor are not known
+
+
+def test_figures_that_hang_on_an_unknown_one_are_left_out(result):
+    bare = replace(result.sets[0], gearhead=replace(result.sets[0].gearhead, inertia=nan))
+    made = report_drawings(replace(result, sets=(bare,)), None)
+    assert {"efficiency", "demand", "energy", "heat"}.isdisjoint(made) and {"margins", "field", "cycle"} <= set(made)
+
+
+# -- the parts list
+
+
+def test_the_parts_list_multiplies_and_sums_what_is_known(result):
+    best = result.sets[0]
+    listed = order_list(parts_list(best, result.catalog, 4))
+    rows = {row["role"]: row for row in listed["order"]}
+    assert rows["gearhead"]["each"] == "127.73 EUR" and rows["gearhead"]["all"] == "510.92 EUR"
+    assert rows["gearhead"]["count"] == "4 ×" and rows["gearhead"]["dated"].startswith("2019-09")
+    assert rows["motor"]["each"] == "unknown" and rows["motor"]["part"] == "118752"
+    assert listed["order_sum"] == "510.92 EUR" and listed["order_lacks"] == "without motor, belt, encoder, controller"
+    nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None)
+    listed = order_list(parts_list(nothing, result.catalog, 1))
+    assert (
+        listed["order_sum"] == "unknown"
+        and {row["role"]: row["family"] for row in listed["order"]}["encoder"] == "unknown"
+    )

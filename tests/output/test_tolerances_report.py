@@ -1,0 +1,273 @@
+"""How sure sets are, as documents and figures tell it."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import jsonschema
+import openpyxl
+import pytest
+from printed import blank_figures, text_of
+from typer.testing import CliRunner
+
+from drivesizer.cli import app
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.json import documents as json_documents
+from drivesizer.output.json.schema import report_schema
+from drivesizer.output.probability_order import moved
+from drivesizer.output.report import workbook, write
+from drivesizer.output.report.all_figures import report_drawings
+from drivesizer.output.report.figures.tornado import swings, tornado
+from drivesizer.output.report.lines.reliability import judged, sure
+from drivesizer.output.report.table import csv as csv_tables
+from drivesizer.output.report.workbook.writer import share
+from drivesizer.output.terminal.sizing import sizing
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.reliability import LoopShare, Reliability
+from drivesizer.results.sizing import SizingResult
+from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.sizing import explained, size
+from drivesizer.spec.robot import read_spec
+
+
+@pytest.fixture(scope="module")
+def result(example_text: str) -> SizingResult:
+    text = example_text[: example_text.index("select:")].replace("method: paper", "method: physics")
+    text = text.replace("mass: 45 kg ", "mass: 45 kg +- 3 kg ")
+    text = text.replace("rolling_resistance: 0.02 ", "rolling_resistance: 0.02 in 0.015..0.03 ")
+    spec = read_spec(YamlSource(text + "select: {motor: {family: [DCX 22 S, RE 30]}}\n", "robot.yaml"))
+    return size(spec, top=2, sampling=Sampling(512, 1, 0.5))
+
+
+def test_the_json_document_says_how_sure_and_is_what_its_schema_says(result: SizingResult, tmp_path: Path) -> None:
+    write(result, None, [tmp_path / "report.json"])
+    document = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    jsonschema.validate(document, report_schema())
+    told = document["uncertainty"]
+    assert (told["samples"], told["seed"], told["confidence"]) == (512, 1, 0.5)
+    assert "load.mass" in [one["name"] for one in told["assumptions"]]
+    for one in document["sets"]:
+        found = one["reliability"]
+        assert found["probability"] >= 0.5 and found["drivers"][0]["name"] == "load.rolling_resistance"
+        assert found["smallest_margin"]["p5"] <= found["smallest_margin"]["p95"]
+    assert all(one["reliability"]["probability"] < 0.5 for one in document["unsure"])
+
+
+def test_without_tolerances_the_keys_are_there_and_null(spec, catalog) -> None:  # type: ignore[no-untyped-def]
+    document = json_documents.sizing(size(spec, catalog=catalog))
+    assert document["uncertainty"] is None and document["unsure"] == []
+    assert document["sets"][0]["reliability"] is None
+
+
+def test_the_pdf_and_the_page_tell_the_same_rows(result: SizingResult, tmp_path: Path) -> None:
+    with blank_figures():
+        write(result, None, [tmp_path / "report.pdf", tmp_path / "report.html"])
+    text = text_of((tmp_path / "report.pdf").read_bytes())
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    rows = sure(result)
+    assert rows
+    assert "How sure the sets are" in text and "How sure the sets are" in page
+    for row in (*rows["sets"], *rows["unsure"]):
+        assert row["chance"] in text and row["chance"] in page
+    told = f"all checks pass with a probability of {rows['chance']} {rows['beside']}"
+    assert told in text and told in page.replace("<strong>", "").replace("</strong>", "")
+    assert "as sure as 50 %" in text and "Sets that stand, but less surely than 50 %" in text
+    for title, words, _ in rows["assumptions"]:
+        assert title in page and words in page
+
+
+def test_the_tornado_is_drawn_of_what_moves_the_margin(result: SizingResult) -> None:
+    best = judged(result)
+    assert best and best.reliability
+    drawn = swings(best.reliability.drivers)
+    assert 2 <= len(drawn) <= 10 and drawn[0].name == "load.rolling_resistance"
+    widest = max(abs(one.high_margin - one.low_margin) for one in drawn)
+    assert abs(drawn[0].high_margin - drawn[0].low_margin) == widest
+    assert tornado(best.reliability.drivers) == tornado(best.reliability.drivers)
+    printed = [round(100.0 * one.share) for one in drawn]
+    assert printed == sorted(printed, reverse=True)
+    assert report_drawings(result, None)["tornado"]("png").startswith(b"\x89PNG")
+
+
+def test_the_terminal_names_the_three_that_matter_most(
+    result: SizingResult, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
+    sizing(result)
+    said = capsys.readouterr().out
+    best = result.sets[0].reliability
+    assert best and result.uncertainty
+    assert "How sure they are" in said and "What its smallest margin hangs on most" in said
+    for driver in best.drivers[:3]:
+        assert driver.title.split(" +-")[0].split(" in ")[0] in said
+    assert f"{result.uncertainty.examined} sets sampled, 512 times each (seed 1)" in said
+
+
+# --- what is printed where nothing was sampled, and where nothing is sure enough -----------------------------------
+
+
+def test_without_tolerances_a_table_has_no_further_column_and_a_workbook_no_further_sheet(spec, catalog) -> None:  # type: ignore[no-untyped-def]
+    bare = size(spec, catalog=catalog)
+    heads = next(csv.reader(io.StringIO(csv_tables.sets_csv(bare).decode())))
+    assert not any("probability" in head or "passes" in head or "_95" in head for head in heads)
+    assert csv_tables.report_csv(bare, None).decode().splitlines()[0] == ",".join(csv_tables.COLUMNS)
+    assert not any("olerance" in sheet.name or "ncertain" in sheet.name for sheet in workbook.sheets(bare, None))
+
+
+def test_the_other_columns_are_those_of_the_nominal_spec(example_text: str) -> None:
+    """Tolerances add columns at the end, and change no cell before them."""
+    plain, moved_ = (
+        size(read_spec(YamlSource(text, "robot.yaml")), sampling=sampling)
+        for text, sampling in ((example_text, None), (example_text.replace("45 kg ", "45 kg +- 3 kg "), FEW))
+    )
+    before, after = (list(csv.reader(io.StringIO(csv_tables.sets_csv(one).decode()))) for one in (plain, moved_))
+    width = len(before[0])
+    assert [row[:width] for row in after] == before and len(after[0]) > width
+    assert after[0][width : width + 2] == ["probability", "none_fails"]
+    assert after[1][width] == "" and 0.0 < float(after[1][width + 1]) < 1.0  # permissible speed and heat are unknown
+    miss = dict(zip(after[0], after[2], strict=True))
+    assert miss["list"] == "miss" and miss["probability"] == miss["passes_supply_voltage"] == ""
+
+
+FEW = Sampling(256, 1, None)
+
+
+@pytest.fixture(scope="module")
+def unsure(result: SizingResult) -> SizingResult:
+    """No set is as sure as 100 %."""
+    return size(result.spec, top=2, sampling=Sampling(256, 1, 1.0))
+
+
+def test_every_report_says_that_no_set_is_as_sure_and_shows_the_surest(unsure: SizingResult, tmp_path: Path) -> None:
+    assert not unsure.sets and len(unsure.unsure) == 2 and unsure.shown is unsure.unsure[0]
+    with blank_figures():
+        write(unsure, None, [tmp_path / f"report.{kind}" for kind in ("pdf", "html", "xlsx", "csv")])
+    text = text_of((tmp_path / "report.pdf").read_bytes())
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    for said in (text, page):
+        assert "No set is as sure as 100 %." in said and "The surest set: it is less sure than was asked for" in said
+        assert "candidates stand at nominal figures" in said and "nearest miss is" not in said
+        assert all(one.label in said for one in unsure.unsure)
+    book = openpyxl.load_workbook(tmp_path / "report.xlsx")
+    summary = [[cell.value for cell in row] for row in book["Summary"].iter_rows()]
+    assert any("no set is as sure as 100 %, the surest" in str(row[-1]) for row in summary)
+    assert [row[0].value for row in book["Tolerances"].iter_rows(min_row=2)] == ["unsure", "unsure"]
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "report.csv").read_text(encoding="utf-8"))))
+    reached = {row["name"]: row["value"] for row in rows if row["section"] == "sampling"}
+    assert (reached["confidence"], reached["sets_that_reach_it"]) == ("100.0", "0")
+    marked = [row["set_rank"] for row in rows if (row["section"], row["name"]) == ("set", "unsure")]
+    assert marked == ["1", "2"]
+    ranks = [one.rank for one in (*unsure.unsure, *unsure.misses)]
+    assert ranks == list(range(1, len(ranks) + 1))
+    lists = [row["list"] for row in csv.DictReader(io.StringIO(csv_tables.sets_csv(unsure).decode()))]
+    assert lists[:2] == ["unsure", "unsure"] and "set" not in lists
+
+
+# --- the terminal ----------------------------------------------------------------------------------------------------
+
+
+def told(result: SizingResult, capsys: pytest.CaptureFixture[str], *, quiet: bool = False) -> str:
+    sizing(result, quiet=quiet)
+    return capsys.readouterr().out
+
+
+def test_nothing_reached_is_said_at_the_terminal(
+    unsure: SizingResult, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    said = told(unsure, capsys)
+    surest = unsure.unsure[0].status  # unknown where its motor's heat is: the time constants of some are not printed
+    assert "No set is as sure as 100 %." in said and f"The surest, at nominal figures: {surest}" in said
+    assert "none of them as sure as 100 %" in said and "No set stands" not in said
+
+
+@pytest.mark.parametrize("columns", ["80", "140"])
+def test_no_word_of_the_table_is_broken_and_quiet_leaves_the_notes_out(
+    result: SizingResult, columns: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    looped = replace(result, sets=tuple(replace(one, reliability=_looped(one)) for one in result.sets))
+    said, quiet = told(looped, capsys), told(looped, capsys, quiet=True)
+    assert max(map(len, said.splitlines())) <= int(columns)
+    table = quiet[quiet.index("How sure they are") : quiet.index("sets sampled")]
+    for one in looped.sets:
+        assert one.reliability
+        words = {*one.reliability.weakest.split(), *one.motor_name.split(), *one.gearhead_name.split(), "± 19 %"}
+        assert all(word in table for word in words)
+    assert "± 0." in table or "± 1" in table
+    assert "limits are the catalogue's" in " ".join(said.split()) and "limits are the catalogue's" not in quiet
+    assert "What is uncertain" in said and "What is uncertain" not in quiet
+
+
+def _looped(one: DriveSet) -> Reliability:
+    assert one.reliability
+    share = LoopShare(samples=16, probability=1.0, error=0.1875, weakest="Controller peak current")
+    return replace(one.reliability, weakest="Controller peak current", loop=share)
+
+
+# --- one pair --------------------------------------------------------------------------------------------------------
+
+
+def test_a_pair_is_as_sure_as_the_sizing_says(result: SizingResult) -> None:
+    """The same set by another way: alone, and among all that the search found."""
+    best = result.sets[0]
+    pair = explained(result.spec, best.motor.part, best.gearhead.part, sampling=Sampling(512, 1, None))
+    (one,) = [s for s in pair.sets if s.belt_ratio == best.belt_ratio]
+    assert (
+        one.reliability
+        and json_documents.drive_set(one)["reliability"] == json_documents.drive_set(best)["reliability"]
+    )
+    assert pair.uncertainty and pair.uncertainty.assumptions == result.uncertainty.assumptions  # type: ignore[union-attr]
+
+
+def test_a_pair_that_falls_at_nominal_figures_is_sampled_too(result: SizingResult) -> None:
+    miss = next(one for one in result.misses or size(result.spec, top=200).misses)
+    (one, *_) = explained(result.spec, miss.motor.part, miss.gearhead.part, sampling=FEW).sets
+    failed = {check.title for check in one.checks if check.status == "fail"}
+    assert one.status == "fail" and one.reliability and one.reliability.probability < 1.0
+    assert failed <= {check.title for check in moved(one.reliability)}
+
+
+def test_explain_tells_how_sure_a_pair_is(
+    result: SizingResult, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    best, file = result.sets[0], tmp_path / "robot.yaml"
+    file.write_text(result.spec.text, encoding="utf-8")
+    words = ["explain", str(file), "--motor", best.motor.part, "--gearhead", best.gearhead.part, "--samples", "256"]
+    run = CliRunner().invoke(app, words)
+    said = " ".join(run.output.split())
+    assert run.exit_code == 0 and "How sure it is" in said and "1 set sampled, 256 times each" in said
+    assert "What its smallest margin hangs on most" in said and "load.mass" in said
+    document = json.loads(CliRunner().invoke(app, [*words, "--json"]).output)
+    assert document["uncertainty"]["samples"] == 256
+    assert 0.0 < document["sets"][0]["reliability"]["probability"] < 1.0
+
+
+def test_explain_samples_nothing_without_tolerances(spec, monkeypatch) -> None:  # type: ignore[no-untyped-def]
+    monkeypatch.setattr("drivesizer.search.uncertainty.run.judged", pytest.fail)
+    pair = explained(spec, "118752", "406764")
+    assert pair.uncertainty is None and pair.sets[0].reliability is None
+    assert json_documents.explanation(pair)["uncertainty"] is None
+
+
+def test_a_report_takes_the_options_of_a_sizing(result: SizingResult, tmp_path: Path) -> None:
+    file, out = tmp_path / "robot.yaml", tmp_path / "report.csv"
+    file.write_text(result.spec.text, encoding="utf-8")
+    options = ["--confidence", "0.5", "--samples", "256", "--seed", "3", "--loop-samples", "8", "--processes", "2"]
+    run = CliRunner().invoke(app, ["report", str(file), "--top", "1", "-o", str(out), *options])
+    assert run.exit_code == 0
+    rows = list(csv.DictReader(io.StringIO(out.read_text(encoding="utf-8"))))
+    told_ = {row["name"]: row["value"] for row in rows if row["section"] == "sampling"}
+    assert (told_["samples"], told_["seed"], told_["confidence"]) == ("256", "3", "50.0")
+    assert [row["value"] for row in rows if row["name"] == "closed_loop_samples"] == ["8"]
+    refused = CliRunner().invoke(app, ["report", str(file), "-o", str(out), "--confidence", "1.5"])
+    assert refused.exit_code != 0
+
+
+def test_the_least_and_the_largest_share_are_shown_as_they_are() -> None:
+    assert [share(value) for value in (0.0, 1.0, 0.5, 0.9995, 1e-4)] == ["0 %", "0 %", "0.0 %", "0.000 %", "0.000 %"]

@@ -1,0 +1,120 @@
+"""What reports say where a figure is unknown: no 0 for it, no figure beside its own "unknown", no name for a number."""
+
+import json
+import sys
+from dataclasses import replace
+from math import isnan, nan
+
+import numpy as np
+import pytest
+from conftest import ROOT
+from synthetic_validation import labels
+
+from drivesizer import cli
+from drivesizer.catalog import Catalog
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.machine.operating_field import field
+from drivesizer.output.report.figures.field import torque_speed
+from drivesizer.output.report.figures.field_panels import Panel, paper_points
+from drivesizer.output.report.lines.sets import set_row
+from drivesizer.output.report.set_behaviour import Behaviour
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.simulate import hardest_case, validate
+from drivesizer.sizing import explain, size
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+STARTER = (ROOT / "drivesizer" / "spec" / "starters" / "wheeled_vehicle.yaml").read_text(encoding="utf-8")
+LOADED = """
+cases:
+  - {name: light, load: {mass: 20 kg}}
+  - {name: loaded, load: {mass: 45 kg}}
+  - {name: empty battery, supply: {min: 22 V}}
+"""
+
+
+@pytest.fixture(scope="module")
+def chosen(spec: RobotSpec, catalog: Catalog) -> DriveSet:
+    """The paper's set."""
+    return size(spec, catalog=catalog, top=1).sets[0]
+
+
+@pytest.fixture(scope="module")
+def rubs_unknown(chosen: DriveSet) -> DriveSet:
+    """The same with a motor whose no-load current nobody prints: its friction is unknown."""
+    return replace(chosen, motor=replace(chosen.motor, no_load_current=nan, friction_torque=nan))
+
+
+def test_an_unknown_rms_current_is_no_point_of_the_field(spec, rubs_unknown):
+    found = field(spec, rubs_unknown)
+    assert isnan(found.rms_torque) and not np.isnan(found.cycle_torque).any()
+    said = labels(torque_speed([Panel(cases=((0, "", found),))]))
+    assert "load cycle" in said and not any("nan" in text or "RMS" in text for text in said)
+
+
+def test_a_requirement_that_is_unknown_is_no_point_either(spec, catalog, chosen):
+    known = size(spec, catalog=catalog, top=1).requirements
+    lacking = tuple(replace(r, value=nan) if r.name == "maximum_torque_per_motor" else r for r in known)
+    assert len(paper_points(chosen, known)) == 4
+    names = {point.name for point in paper_points(chosen, lacking)}
+    assert names == {"cruise", "RMS"}
+
+
+def test_least_figures_are_unknown_in_every_table(spec, rubs_unknown, catalog):
+    """What heat and energy a set takes at least is not what it takes: each table says unknown, none a figure."""
+    motors = catalog.motors
+    row = motors.rows["118752"]
+    columns = {**motors.columns, "no_load_current": motors["no_load_current"].copy()}
+    columns["no_load_current"][row] = nan
+    poorer = replace(catalog, motors=replace(motors, columns=columns))
+    (found,) = explain(spec.model_copy(update={"method": "physics"}), "118752", "406764", catalog=poorer)
+    figures = {f.name: f.value for f in found.figures}
+    for name in ("energy", "returned", "power", "joule_heat", "peak_current", "winding_temperature"):
+        assert isnan(figures[name]), name
+    does = Behaviour(spec, rubs_unknown)
+    assert does.cost == "unknown" and does.heat[0] == {"title": "Copper loss, mean", "text": "unknown", "at": ""}
+
+
+def test_a_mass_that_a_data_sheet_has_is_not_called_unknown(chosen, catalog):
+    weighed = replace(chosen, controller=replace(chosen.controller, mass=0.33))
+    assert set_row(weighed, catalog)["mass_lacks"] == "encoder not known, controller 330 g"
+
+
+def test_a_name_that_the_catalogue_made_up_is_no_order_number(chosen, catalog):
+    made_up = catalog.encoders.record(catalog.encoders.rows["ENC 30 HEDL 5540"])
+    rows = {row["role"]: row["part"] for row in set_row(replace(chosen, encoder=made_up), catalog)["parts"]}
+    assert rows["Encoder"] == "ENC 30 HEDL 5540, no order number known"
+    assert rows["Motor"] == "118752"
+
+
+@pytest.fixture(scope="module")
+def several() -> tuple[RobotSpec, DriveSet]:
+    spec = read_spec(YamlSource(STARTER + LOADED, "robot.yaml"))
+    return spec, size(spec, top=1).sets[0]
+
+
+def test_the_closed_loop_drives_the_hardest_case(several):
+    """Of cases that differ in mass alone the heaviest takes most torque, by Newton's second law."""
+    spec, best = several
+    assert hardest_case(spec, best) == "loaded"
+    proofs = {name: validate(spec, best, load_case=name) for name, _ in spec.load_cases[:3]}
+    peaks = {name: np.abs(proof.series["current"]).max() for name, proof in proofs.items()}
+    assert peaks["loaded"] > peaks["as specified"] > peaks["light"]
+    assert [proof.case for proof in proofs.values()] == ["as specified", "light", "loaded"]
+    assert "the load case simulated is loaded; 3 further cases are not" in proofs["loaded"].assumptions
+
+
+def test_a_set_that_no_loop_can_drive_is_reported_without(tmp_path, monkeypatch, capsys):
+    """Robotis prints no rotor inertia: everything but the closed loop is reported, and why it is missing."""
+    text = STARTER.replace("mass: 30 kg", "mass: 6 kg").replace("speed: 1 m/s", "speed: 0.3 m/s")
+    text = text.replace("nominal: 24 V", "nominal: 12 V").replace("catalogs: [maxon]", "catalogs: [robotis]")
+    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["drivesizer", "report", "-o", "report.json", "-o", "report.html"])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    assert end.value.code == 0 and "rotor inertia not in the catalogue" in capsys.readouterr().err
+    document = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    assert document["validation"] is None
+    assert any(said.startswith("not simulated in closed loop: motor") for said in document["warnings"])
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "not simulated in closed loop: motor" in page and "from from" not in page

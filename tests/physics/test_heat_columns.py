@@ -1,0 +1,225 @@
+"""Heat of many motors at once: against the one-motor solution and scipy, and bounds that hold over random cycles."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from math import exp, expm1, inf, isfinite, isnan, nan
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from drivesizer.physics import heat_course, heat_step, thermal
+from drivesizer.physics.heat_course import winding_course
+from drivesizer.physics.heat_cycle import periodic_heat
+from drivesizer.physics.heat_cycle_columns import winding_bounds
+from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, steady_winding_temperature
+
+AMBIENT = 304.0  # K
+NAMES = [figure.name for figure in fields(TwoBodies)]
+
+
+def random_motors(random, n):
+    ranges = {
+        "R_25": (0.05, 90.0),
+        "R_th1": (0.3, 30.0),
+        "R_th2": (0.9, 60.0),
+        "tau_w": (0.7, 70.0),
+        "tau_h": (9.0, 2300.0),
+    }
+    return TwoBodies(**{name: np.exp(random.uniform(*np.log(ranges[name]), n)) for name in NAMES})
+
+
+def random_cycle(random, motors, hottest=4.0):
+    """Durations, mean square currents (some beyond what can be borne for long) and housing losses; with pauses."""
+    n, S = len(motors.R_25), int(random.integers(2, 8))
+    dt = random.exponential(1.0, S) * 10.0 ** random.uniform(-2.0, 3.5)
+    limit = 1.0 / (COPPER * motors.R_25 * (motors.R_th1 + motors.R_th2))
+    share = random.uniform(0.0, 1.0, (n, S)) ** random.uniform(0.3, 6.0, (n, 1)) * hottest ** random.uniform(
+        -2.0, 1.0, (n, 1)
+    )
+    rise = random.uniform(0.0, 1.0, (n, S)) ** 3 * 10.0 ** random.uniform(-1.0, 3.0, (n, 1))
+    pauses = random.random((2, n, S)) < 0.3
+    return dt, np.where(pauses[0], 0.0, share * limit[:, None]), np.where(pauses[1], 0.0, rise / motors.R_th2[:, None])
+
+
+def course(motors, dt, squares, losses=0.0):
+    t, square, loss = np.broadcast_arrays(np.asarray(dt, float), squares, losses)
+    return winding_course(motors, AMBIENT, t[0], square, loss, np.zeros(t.shape[1], bool))
+
+
+def one(motors, n):
+    return TwoBodies(**{name: float(getattr(motors, name)[n]) for name in NAMES})
+
+
+# --- the exact peak --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_each_motor_is_as_warm_as_by_itself(seed):
+    random = np.random.default_rng(seed)
+    motors = random_motors(random, 60)
+    dt, squares, losses = random_cycle(random, motors)
+    for n, name in enumerate(NAMES):  # some unknown figures
+        getattr(motors, name)[n] = (nan, 0.0, inf, -1.0)[(seed + n) % 4]
+    squares[7, 0], losses[8, 1] = nan, nan
+    found = course(motors, dt, squares, losses)
+    for n in range(60):
+        alone = periodic_heat(one(motors, n), AMBIENT, dt, squares[n], losses[n])
+        expected = (alone.winding_peak, alone.winding_mean if isfinite(alone.winding_peak) else nan)
+        rises = [T[n] - AMBIENT for T in (found.peak, found.mean)]
+        assert rises == pytest.approx([T - AMBIENT for T in expected], rel=1e-9, abs=1e-11, nan_ok=True)
+        assert found.peak_time[n] == pytest.approx(alone.winding_peak_time, rel=1e-9, nan_ok=True)
+    assert np.isnan(found.peak[[0, 1, 2, 3, 4, 7, 8]]).all() and not np.isnan(found.peak[9:]).any()
+
+
+def test_some_of_them_run_away_and_the_others_do_not_mind():
+    random = np.random.default_rng(3)
+    motors = random_motors(random, 400)
+    dt, squares, losses = random_cycle(random, motors, hottest=9.0)
+    found = course(motors, dt, squares, losses)
+    away = np.isinf(found.peak)
+    assert 20 < away.sum() < 380
+    for column in (found.mean, found.peak_time):
+        assert (np.isnan(column) == away).all()
+    kept = TwoBodies(**{name: getattr(motors, name)[~away] for name in NAMES})
+    again = course(kept, dt, squares[~away], losses[~away])
+    assert again.peak == pytest.approx(found.peak[~away], rel=1e-12)
+
+
+@pytest.mark.parametrize("cells", [1, 30, 1000])
+def test_blocks_change_nothing(cells, monkeypatch):
+    random = np.random.default_rng(11)
+    motors = random_motors(random, 53)
+    dt, squares, losses = random_cycle(random, motors)
+    whole = course(motors, dt, squares, losses)
+    monkeypatch.setattr(heat_course, "_CELLS", cells)
+    for found, column in zip(course(motors, dt, squares, losses), whole, strict=True):
+        assert found == pytest.approx(column, rel=1e-12, nan_ok=True)
+
+
+@pytest.mark.parametrize("run", [2, 3, 16])
+@pytest.mark.parametrize("count", [1, 2, 15, 16, 17, 700])
+def test_runs_side_by_side_are_the_segments_one_after_another(run, count, monkeypatch):
+    random = np.random.default_rng([run, count])
+    motors = random_motors(random, 20)
+    dt, limit = random.exponential(40.0 / count, count), 1.0 / (COPPER * motors.R_25 * (motors.R_th1 + motors.R_th2))
+    squares = limit[:, None] * random.uniform(0.0, 1.3, (20, 1)) * random.exponential(1.0, (20, count))
+    monkeypatch.setattr(heat_step, "_WIDE", 0)
+    expected = course(motors, dt, squares, 0.2)
+    monkeypatch.setattr(heat_step, "_WIDE", 1000)
+    monkeypatch.setattr(heat_step, "_RUN", run)
+    for found, column in zip(course(motors, dt, squares, 0.2), expected, strict=True):
+        assert found == pytest.approx(column, rel=1e-10, nan_ok=True)
+    assert np.isinf(expected.peak).sum() not in (0, 20)
+
+
+def test_scipy_settles_to_the_same_peaks():
+    motors = TwoBodies(
+        R_25=np.array([0.7, 2.9]), R_th1=np.array([2.3, 1.2]), R_th2=np.array([5.9, 3.3]), tau_w=np.array([4.1, 2.6]),
+        tau_h=np.array([37.0, 21.0]),
+    )  # fmt: skip
+    dt, squares = np.array([2.0, 5.5, 9.0]), np.array([[30.0, 1.7, 0.0], [0.4, 21.0, 2.0]])
+    losses = np.array([[0.9], [2.1]])
+    found = course(motors, dt, squares, losses)
+    for n in range(2):
+        motor, state, warmest = one(motors, n), np.full(2, AMBIENT), np.zeros(2)
+        for step in [99.0] * 70 + [0.05]:
+            warmest = state
+            for t, square in zip(dt, squares[n], strict=True):
+
+                def law(_, x, motor=motor, square=square, loss=losses[n, 0]):
+                    copper = motor.R_25 * square * (1.0 + COPPER * (x[0] - DATA_TEMPERATURE))
+                    through = (x[0] - x[1]) / motor.R_th1
+                    out = (x[1] - AMBIENT) / motor.R_th2
+                    return [(copper - through) / motor.capacity_w, (loss + through - out) / motor.capacity_h]
+
+                y = solve_ivp(law, (0.0, t), state, method="DOP853", rtol=1e-12, atol=1e-10, max_step=step).y
+                state, warmest = y[:, -1], np.maximum(warmest, y.max(axis=1))
+        assert found.peak[n] == pytest.approx(warmest[0], abs=1e-4)  # K: dense samples miss a rounded top by their step
+
+
+def test_one_loss_for_all_and_figures_that_all_motors_share():
+    motors = TwoBodies(R_25=np.array([2.0, 3.0, 5.0]), R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)
+    found = course(motors, [2.0, 7.0], [[3.0, 0.0]] * 3, 0.4)
+    assert (np.diff(found.peak) > 1.0).all()
+    constant = course(motors, [2.0, 7.0], [[0.5], [0.4], [0.3]], 0.4)
+    steady = steady_winding_temperature(AMBIENT, motors.R_25, 3.1, 14.0, np.sqrt([0.5, 0.4, 0.3]), 0.4)
+    assert constant.peak == pytest.approx(steady, rel=1e-11)
+    assert constant.mean == pytest.approx(steady, rel=1e-11)
+
+
+# --- bounds ----------------------------------------------------------------------------------------------------------
+
+
+def bounds_of(motors, dt, squares, losses):
+    means = [columns @ dt / dt.sum() for columns in (squares, losses)]
+    peaks = np.sqrt(squares.max(axis=1)), losses.max(axis=1)
+    return winding_bounds(motors, AMBIENT, np.sqrt(means[0]), peaks[0], dt.sum(), means[1], peaks[1])
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_the_peak_lies_between_its_bounds(seed):
+    """Over 10,000 random motors and cycles: also where housings are as quick as windings, and losses take turns."""
+    random = np.random.default_rng(100 + seed)
+    motors = random_motors(random, 400)
+    if seed % 3 == 0:
+        quick = {
+            "R_th2": motors.R_th2 * 10.0 ** random.uniform(-3.0, 2.0, 400),
+            "tau_h": motors.tau_w * random.uniform(0.1, 9.0, 400),
+        }
+        motors = replace(motors, **quick)
+    dt, squares, losses = random_cycle(random, motors)
+    peak = course(motors, dt, squares, losses).peak - AMBIENT
+    lower, upper = (bound - AMBIENT for bound in bounds_of(motors, dt, squares, losses))
+    assert (lower <= peak * (1.0 + 1e-10) + 1e-10).all()
+    assert (peak <= upper * (1.0 + 1e-10) + 1e-10).all()
+    assert np.isfinite(upper).sum() > 100
+
+
+def test_constant_losses_leave_nothing_between():
+    motors = random_motors(np.random.default_rng(5), 50)
+    current = np.sqrt(0.6 / (COPPER * motors.R_25 * (motors.R_th1 + motors.R_th2)))
+    lower, upper = winding_bounds(motors, AMBIENT, current, current, 17.0, 0.3, 0.3)
+    assert upper == pytest.approx(lower, rel=1e-11)
+    assert lower == pytest.approx(
+        steady_winding_temperature(AMBIENT, motors.R_25, motors.R_th1, motors.R_th2, current, 0.3), rel=1e-12
+    )
+    nothing = winding_bounds(motors, AMBIENT, 0.0 * current, 0.0 * current, 17.0)
+    assert nothing.lower.tolist() == nothing.upper.tolist() == [AMBIENT] * 50
+
+
+def test_a_pulse_into_a_constant_resistance_is_at_its_upper_bound(monkeypatch):
+    for module in (heat_step, thermal):
+        monkeypatch.setattr(module, "COPPER", 0.0)
+    motors = random_motors(np.random.default_rng(6), 50)
+    dt, squares = np.array([3.0, 11.0]), np.tile([7.0, 0.0], (50, 1))
+    peak = course(motors, dt, squares).peak
+    assert bounds_of(motors, dt, squares, np.zeros((50, 2))).upper == pytest.approx(peak, rel=1e-12)
+
+
+def test_upper_bound_of_one_body_by_hand():
+    # a housing that keeps the ambient's temperature: k_per(s) = exp(-s / tau) / C_w / (1 - exp(-T / tau))
+    motor = TwoBodies(R_25=1.9, R_th1=4.0, R_th2=1e-9, tau_w=8.0, tau_h=0.5)
+    on, total, square = 3.0, 8.0, 6.0
+    heating = 4.0 * 1.9 * square * expm1(-on / 8.0) / expm1(-total / 8.0)
+    hot = heating * (1.0 + COPPER * (AMBIENT - DATA_TEMPERATURE)) / (1.0 - COPPER * heating)
+    found = winding_bounds(motor, AMBIENT, (square * on / total) ** 0.5, square**0.5, total)
+    assert found.upper - AMBIENT == pytest.approx(hot, rel=1e-7)
+    assert periodic_heat(motor, AMBIENT, [on, total - on], [square, 0.0]).winding_peak - AMBIENT < hot
+    assert exp(-total / 8.0) > 0.3  # not so long a cycle that the pulse starts from the ambient
+
+
+def test_bounds_where_the_winding_runs_away_or_figures_are_unknown():
+    motors = random_motors(np.random.default_rng(8), 7)
+    limit = np.sqrt(1.0 / (COPPER * motors.R_25 * (motors.R_th1 + motors.R_th2)))
+    above = winding_bounds(motors, AMBIENT, limit * 1.01, limit * 1.3, 9.0)
+    assert np.isinf(above.lower).all() and np.isinf(above.upper).all()
+    maybe = winding_bounds(motors, AMBIENT, limit * 0.9, limit * 90.0, 1e5)
+    assert np.isfinite(maybe.lower).all() and np.isinf(maybe.upper).all()
+    for name in NAMES:
+        getattr(motors, name)[NAMES.index(name)] = (nan, 0.0)[len(name) % 2]
+    found = winding_bounds(motors, AMBIENT, 0.3 * limit, np.where(np.arange(7) == 5, nan, limit), 9.0)
+    for column in found:
+        assert np.isnan(column[:6]).all() and column[6] > AMBIENT
+    assert isnan(winding_bounds(motors, nan, 0.3 * limit, limit, 9.0).upper[6])

@@ -1,0 +1,482 @@
+"""The physics as a whole: profiles by hand, load cases, margins at their limit, objectives, fronts, the same bytes."""
+
+import itertools
+import json
+import math
+import random
+from dataclasses import replace
+from math import nan
+from types import SimpleNamespace
+
+import by_hand
+import numpy as np
+import pytest
+
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.loads import load_cycle
+from drivesizer.loads.profile import Profile, trapezoid
+from drivesizer.output.json import documents as json_documents
+from drivesizer.physics.motor_demand import at_gearhead, demands, gear_loss, peak
+from drivesizer.search.columns.candidates import Rows, candidates
+from drivesizer.search.columns.evaluation import evaluate
+from drivesizer.search.columns.limits import motor_limits
+from drivesizer.search.columns.paper_method import vehicle
+from drivesizer.search.ranking import objective_of
+from drivesizer.search.search import search
+from drivesizer.sizing import explain, size
+from drivesizer.spec.robot import read_spec
+
+SPEC = """
+name: x
+load: {{kind: wheeled_vehicle, mass: 35 kg, driven_wheels: 2, wheel_diameter: 190 mm, rolling_resistance: 0.018,
+       slope: {slope} deg, inertia: 45 kg*cm^2}}
+motion: {{speed: 1.4 m/s, acceleration_time: 0.8 s, cruise_time: 6 s, rest_time: 2 s}}
+transmission: [{{kind: gearhead}}, {{kind: belt, ratio: 1.35, efficiency: 0.92}}]
+supply: {{nominal: 36 V}}
+"""
+PROFILES = {
+    "up": Profile("up", (0.0, 0.8, 6.8, 7.6, 9.6), (0.0, 1.4, 1.4, 0.0, 0.0)),
+    "there and back": Profile("back", (0.0, 1.0, 3.0, 5.0, 8.0, 9.0), (0.0, 1.2, 1.2, -0.7, -0.7, 0.0)),
+    "from speed to speed": Profile("s", (0.0, 2.0, 3.0, 5.0), (0.5, 1.5, -0.5, 0.5)),
+}
+
+
+def spec_from(text):
+    return read_spec(YamlSource(text, "x.yaml"))
+
+
+def segments_by_hand(spec, profile):
+    """The vehicle's wheel from its own mechanics, a segment of one direction at a time."""
+    load, r, g = spec.load, spec.load.wheel_diameter / 2, 9.80665
+    J = load.inertia + load.mass * r * r / load.driven_wheels
+    hill = load.mass * g * math.sin(load.slope) * r / load.driven_wheels
+    roll = load.rolling_resistance * load.mass * g * math.cos(load.slope) * r / load.driven_wheels
+    found = []
+    points = zip(profile.time, profile.speed, strict=True)
+    for (t0, v0), (t1, v1) in itertools.pairwise(points):
+        a = (v1 - v0) / (t1 - t0) / r
+        cuts = [0.0, *by_hand.crossing((v0, v1)), 1.0]
+        for u0, u1 in itertools.pairwise(cuts):
+            w = tuple(x / r for x in by_hand.between((v0, v1), u0, u1))
+            sign = (sum(w) > 0) - (sum(w) < 0)
+            found.append(by_hand.Segment((u1 - u0) * (t1 - t0), w, (a, a), (roll * sign + hill + J * a,) * 2))
+    return found
+
+
+@pytest.mark.parametrize("slope", [-8.0, 0.0, 5.0])
+@pytest.mark.parametrize("name", PROFILES)
+def test_random_pairs_by_hand(catalog, slope, name):
+    """Load, belt, gearhead and motor without any of the program's own functions."""
+    spec, profile = spec_from(SPEC.format(slope=slope)), PROFILES[name]
+    rows = random.Random(f"{name} {slope}").sample(range(len(catalog.motor_gearhead.left)), 150)
+    m, g = catalog.motor_gearhead.left[rows], catalog.motor_gearhead.right[rows]
+    motor, head = Rows(catalog.motors, m), Rows(catalog.gearheads, g)
+    at = at_gearhead(load_cycle(spec, profile), 0.92).behind(1.35)
+    asked = demands(at, motor, head, Rows(catalog.encoders, np.full(len(rows), -1)))
+    current = peak(at, asked.coefficients).value / motor["torque_constant"]
+    compared, segments = 0, segments_by_hand(spec, profile)
+    for k in range(len(rows)):
+        one, other = catalog.motors.record(int(m[k])), catalog.gearheads.record(int(g[k]))
+        mine = by_hand.asked(by_hand.drive(one, other, 0.0, 1.35, 0.92, segments), one, other, 298.15)
+        if math.isnan(mine.I_rms):
+            assert math.isnan(asked.rms_current[k])
+            continue
+        compared += 1
+        assert asked.rms_current[k] == pytest.approx(mine.I_rms, rel=1e-9)
+        assert current[k] == pytest.approx(mine.I_peak, rel=1e-9)
+        assert asked.peak_speed[k] == pytest.approx(mine.speed, rel=1e-9)
+        assert at.rms_torque == pytest.approx(mine.gear_rms, rel=1e-9)
+        assert at.peak_torque == pytest.approx(mine.gear_peak, rel=1e-9)
+    assert compared > 100
+
+
+def test_35_to_1_is_admitted_by_physics_for_its_speed_but_not_its_voltage(spec, catalog):
+    """The transcription: physics knows no reserve, the wheel turns at 188.0 rpm, 35:1 at 7232 rpm."""
+    found = explain(spec, "118752", "406767", catalog=catalog)[0]
+    checks = {c.name: c for c in found.beside}
+    rpm = 30 / math.pi
+    assert checks["gearhead_continuous_speed"].demand * rpm == pytest.approx(7232, abs=0.5)
+    assert checks["gearhead_continuous_speed"].status == "pass"
+    assert checks["motor_speed"].status == "unknown"
+    assert checks["supply_voltage"].limit == pytest.approx(0.9 * (22 - 1))
+    pair = next(p for p in found.comparison if p.paper.name == "gearhead_input_speed")
+    assert (pair.paper.status, pair.physics.status) == ("fail", "pass")
+
+
+def test_wheel_speed_by_hand(spec):
+    cycle = load_cycle(spec, trapezoid(spec.motion))
+    assert cycle.speed.max() * 30 / math.pi == pytest.approx(188.0, abs=0.05)
+
+
+@pytest.fixture(scope="module")
+def by_physics(example_text):
+    return read_spec(YamlSource(example_text.replace("method: paper", "method: physics"), "robot.yaml"))
+
+
+def test_a_set_has_the_same_checks_whichever_method_ranked(spec, by_physics, catalog):
+    """What stands beside a set that the paper ranked is what ranks it by physics, and the other way round."""
+    one, other = (explain(s, "118752", "406764", catalog=catalog)[0] for s in (spec, by_physics))
+    assert (one.checks[0].method, other.checks[0].method) == ("paper", "physics")
+    for mine, theirs in ((one.beside, other.checks), (other.beside, one.checks)):
+        assert [repr(c) for c in mine] == [repr(c) for c in theirs]
+    assert [repr(c) for c in one.comparison] == [repr(c) for c in other.comparison]
+
+
+def test_physics_ranks_the_whole_catalogue(example_text, catalog):
+    """Every set that stands obeys its limits, worked out again from the records; several belts at once."""
+    text = example_text[: example_text.index("select:")] + "select: {objective: price}\n"
+    text = text.replace("method: paper", "method: physics").replace("ratio: 1.1 ", "ratios: [0.9, 1.1, 1.6]")
+    spec = read_spec(YamlSource(text, "robot.yaml"))
+    result = size(spec, catalog=catalog, top=120)
+    assert result.method == "physics"
+    assert len(result.sets) == 120
+    assert len({s.belt_ratio for s in result.sets}) > 1
+    wheel = 1100 * math.pi * (0.0762**2 - 0.03**2) * 0.05 / 2 * (0.0762**2 + 0.03**2)
+    steps = vehicle(spec, 0.0).steps.values()
+    turning = {r.name: r.value for r in steps if r.name in ("wheel_inertia", "shaft_inertia")}
+    assert turning["wheel_inertia"] == pytest.approx(wheel, rel=1e-12)
+    load = spec.load.model_copy(update={"inertia": sum(turning.values())})
+    segments = segments_by_hand(spec.model_copy(update={"load": load}), trapezoid(spec.motion))
+    for s in result.sets:
+        extra = 0.0 if s.encoder is None or math.isnan(s.encoder.inertia) else s.encoder.inertia
+        pieces = by_hand.drive(s.motor, s.gearhead, extra, s.belt_ratio, spec.belt_efficiency, segments)
+        mine = by_hand.asked(pieces, s.motor, s.gearhead, spec.environment.ambient)
+        checks = {c.name: c for c in s.checks}
+        assert checks["controller_peak_current"].demand == pytest.approx(mine.I_peak, rel=1e-9)
+        assert checks["motor_nominal_current"].demand == pytest.approx(mine.I_rms, rel=1e-9)
+        assert checks["gearhead_continuous_torque"].demand == pytest.approx(mine.gear_rms, rel=1e-9)
+        assert mine.gear_peak <= s.gearhead.intermittent_torque
+        assert not mine.V_peak[1] > s.controller.max_duty * (22.0 - s.controller.voltage_drop)
+        assert not mine.I_rms > s.controller.continuous_current
+        assert not mine.I_peak > s.controller.peak_current
+    prices = [s.objective for s in result.sets if s.status == "pass" and len(s.objective_of) == 2]
+    assert prices == sorted(prices)
+
+
+# --- load cases ---
+
+LIFT = """
+name: lift
+load: {kind: hoist, mass: 11 kg, drum_diameter: 52 mm, falls: 2, rope_efficiency: 0.93, friction_force: 5 N}
+motion: {speed: 0.2 m/s, acceleration_time: 0.3 s, cruise_time: 2 s, rest_time: 1.5 s, there_and_back: true}
+transmission: [{kind: gearhead}, {kind: belt, ratio: 1.4, efficiency: 0.95}]
+supply: {nominal: 24 V, min: 22 V, max: 27 V, regeneration: 0.4, current: 7 A}
+margins: {torque: 6 %, speed: 3 %, temperature: 9 %}
+needs: {backlash_at_load: 2 deg}
+"""
+CASES = """cases:
+  - {name: empty, load: {mass: 3 kg}}
+  - {name: hot, environment: {ambient: 55 degC}, load: {mass: 9 kg}}
+  - {name: quick, motion: {speed: 0.26 m/s, cruise_time: 1.4 s}, load: {mass: 6 kg}}
+  - {name: weak, supply: {nominal: 23 V, min: 17 V}, load: {mass: 8 kg}}
+"""
+SOME = "select: {motor: {family: [RE 30, EC-max 30]}, controller: {part: CONTROLLER}}\n"
+ONE = SOME.replace("CONTROLLER", "'520885'")
+
+
+def test_each_check_is_that_of_its_worst_case(catalog):
+    """The cases as specs of their own, one after the other, with a controller that leaves no choice."""
+    spec = spec_from(LIFT + CASES + ONE)
+    sets = candidates(spec, catalog)
+    together = {c.name: c for c in evaluate(spec, catalog, sets).checks}
+    names, specs = zip(*spec.load_cases, strict=True)
+    specs = (spec_from(LIFT + ONE), *specs[1:])  # the first one without the others
+    alone = [{c.name: c for c in evaluate(case, catalog, sets).checks} for case in specs]
+    assert names[1:] == ("empty", "hot", "quick", "weak")
+    told = set()
+    for name, check in together.items():
+        for row in range(0, len(sets.motor), 5):
+            each = []
+            for number, checks in enumerate(alone):
+                c = checks[name]
+                rank = 0 if c.failed[row] else 2 if c.passed[row] else 1
+                margin = float(c.margin[row])
+                each.append((rank, math.inf if math.isnan(margin) else margin, number))
+            worst = min(each)
+            status = 0 if check.failed[row] else 2 if check.passed[row] else 1
+            assert status == worst[0], name
+            theirs = alone[worst[2]][name]
+            assert check.demand[row] == pytest.approx(theirs.demand[row], rel=1e-9, nan_ok=True), name
+            assert check.limit[row] == pytest.approx(theirs.limit[row], rel=1e-9, nan_ok=True), name
+            if check.case is not None and not math.isnan(check.demand[row]):
+                assert each[int(check.case[row])][:2] == pytest.approx(worst[:2], rel=1e-9)
+                told.add(names[int(check.case[row])])
+    assert len(told) > 3
+    fails = np.logical_or.reduce([c.failed for c in together.values()])
+    in_any = np.logical_or.reduce([c.failed for checks in alone for c in checks.values()])
+    assert (fails == in_any).all()
+    assert 0 < fails.sum() < len(fails)
+
+
+def test_the_margin_is_that_of_the_worst_case_too(catalog):
+    """A rise counts from the ambient of its own case: 30 K of 100 K where it is hot, not 60 K of 130 K."""
+    spec = spec_from(LIFT + "cases: [{name: hot, environment: {ambient: 55 degC}}]\n" + ONE)
+    sets = candidates(spec, catalog)
+    both = next(c for c in evaluate(spec, catalog, sets).checks if c.name == "winding_temperature")
+    hot = next(c for c in evaluate(spec.load_cases[1][1], catalog, sets).checks if c.name == "winding_temperature")
+    in_heat = (both.case == 1) & np.isfinite(hot.demand)
+    assert in_heat.sum() > 10
+    assert both.margin[in_heat] == pytest.approx(hot.margin[in_heat], rel=1e-9)
+
+
+def test_the_name_of_the_case_is_told(catalog):
+    spec = spec_from(LIFT + CASES + ONE)
+    best = size(spec, catalog=catalog, top=1).sets[0]
+    told = {c.name: c.case for c in best.checks}
+    assert told["gearhead_continuous_torque"] == "as specified"  # the heaviest
+    assert told["gearhead_continuous_speed"] == "quick"
+    assert told["supply_voltage"] == "weak"
+    assert {c.case for c in size(spec_from(LIFT + ONE), catalog=catalog, top=1).sets[0].checks} == {""}
+
+
+def test_one_controller_for_all_cases(catalog):
+    """It bears the most that any case asks, and a smaller one would not."""
+    spec = spec_from(LIFT + CASES + SOME.replace(", controller: {part: CONTROLLER}", ""))
+    specs = [case for _, case in spec.load_cases]
+    offered = [catalog.controllers.record(k) for k in np.flatnonzero(~catalog.controllers.excluded)]
+    lowest, highest = min(s.supply.lowest for s in specs), max(s.supply.highest for s in specs)
+    found = size(spec, catalog=catalog, top=25).sets
+    assert found
+    for s in found:
+        extra = 0.0 if s.encoder is None or math.isnan(s.encoder.inertia) else s.encoder.inertia
+        asked = []
+        for case in specs:
+            segments = by_hand.segments_of(load_cycle(case))
+            pieces = by_hand.drive(s.motor, s.gearhead, extra, 1.4, 0.95, segments)
+            asked.append(by_hand.asked(pieces, s.motor, s.gearhead, case.environment.ambient))
+        rms, top = (1.06 * max(getattr(a, n) for a in asked) for n in ("I_rms", "I_peak"))
+        volts = 1.03 * max(a.V_peak[1] for a in asked)
+        assert not s.controller.continuous_current < rms
+        assert not s.controller.peak_current < top
+        for c in offered:
+            if c.continuous_current >= s.controller.continuous_current or c.drives not in ("both", s.motor.kind):
+                continue
+            if not (c.supply_min <= lowest and c.supply_max >= highest):
+                continue
+            usable = c.max_duty * (lowest - c.voltage_drop)
+            assert not (c.continuous_current >= rms and c.peak_current >= top and usable >= volts), c.part
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "cases: [{name: other hall, supply: {power: 300 W}}]",
+        "cases: [{name: cart, load: {kind: wheeled_vehicle, mass: 9 kg, driven_wheels: 2, wheel_diameter: 90 mm, "
+        "rolling_resistance: 0.02, inertia: 1 kg*cm^2, friction_coefficient: 0.6}}]",
+    ],
+    ids=["supply power", "traction"],
+)
+def test_a_limit_that_one_case_alone_has(more, catalog):
+    """A check that only one case has counts for that case, and nothing crashes."""
+    result = size(spec_from(LIFT + more + "\n" + ONE), catalog=catalog, top=1)
+    names = {c.name for c in (*result.sets, *result.misses)[0].checks}
+    assert "supply_power" in names or "traction" in names
+
+
+def test_families_that_never_go_together(catalog):
+    """Nothing to look at is an answer too, or a line that says so."""
+    chosen = "select: {motor: {family: RE 25}, gearhead: {family: GP 81 A}}\n"
+    try:
+        assert size(spec_from(LIFT + chosen), catalog=catalog).counts.considered == 0
+    except InputError as told:
+        assert "\n" not in str(told)
+
+
+# --- margins ---
+
+
+@pytest.mark.parametrize(
+    ("margin", "names"),
+    [
+        ("torque", ["gearhead_continuous_torque", "gearhead_intermittent_torque", "motor_nominal_current",
+                    "controller_continuous_current", "controller_peak_current", "supply_current"]),
+        ("speed", ["gearhead_continuous_speed", "motor_speed", "supply_voltage"]),
+        ("temperature", ["winding_temperature"]),
+    ],
+)  # fmt: skip
+def test_margins_move_the_status_exactly_at_the_limit(margin, names, catalog):
+    """As much margin as there is passes, a thousand-millionth more does not; the figures stay as they are."""
+    plain = LIFT.replace("margins: {torque: 6 %, speed: 3 %, temperature: 9 %}\n", "")
+    chosen = "select: {motor: {part: 148867}, gearhead: {part: '203119'}, controller: {part: '520885'}}\n"
+    spec = spec_from(plain + chosen)
+    sets = candidates(spec, catalog)
+    assert len(sets.motor) == 1
+    was = {c.name: c for c in evaluate(spec, catalog, sets).checks}
+    seen = 0
+    for name in names:
+        room = float(was[name].margin[0])
+        if not room > 0:
+            continue
+        seen += 1
+        for share, passes in ((1 - 1e-9, True), (1 + 1e-9, False)):
+            more = f"margins: {{{margin}: {room * share!r}}}\n"
+            check = {c.name: c for c in evaluate(spec_from(plain + more + chosen), catalog, sets).checks}[name]
+            assert bool(check.passed[0]) == passes, (name, share)
+            assert bool(check.failed[0]) != passes, (name, share)
+            assert check.demand == pytest.approx(was[name].demand)
+            assert check.margin == pytest.approx(room)
+            assert check.needed == room * share
+    assert seen >= min(len(names), 2)
+
+
+# --- objectives ---
+
+NARROW = "select: {motor: {family: [RE 30, RE 25, EC-max 30, A-max 32]}, UNKNOWN objective: mass}\n"
+BOTH = LIFT + NARROW.replace("UNKNOWN ", "")
+
+
+def figures_of(found, catalog):
+    """Mass, energy, peak current, temperature and margin of every set that stands; NaN where not wholly known."""
+    e, rows = found.evaluation, np.arange(found.standing)
+    m, g = e.candidates.motor[rows], e.candidates.gearhead[rows]
+    margins = [np.nan_to_num(c.margin[rows], nan=np.inf) for c in e.checks if not c.by_choice]
+    sums = {n: catalog.motors[n][m] + catalog.gearheads[n][g] for n in ("mass", "price", "length")}
+    counted = {n: e.figures[n][rows] for n in ("energy", "peak_current", "winding_temperature")}
+    return {**sums, **counted, "margin": -np.minimum.reduce(margins)}
+
+
+def front_by_hand(columns):
+    """Every set against every other."""
+    rows = list(zip(*columns, strict=True))
+    known = [k for k, row in enumerate(rows) if not any(map(math.isnan, row))]
+    found = set()
+    for k in known:
+        beaten = any(
+            all(a <= b for a, b in zip(rows[j], rows[k], strict=True)) and rows[j] != rows[k] for j in known if j != k
+        )
+        if not beaten:
+            found.add(rows[k])
+    return found
+
+
+@pytest.mark.parametrize(
+    "names",
+    [("mass", "energy"), ("mass", "energy", "peak_current"), ("energy", "winding_temperature", "margin", "length"),
+     ("price", "mass")],
+)  # fmt: skip
+def test_the_front_is_what_nobody_beats(names, catalog):
+    found = search(spec_from(BOTH), catalog, top=10**6, objective="mass", misses=0, pareto=names)
+    figures = figures_of(found, catalog)
+    columns = [figures[name].tolist() for name in names]
+    expected = front_by_hand(columns)
+    theirs = [tuple(c[row] for c in columns) for row in found.front]
+    assert set(theirs) == expected
+    assert len(theirs) == len(set(theirs))
+    assert [t[0] for t in theirs] == sorted(t[0] for t in theirs)
+    assert 0 < len(theirs) < found.standing
+
+
+def test_a_front_beyond_the_sets_that_are_shown(catalog):
+    """With one set shown the front is the same one."""
+    names = ("mass", "winding_temperature", "margin")
+    few, many = (size(spec_from(BOTH), catalog=catalog, top=top, pareto=names) for top in (1, 300))
+    assert len(few.sets) == 1
+    assert [s.label for s in few.front] == [s.label for s in many.front]
+    assert len(few.front) > 1
+
+
+def test_a_front_without_rejected_sets(catalog):
+    """A spec that rejects unknowns has none on its front."""
+    text = LIFT + NARROW.replace("UNKNOWN", "unknown: reject,")
+    result = size(spec_from(text), catalog=catalog, top=5, pareto=("mass", "energy"))
+    assert all(s.status == "pass" for s in result.sets)
+    assert all(s.status == "pass" for s in result.front)
+
+
+@pytest.mark.parametrize(
+    "text", ["mass=2,energy=1", "peak_current=0.3,mass=1,winding_temperature=4", "margin=1,mass=0.2"]
+)
+def test_weighted_objectives(text, catalog):
+    """Shares of the smallest value that any set has, times their weights; of a margin, the share that is used."""
+    spec, parts = spec_from(BOTH), [part.split("=") for part in text.split(",")]
+    found = search(spec, catalog, top=10**6, objective=objective_of(text), misses=0)
+    figures = figures_of(found, catalog)
+    total, missing = np.zeros(found.standing), np.zeros(found.standing)
+    for name, weight in parts:
+        column = figures[name] if name != "margin" else 1 / (1 - figures[name])
+        total += np.nan_to_num(float(weight) * column / np.nanmin(column))
+        missing += np.isnan(column)
+    doubtful = found.evaluation.unknown[: found.standing]
+    keys = list(zip(doubtful.tolist(), missing.tolist(), total.round(9).tolist(), strict=True))
+    assert keys == sorted(keys)
+    assert len(set(keys)) > 10
+
+
+@pytest.mark.parametrize("objective", ["mass", "energy", "peak_current", "winding_temperature", "margin", "length"])
+def test_single_objectives(objective, catalog):
+    found = search(spec_from(BOTH), catalog, top=10**6, objective=objective, misses=0)
+    column = figures_of(found, catalog)[objective]
+    keys = list(
+        zip(
+            found.evaluation.unknown[: found.standing].tolist(), np.isnan(column).tolist(), column.tolist(), strict=True
+        )
+    )
+    known = [k for k in keys if not k[1]]
+    assert [k[:2] for k in keys] == sorted(k[:2] for k in keys)
+    assert known == sorted(known)
+
+
+def test_the_same_bytes_twice(catalog):
+    spec = LIFT + CASES + NARROW.replace("UNKNOWN ", "")
+    objective = objective_of("mass=2,energy=1")
+    both = []
+    for _ in range(2):
+        result = size(spec_from(spec), catalog=catalog, top=8, objective=objective, pareto=("mass", "energy"))
+        document = json_documents.sizing(result)
+        document.pop("generated", None)
+        both.append(json_documents.as_text(document).encode())
+    assert both[0] == both[1]
+    json.loads(both[0], parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+
+
+def test_what_is_unknown_of_gearhead_and_friction_may_fail_a_set_but_not_pass_it(spec, catalog):
+    """Left out, an inertia or a friction that could only ask for more gives least demands."""
+    physics = spec.model_copy(update={"method": "physics"})
+    rows = candidates(physics, catalog)
+    plain = {c.name: c for c in evaluate(physics, catalog, rows).checks}
+    for table, figure in (("gearheads", "inertia"), ("motors", "no_load_current")):
+        parts = getattr(catalog, table)
+        columns = dict(parts.columns) | {figure: np.full(len(parts), np.nan)}
+        blind = replace(catalog, **{table: replace(parts, columns=columns)})
+        found = {c.name: c for c in evaluate(physics, blind, rows).checks}
+        for name in ("motor_nominal_current", "controller_peak_current"):
+            assert (found[name].demand <= plain[name].demand * (1 + 1e-12)).all()
+            assert (found[name].demand > 0.5 * plain[name].demand).all()
+        for name in ("motor_nominal_current", "controller_peak_current", "supply_voltage"):  # the last told by bounds
+            assert not found[name].passed.any()
+            assert (plain[name].failed | ~found[name].failed).all()  # what fails with less fails with all of it
+        assert found["motor_speed"].demand == pytest.approx(plain["motor_speed"].demand)
+
+
+def test_a_gearhead_loses_torque_without_load_and_the_rest_in_proportion():
+    """At rated torque both together make the printed efficiency; at half of it the drive takes more than that says."""
+    i, e, T_N, T_0 = 4.0, 0.94, 5.1, 0.05
+    share, idle = gear_loss({name: np.array([value]) for name, value in (
+        ("ratio", i), ("efficiency", e), ("continuous_torque", T_N), ("no_load_torque", T_0))})  # fmt: skip
+    assert T_N / (i * share[0]) + idle[0] == pytest.approx(T_N / (i * e), rel=1e-12)
+    half = T_N / 2 / (i * share[0]) + idle[0]
+    assert half == pytest.approx(T_N / 2 / (i * e) + T_0 / 2, rel=1e-12)
+
+
+def test_a_no_load_torque_beyond_the_printed_loss_leaves_no_other():
+    """Wittenstein NPS 015: the page's efficiency at full load does not contain its no-load torque."""
+    given = {"ratio": 100.0, "efficiency": 0.92, "continuous_torque": 15.0, "no_load_torque": 0.05}
+    share, idle = gear_loss({name: np.array([value]) for name, value in given.items()})
+    assert (share[0], idle[0]) == (1.0, 0.05)
+
+
+def test_without_a_no_load_torque_the_efficiency_is_all():
+    given = {"ratio": 27.0, "efficiency": 0.8, "continuous_torque": 1.2, "no_load_torque": np.nan}
+    share, idle = gear_loss({name: np.array([value]) for name, value in given.items()})
+    assert (share[0], idle[0]) == (0.8, 0.0)
+
+
+def test_an_unknown_end_of_a_range_passes_nothing():
+    """At 25 degC: -20 to 40 passes, 30 to 40 and -20 to 10 fail; what is beyond an end that nobody states is open."""
+    cold, hot = np.array([-20, 30, -20, nan, nan, -20, 30, nan]), np.array([40, 40, 10, 40, 10, nan, nan, nan])
+    spec = SimpleNamespace(environment=SimpleNamespace(ambient=298.15))
+    (found,) = motor_limits(spec, {"ambient_min": cold + 273.15, "ambient_max": hot + 273.15})
+    told = np.where(found.passed, "pass", np.where(found.failed, "fail", "unknown")).tolist()
+    assert told == ["pass", "fail", "fail", "unknown", "fail", "unknown", "fail", "unknown"]
+    assert found.limit - 273.15 == pytest.approx([40, 30, 10, nan, 10, nan, 30, nan], nan_ok=True)

@@ -1,0 +1,500 @@
+"""Belts and pulleys out of the catalogues: the geometry, which ratios there are, and what a set says of its belt."""
+
+import csv
+import itertools
+import json
+import math
+import re
+import sys
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drivesizer import cli
+from drivesizer.catalog import load
+from drivesizer.errors import InputError
+from drivesizer.physics.belt_geometry import (
+    belt_length,
+    centre_distance,
+    pitch_diameter,
+    shortest_recommended,
+    teeth_in_mesh,
+    wrap_angle,
+)
+from drivesizer.search import pulleys
+from drivesizer.sizing import explain, load_parts, size
+from drivesizer.spec.robot import load_spec
+from drivesizer.spec.transmission import Pulleys
+
+MM, INCH = 1e-3, 25.4e-3
+
+
+def by_tangents(z_1: float, z_2: float, pitch: float, a: float) -> tuple[float, float, float]:
+    """Length of the belt and its angles on both pulleys, by the points where the upper span leaves the circles.
+
+    The unit vector n across the span has n . (c_2 - c_1) = r_1 - r_2, for both radii end on the same straight line.
+    """
+    r_1, r_2 = z_1 * pitch / (2 * math.pi), z_2 * pitch / (2 * math.pi)
+    n = np.array([(r_1 - r_2) / a, math.sqrt(1 - ((r_1 - r_2) / a) ** 2)])
+    span = np.linalg.norm(np.array([a, 0.0]) + r_2 * n - r_1 * n)
+    lean = math.atan2(n[1], n[0])  # of the radius to where the belt leaves, from the line of centres
+    on_1, on_2 = 2 * math.pi - 2 * lean, 2 * lean
+    return 2 * span + r_1 * on_1 + r_2 * on_2, on_1, on_2
+
+
+# -- geometry
+
+
+@pytest.mark.parametrize(
+    ("teeth", "pitch", "inches"),
+    [(18, 5, 1.128), (24, 5, 1.504), (30, 5, 1.88), (36, 5, 2.256), (12, 3, 0.451), (60, 3, 2.256)],
+)
+def test_pitch_diameters_as_vex_prints_them(teeth, pitch, inches):
+    """HTD 5 mm and GT2 3 mm pulleys, tabulated in the tests of ReCalc (github.com/tervay/recalc)."""
+    assert pitch_diameter(teeth, pitch * MM) == pytest.approx(inches * INCH, abs=0.0005 * INCH)
+
+
+@pytest.mark.parametrize(
+    ("z_1", "z_2", "pitch", "belt", "printed", "half_a_digit"),
+    [
+        (20, 30, 5, 100, 187.331 * MM, 0.0005 * MM),
+        (16, 24, 5, 125, 262.423 * MM, 0.0005 * MM),
+        (20, 60, 5, 120, 7.773 * INCH, 0.0005 * INCH),
+        (20, 60, 5, 123, 8.072 * INCH, 0.0005 * INCH),
+        (52, 54, 5, 340, 28.24796 * INCH, 0.000005 * INCH),
+    ],
+)
+def test_centre_distances_as_printed(z_1, z_2, pitch, belt, printed, half_a_digit):
+    """ReCalc, app/lib/math/belts.test.ts and its forerunners: what WCP's and VEX's calculators give for these belts."""
+    assert centre_distance(z_1, z_2, pitch * MM, belt) == pytest.approx(printed, abs=half_a_digit)
+
+
+def test_a_belt_length_as_printed():
+    """machinecalcs.com, Timing Belt Calculator: GT2 2 mm, 20 and 40 teeth at 100 mm need 260.40 mm, 130.2 teeth."""
+    length = belt_length(20, 40, 2 * MM, 100 * MM)
+    assert length == pytest.approx(260.40 * MM, abs=0.006 * MM)  # their 260.405 is cut, not rounded
+    assert length / (2 * MM) == pytest.approx(130.2, abs=0.05)
+
+
+def test_a_belt_round_wheels_of_a_pythagorean_triangle():
+    """Radii 6 and 1, 13 apart, so spans of 12: L = 2 (12 + 6 pi - 5 arctan(12/5)), solve.club prints 49.939."""
+    pitch = 2 * math.pi  # so that radii are teeth
+    assert belt_length(6, 1, pitch, 13) == pytest.approx(49.939059772127518, rel=1e-12)
+    assert belt_length(6, 1, pitch, 13) == pytest.approx(2 * (12 + 6 * math.pi - 5 * math.atan(12 / 5)), rel=1e-12)
+
+
+@pytest.mark.parametrize(("distance", "printed", "half"), [(130, 6.74, 0.005), (100, 5.6, 0.05)])
+def test_teeth_in_mesh_as_printed(distance, printed, half):
+    """20 and 100 teeth of 5 mm: a robot's public design notes, after SDP/SI's handbook (13.3), print 6.74 and 5.6."""
+    assert teeth_in_mesh(20, 100, 5 * MM, distance * MM) == pytest.approx(printed, abs=half)
+
+
+@given(st.integers(8, 200), st.floats(1.01, 50.0), st.sampled_from([2, 3, 5, 6.35, 8]))
+def test_equal_pulleys_are_two_spans_and_one_circle(teeth, apart, pitch):
+    """L = 2 a + z p, half of the teeth in mesh."""
+    pitch = pitch * MM
+    a = apart * pitch_diameter(teeth, pitch)
+    assert belt_length(teeth, teeth, pitch, a) == pytest.approx(2 * a + teeth * pitch, rel=1e-12)
+    assert wrap_angle(teeth, teeth, pitch, a) == pytest.approx(math.pi)
+    assert teeth_in_mesh(teeth, teeth, pitch, a) == pytest.approx(teeth / 2)
+    belt = teeth * round(2 + apart)
+    assert centre_distance(teeth, teeth, pitch, belt) == pytest.approx((belt - teeth) * pitch / 2, rel=1e-12)
+
+
+@given(st.integers(8, 200), st.integers(8, 200), st.floats(1.001, 30.0), st.sampled_from([2, 3, 5, 6.35, 8]))
+def test_the_belt_is_that_of_the_tangent_points(z_1, z_2, apart, pitch):
+    pitch = pitch * MM
+    a = apart * (pitch_diameter(z_1, pitch) + pitch_diameter(z_2, pitch)) / 2
+    length, on_1, on_2 = by_tangents(z_1, z_2, pitch, a)
+    assert belt_length(z_1, z_2, pitch, a) == pytest.approx(length, rel=1e-12)
+    assert belt_length(z_2, z_1, pitch, a) == pytest.approx(length, rel=1e-12)
+    assert wrap_angle(z_1, z_2, pitch, a) == pytest.approx(min(on_1, on_2), rel=1e-9)
+    assert teeth_in_mesh(z_1, z_2, pitch, a) == pytest.approx(min(z_1 * on_1, z_2 * on_2) / (2 * math.pi), rel=1e-9)
+    assert centre_distance(z_1, z_2, pitch, length / pitch) == pytest.approx(a, rel=1e-9)
+
+
+def test_the_printed_approximation_is_never_longer():
+    """2 a + pi (d_1 + d_2) / 2 + (d_2 - d_1)^2 / 4a lacks terms of the fourth order, all of them positive."""
+    z_1, a = np.arange(10.0, 60.0, 7.0)[:, None], np.array([0.12, 0.2, 0.5])
+    d_1, d_2 = pitch_diameter(z_1, 5 * MM), pitch_diameter(72, 5 * MM)
+    printed = 2 * a + math.pi * (d_1 + d_2) / 2 + (d_2 - d_1) ** 2 / (4 * a)
+    exact = belt_length(z_1, 72, 5 * MM, a)
+    assert (exact > printed).all()
+    fourth = 2 * a * ((d_2 - d_1) / (2 * a)) ** 4 / 24  # the first term that is left out
+    assert (exact - printed) == pytest.approx(fourth, rel=0.3)
+
+
+def test_a_belt_that_is_too_short_holds_no_pulleys():
+    """The pulleys would be inside each other: no answer, and unknown teeth give none either."""
+    touching = (pitch_diameter(20, 5 * MM) + pitch_diameter(40, 5 * MM)) / 2
+    least = by_tangents(20, 40, 5 * MM, touching)[0] / (5 * MM)
+    found = centre_distance(20, 40, 5 * MM, np.array([39.0, 41.0, least - 0.01, least + 0.01, np.nan]))
+    assert np.isnan(found).tolist() == [True, True, True, False, True]
+    assert found[3] >= touching
+
+
+# -- which ratios there are
+
+SHOP = """
+catalog: 1
+manufacturer: Near
+sources: {sheet: {document: "sheet N", confidence: quoted}}
+belts:
+  - {family: B, source: sheet, common: {profile: HTD, pitch: 5 mm, width: 9 mm}, columns: [part, teeth],
+     rows: [[B60, 60], [B64, 64], [B64A, 64], [B70, 70], [B90, 90], [B0, ~]],
+     notes: [{parts: [B64], text: withdrawn, exclude: true}]}
+  - {family: W, source: sheet, common: {profile: HTD, pitch: 5 mm, width: 15 mm}, columns: [part, teeth],
+     rows: [[W65, 65]]}
+  - {family: G, source: sheet, common: {profile: GT2, pitch: 3 mm, width: 9 mm}, columns: [part, teeth],
+     rows: [[G65, 65]]}
+pulleys:
+  - {family: P, source: sheet, common: {profile: HTD, pitch: 5 mm}, columns: [part, teeth, width (mm), bore], rows: [
+      [P12, 12, 9, 5 mm], [P15, 15, 9, 5 mm], [P16W, 16, 15, 5 mm], [P16, 16, 9, 5 mm], [P18, 18, 15, 5 mm],
+      [P20S, 20, 6, 5 mm], [P24, 24, 9, 8 mm], [P30, 30, 9, 8 mm], [P40, 40, ~, 8 mm]]}
+  - {family: PG, source: sheet, common: {profile: GT2, pitch: 3 mm, width: 9 mm}, columns: [part, teeth],
+     rows: [[G20, 20]]}
+"""
+FAR = """
+catalog: 1
+manufacturer: Far
+sources: {sheet: {document: "sheet F", confidence: quoted}}
+belts:
+  - {family: FB, source: sheet, common: {profile: HTD, pitch: 5 mm, width: 9 mm}, columns: [part, teeth],
+     rows: [[A70, 70]]}
+pulleys:
+  - {family: FP, source: sheet, common: {profile: HTD, pitch: 5 mm, width: 9 mm}, columns: [part, teeth],
+     rows: [[A15, 15], [A18, 18], [A22, 22]]}
+"""
+BELT = "pulleys: {profile: HTD, pitch: 5 mm, width: 9 mm, ratio_min: 1.05, ratio_max: 2.1%s}"
+
+
+@pytest.fixture
+def shop(tmp_path, example_text):
+    """The SPS robot by physics with pulleys, and two makers of them; a function that writes it otherwise."""
+    (tmp_path / "near.yaml").write_text(SHOP)
+    (tmp_path / "far.yaml").write_text(FAR)
+
+    def spec(more: str = ", centre_distance: 120 mm, adjustable: 20 mm", *pairs: tuple[str, str], beside: str = ""):
+        text = example_text.replace("method: paper", "method: physics").replace("min: 22 V", "min: 23 V")
+        text = re.sub(r"ratio: 1\.1 .*", BELT % more + beside, text)
+        for old, new in (("catalogs: [maxon]", "catalogs: [maxon, near.yaml, far.yaml]"), *pairs):
+            assert old in text
+            text = text.replace(old, new)
+        (tmp_path / "robot.yaml").write_text(text)
+        return load_spec(tmp_path / "robot.yaml")
+
+    return spec
+
+
+def offered(spec):
+    return pulleys.with_pulleys(spec, load_parts(spec)).belt.offer
+
+
+def by_enumeration(pulleys, belts, pitch, ratios, wish, tolerance):
+    """The best way for each ratio, one triple after the other, distances by halving the interval: what is asked for
+    in the docstring of ``_best_of_each_ratio``, written again."""
+    best = {}
+    for z_1, z_2, belt in itertools.product(pulleys, pulleys, belts):
+        low, high = (z_1 + z_2) * pitch / (2 * math.pi), belt * pitch
+        if not ratios[0] <= z_2 / z_1 <= ratios[1] or by_tangents(z_1, z_2, pitch, low)[0] > belt * pitch:
+            continue
+        for _ in range(80):
+            middle = (low + high) / 2
+            low, high = (middle, high) if by_tangents(z_1, z_2, pitch, middle)[0] < belt * pitch else (low, middle)
+        if abs(low - wish) > tolerance:
+            continue
+        _, on_1, on_2 = by_tangents(z_1, z_2, pitch, low)
+        held = min(z_1 * on_1, z_2 * on_2) / (2 * math.pi)
+        value = max(6 - math.floor(held), 0), z_1, abs(low - wish), belt
+        best.setdefault(Fraction(z_2, z_1), []).append((value, (z_1, z_2, belt, low, held)))
+    return [min(best[ratio])[1] for ratio in sorted(best)]
+
+
+@pytest.mark.parametrize(("wish", "tolerance"), [(120, 20), (112, 8), (101, 3)])
+def test_of_each_ratio_the_best_way(shop, wish, tolerance):
+    found = offered(shop(f", centre_distance: {wish} mm, adjustable: {tolerance} mm")).drives
+    pulleys, belts = [12, 15, 16, 18, 22, 24, 30], [60, 64, 70, 90]  # 20 is too narrow, of 40 nobody tells the width
+    expected = by_enumeration(pulleys, belts, 5 * MM, (1.05, 2.1), wish * MM, tolerance * MM)
+    assert len(found) == len(expected) > 5
+    for drive, (z_1, z_2, belt, distance, held) in zip(found, expected, strict=True):
+        assert (drive.driving.teeth, drive.driven.teeth, drive.belt.teeth) == (z_1, z_2, belt)
+        assert drive.ratio == z_2 / z_1
+        assert drive.centre_distance == pytest.approx(distance, rel=1e-9)
+        assert drive.teeth_in_mesh == pytest.approx(held, rel=1e-9)
+
+
+def test_one_ratio_once_with_the_smallest_pulleys_that_hold(shop):
+    """24:12 and 30:15 give 2: of 12 teeth never 6 are in mesh beside a larger pulley, of 15 there are."""
+    found = {drive.ratio: drive for drive in offered(shop()).drives}
+    assert found[2.0].name == "30:15" and found[2.0].teeth_in_mesh > 6
+    only = found[22 / 12]  # which nothing else gives: the check will tell
+    assert only.name == "22:12" and 5 < only.teeth_in_mesh < 6
+
+
+def test_parts_of_the_belts_maker_the_narrowest_first(shop):
+    found = {drive.name: drive for drive in offered(shop()).drives}
+    one = found["24:16"]
+    assert (one.driving.part, one.driven.part, one.belt.manufacturer) == ("P16", "P24", "Near")
+    mixed = found["22:18"]  # 22 is made by the other one only, who has 18 as well, and this belt
+    assert {p.manufacturer for p in mixed.parts.values()} == {"Far"}
+    assert [p.part for p in mixed.parts.values()] == ["A18", "A70", "A22"]
+    assert {drive.belt.part for drive in found.values()} <= {"B60", "B64A", "B70", "B90", "A70"}  # B64 is withdrawn
+
+
+def test_a_step_up_is_a_ratio_below_1(shop):
+    drives = offered(shop(", centre_distance: 120 mm, adjustable: 20 mm", ("ratio_min: 1.05", "ratio_min: 0.5"),
+                          ("ratio_max: 2.1", "ratio_max: 0.95"))).drives  # fmt: skip
+    assert [d.name for d in drives if d.ratio == 0.5] == ["15:30"]
+    assert all(d.driving.teeth > d.driven.teeth for d in drives)
+
+
+def test_without_a_centre_distance_the_shortest_belt_that_a_new_drive_should_have(shop):
+    for drive in offered(shop("")).drives:
+        z_1, z_2 = drive.driving.teeth, drive.driven.teeth
+        assert drive.centre_distance >= shortest_recommended(z_1, z_2, 5 * MM)
+        shorter = [z for z in (60, 64, 70, 90) if z < drive.belt.teeth]
+        fewer = [teeth_in_mesh(z_1, z_2, 5 * MM, centre_distance(z_1, z_2, 5 * MM, z)) for z in shorter]
+        too_near = [centre_distance(z_1, z_2, 5 * MM, z) < 5 * MM * 0.2 * (z_1 + z_2) for z in shorter]
+        whole = math.floor(min(drive.teeth_in_mesh, 6))
+        assert all(near or math.floor(min(held, 6)) < whole for near, held in zip(too_near, fewer, strict=True))
+
+
+def test_every_case_has_the_pulleys(shop):
+    spec = shop(", centre_distance: 120 mm", ("select:", "cases: [{name: ramp, load: {slope: 2 deg}}]\nselect:"))
+    spec = pulleys.with_pulleys(spec, load_parts(spec))
+    assert len(spec.load_cases) == 2
+    assert all(case.belt_ratios == spec.belt_ratios and spec.belt_ratios for _, case in spec.load_cases)
+
+
+def test_a_spec_that_names_its_ratios_stays_as_it_is(spec, catalog):
+    assert pulleys.with_pulleys(spec, catalog) is spec
+    assert pulleys.assumptions(spec) == ()
+
+
+def test_ratios_that_nobody_looked_for_are_no_empty_list(shop):
+    with pytest.raises(RuntimeError, match="with_pulleys"):
+        shop().belt_ratios  # noqa: B018
+
+
+@given(st.lists(st.floats(-3, 3), min_size=1, max_size=80, unique=True), st.integers(2, 70))
+def test_spread_keeps_the_ends_and_leaves_no_gap_wider_than_between_those_it_takes(values, most):
+    column = np.array(values)
+    rows = pulleys.spread(column, most)
+    assert len(rows) == min(len(values), most) == len(set(rows.tolist()))
+    assert {column.argmin(), column.argmax()} <= set(rows.tolist())
+    taken = np.sort(column[rows])
+    if len(values) > most > 2:
+        left = np.abs(column[:, None] - taken).min(axis=1).max()
+        assert left <= np.diff(taken).min() + 1e-12
+
+
+def test_many_ratios_are_cut_and_it_is_said(shop, tmp_path):
+    rows = ", ".join(f"[Q{z}, {z}]" for z in range(21, 60))
+    head, tail = FAR.split("rows: [[A15, 15], [A18, 18], [A22, 22]]")
+    (tmp_path / "far.yaml").write_text(f"{head}rows: [{rows}]{tail}")
+    spec = pulleys.with_pulleys(shop(""), load_parts(shop("")))
+    drives, ratios = spec.belt.offer
+    assert len(drives) == pulleys.MOST_RATIOS == len(spec.belt_ratios) < ratios
+    assert all(drive.teeth_in_mesh >= 6 for drive in drives)
+    said = pulleys.assumptions(spec)
+    assert any(f"{ratios} ratios" in text and "60" in text for text in said)
+    assert any("0.2 p" in text for text in said)
+
+
+WRONG = [
+    (
+        ("profile: HTD", "profile: XL"),
+        ['no pulleys "XL" 5 mm', "9 mm width", "GT2 3 mm of 9 mm", "HTD 5 mm of 6 mm, 9"],
+    ),
+    (("width: 9 mm", "width: 12 mm"), ['no belts "HTD" 5 mm of 12 mm width', "HTD 5 mm of 9 mm, 15 mm"]),
+    (("near.yaml, far.yaml]", "]"), ["no pulleys", "they list no pulleys", "wcp"]),
+    (("ratio_max: 2.1", "ratio_max: 1.06"), ["from 1.05 to 1.06", "nearest are 1 and 1.067"]),
+    (
+        ("distance: 120 mm", "distance: 400 mm"),
+        ["400 mm within 20 mm", "4 belts of 60 to 90 teeth", "15:12 with 90 teeth"],
+    ),
+    (("ratio_max: 2.1", "ratio_max: 1.04"), ["expected ratio_min <= ratio_max"]),
+    (("pitch: 5 mm, ", ""), ["pulleys.pitch", "missing", "length"]),
+    (("profile: HTD", "profil: HTD"), ["pulleys.profil", "unknown key", '"profile"']),
+    (
+        ("efficiency: 0.95", "ratio: 1.1\n    efficiency: 0.95"),
+        ["ratio or ratios or pulleys", "both ratio and pulleys"],
+    ),
+    (("efficiency: 0.95", "pulley_diameter: 40 mm\n    efficiency: 0.95"), ["pulleys or pulley_diameter"]),
+]
+
+
+@pytest.mark.parametrize(("change", "words"), WRONG, ids=[pair[0][1] or "gone" for pair in WRONG])
+def test_what_does_not_fit_is_one_line_that_says_what_there_is(shop, change, words):
+    with pytest.raises(InputError) as error:
+        offered(shop(", centre_distance: 120 mm, adjustable: 20 mm", change))
+    message = str(error.value)
+    assert "\n" not in message and "robot.yaml:3" in message and "transmission" in message
+    for word in words:
+        assert word in message
+
+
+def test_a_profile_is_its_name_in_any_letters_and_a_width_in_any_unit(shop):
+    changes = ("profile: HTD", "profile: htd"), ("width: 9 mm", "width: 0.9 cm"), ("pitch: 5 mm", "pitch: 0.005 m")
+    assert [d.name for d in offered(shop("", *changes)).drives] == [d.name for d in offered(shop("")).drives]
+
+
+def test_the_range_takes_its_ends():
+    asked = Pulleys.model_validate(
+        {"profile": "HTD", "pitch": "5 mm", "width": "9 mm", "ratio_min": 1.2, "ratio_max": "150 %"}
+    )
+    found = {d.name for d in pulleys._offer(asked, load(["wcp"])).drives}
+    assert {"18:15", "36:24"} & found and {24 / 20, 36 / 24} == {asked.ratio_min, asked.ratio_max}
+
+
+# -- in a set
+
+
+PAIR = ("118752", "406764")
+
+
+@pytest.fixture
+def alone(monkeypatch):
+    """Sets without what would have to change where they fall: forty searches for each."""
+    monkeypatch.setattr("drivesizer.sizing.changes_for", lambda *_: ())
+
+
+@pytest.mark.usefixtures("alone")
+def test_pulleys_do_what_the_ratio_and_the_diameter_do(shop, tmp_path):
+    """The same set with the numbers in place of the parts: every demand and limit agrees, tension and speed too."""
+    limits = "\n    max_tension: 180 N\n    max_speed: 3 m/s"
+    spec = shop(", centre_distance: 120 mm, adjustable: 20 mm", beside=limits)
+    with_parts = {s.belt_ratio: s for s in explain(spec, *PAIR)}
+    one = with_parts[2.0]
+    pulleys = re.search(r"pulleys: .*\}", spec.text)
+    assert pulleys
+    text = spec.text.replace(pulleys[0], f"ratio: 2\n    pulley_diameter: {30 * 5 / math.pi!r} mm")
+    (tmp_path / "numbers.yaml").write_text(text)
+    (plain,) = explain(load_spec(tmp_path / "numbers.yaml"), *PAIR)
+    beside = {check.name: check for check in plain.checks}
+    assert {"belt_tension", "belt_speed"} <= set(beside)
+    for check in one.checks:
+        if check.name != "belt_teeth_in_mesh":
+            assert check.demand == pytest.approx(beside[check.name].demand, rel=1e-9, nan_ok=True), check.name
+            assert check.limit == pytest.approx(beside[check.name].limit, rel=1e-9, nan_ok=True), check.name
+    assert set(beside) == {check.name for check in one.checks} - {"belt_teeth_in_mesh"}
+    tensions = {
+        s.belt_drive.driven.teeth: c.demand for s in with_parts.values() for c in s.checks if c.name == "belt_tension"
+    }
+    assert tensions[30] / tensions[24] == pytest.approx(24 / 30)  # same torque at the load's shaft, other radius
+
+
+@pytest.mark.usefixtures("alone")
+def test_too_few_teeth_in_mesh_fail_the_set(shop):
+    sets = {s.belt_ratio: s for s in explain(shop(), *PAIR)}
+    for found in sets.values():
+        (check,) = [c for c in found.checks if c.name == "belt_teeth_in_mesh"]
+        assert check.demand == 6 and check.limit == found.belt_drive.teeth_in_mesh and check.by_choice
+        assert check.status == ("pass" if check.limit >= 6 else "fail")
+    assert sets[22 / 12].status == "fail" and sets[1.25].status != "fail"
+
+
+def test_belt_and_pulleys_are_parts_of_the_set(shop):
+    result = size(shop(), top=3)
+    for found in result.sets:
+        assert found.belt_ratio == found.belt_drive.ratio
+        assert found.total_ratio == pytest.approx(found.gearhead.ratio * found.belt_drive.ratio)
+        assert list(found.parts)[-5:] == ["driving pulley", "belt", "driven pulley", "encoder", "controller"]
+        assert found.label.endswith(f"+ belt {found.belt_drive.name}")
+    assert any("torque a belt bears" in text for text in result.assumptions)
+    assert result.counts.considered % len(result.spec.belt_ratios) == 0
+
+
+def test_the_papers_method_takes_them_too(shop):
+    spec = shop(", centre_distance: 120 mm, adjustable: 20 mm", ("method: physics", "method: paper"))
+    (first, *_) = size(spec).sets
+    assert first.belt_drive and first.checks[0].method == "paper"
+    assert "belt_teeth_in_mesh" in {check.name for check in first.beside}
+
+
+# -- from the command line
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path, example_text):
+    """The SPS robot with pulleys of West Coast Products; a function that runs the program on it."""
+    text = example_text.replace("method: paper", "method: physics").replace(
+        "catalogs: [maxon]", "catalogs: [maxon, wcp]"
+    )
+    asked = BELT.replace("ratio_max: 2.1", "ratio_max: 1.5") % ", centre_distance: 120 mm"
+    (tmp_path / "robot.yaml").write_text(re.sub(r"ratio: 1\.1 .*", asked, text))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+
+    def call(*args):
+        monkeypatch.setattr(sys, "argv", ["drivesizer", *map(str, args)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        out = capsys.readouterr()
+        assert "Traceback" not in out.err
+        return end.value.code, out.out
+
+    return call
+
+
+def test_from_the_spec_to_json_and_csv(run, tmp_path):
+    status, out = run("size", "--top", 2, "--json", "--csv", "sets.csv")
+    assert status == 0
+    document = json.loads(out)
+    with (tmp_path / "sets.csv").open(newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["list"] == "set"]
+    assert len(rows) == len(document["sets"]) == 2
+    for found, row in zip(document["sets"], rows, strict=True):
+        belt = found["belt"]
+        driving, driven, part = belt["pulleys"]["driving"], belt["pulleys"]["driven"], belt["part"]
+        assert belt["ratio"] == driven["teeth"] / driving["teeth"] and belt["efficiency"] == 0.95
+        assert {driving["profile"], driven["profile"], part["profile"]} == {"HTD"}
+        assert part["width"] == pytest.approx(0.009) and min(driving["width"], driven["width"]) >= 0.009
+        assert abs(belt["centre_distance_m"] - 0.12) <= 0.003 and belt["teeth_in_mesh"] >= 6
+        length, on_1, on_2 = by_tangents(driving["teeth"], driven["teeth"], 5 * MM, belt["centre_distance_m"])
+        assert length == pytest.approx(part["teeth"] * 5 * MM)
+        held = min(driving["teeth"] * on_1, driven["teeth"] * on_2) / (2 * math.pi)
+        assert belt["teeth_in_mesh"] == pytest.approx(held)
+        assert [row[n] for n in ("driving_pulley_part", "belt_part", "driven_pulley_part")] == [
+            p["part"] for p in (driving, part, driven)
+        ]
+        assert float(row["centre_distance_m"]) == belt["centre_distance_m"]
+        assert float(row["teeth_in_mesh"]) == belt["teeth_in_mesh"]
+    assert any("torque a belt bears" in text for text in document["assumptions"])
+
+
+@pytest.mark.usefixtures("alone")
+def test_at_the_terminal_and_in_the_reports(run, tmp_path):
+    from printed import text_of
+    from report_texts import rows_of
+
+    best = json.loads(run("size", "--top", 1, "--json")[1])["sets"][0]
+    belt = best["belt"]
+    parts = [belt["pulleys"]["driving"]["part"], belt["part"]["part"], belt["pulleys"]["driven"]["part"]]
+    name = f"{belt['pulleys']['driven']['teeth']:.0f}:{belt['pulleys']['driving']['teeth']:.0f}"
+    facts = [f"{1e3 * belt['centre_distance_m']:.4g} mm", f"{belt['teeth_in_mesh']:.1f} teeth in mesh", name]
+    status, out = run("size", "--top", 2)
+    words = " ".join(out.split())
+    assert status == 0 and max(len(line.rstrip()) for line in out.splitlines()) <= 80
+    assert all(part in words for part in ("driving pulley", "driven pulley", *parts, name))
+    assert "95 % efficient" in words and "Belt teeth in mesh" in words
+    pair = best["motor"]["part"], best["gearhead"]["part"]
+    assert run("explain", "--motor", pair[0], "--gearhead", pair[1])[0] == 0
+    assert run("validate")[0] == 0
+    assert run("report", "-o", "r.pdf", "--top", "1")[0] == run("report", "-o", "r.csv", "--top", "1")[0] == 0
+    text = text_of((tmp_path / "r.pdf").read_bytes())
+    assert all(fact in text for fact in (*parts, *facts, "torque a belt bears"))
+    rows = {row["name"]: row for row in rows_of((tmp_path / "r.csv").read_bytes()) if row["set_rank"] == "1"}
+    assert [rows[n]["value"] for n in ("driving_pulley", "belt", "driven_pulley")] == parts
+    assert float(rows["centre_distance"]["si_value"]) == belt["centre_distance_m"]
+    assert float(rows["teeth_in_mesh"]["value"]) == belt["teeth_in_mesh"]
+
+
+def test_no_catalogue_with_pulleys_is_one_line(run, tmp_path, capsys):
+    path = tmp_path / "robot.yaml"
+    path.write_text(path.read_text().replace("[maxon, wcp]", "[maxon]"))
+    assert run("size") == (2, "")
+    assert run("size", "--catalog", "wcp", "--top", 1)[0] == 0  # one more at the command line will do

@@ -1,0 +1,71 @@
+"""Pass, fail and unknown mean one thing: of a check, a set, a set in closed loop, a set over samples."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.json import reliability as contract
+from drivesizer.output.report.lines.reliability import _set as sure_row
+from drivesizer.results.check_columns import at_most
+from drivesizer.search.columns.stages import doubted
+from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.simulate import validate
+from drivesizer.sizing import explained
+from drivesizer.spec.robot import read_spec
+
+
+def test_a_check_that_is_unknown_has_no_margin():
+    """A least demand below its limit may fail, once all of it is known: 10 of 20 A tell nothing, 30 of 20 A do."""
+    column = at_most("controller_peak_current", np.array([10.0, 30.0]), np.array([20.0, 20.0]), "current", "A")
+    assert column.margin == pytest.approx([1.0, -1 / 3])
+    (open_,) = doubted([column], np.array([False, False]))
+    assert math.isnan(open_.margin[0]) and open_.margin[1] == pytest.approx(-1 / 3)
+    assert [open_.at(k, "physics").status for k in (0, 1)] == ["unknown", "fail"]
+
+
+@pytest.fixture(scope="module")
+def pair(example_text, catalog):
+    """The SPS robot with an uncertain mass: its motor's thermal figures and permissible speed are in no catalogue."""
+    text = example_text.replace("mass: 45 kg", "mass: 45 kg +- 2 kg", 1).replace("method: paper", "method: physics")
+    spec = read_spec(YamlSource(text, "robot.yaml"))
+    return explained(spec, "118752", "406764", catalog=catalog, sampling=Sampling(64, 1, None, loop=16))
+
+
+def test_samples_do_not_say_that_all_pass_where_checks_are_unknown(pair):
+    (one,) = pair.sets
+    assert one.status == "unknown" and math.isnan(one.motor.max_speed)
+    found = one.reliability
+    assert found.unknown and math.isnan(found.passing)
+    told = {spread.title: spread for spread in found.checks}
+    for title in found.unknown:
+        assert told[title].passes + told[title].fails < 1.0
+        assert all(math.isnan(x) for x in (told[title].low, told[title].middle, told[title].high))
+
+
+def test_samples_in_closed_loop_do_not_say_so_either(pair):
+    """The motor's permissible speed and heat are in no catalogue, in closed loop as without: what hangs on them is
+    named and says unknown."""
+    found = pair.sets[0].reliability
+    assert found.loop.probability > 0.0 and set(found.loop.unknown) == {
+        "Motor permissible speed", "Motor voltage", "Supply current, all sets"
+    }  # fmt: skip
+    assert math.isnan(found.loop.passing)
+    written = contract.reliability(found)["closed_loop"]
+    assert written["probability"] is None and written["none_fails"] == found.loop.probability
+    assert sure_row(pair.sets[0])["loop"].startswith("unknown; none fails: ")
+
+
+def test_where_nothing_is_unknown_none_fails_is_that_all_pass(pair):
+    assert replace(pair.sets[0].reliability, unknown=()).passing == pair.sets[0].reliability.probability
+
+
+def test_the_closed_loop_heads_a_set_unknown_where_a_check_is(pair, spec):
+    proof = validate(spec, pair.sets[0])
+    statuses = {check.status for check in proof.checks if not check.advice}
+    assert "unknown" in statuses and "fail" not in statuses
+    assert proof.status == "unknown"

@@ -1,0 +1,158 @@
+"""Which encoder and controller go with a motor: those that are known to do, and advice where nobody asked for any."""
+
+import pytest
+
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.json.documents import sizing
+from drivesizer.sizing import explain, load_parts, size
+from drivesizer.spec.robot import read_spec
+
+PARTS = """
+catalog: 1
+manufacturer: maker
+sources: {sheet: {document: a sheet, confidence: quoted}}
+motors:
+  - family: D
+    source: sheet
+    common: {kind: brushless, nominal_voltage: 24 V, pole_pairs: 7, max_winding_temperature: 155 degC,
+      ambient_min: -20 degC, ambient_max: 100 degC, max_speed: 6000 rpm}
+    columns: [part, no_load_speed (rpm), no_load_current (mA), nominal_speed (rpm), nominal_current (A),
+      resistance (ohm), torque_constant (mN*m/A), rotor_inertia (g*cm^2), thermal_resistance_winding (K/W),
+      thermal_resistance_housing (K/W), winding_time_constant (s), motor_time_constant (s), mass (g)]
+    rows:
+      - [light, 2200, 300, 1500, 6, 0.35, 98, 900, 1.1, 2.3, 25, 700, 300]
+      - [heavy, 2200, 300, 1500, 6, 0.35, 98, 900, 1.1, 2.3, 25, 700, 400]
+encoders:
+  - family: E
+    source: sheet
+    columns: [part, counts_per_turn, max_speed (rpm), max_frequency (kHz)]
+    rows:
+      - [coarse unknown, 100, null, null]
+      - [slow, 200, 1000, 100]
+      - [known, 500, 6000, 100]
+      - [too many lines, 4000, 6000, 70]
+      - [fine, 8000, 6000, 400]
+      - [finest unknown, 16000, null, null]
+controllers:
+  - family: C
+    source: sheet
+    common: {drives: both, supply_min: 10 V, supply_max: 50 V, max_duty: 95 %, voltage_drop: 0 V, peak_time: 10 s,
+      buses: CANopen}
+    columns: [part, continuous_current (A), peak_current (A), max_speed_sine (rpm), max_encoder_frequency (MHz)]
+    rows:
+      - [small unknown, 5, 15, null, 5]
+      - [small slow, 6, 15, 7000, 5]
+      - [known, 8, 20, 50000, 5]
+      - [large, 10, 30, 50000, 5]
+compatibility:
+  motor_gearhead:
+    - {source: sheet, motors: [D], gearheads: [direct]}
+  motor_encoder:
+    - {source: sheet, motors: [light], encoders: [LIGHT]}
+    - {source: sheet, motors: [heavy], encoders: [E]}
+"""
+FAN = """
+name: a fan on the shaft
+load: {kind: fan, inertia: 20 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}
+motion: {speed: 1200 rpm, acceleration_time: 2 s, cruise_time: 20 s}
+supply: {nominal: 24 V, regeneration: 0.4, accepts: all}
+select: {catalogs: [parts.yaml]}
+"""
+
+
+@pytest.fixture
+def fan(tmp_path):
+    """The fan, with encoders of the light motor and what is asked of one: 1200 rpm and 8400 electrical ones."""
+
+    def of(light="E", needs="", catalog=PARTS):
+        (tmp_path / "parts.yaml").write_text(catalog.replace("LIGHT", light), encoding="utf-8")
+        return read_spec(YamlSource(FAN + (f"needs: {{{needs}}}\n" if needs else ""), str(tmp_path / "fan.yaml")))
+
+    return of
+
+
+# At 1200 rpm = 20 turns/s an encoder of n lines gives 20 n Hz: 500 lines 10 kHz of 100, 4000 lines 80 kHz of 70.
+@pytest.mark.parametrize(
+    ("needs", "encoder"),
+    [
+        ("", "known"),  # the fewest are unknown, the next too slow
+        ("encoder_counts: 150", "known"),
+        ("encoder_counts: 501", "fine"),  # 4000 lines are too many per second
+        ("encoder_counts: 8001", "finest unknown"),
+        ("resolution_at_load: 0.12 deg", "fine"),  # 360 deg / 4 / 0.12 deg = 750 lines at least
+        ("resolution_at_load: 0.19 deg", "known"),  # 474 at least
+    ],
+)
+def test_the_encoder_with_the_fewest_counts_that_is_known_to_do(fan, needs, encoder):
+    found = size(fan(needs=needs)).sets[0]
+    assert found.encoder.part == encoder
+    assert found.status == ("unknown" if "unknown" in encoder else "pass")
+
+
+def test_an_encoder_that_nobody_asked_for_decides_nothing(fan):
+    """The light motor has one of unknown speed, or one that is too slow, or none: it is still the lighter."""
+    for light in ("coarse unknown", "slow"):
+        best = size(fan(light)).sets[0]
+        assert (best.motor.part, best.status) == ("light", "pass")
+        told = {check.name: check for check in best.checks if check.advice}
+        assert set(told) == {"encoder_speed", "encoder_frequency"}
+        assert told["encoder_speed"].status == ("unknown" if light != "slow" else "fail")
+        assert "advice" in told["encoder_speed"].title and told["encoder_speed"].note
+        asked = size(fan(light, "encoder_counts: 50"))
+        assert (asked.sets[0].motor.part, asked.sets[0].status) == ("heavy", "pass")
+
+
+@pytest.mark.parametrize(
+    ("own", "controllers", "status"),
+    [
+        ("100", "5", "pass"),
+        ("null", "5", "unknown"),
+        ("100", "null", "unknown"),
+        ("9.9", "null", "fail"),
+        ("null", "0.0099", "fail"),
+        ("null", "null", "unknown"),
+    ],
+)
+def test_one_unknown_limit_of_frequency_does_not_pass(fan, own, controllers, status):
+    """500 lines at 1200 rpm are 10 000 per second, which encoder and controller must both count."""
+    parts = PARTS.replace("[known, 500, 6000, 100]", f"[known, 500, 6000, {own}]").replace(", 5]", f", {controllers}]")
+    spec = fan("known", "encoder_counts: 450", parts.replace("encoders: [E]", "encoders: [known]"))
+    for one in explain(spec, "heavy", "direct"):
+        assert one.encoder.part == "known"
+        assert {check.name: check.status for check in one.checks}["encoder_frequency"] == status
+
+
+def test_a_stricter_demand_gives_no_lighter_set(fan):
+    """What is asked for can only leave fewer sets."""
+    masses = [size(fan("coarse unknown", f"encoder_counts: {n}" if n else "")).sets[0].mass for n in (0, 50, 150, 600)]
+    assert masses == sorted(masses)
+
+
+def test_the_controller_that_is_known_to_commutate_fast_enough(fan):
+    """7 pole pairs at 1200 rpm are 8400 rpm: 7000 are too few, and of the smallest they are not known."""
+    assert size(fan()).sets[0].controller.part == "known"
+    without = PARTS.replace("[known, 8, 20, 50000, 5]", "[known, 8, 20, null, 5]").replace(
+        "[large, 10, 30, 50000, 5]", "[large, 10, 30, 8000, 5]"
+    )
+    found = size(fan(catalog=without)).sets[0]
+    assert (found.controller.part, found.status) == ("small unknown", "unknown")
+
+
+def test_both_say_the_same_of_a_set(fan):
+    spec = fan("coarse unknown")
+    best = size(spec).sets[0]
+    (again,) = explain(spec, best.motor.part, "direct", catalog=load_parts(spec))
+    assert repr((again.status, again.checks, again.encoder, again.controller)) == repr((
+        best.status, best.checks, best.encoder, best.controller
+    ))  # fmt: skip
+
+
+def test_a_mass_that_nobody_knows_is_not_nothing(fan):
+    """Without a gearhead the motor is all there is: unknown, and ranked behind what is known."""
+    unknown = PARTS.replace("25, 700, 300]", "25, 700, null]")
+    result = size(fan(catalog=unknown))
+    assert [one.motor.part for one in result.sets] == ["heavy", "light"]
+    told = [sizing(result)["sets"][n] for n in (0, 1)]
+    assert [one["mass_kg"] for one in told] == [0.4, None]
+    assert [one["objective"] for one in told] == [0.4, None]
+    assert [one["objective"] for one in sizing(size(fan(catalog=unknown), objective="price"))["sets"]] == [None, None]

@@ -1,0 +1,409 @@
+"""Samples of drive sets: against closed forms, against the plain evaluation one by one, and the same each time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from sampled_plainly import evaluated, held_alike, machine_of, scaled
+from scipy import stats
+
+from drivesizer.catalog import Catalog
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.machine.energy_budget import energy_budget
+from drivesizer.search.columns.evaluation import Evaluation
+from drivesizer.search.columns.stages import problem
+from drivesizer.search.search import search
+from drivesizer.search.set_record import drive_set
+from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.search.uncertainty.prepare import blocks, prepared, unused
+from drivesizer.search.uncertainty.probabilities import examined
+from drivesizer.search.uncertainty.run import subject
+from drivesizer.search.uncertainty.sampled_checks import checks_of
+from drivesizer.search.uncertainty.sampled_load_cycles import cycles_of
+from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error, sample
+from drivesizer.search.uncertainty.sensitivity import first_order, rank_correlations
+from drivesizer.search.uncertainty.uncertain_figures import applied, assumptions, case_paths
+from drivesizer.sizing import load_parts, size
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+NONE = "tolerances: {motor: {resistance: none, torque_constant: none, friction: none, rotor_inertia: none, thermal_resistance: none}, gearhead: {efficiency: none, inertia: none}}\n"  # noqa: E501
+MOVED = {
+    "mass: 45 kg ": "mass: 45 kg +- 3 kg ",
+    "rolling_resistance: 0.02 ": "rolling_resistance: 0.02 in 0.015..0.03 ",
+    "slope: 0 deg ": "slope: 0 deg +- 1 deg ",
+    "acceleration_time: 2 s ": "acceleration_time: 2 s +- 10 % ",
+    "efficiency: 0.95 ": "efficiency: 0.95 +- 0.02 ",
+    "min: 22 V ": "min: normal(22 V, 0.2 V) ",
+    "ambient: 25 degC ": "ambient: 25 degC +- 10 K ",
+    "  capacity: 7 A*h ": "  capacity: 7 A*h +- 5 % ",
+    "{name: robotic arm, power: 60 W,": "{name: robotic arm, power: 60 W +- 10 W,",
+}
+
+
+@pytest.fixture(scope="module")
+def plain(example_text: str) -> str:
+    """The SPS robot by physics over the whole catalogue."""
+    return example_text[: example_text.index("select:")].replace("method: paper", "method: physics")
+
+
+def _read(text: str, changes: dict[str, str], more: str = "") -> RobotSpec:
+    for old, new in changes.items():
+        assert old in text, old
+        text = text.replace(old, new)
+    return read_spec(YamlSource(text + more, "robot.yaml"))
+
+
+@pytest.fixture(scope="module")
+def parts(plain: str) -> Catalog:
+    return load_parts(_read(plain, {}))
+
+
+def _best(spec: RobotSpec, parts: Catalog, count: int) -> Evaluation:
+    return search(spec, parts, top=count, objective="mass", misses=0).evaluation
+
+
+# --- closed forms ----------------------------------------------------------------------------------------------------
+
+
+def test_one_normal_figure_against_one_limit(plain: str, parts: Catalog) -> None:
+    """Only the lowest supply voltage is uncertain: the probability is that of a normal distribution, to its error."""
+    found = _best(_read(plain, {}), parts, 400)
+    volts = next(check for check in found.checks if check.name == "supply_voltage")
+    limit, row = volts.limit / volts.demand, int(np.argmin(np.where(volts.passed, volts.margin, np.inf)))
+    one = subject(found, row)
+    controller = parts.controllers.record(one.rows.controller)
+    needed = float(volts.demand[row]) / controller.max_duty + controller.voltage_drop  # at the supply
+    assert limit[row] >= 1.0 and 20.0 < needed <= 22.0
+    spec = _read(plain, {"min: 22 V ": f"min: normal({needed + 0.2:.6f} V, 0.25 V) "}, NONE)
+    off = []
+    for seed in range(20):
+        given = assumptions(spec)
+        drawn = sample(given, 4096, seed)
+        result = examined(prepared(spec, given, drawn.values), parts, [one])[0].reliability
+        exact = 1.0 - stats.truncnorm(-4.0, 4.0).cdf(-0.2 / 0.25)
+        passes = next(check.passes for check in result.checks if check.name == "supply_voltage")
+        off.append(abs(passes - exact) / max(result.error, 1.0 / drawn.size))
+        assert passes == pytest.approx(exact, abs=1e-3)
+    assert np.mean(np.array(off) <= 1.0) >= 0.8  # the error that is told covers 95 % of them, in the long run
+
+
+def test_the_error_that_is_told_covers_what_it_says() -> None:
+    """A share that is known, of points in a square under a circle: 95 % of the intervals should hold it."""
+    given = assumptions(read_spec(YamlSource(_SMALL, "robot.yaml")))[:2]
+    inside = []
+    for seed in range(60):
+        cube = sample(given, 2048, seed).cube
+        told = mean_and_error(np.square(cube).sum(axis=1) < 1.0)
+        inside.append(abs(told.value - np.pi / 4) <= told.error)
+    assert 0.85 <= np.mean(inside) <= 1.0
+
+
+_SMALL = """
+name: slide
+load: {kind: ball_screw, mass: 40 kg +- 4 kg, lead: 10 mm, efficiency: 0.9 +- 0.03, inertia: 2 kg*cm^2}
+motion: {speed: 0.2 m/s, acceleration_time: 0.2 s, cruise_time: 1 s, rest_time: 1 s}
+supply: {nominal: 24 V}
+"""
+
+
+def test_where_all_samples_agree_the_rule_of_three_tells_the_error() -> None:
+    told = mean_and_error(np.ones(3000, bool)[: 3000 // REPLICATES * REPLICATES])
+    assert told.value == 1.0 and told.error == pytest.approx(0.001)
+
+
+def test_first_order_indices_of_a_linear_model() -> None:
+    weights = np.array([1.0, 2.0, -3.0, 0.5])
+    cube = stats.qmc.Sobol(4, rng=np.random.default_rng(3)).random_base2(13)
+    found = first_order(cube, cube @ weights)
+    np.testing.assert_allclose(found, weights**2 / (weights @ weights), atol=0.003)
+    np.testing.assert_array_equal(np.sign(rank_correlations(cube, cube @ weights)), np.sign(weights))
+
+
+def test_first_order_indices_of_ishigamis_function_and_scipys() -> None:
+    """Ishigami and Homma 1990 with a = 7, b = 0.1: 0.3139, 0.4424 and 0."""
+
+    def ishigami(x: Any) -> Any:
+        return np.sin(x[0]) + 7.0 * np.sin(x[1]) ** 2 + 0.1 * x[2] ** 4 * np.sin(x[0])
+
+    cube = stats.qmc.Sobol(3, rng=np.random.default_rng(4)).random_base2(14)
+    found = first_order(cube, ishigami(np.pi * (2.0 * cube.T - 1.0)))
+    np.testing.assert_allclose(found, [0.3139, 0.4424, 0.0], atol=0.006)
+    theirs = stats.sobol_indices(
+        func=ishigami, n=8192, dists=[stats.uniform(-np.pi, 2 * np.pi)] * 3, rng=np.random.default_rng(5)
+    )
+    np.testing.assert_allclose(found, theirs.first_order, atol=0.02)
+
+
+def test_rank_correlations_are_scipys() -> None:
+    rng = np.random.default_rng(6)
+    x = rng.integers(0, 40, (500, 3)).astype(float)
+    y = x @ [1.0, -0.2, 0.0] + rng.normal(size=500)
+    theirs = [stats.spearmanr(column, y).statistic for column in x.T]
+    np.testing.assert_allclose(rank_correlations(x, y), theirs, atol=1e-12)
+
+
+def test_what_does_not_vary_has_no_indices() -> None:
+    assert not first_order(np.random.default_rng(7).random((512, 2)), np.ones(512)).any()
+
+
+# --- the load cycles -------------------------------------------------------------------------------------------------
+
+
+def test_fitted_load_cycles_are_those_that_are_computed(plain: str) -> None:
+    spec = _read(plain, MOVED)
+    given = assumptions(spec)
+    ready = prepared(spec, given, sample(given, 4096, 2).values)
+    (case,) = ready.cases
+    assert case.cycles.size == 4096 and 0.0 < case.cycles.fitted <= 1e-6 and case.cycles.computed < 1500
+    for row in range(0, 4096, 64):
+        exact = _cycle(spec, given, ready.values[row])
+        for name in ("duration", "speed", "acceleration", "torque"):
+            largest = np.abs(getattr(exact, name)).max()
+            np.testing.assert_allclose(getattr(case.cycles, name)[..., row], getattr(exact, name), atol=2e-6 * largest)
+        assert case.cycles.own["traction"][0][row] == pytest.approx(exact.own[0].demand, rel=1e-5)
+
+
+def _cycle(spec: RobotSpec, given: Any, values: Any) -> Any:
+    return problem(machine_of(spec, given, values), load_parts(spec)).bases[0].cycle
+
+
+def test_cycles_of_another_structure_are_each_computed() -> None:
+    """A slope as steep as the brakes turns the torque of slowing down round: no polynomial has that corner."""
+    text = _SMALL.replace("kind: ball_screw", "kind: ball_screw, incline: 0 deg +- 30 deg, friction_coefficient: 0.1")
+    spec = read_spec(YamlSource(text, "robot.yaml"))
+    given = assumptions(spec)
+    ready = prepared(spec, given, sample(given, 2048, 1).values)
+    cycles = ready.cases[0].cycles
+    assert cycles.fitted == 0.0 and cycles.size == 1024 == len(ready.values)
+    for row in (0, 300, 1000, 1023):
+        exact = _cycle(spec, given, ready.values[row])
+        n = len(exact.duration)
+        mine = cycles.torque[..., row]
+        np.testing.assert_allclose(mine[:n], exact.torque, atol=1e-9)
+
+
+def test_figures_that_shape_nothing_leave_one_cycle() -> None:
+    spec = read_spec(YamlSource(_SMALL.replace(" +- 4 kg", "").replace(" +- 0.03", ""), "robot.yaml"))
+    given = assumptions(spec)
+    assert prepared(spec, given, sample(given, 512, 1).values).cases[0].cycles.size == 1
+
+
+# --- brute force -----------------------------------------------------------------------------------------------------
+
+
+def test_samples_are_what_the_plain_evaluation_says(plain: str, parts: Catalog) -> None:
+    """200 samples of 100 sets, each check's demand, limit and verdict: the same to 1e-5, windings to 1e-3."""
+    spec = _read(plain, MOVED)
+    given = assumptions(spec)
+    ready = prepared(spec, given, sample(given, 4096, 3).values)
+    found = _best(spec, parts, 100)
+    rng, seen = np.random.default_rng(1), 0
+    (block,) = blocks(ready, parts, [1.1])
+    for place in range(100):
+        one = subject(found, place).rows
+        if parts.motors["kind"][one.motor] != "brushed":
+            continue  # an iron loss that is calibrated by the data sheet is not off because the resistance is
+        got = checks_of(parts, one, block)
+        for row in rng.integers(0, block.size, 2):
+            plainly, catalog = evaluated(spec, parts, one, given, ready.values[row])
+            held_alike(plainly, got, int(row), block.size)
+            seen += 1
+            if place < 5:
+                _lasts(spec, plainly, catalog, given, ready.values[row], got, int(row), block.size)
+    assert seen >= 100
+
+
+CHOSEN_BY = {"encoders": {"counts_per_turn"}, "controllers": {"supply_min", "supply_max"}}  # else other parts are taken
+
+
+@pytest.mark.parametrize("section", ["motors", "gearheads", "encoders", "controllers"])
+def test_a_figure_that_the_catalogue_lacks_is_unknown_in_samples_as_in_the_plain_evaluation(
+    plain: str, parts: Catalog, section: str
+) -> None:
+    """Each figure of a set's parts hidden, one after the other."""
+    spec = _read(plain, MOVED)
+    given = assumptions(spec)
+    ready = prepared(spec, given, sample(given, 256, 3).values)
+    one = subject(_best(spec, parts, 1), 0).rows
+    table, row = parts.table(section), getattr(one, section.removesuffix("s"))
+    known = [name for name, column in table.columns.items() if column.dtype.kind == "f" and column[row] == column[row]]
+    hidden = sorted({*known} - CHOSEN_BY.get(section, set()))
+    assert len(hidden) > 5
+    for name in hidden:
+        lacking = replace(parts, **{section: scaled(table, row, {name: math.nan})})
+        (block,) = blocks(ready, lacking, [1.1])
+        got = checks_of(lacking, one, block)
+        plainly, _ = evaluated(spec, lacking, one, given, ready.values[200])
+        held_alike(plainly, got, 200, block.size)
+
+
+VOLTAGES = ("battery_voltage", "battery_cutoff")
+PEAKS = ("battery_autonomy", "battery_power", "battery_peak_current")
+
+
+def _lasts(
+    spec: RobotSpec, plainly: Evaluation, catalog: Catalog, given: Any, values: Any, got: Any, row: int, size: int,
+    checks: tuple[str, ...] = PEAKS,
+) -> None:  # fmt: skip
+    """Autonomy and the battery's peaks against the energy budget of one set."""
+    moved = machine_of(spec, given, values)
+    assert moved.battery
+    record = drive_set(plainly, 0, 1, "mass")
+    budget = {
+        check.name: check for check in energy_budget(moved, record, moved.battery, moved.equipment, catalog).checks
+    }
+    for name in checks:
+        for side in ("demand", "limit"):
+            column = np.broadcast_to(getattr(got[name], side), size)
+            assert column[row] == pytest.approx(getattr(budget[name], side), rel=1e-4, nan_ok=True), (name, side)
+        passed, failed = (bool(np.broadcast_to(getattr(got[name], side), size)[row]) for side in ("passed", "failed"))
+        if not abs(budget[name].margin) < 1e-3:  # else rounding decides
+            assert budget[name].status == ("pass" if passed else "fail" if failed else "unknown"), name
+
+
+CELLS = "nominal_voltage: 3.7 V, charge_voltage: 4.2 V, cutoff_voltage: 3 V, resistance: 20 mohm +- 5 mohm"
+BATTERIES = {
+    "Peukert": "nominal_voltage: 24 V +- 0.5 V, capacity: 20 A*h, rated_time: 20 h +- 1 h, "
+    "peukert_exponent: 1.22 +- 0.05",
+    "lithium at rest": f"chemistry: Li-ion, series: 7, {CELLS}, capacity: 20 A*h +- 10 %, health: 0.8 +- 0.1, "
+    "open_circuit: {full: 4.2 V +- 0.02 V, empty: 3.3 V +- 0.1 V}",
+    "discharge table": "nominal_voltage: 24 V, resistance: 0.1 ohm, capacity: 20 A*h, health: 0.9 +- 0.05, "
+    "discharge: [{current: 1 A, time: 20 h}, {current: 20 A, time: 0.6 h}]",
+}
+EQUIPMENT = """equipment:
+  - {name: computer, number: 2, power: 30 W +- 5 W, duty: 0.6 +- 0.3, efficiency: 0.9 +- 0.05, peak_power: 50 W +- 10 W}
+  - {name: lamp, power: 40 W, time: 40 min +- 15 min}
+mission: {duration: 60 min +- 10 min}
+"""
+
+
+@pytest.mark.parametrize("battery", BATTERIES)
+def test_a_battery_and_what_it_feeds_are_sampled_figure_by_figure(plain: str, parts: Catalog, battery: str) -> None:
+    """Against the energy budget of a spec of its own; a time beyond a mission that is short is all of it."""
+    text = plain[: plain.index("\nbattery:") + 1] + plain[plain.index("\nenvironment:") + 1 :]
+    own = f"battery: {{{BATTERIES[battery]}, usable: 0.8 +- 0.1, range: 2 km +- 0.5 km, peak_current: 60 A +- 20 A}}\n"
+    spec = _read(text, {"mass: 45 kg ": "mass: 45 kg +- 3 kg "}, own + EQUIPMENT)
+    given = assumptions(spec)
+    ready = prepared(spec, given, sample(given, 512, 3).values)
+    assert not {one.name for one in unused(ready)}
+    (block,) = blocks(ready, parts, [1.1])
+    one = subject(_best(spec, parts, 1), 0).rows
+    got = checks_of(parts, one, block)
+    time, mission = ([a.name for a in given].index(name) for name in ("equipment[2].time", "mission.duration"))
+    assert (ready.values[:, time] > ready.values[:, mission]).any()
+    for row in range(0, 512, 40):
+        values = ready.values[row].copy()
+        values[time] = min(values[time], values[mission])
+        plainly, catalog = evaluated(spec, parts, one, given, values)
+        _lasts(spec, plainly, catalog, given, values, got, row, block.size, (*PEAKS, *VOLTAGES, "battery_range"))
+
+
+def test_load_cases_share_what_they_do_not_replace(plain: str, parts: Catalog) -> None:
+    """A case with a mass of its own keeps the spec's rolling resistance; its samples are the plain ones."""
+    cases = "cases:\n  - {name: loaded, load: {mass: 60 kg +- 2 kg}}\n  - {name: uphill, load: {slope: 2 deg}}\n"
+    spec = _read(plain, {key: MOVED[key] for key in ("mass: 45 kg ", "rolling_resistance: 0.02 ")}, cases)
+    given = assumptions(spec)
+    names = [one.name for one in given][:3]
+    assert names == ["load.mass", "load.rolling_resistance", "cases[1].load.mass"]
+    assert [sorted(case_paths(spec, number)) for number in (None, 0, 1)] == [[0, 1], [1, 2], [0, 1]]
+    ready = prepared(spec, given, sample(given, 512, 1).values)
+    one = subject(_best(spec, parts, 3), 0).rows
+    (block,) = blocks(ready, parts, [1.1])
+    got = checks_of(parts, one, block)
+    torque = np.broadcast_to(got["gearhead_intermittent_torque"].demand, block.size)
+    for row in (0, 100, 511):
+        each = []
+        for number, (_, case) in enumerate(spec.load_cases):
+            paths = case_paths(spec, number - 1 if number else None)
+            moved = applied(case, {path: ready.values[row, k] - given[k].nominal for k, path in paths.items()})
+            each.append(problem(moved, parts).bases[0].behind(1.1).peak_torque)
+        assert torque[row] == pytest.approx(max(each), rel=1e-6)
+
+
+# --- the same each time ----------------------------------------------------------------------------------------------
+
+
+def _told(plain: str, parts: Catalog, seed: int, processes: int) -> str:
+    spec = _read(plain, MOVED)
+    given = assumptions(spec)
+    drawn = sample(given, 1024, seed)
+    found = _best(_read(plain, {}), parts, 8)
+    some = [subject(found, row) for row in range(8)]
+    return repr([one.reliability for one in examined(prepared(spec, given, drawn.values), parts, some, processes)])
+
+
+def test_the_same_seed_gives_the_same_figures_on_one_process_and_on_four(plain: str, parts: Catalog) -> None:
+    first = _told(plain, parts, 1, 1)
+    assert first == _told(plain, parts, 1, 4) == _told(plain, parts, 1, 1)
+    assert first != _told(plain, parts, 2, 1)
+
+
+def test_blocks_do_not_change_the_figures(plain: str, parts: Catalog, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = _told(plain, parts, 1, 1)
+    monkeypatch.setattr("drivesizer.search.uncertainty.prepare._ROWS", 100)
+    assert _told(plain, parts, 1, 1) == whole
+
+
+# --- from the spec to the result -------------------------------------------------------------------------------------
+
+
+def test_confidence_filters_and_the_rest_is_told(plain: str, parts: Catalog) -> None:
+    narrow = "select: {motor: {family: [DCX 22 S, RE 30]}, objective: mass}\n"
+    spec = _read(plain, {key: MOVED[key] for key in ("mass: 45 kg ", "rolling_resistance: 0.02 ")}, narrow)
+    free = size(spec, top=4, sampling=Sampling(1024, 1, None))
+    assert len(free.sets) == 4 and not free.unsure and free.uncertainty
+    chances = [one.reliability.probability for one in free.sets if one.reliability]
+    wanted = (min(chances) + max(chances)) / 2
+    picked = size(spec, top=4, sampling=Sampling(1024, 1, wanted))
+    assert picked.uncertainty and picked.uncertainty.examined > 4
+    assert all(one.reliability and one.reliability.probability >= wanted for one in picked.sets)
+    assert all(one.reliability and one.reliability.probability < wanted for one in picked.unsure)
+    masses = [one.mass for one in picked.sets]
+    assert masses == sorted(masses)
+    sure = [one.reliability.probability for one in picked.unsure if one.reliability]
+    assert sure == sorted(sure, reverse=True)
+
+
+def test_without_tolerances_nothing_is_sampled(spec: RobotSpec) -> None:
+    result = size(spec)
+    assert result.uncertainty is None and result.sets[0].reliability is None
+
+
+def test_the_papers_sets_are_sampled_by_physics(example_text: str) -> None:
+    spec = _read(example_text, {"mass: 45 kg ": "mass: 45 kg +- 3 kg "})
+    result = size(spec, sampling=Sampling(512, 1, None))
+    found = result.sets[0].reliability
+    assert found and "Motor permissible speed" in found.unknown
+    assert result.uncertainty and any("the paper's factors do not enter" in note for note in result.uncertainty.notes)
+
+
+def test_a_tolerance_that_changes_nothing_is_told(plain: str) -> None:
+    spec = _read(plain, {"  max_charge_current: 2.1 A": "  max_charge_current: 2.1 A +- 0.1 A"})
+    result = size(spec, top=1, sampling=Sampling(256, 1, None))
+    assert result.uncertainty and any("battery.max_charge_current" in note for note in result.uncertainty.notes)
+
+
+def test_the_driver_that_matters_most_comes_first(plain: str) -> None:
+    spec = _read(plain, {key: MOVED[key] for key in ("mass: 45 kg ", "rolling_resistance: 0.02 ")})
+    found = size(spec, top=1, sampling=Sampling(2048, 1, None)).sets[0].reliability
+    assert found
+    first = found.drivers[0]
+    assert first.name == "load.rolling_resistance" and first.share > 0.5
+    assert first.rank_correlation < -0.5 and first.low_margin > first.high_margin
+    assert sum(driver.share for driver in found.drivers) == pytest.approx(1.0 - found.interplay)
+    assert found.low <= found.middle <= found.high
+
+
+def test_cycles_of_few_samples_are_each_computed(plain: str) -> None:
+    calls = []
+
+    def make(values: Any) -> Any:
+        calls.append(values)
+        return problem(_read(plain, {}), load_parts(_read(plain, {}))).bases[0].cycle
+
+    found = cycles_of(make, np.zeros(1), np.zeros((3, 1)))
+    assert found.size == 3 and len(calls) == 4

@@ -1,0 +1,105 @@
+"""Samples in closed loop: the batch is what each machine does alone, and at nominal figures what validation says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drivesizer.catalog.tolerances.distributions import Distribution
+from drivesizer.control.closed_loop.checks import checks
+from drivesizer.control.closed_loop.run import run
+from drivesizer.control.closed_loop.set_up import ready
+from drivesizer.control.engine import march
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.loads.at_shaft import asked_of
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.search.uncertainty import sampled_closed_loop
+from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.search.uncertainty.sampling import sample
+from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+ARM = """
+name: arm
+load: {kind: arm, mass: 1.5 kg +- 0.2 kg, length: 200 mm}
+motion: {profile: triangle, distance: 60 deg, time: 1.2 s, rest_time: 2 s, there_and_back: true}
+supply: {nominal: 24 V, regeneration: 50 %}
+margins: {torque: 80 %, speed: 20 %, temperature: 80 %}
+select: {motor: {family: [DCX 26 L, DCX 22 L, RE 30]}}
+"""
+
+
+@pytest.fixture(scope="module")
+def arm() -> tuple[RobotSpec, DriveSet]:
+    """An arm whose weight goes round with it: each mass is a task of its own."""
+    spec = read_spec(YamlSource(ARM, "arm.yaml"))
+    result = size(spec, top=1, sampling=Sampling(64, 1, None))
+    return result.spec, result.sets[0]
+
+
+def test_a_batch_is_what_each_machine_does_alone(arm: tuple[RobotSpec, DriveSet]) -> None:
+    spec, one = arm
+    given = assumptions(spec)
+    nominal = run(spec, one, asked_of(spec))
+    machines = [sampled_closed_loop.off(spec, one, given, values) for values in sample(given, 64, 5).values[:4]]
+    assert len({machine[0].load.mass for machine in machines}) == 4  # type: ignore[union-attr]
+    made = [ready(*machine, asked_of(machine[0]), nominal.controller) for machine in machines]
+    for ours, each in zip(sampled_closed_loop._marched(made), made, strict=True):
+        alone = march(each.drive, each.task, rows=0)
+        for name in ("speed_error", "current", "rms_current", "gear_torque"):
+            assert ours.figures[name][0] == pytest.approx(alone.figures[name][0], rel=1e-9)
+
+
+def test_at_nominal_figures_the_checks_are_those_of_validation(arm: tuple[RobotSpec, DriveSet]) -> None:
+    spec, one = arm
+    given = assumptions(spec)
+    nominal = run(spec, one, asked_of(spec))
+    (found,) = sampled_closed_loop._judged(
+        nominal, [sampled_closed_loop.off(spec, one, given, np.array([a.nominal for a in given]))]
+    )
+    want = [check for check in checks(nominal) if check.name != "winding_temperature"]
+    for mine, theirs in zip(found, want, strict=True):
+        assert (mine.name, mine.status) == (theirs.name, theirs.status)
+        assert mine.demand == pytest.approx(theirs.demand, rel=1e-9, nan_ok=True)
+
+
+def test_the_share_is_that_of_what_fails(arm: tuple[RobotSpec, DriveSet]) -> None:
+    """A supply that is far too low in half of all machines: the voltage fails there, and nowhere else."""
+    spec, one = arm
+    given = assumptions(spec)
+    whole = sampled_closed_loop.loop_share(spec, one, given, sample(given, 64, 1).values, 16)
+    assert whole and whole.probability == 1.0 and whole.samples == 16
+    text = ARM.replace("nominal: 24 V", "nominal: 24 V, min: uniform(1 V; 24 V)")
+    low = read_spec(YamlSource(text, "arm.yaml"))
+    uncertain = assumptions(low)
+    asked = run(spec, one, asked_of(spec)).takes("voltage_asked")
+    assert one.controller
+    needed = asked / one.controller.max_duty + one.controller.voltage_drop
+    values = sample(uncertain, 64, 1).values
+    found = sampled_closed_loop.loop_share(low, one, uncertain, values, 64)
+    supply = values[:, [a.name for a in uncertain].index("supply.min")]
+    assert found and found.weakest in ("Motor voltage", "Tracking error")  # what does not suffice is not followed
+    assert found.probability == pytest.approx(np.mean(supply > needed), abs=0.15)
+
+
+def test_factors_reach_the_parts(arm: tuple[RobotSpec, DriveSet]) -> None:
+    spec, one = arm
+    given = assumptions(spec)
+    values = np.array([a.nominal for a in given])
+    names = [a.name for a in given]
+    values[names.index("motor.torque_constant")], values[names.index("gearhead.efficiency")] = 1.1, 1.5
+    _, other = sampled_closed_loop.off(spec, one, given, values)
+    assert other.motor.torque_constant == pytest.approx(1.1 * one.motor.torque_constant)
+    assert other.motor.no_load_current * other.motor.torque_constant == pytest.approx(
+        one.motor.no_load_current * one.motor.torque_constant
+    )
+    e = one.gearhead.efficiency
+    assert 1 / other.gearhead.efficiency - 1 == pytest.approx(1.5 * (1 / e - 1))
+
+
+def test_an_assumption_is_shown_in_its_own_unit() -> None:
+    spec = read_spec(YamlSource(ARM, "arm.yaml"))
+    mass, resistance = assumptions(spec)[:2]
+    assert mass.shown(1.6) == "1.6 kg" and resistance.shown(1.05) == "+5 %"
+    assert isinstance(mass, Assumption) and isinstance(mass.distribution, Distribution)

@@ -1,0 +1,507 @@
+"""A maker's own tolerances: out of its catalogue, before the default class and behind the spec's."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+import yaml
+from rich.console import Console
+from scipy import stats
+
+from drivesizer.catalog import Catalog, load
+from drivesizer.catalog.actuators_apart import taken_apart
+from drivesizer.catalog.catalog_file import parse
+from drivesizer.catalog.compiled import recall, store
+from drivesizer.catalog.joining import joined
+from drivesizer.catalog.maker_tolerances import stated_of
+from drivesizer.catalog.schema import catalog_schema
+from drivesizer.errors import CatalogError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.json import documents as json_documents
+from drivesizer.output.report.lines import reliability as reliability_lines
+from drivesizer.output.report.table import reliability_rows
+from drivesizer.output.terminal import reliability as terminal_reliability
+from drivesizer.search.search import search
+from drivesizer.search.uncertainty import sampled_closed_loop
+from drivesizer.search.uncertainty.class_of_part import holding, used
+from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.search.uncertainty.run import Judged, judged, subject, told, uncertainty
+from drivesizer.search.uncertainty.sampling import sample
+from drivesizer.search.uncertainty.uncertain_figures import assumptions
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+# A motor without friction, whose nominal current is all that it can fail by. The makers' motors are alike but for the
+# number and, so that the order is known, the mass.
+MAKER = """\
+catalog: 1
+manufacturer: NAME
+sources:
+  sheet: {document: "NAME data sheet", date: "2026-05", confidence: quoted}
+  bench: {document: "NAME test bench", confidence: derived}
+motors:
+- family: NAME 40
+  source: sheet
+  common: {kind: brushed, nominal_voltage: 24 V, no_load_speed: 4300 rpm, no_load_current: 0 A, nominal_torque: 150 mN*m, resistance: 0.4 ohm,
+    torque_constant: 50 mN*m/A, rotor_inertia: 100 g*cm^2, inductance: 0.1 mH, thermal_resistance_winding: 1.5 K/W, thermal_resistance_housing: 3 K/W,
+    winding_time_constant: 30 s, motor_time_constant: 800 s, max_speed: 12000 rpm, max_winding_temperature: 155 degC, ambient_min: -20 degC, ambient_max: 100 degC}
+  columns: [part, nominal_current (A), mass (g)]
+  rows:
+  - [NAME-1, 2.4, MASS]
+encoders:
+- family: NAME E
+  source: sheet
+  columns: [part, counts_per_turn, max_frequency (kHz), max_speed (rpm), mass (g)]
+  rows:
+  - [NAME-E, 1000, 1000, 12000, 10]
+controllers:
+- family: NAME C
+  source: sheet
+  columns: [part, drives, supply_min (V), supply_max (V), continuous_current (A), peak_current (A), max_duty (%), voltage_drop (V), max_encoder_frequency (MHz), max_speed_block (rpm), mass (g)]
+  rows:
+  - [NAME-C, brushed, 10, 60, 20, 40, 95, 0.5, 5, 50000, 100]
+compatibility:
+  motor_gearhead:
+  - {source: sheet, motors: [NAME 40], gearheads: [direct]}
+  motor_encoder:
+  - {source: sheet, motors: [NAME 40], encoders: [NAME E]}
+"""  # noqa: E501
+SPEC = """\
+name: hoist
+load: {kind: hoist, mass: 0.3 kg, drum_diameter: 80 mm}
+motion: {speed: 0.5 m/s, acceleration_time: 0.5 s, cruise_time: 1 s, rest_time: 1 s}
+supply: {nominal: 36 V, regeneration: 100 %}
+"""
+ALONE = "resistance: none, friction: none, rotor_inertia: none, thermal_resistance: none"  # but for the torque constant
+ACME = "tolerances:\n- {source: sheet, motor: {torque_constant: +- 5 %}}\n"
+BOLT = "tolerances:\n- {source: bench, motor: {torque_constant: normal(3 %)}}\n"
+
+
+def _maker(name: str, tolerances: str = "", mass: int = 320, *, overrides: bool = False) -> Catalog:
+    text = MAKER.replace("NAME", name).replace("MASS", str(mass)) + tolerances
+    text = text.replace("catalog: 1\n", "catalog: 1\noverrides: true\n") if overrides else text
+    return parse(YamlSource(text, f"{name.lower()}.yaml"), name.lower(), "0")
+
+
+def _spec(torque_constant: str = "") -> RobotSpec:
+    own = f", torque_constant: {torque_constant}" if torque_constant else ""
+    return read_spec(YamlSource(f"{SPEC}tolerances: {{motor: {{{ALONE}{own}}}}}\n", "hoist.yaml"))
+
+
+@pytest.fixture(scope="module")
+def makers() -> Catalog:
+    """Three: two that say how far their torque constants may be off, and one that does not."""
+    return joined([_maker("Acme", ACME, 320), _maker("Bolt", BOLT, 330), _maker("Coil", "", 340)])
+
+
+def _sampled(spec: RobotSpec, catalog: Catalog, processes: int = 1) -> tuple[Judged, dict[str, int]]:
+    """All sets of a catalogue over samples, with their rows by the motor's number."""
+    found = search(spec, catalog, top=9, objective="mass", misses=0).evaluation
+    rows = range(len(found.candidates.motor))
+    result = judged(spec, catalog, {row: subject(found, row) for row in rows}, Sampling(4096, 1, None, processes))
+    return result, {str(catalog.motors["part"][found.candidates.motor[row]]): row for row in rows}
+
+
+def _needed(spec: RobotSpec, catalog: Catalog) -> float:
+    """The least factor of the torque constant with which the motor's current is permitted: it falls as 1 / k_t."""
+    found = search(spec, catalog, top=1, objective="mass", misses=0).evaluation
+    check = next(one for one in found.checks if one.name == "motor_nominal_current")
+    return float(check.demand[0] / check.limit[0])
+
+
+def _chance(result: Judged, row: int) -> float:
+    return result.found[row][1].reliability.probability
+
+
+# --- sampling ----------------------------------------------------------------------------------------------------
+
+
+def test_each_makers_motor_is_off_as_its_maker_says(makers: Catalog) -> None:
+    """By how much of its class each passes is known in closed form: two of their own, one of the default class."""
+    spec = _spec()
+    result, row = _sampled(spec, makers)
+    needed = _needed(spec, makers)
+    assert 0.96 < needed < 0.99
+    exact = {
+        "Acme-1": (1.05 - needed) / 0.1,
+        "Bolt-1": 1.0 - stats.norm.cdf((needed - 1.0) / 0.03),
+        "Coil-1": (1.10 - needed) / 0.2,
+    }
+    for part, chance in exact.items():
+        assert _chance(result, row[part]) == pytest.approx(chance, abs=1e-3), part
+    assert max(exact.values()) - min(exact.values()) > 0.05  # one class for all would not do
+
+
+def test_what_is_uncertain_names_maker_and_document(makers: Catalog) -> None:
+    said = uncertainty(_sampled(_spec(), makers)[0])
+    assert [(one.name, one.title, one.text, one.source) for one in said.assumptions] == [
+        ("motor.torque_constant", "Motor torque constant", "+- 10 %", said.assumptions[0].source),
+        ("motor.torque_constant (Acme)", "Motor torque constant, Acme", "+- 5 %", "Acme: Acme data sheet, 2026-05"),
+        (
+            "motor.torque_constant (Bolt)",
+            "Motor torque constant, Bolt",
+            "normal(3 %)",
+            "Bolt: Bolt test bench, derived",
+        ),
+    ]
+    assert "measured here" in said.assumptions[0].source  # and no class of a gearhead: there is none
+    told_ = json_documents.uncertainty(said)
+    assert told_ and told_["assumptions"][1] == {
+        "name": "motor.torque_constant (Acme)", "tolerance": "+- 5 %", "source": "Acme: Acme data sheet, 2026-05"
+    }  # fmt: skip
+
+
+def test_the_specs_class_counts_before_any_makers(makers: Catalog) -> None:
+    spec = _spec("+- 4 %")
+    result, row = _sampled(spec, makers)
+    chances = {_chance(result, number) for number in row.values()}
+    assert len(chances) == 1
+    assert chances.pop() == pytest.approx((1.04 - _needed(spec, makers)) / 0.08, abs=1e-3)
+    assert [(one.name, one.source) for one in uncertainty(result).assumptions] == [
+        ("motor.torque_constant", "given in the spec")
+    ]
+
+
+def test_only_classes_that_a_sampled_set_uses_are_sampled(makers: Catalog) -> None:
+    spec = _spec()
+    acme = replace(makers, motor_gearhead=type(makers.motor_gearhead)(*(side[:1] for side in makers.motor_gearhead)))
+    result, row = _sampled(spec, acme)
+    assert list(row) == ["Acme-1"]
+    assert [one.name for one in result.ready.given] == ["motor.torque_constant (Acme)"]
+
+
+def test_a_maker_that_takes_its_figures_as_printed_has_no_class() -> None:
+    exact = _maker("Acme", ACME.replace("+- 5 %", "none"))
+    result, row = _sampled(_spec(), exact)
+    assert result.ready.given == () and _chance(result, row["Acme-1"]) == 1.0
+
+
+def test_a_set_is_told_what_counts_for_it(makers: Catalog) -> None:
+    result, row = _sampled(_spec(), makers)
+    sets = {"Acme-1": "motor.torque_constant (Acme)", "Coil-1": "motor.torque_constant"}
+    best = size(_spec(), top=3, catalog=makers, sampling=Sampling(4096, 1, None)).sets
+    for part, name in sets.items():
+        one = next(each for each in best if each.motor.part == part)
+        for found in (one.reliability, told(result, makers, {row[part]: one})[row[part]].reliability):
+            assert found and [driver.name for driver in found.drivers] == [name]
+    drivers = {one.motor.part: one.reliability.drivers[0] for one in best if one.reliability}
+    assert drivers["Acme-1"].low == "-4.5 %" and drivers["Coil-1"].low == "-9 %"
+
+
+def test_a_set_that_cannot_be_driven_in_closed_loop_says_why() -> None:
+    without = parse(YamlSource(MAKER.replace("resistance: 0.4 ohm,", "").replace("MASS", "320"), "name.yaml"), "n", "0")
+    sizing = size(_spec(), top=1, catalog=without, sampling=Sampling(256, 1, None, loop=8))
+    (one,) = sizing.sets
+    why = "motor NAME-1: resistance not in the catalogue; no closed loop without"
+    assert one.reliability and (one.reliability.loop, one.reliability.no_loop) == (None, why)
+    document = json_documents.drive_set(one)["reliability"]
+    assert (document["closed_loop"], document["closed_loop_refused"]) == (None, why)
+    (row,) = [row for row in reliability_rows.reliability_rows(one) if row["name"] == "closed_loop"]
+    assert (row["status"], row["note"]) == ("unknown", why)
+    said = reliability_lines.sure(sizing)
+    assert said and f"not driven in closed loop: {why}" in said["sets"][0]["more"]
+    page = io.StringIO()
+    terminal_reliability.tolerances(Console(width=80, file=page), sizing)
+    assert "resistance not in" in " ".join(page.getvalue().split())
+
+
+def test_the_same_machine_whatever_else_is_compared(makers: Catalog) -> None:
+    """Another maker beside it changes no figure of a set; nor do processes."""
+    spec = _spec()
+    together, row = _sampled(spec, makers)
+    for name, tolerances in (("Acme", ACME), ("Bolt", BOLT), ("Coil", "")):
+        alone, own = _sampled(spec, _maker(name, tolerances))
+        part = f"{name}-1"
+        mine, theirs = together.found[row[part]][1], alone.found[own[part]][1]
+        np.testing.assert_array_equal(mine.smallest, theirs.smallest)
+        assert repr(mine.reliability) == repr(theirs.reliability)  # repr: NaN equals NaN
+    shared, _ = _sampled(spec, makers, processes=4)
+    assert [repr(one.reliability) for _, one in shared.found.values()] == [
+        repr(one.reliability) for _, one in together.found.values()
+    ]
+
+
+def test_makers_are_off_by_the_same_share_of_what_each_allows(makers: Catalog) -> None:
+    spec = _spec()
+    held = used(makers, spec.tolerances.given, [(0, -1), (1, -1), (2, -1)])
+    given = [one for one in assumptions(spec, held) if one.catalogue]
+    drawn = sample(given, 512, 1, assumptions(spec))
+    default, acme, bolt = drawn.values.T
+    np.testing.assert_allclose((acme - 1.0) / 0.05, (default - 1.0) / 0.1, atol=1e-12)
+    assert stats.spearmanr(default, bolt).statistic == pytest.approx(1.0)
+    plainly = sample([given[0]], 512, 1, assumptions(spec))
+    np.testing.assert_array_equal(plainly.values[:, 0], default)
+
+
+def test_the_closed_loop_takes_the_same_factor(makers: Catalog, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: dict[str, Any] = {}
+    real = sampled_closed_loop.loop_share
+
+    def watched(spec: RobotSpec, one: Any, given: Any, values: Any, samples: int) -> Any:
+        seen[one.motor.part] = (one, given, values)
+        return real(spec, one, given, values, samples)
+
+    monkeypatch.setattr("drivesizer.search.uncertainty.sampled_closed_loop.loop_share", watched)
+    sizing = size(_spec(), top=3, catalog=makers, sampling=Sampling(512, 1, 0.3, loop=8))
+    assert {part: [g.name for g in given] for part, (_, given, _) in seen.items()} == {
+        "Acme-1": ["motor.torque_constant (Acme)"],
+        "Bolt-1": ["motor.torque_constant (Bolt)"],
+        "Coil-1": ["motor.torque_constant"],
+    }
+    assert all(one.reliability and one.reliability.loop for one in sizing.sets)
+    for one, given, values in seen.values():
+        _, other = sampled_closed_loop.off(sizing.spec, one, given, values[5])
+        assert other.motor.torque_constant / one.motor.torque_constant == pytest.approx(values[5, 0])
+        assert other.motor.resistance == one.motor.resistance
+    assert {one.reliability.no_loop for one in sizing.sets if one.reliability} == {""}
+    one, given, values = seen["Acme-1"]
+    both = [*given, *seen["Bolt-1"][1]]
+    with pytest.raises(AssertionError, match=r"motor.torque_constant \(Bolt\): of another maker's part"):
+        sampled_closed_loop.off(sizing.spec, one, both, np.array([1.0, 1.0]))
+
+
+# --- gearheads, actuators, families ----------------------------------------------------------------------------------
+
+WHOLE = """\
+catalog: 1
+manufacturer: Whole
+sources:
+  sheet: {document: "Whole data sheet", confidence: quoted}
+gearheads:
+- {family: G, source: sheet, columns: [part, ratio, efficiency (%)], rows: [[G10, 10, 80]]}
+- {family: H, source: sheet, columns: [part, ratio, efficiency (%)], rows: [[H10, 10, 80]]}
+actuators:
+- family: A
+  source: sheet
+  common: {kind: brushless, gearing: planetary, efficiency: 90 %}
+  columns: [part, ratio, nominal_voltage (V), nominal_torque (N*m), torque_constant (N*m/A), resistance (ohm)]
+  rows: [[A10, 10, 48, 8, 0.9, 0.3], [A20, 20, 48, 16, 1.8, 0.3]]
+tolerances:
+- {source: sheet, gearhead: {efficiency: -5 %..20 %, inertia: +- 8 %}}
+- {source: sheet, families: [H], gearhead: {efficiency: none}, text: "each is measured"}
+- {source: sheet, families: [A], motor: {resistance: +- 3 %}, gearhead: {efficiency: +- 30 %}}
+"""
+
+
+def _held(catalog: Catalog, part: str, number: str) -> dict[str, str]:
+    table = catalog.gearheads if part == "gearhead" else catalog.motors
+    return {one.figure: one.text for one in holding(catalog, {}, part, table.rows[number])}
+
+
+def test_a_statement_of_families_counts_before_one_of_all() -> None:
+    catalog = taken_apart(parse(YamlSource(WHOLE, "whole.yaml"), "whole", "0"))
+    assert _held(catalog, "gearhead", "G10") == {"efficiency": "-5 %..20 %", "inertia": "+- 8 %"}
+    assert _held(catalog, "gearhead", "H10") == {"efficiency": "none", "inertia": "+- 8 %"}
+    assert _held(catalog, "gearhead", "A20") == {"efficiency": "+- 30 %", "inertia": "+- 8 %"}  # inside the actuator
+    assert _held(catalog, "motor", "A10")["resistance"] == "+- 3 %"
+    assert _held(catalog, "motor", "A10")["torque_constant"] == "+- 10 %"  # of which nothing is said
+    names = {one.name for one in holding(catalog, {}, "gearhead", catalog.gearheads.rows["A10"])}
+    assert names == {"gearhead.efficiency (Whole A)", "gearhead.inertia (Whole)"}
+    assert holding(catalog, {}, "gearhead", -1) == ()
+    given = {("gearhead", "efficiency"): "+- 1 %"}
+    texts = [one.text for one in holding(catalog, given, "gearhead", catalog.gearheads.rows["H10"])]
+    assert texts == ["+- 1 %", "+- 8 %"]
+
+
+def test_a_makers_statement_holds_for_its_parts_alone(makers: Catalog) -> None:
+    assert [one.tolerance for one in stated_of(makers.tolerances, "motor", "Acme", "Acme 40").values()] == ["+- 5 %"]
+    assert stated_of(makers.tolerances, "gearhead", "Acme", "Acme 40") == {}
+    assert stated_of(makers.tolerances, "motor", "Coil", "Coil 40") == {}
+
+
+# --- the file --------------------------------------------------------------------------------------------------------
+
+_LINE = MAKER.count("\n") + 1
+WRONG = [
+    ("no list", "tolerances: 5\n", f"{_LINE}: tolerances", "expected a list"),
+    ("no figure", "tolerances:\n- {source: sheet}\n", f"{_LINE + 1}: tolerances[1]",
+     "expected motor or gearhead, e.g. motor: {resistance: +- 10 %}"),
+    ("no source", "tolerances:\n- {motor: {resistance: +- 5 %}}\n", f"{_LINE + 1}: tolerances[1]",
+     '"source" is missing'),
+    ("unknown source", "tolerances:\n- {source: shet, motor: {resistance: +- 5 %}}\n",
+     f"{_LINE + 1}: tolerances[1].source", '"shet" is not one of the file\'s sources (sheet, bench)'),
+    ("unknown part", "tolerances:\n- {source: sheet, motors: {resistance: +- 5 %}}\n",
+     f"{_LINE + 1}: tolerances[1].motors", 'unknown key "motors"; did you mean "motor"?'),
+    ("unknown figure", "tolerances:\n- source: sheet\n  motor: {resistence: +- 5 %}\n",
+     f"{_LINE + 2}: tolerances[1].motor.resistence", 'unknown key "resistence"; did you mean "resistance"?'),
+    ("figure of the other part", "tolerances:\n- {source: sheet, gearhead: {resistance: +- 5 %}}\n",
+     f"{_LINE + 1}: tolerances[1].gearhead.resistance", "expected one of efficiency, inertia"),
+    ("no figures", "tolerances:\n- {source: sheet, motor: {}}\n", f"{_LINE + 1}: tolerances[1].motor",
+     "expected resistance, torque_constant"),
+    ("no tolerance", "tolerances:\n- {source: sheet, motor: {resistance: 5 %}}\n",
+     f"{_LINE + 1}: tolerances[1].motor.resistance",
+     '"5 %" is no tolerance of a catalogue figure; expected +- 7 %, -10 %..30 %, normal(5 %) or none'),
+    ("in ohms", "tolerances:\n- {source: sheet, motor: {resistance: +- 5 ohm}}\n",
+     f"{_LINE + 1}: tolerances[1].motor.resistance", '"ohm" is not per cent'),
+    ("all of it", "tolerances:\n- {source: sheet, motor: {resistance: +- 100 %}}\n",
+     f"{_LINE + 1}: tolerances[1].motor.resistance", "reaches 0 and below"),
+    ("nothing", "tolerances:\n- {source: sheet, motor: {resistance: ~}}\n",
+     f"{_LINE + 1}: tolerances[1].motor.resistance", '"" is no tolerance'),
+    ("unknown family", "tolerances:\n- {source: sheet, families: [Acme 41], motor: {resistance: +- 5 %}}\n",
+     f"{_LINE + 1}: tolerances[1].families", '"Acme 41" is no family with a motor in this file; expected Acme 40'),
+    ("family of another part", "tolerances:\n- {source: sheet, families: [Acme C], motor: {resistance: +- 5 %}}\n",
+     f"{_LINE + 1}: tolerances[1].families", '"Acme C" is no family with a motor in this file'),
+    ("no families", "tolerances:\n- {source: sheet, families: [], motor: {resistance: +- 5 %}}\n",
+     f"{_LINE + 1}: tolerances[1].families", "without the field it is of all of them"),
+    ("twice",
+     "tolerances:\n- {source: sheet, motor: {resistance: +- 5 %}}\n- {source: bench, motor: {resistance: +- 6 %}}\n",
+     f"{_LINE + 2}: tolerances[2].motor.resistance", "motor resistance is given twice"),
+    ("twice of a family", "tolerances:\n- {source: sheet, families: [Acme 40], motor: {resistance: +- 5 %}}\n"
+     "- {source: bench, families: [Acme 40], motor: {resistance: +- 6 %}}\n",
+     f"{_LINE + 2}: tolerances[2].motor.resistance", "motor resistance of Acme 40 is given twice"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "place", "said"), [w[1:] for w in WRONG], ids=[w[0] for w in WRONG])
+def test_a_wrong_section_is_one_line_with_its_place(text: str, place: str, said: str) -> None:
+    with pytest.raises(CatalogError) as caught:
+        _maker("Acme", text)
+    message = str(caught.value)
+    assert "\n" not in message and len(message) < 300
+    assert message.startswith(f"acme.yaml:{place}: "), message
+    assert said in message
+
+
+def test_the_json_schema_knows_the_section() -> None:
+    schema = catalog_schema()
+    good = yaml.safe_load(WHOLE)
+    jsonschema.validate(good, schema)
+    for entry in (
+        {"source": "sheet"},
+        {"motor": {"resistance": "+- 5 %"}},
+        {"source": "sheet", "motor": {"ratio": "+- 5 %"}},
+        {"source": "sheet", "motor": {}},
+    ):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(good | {"tolerances": [entry]}, schema)
+
+
+def test_it_comes_back_from_the_cache(makers: Catalog, tmp_path: Path) -> None:
+    path = tmp_path / f"makers-{'0' * 32}.catalog"
+    store(path, makers)
+    again = recall(path)
+    assert again and again.tolerances == makers.tolerances and len(again.tolerances) == 2
+    assert again.tolerances[1]._fields == makers.tolerances[1]._fields and isinstance(
+        again.tolerances[1].families, tuple
+    )
+
+
+# --- several catalogues ----------------------------------------------------------------------------------------------
+
+
+def _documents(catalog: Catalog) -> list[tuple[str, str, str]]:
+    return [(one.maker, one.tolerance, catalog.sources[one.source].document) for one in catalog.tolerances]
+
+
+@pytest.mark.parametrize("order", [list, reversed])
+def test_joined_catalogues_keep_statements_and_documents(order: Callable[[Any], Any]) -> None:
+    both = joined([*order([_maker("Acme", ACME), _maker("Bolt", BOLT)])])
+    want = [("Acme", "+- 5 %", "Acme data sheet"), ("Bolt", "normal(3 %)", "Bolt test bench")]
+    assert _documents(both) == [*order(want)] and both.replaced == ()
+
+
+def _mine(tolerances: str, *, overrides: bool, rows: bool = True) -> Catalog:
+    """Another file of the maker Acme."""
+    text = MAKER.replace("NAME", "Acme").replace("MASS", "300").replace("data sheet", "letter") + tolerances
+    if not rows:
+        text = text[: text.index("motors:")] + tolerances
+    text = text.replace("catalog: 1\n", f"catalog: 1\noverrides: {str(overrides).lower()}\n")
+    return parse(YamlSource(text, "mine.yaml"), "mine", "1")
+
+
+def test_an_overriding_catalogue_states_anew() -> None:
+    first = _maker("Acme", ACME.replace("5 %}}", "5 %, resistance: +- 6 %}}"))
+    mine = _mine(ACME.replace("5 %", "2 %"), overrides=True, rows=False)
+    both = joined([first, mine])
+    assert sorted(_documents(both)) == [("Acme", "+- 2 %", "Acme letter"), ("Acme", "+- 6 %", "Acme data sheet")]
+    assert both.replaced == ("tolerance of Acme motor torque constant: mine in place of acme",)
+    assert {one.figure: one.tolerance for one in stated_of(both.tolerances, "motor", "Acme", "Acme 40").values()} == {
+        "torque_constant": "+- 2 %", "resistance": "+- 6 %"
+    }  # fmt: skip
+    with pytest.raises(
+        CatalogError, match="tolerance of Acme motor torque constant is in two catalogues: acme and mine;"
+    ):
+        joined([first, _mine(ACME.replace("5 %", "2 %"), overrides=False, rows=False)])
+
+
+def test_what_overrides_some_families_leaves_the_others() -> None:
+    of_40 = ACME.replace("sheet,", "sheet, families: [Acme 40],")
+    general = joined([_maker("Acme", ACME), _mine(of_40.replace("5 %", "2 %"), overrides=True)])
+    for family, tolerance in (("Acme 40", "+- 2 %"), ("Acme 50", "+- 5 %")):
+        (one,) = stated_of(general.tolerances, "motor", "Acme", family).values()
+        assert one.tolerance == tolerance
+    special = joined([_maker("Acme", of_40), _mine(ACME.replace("5 %", "2 %"), overrides=True)])
+    (one,) = stated_of(special.tolerances, "motor", "Acme", "Acme 40").values()
+    assert one.tolerance == "+- 2 %" and len(special.tolerances) == 1
+
+
+def test_of_several_families_those_are_left_that_no_later_file_names() -> None:
+    def stating(families: str, tolerance: str, *, overrides: bool) -> Catalog:
+        entry = f"- {{source: sheet, families: [{families}], gearhead: {{inertia: +- {tolerance}}}}}\n"
+        text = WHOLE[: WHOLE.index("- {source: sheet, gearhead")] + entry
+        if overrides:
+            text = text.replace("catalog: 1\n", "catalog: 1\noverrides: true\n")
+        return parse(YamlSource(text, "a.yaml"), tolerance, tolerance)
+
+    both = joined([stating("G, H", "8 %", overrides=False), stating("H", "2 %", overrides=True)])
+    assert [(one.families, one.tolerance) for one in both.tolerances] == [(("G",), "+- 8 %"), (("H",), "+- 2 %")]
+    assert holding(both, {}, "gearhead", both.gearheads.rows["G10"])[1].name == "gearhead.inertia (Whole G)"
+
+
+def test_without_a_statement_an_overriding_row_keeps_its_makers() -> None:
+    both = joined([_maker("Acme", ACME), _mine("", overrides=True)])
+    assert both.motors["mass"].tolist() == [0.3]
+    assert holding(both, {}, "motor", 0)[1].text == "+- 5 %"
+
+
+# --- what ships, and how it is shown ---------------------------------------------------------------------------------
+
+
+def test_what_ships_names_maker_and_document() -> None:
+    catalog = load(["beckhoff", "robstride", "xiaomi", "maxon"])
+    said = {(one.maker, one.figure): (one.tolerance, catalog.sources[one.source]) for one in catalog.tolerances}
+    assert {key: tolerance for key, (tolerance, _) in said.items()} == {
+        ("Beckhoff", "resistance"): "+- 10 %", ("Beckhoff", "torque_constant"): "+- 10 %",
+        ("Beckhoff", "rotor_inertia"): "+- 10 %", ("RobStride", "resistance"): "+- 10 %",
+        ("RobStride", "torque_constant"): "+- 10 %", ("Xiaomi", "resistance"): "+- 10 %",
+        ("Xiaomi", "torque_constant"): "+- 2.7 %",
+    }  # fmt: skip
+    assert said["Beckhoff", "resistance"][1].url.endswith("am8100/1333724939.html")
+    printed = np.array([0.054, 0.057])  # V rms per rpm, of which the mean stands in the file
+    assert printed / printed.mean() == pytest.approx([0.973, 1.027], abs=5e-4)
+    catalog = taken_apart(catalog)
+    row = catalog.motors.rows["CyberGear"]
+    assert [one.text for one in holding(catalog, {}, "motor", row)][:2] == ["+- 10 %", "+- 2.7 %"]
+    assert {one.whose for one in holding(catalog, {}, "motor", catalog.motors.rows["118752"])} == {""}
+
+
+def test_a_parts_page_names_its_makers_tolerance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from drivesizer.cli import main
+
+    (tmp_path / "whole.yaml").write_text(WHOLE, encoding="utf-8")
+
+    def shown(part: str, *more: str) -> str:
+        with pytest.raises(SystemExit) as left, pytest.MonkeyPatch.context() as patch:
+            patch.setenv("COLUMNS", "200")
+            patch.setattr(
+                "sys.argv", ["drivesizer", "catalog", "show", part, "--catalog", str(tmp_path / "whole.yaml"), *more]
+            )
+            main()
+        assert left.value.code in (0, None)
+        return capsys.readouterr().out
+
+    assert "tolerances: losses of the gearhead none; each is measured (Whole data sheet; quoted)" in shown("H10")
+    assert "tolerances: resistance +- 3 %, losses of the gearhead +- 30 %, inertia +- 8 %" in shown("A10")
+    (part,) = json.loads(shown("G10", "--json"))["parts"]
+    assert part["tolerances"][0] == {
+        "part": "gearhead", "figure": "efficiency", "tolerance": "-5 %..20 %", "text": None,
+        "source": {"document": "Whole data sheet", "confidence": "quoted", "date": "", "url": ""},
+    }  # fmt: skip

@@ -1,0 +1,82 @@
+"""The JSON Schemas that editors get: what ships obeys them, and what is wrong does not."""
+
+import json
+from importlib import resources
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from drivesizer import cli
+from drivesizer.catalog import shipped
+from drivesizer.catalog.schema import catalog_schema
+from drivesizer.files.yaml_source import read
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.study.schema import StudyFile
+
+SPECS = [Path(str(p)) for p in (resources.files("drivesizer.spec") / "starters").iterdir() if p.name.endswith(".yaml")]
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+STUDY = EXAMPLES / "study.yaml"
+SPECS += (path for path in EXAMPLES.glob("*.yaml") if path != STUDY)
+
+
+@pytest.mark.parametrize("path", shipped().values(), ids=lambda p: p.stem)
+def test_shipped_catalogues_obey_the_schema(path):
+    jsonschema.Draft202012Validator(catalog_schema()).validate(read(path).data)
+
+
+@pytest.mark.parametrize("path", sorted(SPECS), ids=lambda p: p.stem)
+def test_starters_and_examples_obey_the_schema(path):
+    jsonschema.Draft202012Validator(RobotSpec.model_json_schema()).validate(read(path).data)
+
+
+def test_the_example_of_a_study_obeys_the_schema():
+    schema = jsonschema.Draft202012Validator(StudyFile.model_json_schema())
+    study = read(STUDY).data
+    schema.validate(study)
+    schema.validate(study | {"sampling": {"latin_hypercube": 50, "seed": 2}})
+    for wrong in ({"sampling": "dice"}, {"top": 0}, {"very": {"load.mass": ["3 kg"]}}, {"specs": "robot.yaml"}):
+        with pytest.raises(jsonschema.ValidationError):
+            schema.validate(study | wrong)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda c: c.pop("sources"),
+        lambda c: c["sources"]["sheet"].update(confidence="sure"),
+        lambda c: c["motors"][0]["columns"].append("torqe (N*m)"),
+        lambda c: c["motors"][0]["columns"].remove("part"),
+        lambda c: c["motors"][0]["common"].update(weight="1 kg"),
+        lambda c: c.update(pumps=[]),
+        lambda c: c["compatibility"]["motor_gearhead"][0].pop("source"),
+        lambda c: c.update(catalog=2),
+    ],
+)
+def test_what_is_wrong_does_not(change):
+    catalogue = {
+        "catalog": 1,
+        "manufacturer": "M",
+        "sources": {"sheet": {"document": "a sheet", "confidence": "quoted"}},
+        "motors": [{"family": "F", "source": "sheet", "common": {"mass": "1 kg"},
+                    "columns": ["part", "resistance (ohm)"], "rows": [["a", 1.5], ["b", None]]}],
+        "compatibility": {"motor_gearhead": [{"source": "sheet", "motors": ["F"], "gearheads": ["direct"]}]},
+    }  # fmt: skip
+    validator = jsonschema.Draft202012Validator(catalog_schema())
+    validator.validate(catalogue)
+    change(catalogue)
+    assert not validator.is_valid(catalogue)
+
+
+def test_schemas_from_the_command_line(monkeypatch, capsys):
+    for arguments, title in ((["schema"], "RobotSpec"), (["schema", "catalog"], "drivesizer catalogue")):
+        monkeypatch.setattr("sys.argv", ["drivesizer", *arguments])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        assert end.value.code == 0
+        assert json.loads(capsys.readouterr().out)["title"] == title
+    monkeypatch.setattr("sys.argv", ["drivesizer", "schema", "catalogue"])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    assert end.value.code == 2
+    assert "expected spec or catalog" in capsys.readouterr().err

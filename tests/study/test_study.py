@@ -1,0 +1,397 @@
+"""Studies: what a study.yaml means, what it is refused for, and what a variant's row says."""
+
+import math
+import re
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from studies import CHEAP, EXAMPLE, FEW, MANY, ROOT, laid
+
+from drivesizer.catalog import load
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.sums import price_of
+from drivesizer.results.sizing import worst
+from drivesizer.sizing import load_parts, size
+from drivesizer.spec.robot import read_spec
+from drivesizer.study.axes import changed, path_of
+from drivesizer.study.best import best
+from drivesizer.study.columns import columns_of
+from drivesizer.study.origin import made_of, refuse_if_all_wrong
+from drivesizer.study.plan import MOST, read_study
+from drivesizer.study.variant import rows_of, spec_of
+from drivesizer.units import to_si
+
+
+def planned(folder, study, spec=CHEAP):
+    return read_study(laid(folder, study, spec))
+
+
+def table(plan, numbers=None):
+    """Rows of some variants, or all, each by the heads of its columns."""
+    variants = [plan.variant(n) for n in numbers or range(1, plan.total + 1)]
+    heads = [column.head for column in columns_of(plan)]
+    rows = rows_of(plan.job, variants, [plan.head(variant) for variant in variants]).rows
+    assert all(len(row) == len(heads) for row in rows)
+    return [dict(zip(heads, row, strict=True)) for row in rows]
+
+
+# --- the variants -----------------------------------------------------------------------------------------------------
+
+
+def test_a_grid_is_every_combination_the_last_fastest(tmp_path):
+    """Numbers and places against the standard library's product."""
+    plan = planned(
+        tmp_path,
+        "spec: robot.yaml\nvary:\n  load.mass: {from: 30 kg, to: 60 kg, steps: 4}\n"
+        "  motion.speed: [1 m/s, 9 km/h]\n  load.driven_wheels: [2, 4, 6]\n"
+        "catalogs: [[maxon], [maxon, faulhaber]]\nobjectives: [mass, 'mass=2,price=1']\n",
+    )
+    masses, speeds = ["30.0 kg", "40.0 kg", "50.0 kg", "60.0 kg"], ["1 m/s", "9 km/h"]
+    expected = list(product(masses, speeds, [2, 4, 6], range(2), range(2)))
+    found = [plan.variant(n) for n in range(1, plan.total + 1)]
+    assert [(*v.values, v.catalogs, v.objective) for v in found] == expected
+    assert [v.number for v in found] == list(range(1, 97))
+    assert [v for chunk in range(plan.chunks) for v in plan.variants(chunk)] == found
+    assert sum(plan.size(chunk) for chunk in range(plan.chunks)) == plan.total
+    assert plan.head(plan.variant(14)) == [14, 30.0, 2.5, 2, "maxon"]  # 9 km/h in the unit of the first
+
+
+@pytest.mark.parametrize(("total", "steps"), [(1, 1), (127, 127), (128, 128), (129, 129), (25_000, 25_000)])
+def test_chunks_hold_every_variant_once(tmp_path, total, steps):
+    speeds = ", ".join(f"{n + 1} mm/s" for n in range(steps))
+    plan = planned(tmp_path, f"spec: robot.yaml\nvary: {{motion.speed: [{speeds}]}}\n")
+    assert plan.total == total
+    assert [v.number for c in range(plan.chunks) for v in plan.variants(c)] == list(range(1, total + 1))
+    assert max(plan.size(c) for c in range(plan.chunks)) <= 100
+
+
+@given(count=st.integers(1, 300), seed=st.integers(0, 2**40))
+def test_a_latin_hypercube_has_one_sample_in_every_part(tmp_path_factory, count, seed):
+    """McKay, Beckman and Conover's definition: of n samples, one in each n-th of every field's range."""
+    plan = planned(
+        tmp_path_factory.mktemp("lhs"),
+        "spec: robot.yaml\nvary:\n  load.mass: {from: 20 kg, to: 90 kg}\n  motion.speed: {from: 1 km/h, to: 2 m/s}\n"
+        f"sampling: {{latin_hypercube: {count}, seed: {seed}}}\n",
+    )
+    values = [plan.head(plan.variant(n))[1:] for n in range(1, plan.total + 1)]
+    assert plan.total == count
+    for axis, (low, high) in enumerate([(20.0, 90.0), (1.0, 7.2)]):
+        shares = (np.array(values)[:, axis] - low) / (high - low)
+        assert sorted(np.floor(shares * count + 1e-7).astype(int).clip(0, count - 1)) == list(range(count))
+
+
+def test_chance_is_the_seed_s_alone(tmp_path):
+    """Another field beside it leaves the samples of a field where they are; another seed does not."""
+    one = "  load.mass: {from: 20 kg, to: 90 kg}\n"
+    two = one + "  motion.speed: {from: 1 m/s, to: 2 m/s}\n"
+
+    def masses(vary, seed):
+        plan = planned(tmp_path, f"spec: robot.yaml\nvary:\n{vary}sampling: {{latin_hypercube: 9, seed: {seed}}}\n")
+        return [plan.variant(n).values[0] for n in range(1, 10)]
+
+    assert masses(one, 1) == masses(two, 1) != masses(two, 2)
+
+
+def test_a_latin_hypercube_takes_each_of_a_list_alike(tmp_path):
+    plan = planned(
+        tmp_path, "spec: robot.yaml\nvary: {load.driven_wheels: [2, 4, 6]}\nsampling: {latin_hypercube: 12}\n"
+    )
+    assert sorted(plan.variant(n).values[0] for n in range(1, 13)) == [2] * 4 + [4] * 4 + [6] * 4
+
+
+def test_a_variant_is_the_spec_as_a_person_would_change_it(tmp_path):
+    """88 lb are 88 * 0.45359237 kg by definition."""
+    plan = planned(tmp_path, FEW.replace("vary:", "vary:\n  transmission[2].ratio: [1.5]\n  supply.max: [30 V]"))
+    assert plan.variant(4).values == (1.5, "30 V", "39.91612856 kg", "5.4 km/h")
+    by_hand = CHEAP.replace("ratio: 1.1", "ratio: 1.5").replace("max: 29 V", "max: 30 V")
+    by_hand = by_hand.replace("mass: 45 kg", "mass: 39.91612856 kg").replace("speed: 1.5 m/s", "speed: 5.4 km/h")
+    wanted, made = read_spec(YamlSource(by_hand, "by_hand.yaml")), spec_of(plan.job, plan.variant(4))
+    assert made.model_dump() == wanted.model_dump() and made.entered == wanted.entered
+    assert math.isclose(made.load.mass, to_si("88 lb", "mass"), rel_tol=1e-12)
+
+
+def test_a_value_in_a_load_case_and_one_of_a_section_that_is_not_there(tmp_path):
+    spec = EXAMPLE.replace("method: paper", "method: physics") + "cases:\n  - {name: full, load: {mass: 50 kg}}\n"
+    study = (
+        "spec: robot.yaml\nvary:\n  cases[1].load.mass: [55 kg]\n  mission.duration: [1 h]\n  plant.model: [rigid]\n"
+    )
+    made = spec_of((plan := planned(tmp_path, study, spec)).job, plan.variant(1))
+    assert [case.load.mass for _, case in made.load_cases] == [45.0, 55.0]
+    assert made.mission.duration == 3600.0
+    assert [column.head for column in columns_of(plan)][1:4] == [
+        "cases[1].load.mass (kg)", "mission.duration (h)", "plant.model",
+    ]  # fmt: skip
+
+
+@given(data=st.recursive(st.integers(), lambda inner: st.dictionaries(st.sampled_from("abc"), inner, max_size=3)))
+def test_what_is_beside_a_change_stays(data):
+    found = changed(data, ("a", "b"), "new")
+    assert found["a"]["b"] == "new"
+    before = data if isinstance(data, dict) else {}
+    assert {k: v for k, v in found.items() if k != "a"} == {k: v for k, v in before.items() if k != "a"}
+    assert data != found
+
+
+def test_paths():
+    assert path_of("transmission[2].ratio") == ("transmission", 1, "ratio")
+    assert path_of("equipment[12].power") == ("equipment", 11, "power")
+    for name in (
+        "load.",
+        "",
+        "load..mass",
+        "load mass",
+        "transmission[0].ratio",
+        "transmission[-1].ratio",
+        "load.mass\n",
+    ):
+        assert path_of(name) is None, name
+
+
+# --- what is refused --------------------------------------------------------------------------------------------------
+
+VARY = "spec: robot.yaml\nvary:\n  "
+LARGE = (
+    VARY
+    + """load.mass: {from: 1 kg, to: 2 kg, steps: 4000}
+  motion.speed: {from: 1 m/s, to: 2 m/s, steps: 2500}
+"""
+)
+
+
+@pytest.mark.parametrize(
+    ("study", "said"),
+    [
+        (VARY + "load.mas: [1 kg, 2 kg]\n", 'study.yaml:3: vary.load.mas: "mas" is no field of load; the nearest'),
+        (VARY + "lod.mass: [1 kg]\n", '"lod" is no field of a spec; the nearest is load'),
+        (VARY + "load.mass.x: [1 kg]\n", '"x" is no field of load.mass'),
+        (VARY + "motion.amplitude: [1 deg]\n", '"amplitude" is no field of motion'),  # of another profile
+        (VARY + "transmission[3].ratio: [1]\n", "robot.yaml has 2 entries there, 3 is none of them"),
+        (VARY + "cases[1].load.mass: [1 kg]\n", "robot.yaml has 0 entries there, 1 is none of them"),
+        (VARY + "load mass: [1 kg]\n", "is no field; expected one of"),
+        (VARY + "select.catalogs: [maxon]\n", "expected them in the study's own list, catalogs"),
+        (VARY + "load.mass: [30 kg, 3 m]\n", '[2]: "3 m": "m" is a unit of length, not of mass; expected mass'),
+        (VARY + "load.mass: [30]\n", '"30" has no unit; expected mass, e.g. 45 kg'),
+        (VARY + "load.mass: [30 kg, 30 kg]\n", '"30 kg" is given twice'),
+        (VARY + "load.mass: []\n", "expected a list of values, e.g. [24 V, 48 V], or a range"),
+        (VARY + "load.mass: 30 kg\n", "expected a list of values, e.g. [24 V, 48 V], or a range"),
+        (VARY + "load.mass: {from: 30 kg, to: 60 kg}\n", "steps is missing; expected a range"),
+        (VARY + "load.mass: {from: 30 kg, to: 60 kg, steps: 1}\n", '.steps: "1" is not a whole number from 2'),
+        (VARY + "load.mass: {from: 30 kg, to: 60 kg, steps: 2.5}\n", '"2.5" is not a whole number from 2'),
+        (VARY + "load.mass: {from: 30 kg, to: 60 kg, steps: 100001}\n", '"100001" is too many'),
+        (VARY + "load.mass: {from: 60 kg, to: 30 kg, steps: 3}\n", '"60 kg" is not below "30 kg"'),
+        (VARY + "load.mass: {from: 1 kg, to: 1000 g, steps: 3}\n", '"1 kg" is not below "1000 g"'),
+        (VARY + "load.mass: {from: 30 kg, to: 3 m, steps: 3}\n", '.to: "3 m": "m" is a unit of length, not of mass'),
+        (VARY + "load.mass: {from: 30 kg, too: 60 kg}\n", "unknown key; expected from, to, steps; the nearest is to"),
+        (VARY + "load.driven_wheels: {from: 2, to: 4, steps: 3}\n", "is no quantity; expected a list of values"),
+        (VARY + "load.mass: {from: 1 kg, to: 2 kg, steps: 2}\nsampling: {latin_hypercube: 5}\n", "leave steps out"),
+        (VARY + "load.mass: [30 kg]\nsampling: {latin_hypercube: 0}\n", "must be greater than or equal to 1"),
+        (VARY + "load.mass: [30 kg]\nsampling: {sobol: 8}\n", "unknown key"),
+        (VARY + "load.mass: [30 kg]\nsampling: random\n", '"random" is not known; expected \'grid\''),
+        ("spec: robot.yaml\nsampling: {latin_hypercube: 5}\n", "expected fields under vary"),
+        ("spec: robot.yaml\nvary: {}\n", "vary: \"{}\" is no group of fields; expected e.g."),
+        ("spec: robot.yaml\nobjectives: []\n", "is no list with entries; expected e.g. [mass, price]"),
+        ("spec: robot.yaml\ncatalogs: maxon\n", "\"maxon\" is no list with entries; expected e.g. [[maxon]"),
+        ("spec: robot.yaml\ncatalogs: [[]]\n", "catalogs[1]"),
+        ("specs: []\n", "is no list with entries; expected e.g. [light.yaml, heavy.yaml]"),
+        ("vary: {load.mass: [1 kg]}\n", "give spec or specs, exactly one of them; neither is given"),
+        ("spec: robot.yaml\nspecs: [robot.yaml]\n", "give spec or specs, exactly one of them; both are given"),
+        ("specs: [robot.yaml]\nvary: {load.mass: [1 kg]}\n", "expected spec, the one that is varied, not specs"),
+        ("specs: [robot.yaml, robot.yaml]\n", '"robot.yaml" is given twice'),
+        ("spec: nowhere.yaml\n", 'study.yaml:1: spec: "nowhere.yaml" cannot be read (no such file or directory)'),
+        ("spec: robot.yaml\nobjectives: [mas]\n", 'objectives[1]: objective "mas" is not known; expected mass, price'),
+        ("spec: robot.yaml\nobjectives: [mass, mass=0]\n", 'weight "0" is not a number above 0'),
+        ("spec: robot.yaml\nobjectives: [mass, mass]\n", '"mass" is given twice'),
+        ("spec: robot.yaml\ntop: 0\n", "must be greater than or equal to 1"),
+        ("spec: robot.yaml\ntops: 2\n", 'unknown key; did you mean "top"?'),
+        ("- robot.yaml\n", "expected fields such as spec, vary"),
+        (LARGE.replace("2500", "2501"),
+         f"vary: makes 10004000 variants; expected at most {MOST}"),
+        (VARY + "load.mass: [30 kg]\nsampling: {latin_hypercube: 10000001}\n", "makes 10000001 variants"),
+    ],
+)  # fmt: skip
+def test_a_wrong_study_is_one_line(tmp_path, study, said):
+    with pytest.raises(InputError) as error:
+        planned(tmp_path, study)
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_ten_million_variants_are_a_plan_and_no_list(tmp_path):
+    plan = planned(tmp_path, LARGE)
+    assert plan.total == MOST
+    assert plan.variant(MOST).values == ("2.0 kg", "2.0 m/s")
+
+
+# --- rows -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        CHEAP,
+        EXAMPLE,
+        EXAMPLE.replace("method: paper", "method: physics"),
+        CHEAP.replace("mass: 45 kg", "mass: 450 kg"),
+        CHEAP.replace("method: paper", "method: physics").replace("mass: 45 kg", "mass: 450 kg"),
+        EXAMPLE.replace("method: paper", "method: physics").replace("autonomy: 3 h", "autonomy: 30 h"),
+        CHEAP.replace("method: paper", "method: physics")
+        + "  unknown: reject\nbudget: {mass: 46 kg, structure: 20 kg, drive_counts: true}\n",
+        CHEAP.replace("method: paper", "method: physics").replace("    ratio: 1.1 ", "    ratios: [1.1, 2] "),
+    ],
+    ids=["paper", "battery", "physics", "paper heavy", "physics heavy", "budget falls", "own mass", "ratios"],
+)
+@pytest.mark.parametrize("objective", [None, "price"])
+def test_the_best_sets_are_those_of_size(spec, objective):
+    """What a study leaves out of a sizing changes nothing in what it keeps."""
+    robot = read_spec(YamlSource(spec, str(ROOT / "examples" / "sps_robot.yaml")))
+    catalog = load_parts(robot)
+    whole, short = (
+        size(robot, catalog=catalog, top=2, objective=objective),
+        best(robot, catalog, top=2, objective=objective),
+    )
+    assert _alike(short.sets, whole.sets)
+    assert (short.counts, short.objective) == (whole.counts, whole.objective)
+    assert (short.nearest is None) == bool(whole.sets)
+    if short.nearest:
+        assert short.nearest.status == "fail" and _alike([short.nearest], whole.misses[:1])
+
+
+def _alike(ours, theirs):
+    """The same sets; figures but for the last digits, which depend on how many sets are computed together."""
+    for a, b in zip(ours, theirs, strict=True):
+        assert (a.label, a.status) == (b.label, b.status)
+        assert [part and part.part for part in a.parts.values()] == [part and part.part for part in b.parts.values()]
+        checks = list(zip(a.deciding, b.deciding, strict=True))
+        assert all((x.name, x.status, x.case) == (y.name, y.status, y.case) for x, y in checks)
+        told = [(x.demand, y.demand) for x, y in checks] + [(x.margin, y.margin) for x, y in checks]
+        told += [(x.value, y.value) for x, y in zip(a.figures, b.figures, strict=True)]
+        told += [(a.mass, b.mass), (a.objective, b.objective)]
+        np.testing.assert_allclose(*zip(*told, strict=True), rtol=1e-9)
+    return True
+
+
+def test_a_row_is_what_size_finds(tmp_path):
+    plan = planned(tmp_path, FEW + "objectives: [mass, price]\ntop: 2\n")
+    rows = table(plan)
+    for number in (1, 4, 8):
+        variant = plan.variant(number)
+        found = size(spec_of(plan.job, variant), top=2, objective=plan.job.objectives[variant.objective])
+        ours = [row for row in rows if row["variant"] == number]
+        assert [(row["set"], row["status"], row["mass_kg"]) for row in ours] == [
+            (one.label, one.status, float(f"{one.mass:.12g}")) for one in found.sets
+        ]
+        for row, one in zip(ours, found.sets, strict=True):
+            tight = worst(one.deciding)
+            assert (row["smallest_margin"], row["smallest_margin_check"]) == (float(f"{tight.margin:.12g}"), tight.name)
+            assert (row["motor_part"], row["gearhead_part"]) == (one.motor.part, one.gearhead.part)
+            assert row["price_EUR"] == price_of(one)[0]
+            assert row["sets_examined"] == found.counts.considered
+
+
+def test_what_is_not_known_is_empty_and_named(tmp_path):
+    """The catalogue prints no price of RE 25 118752, its encoder and its controller."""
+    (row,) = table(planned(tmp_path, "spec: robot.yaml\n"))
+    assert (row["status"], row["motor_part"], row["gearhead_part"]) == ("pass", "118752", "406764")  # the paper's
+    assert row["energy_J"] is None  # the paper's method has none
+    assert set(row["price_lacks"].split(" + ")) >= {"motor"}
+    assert math.isclose(row["mass_kg"], 0.130 + 0.077) and row["mass_lacks"] == ""
+
+
+def test_where_nothing_stands_the_nearest_is_named_and_the_set_is_empty(tmp_path):
+    (row,) = table(planned(tmp_path, "spec: robot.yaml\nvary: {load.mass: [450 kg]}\n"))
+    assert (row["status"], row["set"], row["mass_kg"], row["rank"]) == ("fail", "", None, None)
+    assert row["smallest_margin"] < 0.0 and row["smallest_margin_check"]
+    assert row["nearest_miss"].startswith("RE 25")
+    assert row["sets_that_stand"] == 0 < row["sets_examined"]
+
+
+def test_a_variant_that_is_no_machine_is_a_row_and_the_others_go_on(tmp_path):
+    study = VARY + "load.mass: [45 kg, -5 kg]\n  select.motor.family: [RE 25, RE 2500]\n"
+    rows = table(planned(tmp_path, study))
+    assert [row["status"] for row in rows] == ["pass", "error", "error", "error"]
+    assert 'select.motor.family: "RE 2500" is in no catalogue that the spec names' in rows[1]["error"]
+    assert 'robot.yaml:10: load.mass: "-5 kg" must be above 0 kg' in rows[2]["error"]
+    assert rows[2]["sets_examined"] is None and rows[2]["load.mass (kg)"] == -5.0
+
+
+def test_a_fault_of_the_program_is_told_as_one_and_does_not_end_the_study(tmp_path, monkeypatch):
+    monkeypatch.setattr("drivesizer.study.variant.best", lambda *_, **__: 1 / 0)
+    (row,) = table(planned(tmp_path, "spec: robot.yaml\n"))
+    assert (row["status"], row["error"]) == (
+        "error", "a fault of drivesizer, please report it: ZeroDivisionError: division by zero",
+    )  # fmt: skip
+
+
+def test_a_study_of_which_every_variant_is_wrong_does_not_begin(tmp_path):
+    with pytest.raises(InputError, match=r"all of its variants are wrong \(2\); the first: .*must be above 0 kg"):
+        refuse_if_all_wrong(planned(tmp_path, VARY + "load.mass: [-5 kg, -6 kg]\n"))
+    assert refuse_if_all_wrong(planned(tmp_path, VARY + "load.mass: [-5 kg, 6 kg]\n")) == ""
+    many = ", ".join(f"-{n + 1} kg" for n in range(500)) + ", 30 kg"
+    assert "variants looked at is wrong, the first" in refuse_if_all_wrong(
+        planned(tmp_path, VARY + f"load.mass: [{many}]\n")
+    )
+
+
+# --- what the results follow from -------------------------------------------------------------------------------------
+
+
+def test_what_results_are_made_of(tmp_path):
+    plan = planned(tmp_path, FEW)
+    before = made_of(plan)
+    assert set(before) == {"drivesizer", "study.yaml", "robot.yaml", "catalogue maxon"}
+    assert before["catalogue maxon"] == load(["maxon"]).digests["maxon"]
+    assert made_of(planned(tmp_path, "# a comment\n" + FEW, CHEAP + "# another\n")) == before
+    for study, spec, name in ((FEW.replace("30 kg", "31 kg"), CHEAP, "study.yaml"),
+                              (FEW, CHEAP.replace("22 V", "21 V"), "robot.yaml")):  # fmt: skip
+        now = made_of(planned(tmp_path, study, spec))
+        assert {key for key in now if now[key] != before[key]} == {name}
+    sampled = FEW.replace(", steps: 2", "") + "sampling: {latin_hypercube: 4, seed: 1}\n"
+    other = sampled.replace("seed: 1", "seed: 2")
+    assert made_of(planned(tmp_path, sampled))["study.yaml"] != made_of(planned(tmp_path, other))["study.yaml"]
+
+
+def test_a_recording_counts_as_well(tmp_path):
+    spec = CHEAP.replace("method: paper", "method: physics")
+    spec = (
+        spec[: spec.index("motion:")] + "motion: {profile: csv, file: way.csv}\n" + spec[spec.index("transmission:") :]
+    )
+    (tmp_path / "way.csv").write_text("time,speed\ns,m/s\n0,0\n1,1\n2,0\n")
+    first = made_of(planned(tmp_path, "spec: robot.yaml\n", spec))
+    (tmp_path / "way.csv").write_text("time,speed\ns,m/s\n0,0\n1,1.1\n2,0\n")
+    second = made_of(planned(tmp_path, "spec: robot.yaml\n", spec))
+    assert {key for key in first if first[key] != second[key]} == {"way.csv"}
+
+
+def test_many_plans_every_variant_of_the_grid(tmp_path):
+    plan = planned(tmp_path, MANY)
+    assert (plan.total, plan.chunk, plan.chunks) == (500, 3, 167)
+
+
+def test_the_columns_on_the_page_are_those_of_the_table(tmp_path):
+    """Each column of the table is named on the page, alone or as one of those that follow ``set``."""
+    page = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"`(\w+)`", page[page.index("## Results") : page.index("## Interruption")]))
+    plan = planned(tmp_path, "specs: [robot.yaml, study.yaml]\ncatalogs: [[maxon], [faulhaber]]\n")
+    heads = [column.head for column in columns_of(plan)]
+    parts = heads[heads.index("set") + 1 : heads.index("mass_kg")]
+    assert all(re.match("motor|gearhead|belt|encoder|controller|total_ratio", head) for head in parts)
+    assert set(heads) - set(parts) <= listed
+
+
+def test_the_amounts_on_the_page_are_the_program_s():
+    from drivesizer.study.maps import MOST_POINTS
+    from drivesizer.study.plan import _LARGEST
+
+    page = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    assert f"drawn up to {MOST_POINTS // 1000} 000 variants" in page and MOST_POINTS % 1000 == 0
+    assert f"at most {_LARGEST} of them" in page and f"at most {_LARGEST} variants for each process" in page
+    assert MOST == 10_000_000 and "more than the 10 000 000 variants of one study" in page
+    rows = re.findall(r"^\|[^|]+\| ([\d ]+) \| ([\d.]+) (ms|s) \| ([\d ]+) \|$", page, re.MULTILINE)
+    for sets, time, unit, rate in rows:  # the table of costs agrees with itself, to the digits that it gives
+        per_second = float(sets.replace(" ", "")) / (float(time) * {"ms": 1e-3, "s": 1.0}[unit])
+        assert math.isclose(per_second, float(rate.replace(" ", "")), rel_tol=0.1)
+    assert len(rows) == 3
