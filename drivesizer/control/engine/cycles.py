@@ -29,6 +29,9 @@ _NONE = np.zeros((0, len(ROW)))
 
 def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
     """March a set through all cycles of its task; the course of the first goes into the book."""
+    if _least_steps(run) > run.p[at.MOST]:
+        run.status = at.TOO_LONG
+        return run
     if run.unseen:
         return _watched(loop, run, book)
     turned = _turned(run.pieces, run.p)
@@ -51,6 +54,12 @@ def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
         run.slopes = whole.A[:2, :2]
     run.time = (run.cycles if run.status else cycles) * length
     return run
+
+
+def _least_steps(run: Run) -> float:
+    """Steps that no short cut saves: those of a changing speed that the task does not repeat."""
+    once = [run.pieces[part.first : part.end] for part in run.parts if not part.rows]
+    return sum(float((pieces[:, 1] - pieces[:, 0]) @ (pieces[:, 4] != 0.0)) for pieces in once)
 
 
 def _watched(loop: Any, run: Run, book: tuple[Any, ...]) -> Run:
