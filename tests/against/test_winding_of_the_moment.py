@@ -1,7 +1,9 @@
 """Voltage and heat with the winding as warm as it is at each moment: held against SciPy, and against less data."""
 
 from dataclasses import replace
+from importlib import resources
 from math import nan
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +14,9 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.results.check_columns import at_most, between
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
+from drivesizer.simulate import validate
 from drivesizer.sizing import size
-from drivesizer.spec.robot import read_spec
+from drivesizer.spec.robot import load_spec, read_spec
 
 SPEC = """
 name: an hour in ten
@@ -92,3 +95,24 @@ def test_less_data_never_looks_better(hour, lacking):
     assert not (less["winding_temperature"] & ~whole["winding_temperature"]).any()
     assert whole["supply_voltage"].any() and whole["winding_temperature"].any()
     assert less["winding_temperature"].sum() < whole["winding_temperature"].sum()
+
+
+def test_the_closed_loop_is_as_warm_as_the_cycle_makes_it():
+    """A hoist's winding is 100 K warmer after an hour than at its first lift: R of copper by hand, at the same current.
+
+    What is sized by the load cycle, with no loop at all, needs the same voltage but for the controller's own overshoot.
+    """
+    spec = load_spec(Path(str(resources.files("drivesizer.spec"))) / "starters" / "hoist.yaml")
+    hoist = size(spec, top=1).sets[0]
+    proof = validate(spec, hoist)
+    told = {check.name: check for check in proof.checks}
+    course, motor = proof.series, hoist.motor
+    at = int(np.argmax(course["voltage"]))  # V, of the first lift
+    hot = told["winding_temperature"].demand
+    assert hot - course["winding_temperature"][at] > 80.0
+    warmer = motor.resistance * ALPHA * (hot - course["winding_temperature"][at])
+    assert told["supply_voltage"].demand == pytest.approx(
+        course["voltage"][at] + warmer * course["current"][at], rel=0.01
+    )
+    sized = {check.name: check for check in hoist.checks}["supply_voltage"].demand
+    assert sized < told["supply_voltage"].demand < 1.02 * sized

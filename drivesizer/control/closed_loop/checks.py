@@ -53,7 +53,10 @@ def _check(column: CheckColumn, title: str, at_time: float | None = None, note: 
 
 def _most(case: Case, name: str, check: Callable[[float], CheckColumn], *, takes: bool = False) -> CheckColumn:
     """A check of the largest value of a figure; of a long motion it is unknown where only its allowance fails."""
-    value, more = case.takes(name) if takes else case.figure(name), case.more(name, takes=takes)
+    return _allowed(check, case.takes(name) if takes else case.figure(name), case.more(name, takes=takes))
+
+
+def _allowed(check: Callable[[float], CheckColumn], value: float, more: float) -> CheckColumn:
     return check(value) if more == 1.0 else between(check(value), check(more * value))
 
 
@@ -64,11 +67,11 @@ def _resisted(case: Case, name: str, check: Callable[[float], CheckColumn], powe
     the long run, up to what is permitted.
     """
     motor, ambient = asdict(case.drive_set.motor), case.spec.environment.ambient
-    takes = not power
+    read = case.draws if power else case.takes
+    value, more = read(name), case.more(name, takes=not power)
     if two_bodies(motor).known or not case.spec.plant.warming:
-        return _most(case, name, check, takes=takes)
-    current = (case.takes if takes else case.figure)("current")
-    value, more = (case.takes if takes else case.figure)(name), case.more(name, takes=takes)
+        return _allowed(check, value, more)
+    current = read("current")
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     R_25 = resistance_25(motor)
     hottest = np.fmin(steady_winding_temperature(ambient, R_25, *R_th, current), motor["max_winding_temperature"])
@@ -165,7 +168,7 @@ def _electrical(case: Case) -> Iterator[Check]:
             _resisted(case, "bus_current", lambda x: at_most(
                 "supply_current", x, supply.current, "current", "A"
             ), power=True),
-            "Supply current, all sets", case.figure("bus_current_time"), "electrical power over the supply's voltage",
+            "Supply current, all sets", case.draws("bus_current_time"), "electrical power over the supply's voltage",
         )  # fmt: skip
 
 

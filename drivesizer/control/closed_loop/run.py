@@ -8,7 +8,7 @@ is kept with the result.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -52,18 +52,24 @@ class Case(NamedTuple):
     task: Task
     out: Marched  # from cold
     free: Marched  # the same without limits: what following takes; the march itself where that does not come to an end
-    periodic: dict[str, float]  # highest temperatures over the cycle repeated for ever [K]; empty: unknown
+    periodic: dict[str, float]  # highest temperatures in the periodic steady state [K]; empty: unknown
     said: tuple[str, ...]  # what was assumed on the way
     allowed: tuple[Mapping[str, float], Mapping[str, float]] = ({}, {})  # see ``long_motion``; of both marches
     windows: tuple[tuple[float, float], ...] = ()  # s, the same
+    warm: tuple[Marched, ...] = ()  # one cycle as warm as it is in the periodic steady state, and without limits
+    begins: tuple[float, float] | None = None  # K, winding and housing at the start of that cycle
 
     def figure(self, name: str) -> float:
         """A figure of the march, SI."""
         return float(self.out.figures[name][0])
 
     def takes(self, name: str) -> float:
-        """A figure of the march without limits, SI."""
-        return float(self.free.figures[name][0])
+        """A figure of the march without limits, SI; of the periodic steady state where more is needed there."""
+        return _largest((self.free, *self.warm[1:]), name)
+
+    def draws(self, name: str) -> float:
+        """A figure of the march, SI; of the periodic steady state where it is larger there."""
+        return _largest((self.out, *self.warm[:1]), name)
 
     def more(self, name: str, *, takes: bool = False) -> float:
         """Factor by which a figure of a march may exceed what is told of it; 1 where all of it was marched."""
@@ -73,6 +79,12 @@ class Case(NamedTuple):
     def velocity_period(self) -> float:
         """Period of the velocity loop [s]."""
         return self.controller.period if isinstance(self.controller, Gains) else self.controller.velocity_period
+
+
+def _largest(marches: Sequence[Marched], name: str) -> float:
+    """A peak, or its time, of the march that has the largest."""
+    peak = name.removesuffix("_time")
+    return float(max(marches, key=lambda one: one.figures[peak][0]).figures[name][0])
 
 
 def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
@@ -93,10 +105,13 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
         wanted = _SHORTER if "steps" in out.problems[0] else "expected other gains"
         raise InputError(f"profile {asked.name}: {out.problems[0]}; {wanted}")
     free = _freed(drive, task, whole, loops)
-    found = _periodic(whole.drive, replace(task, cycles=1), out if task.cycles == 1 else None)
+    cycle = replace(task, cycles=1)
+    found, start, last = _periodic(whole.drive, cycle, out if task.cycles == 1 else None)
+    warm = _warm(start, last, cycle, loops)
+    begins = (start.heat.winding, start.heat.housing) if warm and start.heat else None
     return Case(
         spec, drive_set, asked, made.train, made.controller, made.shaft, loops, made.usable_voltage, task, out,
-        free.out, found, made.said, (whole.allowed, free.allowed), whole.windows,
+        free.out, found, made.said, (whole.allowed, free.allowed), whole.windows, warm, begins,
     )  # fmt: skip
 
 
@@ -123,15 +138,22 @@ def _freed(drive: Drive, task: Task, whole: Long, loops: Loops) -> Long:
     return whole if free.out.problems[0] else free
 
 
-def _periodic(drive: Drive, task: Task, out: Marched | None) -> dict[str, float]:
-    """Highest temperatures over the cycle repeated for ever [K].
+def _warm(start: Drive, last: Marched | None, task: Task, loops: Loops) -> tuple[Marched, ...]:
+    """The cycle of the periodic steady state, and the same without limits; none where it is unknown or runs away."""
+    if last is None or last.problems[0]:
+        return ()
+    return last, _freed(start, task, Long(last, start, {}, ()), loops).out
+
+
+def _periodic(drive: Drive, task: Task, out: Marched | None) -> tuple[dict[str, float], Drive, Marched | None]:
+    """Highest temperatures in the periodic steady state [K], the drive as warm as a cycle of it begins, its march.
 
     A cycle makes of two starting temperatures two at its end, nearly affinely: its fixed point is sought by Newton's
     method, with the slopes that the march followed, which hold while the winding's resistance changes no current,
     else with differences of 1 K.
     """
     if drive.heat is None:
-        return {}
+        return {}, drive, None
     last = out or march(drive, task, rows=0, most_steps=LONGEST)
     start, end = np.array([drive.heat.ambient, drive.heat.ambient]), _ends(last)
     for _ in range(_ROUNDS):
@@ -143,10 +165,11 @@ def _periodic(drive: Drive, task: Task, out: Marched | None) -> dict[str, float]
             break
         start = start + step
         if not np.isfinite(start).all() or start.max() > _HOTTEST or np.abs(np.linalg.eigvals(slopes)).max() >= 1.0:
-            return {"winding": math.inf, "housing": math.inf}  # it runs away
+            return {"winding": math.inf, "housing": math.inf}, drive, None  # it runs away
         last = march(_from(drive, start), task, rows=0, most_steps=LONGEST)
         end = _ends(last)
-    return {name: float(last.figures[f"{name}_highest"][0]) for name in ("winding", "housing")}
+    highest = {name: float(last.figures[f"{name}_highest"][0]) for name in ("winding", "housing")}
+    return highest, _from(drive, start), last
 
 
 def _slopes(drive: Drive, task: Task, start: Any, end: Any) -> Any:

@@ -101,11 +101,34 @@ def _judged(nominal: Case, machines: Sequence[tuple[RobotSpec, DriveSet]]) -> li
     """The checks of each machine, with the nominal one's controller."""
     profiles = [_asked(nominal, spec) for spec, _ in machines]
     made = [ready(*machine, asked, nominal.controller) for machine, asked in zip(machines, profiles, strict=True)]
-    marched = _marched(made)
+    marched, warm = _marched(made), _warm(made, nominal)
     return [
-        _checks(nominal, *machine, asked, one, out)
-        for machine, asked, one, out in zip(machines, profiles, made, marched, strict=True)
+        _checks(nominal, machine, asked, one, (out, cycle))
+        for machine, asked, one, out, cycle in zip(machines, profiles, made, marched, warm, strict=True)
     ]
+
+
+def _warm(made: Sequence[Ready], nominal: Case) -> list[tuple[Marched, ...]]:
+    """A cycle of each that begins as warm as the nominal one's, and without limits; none where that is unknown."""
+    if nominal.begins is None:
+        return [()] * len(made)
+    winding, housing = nominal.begins
+    warmer = []
+    for one in made:
+        heat = one.drive.heat and replace(one.drive.heat, winding=winding, housing=housing)
+        warmer.append(one._replace(drive=replace(one.drive, heat=heat), task=replace(one.task, cycles=1)))
+    return [
+        () if out.problems[0] else (out, _freed(one, out, nominal))
+        for one, out in zip(warmer, _marched(warmer), strict=True)
+    ]
+
+
+def _freed(one: Ready, out: Marched, nominal: Case) -> Marched:
+    """The same without limits; with them where a machine cannot be marched without."""
+    try:
+        return without_limits(one.drive, one.task, out, nominal.loops)
+    except InputError:
+        return out
 
 
 def _asked(nominal: Case, spec: RobotSpec) -> Profile:
@@ -129,18 +152,16 @@ def _marched(made: Sequence[Ready]) -> list[Marched]:
 
 
 def _checks(
-    nominal: Case, spec: RobotSpec, drive_set: DriveSet, asked: Profile, made: Ready, out: Marched
-) -> tuple[Check, ...]:
-    """Demand against limit of one sample."""
+    nominal: Case, machine: tuple[RobotSpec, DriveSet], asked: Profile, made: Ready,
+    marched: tuple[Marched, tuple[Marched, ...]],
+) -> tuple[Check, ...]:  # fmt: skip
+    """Demand against limit of one sample, from its march from cold and those of its periodic steady state."""
+    out, warm = marched
     if out.problems[0]:
         return (replace(checks(nominal)[0], status="fail", title=_LOST),)
-    try:
-        free = without_limits(made.drive, made.task, out, nominal.loops)
-    except InputError:
-        free = out
     case = Case(
-        spec, drive_set, asked, made.train, made.controller, made.shaft, nominal.loops, made.usable_voltage, made.task,
-        out, free, {}, made.said,
+        *machine, asked, made.train, made.controller, made.shaft, nominal.loops, made.usable_voltage, made.task,
+        out, _freed(made, out, nominal), {}, made.said, warm=warm,
     )  # fmt: skip
     return tuple(check for check in checks(case) if check.name not in _LEFT)
 
