@@ -97,7 +97,8 @@ def size(
     objective = objective or spec.select.objective
     picked = shortlist(spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling)
     spec, found = picked.spec, picked.found
-    fell = [*picked.short.values(), *(drive_set(found.evaluation, row, 0, objective) for row in picked.fallen)]
+    short = picked.short
+    fell = [*short.values(), *(drive_set(found.evaluation, row, 0, objective) for row in picked.fallen)]
     sets = with_both_methods(spec, catalog, ranked(picked.best.values()))
     unsure = with_both_methods(spec, catalog, ranked(picked.unsure.values(), len(sets)))
     return SizingResult(
@@ -105,13 +106,13 @@ def size(
         catalog=catalog,
         method=spec.method,
         objective=title_of(objective),
-        requirements=_requirements(found, spec, next(iter((*picked.best, *picked.unsure, *picked.short)), 0)),
+        requirements=_requirements(found, spec, next(iter((*picked.best, *picked.unsure, *short)), 0)),
         sets=sets,
         misses=ranked(fell[: None if sets else top], len(sets) + len(unsure)),
         relaxations=() if found.standing or found.short else relaxations(spec, catalog),
         counts=found.counts,
         assumptions=(*_assumptions(spec), *pulleys.assumptions(spec), *_of_data(spec, (*sets, *unsure))),
-        warnings=(*picked.weighed, *_warnings(spec, sets), *shortfall(picked.short, found.better), *catalog.replaced),
+        warnings=(*picked.weighed, *_warnings(spec, sets), *shortfall(short, found.better), *catalog.replaced),
         unrestricted=_unrestricted(spec, catalog, objective),
         front=on_the_front(found, picked.weigh),
         pareto=pareto,

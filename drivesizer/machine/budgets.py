@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from math import isnan
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,7 @@ from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.sizing import verdict
+from drivesizer.spec.battery import Battery
 from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.robot import RobotSpec
 
@@ -75,7 +77,13 @@ def _standing(case: RobotSpec, needed: float) -> Standing:
     return Standing(case.platform, case.load, dynamics_of(case), case.environment.gravity, needed, way, gains)
 
 
-def with_budget(spec: RobotSpec, catalog: Catalog, one: DriveSet, machine: MechanicalBudget | None = None) -> DriveSet:
+def with_budget(
+    spec: RobotSpec,
+    catalog: Catalog,
+    one: DriveSet,
+    machine: MechanicalBudget | None = None,
+    bases: Sequence[Any] = (),
+) -> DriveSet:
     """The same set with the checks of the machine that it is in; as it is where the spec has no such budget.
 
     Parameters
@@ -86,16 +94,15 @@ def with_budget(spec: RobotSpec, catalog: Catalog, one: DriveSet, machine: Mecha
         The set as the search found it.
     machine
         What is the same for every set, of ``of_the_platform``.
+    bases
+        The load cycle of each load case before a belt's ratio, of ``at_gearhead``, where they are at hand.
     """
     parts = [machine] if machine else []
     if spec.budget:
         parts.insert(0, _mass(spec, catalog, one))
     checks, energy = [check for part in parts for check in part.checks], None
     if spec.battery:
-        cases = [case for _, case in spec.load_cases]
-        grouped = machine_cases((name, case.load) for name, case in spec.load_cases)
-        wheels = [(name, [cases[number] for number in numbers]) for name, numbers in grouped]
-        found = [(n, energy_budget(some[0], one, spec.battery, spec.equipment, catalog, some)) for n, some in wheels]
+        found = _of_the_battery(spec, spec.battery, catalog, one, bases)
         checks += _worst([(name, budget.checks) for name, budget in found])
         energy = min((budget for _, budget in found), key=_lasting)
     if not checks:
@@ -108,6 +115,17 @@ def with_budget(spec: RobotSpec, catalog: Catalog, one: DriveSet, machine: Mecha
         energy=energy,
         status=verdict((*one.checks, *checks)),
     )
+
+
+def _of_the_battery(
+    spec: RobotSpec, battery: Battery, catalog: Catalog, one: DriveSet, bases: Sequence[Any]
+) -> list[tuple[str, EnergyBudget]]:
+    """What the battery is asked for in each load case of the machine."""
+    cases, found = [case for _, case in spec.load_cases], []
+    for name, numbers in machine_cases((name, case.load) for name, case in spec.load_cases):
+        some, known = [cases[number] for number in numbers], [bases[number] for number in numbers if bases]
+        found.append((name, energy_budget(some[0], one, battery, spec.equipment, catalog, some, known)))
+    return found
 
 
 def drive_mass(one: DriveSet, sets: int) -> float:

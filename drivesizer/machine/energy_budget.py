@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf, isnan, nan
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,7 @@ def energy_budget(
     equipment: Sequence[Consumer],
     catalog: Catalog,
     parts: Sequence[RobotSpec] = (),
+    bases: Sequence[Any] = (),
 ) -> EnergyBudget:
     """Consumers, autonomy and checks of a set in a machine, or in one of its load cases.
 
@@ -63,13 +65,17 @@ def energy_budget(
         Where the battery's part is listed.
     parts
         The load cases of a platform's wheels, where each has its own; the spec is one of them.
+    bases
+        The load cycle of each before a belt's ratio, of ``at_gearhead``, where they are at hand.
 
     Raises
     ------
     InputError
         When the battery's part is not listed, or a consumer's time has no mission.
     """
-    drive = together([drive_power(one, drive_set) for one in parts or (spec,)])
+    wheels = parts or (spec,)
+    known = bases or [None] * len(wheels)
+    drive = together([drive_power(one, drive_set, base) for one, base in zip(wheels, known, strict=True)])
     pack = pack_of(battery, catalog)
     consumers = (*_of_the_drive(spec, drive_set, drive), *_of_the_equipment(spec, equipment))
     power = _at_the_battery(spec, drive_set, drive, sum(c.mean for c in consumers[_DRIVE:]))

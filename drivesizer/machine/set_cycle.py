@@ -7,7 +7,7 @@ Symbols: I current [A], V voltage [V], w speed [rad/s], P_h loss at the housing 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,7 +73,7 @@ class Warming(NamedTuple):
     loss: Array  # W, at the housing
 
 
-def set_cycle(spec: RobotSpec, drive_set: DriveSet) -> SetCycle:
+def set_cycle(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> SetCycle:
     """What the cycle of a spec asks of a set.
 
     Parameters
@@ -82,6 +82,8 @@ def set_cycle(spec: RobotSpec, drive_set: DriveSet) -> SetCycle:
         The machine, or one of its load cases.
     drive_set
         What drives it.
+    base
+        Its load cycle before a belt's ratio, of ``at_gearhead``, where it is at hand.
 
     Raises
     ------
@@ -89,7 +91,8 @@ def set_cycle(spec: RobotSpec, drive_set: DriveSet) -> SetCycle:
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
     motor, gearhead, encoder = (OneRow(part) for part in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
-    base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)  # cut as the search cut it
+    if base is None:  # cut as the search cut it
+        base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)
     at = base.behind(drive_set.belt_ratio)
     asked = demands(at, motor, gearhead, encoder)
     warm = heat(spec.environment.ambient, at, asked, motor)

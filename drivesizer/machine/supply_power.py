@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +49,7 @@ class DrivePower(NamedTuple):
         return float(self.duration @ column) / self.total
 
 
-def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
+def drive_power(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> DrivePower:
     """Power over one cycle that repeats for ever, the winding as warm as it then is; unknown where that is.
 
     Parameters
@@ -58,13 +58,15 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet) -> DrivePower:
         The machine, or one of its load cases.
     drive_set
         What drives it.
+    base
+        As ``set_cycle`` takes it.
 
     Raises
     ------
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
-    found = set_cycle(spec, drive_set)
+    found = set_cycle(spec, drive_set, base)
     duration, *ends = _pieces(supplied(found))
     sums = energy(Wave(np.ones(1), *(x[:, None] for x in ends)), storing=False)  # every piece a candidate of its own
     one = Wave(np.ones(1), *(x[:, None] for x in _pieces(supplied(found, mean=False))[1:]))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.machine.budgets import of_the_platform, with_budget
@@ -15,10 +16,12 @@ from drivesizer.machine.platform_budget import MechanicalBudget
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, verdict
 from drivesizer.search.budget_columns import surely_fallen
+from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.columns.stages import Problem, problem
+from drivesizer.search.least_drawn import surely_empty
 from drivesizer.search.ranking import Objective
-from drivesizer.search.search import Found, Judge, Kept, search
+from drivesizer.search.search import Evaluated, Found, Judge, Kept, search
 from drivesizer.search.set_record import drive_set
 from drivesizer.spec.robot import RobotSpec
 
@@ -35,6 +38,8 @@ __all__ = [
 ]
 
 
+_FIRST = 4  # times as many sets as are wanted are computed in full at first
+_FEWEST, _MORE, _MOST = 64, 8, 1 << 16  # at first at least, times as many each time, at most
 Weigh = Callable[[Evaluation, int], DriveSet]  # a row of an evaluation as a record, with the machine's budgets
 
 
@@ -56,7 +61,8 @@ def weighing(spec: RobotSpec, machine: MechanicalBudget | None, objective: Objec
         given = sets.candidates
         key = int(given.motor[row]), int(given.gearhead[row]), float(given.belt[row])
         if key not in made or not isinstance(objective, str):  # several objectives are shares of the best shown
-            made[key] = with_budget(spec, sets.catalog, drive_set(sets, row, 0, objective), machine)
+            bases = sets.asked.bases if sets.asked else ()
+            made[key] = with_budget(spec, sets.catalog, drive_set(sets, row, 0, objective), machine, bases)
         return made[key]
 
     return weigh
@@ -85,29 +91,66 @@ def in_machine(
     if not (spec.battery or spec.budget or machine):
         return None
 
-    def judge(sets: Evaluation, wanted: int) -> Kept:
-        count = len(sets.candidates.motor)
+    def judge(sets: Candidates, evaluated: Evaluated, wanted: int) -> Kept:
+        count = len(sets.motor)
         if machine and _falls(spec, machine.checks):
             return Kept(np.arange(0), np.arange(count), count, Counter(dict.fromkeys(_failed(machine.checks), count)))
-        surely = surely_fallen(spec, given(), sets) if spec.battery or spec.budget else {}
-        surely = {name: rows for name, rows in surely.items() if name not in aside}
-        fallen = np.logical_or.reduce([np.zeros(count, bool), *surely.values()])
-        best: list[int] = []
-        by: Counter[str] = Counter()
-        for row in np.flatnonzero(~fallen).tolist():
-            budget = tuple(check for check in weigh(sets, row).budget if check.name not in aside)
-            if _falls(spec, budget):
-                fallen[row] = True
-                by.update(_failed(budget))
-            else:
-                best.append(row)
+        early = _looked_at(surely_empty(spec, given(), sets) if spec.method == "physics" else {}, aside)
+        fallen, best, by = _any_of(early, count), list[int](), Counter[str]()
+        for rows in _pieces(np.flatnonzero(~fallen), _FIRST * wanted):
+            found = _of_evaluated(spec, given, weigh, aside, evaluated(rows), wanted - len(best))
+            fallen[rows[found.fallen]] = True
+            best += rows[found.best].tolist()
+            by.update(found.by)
             if len(best) == wanted:
                 break
         judged = best[-1] + 1 if len(best) == wanted else count
-        by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in surely.items()})
+        by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in early.items()})
         return Kept(np.array(best, np.int64), np.flatnonzero(fallen[:judged]), judged, by)
 
     return judge
+
+
+def _of_evaluated(
+    spec: RobotSpec,
+    given: Callable[[], Problem],
+    weigh: Weigh,
+    aside: frozenset[str],
+    sets: Evaluation,
+    wanted: int,
+) -> Kept:
+    """Of sets in full those that stand: by columns as far as these tell, by their records in the end."""
+    surely = _looked_at(surely_fallen(spec, given(), sets) if spec.battery or spec.budget else {}, aside)
+    fallen, best, by = _any_of(surely, len(sets.candidates.motor)), list[int](), Counter[str]()
+    for row in np.flatnonzero(~fallen).tolist():
+        budget = tuple(check for check in weigh(sets, row).budget if check.name not in aside)
+        if _falls(spec, budget):
+            fallen[row] = True
+            by.update(_failed(budget))
+        else:
+            best.append(row)
+        if len(best) == wanted:
+            break
+    judged = best[-1] + 1 if len(best) == wanted else len(fallen)
+    by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in surely.items()})
+    return Kept(np.array(best, np.int64), np.flatnonzero(fallen[:judged]), judged, by)
+
+
+def _looked_at(found: dict[str, NDArray[np.bool_]], aside: frozenset[str]) -> dict[str, NDArray[np.bool_]]:
+    return {name: rows for name, rows in found.items() if name not in aside}
+
+
+def _any_of(found: dict[str, NDArray[np.bool_]], count: int) -> NDArray[np.bool_]:
+    rows: NDArray[np.bool_] = np.logical_or.reduce([np.zeros(count, bool), *found.values()])
+    return rows
+
+
+def _pieces(rows: NDArray[np.int64], first: int) -> Iterator[NDArray[np.int64]]:
+    """Rows a piece at a time, each larger than the one before: a piece costs much more than a row of it."""
+    size = max(first, _FEWEST)
+    while len(rows):
+        yield rows[:size]
+        rows, size = rows[size:], min(_MORE * size, _MOST)
 
 
 def best_in_machine(

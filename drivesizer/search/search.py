@@ -25,12 +25,12 @@ from drivesizer.search.columns.stages import Examined, Problem, examine, problem
 from drivesizer.search.ranking import Objective
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Found", "Judge", "Kept", "search", "smallest_margin"]
+__all__ = ["Evaluated", "Found", "Judge", "Kept", "search", "smallest_margin"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]  # sets examined, sets in all
 
-_FIRST = 4  # times as many sets as are wanted are judged at first
+_FIRST = 1 << 12  # sets that are judged at first
 _CHUNK = 1 << 16  # pairs at a time
 _NEAREST = 32  # of those that fell, kept until all are known
 _COUNTED = ("energy", "joule_heat", "peak_current", "winding_temperature")  # figures that objectives count
@@ -57,7 +57,8 @@ class Kept(NamedTuple):
     by: Counter[str]  # how many by each budget
 
 
-Judge = Callable[[Evaluation, int], Kept]  # sets in order, and how many that stand are wanted
+Evaluated = Callable[[NDArray[np.int64]], Evaluation]  # some rows of the sets in full
+Judge = Callable[[Candidates, Evaluated, int], Kept]  # sets in order, and how many that stand are wanted
 
 
 class _Kept(NamedTuple):
@@ -109,7 +110,7 @@ def search(
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
     order = ranking.order(catalog, kept.sets, *value, before=[kept.doubtful])
     stood = _stood(
-        judge, lambda rows: by_physics(given, kept.sets.on(rows), True), order, len(order) if pareto else top
+        judge, kept.sets, lambda rows: by_physics(given, kept.sets.on(rows), True), order, len(order) if pareto else top
     )
     best, short = stood.best[:top], stood.fallen[:top]
     nearest = fallen.on(_nearest(given, fallen)[: misses if len(best) else top])
@@ -125,21 +126,24 @@ def search(
     return Found(shown, len(best), _without(counts, stood), front, fell, _before(stood, order))
 
 
-def _stood(
-    judge: Judge | None, evaluated: Callable[[NDArray[np.int64]], Evaluation], order: NDArray[np.int64], wanted: int
-) -> Kept:
+def _stood(judge: Judge | None, sets: Candidates, evaluated: Evaluated, order: NDArray[np.int64], wanted: int) -> Kept:
     """Of sets in order those that stand in the machine, until so many are found or none is left."""
     if judge is None:
         return Kept(order, order[:0], 0, Counter())
-    best, fallen, by, start, size = [order[:0]], [order[:0]], Counter[str](), 0, _FIRST * wanted
+    best, fallen, by, start, size = [order[:0]], [order[:0]], Counter[str](), 0, _FIRST
     while start < len(order) and sum(map(len, best)) < wanted:
         rows = order[start : start + size]
-        found = judge(evaluated(rows), wanted - sum(map(len, best)))
+        found = judge(sets.on(rows), _among(evaluated, rows), wanted - sum(map(len, best)))
         best.append(rows[found.best])
         fallen.append(rows[found.fallen])
         by.update(found.by)
         start, size = start + found.judged, min(16 * size, _CHUNK)
     return Kept(np.concatenate(best), np.concatenate(fallen), start, by)
+
+
+def _among(evaluated: Evaluated, rows: NDArray[np.int64]) -> Evaluated:
+    """The same of some of the sets, by their places among these."""
+    return lambda few: evaluated(rows[few])
 
 
 def _without(counts: Counts, stood: Kept) -> Counts:
@@ -269,8 +273,9 @@ def _by_the_paper(
     tally = {check.name: int(check.failed.sum()) for check in found.checks if check.failed.any()}
     counts = Counts(considered=len(stands), feasible=int(stands.sum()), failed_by=tally)
     standing, fell = order[stands[order]], order[~stands[order]]
-    stood = _stood(judge, lambda rows: _on(found, rows), standing, len(order) if pareto else top)
-    sets, best, short = found.candidates, stood.best[:top], stood.fallen[:top]
+    sets = found.candidates
+    stood = _stood(judge, sets, lambda rows: _on(found, rows), standing, len(order) if pareto else top)
+    best, short = stood.best[:top], stood.fallen[:top]
     near = fell[: min(misses, max(top - len(best), 0)) if counts.feasible else top]
     on_front = best[:0]
     if pareto:

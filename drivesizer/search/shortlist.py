@@ -46,10 +46,15 @@ class Shortlist:
     machine: MechanicalBudget | None  # what is the same for every set
     weigh: Weigh  # makes records of sets in their machine
     best: dict[int, DriveSet]  # that stand, in order
-    short: dict[int, DriveSet]  # that would, but for a budget of the machine
+    top: int  # how many were asked for
     unsure: dict[int, DriveSet]  # that would, but less surely than asked for; the surest first
     uncertainty: Uncertainty | None  # None: nothing was sampled
     weighed: tuple[str, ...]  # how the machine's own mass was found
+
+    @property
+    def short(self) -> dict[int, DriveSet]:
+        """Sets that would stand, but for a budget of the machine: records are made when they are asked for."""
+        return divided(self.found, self.spec, self.weigh, self.top, self.found.short)[1]
 
     @property
     def fallen(self) -> Iterable[int]:
@@ -118,7 +123,6 @@ def shortlist(
     rows: Sequence[int] = range(found.standing)
     sure = _judged(found, spec, catalog, objective, rows[:pool], sampling) if sampling and pool else None
     best, _ = divided(found, spec, weigh, top, sure.good if sure else rows)
-    short = divided(found, spec, weigh, top, found.short)[1]
     if sampling and not sure and best:
         sure = _judged(found, spec, catalog, objective, [*best], sampling)
     unsure = divided(found, spec, weigh, top, sure.bad)[0] if sure else {}
@@ -128,7 +132,7 @@ def shortlist(
         machine=machine,
         weigh=weigh,
         best=_told(sure, catalog, best, FINALISTS, brief),
-        short=short,
+        top=top,
         unsure=_told(sure, catalog, unsure, 0, brief),
         uncertainty=_uncertainty(sure),
         weighed=weighed,

@@ -32,7 +32,7 @@ from drivesizer.search.columns.problem import Problem, doubted, each, problem
 from drivesizer.search.columns.survivors import Alone, Sieve
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Examined", "Problem", "doubted", "examine", "problem"]
+__all__ = ["Examined", "Problem", "doubted", "encoders_of", "examine", "problem"]
 
 Array = NDArray[np.float64]
 
@@ -81,7 +81,7 @@ def examine(
     beside = [*size_limits(given.spec, motor, gearhead), *shaft_limits(given.spec, motor, gearhead)]
     keep = sieve.through([listed, *beside])
     motor, gearhead = motor.on(keep), gearhead.on(keep)
-    encoder = _encoders(given, ats, motor.rows, gearhead["ratio"])
+    encoder = encoders_of(given, ats, motor.rows, gearhead["ratio"])
     if not staged:  # in stages each motor was judged by what there is for it
         sieve.through(counts_check(given.spec, given.catalog, encoder))
     parts = Parts(motor, gearhead, Rows(given.catalog.encoders, encoder), None)
@@ -98,7 +98,7 @@ def _moving(spec: RobotSpec, at: AtGearhead, parts: Parts) -> Moving:
     return Moving(asked, heat(spec.environment.ambient, at, asked, parts.motor))
 
 
-def _encoders(given: Problem, ats: Sequence[AtGearhead], motor: NDArray[np.int64], ratio: Array) -> NDArray[np.int64]:
+def encoders_of(given: Problem, ats: Sequence[AtGearhead], motor: NDArray[np.int64], ratio: Array) -> NDArray[np.int64]:
     """An encoder for each candidate that does in the fastest of all cases."""
     fastest = max(at.peak_speed * (1.0 + spec.margins.speed) for spec, at in zip(given.specs, ats, strict=True))
     return encoders_for(given.spec, given.offered, motor, fastest * ratio, ratio * ats[0].belt)

@@ -26,13 +26,13 @@ from drivesizer.spec.battery import Battery
 from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["SAMPLED", "Draw", "Feeding", "battery_limits", "columns_of", "feeding"]
+__all__ = ["LASTING", "SAMPLED", "Draw", "Feeding", "battery_limits", "columns_of", "feeding"]
 
 Array = NDArray[np.float64]
-_LASTING = ("battery_autonomy", "battery_range")
+LASTING = ("battery_autonomy", "battery_range")
 _PEAKS = ("battery_power", "battery_peak_current")
 _VOLTAGES = ("battery_voltage", "battery_cutoff")
-SAMPLED = (*_LASTING, *_PEAKS, *_VOLTAGES)
+SAMPLED = (*LASTING, *_PEAKS, *_VOLTAGES)
 
 
 class Feeding(NamedTuple):
@@ -116,7 +116,7 @@ def columns_of(
     emf, resistance = feeds.pack.emf(left), feeds.pack.resistance
     lowest = terminal_voltage(current_of_power(peak, emf, resistance), emf, resistance)
     load = Load(mean=mean, peak=peak, rms=nan, back=nan, way=speed, full=full, charge=left, lowest=lowest)
-    judged = _LASTING if len(draws) > 1 else (*_LASTING, *_PEAKS, *(() if feeds.pack.polarisation else _VOLTAGES))
+    judged = LASTING if len(draws) > 1 else (*LASTING, *_PEAKS, *(() if feeds.pack.polarisation else _VOLTAGES))
     return [check for check in battery_columns(spec, spec.battery, feeds.pack, load) if check.name in judged]
 
 

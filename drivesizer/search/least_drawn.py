@@ -1,0 +1,92 @@
+"""Sets that a battery surely cannot feed for long enough, by what their cycle takes at least: no waveform is needed.
+
+A motor's mean power is no less than with its winding at the ambient's temperature all the time,
+
+.. math:: P \\ge R_{cold} I_{rms}^2 + \\overline{\\tau w}
+
+for a winding in use is warmer, and what the makers' two constants differ by is lost (``waveform.balanced``). A
+controller draws no less than it passes on and gives back no more than it is given, of which no more than all is kept.
+So whatever the controller is, the battery gives that power in the mean. Both terms follow from the moments of the load
+cycle, over as many sets as there are.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.loads.wheel import machine_cases
+from drivesizer.machine.supply_power import way_of
+from drivesizer.physics.motor_demand import SPEED, demands
+from drivesizer.physics.stress import heat
+from drivesizer.physics.thermal import resistance_25, resistance_at
+from drivesizer.search.columns.candidates import Candidates, Rows
+from drivesizer.search.columns.stages import Problem, encoders_of
+from drivesizer.search.uncertainty.sampled_battery import LASTING, Draw, columns_of, feeding
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["least_power", "surely_empty"]
+
+Array = NDArray[np.float64]
+_ROUNDING = 1e-9  # of a figure
+
+
+def surely_empty(spec: RobotSpec, given: Problem, sets: Candidates) -> dict[str, NDArray[np.bool_]]:
+    """Of some sets which surely fail autonomy or range of the battery; nothing where none is asked for.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    given
+        The same with its load cycles.
+    sets
+        Of which no check of the drive makes any fall, by physics.
+    """
+    found = dict[str, NDArray[np.bool_]]()
+    if spec.battery is None:
+        return found
+    loads = [(name, case.load) for name, case in zip(given.names, given.specs, strict=True)]
+    for _, numbers in machine_cases(loads):
+        case, cycle = given.specs[numbers[0]], given.bases[numbers[0]].cycle
+        least = np.sum([given.specs[n].load.alike * least_power(given, n, sets) for n in numbers], axis=0)
+        energy = cycle.total * (least - _ROUNDING * np.abs(least))
+        draw, alone = Draw(energy, np.zeros_like(energy), np.full_like(energy, np.nan)), np.ones_like(energy)
+        speed = alone * way_of(case, cycle) / cycle.total
+        feeds = feeding(case, spec.battery, given.catalog)
+        for check in columns_of(case, feeds, cycle.total, speed, [draw], alone):
+            if check.name in LASTING:
+                found[check.name] = found.get(check.name, False) | check.failed
+    return found
+
+
+def least_power(given: Problem, number: int, sets: Candidates) -> Array:
+    """What a motor takes at least, mean over a load case [W]; NaN where the waveform does not tell its power.
+
+    Parameters
+    ----------
+    given
+        The machine with its load cycles.
+    number
+        Of the load case.
+    sets
+        With that motor.
+    """
+    found = np.empty(len(sets.motor))
+    for belt in np.unique(sets.belt).tolist():
+        rows = np.flatnonzero(sets.belt == belt)
+        found[rows] = _behind(given, number, belt, sets.on(rows))
+    return found
+
+
+def _behind(given: Problem, number: int, belt: float, sets: Candidates) -> Array:
+    """The same of sets behind one belt."""
+    ats, ambient = [base.behind(belt) for base in given.bases], given.specs[number].environment.ambient
+    motor, gearhead = Rows(given.catalog.motors, sets.motor), Rows(given.catalog.gearheads, sets.gearhead)
+    encoder = Rows(given.catalog.encoders, encoders_of(given, ats, sets.motor, gearhead["ratio"]))
+    asked = demands(ats[number], motor, gearhead, encoder)
+    cold = np.asarray(resistance_at(resistance_25(motor), ambient))
+    turning = asked.total_ratio * (asked.coefficients @ ats[number].moments[:, SPEED])
+    warm = heat(ambient, ats[number], asked, motor).winding
+    told = asked.sure & np.isfinite(warm) & np.isfinite(motor["max_winding_temperature"])
+    return np.where(told, cold * asked.rms_current**2 + turning, np.nan)
