@@ -96,8 +96,7 @@ def size(
     catalog = prepared(catalog) if catalog else load_parts(spec)
     objective = objective or spec.select.objective
     picked = shortlist(spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling)
-    spec, found = picked.spec, picked.found
-    short = picked.short
+    spec, found, short = picked.spec, picked.found, picked.short
     fell = [*short.values(), *(drive_set(found.evaluation, row, 0, objective) for row in picked.fallen)]
     sets = with_both_methods(spec, catalog, ranked(picked.best.values()))
     unsure = with_both_methods(spec, catalog, ranked(picked.unsure.values(), len(sets)))
