@@ -90,7 +90,7 @@ def _grip(load: WheeledVehicle, g: float, course: Course, force: Ends, turning: 
     time = np.stack([end - course.duration, end], axis=1).reshape(-1)[worst]
     limit = held_by_a_wheel(load, g)
     most = float(np.abs(force).reshape(-1)[worst])
-    return (OwnLimit("traction", most, limit, "force", "N", float(time), turning),)
+    return (OwnLimit("traction", most, limit, float(time), turning),)
 
 
 def held_by_a_wheel(load: WheeledVehicle, g: float) -> float:

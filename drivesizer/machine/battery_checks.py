@@ -116,13 +116,11 @@ def charging(spec: Any, pack: Pack, load: Load) -> tuple[CheckColumn, ...]:
     """
     rest, lacking = at_rest(pack, load.mean), _RESISTED if np.isnan(pack.resistance).all() else ""
     zero = np.where((np.asarray(load.back) == 0.0) | (np.asarray(load.highest) > rest), rest, 0.0)[()]
-    over = at_most(
-        "battery_overcharge", load.highest, pack.charge_voltage, "voltage", "V", zero=zero, undecided=lacking
-    )
-    bus = at_most("battery_return_voltage", load.highest, spec.supply.highest, "voltage", "V", undecided=lacking)
+    over = at_most("battery_overcharge", load.highest, pack.charge_voltage, zero=zero, undecided=lacking)
+    bus = at_most("battery_return_voltage", load.highest, spec.supply.highest, undecided=lacking)
     current = _returned_current(pack, load.back, pack.emf(load.charge))
     grip = spec.margins.torque
-    into = at_most("battery_charge_current", current, pack.max_charge_current, "current", "A", needed=grip)
+    into = at_most("battery_charge_current", current, pack.max_charge_current, needed=grip)
     return _known_at_rest(pack, over), _known_at_rest(pack, bus), into
 
 
@@ -133,7 +131,7 @@ def _room(pack: Pack, load: Load) -> list[CheckColumn]:
     time = np.where(np.isnan(load.required), inf, load.required)
     more = np.where(np.asarray(load.mean) < 0.0, -np.asarray(load.mean) * time / pack.mean_voltage, 0.0)
     room = (1.0 - pack.start) * pack.health * pack.capacity
-    return [at_most("battery_room", more, room, "charge", "A*h")]
+    return [at_most("battery_room", more, room)]
 
 
 def _lasting(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> list[CheckColumn]:
@@ -141,9 +139,9 @@ def _lasting(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> list[Ch
     lasts = load.full * pack.available
     required, found = required_autonomy(spec, given), []
     if not np.isnan(required).all():
-        found.append(at_least("battery_autonomy", required, lasts, "time", "h", needed=given.reserve))
+        found.append(at_least("battery_autonomy", required, lasts, needed=given.reserve))
     if given.range is not None:
-        found.append(at_least("battery_range", given.range, load.way * lasts, "length", "km", needed=given.reserve))
+        found.append(at_least("battery_range", given.range, load.way * lasts, needed=given.reserve))
     return found
 
 
@@ -151,10 +149,10 @@ def _voltages(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:
     """What the drive was sized for: the supply's lowest and highest voltage."""
     emf = pack.emf(load.charge)
     found = [
-        at_most("battery_power", load.peak, largest_power(emf, pack.resistance), "power", "W"),
-        at_least("battery_voltage", spec.supply.lowest, load.lowest, "voltage", "V"),
-        at_least("battery_cutoff", pack.cutoff_voltage, load.lowest, "voltage", "V"),
-        at_most("battery_charge_voltage", pack.charge_voltage, spec.supply.highest, "voltage", "V", by_choice=True),
+        at_most("battery_power", load.peak, largest_power(emf, pack.resistance)),
+        at_least("battery_voltage", spec.supply.lowest, load.lowest),
+        at_least("battery_cutoff", pack.cutoff_voltage, load.lowest),
+        at_most("battery_charge_voltage", pack.charge_voltage, spec.supply.highest, by_choice=True),
     ]
     return [_known_at_rest(pack, check) for check in found]
 
@@ -181,4 +179,4 @@ def _currents(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:
         ("battery_continuous_current", load.rms / pack.mean_voltage, pack.continuous_current),
         ("battery_peak_current", peak, pack.peak_current),
     )
-    return [at_most(name, demand, limit, "current", "A", needed=grip) for name, demand, limit in rows]
+    return [at_most(name, demand, limit, needed=grip) for name, demand, limit in rows]

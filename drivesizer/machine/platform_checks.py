@@ -144,7 +144,7 @@ def mass_checks(found: MassBudget, sized_for: float | None = None) -> tuple[Chec
 def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
     """Masses as far as they are known [kg], and whether some are not, against the limits that there are: columns."""
     limits = {"mass": nan if limit is None else limit, "mass_sized_for": nan if sized_for is None else sized_for}
-    columns = [at_most(name, known, most, "mass", "kg") for name, most in limits.items() if most == most]
+    columns = [at_most(name, known, most) for name, most in limits.items() if most == most]
     return [replace(column, passed=column.passed & ~np.asarray(lacking, bool)) for column in columns]
 
 
@@ -177,14 +177,14 @@ def _passage(section: Platform, passage: PassageSection) -> Iterator[CheckColumn
     assert section.size is not None
     size, opening = section.size.record, passage.width
     taken = width_at(size, passage.heading_error, passage.aside)
-    yield at_most("passage_width", taken, opening, "length", "mm")
+    yield at_most("passage_width", taken, opening)
     if passage.height is not None:
-        yield at_most("passage_height", size.height, passage.height, "length", "mm")
+        yield at_most("passage_height", size.height, passage.height)
     if passage.turns:
-        yield at_most("passage_turning", turning_circle(size) + 2.0 * passage.aside, opening, "length", "mm")
+        yield at_most("passage_turning", turning_circle(size) + 2.0 * passage.aside, opening)
     if passage.corner is not None:
         room = corner_width(size.length, opening, passage.corner)
-        yield at_most("passage_corner", size.width, room, "length", "mm")
+        yield at_most("passage_corner", size.width, room)
 
 
 def _along(passage: PassageSection, way: Clearance | None) -> Iterator[CheckColumn]:
@@ -193,7 +193,7 @@ def _along(passage: PassageSection, way: Clearance | None) -> Iterator[CheckColu
         note = f"nearest to the {way.side} jamb" if way.side else "the trajectory does not lead through it"
         taken = passage.width - 2.0 * way.least
         time = np.asarray(way.time)
-        yield at_most("passage_clearance", taken, passage.width, "length", "mm", note=note, time=time)
+        yield at_most("passage_clearance", taken, passage.width, note=note, time=time)
 
 
 # --- footing ----------------------------------------------------------------------------------------------------------
@@ -224,20 +224,20 @@ def _limit(s: Standing, name: str) -> CheckColumn:
     gains, falls = (s.faster or 0.0) / cos(s.steepest), s.gravity * tan(s.steepest)
     asked = gains + falls
     if not s.section.height_known:
-        return at_most(name, asked or nan, nan, "acceleration", "m/s^2", note=_NO_HEIGHT)
+        return at_most(name, asked or nan, nan, note=_NO_HEIGHT)
     used = max(
         used_footing(s.d.platform, ((gains, way), (falls, None)), tips=name == "tipping", gravity=s.gravity)
         for way in s.ways
     )
-    return at_most(name, asked, asked / used if used else inf, "acceleration", "m/s^2")
+    return at_most(name, asked, asked / used if used else inf)
 
 
 def _off(s: Standing, name: str, least: Moment) -> CheckColumn:
     """What the worst moment takes off, as a share."""
     if not s.section.height_known:
-        return at_most(name, nan, 1.0, "dimensionless", "%", note=_NO_HEIGHT)
+        return at_most(name, nan, 1.0, note=_NO_HEIGHT)
     time = np.asarray(least.time)
-    return at_most(name, 1.0 - least.value, 1.0, "dimensionless", "%", time=time, note=_contact(s, least.contact))
+    return at_most(name, 1.0 - least.value, 1.0, time=time, note=_contact(s, least.contact))
 
 
 def _contact(s: Standing, number: int) -> str:
@@ -264,11 +264,11 @@ def _grip(s: Standing, friction: float) -> Iterator[CheckColumn]:
     known, faster = friction == friction, s.faster
     if s.steepest:
         limit = grip_slope(s.d, friction) if known else nan
-        yield at_most("grip_slope", s.steepest, limit, "angle", "deg", needed=s.needed)
+        yield at_most("grip_slope", s.steepest, limit, needed=s.needed)
     if faster is not None:
         limits = [grip_acceleration(s.d, friction, way, slope=s.steepest, gravity=s.gravity) for way in s.ways * known]
-        yield at_most("grip_acceleration", faster, min(limits, default=nan), "acceleration", "m/s^2", needed=s.needed)
+        yield at_most("grip_acceleration", faster, min(limits, default=nan), needed=s.needed)
     if s.trajectory is not None:
         worst = worst_friction(s.d, s.trajectory, s.ground)
         note, time = _contact(s, worst.contact), np.asarray(worst.time)
-        yield at_most("grip_motion", worst.value, friction, "dimensionless", "1", needed=s.needed, note=note, time=time)
+        yield at_most("grip_motion", worst.value, friction, needed=s.needed, note=note, time=time)

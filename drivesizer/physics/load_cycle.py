@@ -32,8 +32,6 @@ class OwnLimit(NamedTuple):
     name: str
     demand: float  # SI; NaN unknown
     limit: float
-    kind: str
-    unit: str  # of the trade
     time: float = nan  # s, of the worst moment
     turning: float = nan  # kg*m^2, J of a demand max |T - J a| / radius; NaN of any other demand
 

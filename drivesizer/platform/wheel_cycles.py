@@ -167,11 +167,11 @@ def _grip(time: Array, force: Array, load: Array, friction: float | None) -> Own
         worst = int(np.nan_to_num(force / carried, nan=0.0, posinf=np.inf).argmax())
     limit = nan if friction is None else friction * float(carried.reshape(-1)[worst])
     demand = float(force.reshape(-1)[worst])
-    return OwnLimit("traction", demand, limit, "force", "N", float(time.reshape(-1)[worst]))
+    return OwnLimit("traction", demand, limit, float(time.reshape(-1)[worst]))
 
 
 def _unloading(time: Array, before: float, load: Array, share: float) -> OwnLimit:
     """What is taken off a wheel at most."""
     worst = int(load.argmin())
     taken, at = before - float(load.reshape(-1)[worst]), float(time.reshape(-1)[worst])
-    return OwnLimit("wheel_unloading", taken, (1.0 - share) * before, "force", "N", at)
+    return OwnLimit("wheel_unloading", taken, (1.0 - share) * before, at)

@@ -1,7 +1,8 @@
 """Demand against limit, for all candidates at once: the one place where margins are made.
 
 An upper limit has margin limit/demand - 1, a required minimum actual/required - 1, a temperature the same of its rise
-over the ambient. A figure that is missing makes the check *unknown*; a demand of zero passes and has no margin.
+over the ambient. A figure that is missing makes the check *unknown*; a demand of zero passes and has no margin. Title,
+kind of quantity and unit are those that ``check_kinds`` declares.
 """
 
 from __future__ import annotations
@@ -15,103 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.results.check import Check, Status
+from drivesizer.results.check_kinds import CHECKS, refuse_undeclared
 
-__all__ = ["NOT_ASKED", "TITLES", "CheckColumn", "at_least", "at_most", "between", "fits", "worst_case"]
-
-_SHARED = {
-    "compatibility": "Motor and gearhead fit together",
-    "gearhead_continuous_torque": "Gearhead continuous torque",
-    "gearhead_intermittent_torque": "Gearhead intermittent torque",
-    "backlash_at_load": "Backlash at the load",
-    "encoder_counts": "Encoder counts per turn",
-    "controller_available": "Controller for bus, voltage and motor",
-    "controller_continuous_current": "Controller continuous current",
-    "controller_peak_current": "Controller peak current",
-}
-TITLES = {
-    "paper": _SHARED
-    | {
-        "gearhead_input_speed": "Gearhead input speed",
-        "largest_reduction": "Largest reduction allowed",
-        "motor_speed": "Motor speed (no-load speed)",
-        "motor_continuous_torque": "Motor continuous torque",
-        "motor_maximum_torque": "Motor maximum torque (stall)",
-        "motor_power": "Motor continuous power",
-        "speed_constant": "Speed constant",
-    },
-    "physics": {  # in the order in which people read them
-        "compatibility": _SHARED["compatibility"],
-        "gearhead_continuous_torque": _SHARED["gearhead_continuous_torque"],
-        "gearhead_intermittent_torque": _SHARED["gearhead_intermittent_torque"],
-        "gearhead_continuous_speed": "Gearhead continuous input speed",
-        "gearhead_intermittent_speed": "Gearhead intermittent input speed",
-        "gearhead_continuous_power": "Gearhead continuous power",
-        "gearhead_intermittent_power": "Gearhead intermittent power",
-        "gearhead_radial_load": "Gearhead radial load",
-        "gearhead_temperature_range": "Gearhead temperature range",
-        "backlash_at_load": _SHARED["backlash_at_load"],
-        "motor_radial_load": "Motor radial load",
-        "motor_speed": "Motor permissible speed",
-        "motor_nominal_current": "Motor nominal current (RMS)",
-        "motor_peak_torque": "Motor peak torque",
-        "winding_temperature": "Winding temperature, peak",
-        "motor_temperature_range": "Motor temperature range",
-        "inertia_ratio": "Inertia ratio, load to motor",
-        "first_resonance": "First resonance",
-        "holding": "Holding without power",
-        "controller_available": _SHARED["controller_available"],
-        "supply_voltage": "Motor voltage, cold and hot",
-        "controller_continuous_current": _SHARED["controller_continuous_current"],
-        "controller_peak_current": _SHARED["controller_peak_current"],
-        "controller_peak_time": "Time above continuous current",
-        "controller_speed": "Controller electrical speed",
-        "supply_current": "Supply current, all motor sets",
-        "supply_power": "Supply power, all motor sets",
-        "bus_voltage": "Bus voltage, energy returned",
-        "encoder_counts": _SHARED["encoder_counts"],
-        "encoder_speed": "Encoder speed",
-        "encoder_frequency": "Encoder frequency",
-        "encoder_resolution": "Encoder resolution at the load",
-        "traction": "Traction per wheel",
-        "belt_tension": "Belt effective tension",
-        "belt_speed": "Belt speed",
-        "belt_teeth_in_mesh": "Belt teeth in mesh, small pulley",
-        "diameter": "Diameter of motor and gearhead",
-        "length": "Length of motor and gearhead",
-        "mass": "Mass of motor and gearhead",
-        "price": "Price of motor and gearhead",
-    },
-    "budget": {  # of the machine with a set in it
-        "mass": "Mass of the machine",
-        "mass_sized_for": "Mass that the drive is sized for",
-        "passage_width": "Width of a passage",
-        "passage_height": "Height of a passage",
-        "passage_turning": "Turning on the spot in a passage",
-        "passage_corner": "Corner of two corridors",
-        "passage_clearance": "Width of a passage, along the trajectory",
-        "centre_of_mass": "Every wheel carries at rest",
-        "lift_off": "Acceleration and slope before a wheel lifts off",
-        "tipping": "Acceleration and slope before it tips over",
-        "wheel_unloading": "Load taken off a wheel, along the trajectory",
-        "tipping_motion": "Way to the tipping edge, along the trajectory",
-        "grip_slope": "Slope that the floor's grip holds",
-        "grip_acceleration": "Acceleration that the floor transmits",
-        "grip_motion": "Friction needed, along the trajectory",
-        "battery_autonomy": "Battery autonomy",
-        "battery_range": "Range on one charge",
-        "battery_power": "Battery power, largest",
-        "battery_voltage": "Battery voltage at the peak, lowest supply",
-        "battery_cutoff": "Battery voltage at the peak, end of discharge",
-        "battery_charge_voltage": "Battery voltage while charging",
-        "battery_overcharge": "Battery voltage at the return, end of charge",
-        "battery_return_voltage": "Battery voltage at the return, highest supply",
-        "battery_room": "Charge that comes back, room for it",
-        "battery_continuous_current": "Battery continuous current (RMS)",
-        "battery_peak_current": "Battery peak current",
-        "battery_charge_current": "Battery charge current, energy returned",
-    },
-}
-
+__all__ = ["NOT_ASKED", "CheckColumn", "at_least", "at_most", "between", "fits", "worst_case"]
 
 _COLUMNS = ("demand", "limit", "passed", "failed", "time", "case")  # what a check has of each candidate
 
@@ -125,8 +32,6 @@ class CheckColumn:
     limit: NDArray[np.float64]
     passed: NDArray[np.bool_]
     failed: NDArray[np.bool_]
-    kind: str
-    unit: str
     zero: float | NDArray[np.float64] = 0.0  # from where the margin counts; NaN where there is none
     needed: float = 0.0  # margin that the spec asks for
     by_choice: bool = False
@@ -135,6 +40,9 @@ class CheckColumn:
     case: NDArray[np.int64] | None = None  # the load case that is worst, by number
     note: str = ""
     undecided: str = ""  # the note where the limit is known and the demand not: what would decide it
+
+    def __post_init__(self) -> None:
+        refuse_undeclared(self.name)
 
     @property
     def margin(self) -> NDArray[np.float64]:
@@ -158,23 +66,39 @@ class CheckColumn:
         index: int | tuple[()],
         method: str,
         *,
-        title: str = "",
         at_time: float | None = None,
         note: str = "",
         cases: Sequence[str] = ("",),
+        rotary: bool = False,
     ) -> Check:
-        """The check of one candidate; ``()`` for a column that is a single figure."""
+        """The check of one candidate; ``()`` for a column that is a single figure.
+
+        Parameters
+        ----------
+        index
+            Which candidate.
+        method
+            Under which the check is declared.
+        at_time, note
+            In place of the column's own.
+        cases
+            Names of the load cases.
+        rotary
+            Whether the load turns about an axis, which gives some checks another unit.
+        """
+        declared = CHECKS[method][self.name]
+        kind, unit = declared.rotary if rotary and declared.rotary else (declared.kind, declared.unit)
         status: Status = "pass" if self.passed[index] else "fail" if self.failed[index] else "unknown"
         time = at_time if self.time is None else float(self.time[index])
         return Check(
             name=self.name,
-            title=(title or TITLES[method][self.name]) + (" (advice)" if self.advice else ""),
+            title=declared.title + (" (advice)" if self.advice else ""),
             method=method,
             case=cases[0 if self.case is None else int(self.case[index])],
             demand=float(self.demand[index]),
             limit=float(self.limit[index]),
-            kind=self.kind,
-            unit=self.unit,
+            kind=kind,
+            unit=unit,
             margin=float(self.margin[index]),
             needed=self.needed,
             status=status,
@@ -209,7 +133,7 @@ class CheckColumn:
         return replace(self, **alike)  # type: ignore[arg-type]
 
 
-def _column(name: str, demand: Any, limit: Any, kind: str, unit: str, **more: Any) -> CheckColumn:
+def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
     demand, limit = np.asarray(demand, float), np.asarray(limit, float)
     shape = np.broadcast(demand, limit).shape
     demand, limit = (x if x.shape == shape else np.full(shape, x) for x in (demand, limit))
@@ -222,29 +146,27 @@ def _column(name: str, demand: Any, limit: Any, kind: str, unit: str, **more: An
         limit=limit,
         passed=(above <= limit) | idle,
         failed=((above > limit) | (demand == np.inf)) & ~idle,  # what grows without end passes no limit, known or not
-        kind=kind,
-        unit=unit,
         **more,
     )
 
 
-def at_most(name: str, demand: Any, limit: Any, kind: str, unit: str, **more: Any) -> CheckColumn:
+def at_most(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
     """A demand that must not exceed a limit; margin = limit/demand - 1.
 
     ``more``: ``needed`` is the margin that must be there, ``zero`` from where it counts, ``time`` of the worst moment.
 
-    >>> at_most("motor_power", 10.0, 20.0, "power", "W").margin.item()
+    >>> at_most("motor_power", 10.0, 20.0).margin.item()
     1.0
     """
-    return _column(name, demand, limit, kind, unit, **more)
+    return _column(name, demand, limit, **more)
 
 
-def at_least(name: str, required: Any, actual: Any, kind: str, unit: str, **more: Any) -> CheckColumn:
+def at_least(name: str, required: Any, actual: Any, **more: Any) -> CheckColumn:
     """A minimum that must be reached; margin = actual/required - 1.
 
     ``by_choice`` marks what the search keeps as small as it may be, so that its margin says nothing of the load.
     """
-    return _column(name, required, actual, kind, unit, **more)
+    return _column(name, required, actual, **more)
 
 
 def fits(name: str, good: Any, known: Any) -> CheckColumn:
@@ -252,10 +174,7 @@ def fits(name: str, good: Any, known: Any) -> CheckColumn:
     good, known = np.asarray(good, bool), np.asarray(known, bool)
     passed, failed = good & known, ~good & known
     nothing = np.full(passed.shape, nan)
-    return CheckColumn(
-        name=name, demand=nothing, limit=nothing, passed=passed, failed=failed,
-        kind="dimensionless", unit="1",
-    )  # fmt: skip
+    return CheckColumn(name=name, demand=nothing, limit=nothing, passed=passed, failed=failed)
 
 
 def between(low: CheckColumn, high: CheckColumn) -> CheckColumn:
@@ -263,7 +182,7 @@ def between(low: CheckColumn, high: CheckColumn) -> CheckColumn:
 
     Shown is the bound that decides; where neither does, what is asked at least.
 
-    >>> volts = [at_most("supply_voltage", np.array(bound), 5.2, "voltage", "V") for bound in (5.0, 6.1)]
+    >>> volts = [at_most("supply_voltage", np.array(bound), 5.2) for bound in (5.0, 6.1)]
     >>> found = between(*volts)
     >>> found.passed.item(), found.failed.item(), found.demand.item()
     (False, False, 5.0)

@@ -34,8 +34,8 @@ def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float
     """
     T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)
     limit = np.asarray(motor["nominal_current"] * current_derating(ambient, T_max, rated))
-    found = at_most("motor_nominal_current", rms, limit, "current", "A", needed=needed)
+    found = at_most("motor_nominal_current", rms, limit, needed=needed)
     least = np.isnan(T_max) & (ambient < np.asarray(rated)) & ~found.passed
     if not least.any():
         return found
-    return at_most("motor_nominal_current", rms, np.where(least, np.nan, limit), "current", "A", needed=needed)
+    return at_most("motor_nominal_current", rms, np.where(least, np.nan, limit), needed=needed)

@@ -73,9 +73,9 @@ def test_voltage_and_heat_of_an_hour_in_ten(hour):
 def test_bounds_pass_by_the_warmest_and_fail_by_the_coldest():
     """5.047 V cold and 6.13 V warm: of 6.2 V they pass, of 5 V they fail, of 5.06 V nobody knows."""
     for limit, status in ((6.2, "pass"), (5.0, "fail"), (5.06, "unknown")):
-        low, high = (at_most("supply_voltage", np.array([x]), limit, "voltage", "V") for x in (5.047, 6.13))
+        low, high = (at_most("supply_voltage", np.array([x]), limit) for x in (5.047, 6.13))
         assert between(low, high).at(0, "physics").status == status
-    low, high = (at_most("supply_voltage", np.array([x]), 5.06, "voltage", "V") for x in (5.047, nan))
+    low, high = (at_most("supply_voltage", np.array([x]), 5.06) for x in (5.047, nan))
     assert between(low, high).at(0, "physics").status == "unknown"
 
 

@@ -16,7 +16,7 @@ from drivesizer.output.json import documents as json_documents
 from drivesizer.output.json import driving as json_driving
 from drivesizer.platform import printed_forms
 from drivesizer.platform.matrix_equation import PLATFORM
-from drivesizer.results.check_columns import TITLES
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.spec.robot import read_spec
 
 pytest.importorskip("mathematics", reason="the documentation's own packages are not installed")
@@ -33,7 +33,7 @@ def test_the_page_of_the_paper_names_what_fails_of_the_platform():
 
 def test_every_budget_check_is_on_its_page():
     told = {row[0] for name in ("battery", "budgets") for row in rows(page(name), "## What is compared")}
-    assert told == set(TITLES["budget"].values())
+    assert told == {declared.title for declared in CHECKS["budget"].values()}
 
 
 def test_what_a_radius_comes_to_straight_ahead():

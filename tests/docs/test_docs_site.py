@@ -23,7 +23,7 @@ from drivesizer.output.json import documents as json_documents
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS
 from drivesizer.platform import printed_forms
 from drivesizer.platform.matrix_equation import PLATFORM
-from drivesizer.results.check_columns import TITLES
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.sizing import explain
 from drivesizer.spec.robot import RobotSpec, read_spec
 
@@ -133,8 +133,8 @@ def test_the_choice_of_the_paper_hangs_on_its_speed_reserve(reserve, chosen):
 
 def test_every_limit_of_the_physics_is_on_its_page():
     told = {row[0] for row in rows(page("physics"), "## Limits")}
-    beside = {TITLES["physics"][name] for name in ("compatibility", "controller_available")}
-    assert told == set(TITLES["physics"].values()) - beside
+    beside = {CHECKS["physics"][name].title for name in ("compatibility", "controller_available")}
+    assert told == {declared.title for declared in CHECKS["physics"].values()} - beside
     assert all(f"*{title}*" in page("physics") for title in beside)
 
 

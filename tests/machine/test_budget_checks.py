@@ -16,7 +16,7 @@ from drivesizer.machine.platform_budget import budget_checks
 from drivesizer.machine.platform_checks import Standing, envelope_checks, grip_checks, machine_mass, mass_checks
 from drivesizer.machine.platform_checks import stability_checks as footing
 from drivesizer.platform.dynamics import dynamics
-from drivesizer.results.check_columns import TITLES
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.spec.platform import Budget
 
 G = 9.80665
@@ -260,7 +260,7 @@ def whole(drive, **given):
 def test_a_whole_machine(drive):
     found = whole(drive)
     assert found.status == "pass" and found.mass.total == pytest.approx(31.988)
-    assert {c.title for c in found.checks} == {TITLES["budget"][c.name] for c in found.checks}
+    assert {c.title for c in found.checks} == {CHECKS["budget"][c.name].title for c in found.checks}
     assert all(c.margin > 0.0 for c in found.checks if c.margin == c.margin)
     figure = {f.name: f.value for f in found.figures}
     assert figure["turning_circle"] == pytest.approx(0.7889, abs=5e-5)

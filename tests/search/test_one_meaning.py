@@ -21,7 +21,7 @@ from drivesizer.spec.robot import read_spec
 
 def test_a_check_that_is_unknown_has_no_margin():
     """A least demand below its limit may fail, once all of it is known: 10 of 20 A tell nothing, 30 of 20 A do."""
-    column = at_most("controller_peak_current", np.array([10.0, 30.0]), np.array([20.0, 20.0]), "current", "A")
+    column = at_most("controller_peak_current", np.array([10.0, 30.0]), np.array([20.0, 20.0]))
     assert column.margin == pytest.approx([1.0, -1 / 3])
     (open_,) = doubted([column], np.array([False, False]))
     assert math.isnan(open_.margin[0]) and open_.margin[1] == pytest.approx(-1 / 3)

@@ -19,7 +19,6 @@ from drivesizer.control.closed_loop.set_up import FOLLOWS
 from drivesizer.control.loop_design import stated_margin
 from drivesizer.loads.course import course
 from drivesizer.loads.platform_wheels import held_by_the_floor
-from drivesizer.loads.profile import SPEED
 from drivesizer.physics.lasting_speed import asked_of_the_gearhead, lasting_speeds
 from drivesizer.physics.thermal import (
     DATA_TEMPERATURE,
@@ -37,7 +36,6 @@ from drivesizer.spec.loads import WheeledVehicle
 __all__ = ["METHOD", "checks"]
 
 METHOD = "closed loop"
-_ROTARY = ("rotary_speed", "rpm")
 
 
 def checks(case: Case) -> tuple[Check, ...]:
@@ -46,9 +44,9 @@ def checks(case: Case) -> tuple[Check, ...]:
     return tuple(check for check in found if check.limit != math.inf)
 
 
-def _check(column: CheckColumn, title: str, at_time: float | None = None, note: str = "") -> Check:
+def _check(column: CheckColumn, at_time: float | None = None, note: str = "", *, rotary: bool = False) -> Check:
     """The record of a check of single figures."""
-    return column.at((), METHOD, title=title, at_time=at_time, note=note)
+    return column.at((), METHOD, at_time=at_time, note=note, rotary=rotary)
 
 
 def _most(case: Case, name: str, check: Callable[[float], CheckColumn], *, takes: bool = False) -> CheckColumn:
@@ -108,19 +106,20 @@ def _loop(case: Case) -> Iterator[Check]:
         for loop in loops
     )
     yield _check(
-        fits("stability", all(loop.stable for loop in loops), True), "Stability of the linear loops",
+        fits("stability", all(loop.stable for loop in loops), True),
         note=f"phase margin: {margins}; largest pole {worst.pole_radius:.4g}, stable inside 1",
-    )  # fmt: skip
+    )
     yield from _phase_margin(case)
-    bound, unit = FOLLOWS * top if top else math.nan, SPEED[case.spec.load.axis]
+    bound = FOLLOWS * top if top else math.nan
     yield _check(
-        _most(case, "load_speed_error", lambda x: at_most("tracking_error", x * case.train.radius, bound, *unit)),
-        "Tracking error", case.figure("load_speed_error_time"),
+        _most(case, "load_speed_error", lambda x: at_most("tracking_error", x * case.train.radius, bound)),
+        case.figure("load_speed_error_time"),
         f"to follow is to stay within {FOLLOWS:.0%} of the top speed, a convention of this program",
-    )  # fmt: skip
+        rotary=case.spec.load.axis == "rotary",
+    )
     if case.spec.needs.bandwidth is not None:
         got = case.loops.velocity.bandwidth
-        yield _check(at_least("bandwidth", case.spec.needs.bandwidth, got, "frequency", "Hz"), "Closed-loop bandwidth")
+        yield _check(at_least("bandwidth", case.spec.needs.bandwidth, got))
 
 
 def _phase_margin(case: Case) -> Iterator[Check]:
@@ -129,9 +128,9 @@ def _phase_margin(case: Case) -> Iterator[Check]:
     if known and all(loop.stable for loop in case.loops.all):
         least = min(known, key=lambda loop: loop.phase_margin)
         yield _check(
-            at_least("phase_margin", stated_margin(case.spec), least.phase_margin, "angle", "deg"),
-            "Phase margin", note=f"of the sampled {least.name} loop, delays and counts as they are",
-        )  # fmt: skip
+            at_least("phase_margin", stated_margin(case.spec), least.phase_margin),
+            note=f"of the sampled {least.name} loop, delays and counts as they are",
+        )
 
 
 def _electrical(case: Case) -> Iterator[Check]:
@@ -139,37 +138,37 @@ def _electrical(case: Case) -> Iterator[Check]:
     controller, supply = _controller(case), case.spec.supply
     takes = "that following takes"
     yield _check(
-        _resisted(case, "voltage_asked", lambda x: at_most(
-            "supply_voltage", x, case.usable_voltage, "voltage", "V"
-        )), "Motor voltage",
-        case.takes("voltage_asked_time"), f"{takes}; what the controller can give at the lowest supply voltage",
-    )  # fmt: skip
+        _resisted(case, "voltage_asked", lambda x: at_most("supply_voltage", x, case.usable_voltage)),
+        case.takes("voltage_asked_time"),
+        f"{takes}; what the controller can give at the lowest supply voltage",
+    )
     yield _check(
         _most(
-            case, "current_asked",
-            lambda x: at_most("controller_peak_current", x, controller.peak_current, "current", "A"), takes=True,
+            case,
+            "current_asked",
+            lambda x: at_most("controller_peak_current", x, controller.peak_current),
+            takes=True,
         ),
-        "Controller peak current", case.takes("current_asked_time"), takes,
-    )  # fmt: skip
+        case.takes("current_asked_time"),
+        takes,
+    )
     share = _peak_share(case)
     if share != 0.0:
         yield _check(
-            between(*(at_most("controller_i2t", x, 1.0, "dimensionless", "%")
-                      for x in (share, share * case.more("i2t_share")))), "I²t of the peak current",
+            between(*(at_most("controller_i2t", x, 1.0) for x in (share, share * case.more("i2t_share")))),
             note="its highest state: at 100 % the controller falls back to the continuous current",
-        )  # fmt: skip
+        )
     yield _check(
-        _most(case, "rms_current", lambda x: at_most(
-            "controller_continuous_current", x, controller.continuous_current, "current", "A")),
-        "Controller continuous current (RMS)",
-    )  # fmt: skip
+        _most(
+            case, "rms_current", lambda x: at_most("controller_continuous_current", x, controller.continuous_current)
+        ),
+    )
     if supply.current is not None:
         yield _check(
-            _resisted(case, "bus_current", lambda x: at_most(
-                "supply_current", x, supply.current, "current", "A"
-            ), power=True),
-            "Supply current, all sets", case.draws("bus_current_time"), "electrical power over the supply's voltage",
-        )  # fmt: skip
+            _resisted(case, "bus_current", lambda x: at_most("supply_current", x, supply.current), power=True),
+            case.draws("bus_current_time"),
+            "electrical power over the supply's voltage",
+        )
 
 
 def _peak_share(case: Case) -> float:
@@ -185,18 +184,17 @@ def _heat(case: Case) -> Iterator[Check]:
     figures, ambient = asdict(case.drive_set.motor), case.spec.environment.ambient
     limit = figures["max_winding_temperature"]
     yield _check(
-        _most(case, "rms_current", lambda x: nominal_current_limit(x, figures, ambient)), "Motor nominal current (RMS)",
+        _most(case, "rms_current", lambda x: nominal_current_limit(x, figures, ambient)),
         note="the nominal current in this ambient" if ambient != rated_ambient(figures) else "",
-    )  # fmt: skip
+    )
     winding, note = _winding(case)
     if math.isinf(winding):
         note = "runs away: the copper loss grows faster than it is carried off"
     warmer = ambient + (winding - ambient) * case.more("rms_current") ** 2
     yield _check(
-        between(*(at_most("winding_temperature", T, limit, "temperature", "degC", zero=ambient)
-                  for T in (winding, warmer))), "Winding temperature",
+        between(*(at_most("winding_temperature", T, limit, zero=ambient) for T in (winding, warmer))),
         note=note,
-    )  # fmt: skip
+    )
 
 
 def _winding(case: Case) -> tuple[float, str]:
@@ -213,27 +211,36 @@ def _gearhead(case: Case) -> Iterator[Check]:
     """Torque and speed of the gearhead."""
     gearhead, speed, when = case.drive_set.gearhead, case.figure("speed"), case.figure("speed_time")
     yield _check(
-        _most(case, "rms_gear_torque_running", lambda x: at_most(
-            "gearhead_continuous_torque", x if speed else 0.0, gearhead.continuous_torque, "torque", "N*m")),
-        "Gearhead continuous torque (RMS)", note="while running",
-    )  # fmt: skip
+        _most(
+            case,
+            "rms_gear_torque_running",
+            lambda x: at_most("gearhead_continuous_torque", x if speed else 0.0, gearhead.continuous_torque),
+        ),
+        note="while running",
+    )
     yield _check(
-        _most(case, "gear_torque", lambda x: at_most(
-            "gearhead_intermittent_torque", x, gearhead.intermittent_torque, "torque", "N*m",
-        )), "Gearhead intermittent torque", case.figure("gear_torque_time"),
-    )  # fmt: skip
+        _most(
+            case,
+            "gear_torque",
+            lambda x: at_most(
+                "gearhead_intermittent_torque",
+                x,
+                gearhead.intermittent_torque,
+            ),
+        ),
+        case.figure("gear_torque_time"),
+    )
     moved = course(case.profile)
     lasting = lasting_speeds(moved.duration, moved.speed)
     asked = asked_of_the_gearhead(np.array(gearhead.manufacturer), **lasting) * case.train.motor_per_speed
     yield _check(
-        at_most("gearhead_continuous_speed", asked, gearhead.continuous_input_speed, *_ROTARY),
-        "Gearhead continuous input speed", note="of the reference: what lasts by the maker's rule, or the mean",
-    )  # fmt: skip
+        at_most("gearhead_continuous_speed", asked, gearhead.continuous_input_speed),
+        note="of the reference: what lasts by the maker's rule, or the mean",
+    )
     yield _check(
-        _most(case, "speed", lambda x: at_most(
-            "gearhead_intermittent_speed", x, gearhead.intermittent_input_speed, *_ROTARY)),
-        "Gearhead intermittent input speed", when,
-    )  # fmt: skip
+        _most(case, "speed", lambda x: at_most("gearhead_intermittent_speed", x, gearhead.intermittent_input_speed)),
+        when,
+    )
 
 
 def _speed(case: Case) -> Iterator[Check]:
@@ -242,22 +249,22 @@ def _speed(case: Case) -> Iterator[Check]:
     when, per_turn = case.figure("speed_time"), encoder.lines / (2 * math.pi)
     asked = {} if case.spec.wants_encoder else NOT_ASKED
 
-    def limited(name: str, factor: float, limit: float, kind: tuple[str, str], **more: Any) -> CheckColumn:
-        return _most(case, "speed", lambda x: at_most(name, x * factor, limit, *kind, **more))
+    def limited(name: str, factor: float, limit: float, **more: Any) -> CheckColumn:
+        return _most(case, "speed", lambda x: at_most(name, x * factor, limit, **more))
 
-    yield _check(limited("motor_speed", 1.0, motor.max_speed, _ROTARY), "Motor permissible speed", when)
-    yield _check(limited("encoder_speed", 1.0, encoder.max_speed, _ROTARY, **asked), "Encoder speed", when)
-    for name, part, limit in (("encoder", "Encoder", encoder.max_frequency),
-                              ("controller", "Controller", controller.max_encoder_frequency)):  # fmt: skip
+    yield _check(limited("motor_speed", 1.0, motor.max_speed), when)
+    yield _check(limited("encoder_speed", 1.0, encoder.max_speed, **asked), when)
+    for name, limit in (("encoder", encoder.max_frequency), ("controller", controller.max_encoder_frequency)):
         yield _check(
-            limited(f"{name}_frequency", per_turn, limit, ("frequency", "kHz"), **asked),
-            f"{part} frequency of encoder lines", when,
-        )  # fmt: skip
+            limited(f"{name}_frequency", per_turn, limit, **asked),
+            when,
+        )
     if motor.kind == "brushless":
         yield _check(
-            limited("controller_electrical_speed", motor.pole_pairs, controller.max_speed_sine, _ROTARY),
-            "Controller electrical speed", when, "speed times pole pairs, sinusoidal commutation",
-        )  # fmt: skip
+            limited("controller_electrical_speed", motor.pole_pairs, controller.max_speed_sine),
+            when,
+            "speed times pole pairs, sinusoidal commutation",
+        )
 
 
 def _load(case: Case) -> Iterator[Check]:
@@ -269,9 +276,10 @@ def _load(case: Case) -> Iterator[Check]:
 
     def held(torque: float) -> CheckColumn:
         force = torque * belt / case.train.radius
-        return at_most("traction", force, held_by_the_floor(case.spec, force), "force", "N")
+        return at_most("traction", force, held_by_the_floor(case.spec, force))
 
     yield _check(
-        _most(case, "gear_torque", held), "Traction per wheel",
-        case.figure("gear_torque_time"), "what turns the wheel itself counted in",
-    )  # fmt: skip
+        _most(case, "gear_torque", held),
+        case.figure("gear_torque_time"),
+        "what turns the wheel itself counted in",
+    )

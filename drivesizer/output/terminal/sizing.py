@@ -15,7 +15,7 @@ from drivesizer.output.terminal.loops import loops
 from drivesizer.output.terminal.machine import machine
 from drivesizer.output.terminal.reliability import none_as_sure, tolerances, tolerances_of
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
-from drivesizer.results.check_columns import TITLES
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.objectives import OBJECTIVE, SUMS, objective_figure
 from drivesizer.results.sizing import Explanation, SizingResult, verdict, worst
@@ -108,7 +108,7 @@ def _none(console: Console, result: SizingResult) -> None:
     console.print(Text("No set stands.", style="bold red"))
     if result.counts.failed_by:
         name, count = max(result.counts.failed_by.items(), key=lambda item: item[1])
-        title = TITLES[result.method][name].lower()
+        title = CHECKS[result.method][name].title.lower()
         console.print(f"Blocks most: {title}, which {count:,} of {result.counts.considered:,} sets fail.")
     if result.relaxations:
         console.print("Any one of these changes would let one stand:")
@@ -206,14 +206,18 @@ def _tally(console: Console, result: SizingResult) -> None:
     if counts.failed_by:
         console.print(" The others fell by:")
         for name, count in sorted(counts.failed_by.items(), key=lambda item: -item[1]):
-            words = "not the largest reduction" if name == "largest_reduction" else TITLES[result.method][name].lower()
+            words = (
+                "not the largest reduction"
+                if name == "largest_reduction"
+                else CHECKS[result.method][name].title.lower()
+            )
             console.print(f"  {count:>8,}  {words}")
     else:
         console.print()
     if counts.failed_by_budget:
         console.print(f"Of {counts.judged:,} held against the machine, the best first, some fell by:")
         for name, count in sorted(counts.failed_by_budget.items(), key=lambda item: -item[1]):
-            console.print(f"  {count:>8,}  {TITLES['budget'][name].lower()}")
+            console.print(f"  {count:>8,}  {CHECKS['budget'][name].title.lower()}")
     other = result.unrestricted
     if other:
         encoder = f", encoder {other.encoder.part}" if other.encoder else ""

@@ -145,8 +145,8 @@ def controllers(
     found = {name: np.append(table[name], np.nan)[row] for name in ("continuous_current", "peak_current")}
     return Chosen(row, [
         fits("controller_available", row >= 0, len(table) > 0),  # catalogues without controllers do not tell
-        at_most("controller_continuous_current", rms_current, found["continuous_current"], "current", "A"),
-        at_most("controller_peak_current", peak_current, found["peak_current"], "current", "A"),
+        at_most("controller_continuous_current", rms_current, found["continuous_current"]),
+        at_most("controller_peak_current", peak_current, found["peak_current"]),
     ])  # fmt: skip
 
 

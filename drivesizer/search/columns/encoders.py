@@ -117,4 +117,4 @@ def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> l
     if not (least or choice.family or choice.part):
         return []
     counts = np.where(row >= 0, np.append(lines(catalog.encoders), np.nan)[row], 0.0)
-    return [at_least("encoder_counts", float(least or 1), counts, "dimensionless", "1", by_choice=True)]
+    return [at_least("encoder_counts", float(least or 1), counts, by_choice=True)]

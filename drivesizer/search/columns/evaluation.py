@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.results.check_columns import TITLES, CheckColumn, fits
+from drivesizer.results.check_columns import CheckColumn, fits
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check
 from drivesizer.search.columns import paper_method
@@ -129,7 +130,7 @@ _COLUMNS = {"demand": float, "limit": float, "passed": bool, "failed": bool, "ti
 
 def _in_order(found: list[tuple[NDArray[Any], Examined]], count: int) -> list[CheckColumn]:
     """Checks of some rows at a time, put together, in the order in which people read them."""
-    order = {name: place for place, name in enumerate(TITLES["physics"])}
+    order = {name: place for place, name in enumerate(CHECKS["physics"])}
     together = []
     for same in zip(*(one.checks for _, one in found), strict=True):
         parts = [(rows, check) for (rows, _), check in zip(found, same, strict=True)]

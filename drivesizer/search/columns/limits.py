@@ -38,16 +38,12 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-_ROTARY, _TORQUE = ("rotary_speed", "rpm"), ("torque", "N*m")
 
 
 def load_limits(spec: RobotSpec, at: AtGearhead) -> list[CheckColumn]:
     """Limits of the load and of the belt, the same for all candidates: columns of one figure."""
     grip = spec.margins.torque
-    found = [
-        at_most(own.name, own.demand, own.limit, own.kind, own.unit, needed=grip, time=np.array(own.time))
-        for own in at.cycle.own
-    ]
+    found = [at_most(own.name, own.demand, own.limit, needed=grip, time=np.array(own.time)) for own in at.cycle.own]
     return found + _belt_limits(spec, spec.belt, at) if spec.belt else found
 
 
@@ -56,13 +52,13 @@ def _belt_limits(spec: RobotSpec, belt: BeltStage, at: AtGearhead) -> list[Check
     found, drive, diameter = [], belt.drive(at.belt), belt.driven_diameter(at.belt)
     if diameter is not None and belt.max_tension is not None:
         pull = at.load_torque / (diameter / 2)
-        found.append(at_most("belt_tension", pull, belt.max_tension, "force", "N", needed=spec.margins.torque))
+        found.append(at_most("belt_tension", pull, belt.max_tension, needed=spec.margins.torque))
     if diameter is not None and belt.max_speed is not None:
         fast = at.load_speed * diameter / 2
-        found.append(at_most("belt_speed", fast, belt.max_speed, "speed", "m/s", needed=spec.margins.speed))
+        found.append(at_most("belt_speed", fast, belt.max_speed, needed=spec.margins.speed))
     if drive is not None:  # no more than it takes, by choice: the smallest pulleys that have it
         held = drive.teeth_in_mesh
-        found.append(at_least("belt_teeth_in_mesh", LEAST_IN_MESH, held, "dimensionless", "1", by_choice=True))
+        found.append(at_least("belt_teeth_in_mesh", LEAST_IN_MESH, held, by_choice=True))
     return found
 
 
@@ -71,25 +67,22 @@ def gearhead_limits(spec: RobotSpec, at: AtGearhead, gearhead: Any) -> list[Chec
     i, ambient = gearhead["ratio"], spec.environment.ambient
     torque: dict[str, Any] = {"needed": spec.margins.torque}
     speed: dict[str, Any] = {"needed": spec.margins.speed}
-    power = ("power", "W")
     lasting = asked_of_the_gearhead(gearhead["manufacturer"], at.mean_speed, at.sustained_speed)
     found = [
-        at_most("gearhead_continuous_torque", at.rms_torque, gearhead["continuous_torque"], *_TORQUE, **torque),
-        at_most("gearhead_intermittent_torque", at.peak_torque, gearhead["intermittent_torque"], *_TORQUE, **torque),
-        at_most("gearhead_continuous_speed", lasting * i, gearhead["continuous_input_speed"], *_ROTARY, **speed),
-        at_most("gearhead_intermittent_speed", at.peak_speed * i, gearhead["intermittent_input_speed"], *_ROTARY,
+        at_most("gearhead_continuous_torque", at.rms_torque, gearhead["continuous_torque"], **torque),
+        at_most("gearhead_intermittent_torque", at.peak_torque, gearhead["intermittent_torque"], **torque),
+        at_most("gearhead_continuous_speed", lasting * i, gearhead["continuous_input_speed"], **speed),
+        at_most("gearhead_intermittent_speed", at.peak_speed * i, gearhead["intermittent_input_speed"],
                 **speed),
-        at_most("gearhead_continuous_power", at.mean_power, gearhead["continuous_power"], *power, **torque),
-        at_most("gearhead_intermittent_power", at.peak_power, gearhead["intermittent_power"], *power, **torque),
+        at_most("gearhead_continuous_power", at.mean_power, gearhead["continuous_power"], **torque),
+        at_most("gearhead_intermittent_power", at.peak_power, gearhead["intermittent_power"], **torque),
         _in_range("gearhead_temperature_range", ambient, gearhead["temperature_min"], gearhead["temperature_max"]),
     ]  # fmt: skip
     needs = spec.needs
     if needs.backlash_at_load is not None:
-        found.append(
-            at_most("backlash_at_load", gearhead["backlash"] / at.belt, needs.backlash_at_load, "angle", "deg")
-        )
+        found.append(at_most("backlash_at_load", gearhead["backlash"] / at.belt, needs.backlash_at_load))
     if needs.radial_load is not None:
-        load = at_most("gearhead_radial_load", needs.radial_load, gearhead["max_radial_load"], "force", "N", **torque)
+        load = at_most("gearhead_radial_load", needs.radial_load, gearhead["max_radial_load"], **torque)
         found.append(load)
     return found
 
@@ -105,7 +98,7 @@ def _in_range(name: str, ambient: float, least: Any, most: Any) -> CheckColumn:
     cold, hot = ambient < np.asarray(least), ambient > np.asarray(most)
     passed = (ambient >= np.asarray(least)) & (ambient <= np.asarray(most))
     limit = np.where(cold, least, np.where(hot | passed, most, np.nan))
-    column = at_most(name, ambient, limit, "temperature", "degC", zero=np.nan)
+    column = at_most(name, ambient, limit, zero=np.nan)
     return replace(column, passed=passed, failed=cold | hot)
 
 
@@ -115,8 +108,7 @@ def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]
     sums = {name: motor[name] + gearhead[name] for name in ("length", "mass", "price") if getattr(needs, name)}
     if needs.diameter:
         sums["diameter"] = np.maximum(motor["diameter"], gearhead["diameter"])
-    units = {"length": ("length", "mm"), "diameter": ("length", "mm"), "mass": ("mass", "g"), "price": ("price", "EUR")}
-    return [at_most(name, value, getattr(needs, name), *units[name]) for name, value in sums.items()]
+    return [at_most(name, value, getattr(needs, name)) for name, value in sums.items()]
 
 
 def shaft_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]:
@@ -125,7 +117,7 @@ def shaft_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn
         return []
     limit = np.where(gearhead["kind"] == DIRECT, motor["max_radial_load"], np.inf)
     needed = spec.margins.torque
-    return [at_most("motor_radial_load", spec.needs.radial_load, limit, "force", "N", needed=needed)]
+    return [at_most("motor_radial_load", spec.needs.radial_load, limit, needed=needed)]
 
 
 def moving_limits(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, parts: Parts) -> list[CheckColumn]:
@@ -133,7 +125,7 @@ def moving_limits(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, p
     motor, ambient = parts.motor, spec.environment.ambient
     torque, speed = spec.margins.torque, spec.margins.speed
     found = [
-        at_most("motor_speed", asked.peak_speed, motor["max_speed"], *_ROTARY, needed=speed),
+        at_most("motor_speed", asked.peak_speed, motor["max_speed"], needed=speed),
         nominal_current_limit(asked.rms_current, motor, ambient, torque),
         winding_limit(spec, warm.winding, motor),
     ]  # fmt: skip
@@ -143,7 +135,7 @@ def moving_limits(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, p
 def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | None = None) -> CheckColumn:
     """A winding temperature against the permitted one, and when it is met."""
     return at_most(
-        "winding_temperature", winding, motor["max_winding_temperature"], "temperature", "degC",
+        "winding_temperature", winding, motor["max_winding_temperature"],
         zero=spec.environment.ambient, needed=spec.margins.temperature, time=time,
     )  # fmt: skip
 
@@ -153,11 +145,11 @@ def _inertias(spec: RobotSpec, at: AtGearhead, asked: Demands, parts: Parts) -> 
     needs, found = spec.needs, []
     own = (parts.motor["rotor_inertia"] + parts.gearhead["inertia"]) * (asked.total_ratio * at.belt) ** 2
     if needs.inertia_ratio is not None:
-        found.append(at_most("inertia_ratio", at.cycle.inertia / own, needs.inertia_ratio, "dimensionless", "1"))
+        found.append(at_most("inertia_ratio", at.cycle.inertia / own, needs.inertia_ratio))
     if needs.resonance is not None:
         stiffness = spec.belt.stiffness if spec.belt and spec.belt.stiffness is not None else np.nan
         found_at = np.sqrt(stiffness * (1 / own + 1 / at.cycle.inertia)) / (2 * np.pi)
-        found.append(at_least("first_resonance", needs.resonance, found_at, "frequency", "Hz"))
+        found.append(at_least("first_resonance", needs.resonance, found_at))
     return found
 
 
@@ -166,7 +158,7 @@ def _holding(spec: RobotSpec, at: AtGearhead, parts: Parts) -> list[CheckColumn]
     if not spec.needs.hold_unpowered:
         return []
     reaches = at.standing_torque * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
-    return [at_most("holding", reaches, np.full(reaches.shape, np.nan), "torque", "mN*m")]
+    return [at_most("holding", reaches, np.full(reaches.shape, np.nan))]
 
 
 def _peak_torque(asked: Demands, under: Stress, motor: Any, needed: float) -> CheckColumn:
@@ -174,7 +166,7 @@ def _peak_torque(asked: Demands, under: Stress, motor: Any, needed: float) -> Ch
     torque = under.current.value * motor["torque_constant"]
     limit = np.where(np.isnan(motor["peak_torque"]), np.inf, motor["peak_torque"])
     time = under.current.time
-    return at_most("motor_peak_torque", torque, limit, "torque", "mN*m", needed=needed, time=time)
+    return at_most("motor_peak_torque", torque, limit, needed=needed, time=time)
 
 
 def electrical_limits(
@@ -182,12 +174,11 @@ def electrical_limits(
 ) -> list[CheckColumn]:
     """Limits of controller and encoder by current and speed."""
     controller, torque = parts.controller, spec.margins.torque
-    amps = ("current", "A")
     return [
         _peak_torque(asked, under, parts.motor, torque),
-        at_most("controller_continuous_current", asked.rms_current, controller["continuous_current"], *amps,
+        at_most("controller_continuous_current", asked.rms_current, controller["continuous_current"],
                 needed=torque),
-        at_most("controller_peak_current", under.current.value, controller["peak_current"], *amps,
+        at_most("controller_peak_current", under.current.value, controller["peak_current"],
                 needed=torque, time=under.current.time),
         *_counting(spec, at.belt, asked, parts),
         *_commutation(spec, asked, parts),
@@ -212,13 +203,13 @@ def _counting(spec: RobotSpec, belt: float, asked: Demands, parts: Parts) -> lis
     rates = encoder["max_frequency"], parts.controller["max_encoder_frequency"]
     rate = _lower(*rates, counted * (1.0 + spec.margins.speed))
     found = [
-        at_most("encoder_speed", asked.peak_speed, encoder["max_speed"], *_ROTARY, **speed),
-        at_most("encoder_frequency", counted, rate, "frequency", "kHz", **speed),
+        at_most("encoder_speed", asked.peak_speed, encoder["max_speed"], **speed),
+        at_most("encoder_frequency", counted, rate, **speed),
     ]
     need = spec.needs.resolution_at_load
     if need is not None:
         edge = angle_per_edge(lines(encoder), asked.total_ratio * belt)
-        found.append(at_most("encoder_resolution", edge, need, "angle", "deg"))
+        found.append(at_most("encoder_resolution", edge, need))
     return found
 
 
@@ -233,4 +224,4 @@ def _commutation(spec: RobotSpec, asked: Demands, parts: Parts) -> list[CheckCol
     brushed = parts.motor["kind"] == "brushed"
     electrical = electrical_speed(asked, parts.motor)
     limit = np.where(brushed, np.inf, parts.controller["max_speed_sine"])
-    return [at_most("controller_speed", electrical, limit, *_ROTARY, needed=spec.margins.speed)]
+    return [at_most("controller_speed", electrical, limit, needed=spec.margins.speed)]

@@ -257,16 +257,16 @@ def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
     held = _HELD if spec.battery and spec.accepts_all else ""
     checks = [
         winding_limit(spec, found.winding, parts.motor, found.winding_time),
-        at_most("supply_voltage", found.voltage, usable, "voltage", "V", needed=speed, time=found.voltage_time),
-        at_most("controller_peak_time", found.above, controller["peak_time"], "time", "s"),
-        at_most("bus_voltage", bus, controller["supply_max"], "voltage", "V", undecided=_STAYS, note=held),
+        at_most("supply_voltage", found.voltage, usable, needed=speed, time=found.voltage_time),
+        at_most("controller_peak_time", found.above, controller["peak_time"]),
+        at_most("bus_voltage", bus, controller["supply_max"], undecided=_STAYS, note=held),
     ]
     if supply.current is not None:
         drawn = power / supply.lowest
-        checks.append(at_most("supply_current", drawn, supply.current, "current", "A", needed=torque,
+        checks.append(at_most("supply_current", drawn, supply.current, needed=torque,
                               time=found.power_time))  # fmt: skip
     if supply.power is not None:
-        checks.append(at_most("supply_power", power, supply.power, "power", "W", needed=torque, time=found.power_time))
+        checks.append(at_most("supply_power", power, supply.power, needed=torque, time=found.power_time))
     return checks
 
 

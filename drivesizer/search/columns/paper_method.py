@@ -206,21 +206,20 @@ def rule(
     at_gearhead = belt * spec.belt_efficiency
     n_motor = wheel["nominal_speed"].value * gearhead["ratio"] * belt
     torque = wheel["rms_torque_per_motor"].value / at_gearhead, largest_torque(wheel) / at_gearhead
-    rotary, nm, mnm = ("rotary_speed", "rpm"), ("torque", "N*m"), ("torque", "mN*m")
     rms, peak = shaft["rms_torque_at_motor"].value, largest_torque_at_motor(shaft)
     checks = [
-        at_most("gearhead_continuous_torque", torque[0], gearhead["continuous_torque"], *nm),
-        at_most("gearhead_intermittent_torque", torque[1], gearhead["intermittent_torque"], *nm),
-        at_most("gearhead_input_speed", n_motor, gearhead["continuous_input_speed"], *rotary),
-        at_least("motor_speed", n_motor, motor["no_load_speed"], *rotary),
-        at_most("motor_continuous_torque", rms, motor["nominal_torque"], *mnm),
-        at_most("motor_maximum_torque", peak, motor["stall_torque"], *mnm),
-        at_most("motor_power", wheel["rms_power_per_motor"].value, motor["assigned_power"], "power", "W"),
-        at_least("speed_constant", _speed_constant(shaft, motor), motor["speed_constant"], "speed_constant", "rpm/V"),
+        at_most("gearhead_continuous_torque", torque[0], gearhead["continuous_torque"]),
+        at_most("gearhead_intermittent_torque", torque[1], gearhead["intermittent_torque"]),
+        at_most("gearhead_input_speed", n_motor, gearhead["continuous_input_speed"]),
+        at_least("motor_speed", n_motor, motor["no_load_speed"]),
+        at_most("motor_continuous_torque", rms, motor["nominal_torque"]),
+        at_most("motor_maximum_torque", peak, motor["stall_torque"]),
+        at_most("motor_power", wheel["rms_power_per_motor"].value, motor["assigned_power"]),
+        at_least("speed_constant", _speed_constant(shaft, motor), motor["speed_constant"]),
     ]
     if spec.needs.backlash_at_load is not None:
         lost = gearhead["backlash"] / belt
-        checks.append(at_most("backlash_at_load", lost, spec.needs.backlash_at_load, "angle", "deg"))
+        checks.append(at_most("backlash_at_load", lost, spec.needs.backlash_at_load))
     return checks
 
 
@@ -251,4 +250,4 @@ def largest_allowed(
     doubtful = possible & ~np.isfinite(largest[group])
     np.maximum.at(largest, group[doubtful], total[doubtful])
     required = np.where(np.isfinite(largest[group]), largest[group], total)
-    return at_least("largest_reduction", required, total, "dimensionless", "1", by_choice=True)
+    return at_least("largest_reduction", required, total, by_choice=True)

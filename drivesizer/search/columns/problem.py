@@ -13,6 +13,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.loads import load_cycle
 from drivesizer.physics.motor_demand import at_gearhead
 from drivesizer.results.check_columns import CheckColumn, worst_case
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.search.columns.controllers import Usable, usable_controllers
 from drivesizer.search.columns.encoders import Offered, offered_encoders
 from drivesizer.spec.robot import RobotSpec
@@ -47,18 +48,11 @@ def quickest_winding(catalog: Catalog) -> float:
     return float(np.nanmin(catalog.motors["winding_time_constant"], initial=np.inf))
 
 
-_OF_THE_CURRENT = {
-    "motor_nominal_current", "winding_temperature", "inertia_ratio", "first_resonance", "motor_peak_torque",
-    "supply_voltage", "controller_continuous_current", "controller_peak_current", "controller_peak_time",
-    "supply_current", "supply_power",
-}  # fmt: skip
-
-
 def doubted(checks: list[CheckColumn], sure: NDArray[np.bool_]) -> list[CheckColumn]:
     """The checks, of which those that hang on an unknown inertia may fail but not pass."""
     if sure.all():
         return checks
-    return [replace(c, passed=c.passed & sure) if c.name in _OF_THE_CURRENT else c for c in checks]
+    return [replace(c, passed=c.passed & sure) if CHECKS["physics"][c.name].on_inertia else c for c in checks]
 
 
 def each(given: Problem, checks: Callable[[int], list[CheckColumn]]) -> list[CheckColumn]:

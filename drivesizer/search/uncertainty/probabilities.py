@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.results.check import Check
-from drivesizer.results.check_columns import TITLES, CheckColumn
+from drivesizer.results.check_columns import CheckColumn
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.reliability import Driver, Reliability, Spread
 from drivesizer.search.uncertainty.class_of_part import holding_of_a_set
 from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
@@ -121,7 +122,7 @@ def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
     decide = [check for check in one.nominal if not check.advice]
     every = {check.name: joined.get(check.name) or _constant(check, count) for check in decide}
     every |= {name: joined[name] for name in SAMPLED if name in joined}
-    titles = {check.name: check.title for check in decide} | {name: TITLES["budget"][name] for name in SAMPLED}
+    titles = {check.name: check.title for check in decide} | {name: CHECKS["budget"][name].title for name in SAMPLED}
     failed, smallest, place = np.zeros(count, bool), np.full(count, np.inf), np.full(count, -1)
     for number, over in enumerate(every.values()):
         failed |= over.failed

@@ -8,7 +8,7 @@ from typing import Any
 from drivesizer.output.report.lines.sets import moves, set_row
 from drivesizer.output.sums import price_of
 from drivesizer.output.text import margin
-from drivesizer.results.check_columns import TITLES
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult, worst
@@ -20,9 +20,11 @@ __all__ = ["candidates", "front"]
 def candidates(result: SizingResult) -> dict[str, Any]:
     """How many there were, the best of them, and why the rest fell."""
     counts, other = result.counts, result.unrestricted
-    titles = TITLES[result.method]
-    fell = [(titles[name], n) for name, n in sorted(counts.failed_by.items(), key=lambda item: (-item[1], item[0]))]
-    fell += [(TITLES["budget"][name], n) for name, n in sorted(counts.failed_by_budget.items())]
+    declared = CHECKS[result.method]
+    fell = [
+        (declared[name].title, n) for name, n in sorted(counts.failed_by.items(), key=lambda item: (-item[1], item[0]))
+    ]
+    fell += [(CHECKS["budget"][name].title, n) for name, n in sorted(counts.failed_by_budget.items())]
     return {
         "considered": counts.considered,
         "feasible": counts.feasible,

@@ -1,7 +1,8 @@
 """On which catalogue figures each check rests: what is unknown for it, and what is less than quoted.
 
-``rests_on`` names every figure whose lack would leave a check of the set unknown or change it; a test takes them away
-one by one and looks.
+``results.check_kinds`` declares them; here its words in capitals become the figures that they stand for with a set's
+motor. ``rests_on`` names every figure whose lack would leave a check of the set unknown or change it; a test takes them
+away one by one and looks.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from math import isnan
 from typing import Any
 
 from drivesizer.catalog import Catalog, columns_of
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check
 from drivesizer.units import show
@@ -17,75 +19,6 @@ from drivesizer.units import show
 __all__ = ["marked_figures", "rests_on", "unknown_figures"]
 
 _GEAR = ("gearhead.ratio", "gearhead.efficiency", "gearhead.inertia", "motor.rotor_inertia", "motor.torque_constant")
-_LOSSES = ("motor.resistance", "motor.thermal_resistance_winding", "motor.thermal_resistance_housing")
-_HOT = ("CURRENT", *_LOSSES, "HOUSING")  # the winding at its mean temperature
-_WARM = (*_HOT, "motor.winding_time_constant", "motor.motor_time_constant")  # as warm as it is at each moment
-_EMF = ("motor.back_emf_constant", "motor.speed_constant")  # where the maker prints one
-_SPEED = ("gearhead.ratio",)
-_WHOLE = {name: (f"motor.{name}", f"gearhead.{name}") for name in ("diameter", "length", "mass", "price")}
-_RESTS: dict[str, dict[str, tuple[str, ...]]] = {  # words in capitals stand for what depends on the motor, see _OF
-    "physics": {
-        "gearhead_continuous_torque": ("gearhead.continuous_torque",),
-        "gearhead_intermittent_torque": ("gearhead.intermittent_torque",),
-        "gearhead_continuous_speed": (*_SPEED, "gearhead.continuous_input_speed"),
-        "gearhead_intermittent_speed": (*_SPEED, "gearhead.intermittent_input_speed"),
-        "gearhead_continuous_power": ("gearhead.continuous_power",),
-        "gearhead_intermittent_power": ("gearhead.intermittent_power",),
-        "gearhead_radial_load": ("gearhead.max_radial_load",),
-        "gearhead_temperature_range": ("gearhead.temperature_min", "gearhead.temperature_max"),
-        "backlash_at_load": ("gearhead.backlash",),
-        "motor_radial_load": ("motor.max_radial_load",),
-        "motor_speed": (*_SPEED, "motor.max_speed"),
-        "motor_nominal_current": ("CURRENT", "motor.nominal_current", "DERATING"),
-        "motor_peak_torque": ("CURRENT", "motor.peak_torque"),
-        "winding_temperature": (*_WARM, "motor.max_winding_temperature"),
-        "motor_temperature_range": ("motor.ambient_min", "motor.ambient_max"),
-        "inertia_ratio": (*_SPEED, "gearhead.inertia", "motor.rotor_inertia"),
-        "first_resonance": (*_SPEED, "gearhead.inertia", "motor.rotor_inertia"),
-        "holding": (*_SPEED, "gearhead.efficiency"),
-        "controller_available": ("controller.supply_min", "controller.supply_max"),
-        "supply_voltage": (*_WARM, *_EMF, "controller.max_duty", "controller.voltage_drop"),
-        "controller_continuous_current": ("CURRENT", "controller.continuous_current"),
-        "controller_peak_current": ("CURRENT", "controller.peak_current"),
-        "controller_peak_time": ("CURRENT", "controller.continuous_current", "controller.peak_time"),
-        "controller_speed": (*_SPEED, "motor.pole_pairs", "controller.max_speed_sine"),
-        "supply_current": (*_WARM, *_EMF),
-        "supply_power": (*_WARM, *_EMF),
-        "bus_voltage": (*_WARM, *_EMF, "controller.supply_max"),
-        "encoder_counts": ("COUNTS",),
-        "encoder_speed": (*_SPEED, "encoder.max_speed"),
-        "encoder_frequency": (*_SPEED, "COUNTS", "encoder.max_frequency", "controller.max_encoder_frequency"),
-        "encoder_resolution": (*_SPEED, "COUNTS"),
-        **_WHOLE,
-    },
-    "budget": dict.fromkeys(  # all that hangs on the power which the drive draws
-        ("battery_autonomy", "battery_range", "battery_power", "battery_voltage", "battery_cutoff",
-         "battery_overcharge", "battery_return_voltage", "battery_room",
-         "battery_continuous_current", "battery_peak_current", "battery_charge_current"),
-        (*_WARM, *_EMF, "controller.max_efficiency"),
-    ),
-    "paper": {
-        "gearhead_continuous_torque": ("motor.rotor_inertia", "gearhead.continuous_torque"),
-        "gearhead_intermittent_torque": ("motor.rotor_inertia", "gearhead.intermittent_torque"),
-        "gearhead_input_speed": (*_SPEED, "gearhead.continuous_input_speed"),
-        "largest_reduction": (*_SPEED, "gearhead.continuous_torque", "gearhead.intermittent_torque",
-                              "gearhead.continuous_input_speed", "motor.rotor_inertia"),
-        "motor_speed": (*_SPEED, "motor.no_load_speed"),
-        "motor_continuous_torque": (*_SPEED, "gearhead.efficiency", "motor.rotor_inertia", "motor.nominal_torque"),
-        "motor_maximum_torque": (*_SPEED, "gearhead.efficiency", "motor.rotor_inertia", "motor.stall_torque"),
-        "motor_power": ("motor.rotor_inertia", "motor.assigned_power"),
-        "speed_constant": (*_SPEED, "gearhead.efficiency", "motor.rotor_inertia", "motor.speed_torque_gradient",
-                           "motor.nominal_voltage", "motor.speed_constant"),
-        "backlash_at_load": ("gearhead.backlash",),
-        "controller_available": ("controller.supply_min", "controller.supply_max"),
-        "controller_continuous_current": (*_SPEED, "gearhead.efficiency", "motor.rotor_inertia",
-                                          "motor.torque_constant", "motor.no_load_current",
-                                          "controller.continuous_current"),
-        "controller_peak_current": (*_SPEED, "gearhead.efficiency", "motor.rotor_inertia", "motor.torque_constant",
-                                    "motor.no_load_current", "controller.peak_current"),
-        "encoder_counts": ("COUNTS",),
-    },
-}  # fmt: skip
 
 
 def rests_on(check: Check, drive_set: DriveSet) -> tuple[str, ...]:
@@ -99,7 +32,7 @@ def rests_on(check: Check, drive_set: DriveSet) -> tuple[str, ...]:
         The set: which figures tell its motor's friction depends on the motor.
     """
     found: list[str] = []
-    for name in _RESTS[check.method].get(check.name, ()) if check.method in _RESTS else ():
+    for name in CHECKS[check.method][check.name].rests_on:
         found += _of(name, drive_set) if name.isupper() else [name]
     return tuple(dict.fromkeys(found))
 

@@ -16,7 +16,7 @@ from drivesizer.output.loop_table import loop_figures
 from drivesizer.output.parts import PartLine, Total
 from drivesizer.output.report.lines.machine import driven_over
 from drivesizer.output.sums import price_of
-from drivesizer.results.check_columns import TITLES
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet, Relaxation
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.requirement import Requirement
@@ -109,13 +109,18 @@ def change_row(r: Relaxation) -> Row:
 
 def count_rows(result: SizingResult) -> Iterator[Row]:
     """How many sets were looked at, how many stand, and how many fell by which check."""
-    counts, titles = result.counts, TITLES[result.method]
+    counts, declared = result.counts, CHECKS[result.method]
     yield {"section": "count", "name": "considered", "title": "Sets that were looked at", "value": counts.considered}
     yield {"section": "count", "name": "feasible", "title": "Sets that stand", "value": counts.feasible}
     for name, count in counts.failed_by.items():
-        yield {"section": "count", "name": f"failed_{name}", "title": f"Fell by: {titles[name]}", "value": count}
+        yield {
+            "section": "count",
+            "name": f"failed_{name}",
+            "title": f"Fell by: {declared[name].title}",
+            "value": count,
+        }
     for name, count in counts.failed_by_budget.items():
-        title = f"Fell in the machine by: {TITLES['budget'][name]}"
+        title = f"Fell in the machine by: {CHECKS['budget'][name].title}"
         yield {"section": "count", "name": f"failed_budget_{name}", "title": title, "value": count}
 
 

@@ -1,0 +1,230 @@
+"""Every check there is, declared once: what it is called, in which unit it is told, which figures it rests on.
+
+One table per method, in the order in which people read them; search, terminal, reports, tolerances and closed loop read
+them here, and a column of any other name is refused. A name may stand under several methods.
+
+A figure that a check rests on is one whose lack would leave it unknown or change it, such as ``motor.resistance``. A
+word in capitals stands for figures that depend on the motor or the encoder, see ``figures_behind_checks``: ``CURRENT``,
+``COUNTS``, ``HOUSING``, ``DERATING``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["CHECKS", "CheckKind", "refuse_undeclared"]
+
+
+@dataclass(frozen=True, slots=True)
+class CheckKind:
+    """What is the same of a check for every candidate."""
+
+    title: str
+    kind: str = "dimensionless"  # of quantity
+    unit: str = "1"  # of the trade
+    rests_on: tuple[str, ...] = ()
+    on_inertia: bool = False  # of rotor or gearhead, through the current or by itself: unknown, it cannot pass
+    rotary: tuple[str, str] | None = None  # kind and unit where the load turns about an axis, where they are others
+
+
+_SPEED, _NM, _MNM, _AMPS = ("rotary_speed", "rpm"), ("torque", "N*m"), ("torque", "mN*m"), ("current", "A")
+_VOLTS, _NEWTON, _MM, _DEG = ("voltage", "V"), ("force", "N"), ("length", "mm"), ("angle", "deg")
+_WATT, _CELSIUS, _SHARE, _GAIN = (
+    ("power", "W"),
+    ("temperature", "degC"),
+    ("dimensionless", "%"),
+    ("acceleration", "m/s^2"),
+)
+
+_RATIO, _ROTOR = ("gearhead.ratio",), ("motor.rotor_inertia",)
+_INERTIA = (*_RATIO, "gearhead.inertia", *_ROTOR)
+_HOT = (  # the winding at its mean temperature
+    "CURRENT", "motor.resistance", "motor.thermal_resistance_winding", "motor.thermal_resistance_housing", "HOUSING",
+)  # fmt: skip
+_WARM = (*_HOT, "motor.winding_time_constant", "motor.motor_time_constant")  # as warm as it is at each moment
+_EMF = ("motor.back_emf_constant", "motor.speed_constant")  # where the maker prints one
+_DRAWN = (*_WARM, *_EMF)
+_CHAIN = (*_RATIO, "gearhead.efficiency", *_ROTOR)  # of the paper's torque at the motor
+_BY_CURRENT = (*_CHAIN, "motor.torque_constant", "motor.no_load_current")  # of the paper's current
+_SUPPLIES = ("controller.supply_min", "controller.supply_max")
+
+_PHYSICS = {
+    "compatibility": CheckKind("Motor and gearhead fit together"),
+    "gearhead_continuous_torque": CheckKind("Gearhead continuous torque", *_NM, ("gearhead.continuous_torque",)),
+    "gearhead_intermittent_torque": CheckKind("Gearhead intermittent torque", *_NM, ("gearhead.intermittent_torque",)),
+    "gearhead_continuous_speed": CheckKind(
+        "Gearhead continuous input speed", *_SPEED, (*_RATIO, "gearhead.continuous_input_speed")
+    ),
+    "gearhead_intermittent_speed": CheckKind(
+        "Gearhead intermittent input speed", *_SPEED, (*_RATIO, "gearhead.intermittent_input_speed")
+    ),
+    "gearhead_continuous_power": CheckKind("Gearhead continuous power", *_WATT, ("gearhead.continuous_power",)),
+    "gearhead_intermittent_power": CheckKind("Gearhead intermittent power", *_WATT, ("gearhead.intermittent_power",)),
+    "gearhead_radial_load": CheckKind("Gearhead radial load", *_NEWTON, ("gearhead.max_radial_load",)),
+    "gearhead_temperature_range": CheckKind(
+        "Gearhead temperature range", *_CELSIUS, ("gearhead.temperature_min", "gearhead.temperature_max")
+    ),
+    "backlash_at_load": CheckKind("Backlash at the load", *_DEG, ("gearhead.backlash",)),
+    "motor_radial_load": CheckKind("Motor radial load", *_NEWTON, ("motor.max_radial_load",)),
+    "motor_speed": CheckKind("Motor permissible speed", *_SPEED, (*_RATIO, "motor.max_speed")),
+    "motor_nominal_current": CheckKind(
+        "Motor nominal current (RMS)", *_AMPS, ("CURRENT", "motor.nominal_current", "DERATING"), on_inertia=True
+    ),
+    "motor_peak_torque": CheckKind("Motor peak torque", *_MNM, ("CURRENT", "motor.peak_torque"), on_inertia=True),
+    "winding_temperature": CheckKind(
+        "Winding temperature, peak", *_CELSIUS, (*_WARM, "motor.max_winding_temperature"), on_inertia=True
+    ),
+    "motor_temperature_range": CheckKind(
+        "Motor temperature range", *_CELSIUS, ("motor.ambient_min", "motor.ambient_max")
+    ),
+    "inertia_ratio": CheckKind("Inertia ratio, load to motor", rests_on=_INERTIA, on_inertia=True),
+    "first_resonance": CheckKind("First resonance", "frequency", "Hz", _INERTIA, on_inertia=True),
+    "holding": CheckKind("Holding without power", *_MNM, (*_RATIO, "gearhead.efficiency")),
+    "controller_available": CheckKind("Controller for bus, voltage and motor", rests_on=_SUPPLIES),
+    "supply_voltage": CheckKind(
+        "Motor voltage, cold and hot", *_VOLTS, (*_DRAWN, "controller.max_duty", "controller.voltage_drop"),
+        on_inertia=True,
+    ),
+    "controller_continuous_current": CheckKind(
+        "Controller continuous current", *_AMPS, ("CURRENT", "controller.continuous_current"), on_inertia=True
+    ),
+    "controller_peak_current": CheckKind(
+        "Controller peak current", *_AMPS, ("CURRENT", "controller.peak_current"), on_inertia=True
+    ),
+    "controller_peak_time": CheckKind(
+        "Time above continuous current", "time", "s",
+        ("CURRENT", "controller.continuous_current", "controller.peak_time"), on_inertia=True,
+    ),
+    "controller_speed": CheckKind(
+        "Controller electrical speed", *_SPEED, (*_RATIO, "motor.pole_pairs", "controller.max_speed_sine")
+    ),
+    "supply_current": CheckKind("Supply current, all motor sets", *_AMPS, _DRAWN, on_inertia=True),
+    "supply_power": CheckKind("Supply power, all motor sets", *_WATT, _DRAWN, on_inertia=True),
+    "bus_voltage": CheckKind("Bus voltage, energy returned", *_VOLTS, (*_DRAWN, "controller.supply_max")),
+    "encoder_counts": CheckKind("Encoder counts per turn", rests_on=("COUNTS",)),
+    "encoder_speed": CheckKind("Encoder speed", *_SPEED, (*_RATIO, "encoder.max_speed")),
+    "encoder_frequency": CheckKind(
+        "Encoder frequency", "frequency", "kHz",
+        (*_RATIO, "COUNTS", "encoder.max_frequency", "controller.max_encoder_frequency"),
+    ),
+    "encoder_resolution": CheckKind("Encoder resolution at the load", *_DEG, (*_RATIO, "COUNTS")),
+    "traction": CheckKind("Traction per wheel", *_NEWTON),
+    "belt_tension": CheckKind("Belt effective tension", *_NEWTON),
+    "belt_speed": CheckKind("Belt speed", "speed", "m/s"),
+    "belt_teeth_in_mesh": CheckKind("Belt teeth in mesh, small pulley"),
+    "diameter": CheckKind("Diameter of motor and gearhead", *_MM, ("motor.diameter", "gearhead.diameter")),
+    "length": CheckKind("Length of motor and gearhead", *_MM, ("motor.length", "gearhead.length")),
+    "mass": CheckKind("Mass of motor and gearhead", "mass", "g", ("motor.mass", "gearhead.mass")),
+    "price": CheckKind("Price of motor and gearhead", "price", "EUR", ("motor.price", "gearhead.price")),
+}  # fmt: skip
+
+_PAPER = {
+    "compatibility": CheckKind("Motor and gearhead fit together"),
+    "gearhead_continuous_torque": CheckKind(
+        "Gearhead continuous torque", *_NM, (*_ROTOR, "gearhead.continuous_torque")
+    ),
+    "gearhead_intermittent_torque": CheckKind(
+        "Gearhead intermittent torque", *_NM, (*_ROTOR, "gearhead.intermittent_torque")
+    ),
+    "backlash_at_load": CheckKind("Backlash at the load", *_DEG, ("gearhead.backlash",)),
+    "encoder_counts": CheckKind("Encoder counts per turn", rests_on=("COUNTS",)),
+    "controller_available": CheckKind("Controller for bus, voltage and motor", rests_on=_SUPPLIES),
+    "controller_continuous_current": CheckKind(
+        "Controller continuous current", *_AMPS, (*_BY_CURRENT, "controller.continuous_current")
+    ),
+    "controller_peak_current": CheckKind(
+        "Controller peak current", *_AMPS, (*_BY_CURRENT, "controller.peak_current")
+    ),
+    "gearhead_input_speed": CheckKind(
+        "Gearhead input speed", *_SPEED, (*_RATIO, "gearhead.continuous_input_speed")
+    ),
+    "largest_reduction": CheckKind(
+        "Largest reduction allowed",
+        rests_on=(*_RATIO, "gearhead.continuous_torque", "gearhead.intermittent_torque",
+                  "gearhead.continuous_input_speed", *_ROTOR),
+    ),
+    "motor_speed": CheckKind("Motor speed (no-load speed)", *_SPEED, (*_RATIO, "motor.no_load_speed")),
+    "motor_continuous_torque": CheckKind("Motor continuous torque", *_MNM, (*_CHAIN, "motor.nominal_torque")),
+    "motor_maximum_torque": CheckKind("Motor maximum torque (stall)", *_MNM, (*_CHAIN, "motor.stall_torque")),
+    "motor_power": CheckKind("Motor continuous power", *_WATT, (*_ROTOR, "motor.assigned_power")),
+    "speed_constant": CheckKind(
+        "Speed constant", "speed_constant", "rpm/V",
+        (*_CHAIN, "motor.speed_torque_gradient", "motor.nominal_voltage", "motor.speed_constant"),
+    ),
+}  # fmt: skip
+
+_FED = (*_DRAWN, "controller.max_efficiency")  # all that hangs on the power which the drive draws
+_BUDGET = {  # of the machine with a set in it
+    "mass": CheckKind("Mass of the machine", "mass", "kg"),
+    "mass_sized_for": CheckKind("Mass that the drive is sized for", "mass", "kg"),
+    "passage_width": CheckKind("Width of a passage", *_MM),
+    "passage_height": CheckKind("Height of a passage", *_MM),
+    "passage_turning": CheckKind("Turning on the spot in a passage", *_MM),
+    "passage_corner": CheckKind("Corner of two corridors", *_MM),
+    "passage_clearance": CheckKind("Width of a passage, along the trajectory", *_MM),
+    "centre_of_mass": CheckKind("Every wheel carries at rest"),
+    "lift_off": CheckKind("Acceleration and slope before a wheel lifts off", *_GAIN),
+    "tipping": CheckKind("Acceleration and slope before it tips over", *_GAIN),
+    "wheel_unloading": CheckKind("Load taken off a wheel, along the trajectory", *_SHARE),
+    "tipping_motion": CheckKind("Way to the tipping edge, along the trajectory", *_SHARE),
+    "grip_slope": CheckKind("Slope that the floor's grip holds", *_DEG),
+    "grip_acceleration": CheckKind("Acceleration that the floor transmits", *_GAIN),
+    "grip_motion": CheckKind("Friction needed, along the trajectory"),
+    "battery_autonomy": CheckKind("Battery autonomy", "time", "h", _FED),
+    "battery_range": CheckKind("Range on one charge", "length", "km", _FED),
+    "battery_power": CheckKind("Battery power, largest", *_WATT, _FED),
+    "battery_voltage": CheckKind("Battery voltage at the peak, lowest supply", *_VOLTS, _FED),
+    "battery_cutoff": CheckKind("Battery voltage at the peak, end of discharge", *_VOLTS, _FED),
+    "battery_charge_voltage": CheckKind("Battery voltage while charging", *_VOLTS),
+    "battery_overcharge": CheckKind("Battery voltage at the return, end of charge", *_VOLTS, _FED),
+    "battery_return_voltage": CheckKind("Battery voltage at the return, highest supply", *_VOLTS, _FED),
+    "battery_room": CheckKind("Charge that comes back, room for it", "charge", "A*h", _FED),
+    "battery_continuous_current": CheckKind("Battery continuous current (RMS)", *_AMPS, _FED),
+    "battery_peak_current": CheckKind("Battery peak current", *_AMPS, _FED),
+    "battery_charge_current": CheckKind("Battery charge current, energy returned", *_AMPS, _FED),
+}
+
+_CLOSED_LOOP = {  # of one set that was simulated: what it lacks is told by the checks of the set
+    "stability": CheckKind("Stability of the linear loops"),
+    "phase_margin": CheckKind("Phase margin", *_DEG),
+    "tracking_error": CheckKind("Tracking error", "speed", "m/s", rotary=_SPEED),
+    "bandwidth": CheckKind("Closed-loop bandwidth", "frequency", "Hz"),
+    "supply_voltage": CheckKind("Motor voltage", *_VOLTS),
+    "controller_peak_current": CheckKind("Controller peak current", *_AMPS),
+    "controller_i2t": CheckKind("I²t of the peak current", *_SHARE),
+    "controller_continuous_current": CheckKind("Controller continuous current (RMS)", *_AMPS),
+    "supply_current": CheckKind("Supply current, all sets", *_AMPS),
+    "motor_nominal_current": CheckKind("Motor nominal current (RMS)", *_AMPS),
+    "winding_temperature": CheckKind("Winding temperature", *_CELSIUS),
+    "gearhead_continuous_torque": CheckKind("Gearhead continuous torque (RMS)", *_NM),
+    "gearhead_intermittent_torque": CheckKind("Gearhead intermittent torque", *_NM),
+    "gearhead_continuous_speed": CheckKind("Gearhead continuous input speed", *_SPEED),
+    "gearhead_intermittent_speed": CheckKind("Gearhead intermittent input speed", *_SPEED),
+    "motor_speed": CheckKind("Motor permissible speed", *_SPEED),
+    "encoder_speed": CheckKind("Encoder speed", *_SPEED),
+    "encoder_frequency": CheckKind("Encoder frequency of encoder lines", "frequency", "kHz"),
+    "controller_frequency": CheckKind("Controller frequency of encoder lines", "frequency", "kHz"),
+    "controller_electrical_speed": CheckKind("Controller electrical speed", *_SPEED),
+    "traction": CheckKind("Traction per wheel", *_NEWTON),
+}
+
+CHECKS: dict[str, dict[str, CheckKind]] = {
+    "paper": _PAPER, "physics": _PHYSICS, "budget": _BUDGET, "closed loop": _CLOSED_LOOP,
+}  # fmt: skip
+_NAMES = frozenset(name for declared in CHECKS.values() for name in declared)
+
+
+def refuse_undeclared(name: str) -> None:
+    """Refuse a check that no method declares.
+
+    Raises
+    ------
+    LookupError
+        Then: a slip in the program, not of a user.
+
+    >>> refuse_undeclared("motor_sped")
+    Traceback (most recent call last):
+    LookupError: check 'motor_sped' is not declared in results/check_kinds.py
+    """
+    if name not in _NAMES:
+        raise LookupError(f"check {name!r} is not declared in results/check_kinds.py")
