@@ -30,7 +30,7 @@ from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.machine_filter import best_in_machine, on_the_front, ranked, shortfall
 from drivesizer.search.own_mass import at_its_own_mass
-from drivesizer.search.ranking import Objective, title_of
+from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.relaxations import changes_for, relaxations
 from drivesizer.search.search import Found, Progress
 from drivesizer.search.set_record import drive_set
@@ -58,7 +58,7 @@ def size(
     *,
     catalog: Catalog | None = None,
     top: int = 5,
-    objective: Objective | None = None,
+    objective: Ranking | None = None,
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
     sampling: Sampling | None = None,
@@ -196,7 +196,7 @@ def _warnings(spec: RobotSpec, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _unrestricted(spec: RobotSpec, catalog: Catalog, objective: Objective) -> DriveSet | None:
+def _unrestricted(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> DriveSet | None:
     """The best set of the whole catalogue, where the spec names families or parts."""
     if not spec.select.is_restricted:
         return None

@@ -20,7 +20,7 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.columns.stages import Problem, problem
 from drivesizer.search.least_drawn import surely_empty
-from drivesizer.search.ranking import Objective
+from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import Evaluated, Found, Judge, Kept, search
 from drivesizer.search.set_record import drive_set
 from drivesizer.spec.robot import RobotSpec
@@ -43,7 +43,7 @@ _FEWEST, _MORE, _MOST = 64, 8, 1 << 16  # at first at least, times as many each 
 Weigh = Callable[[Evaluation, int], DriveSet]  # a row of an evaluation as a record, with the machine's budgets
 
 
-def weighing(spec: RobotSpec, machine: MechanicalBudget | None, objective: Objective) -> Weigh:
+def weighing(spec: RobotSpec, machine: MechanicalBudget | None, objective: Ranking) -> Weigh:
     """What makes records of sets in their machine, of each but once.
 
     Parameters
@@ -154,7 +154,7 @@ def _pieces(rows: NDArray[np.int64], first: int) -> Iterator[NDArray[np.int64]]:
 
 
 def best_in_machine(
-    spec: RobotSpec, catalog: Catalog, objective: Objective, aside: frozenset[str] = frozenset()
+    spec: RobotSpec, catalog: Catalog, objective: Ranking, aside: frozenset[str] = frozenset()
 ) -> DriveSet | None:
     """The best set of a search of its own that stands in its machine too; None where none does.
 

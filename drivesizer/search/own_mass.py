@@ -8,7 +8,7 @@ from drivesizer.machine.budgets import drive_mass, mass_without_drive
 from drivesizer.machine.mass_budget import settle
 from drivesizer.search import pulleys
 from drivesizer.search.machine_filter import best_in_machine
-from drivesizer.search.ranking import Objective
+from drivesizer.search.ranking import Ranking
 from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.robot import RobotSpec
 
@@ -18,7 +18,7 @@ _SAME = 1e-9  # kg: of sets out of a catalogue one is found again, or another is
 _ITERATED = frozenset({"mass_sized_for"})  # holds once the rounds have settled, and not before
 
 
-def at_its_own_mass(spec: RobotSpec, catalog: Catalog, objective: Objective) -> tuple[RobotSpec, tuple[str, ...]]:
+def at_its_own_mass(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> tuple[RobotSpec, tuple[str, ...]]:
     """The spec with the mass at which its drive carries itself, and how that was found; where the spec asks for it."""
     load = spec.load
     if spec.budget is None or not spec.budget.drive_counts or not isinstance(load, WheeledVehicle):

@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog, Table
 from drivesizer.errors import InputError, quoted
 from drivesizer.physics.extremes import undominated
-from drivesizer.results.objectives import SUMS
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.spec.select import OBJECTIVES, Weighted
 
-__all__ = ["front", "names_of", "objective_of", "order", "title_of", "values"]
+__all__ = ["COUNTED", "Ranking", "front", "names_of", "objective_of", "order", "title_of", "values"]
 
 Array = NDArray[np.float64]
-Objective = str | list[Weighted]
+COUNTED = tuple(name for name, declared in OBJECTIVES.items() if not declared.over and name != "margin")
+Ranking = str | list[Weighted]  # one objective, or several with weights
 
 
-def objective_of(text: str) -> Objective:
+def objective_of(text: str) -> Ranking:
     """An objective as the command line gives it: a name, or names with weights such as ``mass=2,price=1``.
 
     Raises
@@ -47,12 +47,12 @@ def objective_of(text: str) -> Objective:
     return found
 
 
-def names_of(objective: Objective) -> list[str]:
+def names_of(objective: Ranking) -> list[str]:
     """The objectives that are counted."""
     return [objective] if isinstance(objective, str) else [part.objective for part in objective]
 
 
-def title_of(objective: Objective) -> str:
+def title_of(objective: Ranking) -> str:
     """An objective in a word or a line.
 
     >>> title_of("mass"), title_of(objective_of("mass=2,price=1"))
@@ -64,7 +64,7 @@ def title_of(objective: Objective) -> str:
 
 
 def values(
-    catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: Objective
+    catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: Ranking
 ) -> tuple[Array, NDArray[np.int64]]:
     """An objective of each set, less is better, and of how many parts it is unknown.
 
@@ -84,7 +84,7 @@ def values(
     total, missing = np.zeros(len(sets.motor)), np.zeros(len(sets.motor), np.int64)
     for part in objective:
         value, lacking = _single(catalog, sets, figures, part.objective)
-        value = 1.0 / np.maximum(1.0 - value, 1e-9) if part.objective == "margin" else value
+        value = _as_share(part.objective, value)
         known = value[lacking == 0]
         least = known.min() if known.size else 1.0
         total += part.weight * value / (least if least > 0.0 else 1.0)
@@ -92,16 +92,25 @@ def values(
     return total, missing
 
 
+def _as_share(name: str, value: Array) -> Array:
+    """A column whose ratios count: of what is better the more there is, the reciprocal; a margin is a ratio less 1."""
+    if not OBJECTIVES[name].more_is_better:
+        return value
+    shares: Array = 1.0 / np.maximum(1.0 - value if name == "margin" else -value, 1e-9)
+    return shares
+
+
 def _single(
     catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name: str
 ) -> tuple[Array, NDArray[np.int64]]:
-    if name not in SUMS:
-        value = np.where(np.isinf(figures["margin"]), np.nan, -figures["margin"]) if name == "margin" else figures[name]
+    declared = OBJECTIVES[name]
+    if not declared.over:
+        value = np.where(np.isinf(figures[name]), np.nan, -figures[name]) if declared.more_is_better else figures[name]
         return np.nan_to_num(value, nan=0.0), np.isnan(value).astype(np.int64)
-    figure, over = SUMS[name]
     tables: dict[str, Table[Any]] = {"motor": catalog.motors, "gearhead": catalog.gearheads}
-    found = np.array([tables[part][figure][getattr(sets, part)] for part in over])
-    return np.nansum(found, 0), np.isnan(found).sum(0)
+    found = np.array([tables[part][declared.figure][getattr(sets, part)] for part in declared.over])
+    total = np.nansum(found, 0)
+    return -total if declared.more_is_better else total, np.isnan(found).sum(0)
 
 
 def order(

@@ -22,8 +22,9 @@ from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates, candidates, joined, pairs
 from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluate
 from drivesizer.search.columns.stages import Examined, Problem, examine, problem
-from drivesizer.search.ranking import Objective
+from drivesizer.search.ranking import COUNTED, Ranking
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["Evaluated", "Found", "Judge", "Kept", "search", "smallest_margin"]
 
@@ -33,8 +34,7 @@ Progress = Callable[[int, int], None]  # sets examined, sets in all
 _FIRST = 1 << 12  # sets that are judged at first
 _CHUNK = 1 << 16  # pairs at a time
 _NEAREST = 32  # of those that fell, kept until all are known
-_COUNTED = ("energy", "joule_heat", "peak_current", "winding_temperature")  # figures that objectives count
-_WAVEFORM = {"energy", "joule_heat", "winding_temperature", "margin"}  # objectives that the bounds do not tell
+_WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_waveform}
 
 
 class Found(NamedTuple):
@@ -74,7 +74,7 @@ def search(
     catalog: Catalog,
     *,
     top: int,
-    objective: Objective,
+    objective: Ranking,
     misses: int = 3,
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
@@ -199,7 +199,7 @@ def _sifted(given: Problem, exact: bool, progress: Progress | None) -> tuple[_Ke
     for belt, chunk in _chunks(every, belts):
         one = examine(given, belt, chunk, staged=True, exact=exact, margins=exact)
         failed_by.update(one.failed_by)
-        figures = {name: one.figures[name] for name in _COUNTED} | {"margin": one.margin}
+        figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin}
         kept.append(_Kept(chunk.on(one.rows), one.doubtful, figures))
         fallen = [_best([*fallen, _fallen(chunk, one)])]
         done += len(chunk.motor)
@@ -241,7 +241,7 @@ def _best(several: list[tuple[Candidates, Array]]) -> tuple[Candidates, Array]:
 def _joined(kept: list[_Kept], every: Candidates) -> _Kept:
     if not kept:
         none = every.on(slice(0, 0))
-        return _Kept(none, none.listed, dict.fromkeys((*_COUNTED, "margin"), none.belt))
+        return _Kept(none, none.listed, dict.fromkeys((*COUNTED, "margin"), none.belt))
     return _Kept(
         joined([k.sets for k in kept]),
         np.concatenate([k.doubtful for k in kept]),
@@ -253,7 +253,7 @@ def _by_the_paper(
     spec: RobotSpec,
     catalog: Catalog,
     top: int,
-    objective: Objective,
+    objective: Ranking,
     misses: int,
     pareto: tuple[str, ...],
     judge: Judge | None,

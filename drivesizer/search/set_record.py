@@ -14,18 +14,18 @@ from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.physics.waveform import Wave, longest_above, share_above
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.objectives import SUMS
 from drivesizer.results.sizing import Figure
 from drivesizer.search import ranking
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.columns.problem import quickest_winding
-from drivesizer.search.ranking import Objective
+from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import smallest_margin
+from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["drive_set"]
 
 
-def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Objective) -> DriveSet:
+def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Ranking) -> DriveSet:
     """One row of an evaluation as a record."""
     catalog, given, belt = evaluation.catalog, evaluation.candidates, evaluation.spec.belt
     motor = catalog.motors.record(int(given.motor[index]))
@@ -68,12 +68,12 @@ def _summed(parts: dict[str, Any], figure: str, over: tuple[str, ...]) -> tuple[
 
 
 def _objective(
-    evaluation: Evaluation, index: int, objective: Objective, motor: Motor, gearhead: Gearhead
+    evaluation: Evaluation, index: int, objective: Ranking, motor: Motor, gearhead: Gearhead
 ) -> tuple[float, tuple[str, ...]]:
     """What it is ranked by, as it is shown: the margin itself, not what makes less of it better."""
     if objective == "margin":
         least = float(smallest_margin(evaluation.checks)[index])
-        return (math.nan if math.isinf(least) else least), ("smallest margin of all checks",)
+        return (math.nan if math.isinf(least) else least), (OBJECTIVES[objective].told,)
     if not isinstance(objective, str):
         figures = dict(evaluation.figures) | {"margin": smallest_margin(evaluation.checks)}
         value, missing = ranking.values(evaluation.catalog, evaluation.candidates, figures, objective)
@@ -81,17 +81,12 @@ def _objective(
         return math.nan if missing[index] else float(value[index]), (
             f"shares of the best shown: {ranking.title_of(objective)}{lacking}",
         )
-    if objective in SUMS:
-        return _summed({"motor": motor, "gearhead": gearhead}, *SUMS[objective])
-    return float(evaluation.figures[objective][index]), (_COUNTED[objective],)
+    declared = OBJECTIVES[objective]
+    if declared.over:
+        return _summed({"motor": motor, "gearhead": gearhead}, declared.figure, declared.over)
+    return float(evaluation.figures[objective][index]), (declared.told,)
 
 
-_COUNTED = {
-    "energy": "all motor sets, per cycle",
-    "joule_heat": "of the motor's winding, mean",
-    "peak_current": "the motor's, in the worst case",
-    "winding_temperature": "peak over the periodic cycle, in the worst case",
-}
 _TABLE = (
     ("energy", "Energy per cycle, all motor sets", "energy", "J"),
     ("returned", "Energy that comes back per cycle", "energy", "J"),

@@ -25,7 +25,7 @@ from drivesizer.search.columns.controllers import offered_buses, offers
 from drivesizer.search.columns.stages import problem
 from drivesizer.search.machine_filter import Weigh, divided, in_machine, weighing
 from drivesizer.search.own_mass import at_its_own_mass
-from drivesizer.search.ranking import Objective, names_of
+from drivesizer.search.ranking import COUNTED, Ranking, names_of
 from drivesizer.search.search import Found, Progress, search
 from drivesizer.search.set_record import drive_set
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, asked
@@ -68,7 +68,7 @@ class Shortlist:
 def shortlist(
     spec: RobotSpec,
     catalog: Catalog,
-    objective: Objective,
+    objective: Ranking,
     top: int,
     *,
     misses: int = 3,
@@ -140,7 +140,7 @@ def shortlist(
 
 
 def _judged(
-    found: Found, spec: RobotSpec, catalog: Catalog, objective: Objective, rows: Sequence[int], how: Sampling
+    found: Found, spec: RobotSpec, catalog: Catalog, objective: Ranking, rows: Sequence[int], how: Sampling
 ) -> Judged:
     """Some sets over samples, with their checks by physics whatever the method."""
     from drivesizer.search.uncertainty.run import (  # where nothing is sampled it need not load
@@ -181,7 +181,7 @@ def _uncertainty(sure: Judged | None) -> Uncertainty | None:
 
 def _known_to(spec: RobotSpec, names: set[str]) -> None:
     """Refuse objectives that the paper's method does not compute."""
-    foreign = sorted(names & {"energy", "joule_heat", "peak_current", "winding_temperature"})
+    foreign = sorted(names & set(COUNTED))
     if spec.method == "paper" and foreign:
         raise InputError(f"objective {foreign[0]}: the paper's method does not compute it; expected method: physics")
 

@@ -2,13 +2,59 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
 from drivesizer.spec.fields import Names, Ratio, Section
 
-__all__ = ["OBJECTIVES", "Choice", "ControllerChoice", "EncoderChoice", "Objective", "Select", "Weighted"]
+__all__ = [
+    "OBJECTIVES",
+    "Choice",
+    "ControllerChoice",
+    "EncoderChoice",
+    "Objective",
+    "ObjectiveKind",
+    "Select",
+    "Weighted",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectiveKind:
+    """What sets can be ranked by: a sum of catalogue figures, or a figure that the load cycle makes."""
+
+    title: str
+    kind: str  # of quantity
+    unit: str  # of the trade
+    figure: str = ""  # of the parts, that is summed; none: what ``search.columns.powered`` computes under this name
+    over: tuple[str, ...] = ()  # motor, gearhead: the parts that it is summed over
+    told: str = ""  # beside a value that is no sum: of what it is
+    more_is_better: bool = False
+    by_waveform: bool = False  # bounds from moments and extremes do not tell it, only the current of each moment
+
+
+_WHOLE = ("motor", "gearhead")
+OBJECTIVES: dict[str, ObjectiveKind] = {
+    "mass": ObjectiveKind("mass", "mass", "g", "mass", _WHOLE),
+    "price": ObjectiveKind("price", "price", "EUR", "price", _WHOLE),
+    "length": ObjectiveKind("length", "length", "mm", "length", _WHOLE),
+    "power": ObjectiveKind("assigned power", "power", "W", "assigned_power", ("motor",)),
+    "energy": ObjectiveKind("energy per cycle", "energy", "J", told="all motor sets, per cycle", by_waveform=True),
+    "joule_heat": ObjectiveKind(
+        "heat of the winding", "power", "W", told="of the motor's winding, mean", by_waveform=True
+    ),
+    "peak_current": ObjectiveKind("peak current", "current", "A", told="the motor's, in the worst case"),
+    "winding_temperature": ObjectiveKind(
+        "winding temperature", "temperature", "degC", told="peak over the periodic cycle, in the worst case",
+        by_waveform=True,
+    ),
+    "margin": ObjectiveKind(
+        "smallest margin", "dimensionless", "%", told="smallest margin of all checks", more_is_better=True,
+        by_waveform=True,
+    ),
+}  # fmt: skip
 
 
 class Choice(Section):
@@ -30,10 +76,10 @@ class ControllerChoice(Choice):
     bus: str | None = Field(default=None, description="such as CANopen or EtherCAT")
 
 
-Objective = Literal[
-    "mass", "price", "length", "power", "energy", "joule_heat", "peak_current", "winding_temperature", "margin"
-]
-OBJECTIVES: tuple[str, ...] = Objective.__args__  # type: ignore[attr-defined]
+if TYPE_CHECKING:
+    Objective = str
+else:
+    Objective = Literal[tuple(OBJECTIVES)]
 
 
 class Weighted(Section):

@@ -13,7 +13,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Counts
 from drivesizer.search.machine_filter import ranked
-from drivesizer.search.ranking import Objective, title_of
+from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.set_record import drive_set
 from drivesizer.search.shortlist import shortlist
 from drivesizer.spec.robot import RobotSpec
@@ -30,7 +30,7 @@ class Best(NamedTuple):
     objective: str
 
 
-def best(spec: RobotSpec, catalog: Catalog, *, objective: Objective | None = None, top: int = 1) -> Best:
+def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None, top: int = 1) -> Best:
     """The best sets of a spec.
 
     Parameters

@@ -17,8 +17,9 @@ from drivesizer.output.terminal.reliability import none_as_sure, tolerances, tol
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.objectives import OBJECTIVE, SUMS, objective_figure
+from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import Explanation, SizingResult, verdict, worst
+from drivesizer.spec.select import OBJECTIVES
 from drivesizer.units import show
 
 __all__ = ["explained", "sizing", "validation", "validations"]
@@ -179,10 +180,11 @@ def _nearest(misses: tuple[DriveSet, ...]) -> Table:
 def _objective(found: DriveSet, objective: str) -> str:
     if objective == "margin":
         return percent(found.objective)
-    if objective not in OBJECTIVE:
+    if objective not in OBJECTIVES:
         return f"{found.objective:.4g}"
-    text = show(found.objective, OBJECTIVE[objective].unit, OBJECTIVE[objective].kind)
-    whole = len(SUMS[objective][1]) if objective in SUMS and not found.actuator else 1
+    declared = OBJECTIVES[objective]
+    text = show(found.objective, declared.unit, declared.kind)
+    whole = len(declared.over) if declared.over and not found.actuator else 1
     return text if len(found.objective_of) in (0, whole) else f"{text}\n({found.objective_of[0]} only)"
 
 
@@ -222,7 +224,7 @@ def _tally(console: Console, result: SizingResult) -> None:
     if other:
         encoder = f", encoder {other.encoder.part}" if other.encoder else ""
         controller = f", controller {other.controller.family}" if other.controller else ""
-        single = result.objective in OBJECTIVE
+        single = result.objective in OBJECTIVES
         words = f"{result.objective} {_objective(other, result.objective)}".replace("_", " ").replace("\n", " ")
         value = f": {words}" if single else ""
         console.print(
