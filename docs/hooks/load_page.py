@@ -10,8 +10,7 @@ import yaml
 from docstrings import as_markdown
 from spec_tables import SCHEMA, fields_of, reference
 
-from drivesizer.loads import _HOME
-from drivesizer.spec.robot import AXES
+from drivesizer.spec.loads import AXES, MODULES
 
 __all__ = ["loads"]
 
@@ -26,7 +25,7 @@ def loads() -> str:
     models = [reference(option) for option in SCHEMA["properties"]["load"]["oneOf"]]
     kinds = {name: [k for k, at in mapping.items() if at.endswith(f"/{name}")] for name in models}
     for several in kinds.values():
-        several.sort(key=list(_HOME).index if len(several) > 1 else str)
+        several.sort(key=list(MODULES).index)
     shared = [("A stage", "stage_losses"), ("Torques that are no straight lines", "torque_curved")]
     parts = [_load(name, of) for name, of in kinds.items()]
     parts += [f"## {title}\n\n{_told_by(import_module(f'drivesizer.loads.{name}'))}" for title, name in shared]
@@ -36,7 +35,7 @@ def loads() -> str:
 def _load(name: str, kinds: list[str]) -> str:
     model: dict[str, Any] = SCHEMA["$defs"][name]
     title = _TITLES.get(kinds[0], kinds[0].replace("_", " ").capitalize())
-    module = import_module(f"drivesizer.loads.{_HOME.get(kinds[0], kinds[0])}")
+    module = import_module(f"drivesizer.loads.{MODULES[kinds[0]]}")
     axis = {"linear": "along a line", "rotary": "about an axis"}[AXES[kinds[0]]]
     named = " or ".join(f"`kind: {kind}`" for kind in kinds)
     parts = [f"## {title}", f"{named} · its motion is given {axis}", _told_by(module)]

@@ -13,10 +13,8 @@ from drivesizer.errors import InputError, quoted
 __all__ = ["doctor", "equations", "init", "schema"]
 
 
-_KINDS = (
-    "wheeled_vehicle, mecanum_platform, conveyor, hoist, lead_screw, ball_screw, rack_pinion, rotary_table, arm, fan, "
-    "flywheel, or recorded"
-)
+_STARTERS = Path(__file__).parents[1] / "spec" / "starters"
+_KINDS = sorted(path.stem for path in _STARTERS.glob("*.yaml"))
 
 
 def equations(
@@ -41,7 +39,7 @@ def equations(
 
 
 def init(
-    kind: Annotated[str, typer.Option(help=f"What is driven: {_KINDS}.")] = "wheeled_vehicle",
+    kind: Annotated[str, typer.Option(help=f"What is driven: {', '.join(_KINDS)}.")] = "wheeled_vehicle",
     output: Annotated[Path, typer.Option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
     urdf: Annotated[
         Path | None, typer.Option("--from-urdf", metavar="FILE", help="Masses, wheels and limits of a URDF.")
@@ -61,13 +59,9 @@ def init(
 
 def _starter(kind: str) -> str:
     """The text that ships for a kind of load."""
-    from importlib import resources
-
-    folder = resources.files("drivesizer.spec") / "starters"
-    known = sorted(entry.name.removesuffix(".yaml") for entry in folder.iterdir() if entry.name.endswith(".yaml"))
-    if kind not in known:
-        raise InputError(f"--kind: {quoted(kind)} is not known; expected {', '.join(known)}")
-    return (folder / f"{kind}.yaml").read_text(encoding="utf-8")
+    if kind not in _KINDS:
+        raise InputError(f"--kind: {quoted(kind)} is not known; expected {', '.join(_KINDS)}")
+    return (_STARTERS / f"{kind}.yaml").read_text(encoding="utf-8")
 
 
 def _start(text: str, output: Path) -> None:

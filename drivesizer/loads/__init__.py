@@ -13,22 +13,10 @@ from drivesizer.loads.course import Course, course
 from drivesizer.loads.profile import Profile, profile_of
 from drivesizer.loads.wheel import WheelLoad
 from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.spec.loads import MODULES
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["load_cycle", "of_course"]
-
-_HOME = {  # kind -> module, where the function has the same name
-    "wheeled_vehicle": "wheeled_vehicle",
-    "conveyor": "conveyor",
-    "hoist": "hoist",
-    "lead_screw": "screw",
-    "ball_screw": "screw",
-    "rack_pinion": "rack_pinion",
-    "rotary_table": "rotary_table",
-    "arm": "arm",
-    "fan": "fan",
-    "flywheel": "fan",
-}
 
 
 def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
@@ -74,6 +62,6 @@ def of_course(spec: RobotSpec, course: Course) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with.
     """
-    name = _HOME[spec.load.kind]
+    name = MODULES[spec.load.kind]
     function: Callable[[RobotSpec, Course], LoadCycle] = getattr(import_module(f"drivesizer.loads.{name}"), name)
     return function(spec, course)

@@ -1,12 +1,13 @@
 """The loads that a spec may name: what is moved, as a user writes it.
 
-One model per kind; what it asks of the driven shaft is in ``loads``, one file each. A load moves along a line or
-about an axis (``axis``), and ``motors`` alike motor sets share it.
+One model per kind, named in the union ``Load`` alone; what it asks of the driven shaft is in ``loads``, a file by the
+model's name. A load moves along a line or about an axis (``axis``), and ``motors`` alike motor sets share it.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+import re
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import Field, model_validator
 
@@ -40,6 +41,7 @@ from drivesizer.spec.fields import (
 
 __all__ = [
     "AXES",
+    "MODULES",
     "Arm",
     "Conveyor",
     "Cylinder",
@@ -281,8 +283,10 @@ Load = Annotated[
     WheeledVehicle | Conveyor | Hoist | Screw | RackPinion | RotaryTable | Arm | Fan | Recorded,
     Field(discriminator="kind"),
 ]
-AXES: dict[str, Axis] = {
-    kind: model.axis
-    for model in (WheeledVehicle, Conveyor, Hoist, Screw, RackPinion, RotaryTable, Arm, Fan, Recorded)
-    for kind in model.model_fields["kind"].annotation.__args__  # type: ignore[union-attr]
+_MODELS: dict[str, Any] = {
+    kind: model for model in get_args(get_args(Load)[0]) for kind in get_args(model.model_fields["kind"].annotation)
+}
+AXES: dict[str, Axis] = {kind: model.axis for kind, model in _MODELS.items()}
+MODULES = {  # of ``loads``, with a function of the same name: that of RackPinion is rack_pinion
+    kind: re.sub(r"(?<=.)(?=[A-Z])", "_", model.__name__).lower() for kind, model in _MODELS.items()
 }
