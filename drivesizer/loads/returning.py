@@ -17,7 +17,6 @@ from drivesizer.units import show
 
 __all__ = ["not_returning", "starts_farther_on"]
 
-_WITH_AN_END = ("arm", "hoist", "lead_screw", "ball_screw", "rack_pinion")
 _ROUNDING = 1e-6  # of the way: a recording is no more exact
 _TURN = 2.0 * math.pi
 
@@ -53,7 +52,7 @@ def _off(spec: RobotSpec) -> float:
     """How far the end of a cycle is from its start [m or rad]; 0 where that does not matter."""
     load = spec.load
     pulled = isinstance(load, RotaryTable) and load.mass * load.eccentricity * math.sin(load.tilt) != 0.0
-    if load.kind not in _WITH_AN_END and not pulled:
+    if not load.has_end and not pulled:
         return 0.0
     moved = course(profile_of(spec))
     way = moved.duration * moved.speed.mean(axis=1)

@@ -1,7 +1,8 @@
 """The loads that a spec may name: what is moved, as a user writes it.
 
 One model per kind, named in the union ``Load`` alone; what it asks of the driven shaft is in ``loads``, a file by the
-model's name. A load moves along a line or about an axis (``axis``), and ``motors`` alike motor sets share it.
+model's name. A load moves along a line or about an axis (``axis``), its way may have an end or lead on
+(``has_end``), and ``motors`` alike motor sets share it.
 """
 
 from __future__ import annotations
@@ -86,6 +87,7 @@ class WheeledVehicle(Section):
     """A vehicle on driven wheels, each with its own motor set."""
 
     axis: ClassVar[Axis] = "linear"
+    has_end: ClassVar[bool] = False
     kind: Literal["wheeled_vehicle"]
     mass: Mass = Field(description="whole vehicle, payload included")
     driven_wheels: Count = Field(description="wheels with a motor set")
@@ -139,6 +141,7 @@ class Conveyor(_Shared):
     """A belt conveyor, level or inclined, driven at a drum."""
 
     axis: ClassVar[Axis] = "linear"
+    has_end: ClassVar[bool] = False
     kind: Literal["conveyor"]
     mass: Mass = Field(description="goods on the belt")
     belt_mass: Counterweight = default("0 kg", description="of the belt itself")
@@ -155,6 +158,7 @@ class Hoist(_Shared):
     """A rope drum that lifts a mass, with or without a counterweight."""
 
     axis: ClassVar[Axis] = "linear"
+    has_end: ClassVar[bool] = True
     kind: Literal["hoist"]
     mass: Mass = Field(description="of what is lifted, its carrier included")
     counterweight: Counterweight = default("0 kg", description="hung against the mass, with as many falls")
@@ -169,6 +173,7 @@ class Screw(_Shared):
     """A lead screw or ball screw that moves a slide, level to upright."""
 
     axis: ClassVar[Axis] = "linear"
+    has_end: ClassVar[bool] = True
     kind: Literal["lead_screw", "ball_screw"]
     mass: Mass = Field(description="of the slide and what is on it")
     lead: Length = Field(description="way per turn")
@@ -188,6 +193,7 @@ class RackPinion(_Shared):
     """A rack that a pinion moves, or a carriage that runs along a rack, level to upright."""
 
     axis: ClassVar[Axis] = "linear"
+    has_end: ClassVar[bool] = True
     kind: Literal["rack_pinion"]
     mass: Mass
     pinion_diameter: Length = Field(description="of its pitch circle")
@@ -210,6 +216,7 @@ class RotaryTable(_Shared):
     """An indexing or turning table, level or tilted, balanced or not."""
 
     axis: ClassVar[Axis] = "rotary"
+    has_end: ClassVar[bool] = False
     kind: Literal["rotary_table"]
     inertia: Inertia = Field(description="of table and load about the axis")
     friction_torque: Torque = default("0 N*m", description="of the bearing, against the motion")
@@ -229,6 +236,7 @@ class Arm(_Shared):
     """A joint that swings an arm against gravity."""
 
     axis: ClassVar[Axis] = "rotary"
+    has_end: ClassVar[bool] = True
     kind: Literal["arm"]
     mass: Mass = Field(description="of arm and payload")
     length: Length = Field(description="from the joint to their centre of mass")
@@ -248,6 +256,7 @@ class Fan(_Shared):
     """A fan, pump or flywheel: torque that grows with a power of speed, and inertia."""
 
     axis: ClassVar[Axis] = "rotary"
+    has_end: ClassVar[bool] = False
     kind: Literal["fan", "flywheel"]
     inertia: Inertia
     rated_torque: Torque = default("0 N*m", description="at rated_speed")
@@ -268,6 +277,7 @@ class Recorded(_Shared):
     """A recording of speed or position and of torque at the driven shaft."""
 
     axis: ClassVar[Axis] = "rotary"
+    has_end: ClassVar[bool] = False
     kind: Literal["recorded"]
     file: str = Field(min_length=1, description="CSV: columns time, speed or position, torque; then a row of units")
     smoothing: Pause = default("0 s", description="width of the window in which position or speed is smoothed")

@@ -1,0 +1,115 @@
+"""A check and an objective are declared once: a copy of the package gets one of each, and everything tells them."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+from shutil import copytree, ignore_patterns
+
+import pytest
+
+import drivesizer
+from drivesizer.results.check_columns import at_least, at_most, fits
+from drivesizer.results.check_kinds import CHECKS
+from drivesizer.spec.loads import AXES
+from drivesizer.units import KINDS, scale
+
+PACKAGE = Path(drivesizer.__file__).parent
+
+ADDED = {  # file: a line before which another goes
+    "results/check_kinds.py": (
+        '    "motor_nominal_current": CheckKind(\n        "Motor nominal current (RMS)", *_AMPS, ("CURRENT"',
+        '    "below_no_load": CheckKind("Speed below no load", *_SPEED, (*_RATIO, "motor.no_load_speed")),\n',
+    ),
+    "search/columns/limits.py": (
+        "        nominal_current_limit(asked.rms_current, motor, ambient, torque),\n",
+        '        at_most("below_no_load", asked.peak_speed, motor["no_load_speed"]),\n',
+    ),
+    "spec/select.py": (
+        '    "energy": ObjectiveKind(',
+        '    "idle": ObjectiveKind("idle current", "current", "mA", "no_load_current", ("motor",)),\n',
+    ),
+}
+RUN = """
+from pathlib import Path
+from drivesizer import load_spec, size
+from drivesizer.output.report import write
+from drivesizer.output.terminal.sizing import sizing
+result = size(load_spec(Path("robot.yaml")), objective="idle", top=5)
+sizing(result)
+write(result, None, [Path("report.json"), Path("report.html")])
+"""
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory):
+    """Terminal, JSON and page of the copy."""
+    folder = tmp_path_factory.mktemp("declared")
+    copytree(PACKAGE, folder / "drivesizer", ignore=ignore_patterns("__pycache__"))
+    copytree(PACKAGE.parent / "catalogs", folder / "catalogs")
+    for file, (before, line) in ADDED.items():
+        path = folder / "drivesizer" / file
+        text = path.read_text(encoding="utf-8")
+        assert text.count(before) == 1, file
+        path.write_text(text.replace(before, line + before), encoding="utf-8")
+    text = (PACKAGE / "spec" / "starters" / "hoist.yaml").read_text(encoding="utf-8")
+    (folder / "robot.yaml").write_text(text, encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(folder), "COLUMNS": "160"}
+    done = subprocess.run(
+        [sys.executable, "-c", RUN], cwd=folder, env=environment, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    document, page = ((folder / f"report.{kind}").read_text(encoding="utf-8") for kind in ("json", "html"))
+    return done.stdout, json.loads(document), page
+
+
+def test_one_declaration_makes_a_check(told, catalog):
+    """In rpm, by the catalogue's own figure, at its place."""
+    terminal, document, page = told
+    best = document["sets"][0]
+    names = [check["name"] for check in best["checks"]]
+    assert names.index("below_no_load") == names.index("motor_speed") + 1
+    check, speed = best["checks"][names.index("below_no_load")], best["checks"][names.index("motor_speed")]
+    motor = catalog.motors.record(catalog.motors.rows[best["motor"]["part"]])
+    assert (check["unit"], check["status"]) == ("rpm", "pass")
+    assert check["limit"] == pytest.approx(motor.no_load_speed * 30.0 / math.pi)
+    assert check["demand"] == speed["demand"]
+    assert "Speed below no load" in terminal and "Speed below no load" in page
+
+
+def test_one_declaration_makes_an_objective(told, catalog):
+    """The sets are in the order of the currents that the catalogue prints."""
+    terminal, document, page = told
+    motors = [catalog.motors.record(catalog.motors.rows[one["motor"]["part"]]) for one in document["sets"]]
+    currents = [motor.no_load_current for motor in motors]
+    assert document["objective"] == "idle" and len(set(currents)) > 1
+    assert [one["objective"] for one in document["sets"]] == pytest.approx(currents)
+    assert currents == sorted(currents)
+    assert f"{1000.0 * currents[0]:g} mA" in terminal and "idle" in page
+
+
+@pytest.mark.parametrize("make", [at_most, at_least, fits])
+def test_a_check_that_nobody_declared_is_refused(make):
+    with pytest.raises(LookupError, match="'motor_sped' is not declared in results/check_kinds"):
+        make("motor_sped", 1.0, 2.0)
+    with pytest.raises(KeyError, match="battery_power"):  # declared, of another method
+        make("battery_power", 1.0, 2.0).at((), "physics")
+
+
+@pytest.mark.parametrize("method", CHECKS)
+def test_every_declaration_has_a_unit_of_its_kind(method):
+    for name, declared in CHECKS[method].items():
+        kinds = [(declared.kind, declared.unit), *([declared.rotary] if declared.rotary else [])]
+        assert all(kind in KINDS and scale(unit, kind) for kind, unit in kinds), name
+    titles = [declared.title for declared in CHECKS[method].values()]
+    assert len(set(titles)) == len(titles)
+
+
+def test_every_kind_of_load_has_a_starter():
+    """What ``drivesizer init`` lists is these, and platforms beside them."""
+    starters = {path.stem for path in (PACKAGE / "spec" / "starters").glob("*.yaml")}
+    assert starters >= set(AXES)
