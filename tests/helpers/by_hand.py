@@ -132,25 +132,26 @@ class Asked:
 def lasting(pieces: list[tuple[float, Pair]], on_end: float, share: float) -> float:
     """The speed that a repeating cycle exceeds for longer than so long on end or so much of the time: by bisection."""
     total = sum(time for time, _ in pieces)
+    twice = [(time, abs(a), abs(b), min(abs(a), abs(b)), max(abs(a), abs(b))) for time, (a, b) in pieces] * 2
+    slowest = min(low for *_, low, _ in twice)
 
     def too_long(v: float) -> bool:
-        if min(abs(w) for _, ends in pieces for w in ends) > v:  # for ever
+        if slowest > v:  # for ever
             return True
         above, run, longest = 0.0, 0.0, 0.0
-        for time, ends in pieces * 2:
-            a, b = abs(ends[0]), abs(ends[1])
-            part = time * (1.0 if min(a, b) > v else 0.0 if max(a, b) <= v else (max(a, b) - v) / abs(a - b))
+        for time, a, b, low, high in twice:
+            part = time * (1.0 if low > v else 0.0 if high <= v else (high - v) / (high - low))
             above += part / 2
             run = run + part if a > v else part
             longest = max(longest, run)
             run = run if b > v else 0.0
         return longest > on_end * (1 + 1e-9) or above > share * total * (1 + 1e-9)
 
-    low, high = 0.0, max(abs(w) for _, ends in pieces for w in ends)
+    low, high = 0.0, max(high for *_, high in twice)
     if not too_long(low):
         return 0.0
-    for _ in range(200):
-        low, high = ((low + high) / 2, high) if too_long((low + high) / 2) else (low, (low + high) / 2)
+    while low < (middle := (low + high) / 2) < high:  # until no figure lies between
+        low, high = (middle, high) if too_long(middle) else (low, middle)
     return high
 
 
