@@ -34,6 +34,7 @@ __all__ = [
     "Demands",
     "Peak",
     "Pieces",
+    "Turning",
     "at_gearhead",
     "bounded",
     "demands",
@@ -93,6 +94,10 @@ class AtGearhead:
         """Largest torque at the gearhead's output while at rest [N*m]; unknown where the cycle never rests."""
         rests = (self.cycle.speed == 0.0).all(axis=1).any()
         return np.abs(self.base.functions[:, :, AT_REST]).max() / self.belt if rests else np.nan
+
+    def on(self, rows: Any) -> AtGearhead:
+        """Of some of the candidates, which all are behind this belt (``several_belts`` has those of several)."""
+        return self
 
     def slope(self, c: Array) -> Array:
         """Half of the slope of the mean square of what is linear in the functions, by each coefficient."""

@@ -112,7 +112,7 @@ class CheckColumn:
         open_ = not (self.passed[index] or self.failed[index] or isnan(self.limit[index]))
         return self.undecided if open_ else ""
 
-    def on(self, rows: NDArray[np.int64]) -> CheckColumn:
+    def on(self, rows: NDArray[np.int64] | slice) -> CheckColumn:
         """The same check of some of the candidates."""
         taken = {n: getattr(self, n)[rows] for n in _COLUMNS if getattr(self, n) is not None}
         return replace(self, **taken, zero=self.zero[rows] if isinstance(self.zero, np.ndarray) else self.zero)

@@ -196,8 +196,8 @@ def _sifted(given: Problem, exact: bool, progress: Progress | None) -> tuple[_Ke
     total, done, failed_by = len(every.motor) * len(belts), 0, Counter[str]()
     kept: list[_Kept] = []
     fallen: list[tuple[Candidates, Array]] = []
-    for belt, chunk in _chunks(every, belts):
-        one = examine(given, belt, chunk, staged=True, exact=exact, margins=exact)
+    for one in examine(given, _chunks(every, belts), staged=True, exact=exact, margins=exact):
+        chunk = one.sets
         failed_by.update(one.failed_by)
         figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin}
         kept.append(_Kept(chunk.on(one.rows), one.doubtful, figures))

@@ -7,13 +7,14 @@ the cycle itself.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.motor_demand import AtGearhead, Demands
+from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.search.columns import waveform_bounds
@@ -46,7 +47,7 @@ class _Case:
     def some(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
         """Of some of the candidates."""
         asked, warm, under, parts = self.columns
-        return self.spec, self.at, on(asked, mask), on(warm, mask), on(under, mask), parts.on(mask)
+        return self.spec, self.at.on(mask), on(asked, mask), on(warm, mask), on(under, mask), parts.on(mask)
 
     def open(self, found: Pair, alive: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
         """Of each limit, where the two bounds do not say the same of a candidate that stands so far."""
@@ -63,7 +64,8 @@ class _Case:
     @cached_property
     def coldest(self) -> Array:
         """More power than the cycle asks for while the winding is cold [W]."""
-        return waveform_bounds.most_cold_power(self.spec, self.at, *self.columns)
+        found: Array = behind_each(self.at, partial(waveform_bounds.most_cold_power, self.spec), *self.columns)
+        return found
 
 
 def decided(
@@ -89,10 +91,10 @@ def decided(
     """
     case = _Case(spec, at, asked, warm, under, parts)
     if before:
-        shortest, longest = waveform_bounds.above_bounds(at, asked, under, parts)
+        shortest, longest = behind_each(at, waveform_bounds.above_bounds, asked, under, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
     else:
-        found = waveform_bounds.bounds(spec, at, asked, warm, under, parts)
+        found = behind_each(at, partial(waveform_bounds.bounds, spec), asked, warm, under, parts)
     left = case.open(found, alive)
     long = len(at.base.warming.duration) > _LONG
     if long:
@@ -108,6 +110,7 @@ def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDAr
     winding, every = np.logical_or.reduce(left[:_WINDING]), np.logical_or.reduce(left)
     first = winding if long else every
     what: Wanted = "winding" if long else _wanted(left)
+    wants: NDArray[np.bool_] = behind_each(case.at, lambda _, bus: np.full(len(bus), bus.any()), left[_BUS])
     few = exact(*case.some(first), what) if first.any() else found
     if winding.any():
         new = [on(side, winding[first]).over(on(old, winding), "winding") for side, old in zip(few, found, strict=True)]
@@ -121,7 +124,15 @@ def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDAr
         few = exact(*case.some(rest), what)
     else:
         few = on(few[0], rest[first]), on(few[1], rest[first])
-    return _replaced(found, rest, [x.over(on(old, rest), what) for x, old in zip(few, found, strict=True)])
+    sides = [(x, on(old, rest)) for x, old in zip(few, found, strict=True)]
+    new = [x.over(old, what) for x, old in sides]
+    if what == "limits" and not long and not wants.all():  # only another belt's candidates want to know of the bus
+        less = [x.over(old, "power") for x, old in sides]
+        new = [
+            Moments(*(np.where(wants[rest], a, b) for a, b in zip(*x, strict=True)))
+            for x in zip(new, less, strict=True)
+        ]
+    return _replaced(found, rest, new)
 
 
 def _wanted(left: list[NDArray[np.bool_]]) -> Wanted:

@@ -102,12 +102,11 @@ def _by_the_paper(
 
 
 def by_physics(asked: Problem, given: Candidates, exact: bool) -> Evaluation:
-    """Every limit against the whole load cycle, a belt at a time."""
+    """Every limit against the whole load cycle."""
     spec, catalog = asked.spec, asked.catalog
     belts = [np.flatnonzero(given.belt == belt) for belt in np.unique(given.belt)]
-    found = [
-        (rows, examine(asked, float(given.belt[rows[0]]), given.on(rows), staged=False, exact=exact)) for rows in belts
-    ]
+    several = [(float(given.belt[rows[0]]), given.on(rows)) for rows in belts]
+    found = list(zip(belts, examine(asked, several, staged=False, exact=exact), strict=True))
     count = len(given.motor)
     names = found[0][1].figures if found else {}
     figures = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.motor_demand import AtGearhead, Demands, Peak
+from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding_temperature
 from drivesizer.physics.usable_voltage import most_voltage
@@ -95,7 +96,9 @@ def exact(
         The same where heat is known; else what is asked with the winding cold, and as warm as it may be.
     """
     slices = _slices(at, len(asked.rms_current))
-    found = [_pair(spec, at, on(asked, k), on(warm, k), on(under, k), parts.on(k), what) for k in slices]
+    if len(slices) == 1:
+        return _pair(spec, at, asked, warm, under, parts, what)
+    found = [_pair(spec, at.on(k), on(asked, k), on(warm, k), on(under, k), parts.on(k), what) for k in slices]
     low, high = (Moments(*(np.concatenate(c) for c in zip(*side, strict=True))) for side in zip(*found, strict=True))
     return low, high
 
@@ -109,13 +112,13 @@ def _pair(
     T, R_25 = (course.ends, course.means), np.asarray(resistance_25(motor))
     course.ends[rows] = hottest(spec, at, warm, under, motor)[rows, None, None]
     surplus, speed = asked.surplus(motor["torque_constant"]), at.turning.speed
-    high = _moments(spec, flows, (R_25, *T), (surplus, speed), under, parts, what)
+    high = _moments(spec, at, flows, (R_25, *T), (surplus, speed), under, parts, what)
     high = high._replace(winding=course.peak, winding_time=course.peak_time)
     if not len(rows):
         return high, high
     some, cold = Wave(flows.duration, flows.current[rows], flows.voltage[rows]), np.full((len(rows), 1, 1), ambient)
-    winding, surplus = (R_25[rows], cold, cold[..., 0]), surplus[rows]
-    low = _moments(spec, some, winding, (surplus, speed), on(under, rows), parts.on(rows), what)
+    winding, turning = (R_25[rows], cold, cold[..., 0]), (surplus[rows], speed if speed.ndim == 2 else speed[rows])
+    low = _moments(spec, at.on(rows), some, winding, turning, on(under, rows), parts.on(rows), what)
     return between_bounds(high, low, rows, warm.winding, while_at_most(spec, at, warm, under, motor))
 
 
@@ -182,6 +185,7 @@ def hottest(spec: RobotSpec, at: AtGearhead, warm: Heat, under: Stress, motor: A
 
 def _moments(
     spec: RobotSpec,
+    at: AtGearhead,
     flows: Wave,
     winding: tuple[Array, Array, Array],
     turning: tuple[Array, Array],
@@ -197,8 +201,8 @@ def _moments(
     ends, means = resistance_at(R_25[:, None, None], T[0]), resistance_at(R_25[:, None], T[1])
     at_ends = flows._replace(voltage=flows.voltage + ends * flows.current)
     voltage, when = _largest_voltage(at_ends, under.cold_voltage)
-    total = flows.duration.sum()
-    copper = (means * mean_square(flows)) @ flows.duration / total
+    lost, total = means * mean_square(flows), flows.duration.sum()
+    copper = behind_each(at, lambda _, some: some @ flows.duration, lost) / total
     nothing = np.full_like(voltage, np.nan)
     found = Moments(nothing, nothing, voltage, when, copper, *[nothing] * 6)
     if what == "winding":
@@ -218,11 +222,16 @@ def _moments(
 
 def time_above(at: AtGearhead, asked: Demands, parts: Parts) -> Array:
     """Longest time on end above the controller's continuous current [s]."""
-    found = np.empty(len(asked.rms_current))
+    figures = parts.motor["torque_constant"], parts.controller["continuous_current"]
+    found: Array = behind_each(at, _time_above, asked.coefficients, *figures)
+    return found
+
+
+def _time_above(at: AtGearhead, coefficients: Array, k_t: Array, limit: Array) -> Array:
+    found = np.empty(len(limit))
     for k in _slices(at, len(found)):
-        c, k_t = asked.coefficients[k], parts.motor["torque_constant"][k]
-        flows = wave(at.cycle.duration, at.functions, c, c, k_t)
-        found[k] = longest_above(flows, parts.controller["continuous_current"][k])
+        c = coefficients[k]
+        found[k] = longest_above(wave(at.cycle.duration, at.functions, c, c, k_t[k]), limit[k])
     return found
 
 

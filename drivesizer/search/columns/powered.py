@@ -43,6 +43,11 @@ class Powered(NamedTuple):
     checks: list[CheckColumn]
     figures: dict[str, Array]
 
+    def on(self, rows: slice) -> Powered:
+        """Of some of the candidates."""
+        figures = {name: column[rows] for name, column in self.figures.items()}
+        return Powered(self.controller[rows], [check.on(rows) for check in self.checks], figures)
+
 
 def powered(
     given: Problem, ats: Sequence[AtGearhead], cases: Sequence[Moving], parts: Parts, *, exactly: bool
@@ -54,7 +59,7 @@ def powered(
     given
         The spec and its load cycles.
     ats
-        The load cycles behind one belt.
+        The load cycles behind the belts of the candidates.
     cases, parts
         Columns over candidates.
     exactly
@@ -122,7 +127,8 @@ class _Cases(NamedTuple):
     def some(self, rows: NDArray[np.int64]) -> _Cases:
         """Some of the candidates."""
         moving, under = [on(case, rows) for case in self.moving], [on(u, rows) for u in self.under]
-        return self._replace(moving=moving, under=under, parts=self.parts.on(rows))
+        ats = [at.on(rows) for at in self.ats]
+        return self._replace(ats=ats, moving=moving, under=under, parts=self.parts.on(rows))
 
     def controllers(self, voltage: Sequence[Array], for_ever: NDArray[np.bool_]) -> Chosen:
         """The smallest that does in the worst of all cases, with the margins that the spec asks for."""

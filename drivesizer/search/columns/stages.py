@@ -8,13 +8,14 @@ controller must do for all of them.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.motor_demand import AtGearhead, demands
+from drivesizer.physics.several_belts import AtGearheads, put_together
 from drivesizer.physics.stress import Parts, heat, on
 from drivesizer.results.check_columns import CheckColumn, fits
 from drivesizer.search.columns.candidates import Candidates, Rows
@@ -27,7 +28,7 @@ from drivesizer.search.columns.limits import (
     shaft_limits,
     size_limits,
 )
-from drivesizer.search.columns.powered import Moving, powered
+from drivesizer.search.columns.powered import Moving, Powered, powered
 from drivesizer.search.columns.problem import Problem, doubted, each, problem
 from drivesizer.search.columns.survivors import Alone, Sieve
 from drivesizer.spec.robot import RobotSpec
@@ -35,12 +36,16 @@ from drivesizer.spec.robot import RobotSpec
 __all__ = ["Examined", "Problem", "doubted", "encoders_of", "examine", "problem"]
 
 Array = NDArray[np.float64]
+_SHORT = 256  # pieces of a cycle, up to which several belts are looked at together
+_CELLS = 400_000  # and candidates times pieces
+_BELTS = 16
 
 
 class Examined(NamedTuple):
     """What was found of the candidates that came through, in their order."""
 
-    rows: NDArray[np.int64]  # which candidates these are
+    sets: Candidates  # all that were looked at
+    rows: NDArray[np.int64]  # which of them these are
     checks: list[CheckColumn]  # theirs; in stages none are kept
     doubtful: NDArray[np.bool_]  # a check is unknown
     margin: Array  # the smallest; NaN where it was not asked for
@@ -53,18 +58,23 @@ class Examined(NamedTuple):
 
 
 def examine(
-    given: Problem, belt: float, sets: Candidates, *, staged: bool, exact: bool = True, margins: bool = False
-) -> Examined:
-    """Candidates behind one belt against every limit.
+    given: Problem,
+    several: Iterable[tuple[float, Candidates]],
+    *,
+    staged: bool,
+    exact: bool = True,
+    margins: bool = False,
+) -> Iterator[Examined]:
+    """Candidates behind one belt after the other against every limit.
+
+    What needs current and heat is computed for several belts in one go, but over a long cycle and of many candidates.
 
     Parameters
     ----------
     given
         The spec and its load cycles.
-    belt
-        Ratio of the belt.
-    sets
-        The candidates; their own belt column is not looked at.
+    several
+        Ratio of a belt, and candidates behind it; their own belt column is not looked at.
     staged
         Drop what fails at each stage.
     exact
@@ -72,6 +82,35 @@ def examine(
     margins
         Tell the smallest margin of each.
     """
+    waiting: list[_Moved] = []
+    for belt, sets in several:
+        moved = _moved(given, belt, sets, staged, margins)
+        if waiting and not _together([*waiting, moved]):
+            yield from _powered(given, waiting, exact)
+            waiting = []
+        waiting.append(moved)
+    if waiting:
+        yield from _powered(given, waiting, exact)
+
+
+class _Moved(NamedTuple):
+    """One belt's candidates that came through the cheap stages."""
+
+    sieve: Sieve
+    ats: list[AtGearhead]
+    cases: list[Moving]
+    parts: Parts
+
+
+def _together(waiting: Sequence[_Moved]) -> bool:
+    """Whether so much is little enough to be looked at in one go."""
+    pieces = max(len(at.base.warming.duration) for at in waiting[0].ats)
+    count = sum(len(one.parts.motor.rows) for one in waiting)
+    return len(waiting) <= _BELTS and pieces <= _SHORT and pieces * count <= _CELLS
+
+
+def _moved(given: Problem, belt: float, sets: Candidates, staged: bool, margins: bool) -> _Moved:
+    """The stages up to what moves."""
     ats = [base.behind(belt) for base in given.bases]
     sieve = Sieve(sets, staged, margins)
     sieve.parts(_alone(given, ats, staged))
@@ -90,7 +129,7 @@ def examine(
         each(given, lambda k: doubted(moving_limits(given.specs[k], ats[k], *cases[k], parts), cases[k].asked.sure))
     )
     cases, parts = [on(case, keep) for case in cases], parts.on(keep)
-    return _powered(given, ats, cases, parts, sieve, exact)
+    return _Moved(sieve, ats, cases, parts)
 
 
 def _moving(spec: RobotSpec, at: AtGearhead, parts: Parts) -> Moving:
@@ -118,11 +157,34 @@ def _alone(given: Problem, ats: Sequence[AtGearhead], staged: bool) -> Alone:
     )
 
 
-def _powered(
-    given: Problem, ats: Sequence[AtGearhead], cases: list[Moving], parts: Parts, sieve: Sieve, exact: bool
-) -> Examined:
+def _powered(given: Problem, moved: Sequence[_Moved], exact: bool) -> list[Examined]:
     """Current, and what needs the waveform, with the smallest controller that does for all cases."""
+    counts = [len(one.parts.motor.rows) for one in moved]
+    ats, cases, parts = _joined(moved, np.repeat(np.arange(len(moved)), counts))
     found = powered(given, ats, cases, parts, exactly=exact)
+    if len(moved) == 1:
+        return [_examined(moved[0], found)]
+    ends = np.cumsum(counts).tolist()
+    places = [slice(end - count, end) for end, count in zip(ends, counts, strict=True)]
+    return [_examined(one, found.on(rows)) for one, rows in zip(moved, places, strict=True)]
+
+
+def _joined(moved: Sequence[_Moved], which: NDArray[np.int64]) -> tuple[list[AtGearhead], list[Moving], Parts]:
+    """Several belts' candidates one after the other; ``which``: the number of each one's belt."""
+    if len(moved) == 1:
+        return moved[0].ats, moved[0].cases, moved[0].parts
+    ats = [AtGearheads(same, which).on(slice(None)) for same in zip(*(one.ats for one in moved), strict=True)]
+    cases = [put_together(same) for same in zip(*(one.cases for one in moved), strict=True)]
+    motor, gearhead, encoder = (
+        Rows(same[0].table, np.concatenate([part.rows for part in same]))
+        for same in zip(*(one.parts[:3] for one in moved), strict=True)
+    )
+    return ats, cases, Parts(motor, gearhead, encoder, None)
+
+
+def _examined(moved: _Moved, found: Powered) -> Examined:
+    """What was found of one belt's candidates."""
+    sieve = moved.sieve
     sieve.checks = [check for check in sieve.checks if check.name != "winding_temperature"]
     sieve.failed_by["winding_temperature"] = sieve.failed_by["winding_temperature"] if sieve.staged else 0
     keep = sieve.through(found.checks)
@@ -130,6 +192,6 @@ def _powered(
     fallen = np.concatenate([sieve.rows[:0], *(rows for rows, _ in sieve.fallen)])
     bound = np.concatenate([sieve.margin[:0], *(bound for _, bound in sieve.fallen)])
     return Examined(
-        sieve.rows, sieve.checks, sieve.doubtful, sieve.margin, parts.encoder.on(keep).rows, found.controller[keep],
-        figures, sieve.failed_by, fallen, bound,
+        sieve.sets, sieve.rows, sieve.checks, sieve.doubtful, sieve.margin, moved.parts.encoder.on(keep).rows,
+        found.controller[keep], figures, sieve.failed_by, fallen, bound,
     )  # fmt: skip

@@ -1,0 +1,95 @@
+"""A load cycle behind several belts at once: candidates in the order of their belts, each with what its own belt makes.
+
+What hangs on the belt is computed belt by belt, from the same rows as for that belt alone, so that not a bit of it
+differs; whatever else there is to compute is then done for all belts in one go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.physics.motor_demand import AtGearhead, Peak, Turning
+from drivesizer.physics.stress import on
+
+__all__ = ["AtGearheads", "behind_each", "put_together"]
+
+Array = NDArray[np.float64]
+
+
+class AtGearheads(AtGearhead):
+    """A load cycle at the gearheads' outputs, behind the belts of candidates."""
+
+    def __init__(self, ats: Sequence[AtGearhead], which: NDArray[np.int64]) -> None:
+        """``which``: the number of each candidate's belt, never falling."""
+        self.ats, self.which, self.base = ats, which, ats[0].base
+        self.belt = np.array([at.belt for at in ats])[which]  # type: ignore[assignment]
+        self.peak_speed = np.array([at.peak_speed for at in ats])[which]  # type: ignore[assignment]
+
+    @cached_property
+    def parts(self) -> list[tuple[AtGearhead, slice]]:
+        """The belts that there are candidates of, and which these are."""
+        ends = np.searchsorted(self.which, np.arange(len(self.ats) + 1)).tolist()
+        return [(at, slice(a, b)) for at, a, b in zip(self.ats, ends[:-1], ends[1:], strict=True) if b > a]
+
+    def on(self, rows: Any) -> AtGearhead:
+        """Of some of the candidates, in their order."""
+        which = self.which[rows]
+        if len(which) and which[0] != which[-1]:
+            return AtGearheads(self.ats, which)
+        return self.ats[which[0] if len(which) else 0]
+
+    def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
+        """Largest absolute value of what is linear in the functions."""
+        found: Peak = behind_each(self, lambda at, *columns: at.peak(*columns), coefficients, left_out)
+        return found
+
+    @cached_property
+    def turning(self) -> Turning:
+        """What friction and iron lose by: the speed of each candidate; a belt changes nothing of what is steady."""
+        several = [at.turning for at in self.ats]
+        speed, mean, square = (np.stack(same)[self.which] for same in list(zip(*several, strict=True))[:3])
+        return Turning(speed, mean, square, several[0].steady)
+
+
+def behind_each(at: AtGearhead, told: Callable[..., Any], *columns: Any) -> Any:
+    """What is told of candidates behind one belt, of those behind any number of them.
+
+    Parameters
+    ----------
+    at
+        The load cycle behind their belts.
+    told
+        Of the load cycle behind one belt and columns over its candidates: columns, or records of columns.
+    columns
+        Over all candidates: arrays, records of them, or parts.
+    """
+    if not isinstance(at, AtGearheads):
+        return told(at, *columns)
+    return put_together([told(one, *(_some(column, rows) for column in columns)) for one, rows in at.parts])
+
+
+def _some(column: Any, rows: slice) -> Any:
+    """A column, record or parts of some candidates."""
+    if column is None:
+        return None
+    if hasattr(column, "on"):
+        return column.on(rows)
+    return on(column, rows) if isinstance(column, tuple) else column[rows]
+
+
+def put_together(found: Sequence[Any]) -> Any:
+    """Columns, or records of columns, one after the other."""
+    first = found[0]
+    if len(found) == 1:
+        return first
+    if not isinstance(first, tuple):
+        return np.concatenate(found)
+    if all(one[0] is one[-1] for one in found) and not hasattr(first, "_fields"):
+        return (put_together([one[0] for one in found]),) * len(first)  # a pair of bounds that are the same
+    merged = [put_together(same) for same in zip(*found, strict=True)]
+    return type(first)(*merged) if hasattr(first, "_fields") else tuple(merged)
