@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog
-from drivesizer.loads.wheel import machine_cases
 from drivesizer.machine.battery_checks import Load, accepted, charging, raised_voltage
 from drivesizer.machine.battery_pack import Pack, pack_of
 from drivesizer.machine.platform_checks import mass_columns, rest_of_machine
@@ -100,9 +99,8 @@ def _batteries(spec: RobotSpec, given: Problem, sets: Candidates, whole: Evaluat
     if spec.battery is None:
         return
     efficiency = Rows(given.catalog.controllers, whole.controller)["max_efficiency"]
-    loads = [(name, case.load) for name, case in zip(given.names, given.specs, strict=True)]
-    machines = machine_cases(loads)
-    for _, numbers in machines:
+    machines = given.machines
+    for numbers in machines:
         part = given if len(machines) == 1 else _only(given, numbers)
         at_hand = part is given and bool(whole.figures)  # the paper's method has none
         figures = (whole if at_hand else by_physics(part, sets, True)).figures

@@ -15,7 +15,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.loads.wheel import machine_cases
 from drivesizer.machine.supply_power import way_of
 from drivesizer.physics.motor_demand import SPEED, demands
 from drivesizer.physics.stress import heat
@@ -46,8 +45,7 @@ def surely_empty(spec: RobotSpec, given: Problem, sets: Candidates) -> dict[str,
     found = dict[str, NDArray[np.bool_]]()
     if spec.battery is None:
         return found
-    loads = [(name, case.load) for name, case in zip(given.names, given.specs, strict=True)]
-    for _, numbers in machine_cases(loads):
+    for numbers in given.machines:
         case, cycle = given.specs[numbers[0]], given.bases[numbers[0]].cycle
         least = np.sum([given.specs[n].load.alike * least_power(given, n, sets) for n in numbers], axis=0)
         energy = cycle.total * (least - _ROUNDING * np.abs(least))

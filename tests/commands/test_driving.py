@@ -179,10 +179,6 @@ def test_the_command(folder, drive):
     assert float(rows[-1][2]) == pytest.approx(2.0)
 
 
-TWO_WHEELS = PLATFORM.replace("mecanum, wheelbase: 477 mm, ", "differential, ")
-NO_SPEED = PLATFORM.replace("speed: 1.4 m/s, acc", "acc")
-
-
 @pytest.mark.parametrize(
     ("changed", "told"),
     [

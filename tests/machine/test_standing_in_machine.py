@@ -8,38 +8,13 @@ and a battery that gives its rated charge at any current lasts for C U / P.
 import math
 
 import pytest
+from forty_motors import MOTORS, catalogue
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec.robot import read_spec
 from drivesizer.study.best import best
 
-PARTS = """
-catalog: 1
-manufacturer: maker
-sources: {sheet: {document: a sheet, confidence: quoted}}
-motors:
-  - family: D
-    source: sheet
-    common: {kind: brushed, nominal_voltage: 24 V, max_winding_temperature: 155 degC, ambient_min: -20 degC,
-      ambient_max: 100 degC, max_speed: 6000 rpm, nominal_speed: 1500 rpm, nominal_current: 8 A, resistance: 0.35 ohm,
-      torque_constant: 98 mN*m/A, rotor_inertia: 900 g*cm^2, winding_time_constant: 25 s,
-      thermal_resistance_winding: 0.001 K/W, thermal_resistance_housing: 0.001 K/W, motor_time_constant: 700 s}
-    columns: [part, no_load_current (A), no_load_speed (rpm), mass (g)]
-    rows:
-ROWS
-controllers:
-  - family: C
-    source: sheet
-    common: {drives: both, supply_min: 10 V, supply_max: 50 V, max_duty: 95 %, voltage_drop: 0 V, peak_time: 10 s,
-      buses: CANopen}
-    columns: [part, continuous_current (A), peak_current (A)]
-    rows:
-      - [only, 8, 20]
-compatibility:
-  motor_gearhead:
-    - {source: sheet, motors: [D], gearheads: [direct]}
-"""
 FAN = "load: {kind: fan, inertia: 20 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}\n"
 SPEC = """
 name: something on the shaft
@@ -52,7 +27,6 @@ battery: {chemistry: LiFePO4, nominal_voltage: 24 V, capacity: 20 A*h, autonomy:
   cutoff_voltage: 20 V, resistance: 10 mohm, open_circuit: {full: 24.5 V, empty: 23 V}, continuous_current: 20 A,
   peak_current: 50 A, max_charge_current: 5 A}
 """
-MOTORS = 40
 
 
 def lasts(n):
@@ -64,9 +38,8 @@ def lasts(n):
 @pytest.fixture
 def machine(tmp_path):
     """The fan with something beside it, ranked by an objective."""
-    idle = [(24 - 0.35 * (3.0 - 0.07 * n)) / 0.098 * 30 / math.pi for n in range(MOTORS)]  # rpm, of that k_t
-    rows = "\n".join(f"      - [m{n:02}, {3.0 - 0.07 * n:.2f}, {idle[n]:.6f}, {300 + n}]" for n in range(MOTORS))
-    (tmp_path / "parts.yaml").write_text(PARTS.replace("ROWS", rows), encoding="utf-8")
+    parts = catalogue(lambda n: 3.0 - 0.07 * n, "0.001 K/W")
+    (tmp_path / "parts.yaml").write_text(parts, encoding="utf-8")
 
     def of(more, objective="mass", load=FAN, speed="1200 rpm"):
         text = SPEC.replace("OBJECTIVE", objective).replace("SPEED", speed) + load + more

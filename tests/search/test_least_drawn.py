@@ -6,10 +6,10 @@ from importlib import resources
 
 import numpy as np
 import pytest
+from forty_motors import MOTORS, catalogue
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.loads.platform_wheels import on_wheels
-from drivesizer.loads.wheel import machine_cases
 from drivesizer.machine.budgets import with_budget
 from drivesizer.search import machine_filter, search
 from drivesizer.search.columns.candidates import pairs
@@ -20,32 +20,6 @@ from drivesizer.search.set_record import drive_set
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec
 
-PARTS = """
-catalog: 1
-manufacturer: maker
-sources: {sheet: {document: a sheet, confidence: quoted}}
-motors:
-  - family: D
-    source: sheet
-    common: {kind: brushed, nominal_voltage: 24 V, max_winding_temperature: 155 degC, ambient_min: -20 degC,
-      ambient_max: 100 degC, max_speed: 6000 rpm, nominal_speed: 1500 rpm, nominal_current: 8 A, resistance: 0.35 ohm,
-      torque_constant: 98 mN*m/A, rotor_inertia: 900 g*cm^2, winding_time_constant: 25 s,
-      thermal_resistance_winding: 0.5 K/W, thermal_resistance_housing: 0.5 K/W, motor_time_constant: 700 s}
-    columns: [part, no_load_current (A), no_load_speed (rpm), mass (g)]
-    rows:
-ROWS
-controllers:
-  - family: C
-    source: sheet
-    common: {drives: both, supply_min: 10 V, supply_max: 50 V, max_duty: 95 %, voltage_drop: 0 V, peak_time: 10 s,
-      buses: CANopen, max_efficiency: 95 %}
-    columns: [part, continuous_current (A), peak_current (A)]
-    rows:
-      - [only, 8, 20]
-compatibility:
-  motor_gearhead:
-    - {source: sheet, motors: [D], gearheads: [direct]}
-"""
 SPEC = """
 name: something on the shaft
 load: {kind: fan, inertia: 200 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}
@@ -56,7 +30,6 @@ battery: {chemistry: LiFePO4, nominal_voltage: 24 V, capacity: 20 A*h, autonomy:
   cutoff_voltage: 20 V, resistance: 10 mohm, open_circuit: {full: 24.5 V, empty: 23 V}, continuous_current: 20 A,
   peak_current: PEAK A, max_charge_current: 5 A}
 """
-MOTORS = 40
 
 
 def idle_current(n):
@@ -66,11 +39,8 @@ def idle_current(n):
 
 @pytest.fixture
 def machine(tmp_path):
-    rows = []
-    for n in range(MOTORS):
-        idle = (24 - 0.35 * idle_current(n)) / 0.098 * 30 / math.pi
-        rows.append(f"      - [m{n:02}, {idle_current(n):.2f}, {idle:.6f}, {300 + n}]")
-    (tmp_path / "parts.yaml").write_text(PARTS.replace("ROWS", "\n".join(rows)), encoding="utf-8")
+    parts = catalogue(idle_current, "0.5 K/W", "max_efficiency: 95 %")
+    (tmp_path / "parts.yaml").write_text(parts, encoding="utf-8")
 
     def of(hours, peak):
         text = SPEC.replace("HOURS", str(hours)).replace("PEAK", str(peak))
@@ -138,7 +108,7 @@ def test_no_set_draws_less_than_its_least_power(name):
     given, every = problem(spec, catalog), pairs(spec, catalog)
     some = every.on(np.random.default_rng(4).permutation(len(every.motor))[:300])
     figures = by_physics(given, some, True).figures
-    wheels = machine_cases((n, case.load) for n, case in zip(given.names, given.specs, strict=True))[0][1]
+    wheels = given.machines[0]
     least = sum(given.specs[n].load.alike * least_power(given, n, some) for n in wheels) * given.bases[0].cycle.total
     drawn = figures["energy"] - (1 - spec.supply.regeneration) * figures["returned"]
     known = ~np.isnan(least)

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.loads.wheel import machine_cases
 from drivesizer.physics.motor_demand import AtGearhead, Demands
 from drivesizer.physics.stress import Heat, Parts, Stress, on, stress
 from drivesizer.results.check_columns import CheckColumn
@@ -212,7 +211,7 @@ def _where_known(figures: dict[str, Array], cases: Sequence[Moving]) -> dict[str
 def _figures(given: Problem, found: Sequence[Moments], under: Sequence[Stress]) -> dict[str, Array]:
     """What objectives and records count: the first case's energy and heat, the largest current and temperature."""
     loads, share = [spec.load for spec in given.specs], given.spec.supply.regeneration
-    machines = [numbers for _, numbers in machine_cases(zip(given.names, loads, strict=True))]
+    machines = given.machines
     power = [np.sum([loads[i].alike * found[i].power for i in wheels], 0) for wheels in machines]
     drawn, returned = (
         np.sum([loads[i].alike * getattr(found[i], name) for i in machines[0]], 0) for name in ("drawn", "returned")

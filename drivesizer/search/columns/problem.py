@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.loads import load_cycle
+from drivesizer.loads.wheel import machine_cases
 from drivesizer.physics.motor_demand import at_gearhead
 from drivesizer.results.check_columns import CheckColumn, worst_case
 from drivesizer.results.check_kinds import CHECKS
@@ -31,6 +32,12 @@ class Problem(NamedTuple):
     bases: tuple[Any, ...]  # their cycles, behind a belt of no ratio
     offered: Offered  # encoders of every motor
     usable: Usable  # controllers of every motor
+
+    @property
+    def machines(self) -> list[list[int]]:
+        """Numbers of the load cases that act on one machine at the same time, such as those of its wheels."""
+        loads = (case.load for case in self.specs)
+        return [numbers for _, numbers in machine_cases(zip(self.names, loads, strict=True))]
 
 
 def problem(spec: RobotSpec, catalog: Catalog) -> Problem:

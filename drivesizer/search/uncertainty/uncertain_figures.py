@@ -10,9 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivesizer.catalog.tolerances.classes import Class, classes
 from drivesizer.catalog.tolerances.distributions import Distribution
 from drivesizer.files.yaml_source import Path_
@@ -21,7 +18,6 @@ from drivesizer.spec.tolerance_text import Toleranced
 
 __all__ = ["Assumption", "applied", "assumptions", "case_paths"]
 
-Array = NDArray[np.float64]
 _VARIED = ("load", "motion", "supply", "environment")  # what a load case may put in place of the spec's
 
 
