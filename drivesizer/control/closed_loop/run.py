@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.closed_loop.long_motion import LONGEST, Long, march_long
@@ -28,7 +29,7 @@ from drivesizer.loads.profile import Profile
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Case", "run", "without_limits"]
+__all__ = ["Case", "as_warm", "run", "without_limits"]
 
 _ROWS = 20_000  # most rows of a series
 _SHORTER = "expected a slower control.rate, one cycle of what repeats with a mission.duration, or a part with --profile"
@@ -107,7 +108,7 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
     free = _freed(drive, task, whole, loops)
     cycle = replace(task, cycles=1)
     found, start, last = _periodic(whole.drive, cycle, out if task.cycles == 1 else None)
-    warm = _warm(start, last, cycle, loops)
+    warm = () if last is out else _warm(start, last, cycle, loops)  # else it is what was marched already
     begins = (start.heat.winding, start.heat.housing) if warm and start.heat else None
     return Case(
         spec, drive_set, asked, made.train, made.controller, made.shaft, loops, made.usable_voltage, task, out,
@@ -166,21 +167,23 @@ def _periodic(drive: Drive, task: Task, out: Marched | None) -> tuple[dict[str, 
         start = start + step
         if not np.isfinite(start).all() or start.max() > _HOTTEST or np.abs(np.linalg.eigvals(slopes)).max() >= 1.0:
             return {"winding": math.inf, "housing": math.inf}, drive, None  # it runs away
-        last = march(_from(drive, start), task, rows=0, most_steps=LONGEST)
+        last = march(as_warm(drive, start), task, rows=0, most_steps=LONGEST)
         end = _ends(last)
     highest = {name: float(last.figures[f"{name}_highest"][0]) for name in ("winding", "housing")}
-    return highest, _from(drive, start), last
+    return highest, as_warm(drive, start), last
 
 
 def _slopes(drive: Drive, task: Task, start: Any, end: Any) -> Any:
     """What a kelvin more at the start makes of winding and housing at the end, by marching it."""
-    starts = [_from(drive, start + _NUDGE * unit) for unit in np.eye(2)]
+    starts = [as_warm(drive, start + _NUDGE * unit) for unit in np.eye(2)]
     ends = [_ends(march(one, task, rows=0, most_steps=LONGEST)) for one in starts]
     return np.column_stack([(found - end) / _NUDGE for found in ends])
 
 
-def _from(drive: Drive, start: Any) -> Drive:
-    assert drive.heat is not None
+def as_warm(drive: Drive, start: Sequence[float] | NDArray[np.float64]) -> Drive:
+    """A drive whose winding and housing begin at these temperatures [K]; the same one where its heat is unknown."""
+    if drive.heat is None:
+        return drive
     return replace(drive, heat=replace(drive.heat, winding=float(start[0]), housing=float(start[1])))
 
 

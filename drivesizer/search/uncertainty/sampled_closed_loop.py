@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.closed_loop.checks import checks
-from drivesizer.control.closed_loop.run import Case, run, without_limits
+from drivesizer.control.closed_loop.run import Case, as_warm, run, without_limits
 from drivesizer.control.closed_loop.set_up import Ready, ready
 from drivesizer.control.engine import Marched, Task, march_many
 from drivesizer.errors import InputError
@@ -112,11 +112,7 @@ def _warm(made: Sequence[Ready], nominal: Case) -> list[tuple[Marched, ...]]:
     """A cycle of each that begins as warm as the nominal one's, and without limits; none where that is unknown."""
     if nominal.begins is None:
         return [()] * len(made)
-    winding, housing = nominal.begins
-    warmer = []
-    for one in made:
-        heat = one.drive.heat and replace(one.drive.heat, winding=winding, housing=housing)
-        warmer.append(one._replace(drive=replace(one.drive, heat=heat), task=replace(one.task, cycles=1)))
+    warmer = [one._replace(drive=as_warm(one.drive, nominal.begins), task=replace(one.task, cycles=1)) for one in made]
     return [
         () if out.problems[0] else (out, _freed(one, out, nominal))
         for one, out in zip(warmer, _marched(warmer), strict=True)
