@@ -100,7 +100,7 @@ def test_the_version_is_one() -> None:
 def test_what_ships_beside_the_code() -> None:
     package = resources.files("drivesizer")
     assert (package / "py.typed").is_file()  # type checkers read our types
-    assert (package / "units.txt").is_file()
+    assert (package / "units" / "units.txt").is_file()
     assert PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]["catalogs"] == "drivesizer/catalogs"
 
 

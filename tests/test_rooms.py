@@ -19,7 +19,6 @@ ROOT = PACKAGE.parent
 # A room imports only rooms above its own line; those of one line do not import one another.
 ORDER = (
     ("errors", "version"),
-    ("ranges",),
     ("units",),
     ("files",),
     ("physics",),

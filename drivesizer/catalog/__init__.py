@@ -34,7 +34,7 @@ from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.cache import CacheWarning, digest_of, folder
 from drivesizer.files.text import decoded, read_bytes
-from drivesizer.ranges import AT_MOST, MAY_BE_ZERO, RANGES
+from drivesizer.units.ranges import AT_MOST, MAY_BE_ZERO, RANGES
 from drivesizer.version import __version__
 
 __all__ = [

@@ -26,8 +26,8 @@ from drivesizer.catalog.relations import relations
 from drivesizer.catalog.tables import CONFIDENCE, Catalog, Note, Source, Table
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
-from drivesizer.ranges import AT_MOST, MAY_BE_ZERO, outside
 from drivesizer.units import label, noun, possible, scale, show, to_si
+from drivesizer.units.ranges import AT_MOST, MAY_BE_ZERO, outside
 
 __all__ = ["DATA", "SCHEMA", "parse"]
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.text import missing, read_text
-from drivesizer.ranges import RANGES
 from drivesizer.units import KINDS, noun, possible, scale
+from drivesizer.units.ranges import RANGES
 
 __all__ = [
     "Form", "beside", "columns", "factors_of", "miscount", "number_of", "plain_number", "refuse_impossible", "rows_of",

@@ -13,11 +13,11 @@ from drivesizer.catalog.exchange.import_map import plan
 from drivesizer.catalog.exchange.importing import take
 from drivesizer.errors import CatalogError, DrivesizerError, InputError
 from drivesizer.files.yaml_source import YamlSource, read
-from drivesizer.ranges import RANGES
 from drivesizer.results.check_columns import at_most
 from drivesizer.sizing import explained, size
 from drivesizer.spec.robot import load_spec, read_spec
 from drivesizer.units import KINDS
+from drivesizer.units.ranges import RANGES
 
 FLYWHEEL = (STARTERS / "flywheel.yaml").read_text(encoding="utf-8")
 

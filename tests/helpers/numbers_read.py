@@ -8,7 +8,7 @@ from typing import Any
 
 
 def number(cell: Any) -> float:
-    return nan if cell in ("", None) else inf if cell == "without end" else float(cell)
+    return nan if cell in ("", None) else inf if cell == "unbounded" else float(cell)
 
 
 def sheet(book: Any, name: str) -> list[dict[str, Any]]:

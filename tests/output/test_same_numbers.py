@@ -251,7 +251,7 @@ def from_text(text: str, run: Run) -> Facts:
 def read_all(text: str, title: str, expected: Fact, limited: bool) -> list[Fact]:
     """What stands behind each place at which a title does: a method's table, the other's, the tightest margins."""
     unit = re.escape(expected.unit)
-    quantity = rf"(?:({NUMBER}) ?{unit}|(unknown)|(without end))(?![\w.])"
+    quantity = rf"(?:({NUMBER}) ?{unit}|(unknown)|(unbounded))(?![\w.])"
     if not limited:
         pattern = rf"{words(title)}.{{0,90}}?[= ]{quantity}"
         return [Fact(parsed(m, 1), unit=expected.unit) for m in re.finditer(pattern, text)]

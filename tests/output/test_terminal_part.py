@@ -280,7 +280,7 @@ def test_what_is_missing_is_one_line(part, shown):
 
 def test_times_are_told_in_the_unit_that_people_use():
     told = [terminal_part._duration(time) for time in (0.381, 93.0, 300.0, 9000.0, float("inf"), nan)]
-    assert told == ["0.381 s", "93 s", "5 min", "2.5 h", "without end", "unknown"]
+    assert told == ["0.381 s", "93 s", "5 min", "2.5 h", "unbounded", "unknown"]
 
 
 # --- the page --------------------------------------------------------------------------------------------------------

@@ -167,7 +167,7 @@ def _write_cell(page: Any, row: int, place: int, value: Any, form: str, pen: _Pe
 
 
 def _endless(value: float) -> str:
-    return "without end" if value > 0.0 else "minus without end"
+    return "unbounded" if value > 0.0 else "unbounded below"
 
 
 def _look(text: str, form: str) -> str:

@@ -1,0 +1,41 @@
+"""Units at the door: user text to SI floats, SI floats to the units of the trade.
+
+May import: errors, version.
+
+One strict reader (``reader``) serves specs, catalogues and the command line. Text never reaches pint unread: a unit
+must be listed for its kind of quantity (``kinds``), a figure must lie in the range of its kind (``ranges``). Kinds that
+share a dimension stay apart: torque and energy, rotary speed and frequency, temperature and temperature difference.
+"""
+
+from __future__ import annotations
+
+from drivesizer.units.kinds import KINDS, Kind
+from drivesizer.units.reader import (
+    from_si,
+    kind_of_unit,
+    label,
+    noun,
+    number,
+    possible,
+    registry,
+    scale,
+    show,
+    tabulate,
+    to_si,
+)
+
+__all__ = [
+    "KINDS",
+    "Kind",
+    "from_si",
+    "kind_of_unit",
+    "label",
+    "noun",
+    "number",
+    "possible",
+    "registry",
+    "scale",
+    "show",
+    "tabulate",
+    "to_si",
+]
