@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.control.cascade import Cascade
-from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, march, march_many
+from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, simulate, simulate_many
 from drivesizer.control.linear_modes import Machine
 from drivesizer.control.validation import Gains
 
@@ -78,21 +78,21 @@ def rival() -> Any:
 
 
 def main() -> None:
-    march(DRIVE, SAW)  # compiles, or loads
-    one, ours = best(lambda: march(DRIVE, SAW), 9)
+    simulate(DRIVE, SAW)  # compiles, or loads
+    one, ours = best(lambda: simulate(DRIVE, SAW), 9)
     theirs, speeds = best(rival, 1)
     off = np.abs(ours.series["motor_speed"][: len(speeds)] - speeds).max() / speeds.max()
     print(f"{'10 s at 1 kHz, saturated':40}{one * 1e3:9.2f} ms   python-control, LSODA {theirs * 1e3:9.0f} ms")
     print(f"{'LSODA / engine':40}{theirs / one:9.0f}      goal: at least 20; they differ by {off:.1e} of the top speed")
     many = [replace(DRIVE, machine=replace(MACHINE, resistance=2.0 + 1e-4 * n)) for n in range(1000)]
-    bare, _ = best(lambda: march_many(many[:1], SAW, threads=1), 9)
+    bare, _ = best(lambda: simulate_many(many[:1], SAW, threads=1), 9)
     for threads in (1, 2):
-        all_of_them, _ = best(lambda threads=threads: march_many(many, SAW, threads=threads), 3)
+        all_of_them, _ = best(lambda threads=threads: simulate_many(many, SAW, threads=threads), 3)
         print(f"{f'1000 sets, {threads} threads':40}{all_of_them:9.2f} s    {all_of_them / bare:9.0f} single runs")
     short = Task(time=(0.0, 0.5, 1.0), speed=(5.0, 30.0, 5.0))
     cascade = replace(TIGHT, controller=CASCADE)
-    march(cascade, short, rows=0)
-    second, _ = best(lambda: march(cascade, short, rows=0), 9)
+    simulate(cascade, short, rows=0)
+    second, _ = best(lambda: simulate(cascade, short, rows=0), 9)
     print(f"{'cascade at 25 kHz, of real time':40}{second * 100:9.2f} %    {25_000 / second:9.0f} periods per second")
 
 

@@ -1,7 +1,7 @@
 """Closed-loop validation (figure 3 of the paper): does the chosen drive follow the profile within its limits?
 
 Reference speed - error at the motor shaft - sampled controller - limited voltage - motor - gearhead, belt, load.
-The parts: ``profile`` what is asked, ``plant`` and ``at_shaft`` the machine, ``closed_loop`` the march, ``checks``
+The parts: ``profile`` what is asked, ``plant`` and ``at_shaft`` the machine, ``closed_loop`` the simulation, ``checks``
 and ``figures`` what it means. This module makes the record of it, with all that is taken for granted.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from drivesizer.control.cascade import Cascade, ControllerGain, controller_gains
 from drivesizer.control.closed_loop.checks import checks
 from drivesizer.control.closed_loop.figures import figures, series, series_units
-from drivesizer.control.closed_loop.run import Case, run
+from drivesizer.control.closed_loop.run import ClosedLoop, run
 from drivesizer.control.loop_warnings import loop_warnings, resolution_warning, resonance_warning
 from drivesizer.control.validation import Gains, Validation
 from drivesizer.control.voltage_loop_design import COMPUTING
@@ -40,7 +40,7 @@ _STILL_COLD = (
     "they do with the winding as warm as its largest current or its permitted temperature makes it, and fail where "
     "they do with it cold"
 )
-_ALL = 1e-6  # of a march: less is not told
+_ALL = 1e-6  # of a simulation: less is not told
 _KEPT = 0.5  # of the RMS current: less at rest is not told
 
 
@@ -167,7 +167,7 @@ def validate_all(
     return sorted(found, key=lambda proof: ("pass", "unknown", "fail").index(proof.status)), said
 
 
-def _own_units(case: Case) -> tuple[tuple[ControllerGain, ...], list[str]]:
+def _own_units(case: ClosedLoop) -> tuple[tuple[ControllerGain, ...], list[str]]:
     """The gains as the chosen controller takes them, where its units are known."""
     controller = case.drive_set.controller
     if controller is None or not isinstance(case.controller, Cascade):
@@ -175,7 +175,7 @@ def _own_units(case: Case) -> tuple[tuple[ControllerGain, ...], list[str]]:
     return controller_gains(case.controller, controller.family)
 
 
-def _assumptions(case: Case) -> list[str]:
+def _assumptions(case: ClosedLoop) -> list[str]:
     """What the model takes for granted, as sentences."""
     spec, shaft = case.spec, case.shaft
     over = case.controller.counted_over
@@ -199,10 +199,10 @@ def _assumptions(case: Case) -> list[str]:
         said.append(
             _STILL_COLD if spec.plant.warming else "the winding's resistance is that at 25 °C: plant.warming is off"
         )
-    marched, lasts = case.figure("time_marched"), case.figure("time")
-    if marched < (1.0 - _ALL) * lasts:
+    simulated, lasts = case.figure("time_simulated"), case.figure("time")
+    if simulated < (1.0 - _ALL) * lasts:
         said.append(
-            f"{marched:.4g} s of {lasts:.6g} s are simulated; the rest is added, as it repeats what was simulated"
+            f"{simulated:.4g} s of {lasts:.6g} s are simulated; the rest is added, as it repeats what was simulated"
         )
     said += _in_windows(case)
     if len(case.task.load_time):
@@ -214,7 +214,7 @@ def _assumptions(case: Case) -> list[str]:
     return said
 
 
-def _in_windows(case: Case) -> list[str]:
+def _in_windows(case: ClosedLoop) -> list[str]:
     """Where a long motion was simulated in full, and what that says of the rest."""
     c = case.controller
     if not case.windows or not isinstance(c, Cascade):
@@ -238,7 +238,7 @@ def _one_of(cases: Sequence[tuple[str, RobotSpec]], name: str) -> list[str]:
     return [f"the load case simulated is {name}; {left} not"]
 
 
-def _of_the_controller(case: Case) -> list[str]:
+def _of_the_controller(case: ClosedLoop) -> list[str]:
     if isinstance(case.controller, Gains):
         return [
             f"the voltage answers the measurement of {COMPUTING:g} control period before",
@@ -249,7 +249,7 @@ def _of_the_controller(case: Case) -> list[str]:
     ]
 
 
-def _warnings(case: Case, found: tuple[Check, ...]) -> list[str]:
+def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
     """What the reader must know, and what to change."""
     said = loop_warnings(case.loops.all, case.profile)
     if case.shaft:
@@ -268,7 +268,7 @@ def _warnings(case: Case, found: tuple[Check, ...]) -> list[str]:
     return said
 
 
-def _resolution(case: Case) -> list[str]:
+def _resolution(case: ClosedLoop) -> list[str]:
     encoder, controller = case.drive_set.encoder, case.drive_set.controller
     if encoder is None:
         return []
@@ -280,7 +280,7 @@ def _resolution(case: Case) -> list[str]:
     return resolution_warning(encoder.lines, time, case.controller.velocity_kp, peak)
 
 
-def _kept_at_rest(case: Case) -> list[str]:
+def _kept_at_rest(case: ClosedLoop) -> list[str]:
     """A current that the loop's integral keeps up at rest, where friction holds and nothing tells it to let go."""
     rows, machine = series(case), case.train
     still = (rows["speed_reference"] == 0.0) & (rows["motor_speed"] == 0.0)
@@ -294,7 +294,7 @@ def _kept_at_rest(case: Case) -> list[str]:
     ]
 
 
-def _does_not_follow(case: Case) -> str:
+def _does_not_follow(case: ClosedLoop) -> str:
     """How far a drive is off, and what keeps it from following, where it is a limit."""
     error = case.figure("load_speed_error") * case.train.radius
     kind, unit = SPEED[case.spec.load.axis]

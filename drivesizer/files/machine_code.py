@@ -106,7 +106,7 @@ def _goes_on_without(cache: Any, place: Path) -> None:
         try:
             save(*given)
         except OSError as error:
-            warnings.warn(f"the compiled march is not kept in {place} ({reason_of(error)})", CacheWarning, stacklevel=2)
+            warnings.warn(f"the compiled code is not kept in {place} ({reason_of(error)})", CacheWarning, stacklevel=2)
 
     cache.save_overload = kept_or_told
 

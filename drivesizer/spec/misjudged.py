@@ -40,7 +40,7 @@ class Unknown(Section):
 
     @property
     def record(self) -> Misjudged:
-        """The same as the march takes it."""
+        """The same as a plain record, as the simulation takes it."""
         given = {name: getattr(self, name) for name in type(self).model_fields if name != "payload"}
         told: dict[str, Any] = {
             name: tuple(value) if isinstance(value, list) else value for name, value in given.items()

@@ -17,7 +17,7 @@ from textbook_machine import RUBS, SHAFT, STEEP, driven, on_slope, task_of, text
 
 from drivesizer.control.cascade import Cascade, Rates
 from drivesizer.control.cascade_design import Wanted, design_cascade
-from drivesizer.control.engine import CurrentLimit, Drive, Supply, march
+from drivesizer.control.engine import CurrentLimit, Drive, Supply, simulate
 from drivesizer.control.linear_modes import machine_of
 
 RATES = Rates(4e-5, 4e-4, 1.2e-3)  # s: current, velocity, position
@@ -209,13 +209,13 @@ def strayed(run, found, period):
 def test_the_voltage_pid(spec, catalog, degrees, more, rate, amps):
     """A thousand samples through the limits and the reversal.
 
-    The march meets a change of mode up to 1/1024 of a period, 0.4 us, late. Rigid, that costs up to 5e-4 rad/s at the
-    reversal and nothing before; where a rotor alone in the backlash strikes, with some 1e4 rad/s^2, 0.01 rad/s.
+    The simulation meets a change of mode up to 1/1024 of a period, 0.4 us, late. Rigid, that costs up to 5e-4 rad/s at
+    the reversal and nothing before; where a rotor alone in the backlash strikes, with some 1e4 rad/s^2, 0.01 rad/s.
     """
     train, drive = driven(spec, catalog, degrees, more)
     drive = replace(drive, controller=replace(drive.controller, kd=2e-5, filter_time=1e-3))
     task = task_of(train, *STEEP)
-    run = march(drive, task)
+    run = simulate(drive, task)
     assert run.figures["time_at_voltage_limit"][0] > 0.02
     assert more or run.figures["time_at_current_limit"][0] > 0.05
     found = by_hand(drive, task, 1000, float(run.series["current"][0]))
@@ -256,11 +256,11 @@ def test_the_cascade(spec, catalog, degrees, more, limits, rate, amps):
     """Five thousand current periods through the limits and a reversal.
 
     A change of mode is met up to 1/1024 of a period, 0.04 us, late: a rotor alone in the backlash has up to
-    1.5e5 rad/s^2 then, 6e-3 rad/s. The integral of I^2 is that of a parabola in each period of the march: where the
-    peak gives way to the continuous current, it does so by 5e-5 A apart.
+    1.5e5 rad/s^2 then, 6e-3 rad/s. The integral of I^2 is that of a parabola in each period of the simulation: where
+    the peak gives way to the continuous current, it does so by 5e-5 A apart.
     """
     drive, task = servo(spec, catalog, degrees, more, **limits)
-    run = march(drive, task)
+    run = simulate(drive, task)
     assert run.figures["time_at_current_limit"][0] > 0.1
     assert run.figures["i2t_share"][0] > 1.0 or drive.current.peak_time == math.inf
     found = by_hand(drive, task, 5000, float(run.series["current"][0]))

@@ -1,4 +1,4 @@
-"""The march against shorter control periods, and against the balance of energy."""
+"""The simulation against shorter control periods, and against the balance of energy."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from linear_machines import both_ways, machine, one_mode, servo, shafts, shorter
 from textbook_machine import PERIOD, RUBS, net, on_slope, slower, task_of
 
 from drivesizer.control.drive_train import Regime
-from drivesizer.control.engine import CurrentLimit, Drive, Supply, march
+from drivesizer.control.engine import CurrentLimit, Drive, Supply, simulate
 from drivesizer.control.voltage_loop_design import design
 
 structures = pytest.mark.parametrize("structure", ["voltage PID", "cascade"])
@@ -37,7 +37,7 @@ def test_half_the_control_period_moves_the_results_by_little(spec, catalog, stru
     drive = Drive(machine=machine(train, shaft), controller=c, **limits)
     found = []
     for n in (1, 2, 4):
-        run = march(replace(drive, controller=shorter(c, n)), task, rows=0)
+        run = simulate(replace(drive, controller=shorter(c, n)), task, rows=0)
         assert run.figures["time_at_current_limit"][0] > 0.01
         found.append([run.figures["speed_error"][0], run.figures["copper_heat"][0], net(run)])
     whole, half, quarter = np.array(found)
@@ -51,8 +51,8 @@ def test_half_the_control_period_moves_the_results_by_little(spec, catalog, stru
 
 
 def ended(drive, task):
-    """A march, and its series, whose last row is its end."""
-    found = march(drive, task)
+    """A simulation, and its series, whose last row is its end."""
+    found = simulate(drive, task)
     assert found.series["time"][-1] == pytest.approx(task.time[-1], abs=1e-9)
     return found, found.series
 
@@ -63,7 +63,8 @@ def ended(drive, task):
 def test_electrical_energy_is_work_losses_and_what_is_stored(spec, catalog, structure, shaft, degrees, regime):
     """In one direction of power the gears' loss is a share of what goes through them.
 
-    All from the march's own tallies but for what grows with the square of a speed: that is added up over the series.
+    All from the simulation's own tallies but for what grows with the square of a speed: that is added up over the
+    series.
     """
     hilly, train = on_slope(spec, catalog, degrees)
     m = replace(machine(train, shaft), **RUBS)

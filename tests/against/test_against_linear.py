@@ -1,4 +1,4 @@
-"""The march against python-control: the linear loop where no limit is met, and the continuous loop in the limit.
+"""The simulation against python-control: the linear loop where no limit is met, and the continuous loop in the limit.
 
 Rigid and with a shaft, driving and braking, each in one mode of the machine throughout.
 """
@@ -15,7 +15,7 @@ from linear_machines import both_ways, machine, one_mode, servo, shafts, shorter
 from textbook_machine import PERIOD, on_slope, slower, task_of
 
 from drivesizer.control.drive_train import Regime, modes
-from drivesizer.control.engine import Drive, Supply, Task, march
+from drivesizer.control.engine import Drive, Supply, Task, simulate
 from drivesizer.control.loop_models import plant, position_open_loop, velocity_open_loop, voltage_open_loop
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import design
@@ -50,7 +50,7 @@ def test_the_voltage_pid_is_the_linear_loop(spec, catalog, shaft, degrees, regim
     hilly, train = on_slope(spec, catalog, degrees)
     g = design(hilly, train, PERIOD)
     g = replace(slower(g) if shaft else g, kd=kd / 20.0 if shaft else kd, filter_time=2e-3 if kd else 0.0)
-    run = march(Drive(machine=machine(train, shaft), controller=g, supply=FREE), task_of(train, *BUMP))
+    run = simulate(Drive(machine=machine(train, shaft), controller=g, supply=FREE), task_of(train, *BUMP))
     assert one_mode(run, regime)
     when = np.arange(750) * PERIOD
     change = (np.interp(when, *BUMP) - 1.0) * train.motor_per_speed
@@ -124,7 +124,7 @@ def test_the_loops_of_the_design_compute_for_a_period_each(spec, catalog, shaft,
 def test_the_velocity_loop_of_the_cascade_is_the_linear_loop(spec, catalog, shaft, degrees, regime):
     _, train = on_slope(spec, catalog, degrees)
     c = servo(train, shaft, position_kp=0.0, position_period=0.0)
-    run = march(Drive(machine=machine(train, shaft), controller=c, supply=FREE), task_of(train, *BUMP))
+    run = simulate(Drive(machine=machine(train, shaft), controller=c, supply=FREE), task_of(train, *BUMP))
     assert one_mode(run, regime)
     when = np.arange(750) * c.velocity_period
     change = (np.interp(when, *BUMP) - 1.0) * train.motor_per_speed
@@ -147,7 +147,7 @@ def test_the_position_loop_of_the_cascade_is_the_linear_loop(spec, catalog, shaf
     t = 10 * T + np.array([0.1, 0.5, 0.9]) * c.velocity_period
     leap, top = 0.02, cruise + 2.0 * 0.02 / (t[2] - t[0])
     task = Task(time=(0.0, *t, 0.24), speed=tuple(w / train.ratio for w in (cruise, cruise, top, cruise, cruise)))
-    run = march(Drive(machine=machine(train, shaft), controller=c, supply=FREE), task)
+    run = simulate(Drive(machine=machine(train, shaft), controller=c, supply=FREE), task)
     assert one_mode(run, regime)
     closed = control.feedback(outer_loops(train, modes(train)[regime], c, shaft)["position"], 1)
     when = np.arange(200) * T
@@ -188,7 +188,7 @@ def test_ever_shorter_periods_lead_to_the_continuous_loop(spec, catalog, structu
     off = []
     for n in (1, 2, 4, 8):
         drive = Drive(machine=machine(train, None), controller=shorter(controller, n), supply=FREE)
-        run = march(drive, task_of(train, *BUMP), rows=100_000)
+        run = simulate(drive, task_of(train, *BUMP), rows=100_000)
         assert one_mode(run, Regime.FORWARD_DRIVING)
         s = run.series
         speed = s["motor_speed"] - s["motor_speed"][0]

@@ -2,15 +2,15 @@
 
 MuJoCo (Google DeepMind, Apache 2.0; ``pip install mujoco``, 3.7 or later for ``dcmotor``) has in its actuator a winding
 with resistance and inductance, a rotor inertia that goes by the square of the gear ratio, and a back-EMF; its joints
-have dry friction. It gets the voltage that the march applied, held over each control period, and nothing else: of the
-PID that acts on the voltage every 0.4 ms, and of the cascade every 40 us. Mass, wheel, slope and rolling friction are
-those of the spec.
+have dry friction. It gets the voltage that the simulation applied, held over each control period, and nothing else: of
+the PID that acts on the voltage every 0.4 ms, and of the cascade every 40 us. Mass, wheel, slope and rolling friction
+are those of the spec.
 
 What it has not is a gear's efficiency. Two machines bring it in:
 
 - *whole*: one sliding mass. Driving, a loss of gears is a load that is larger by 1/e: mass, inertia and resistance.
-- *two masses*: rotor and vehicle with a shaft between, stiff where the march is rigid; the test takes from what the
-  shaft transmits what the gears lose, by the direction of power at each step. Nothing of the march's modes is in it.
+- *two masses*: rotor and vehicle with a shaft between, stiff where the simulation is rigid; the test takes from what
+  the shaft transmits what the gears lose, by the direction of power at each step, without the simulation's modes.
 
 MuJoCo's step h is of first order for a motor with inductance, whatever its integrator (measured against exp(At)): its
 speed is off by about h dw/dt. That, and not a choice, sets the tolerances.
@@ -27,7 +27,7 @@ from textbook_machine import PERIOD, SHAFT, on_slope, slower, task_of
 
 from drivesizer.control.cascade import Cascade, Rates
 from drivesizer.control.cascade_design import Wanted, design_cascade
-from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, march
+from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, simulate
 from drivesizer.control.linear_modes import machine_of
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import design
@@ -94,9 +94,9 @@ def load_of(spec):
 
 
 def driven(train, controller, time, speed, **more):
-    """A march along speeds of the robot [m/s]; nothing is left out of its series."""
+    """A simulation along speeds of the robot [m/s]; nothing is left out of its series."""
     drive = Drive(**{"machine": machine_of(train), "controller": controller, "supply": SUPPLY, "current": PEAK} | more)
-    return march(drive, task_of(train, time, speed), rows=60_000).series
+    return simulate(drive, task_of(train, time, speed), rows=60_000).series
 
 
 def compiled(text, train, load, step, loss=1.0):
@@ -229,7 +229,7 @@ def test_there_and_back(robot, degrees, structure):
 
 @pytest.mark.parametrize(("structure", "gap"), [("voltage PID", 0.0), ("voltage PID", 0.01), ("cascade", 0.01)])
 def test_a_soft_shaft_there_and_back(robot, gap, structure):
-    """The march's two masses with a shaft that rings at 87 Hz, without and with backlash; the rotor's speed.
+    """The simulation's two masses with a shaft that rings at 87 Hz, without and with backlash; the rotor's speed.
 
     The rotor alone has up to 1.2e5 rad/s^2: a step of MuJoCo, 10 us and 4 us of that, is 1.2 and 0.5 rad/s.
     """
@@ -256,7 +256,9 @@ def under(train, volts, seconds, speed=0.0):
     c = Gains(kp=1e6 if volts else 0.0, ki=0.0, kd=0.0, filter_time=0.0, period=PERIOD, rule="test", source="")
     aim = math.copysign(1e4, volts) if volts else speed / train.ratio
     task = Task(time=(0.0, PERIOD, seconds), speed=(speed / train.ratio, aim, aim))
-    return march(Drive(machine=machine_of(train), controller=c, supply=Supply(voltage=abs(volts) or 1.0)), task).series
+    return simulate(
+        Drive(machine=machine_of(train), controller=c, supply=Supply(voltage=abs(volts) or 1.0)), task
+    ).series
 
 
 @pytest.mark.parametrize("share", [-1.01, -0.99, 0.99, 1.01, 1.5])
@@ -275,7 +277,8 @@ def test_breakaway(robot, share):
         assert np.abs(found[0]).max() < 1e-6  # rad/s: MuJoCo's friction yields a little
     else:
         assert np.sign(share) * s["motor_speed"][-1] > 0.1
-        # the march starts up to 1/1024 of a period late, 0.4 us of at most 40 rad/s^2; MuJoCo's step is 10 us of that
+        # the simulation starts up to 1/1024 of a period late, 0.4 us of at most 40 rad/s^2; MuJoCo's step is
+        # 10 us of that
         assert off(found, s) == pytest.approx([0.0, 0.0], abs=4e-4)
 
 

@@ -1,4 +1,4 @@
-"""The machine in motion against SciPy's DOP853, as it stands in a textbook, under the voltages that the march applied.
+"""The machine in motion against SciPy's DOP853, as a textbook has it, under the voltages that the simulation applied.
 
 The machine here is written anew and has no modes. Torques at the motor shaft, with the gears' loss by the direction of
 power (H. Giberti, S. Cinquemani, G. Legnani, *Effects of transmission mechanical characteristics on the choice of a
@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from textbook_machine import PERIOD, RUBS, SAGS, SHAFT, STEEP, driven, net, on_slope, task_of, textbook
 
-from drivesizer.control.engine import Drive, Encoder, Task, march
+from drivesizer.control.engine import Drive, Resolution, Task, simulate
 from drivesizer.control.linear_modes import machine_of
 from drivesizer.control.voltage_loop_design import design
 
@@ -31,7 +31,7 @@ from drivesizer.control.voltage_loop_design import design
 
 
 def replayed(m, run, end):
-    """Current and speed at the samples under a march's voltages; electrical energy and copper loss [J]."""
+    """Current and speed at the samples under a simulation's voltages; electrical energy and copper loss [J]."""
     s = run.series
     machine, rows, electrical = textbook(m, s["current"][0], s["motor_speed"][0]), [], 0.0
     for u, dt in zip(s["voltage"], np.diff(s["time"], append=end), strict=True):
@@ -54,7 +54,7 @@ def test_the_machine_under_the_voltage_that_was_applied(spec, catalog, degrees, 
     driving), 5e-4 rad/s. A rotor that is alone in the backlash has k i/J_M, up to 1.5e5 rad/s^2: 0.06 rad/s.
     """
     train, drive = driven(spec, catalog, degrees, more)
-    run = march(drive, task_of(train, *STEEP))
+    run = simulate(drive, task_of(train, *STEEP))
     assert run.figures["time_at_voltage_limit"][0] > 0.02
     speed, current = run.series["motor_speed"], run.series["current"]
     assert speed.max() > 240.0 and speed.min() < -50.0
@@ -66,22 +66,22 @@ def test_the_machine_under_the_voltage_that_was_applied(spec, catalog, degrees, 
         assert off[:, :turn].max() < 3e-6
     assert run.figures["angle"][0] == pytest.approx(end.angle, abs=1e-4)  # rad, of 30 and more
     assert net(run) == pytest.approx(electrical, rel=1e-5)  # 35 J
-    # the march takes the current within a period for a parabola; it settles in 0.1 ms, a quarter of that
+    # the simulation takes the current within a period for a parabola; it settles in 0.1 ms, a quarter of that
     assert run.figures["copper_heat"][0] == pytest.approx(copper, rel=1e-4)
 
 
 def test_copper_loss_under_a_voltage_that_leaps_every_few_periods(spec, catalog):
     """An encoder of few edges: at 300 rad/s a count more or less makes the voltage leap by 2 V, the current by 0.8 A.
 
-    The march takes the current within a period for a parabola, of which it settles in a quarter: the loss of the ripple
-    comes out too large, by 0.6 % of all at 0.4 ms, by 0.02 % at 0.1 ms. State and electrical energy are exact.
+    The simulation takes the current within a period for a parabola, of which it settles in a quarter: the loss of the
+    ripple comes out too large, by 0.6 % of all at 0.4 ms, by 0.02 % at 0.1 ms. State and electrical energy are exact.
     """
     hilly, train = on_slope(spec, catalog, 3.0)
     m = machine_of(train)
     for n, share in ((1, 8e-3), (4, 2.5e-4)):
         g = replace(design(hilly, train, PERIOD / n), kp=8e-3, ki=0.02)
         task = Task(time=(0.0, 0.08), speed=(300.0 / m.ratio,) * 2)
-        run = march(Drive(machine=m, controller=g, supply=SAGS, encoder=Encoder(edges=64 * n)), task)
+        run = simulate(Drive(machine=m, controller=g, supply=SAGS, encoder=Resolution(edges=64 * n)), task)
         found, electrical, copper, _ = replayed(m, run, 0.08)
         assert np.ptp(run.series["voltage"]) > 1.9 and np.ptp(found[0]) > 0.55  # V, A of 1.0
         assert found == pytest.approx(np.array((run.series["current"], run.series["motor_speed"])), abs=1e-9)
@@ -94,7 +94,7 @@ def test_errors_of_the_load_are_not_those_of_the_motor(spec, catalog):
     the twist of the shaft since the start."""
     train, drive = driven(spec, catalog, 4.0, RUBS | SHAFT | {"gap": 0.01})
     task = task_of(train, *STEEP)
-    run, m = march(drive, task), drive.machine
+    run, m = simulate(drive, task), drive.machine
     s, asked, samples = run.series, np.array(task.speed), round(STEEP[0][-1] / PERIOD)
     assert len(s["time"]) == samples + 1
     own, rows = textbook(m, s["current"][0], s["motor_speed"][0]), []

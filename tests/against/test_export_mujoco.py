@@ -1,8 +1,8 @@
-"""The exported MJCF in MuJoCo against the march of ``drivesizer validate``: speed and current over the load cycle.
+"""The exported MJCF in MuJoCo against the simulation of ``drivesizer validate``: speed and current over the load cycle.
 
 MuJoCo gets the file as it is written, and at each step what the file says of its inputs: angle, speed, torque ahead.
-The march is sampled every 0.4 ms and answers a period late; MuJoCo's controller is continuous. A PI loop that is late
-by T_d = 1.5 periods is off, at a jump a of the acceleration asked for, by no more than what the motor gains in that
+The simulation is sampled every 0.4 ms and answers a period late; MuJoCo's controller is continuous. A PI loop that is
+late by T_d = 1.5 periods is off, at a jump a of the required acceleration, by no more than what the motor gains in that
 time, a T_d, which is 0.17 rad/s here, and its current by what the loop makes of it, k_p a T_d / R: 0.09 A; the friction
 that lets go at the start, which the late loop meets later, is as much again.
 
@@ -130,14 +130,14 @@ def test_what_braking_takes_too_much(sps, proof):
     train, s = export.train, proof.series
     torque = train.load_inertia * 0.75 / train.radius - train.forward_torque  # N*m that comes back: 1.5 m/s in 2 s
     own = train.motor_inertia * train.ratio * 0.75 / train.radius - train.friction
-    march = -(torque * train.efficiency / train.ratio + own) / train.torque_constant
+    simulated = -(torque * train.efficiency / train.ratio + own) / train.torque_constant
     theirs = -(torque / train.efficiency / train.ratio + own) / train.torque_constant
     model = mujoco.MjModel.from_xml_string(render(export).decode())
     model.opt.timestep = export.period
     time, _, current = driven(export, model)
-    assert np.interp(243.0, s["time"], s["current"]) == pytest.approx(march, abs=2e-3)
+    assert np.interp(243.0, s["time"], s["current"]) == pytest.approx(simulated, abs=2e-3)
     assert np.interp(243.0, time, current) == pytest.approx(theirs, abs=2e-3)
-    assert theirs - march == pytest.approx(-0.408, abs=0.01)  # A
+    assert theirs - simulated == pytest.approx(-0.408, abs=0.01)  # A
 
 
 def test_braking_by_the_rule_of_the_remarks(servo):
@@ -192,8 +192,9 @@ def test_an_arm_under_gravity_lifted_and_lowered(way):
 def test_the_cascade(servo):
     """The on-board law with the gains of velocity loop and feedforward, without the sampled current loop.
 
-    Where the acceleration asked for jumps, feedforward lets the current jump at once, by 1.3 A; the march's own comes a
-    velocity period later, and its current loop takes some more: 5 ms are left out of the current's largest difference.
+    Where the acceleration asked for jumps, feedforward lets the current jump at once, by 1.3 A; the simulation's own
+    comes a velocity period later, and its current loop takes some more: 5 ms are left out of the current's largest
+    difference.
     """
     spec, found = servo
     proof, export = validate(spec, found), export_of(spec, found)

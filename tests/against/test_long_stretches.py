@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.closed_loop.run import without_limits
-from drivesizer.control.engine import Drive, Encoder, Heat, Supply, Task, march
+from drivesizer.control.engine import Drive, MotorHeat, Resolution, Supply, Task, simulate
 from drivesizer.control.linear_modes import Machine
 from drivesizer.control.validation import Gains
 from drivesizer.physics.thermal import TwoBodies
@@ -54,11 +54,11 @@ def hot():
 @pytest.mark.parametrize("controller", [PI, SERVO], ids=["PI", "cascade"])
 def test_ten_hours_at_one_speed(hot, controller, edges):
     drive = Drive(
-        machine=MACHINE, controller=controller, supply=Supply(voltage=BUS), encoder=Encoder(edges=edges, periods=5),
-        heat=Heat(bodies=BODIES, ambient=298.15),
+        machine=MACHINE, controller=controller, supply=Supply(voltage=BUS), encoder=Resolution(edges=edges, periods=5),
+        heat=MotorHeat(bodies=BODIES, ambient=298.15),
     )  # fmt: skip
     task = Task(time=(0.0, 0.5, HOURS), speed=(SPEED,) * 3)
-    run = march(drive, task, rows=0)
+    run = simulate(drive, task, rows=0)
     told = {name: float(column[0]) for name, column in run.figures.items()}
     assert not run.problems[0] and told["steps"] < 20_000_000
     assert told["winding"] - 298.15 == pytest.approx(hot.rise, abs=0.05)

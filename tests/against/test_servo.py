@@ -293,17 +293,17 @@ def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_betwee
 
 
 def restless(monkeypatch):
-    """A motion that never repeats, 40 s long, where a hundredth of the steps is marched that are otherwise."""
-    from drivesizer.control.engine import march
+    """A motion that never repeats, 40 s long, where a hundredth of the steps is simulated that are otherwise."""
+    from drivesizer.control.engine import simulate
     from drivesizer.loads.profile import Profile
 
-    most = march.__kwdefaults__["most_steps"]
-    monkeypatch.setattr(closed_loop_run, "march", partial(march, most_steps=most // 100))
+    most = simulate.__kwdefaults__["most_steps"]
+    monkeypatch.setattr(closed_loop_run, "simulate", partial(simulate, most_steps=most // 100))
     corners = tuple(np.linspace(0.0, 40.0, 41).tolist())
     return Profile(name="long", time=corners, speed=tuple(1.0 + 0.1 * math.sin(n * n) for n in range(41)))
 
 
-def test_a_profile_with_more_samples_than_are_marched_is_refused_in_plain_words(monkeypatch):
+def test_a_profile_with_more_samples_than_are_simulated_is_refused_in_plain_words(monkeypatch):
     spec, long = spec_of(), restless(monkeypatch)
     monkeypatch.setattr("drivesizer.control.closed_loop.long_motion.LONGEST", 1000)
     with pytest.raises(InputError, match="profile long: more steps than are permitted; expected a slower control"):

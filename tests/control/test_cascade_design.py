@@ -1,4 +1,4 @@
-"""The servo cascade: rules against the textbooks' closed loops, sampled loops against a march in plain loops."""
+"""The servo cascade: rules against the textbooks' closed loops, sampled loops against a simulation in plain loops."""
 
 from __future__ import annotations
 
@@ -188,7 +188,7 @@ def test_the_epos4_s_position_pid_is_the_cascade_with_the_path_s_velocity():
 
 
 def by_hand(train, cascade, shaft, samples):
-    """A step of the angle and of the speed, marched by current periods in plain Python; physical coordinates."""
+    """A step of the angle and of the speed, simulated by current periods in plain Python; physical coordinates."""
     share = 1.0 / (K * E)  # driving: torque at the wheel to torque at the motor
     d, c = shaft.damping, shaft.stiffness
     twist = np.array([[0, 1 / K, -1, 0, 0]]), np.array([[0, 0, 0, 1 / K, -1]])  # of speeds, of angles, at the wheel
@@ -233,12 +233,12 @@ def test_the_lifted_loops_are_exact():
         designed(train, Rates(4e-5, 4e-4, 1.2e-3), bandwidth=4.0, position=True), velocity_kd=2e-5, filter_time=5e-4
     )
     assert (cascade.current_steps, cascade.velocity_steps) == (10, 3)
-    marched = by_hand(train, cascade, shaft, 120)
+    simulated = by_hand(train, cascade, shaft, 120)
     mode = modes(train)[Regime.FORWARD_DRIVING]
     for kind, opened in (("velocity", velocity_open_loop), ("position", position_open_loop)):
         closed = control.feedback(opened(train, mode, cascade, shaft), 1)
         y = control.step_response(closed, np.arange(120) * closed.dt).outputs
-        assert y == pytest.approx(marched[kind], rel=1e-7, abs=1e-9)
+        assert y == pytest.approx(simulated[kind], rel=1e-7, abs=1e-9)
         assert 0.1 < y[-1] < 1.5  # it does something
 
 

@@ -18,7 +18,7 @@ from scipy.linalg import expm
 from drivesizer.control.cascade import Rates, rates
 from drivesizer.control.cascade_design import Wanted, design_cascade
 from drivesizer.control.drive_train import Regime, drive_train, modes
-from drivesizer.control.engine import Drive, Encoder, Supply, Task, march
+from drivesizer.control.engine import Drive, Resolution, Supply, Task, simulate
 from drivesizer.control.linear_modes import machine_of
 from drivesizer.control.loop_analysis import analyse
 from drivesizer.control.loop_design import designed
@@ -84,7 +84,7 @@ def test_the_phase_margin_of_a_counted_loop(spec, chosen, n):
     assert min(by_hand) > 45.0  # where half of the counts' time was in the delay that the rule is made for
 
 
-def test_the_march_of_a_counted_pi(spec, chosen):
+def test_the_simulation_of_a_counted_pi(spec, chosen):
     """Sample by sample in a plain loop: counts are floors, speed their difference over n periods, the answer late."""
     T, n = 4e-4, 5
     train, _ = drive_train(spec, chosen, T)
@@ -92,8 +92,8 @@ def test_the_march_of_a_counted_pi(spec, chosen):
                 load_inertia=1e-9, efficiency=1.0, belt_efficiency=1.0, viscous=0.0)  # fmt: skip
     gains = replace(design(controlled(spec), train, T, Counts(EDGES, 1.0, n)), kp=0.02, ki=0.3)
     time, speed = (0.0, 0.02, 0.2), (1.0, 1.3, 1.3)
-    run = march(
-        Drive(machine=m, controller=gains, supply=Supply(voltage=VOLTS), encoder=Encoder(edges=EDGES, periods=n)),
+    run = simulate(
+        Drive(machine=m, controller=gains, supply=Supply(voltage=VOLTS), encoder=Resolution(edges=EDGES, periods=n)),
         Task(time=time, speed=speed),
     )
     bare = replace(train, viscous=0.0)
@@ -119,11 +119,11 @@ def test_the_march_of_a_counted_pi(spec, chosen):
 
 
 def noise(spec, chosen, period, counts, gains):
-    """Voltage that a march at a steady speed asks for, from top to bottom [V]."""
+    """Voltage that a simulation at a steady speed asks for, from top to bottom [V]."""
     train, _ = drive_train(spec, chosen, period)
-    edges = Encoder(edges=counts.edges, periods=max(gains.counted_over, 1))
+    edges = Resolution(edges=counts.edges, periods=max(gains.counted_over, 1))
     drive = Drive(machine=machine_of(train), controller=gains, supply=Supply(voltage=1e4), encoder=edges)
-    run = march(drive, Task(time=(0.0, 1.0), speed=(9.37, 9.37)))
+    run = simulate(drive, Task(time=(0.0, 1.0), speed=(9.37, 9.37)))
     late = run.series["time"] > 0.5
     return float(np.ptp(run.series["voltage"][late]))
 

@@ -14,15 +14,15 @@ from drivesizer.control.drive_train import Regime, drive_train, modes
 from drivesizer.control.engine import (
     CurrentLimit,
     Drive,
-    Encoder,
-    Heat,
+    MotorHeat,
+    Resolution,
     Supply,
     Task,
     batch,
-    march,
-    march_many,
     repeats,
     sample_loop,
+    simulate,
+    simulate_many,
 )
 from drivesizer.control.linear_modes import columns, discretised, generators, machine_of
 from drivesizer.control.loop_models import voltage_open_loop
@@ -53,7 +53,7 @@ def test_speed_at_a_held_voltage_rises_like_first_order():
     m = machine(inductance=1e-9, load_inertia=8e-3)
     J = m.motor_inertia + m.load_inertia / (m.ratio**2 * m.efficiency)
     tau, k = m.resistance * J / (m.torque_constant * m.back_emf_constant), m.back_emf_constant
-    run = march(open_drive(m, 10.0), replace(FAR, time=(0.0, 1e-3, 1.5)))
+    run = simulate(open_drive(m, 10.0), replace(FAR, time=(0.0, 1e-3, 1.5)))
     t, w = run.series["time"], run.series["motor_speed"]
     late = (t > 0.01) & (run.series["voltage"] == 10.0)
     started = t[np.flatnonzero(run.series["voltage"] == 10.0)[0]]
@@ -68,7 +68,7 @@ def test_torsional_resonance():
     # behind such a resistance the current stays; the load's torque steps a little while
     # the shaft stays loaded in one direction: a free oscillation about the new load
     task = Task(time=(0.0, 0.05), speed=(900.0, 900.0), load_time=(0.0, 1e-4, 0.05), load_torque=(0.0, 0.05, 0.05))
-    run = march(drive, task)
+    run = simulate(drive, task)
     relative = run.series["motor_speed"] / m.ratio - run.series["load_speed"]
     t = run.series["time"]
     up = np.flatnonzero((relative[:-1] < 0.0) & (relative[1:] >= 0.0))
@@ -81,7 +81,7 @@ def test_torsional_resonance():
 
 def test_coasting_stops_when_friction_has_taken_the_speed():
     m = machine(resistance=1e7, inductance=1.0, friction=5e-3, forward_torque=0.05, backward_torque=-0.05)
-    run = march(
+    run = simulate(
         Drive(machine=m, controller=gains(), supply=Supply(voltage=1e-6)), Task(time=(0.0, 0.5), speed=(40.0, 40.0))
     )
     # braking all the way: the load's inertia pushes back through the gears
@@ -100,8 +100,8 @@ def test_coasting_stops_when_friction_has_taken_the_speed():
 
 def test_heat_of_a_locked_rotor_against_an_integrator():
     m = machine(stiction=1.0, inductance=1e-4)
-    heat = Heat(bodies=MOTOR, ambient=303.15, winding=320.0, housing=310.0, loss=0.5)
-    run = march(open_drive(m, 6.0, heat=heat), Task(time=(0.0, 1e-3, 30.0), speed=(0.0, 1e4, 1e4)))
+    heat = MotorHeat(bodies=MOTOR, ambient=303.15, winding=320.0, housing=310.0, loss=0.5)
+    run = simulate(open_drive(m, 6.0, heat=heat), Task(time=(0.0, 1e-3, 30.0), speed=(0.0, 1e4, 1e4)))
 
     def rate(_, x):
         R = 2.32 * (1 + 0.0039 * (x[0] - 298.15))
@@ -114,9 +114,9 @@ def test_heat_of_a_locked_rotor_against_an_integrator():
 
 def test_a_day_at_one_speed_is_carried_to_the_steady_temperature():
     m = machine(friction=0.02)
-    heat = Heat(bodies=MOTOR, ambient=298.15, loss_torque=1e-3)
+    heat = MotorHeat(bodies=MOTOR, ambient=298.15, loss_torque=1e-3)
     drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
-    run = march(drive, Task(time=(0.0, 86400.0), speed=(20.0, 20.0)))
+    run = simulate(drive, Task(time=(0.0, 86400.0), speed=(20.0, 20.0)))
     settled = steady_state(MOTOR, 298.15, 0.02 / 0.0234, 1e-3 * 20.0 * 9.1)
     assert State(figure(run, "winding"), figure(run, "housing")) == pytest.approx(settled, abs=1e-2)
     assert figure(run, "steps") < 2e6
@@ -129,7 +129,7 @@ def test_a_day_at_one_speed_is_carried_to_the_steady_temperature():
 def test_saturated_loop_against_an_integrator(more):
     m, g = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1, **more), gains(kp=0.04, ki=0.6)
     task = Task(time=(0.0, 0.1, 0.4, 0.5, 0.6), speed=(10.0, 10.0, 60.0, 20.0, 20.0))
-    run = march(Drive(machine=m, controller=g, supply=Supply(voltage=11.0)), task)
+    run = simulate(Drive(machine=m, controller=g, supply=Supply(voltage=11.0)), task)
     exact = saturated_by_solver(m, g, 11.0, task, 1500)
     n = np.rint(run.series["time"][:-1] / PERIOD).astype(int)
     assert figure(run, "time_at_voltage_limit") > 0.05
@@ -154,7 +154,7 @@ def test_linear_loop_against_python_control(robot):
 
     _, train, g = robot
     task = Task(time=(0.0, 0.05, 0.15, 0.4), speed=tuple(v / train.radius for v in (1.0, 1.0, 1.02, 1.02)))
-    run = march(robot_drive(train, g), task)
+    run = simulate(robot_drive(train, g), task)
     opened = voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], g)
     time = np.arange(1001) * PERIOD
     change = (np.interp(time, task.time, task.speed) - task.speed[0]) * train.ratio
@@ -172,7 +172,7 @@ def test_energy_balance(more):
     m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1, **more)
     g = gains(kp=0.02, ki=0.3, period=1e-4)
     task = Task(time=(0.0, 0.4, 0.8, 1.2, 1.6), speed=(0.0, 40.0, 40.0, 0.0, 0.0))
-    run = march(Drive(machine=m, controller=g, supply=Supply(voltage=24.0)), task)
+    run = simulate(Drive(machine=m, controller=g, supply=Supply(voltage=24.0)), task)
     s = run.series
     T = s["gear_torque"] * s["motor_speed"]
     at_shaft = s["gear_torque"] * np.where(T > 0, 1.3 * 0.9, 1.3 / 0.9)
@@ -190,7 +190,7 @@ def test_half_the_period_changes_little():
     m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
     task = Task(time=(0.0, 0.4, 0.8, 1.2), speed=(0.0, 40.0, 40.0, 0.0))
     found = [
-        march(Drive(machine=m, controller=gains(kp=0.02, ki=0.3, period=h), supply=Supply(voltage=24.0)), task)
+        simulate(Drive(machine=m, controller=gains(kp=0.02, ki=0.3, period=h), supply=Supply(voltage=24.0)), task)
         for h in (2e-4, 1e-4)
     ]
     for name, share in (("rms_current", 1e-3), ("energy_in", 1e-3), ("current", 0.02), ("speed", 1e-3)):
@@ -200,7 +200,7 @@ def test_half_the_period_changes_little():
 def test_bus_sags_by_its_resistance():
     m = machine(stiction=1.0, inductance=5e-3)
     supply = Supply(voltage=24.0, resistance=0.3, sets=4, max_duty=0.9, voltage_drop=1.0)
-    run = march(replace(open_drive(m, 1.0), supply=supply), FAR)
+    run = simulate(replace(open_drive(m, 1.0), supply=supply), FAR)
     u, i = run.series["voltage"][-1], run.series["current"][-1]
     bus = u / 0.9 + 1.0
     assert i == pytest.approx(u / 2.32, rel=1e-6)  # the rotor is locked
@@ -213,7 +213,7 @@ def test_peak_current_for_its_time_then_the_continuous():
     m = machine(stiction=1.0)
     limit = CurrentLimit(peak=4.0, continuous=1.5, peak_time=0.5)
     drive = Drive(machine=m, controller=SERVO, supply=Supply(voltage=24.0), current=limit)
-    run = march(drive, FAR)
+    run = simulate(drive, FAR)
     i, t = run.series["current"], run.series["time"]
     assert i[(t > 0.01) & (t < 0.49)] == pytest.approx(4.0, abs=1e-3)
     assert i[t > 0.53] == pytest.approx(1.5, abs=1e-3)
@@ -224,11 +224,11 @@ def test_cascade_follows_in_speed_and_angle():
     m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
     task = Task(time=(0.0, 0.4, 1.2, 1.6, 2.6), speed=(0.0, 40.0, 40.0, 0.0, 0.0))
     drive = Drive(machine=m, controller=SERVO, supply=Supply(voltage=24.0), current=CurrentLimit(peak=6.0))
-    run = march(drive, task)
+    run = simulate(drive, task)
     cruise = np.searchsorted(run.series["time"], 1.19)
     assert run.series["motor_speed"][cruise] == pytest.approx(40.0 * m.ratio, rel=1e-6)
     assert figure(run, "angle") == pytest.approx(48.0 * m.ratio, rel=1e-3)
-    counted = march(replace(drive, encoder=Encoder(edges=2000, periods=4)), task)
+    counted = simulate(replace(drive, encoder=Resolution(edges=2000, periods=4)), task)
     assert figure(counted, "rms_current") == pytest.approx(figure(run, "rms_current"), rel=0.05)
     assert np.abs(counted.series["position_error"][-1]) < 0.2  # rad at the motor; an edge is 3 mrad
 
@@ -238,7 +238,7 @@ def test_cascade_follows_in_speed_and_angle():
 
 def test_a_gap_is_crossed_without_torque():
     m = machine(stiffness=200.0, damping=0.2, gap=0.02, friction=5e-4)
-    run = march(Drive(machine=m, controller=gains(kp=0.02), supply=Supply(voltage=24.0)),
+    run = simulate(Drive(machine=m, controller=gains(kp=0.02), supply=Supply(voltage=24.0)),
                 Task(time=(0.0, 0.2, 0.4), speed=(0.0, 20.0, -20.0)))  # fmt: skip
     free = run.series["gear_torque"] == 0.0
     assert free[1:].any() and not free.all()
@@ -251,17 +251,17 @@ def test_a_gap_is_crossed_without_torque():
 
 def test_many_are_as_one_by_one_and_threads_do_not_matter():
     m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
-    heat = Heat(bodies=MOTOR, ambient=298.15)
+    heat = MotorHeat(bodies=MOTOR, ambient=298.15)
     drives = [
         Drive(machine=replace(m, resistance=2.32 + 0.01 * n), controller=gains(kp=0.02 + 1e-3 * n, ki=0.3),
               supply=Supply(voltage=12.0), heat=heat if n % 3 == 0 else None)
         for n in range(10)
     ]  # fmt: skip
     task = Task(time=(0.0, 0.2, 0.4), speed=(0.0, 40.0, 0.0))
-    one, two = (march_many(drives, task, threads=n) for n in (1, 2))
+    one, two = (simulate_many(drives, task, threads=n) for n in (1, 2))
     for name, column in one.figures.items():
         assert column.tobytes() == two.figures[name].tobytes()
-        single = np.array([march(d, task).figures[name][0] for d in drives])
+        single = np.array([simulate(d, task).figures[name][0] for d in drives])
         # matrices of a block share the number of squarings: the last digits may differ
         assert column == pytest.approx(single, rel=1e-9, abs=1e-9, nan_ok=True)
 
@@ -270,37 +270,37 @@ def test_plain_python_gives_the_same(monkeypatch):
     m = machine(friction=1e-3, stiffness=60.0, damping=0.02, gap=1e-3)
     drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
     task = Task(time=(0.0, 0.1, 0.2), speed=(0.0, 40.0, 0.0))
-    fast = march(drive, task)
-    monkeypatch.setattr(batch, "compiled", lambda: sample_loop.march_one)
-    slow = march(drive, task)
+    fast = simulate(drive, task)
+    monkeypatch.setattr(batch, "compiled", lambda: sample_loop.simulate_one)
+    slow = simulate(drive, task)
     for name, column in fast.figures.items():
         assert column == pytest.approx(slow.figures[name], rel=1e-6, abs=1e-9, nan_ok=True)
 
 
-@pytest.mark.parametrize("heat", [None, Heat(bodies=MOTOR, ambient=298.15)])
+@pytest.mark.parametrize("heat", [None, MotorHeat(bodies=MOTOR, ambient=298.15)])
 def test_cycles_that_repeat_are_added(heat, monkeypatch):
     m = machine(friction=2e-2, forward_torque=0.3, backward_torque=-0.3)
     drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=24.0), heat=heat)
     task = Task(time=(0.0, 0.2, 0.8, 1.0, 2.0), speed=(0.0, 30.0, 30.0, 0.0, 0.0), cycles=60)
-    added = march(drive, task)
+    added = simulate(drive, task)
     for name in ("_PERIODIC", "_PERIODIC_WARM", "_ALIKE"):
         monkeypatch.setattr(repeats, name, -1.0)  # nothing repeats
-    marched = march(drive, task)
-    assert figure(added, "steps") < 0.1 * figure(marched, "steps")
+    simulated = simulate(drive, task)
+    assert figure(added, "steps") < 0.1 * figure(simulated, "steps")
     for name in ("time", "rms_current", "energy_in", "copper_heat", "speed_error_square", "angle"):
         assert figure(added, name) == pytest.approx(
-            figure(marched, name), rel=(0.01 if "square" in name else 5e-3) if heat else 1e-6
+            figure(simulated, name), rel=(0.01 if "square" in name else 5e-3) if heat else 1e-6
         )
     if heat:
         for name in ("winding", "winding_highest", "housing"):
-            assert figure(added, name) == pytest.approx(figure(marched, name), abs=0.3)  # K of a rise of 129
+            assert figure(added, name) == pytest.approx(figure(simulated, name), abs=0.3)  # K of a rise of 129
 
 
 def test_unstable_gains_come_to_an_end():
     wild = Drive(machine=machine(), controller=gains(kp=1e5, ki=1e7), supply=Supply(voltage=math.inf))
-    run = march(wild, FAR)
+    run = simulate(wild, FAR)
     assert "unstable" in run.problems[0]
-    few = march(open_drive(machine(), 12.0), FAR, most_steps=100)
+    few = simulate(open_drive(machine(), 12.0), FAR, most_steps=100)
     assert "steps" in few.problems[0] and figure(few, "steps") <= 101 + 2048
 
 
@@ -310,9 +310,9 @@ def test_unstable_gains_come_to_an_end():
         ({"machine": machine(resistance=math.nan)}, "resistance"),
         ({"controller": replace(SERVO, velocity_period=5e-5)}, "whole multiple"),
         ({"supply": Supply(voltage=0.5, voltage_drop=1.0)}, "supply"),
-        ({"heat": Heat(bodies=replace(MOTOR, tau_w=math.nan), ambient=300.0)}, "unknown"),
+        ({"heat": MotorHeat(bodies=replace(MOTOR, tau_w=math.nan), ambient=300.0)}, "unknown"),
     ],
 )
 def test_what_cannot_be_computed_is_one_line(change, message):
     with pytest.raises(InputError, match=message):
-        march(replace(open_drive(machine(), 12.0), **change), FAR)
+        simulate(replace(open_drive(machine(), 12.0), **change), FAR)

@@ -1,4 +1,4 @@
-"""What of the engine and of a platform's march is compiled, and where it is kept."""
+"""What of the engine and of a platform's simulation is compiled, and where it is kept."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import math
 import pytest
 from engine_tasks import figure, gains, machine
 
-from drivesizer.control.engine import Drive, Supply, Task, batch, march
+from drivesizer.control.engine import Drive, Supply, Task, batch, simulate
 from drivesizer.control.engine import kernel as of_the_drive
 from drivesizer.control.path_following import kernel as following
 from drivesizer.files import machine_code
@@ -38,9 +38,9 @@ def test_an_unwritable_folder_keeps_nothing(tmp_path, monkeypatch):
     # in their own space of names the functions find each other
     drive = Drive(machine=machine(friction=1e-3), controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
     task = Task(time=(0.0, 0.02, 0.04), speed=(0.0, 10.0, 0.0))
-    compiled = march(drive, task)
+    compiled = simulate(drive, task)
     monkeypatch.setattr(batch, "compiled", lambda: loop)
-    assert figure(march(drive, task), "rms_current") == pytest.approx(figure(compiled, "rms_current"), rel=1e-9)
+    assert figure(simulate(drive, task), "rms_current") == pytest.approx(figure(compiled, "rms_current"), rel=1e-9)
 
 
 def test_the_folder_s_name_is_made_of_every_file_and_the_version(kernel, tmp_path, monkeypatch):

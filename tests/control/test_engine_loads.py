@@ -10,7 +10,7 @@ import pytest
 from engine_tasks import FAR, MOTOR, PERIOD, figure, gains, machine, open_drive, saturated_by_solver
 
 from drivesizer.control.cascade import Cascade
-from drivesizer.control.engine import Drive, Heat, Supply, Task, march
+from drivesizer.control.engine import Drive, MotorHeat, Supply, Task, simulate
 from drivesizer.physics.overload import State, steady_state
 from drivesizer.physics.thermal import TwoBodies
 
@@ -22,7 +22,7 @@ def pulled(supply, **more):
     m = machine(friction=1e-3)
     drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=supply)
     task = Task(**({"time": (0.0, 2.0), "speed": (40.0, 40.0)} | more), load_time=(0.0,), load_torque=(-0.6,))
-    return march(drive, task), (1e-3 - 0.6 * 0.72 / 9.1) / 0.0234
+    return simulate(drive, task), (1e-3 - 0.6 * 0.72 / 9.1) / 0.0234
 
 
 @pytest.mark.parametrize("raises", [True, False])
@@ -58,7 +58,7 @@ def test_viscous_friction_at_the_load_is_first_order():
     J, drag, k = m.motor_inertia + m.load_inertia * share, m.load_viscous * share, m.torque_constant
     damping = k * m.back_emf_constant / m.resistance + drag
     assert 0.2 < drag / damping < 0.8
-    run = march(open_drive(m, 10.0), replace(FAR, time=(0.0, 1e-3, 2.0)))
+    run = simulate(open_drive(m, 10.0), replace(FAR, time=(0.0, 1e-3, 2.0)))
     t, w = run.series["time"], run.series["motor_speed"]
     late = (t > 0.01) & (run.series["voltage"] == 10.0)
     started = t[np.flatnonzero(run.series["voltage"] == 10.0)[0]]
@@ -75,7 +75,7 @@ def test_a_load_with_corners_in_a_saturated_loop_against_an_integrator(more):
         time=(0.0, 0.1, 0.4, 0.5, 0.6), speed=(10.0, 10.0, 60.0, 20.0, 20.0), load_time=corners,
         load_torque=(0.05, 0.25, -0.05, 0.1, 0.3),
     )  # fmt: skip
-    run = march(Drive(machine=m, controller=g, supply=Supply(voltage=11.0)), task)
+    run = simulate(Drive(machine=m, controller=g, supply=Supply(voltage=11.0)), task)
     exact = saturated_by_solver(m, g, 11.0, task, 1500)
     n = np.rint(run.series["time"][:-1] / PERIOD).astype(int)
     assert figure(run, "time_at_voltage_limit") > 0.05
@@ -89,7 +89,7 @@ def test_a_jump_of_the_load_takes_effect_at_the_next_sample(when):
     task = Task(
         time=(0.0, 0.2), speed=(40.0, 40.0), load_time=(when, math.nextafter(when, 1.0)), load_torque=(0.0, 0.1)
     )
-    run = march(Drive(machine=m, controller=gains(), supply=Supply(voltage=1e-6)), task)
+    run = simulate(Drive(machine=m, controller=gains(), supply=Supply(voltage=1e-6)), task)
     share = 1.0 / (m.ratio * m.efficiency)
     slows = 0.1 * share / (m.motor_inertia + m.load_inertia * share / m.ratio)
     sample = math.ceil(when / PERIOD - 1e-6) * PERIOD
@@ -105,7 +105,7 @@ def test_a_load_of_many_corners_within_a_sample_keeps_its_size():
     # a ramp within a hundredth of a period, with a sample in its middle
     mid = 100 * PERIOD
     task = Task(time=(0.0, 0.2), speed=(40.0, 40.0), load_time=(mid - 2e-6, mid + 2e-6), load_torque=(0.0, 0.1))
-    run = march(Drive(machine=m, controller=gains(), supply=Supply(voltage=1e-6)), task)
+    run = simulate(Drive(machine=m, controller=gains(), supply=Supply(voltage=1e-6)), task)
     share = 1.0 / (m.ratio * m.efficiency)
     slows = 0.1 * share / (m.motor_inertia + m.load_inertia * share / m.ratio)
     late = run.series["time"] > mid + PERIOD
@@ -119,7 +119,7 @@ def test_hours_under_loads_that_are_constant_in_pieces_are_carried():
     jumps = (1200.0, math.nextafter(1200.0, 2e3), 2400.0, math.nextafter(2400.0, 3e3))
     task = Task(time=(0.0, 3600.0), speed=(20.0, 20.0), load_time=jumps, load_torque=(0.0, 0.2, 0.2, 0.4))
     drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0))
-    run = march(drive, task)
+    run = simulate(drive, task)
     share = 1.0 / (m.ratio * m.efficiency)
     currents = [(1e-3 + T * share) / m.torque_constant for T in (0.1, 0.3, 0.5)]
     assert figure(run, "rms_current") == pytest.approx(math.sqrt(sum(i * i for i in currents) / 3.0), rel=1e-5)
@@ -142,7 +142,7 @@ def test_corners_on_a_straight_line_change_nothing(given):
         time=given(time), speed=given(np.interp(time, few.time, few.speed)), load_time=given(time),
         load_torque=given(0.01 * time),
     )  # fmt: skip
-    one, other = march(drive, few), march(drive, many)
+    one, other = simulate(drive, few), simulate(drive, many)
     for name in ("rms_current", "energy_in", "speed_error", "gear_torque", "angle", "current"):
         assert figure(other, name) == pytest.approx(figure(one, name), rel=1e-6)
 
@@ -214,7 +214,7 @@ def test_a_cascade_through_a_gap_against_fine_steps():
         backward_torque=0.03, rest_torque=0.03, motor_inertia=4e-6,
     )  # fmt: skip
     task = Task(time=(0.0, 0.01, 0.06, 0.12), speed=(15.0, 15.0, -20.0, 12.0))
-    run = march(Drive(machine=m, controller=CASCADE, supply=Supply(voltage=60.0)), task)
+    run = simulate(Drive(machine=m, controller=CASCADE, supply=Supply(voltage=60.0)), task)
     exact = gap_by_steps(m, CASCADE, task, 1201, 100)  # with the state at the end
     n = np.rint(run.series["time"] / 1e-4).astype(int)
     free = run.series["gear_torque"] == 0.0
@@ -230,9 +230,9 @@ def test_a_cascade_through_a_gap_against_fine_steps():
 
 def test_a_loss_that_grows_with_the_square_of_speed_settles_as_computed():
     m = machine(friction=0.02)
-    heat = Heat(bodies=MOTOR, ambient=298.15, loss=0.2, loss_torque=1e-3, loss_viscous=5e-5)
+    heat = MotorHeat(bodies=MOTOR, ambient=298.15, loss=0.2, loss_torque=1e-3, loss_viscous=5e-5)
     drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
-    run = march(drive, Task(time=(0.0, 86400.0), speed=(20.0, 20.0)))
+    run = simulate(drive, Task(time=(0.0, 86400.0), speed=(20.0, 20.0)))
     w = 20.0 * m.ratio
     settled = steady_state(MOTOR, 298.15, 0.02 / 0.0234, 0.2 + 1e-3 * w + 5e-5 * w**2)
     assert 5e-5 * w**2 > 1.0
@@ -242,10 +242,10 @@ def test_a_loss_that_grows_with_the_square_of_speed_settles_as_computed():
 def test_a_loss_by_the_square_of_speed_over_ramps():
     """All of the heat stays where nothing leads it away: copper's, and the integral of the speed's square."""
     kept = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=1e9, tau_w=12.4, tau_h=612e8)
-    heat = Heat(bodies=kept, ambient=298.15, loss_viscous=5e-5)
+    heat = MotorHeat(bodies=kept, ambient=298.15, loss_viscous=5e-5)
     m = machine(friction=1e-3)
     drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
-    run = march(drive, Task(time=(0.0, 0.5, 1.0, 1.5), speed=(0.0, 40.0, 40.0, -10.0)))
+    run = simulate(drive, Task(time=(0.0, 0.5, 1.0, 1.5), speed=(0.0, 40.0, 40.0, -10.0)))
     w = run.series["motor_speed"]
     swept = PERIOD / 3.0 * np.sum(w[:-1] ** 2 + w[:-1] * w[1:] + w[1:] ** 2)
     stored = 12.4 / 3.1 * (figure(run, "winding") - 298.15) + 61.2 * (figure(run, "housing") - 298.15)

@@ -1,4 +1,4 @@
-"""Missions of hours: what is added of cycles and long stretches against all of it marched."""
+"""Missions of hours: what is added of cycles and long stretches against all of it simulated."""
 
 from __future__ import annotations
 
@@ -9,25 +9,35 @@ import pytest
 from engine_tasks import MOTOR, SERVO, figure, machine
 from scipy.integrate import solve_ivp
 
-from drivesizer.control.engine import CurrentLimit, Drive, Encoder, Heat, Supply, Task, march, repeats, task_pieces
+from drivesizer.control.engine import (
+    CurrentLimit,
+    Drive,
+    MotorHeat,
+    Resolution,
+    Supply,
+    Task,
+    repeats,
+    simulate,
+    task_pieces,
+)
 from drivesizer.physics.overload import State, steady_state
 
 SET = machine(friction=1e-3, forward_torque=0.3, backward_torque=-0.3)
-HEAT = Heat(bodies=MOTOR, ambient=298.15, loss_torque=1e-3, loss_viscous=1e-6)
+HEAT = MotorHeat(bodies=MOTOR, ambient=298.15, loss_torque=1e-3, loss_viscous=1e-6)
 COUNTED = Drive(
     machine=SET, controller=SERVO, supply=Supply(voltage=24.0), current=CurrentLimit(peak=6.0),
-    encoder=Encoder(edges=2000, periods=4), heat=HEAT,
+    encoder=Resolution(edges=2000, periods=4), heat=HEAT,
 )  # fmt: skip
 CYCLE = Task(time=(0.0, 0.1, 0.5, 0.6, 2.0), speed=(0.0, 30.0, 30.0, 0.0, 0.0), cycles=120)
 MET = ("time", "rms_current", "energy_in", "copper_heat", "rms_gear_torque_running")
 
 
-def all_marched(monkeypatch, drive, task):
+def all_simulated(monkeypatch, drive, task):
     """The same with nothing alike."""
     with monkeypatch.context() as patch:
         for name in ("_PERIODIC", "_PERIODIC_WARM", "_ALIKE"):
             patch.setattr(repeats, name, -1.0)
-        return march(drive, task, rows=0, most_steps=10**9)
+        return simulate(drive, task, rows=0, most_steps=10**9)
 
 
 @pytest.mark.parametrize(
@@ -35,57 +45,57 @@ def all_marched(monkeypatch, drive, task):
     [
         {},
         {"heat": None},
-        {"encoder": Encoder()},
+        {"encoder": Resolution()},
         {"machine": replace(SET, stiffness=60.0, damping=0.05, gap=4e-3)},
-        {"encoder": Encoder(edges=256, periods=4)},
+        {"encoder": Resolution(edges=256, periods=4)},
     ],
     ids=["counted and heated", "counted", "heated", "backlash", "few edges"],
 )
 def test_cycles_that_are_alike_are_added(change, monkeypatch):
     drive = replace(COUNTED, **change)
-    added, marched = march(drive, CYCLE), all_marched(monkeypatch, drive, CYCLE)
-    assert figure(added, "steps") < 0.4 * figure(marched, "steps")
+    added, simulated = simulate(drive, CYCLE), all_simulated(monkeypatch, drive, CYCLE)
+    assert figure(added, "steps") < 0.4 * figure(simulated, "steps")
     for name in MET:
-        assert figure(added, name) == pytest.approx(figure(marched, name), rel=5e-3), name
-    assert figure(added, "angle") == pytest.approx(figure(marched, "angle"), abs=0.5)  # rad at the motor of 15 000
+        assert figure(added, name) == pytest.approx(figure(simulated, name), rel=5e-3), name
+    assert figure(added, "angle") == pytest.approx(figure(simulated, "angle"), abs=0.5)  # rad at the motor of 15 000
     if drive.heat:
         for name in ("winding", "winding_highest", "housing"):
-            rise = figure(marched, name) - 298.15
+            rise = figure(simulated, name) - 298.15
             assert rise > 10.0
             assert figure(added, name) - 298.15 == pytest.approx(rise, rel=5e-3)
 
 
-@pytest.mark.parametrize("change", [{}, {"encoder": Encoder(), "heat": None}], ids=["counted", "cold"])
+@pytest.mark.parametrize("change", [{}, {"encoder": Resolution(), "heat": None}], ids=["counted", "cold"])
 def test_the_current_s_integral_grows_through_cycles_that_are_added(change, monkeypatch):
     limit = CurrentLimit(peak=6.0, continuous=1.2, peak_time=30.0)
     drive = replace(COUNTED, current=limit, **change)
-    added, marched = march(drive, CYCLE), all_marched(monkeypatch, drive, CYCLE)
-    square = figure(marched, "rms_current") ** 2
-    assert figure(marched, "time_at_current_limit") == 0.0
-    rises = (square - 1.2**2) * figure(marched, "time")  # it never comes to zero on the way
+    added, simulated = simulate(drive, CYCLE), all_simulated(monkeypatch, drive, CYCLE)
+    square = figure(simulated, "rms_current") ** 2
+    assert figure(simulated, "time_at_current_limit") == 0.0
+    rises = (square - 1.2**2) * figure(simulated, "time")  # it never comes to zero on the way
     assert rises > 300.0
-    assert figure(marched, "i2t_highest") > rises
-    assert figure(added, "i2t_highest") == pytest.approx(figure(marched, "i2t_highest"), rel=5e-3)
-    assert figure(added, "steps") < 0.4 * figure(marched, "steps")
+    assert figure(simulated, "i2t_highest") > rises
+    assert figure(added, "i2t_highest") == pytest.approx(figure(simulated, "i2t_highest"), rel=5e-3)
+    assert figure(added, "steps") < 0.4 * figure(simulated, "steps")
 
 
-@pytest.mark.parametrize("encoder", [Encoder(), Encoder(edges=2000, periods=4)], ids=["exact", "counted"])
+@pytest.mark.parametrize("encoder", [Resolution(), Resolution(edges=2000, periods=4)], ids=["exact", "counted"])
 def test_the_current_s_integral_fills_in_the_same_cycle(encoder, monkeypatch):
     limit = CurrentLimit(peak=6.0, continuous=1.2, peak_time=2.0)
     drive = replace(COUNTED, current=limit, encoder=encoder)
     task = replace(CYCLE, time=(0.0, 0.1, 0.9, 1.0, 2.0), cycles=60)
-    added, marched = march(drive, task), all_marched(monkeypatch, drive, task)
+    added, simulated = simulate(drive, task), all_simulated(monkeypatch, drive, task)
     assert figure(added, "i2t_share") == pytest.approx(1.0, abs=2e-3)
     for name in ("time_at_current_limit", "rms_current", "copper_heat"):
-        assert figure(added, name) == pytest.approx(figure(marched, name), rel=5e-3)
-    assert figure(added, "angle_error") == pytest.approx(figure(marched, "angle_error"), rel=0.02)
+        assert figure(added, name) == pytest.approx(figure(simulated, name), rel=5e-3)
+    assert figure(added, "angle_error") == pytest.approx(figure(simulated, "angle_error"), rel=0.02)
 
 
-@pytest.mark.parametrize("encoder", [Encoder(), Encoder(edges=2000, periods=4)], ids=["exact", "counted"])
+@pytest.mark.parametrize("encoder", [Resolution(), Resolution(edges=2000, periods=4)], ids=["exact", "counted"])
 def test_a_mission_with_long_stretches(encoder):
     """80 min at cruise, four times: the current of each stretch is known, and the temperatures it settles at."""
     drive = replace(COUNTED, encoder=encoder, machine=replace(SET, forward_torque=0.15, backward_torque=-0.15))
-    run = march(drive, Task(time=(0.0, 1.0, 4801.0, 4802.0), speed=(0.0, 40.0, 40.0, 0.0), cycles=4))
+    run = simulate(drive, Task(time=(0.0, 1.0, 4801.0, 4802.0), speed=(0.0, 40.0, 40.0, 0.0), cycles=4))
     w = 40.0 * SET.ratio
     i = (1e-3 + 0.15 / (SET.ratio * SET.efficiency)) / SET.torque_constant
     assert figure(run, "time") == pytest.approx(4 * 4802.0, rel=1e-6)
@@ -99,34 +109,34 @@ def test_a_mission_with_long_stretches(encoder):
     assert figure(run, "steps") < 0.01 * figure(run, "time") / SERVO.current_period
 
 
-def test_a_stretch_is_as_if_it_were_marched(monkeypatch):
+def test_a_stretch_is_as_if_it_were_simulated(monkeypatch):
     task = Task(time=(0.0, 0.2, 12.2, 12.4, 13.0), speed=(0.0, 31.7, 31.7, 0.0, 0.0))
-    added = march(COUNTED, task)
+    added = simulate(COUNTED, task)
     monkeypatch.setattr(task_pieces, "_LAPS", 1e9)  # nothing is long
-    marched = march(COUNTED, task)
-    assert figure(added, "steps") < 0.8 * figure(marched, "steps")
+    simulated = simulate(COUNTED, task)
+    assert figure(added, "steps") < 0.8 * figure(simulated, "steps")
     for name in (*MET, "energy_in"):
-        assert figure(added, name) == pytest.approx(figure(marched, name), rel=5e-3), name
+        assert figure(added, name) == pytest.approx(figure(simulated, name), rel=5e-3), name
     for name in ("winding", "housing"):
-        assert figure(added, name) == pytest.approx(figure(marched, name), abs=0.05)  # K of 15
-    assert figure(added, "angle") == pytest.approx(figure(marched, "angle"), abs=0.05)
-    assert figure(added, "voltage_asked") == pytest.approx(figure(marched, "voltage_asked"), rel=0.05)
+        assert figure(added, name) == pytest.approx(figure(simulated, name), abs=0.05)  # K of 15
+    assert figure(added, "angle") == pytest.approx(figure(simulated, "angle"), abs=0.05)
+    assert figure(added, "voltage_asked") == pytest.approx(figure(simulated, "voltage_asked"), rel=0.05)
 
 
 def test_a_counted_drive_at_rest_within_its_count_is_carried():
-    run = march(COUNTED, Task(time=(0.0, 0.5, 1.0, 3601.0), speed=(0.0, 30.0, 0.0, 0.0)))
+    run = simulate(COUNTED, Task(time=(0.0, 0.5, 1.0, 3601.0), speed=(0.0, 30.0, 0.0, 0.0)))
     assert figure(run, "steps") < 0.01 * 3601.0 / SERVO.current_period
     assert run.series["motor_speed"][-1] == 0.0
 
 
 def test_a_lag_that_grows_goes_on_growing(monkeypatch):
-    """A load that the current does not carry: what is added of the cycles is as if they were marched."""
-    drive = replace(COUNTED, heat=None, encoder=Encoder(), current=CurrentLimit(peak=1.5))
+    """A load that the current does not carry: what is added of the cycles is as if they were simulated."""
+    drive = replace(COUNTED, heat=None, encoder=Resolution(), current=CurrentLimit(peak=1.5))
     task = replace(CYCLE, time=(0.0, 0.1, 0.9, 1.0, 1.2), speed=(10.0, 40.0, 40.0, 10.0, 10.0))
-    added, marched = march(drive, task), all_marched(monkeypatch, drive, task)
-    assert figure(marched, "angle_error") > 100.0
-    assert figure(added, "angle_error") == pytest.approx(figure(marched, "angle_error"), rel=0.01)
-    assert figure(added, "angle_error_square") == pytest.approx(figure(marched, "angle_error_square"), rel=0.02)
+    added, simulated = simulate(drive, task), all_simulated(monkeypatch, drive, task)
+    assert figure(simulated, "angle_error") > 100.0
+    assert figure(added, "angle_error") == pytest.approx(figure(simulated, "angle_error"), rel=0.01)
+    assert figure(added, "angle_error_square") == pytest.approx(figure(simulated, "angle_error_square"), rel=0.02)
 
 
 THERE_AND_BACK = (0.0, 0.3, 6.1, 6.6, 9.0, 9.5, 15.0, 15.7, 20.0), (0.0, 30.0, 30.0, 0.0, 0.0, -20.0, -20.0, 0.0, 0.0)
@@ -142,28 +152,28 @@ def written_out(stroke, times, since=5.0):
     return Task(time=(*time, since + 20.0 * times), speed=(*speed, stroke[1][-1]))
 
 
-@pytest.mark.parametrize("encoder", [Encoder(), Encoder(edges=2000, periods=4)], ids=["exact", "counted"])
+@pytest.mark.parametrize("encoder", [Resolution(), Resolution(edges=2000, periods=4)], ids=["exact", "counted"])
 def test_a_motion_that_is_written_out_is_found_to_repeat(encoder, monkeypatch):
     drive = replace(COUNTED, encoder=encoder)
-    added = march(drive, written_out(THERE_AND_BACK, 16))
+    added = simulate(drive, written_out(THERE_AND_BACK, 16))
     monkeypatch.setattr(task_pieces, "blocks", lambda *_: [])
-    marched = march(drive, written_out(THERE_AND_BACK, 16))
-    assert figure(added, "steps") < 0.8 * figure(marched, "steps")
-    assert figure(added, "time_marched") < 0.8 * figure(marched, "time_marched") == pytest.approx(0.8 * 325.0)
+    simulated = simulate(drive, written_out(THERE_AND_BACK, 16))
+    assert figure(added, "steps") < 0.8 * figure(simulated, "steps")
+    assert figure(added, "time_simulated") < 0.8 * figure(simulated, "time_simulated") == pytest.approx(0.8 * 325.0)
     for name in (*MET, "energy_in", "speed_error", "current"):
-        assert figure(added, name) == pytest.approx(figure(marched, name), rel=5e-3), name
+        assert figure(added, name) == pytest.approx(figure(simulated, name), rel=5e-3), name
     for name in ("winding", "winding_highest", "housing"):
-        assert figure(added, name) - 298.15 == pytest.approx(figure(marched, name) - 298.15, rel=5e-3)
-    assert figure(added, "angle") == pytest.approx(figure(marched, "angle"), abs=0.5)
+        assert figure(added, name) - 298.15 == pytest.approx(figure(simulated, name) - 298.15, rel=5e-3)
+    assert figure(added, "angle") == pytest.approx(figure(simulated, "angle"), abs=0.5)
 
 
 def test_ten_hours_written_out_warm_as_a_solver_has_it():
     """Currents by hand: i = (J_M a + F + (T + J_L a/K)/(K e))/k, the gears driving all the time; heat by SciPy."""
     m = replace(SET, load_inertia=1e-5, forward_torque=0.15, backward_torque=-0.15)
-    drive = replace(COUNTED, machine=m, encoder=Encoder(), heat=replace(HEAT, loss_torque=0.0, loss_viscous=0.0))
-    run = march(drive, written_out(FASTER_SLOWER, 1800))
+    drive = replace(COUNTED, machine=m, encoder=Resolution(), heat=replace(HEAT, loss_torque=0.0, loss_viscous=0.0))
+    run = simulate(drive, written_out(FASTER_SLOWER, 1800))
     assert figure(run, "time") == pytest.approx(36005.0, rel=1e-6)
-    assert figure(run, "time_marched") < 2000.0
+    assert figure(run, "time_simulated") < 2000.0
     mean = 0.0
     for t0, t1, v0, v1 in zip(*(x[k:] for x in FASTER_SLOWER for k in (0, 1)), strict=False):
         a = (v1 - v0) / (t1 - t0) * m.ratio

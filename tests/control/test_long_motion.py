@@ -1,4 +1,4 @@
-"""Motions of hours that never repeat: the slower current loop with its windows against all of it marched, and SciPy."""
+"""Motions of hours that never repeat: slower current loop with windows against a full simulation, and SciPy."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import pytest
 from engine_tasks import MOTOR, SERVO, figure, machine
 from scipy.integrate import solve_ivp
 
-from drivesizer.control.closed_loop.long_motion import march_long
-from drivesizer.control.engine import CurrentLimit, Drive, Encoder, Heat, Supply, Task, march
+from drivesizer.control.closed_loop.long_motion import simulate_long
+from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Resolution, Supply, Task, simulate
 
 SET = machine(friction=1e-3, forward_torque=0.15, backward_torque=-0.15, load_inertia=1e-5)
 DRIVE = Drive(
     machine=SET, controller=SERVO, supply=Supply(voltage=24.0), current=CurrentLimit(peak=6.0),
-    heat=Heat(bodies=MOTOR, ambient=298.15),
+    heat=MotorHeat(bodies=MOTOR, ambient=298.15),
 )  # fmt: skip
 TIME = np.arange(601.0)  # s: ten minutes at 1 Hz, never at rest
 SPEED = 25.0 + 10.0 * np.sin(np.cumsum(np.random.default_rng(3).uniform(0.0, 2.0, 601)))
@@ -25,10 +25,10 @@ PEAKS = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("encoder", [Encoder(), Encoder(edges=2000, periods=4)], ids=["exact", "counted"])
-def test_a_slower_current_loop_and_its_windows_bound_what_all_of_it_marched_asks(encoder):
+@pytest.mark.parametrize("encoder", [Resolution(), Resolution(edges=2000, periods=4)], ids=["exact", "counted"])
+def test_a_slower_current_loop_and_its_windows_bound_what_all_of_it_simulated_asks(encoder):
     drive = replace(DRIVE, encoder=encoder)
-    full, found = march(drive, TASK, rows=0), march_long(drive, TASK, 2000)
+    full, found = simulate(drive, TASK, rows=0), simulate_long(drive, TASK, 2000)
     assert figure(found.out, "steps") < 0.15 * figure(full, "steps")
     watched = sum(b - a for a, b in found.windows)
     assert len(found.windows) > 5 and watched < 60.0
@@ -54,14 +54,14 @@ def test_the_winding_of_a_long_motion_is_as_warm_as_a_solver_has_it():
         return (copper - across) / MOTOR.capacity_w, (across - x[1] / MOTOR.R_th2) / MOTOR.capacity_h
 
     rises = solve_ivp(rate, (0.0, 600.0), (0.0, 0.0), "RK45", max_step=0.5, rtol=1e-6).y[:, -1]
-    out = march_long(DRIVE, TASK, 2000).out
+    out = simulate_long(DRIVE, TASK, 2000).out
     assert np.array([figure(out, "winding"), figure(out, "housing")]) - 298.15 == pytest.approx(rises, rel=0.01)
     assert rises.min() > 3.0
 
 
 def test_cycles_of_a_long_motion_have_their_windows_in_the_first():
     task = replace(TASK, time=TIME[:31], speed=(*SPEED[:30], SPEED[0]), cycles=3)
-    full, found = march(DRIVE, task, rows=0), march_long(DRIVE, task, 2000)
+    full, found = simulate(DRIVE, task, rows=0), simulate_long(DRIVE, task, 2000)
     assert found.windows[-1][1] <= 30.0 and len(found.windows) > 2
     for name in PEAKS:
         assert figure(found.out, name) * found.allowed[name] >= figure(full, name) * (1 - 1e-3), name
@@ -70,7 +70,7 @@ def test_cycles_of_a_long_motion_have_their_windows_in_the_first():
 def test_what_comes_before_a_part_is_watched_is_not_seen():
     """A jump at the start asks for much; from a second later on the drive is steady."""
     task = Task(time=(0.0, 0.02, 3.0), speed=(0.0, 30.0, 30.0))
-    whole, later = march(DRIVE, task), march(DRIVE, replace(task, since=1.0))
+    whole, later = simulate(DRIVE, task), simulate(DRIVE, replace(task, since=1.0))
     assert figure(whole, "speed_error") > 10.0
     assert figure(later, "speed_error") < 1e-3
     assert figure(later, "time") == pytest.approx(2.0)

@@ -151,7 +151,7 @@ SMALL = [
 
 
 @pytest.mark.parametrize(("p", "torques"), SMALL, ids=["mecanum", "differential", "omni"])
-def test_the_march_is_what_scipy_integrates(p, torques):
+def test_the_simulation_is_what_scipy_integrates(p, torques):
     c, ground = Contact(slip_speed=0.05, creep=0.02, turnround=0.02), Ground(slope=0.05, uphill=0.7)
     velocity = (0.5, 0.0 if len(torques) == 2 else 0.3, 0.4)
     found = drive(p, np.array(torques)[:, None] * np.ones((len(torques), 250)), period=2e-3, velocity=velocity,

@@ -42,8 +42,8 @@ def open_drive(m, volts, **more):
 FAR = Task(time=(0.0, 1e-3, 2.0), speed=(0.0, 1e4, 1e4))
 
 
-def figure(marched, name):
-    return float(marched.figures[name][0])
+def figure(simulated, name):
+    return float(simulated.figures[name][0])
 
 
 def saturated_by_solver(m, g, volts, task, n):

@@ -8,8 +8,8 @@ import pytest
 from drivesizer.catalog.tolerances.distributions import Distribution
 from drivesizer.control.closed_loop.checks import checks
 from drivesizer.control.closed_loop.run import run
-from drivesizer.control.closed_loop.set_up import ready
-from drivesizer.control.engine import march
+from drivesizer.control.closed_loop.set_up import prepared
+from drivesizer.control.engine import simulate
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.loads.at_shaft import asked_of
 from drivesizer.results.drive_set import DriveSet
@@ -44,9 +44,9 @@ def test_a_batch_is_what_each_machine_does_alone(arm: tuple[RobotSpec, DriveSet]
     nominal = run(spec, one, asked_of(spec))
     machines = [sampled_closed_loop.off(spec, one, given, values) for values in sample(given, 64, 5).values[:4]]
     assert len({machine[0].load.mass for machine in machines}) == 4  # type: ignore[union-attr]
-    made = [ready(*machine, asked_of(machine[0]), nominal.controller) for machine in machines]
-    for ours, each in zip(sampled_closed_loop._marched(made), made, strict=True):
-        alone = march(each.drive, each.task, rows=0)
+    made = [prepared(*machine, asked_of(machine[0]), nominal.controller) for machine in machines]
+    for ours, each in zip(sampled_closed_loop._simulated(made), made, strict=True):
+        alone = simulate(each.drive, each.task, rows=0)
         for name in ("speed_error", "current", "rms_current", "gear_torque"):
             assert ours.figures[name][0] == pytest.approx(alone.figures[name][0], rel=1e-9)
 

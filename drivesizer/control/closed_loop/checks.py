@@ -1,4 +1,4 @@
-"""What a march in closed loop means: every demand against its limit.
+"""What a simulation in closed loop means: every demand against its limit.
 
 Each check tells its worst moment. A figure that the catalogue lacks leaves its check unknown; what the spec does not
 limit is not checked, but for the tracking itself.
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog import Controller, Encoder
-from drivesizer.control.closed_loop.run import Case
+from drivesizer.control.closed_loop.run import ClosedLoop
 from drivesizer.control.closed_loop.set_up import FOLLOWS
 from drivesizer.control.loop_design import stated_margin
 from drivesizer.loads.course import course
@@ -38,8 +38,19 @@ __all__ = ["METHOD", "checks"]
 METHOD = "closed loop"
 
 
-def checks(case: Case) -> tuple[Check, ...]:
-    """Every demand of a march against its limit; where there is no part, or nothing limits it, there is no check."""
+def checks(case: ClosedLoop) -> tuple[Check, ...]:
+    """Every demand of a simulation against its limit; no check where there is no part or no limit.
+
+    Parameters
+    ----------
+    case
+        The closed loop that was simulated.
+
+    Returns
+    -------
+    tuple
+        Checks with the time of their worst moment.
+    """
     found = (*_loop(case), *_electrical(case), *_heat(case), *_gearhead(case), *_speed(case), *_load(case))
     return tuple(check for check in found if check.limit != math.inf)
 
@@ -49,7 +60,7 @@ def _check(column: CheckColumn, at_time: float | None = None, note: str = "", *,
     return column.at((), METHOD, at_time=at_time, note=note, rotary=rotary)
 
 
-def _most(case: Case, name: str, check: Callable[[float], CheckColumn], *, takes: bool = False) -> CheckColumn:
+def _most(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn], *, takes: bool = False) -> CheckColumn:
     """A check of the largest value of a figure; of a long motion it is unknown where only its allowance fails."""
     return _allowed(check, case.takes(name) if takes else case.figure(name), case.more(name, takes=takes))
 
@@ -58,7 +69,7 @@ def _allowed(check: Callable[[float], CheckColumn], value: float, more: float) -
     return check(value) if more == 1.0 else between(check(value), check(more * value))
 
 
-def _resisted(case: Case, name: str, check: Callable[[float], CheckColumn], power: bool = False) -> CheckColumn:
+def _resisted(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn], power: bool = False) -> CheckColumn:
     """A check of what grows with the winding's resistance: of a motor of unknown heat it is unknown between bounds.
 
     Its march has the winding at 25 °C; it may be as cold as the ambient, and as warm as its largest current makes it in
@@ -78,12 +89,12 @@ def _resisted(case: Case, name: str, check: Callable[[float], CheckColumn], powe
     return between(check(more_of(case, value, cooler, current)), check(more_of(case, more * value, warmer, current)))
 
 
-def _volts(_: Case, volts: float, ohms: float, current: float) -> float:
+def _volts(_: ClosedLoop, volts: float, ohms: float, current: float) -> float:
     """Largest voltage at so much more resistance."""
     return volts + ohms * current
 
 
-def _bus_current(case: Case, current: float, ohms: float, largest: float) -> float:
+def _bus_current(case: ClosedLoop, current: float, ohms: float, largest: float) -> float:
     """Largest current of the supply at so much more resistance in each motor; NaN where it cannot give that."""
     supply = case.spec.supply
     ohm = supply.resistance or 0.0
@@ -92,12 +103,12 @@ def _bus_current(case: Case, current: float, ohms: float, largest: float) -> flo
     return 2.0 * power / (supply.lowest + math.sqrt(root)) if root >= 0.0 else math.nan
 
 
-def _controller(case: Case) -> Controller:
+def _controller(case: ClosedLoop) -> Controller:
     """The controller; one of which nothing is known where the set has none."""
     return case.drive_set.controller or Controller()
 
 
-def _loop(case: Case) -> Iterator[Check]:
+def _loop(case: ClosedLoop) -> Iterator[Check]:
     """Stability, tracking and bandwidth."""
     loops, top = case.loops.all, case.profile.top_speed
     worst = max(loops, key=lambda loop: loop.pole_radius)
@@ -122,7 +133,7 @@ def _loop(case: Case) -> Iterator[Check]:
         yield _check(at_least("bandwidth", case.spec.needs.bandwidth, got))
 
 
-def _phase_margin(case: Case) -> Iterator[Check]:
+def _phase_margin(case: ClosedLoop) -> Iterator[Check]:
     """The least phase margin of all loops; an unstable one has none, and fails for that."""
     known = [loop for loop in case.loops.all if not math.isnan(loop.phase_margin)]
     if known and all(loop.stable for loop in case.loops.all):
@@ -133,7 +144,7 @@ def _phase_margin(case: Case) -> Iterator[Check]:
         )
 
 
-def _electrical(case: Case) -> Iterator[Check]:
+def _electrical(case: ClosedLoop) -> Iterator[Check]:
     """Voltage and current that the controller must give."""
     controller, supply = _controller(case), case.spec.supply
     takes = "that following takes"
@@ -171,7 +182,7 @@ def _electrical(case: Case) -> Iterator[Check]:
         )
 
 
-def _peak_share(case: Case) -> float:
+def _peak_share(case: ClosedLoop) -> float:
     """Highest state of the I²t sum; 0 where the continuous current is never exceeded, NaN where a figure is unknown."""
     controller, peak = _controller(case), case.figure("current")
     if case.more("current") * peak <= controller.continuous_current:
@@ -179,7 +190,7 @@ def _peak_share(case: Case) -> float:
     return case.figure("i2t_share") if controller.peak_time > 0.0 else math.nan
 
 
-def _heat(case: Case) -> Iterator[Check]:
+def _heat(case: ClosedLoop) -> Iterator[Check]:
     """The motor's RMS current, and the winding at its highest in the cycle repeated for ever."""
     figures, ambient = asdict(case.drive_set.motor), case.spec.environment.ambient
     limit = figures["max_winding_temperature"]
@@ -197,7 +208,7 @@ def _heat(case: Case) -> Iterator[Check]:
     )
 
 
-def _winding(case: Case) -> tuple[float, str]:
+def _winding(case: ClosedLoop) -> tuple[float, str]:
     """Temperature of the winding [K], NaN unknown, and which one it is."""
     if case.periodic:
         return case.periodic["winding"], "highest over the cycle repeated for ever"
@@ -207,7 +218,7 @@ def _winding(case: Case) -> tuple[float, str]:
     return float(steady), "steady mean, copper loss"
 
 
-def _gearhead(case: Case) -> Iterator[Check]:
+def _gearhead(case: ClosedLoop) -> Iterator[Check]:
     """Torque and speed of the gearhead."""
     gearhead, speed, when = case.drive_set.gearhead, case.figure("speed"), case.figure("speed_time")
     yield _check(
@@ -243,7 +254,7 @@ def _gearhead(case: Case) -> Iterator[Check]:
     )
 
 
-def _speed(case: Case) -> Iterator[Check]:
+def _speed(case: ClosedLoop) -> Iterator[Check]:
     """The motor's speed and all that counts it."""
     motor, encoder, controller = case.drive_set.motor, case.drive_set.encoder or Encoder(), _controller(case)
     when, per_turn = case.figure("speed_time"), encoder.lines / (2 * math.pi)
@@ -267,7 +278,7 @@ def _speed(case: Case) -> Iterator[Check]:
         )
 
 
-def _load(case: Case) -> Iterator[Check]:
+def _load(case: ClosedLoop) -> Iterator[Check]:
     """What the wheels must put on the floor."""
     load = case.spec.load
     if not isinstance(load, WheeledVehicle) or load.friction_coefficient is None:

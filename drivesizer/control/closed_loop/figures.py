@@ -1,4 +1,4 @@
-"""What a march in closed loop did where nothing limits it: figures, and its course over time, seen from the load."""
+"""Figures and time series of a closed-loop simulation, seen from the load."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.control.closed_loop.run import Case
+from drivesizer.control.closed_loop.run import ClosedLoop
 from drivesizer.loads.profile import SPEED
 from drivesizer.physics.counted_speed import speed_quantum
 from drivesizer.results.sizing import Figure
@@ -21,7 +21,7 @@ _HERTZ, _HEAT, _ENERGY = ("frequency", "Hz"), ("temperature", "degC"), ("energy"
 _Row = tuple[str, str, float, tuple[str, str], float | None]
 
 
-def figures(case: Case) -> tuple[Figure, ...]:
+def figures(case: ClosedLoop) -> tuple[Figure, ...]:
     """What the loop did, where nothing limits it."""
     rows = [*_tracking(case), *_loop(case), *_electrical(case)]
     if case.task.cycles > 1:
@@ -29,13 +29,13 @@ def figures(case: Case) -> tuple[Figure, ...]:
     return tuple(Figure(name=n, title=t, value=v, kind=k, unit=u, at_time=at) for n, t, v, (k, u), at in rows)
 
 
-def quantum(case: Case) -> float:
+def quantum(case: ClosedLoop) -> float:
     """Smallest step of a speed that is counted, over as many periods as it is [rad/s]; NaN unknown."""
     encoder, periods = case.drive_set.encoder, max(case.controller.counted_over, 1)
     return speed_quantum(encoder.lines, case.velocity_period, periods) if encoder else math.nan
 
 
-def _tracking(case: Case) -> list[_Row]:
+def _tracking(case: ClosedLoop) -> list[_Row]:
     """How far the load strays from what is asked for; of two masses also how far the motor does, as at the load."""
     radius, time, top = case.train.radius, case.figure("time"), case.profile.top_speed
     speed, way, of_top = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis], 1.0 / top if top else math.nan
@@ -58,7 +58,7 @@ def _tracking(case: Case) -> list[_Row]:
     ]  # fmt: skip
 
 
-def _of_the_motor(case: Case) -> list[_Row]:
+def _of_the_motor(case: ClosedLoop) -> list[_Row]:
     """The same errors of the motor's shaft, through the whole reduction as if the shaft were stiff."""
     per_speed, time = case.train.motor_per_speed, case.figure("time")
     speed, way = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis]
@@ -74,7 +74,7 @@ def _of_the_motor(case: Case) -> list[_Row]:
     ]  # fmt: skip
 
 
-def _loop(case: Case) -> list[_Row]:
+def _loop(case: ClosedLoop) -> list[_Row]:
     loops, velocity = case.loops, case.loops.velocity
     rows: list[_Row] = [
         ("bandwidth", "Velocity loop, bandwidth (-3 dB)", velocity.bandwidth, _HERTZ, None),
@@ -89,7 +89,7 @@ def _loop(case: Case) -> list[_Row]:
     return rows
 
 
-def _electrical(case: Case) -> list[_Row]:
+def _electrical(case: ClosedLoop) -> list[_Row]:
     sets, seen = case.spec.load.motors, case.figure
     rows: list[_Row] = [
         ("rms_current", "Motor current, RMS", seen("rms_current"), _CURRENT, None),
@@ -104,7 +104,7 @@ def _electrical(case: Case) -> list[_Row]:
     return rows
 
 
-def series_units(case: Case) -> dict[str, tuple[str, str]]:
+def series_units(case: ClosedLoop) -> dict[str, tuple[str, str]]:
     """Kind and unit of the trade of each column of the series."""
     speed, way = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis]
     units = {
@@ -126,7 +126,7 @@ def series_units(case: Case) -> dict[str, tuple[str, str]]:
     return {name: unit for name, unit in units.items() if name in series(case)}
 
 
-def series(case: Case) -> dict[str, NDArray[np.float64]]:
+def series(case: ClosedLoop) -> dict[str, NDArray[np.float64]]:
     """The kept rows of the first cycle as columns, seen from the load and from the supply."""
     rows: Any = case.out.series
     per_speed = case.train.motor_per_speed

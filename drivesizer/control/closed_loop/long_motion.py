@@ -1,9 +1,9 @@
-"""Motions of hours in closed loop: a march with a slower current loop, held against the whole drive in windows.
+"""Motions of hours in closed loop: a simulation with a slower current loop, held against the whole drive in windows.
 
-A motion that has more periods of the current loop than are marched is marched with that loop at the velocity loop's
-rate (``slower_loop``). The drive as it is is marched in windows: around the largest value of every figure, and at even
-distances. In these both are compared: by how much more the drive as it is asks for at most, a figure is allowed to be
-larger outside. A check that passes without and fails with that allowance is unknown.
+A motion with more periods of the current loop than can be simulated is simulated with that loop at the velocity loop's
+rate (``slower_loop``). The full drive is simulated in windows: around the largest value of every figure, and at even
+distances. There both are compared: the largest factor by which the full drive exceeds the slower one is the allowance
+of a figure outside the windows. A check that passes without that allowance and fails with it is unknown.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ import numpy as np
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.closed_loop.slower_loop import slower
-from drivesizer.control.engine import Drive, Marched, Task, march
+from drivesizer.control.engine import Drive, Simulation, Task, simulate
 
-__all__ = ["LONGEST", "Long", "march_long"]
+__all__ = ["LONGEST", "Long", "simulate_long"]
 
-LONGEST = 250_000_000  # steps of a march: some 40 s
-_LEAD, _WATCHED = 1.0, 2.0  # s, that a window is marched before it is watched, and is watched
+LONGEST = 250_000_000  # steps of a simulation: some 40 s
+_LEAD, _WATCHED = 1.0, 2.0  # s, that a window is simulated before it is watched, and is watched
 _EVEN = 8  # windows at even distances
 _NEAR = 0.5  # of a figure's largest value: a window in which it reaches that tells by how much the two differ
 _PEAKS = (
@@ -34,24 +34,24 @@ _EXCESS = 10.0  # times as far off as the current's square is the I2t integral t
 
 
 class Long(NamedTuple):
-    """A march of a long motion."""
+    """A simulation of a long motion."""
 
-    out: Marched  # with the larger of all peaks
-    drive: Drive  # that was marched from end to end
+    out: Simulation  # with the larger of all peaks
+    drive: Drive  # that was simulated from end to end
     allowed: dict[str, float]  # factor of 1 and more by which a figure may be larger than it is told
-    windows: tuple[tuple[float, float], ...]  # s, in which the drive as it is was marched
+    windows: tuple[tuple[float, float], ...]  # s, in which the drive as it is was simulated
 
 
-def march_long(drive: Drive, task: Task, rows: int) -> Long:
-    """March a set along a motion of hours.
+def simulate_long(drive: Drive, task: Task, rows: int) -> Long:
+    """Simulate a drive along a motion of hours.
 
     Parameters
     ----------
     drive, task, rows
-        As in ``engine.march``.
+        As in ``engine.simulate``.
     """
     slow = slower(drive) if isinstance(drive.controller, Cascade) else None
-    out = march(slow or drive, task, rows=max(rows, 2), most_steps=LONGEST)
+    out = simulate(slow or drive, task, rows=max(rows, 2), most_steps=LONGEST)
     if slow is None or out.problems[0]:
         return Long(out, slow or drive, {}, ())
     windows = _windows(task, out)  # of the first cycle
@@ -67,7 +67,7 @@ def march_long(drive: Drive, task: Task, rows: int) -> Long:
     return Long(replace(out, figures=figures), slow, allowed, tuple(windows))
 
 
-def _windows(task: Task, out: Marched) -> list[tuple[float, float]]:
+def _windows(task: Task, out: Simulation) -> list[tuple[float, float]]:
     """Where the drive as it is is watched [s]: about the largest values, and at even distances; none over another."""
     first, last = task.time[0], task.time[-1]
     about = [first + float(out.figures[f"{name}_time"][0]) % (last - first) for name in _PEAKS]
@@ -83,14 +83,14 @@ def _windows(task: Task, out: Marched) -> list[tuple[float, float]]:
     return found
 
 
-def _seen(drive: Drive, task: Task, out: Marched, start: float, end: float) -> Marched:
+def _seen(drive: Drive, task: Task, out: Simulation, start: float, end: float) -> Simulation:
     """A set watched in a window, at the temperature that it has there; times as in the whole motion."""
     begin = max(start - _LEAD, task.time[0])
     heat = drive.heat
     if heat is not None and out.series is not None:
         warm = float(np.interp(begin, out.series["time"], out.series["winding"]))
         heat = replace(heat, winding=warm, housing=warm)
-    found = march(replace(drive, heat=heat), _cut(task, begin, start, end), rows=0)
+    found = simulate(replace(drive, heat=heat), _cut(task, begin, start, end), rows=0)
     later = begin - task.time[0]
     return replace(
         found, figures={name: x + later * name.endswith("_time") for name, x in found.figures.items()}
@@ -114,7 +114,7 @@ def _cut(task: Task, begin: float, start: float, end: float) -> Task:
     )
 
 
-def _allowed(name: str, out: Marched, told: dict[str, Any], pairs: Sequence[Any]) -> float:
+def _allowed(name: str, out: Simulation, told: dict[str, Any], pairs: Sequence[Any]) -> float:
     """By what factor a figure may exceed what is told of it: as the drive as it is exceeds the slower at most."""
     most = float(out.figures[name][0])
     found = [

@@ -1,8 +1,8 @@
-"""A set in closed loop: gains designed, loops analysed, and the machine marched along a profile.
+"""A set in closed loop: gains designed, loops analysed, and the machine simulated along a profile.
 
 Puts together ``voltage_loop_design`` or ``cascade_design`` (gains), ``loop_analysis`` (what linear theory says) and
-``engine`` (the march: sampled, limited, warming); ``checks`` says what it means. What is taken for granted on the way
-is kept with the result.
+``engine`` (the simulation: sampled, limited, warming); ``checks`` says what it means. What is taken for granted on the
+way is kept with the result.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.cascade import Cascade
-from drivesizer.control.closed_loop.long_motion import LONGEST, Long, march_long
-from drivesizer.control.closed_loop.set_up import ready
+from drivesizer.control.closed_loop.long_motion import LONGEST, Long, simulate_long
+from drivesizer.control.closed_loop.set_up import prepared
 from drivesizer.control.drive_train import DriveTrain
-from drivesizer.control.engine import CurrentLimit, Drive, Marched, Task, march
+from drivesizer.control.engine import CurrentLimit, Drive, Simulation, Task, simulate
 from drivesizer.control.loop_analysis import analyse
 from drivesizer.control.loop_models import Shaft
 from drivesizer.control.loop_records import Loops
@@ -29,7 +29,7 @@ from drivesizer.loads.profile import Profile
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Case", "as_warm", "run", "without_limits"]
+__all__ = ["ClosedLoop", "as_warm", "run", "without_limits"]
 
 _ROWS = 20_000  # most rows of a series
 _SHORTER = "expected a slower control.rate, one cycle of what repeats with a mission.duration, or a part with --profile"
@@ -39,8 +39,8 @@ _FOUND = 0.05  # K, by which the fixed point is still sought to move
 _HOTTEST = 2000.0  # K: beyond it the winding runs away
 
 
-class Case(NamedTuple):
-    """A march in closed loop and all that it was made of."""
+class ClosedLoop(NamedTuple):
+    """A simulation in closed loop and all that it was made of."""
 
     spec: RobotSpec
     drive_set: DriveSet
@@ -51,29 +51,29 @@ class Case(NamedTuple):
     loops: Loops
     usable_voltage: float  # V, NaN unknown
     task: Task
-    out: Marched  # from cold
-    free: Marched  # the same without limits: what following takes; the march itself where that does not come to an end
+    out: Simulation  # from cold
+    free: Simulation  # the same without limits; ``out`` where that one does not end
     periodic: dict[str, float]  # highest temperatures in the periodic steady state [K]; empty: unknown
     said: tuple[str, ...]  # what was assumed on the way
-    allowed: tuple[Mapping[str, float], Mapping[str, float]] = ({}, {})  # see ``long_motion``; of both marches
+    allowed: tuple[Mapping[str, float], Mapping[str, float]] = ({}, {})  # see ``long_motion``; of both simulations
     windows: tuple[tuple[float, float], ...] = ()  # s, the same
-    warm: tuple[Marched, ...] = ()  # one cycle as warm as it is in the periodic steady state, and without limits
+    warm: tuple[Simulation, ...] = ()  # one cycle as warm as it is in the periodic steady state, and without limits
     begins: tuple[float, float] | None = None  # K, winding and housing at the start of that cycle
 
     def figure(self, name: str) -> float:
-        """A figure of the march, SI."""
+        """A figure of the simulation, SI."""
         return float(self.out.figures[name][0])
 
     def takes(self, name: str) -> float:
-        """A figure of the march without limits, SI; of the periodic steady state where more is needed there."""
+        """A figure of the simulation without limits, SI; of the periodic steady state where more is needed there."""
         return _largest((self.free, *self.warm[1:]), name)
 
     def draws(self, name: str) -> float:
-        """A figure of the march, SI; of the periodic steady state where it is larger there."""
+        """A figure of the simulation, SI; of the periodic steady state where it is larger there."""
         return _largest((self.out, *self.warm[:1]), name)
 
     def more(self, name: str, *, takes: bool = False) -> float:
-        """Factor by which a figure of a march may exceed what is told of it; 1 where all of it was marched."""
+        """Factor by which a figure of a simulation may exceed what is told of it; 1 where all of it was simulated."""
         return self.allowed[takes].get(name, 1.0)
 
     @property
@@ -82,14 +82,14 @@ class Case(NamedTuple):
         return self.controller.period if isinstance(self.controller, Gains) else self.controller.velocity_period
 
 
-def _largest(marches: Sequence[Marched], name: str) -> float:
-    """A peak, or its time, of the march that has the largest."""
+def _largest(runs: Sequence[Simulation], name: str) -> float:
+    """A peak, or its time, of the simulation that has the largest."""
     peak = name.removesuffix("_time")
-    return float(max(marches, key=lambda one: one.figures[peak][0]).figures[name][0])
+    return float(max(runs, key=lambda one: one.figures[peak][0]).figures[name][0])
 
 
-def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
-    """Design a controller for a set, analyse its loops and march it along a profile, as often as the mission lasts.
+def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> ClosedLoop:
+    """Design a controller for a set, analyse its loops and simulate it along a profile, as often as the mission lasts.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
         When gains exclude each other, the bandwidth is out of reach, a figure that the model needs is missing, the
         profile cannot be sampled, or the loop leaves the range of numbers.
     """
-    made = ready(spec, drive_set, asked)
+    made = prepared(spec, drive_set, asked)
     loops = analyse(made.train, made.controller, made.shaft)
     drive, task = made.drive, made.task
     whole = _whole(drive, task)
@@ -108,25 +108,25 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> Case:
     free = _freed(drive, task, whole, loops)
     cycle = replace(task, cycles=1)
     found, start, last = _periodic(whole.drive, cycle, out if task.cycles == 1 else None)
-    warm = () if last is out else _warm(start, last, cycle, loops)  # else it is what was marched already
+    warm = () if last is out else _warm(start, last, cycle, loops)  # else it is what was simulated already
     begins = (start.heat.winding, start.heat.housing) if warm and start.heat else None
-    return Case(
+    return ClosedLoop(
         spec, drive_set, asked, made.train, made.controller, made.shaft, loops, made.usable_voltage, task, out,
         free.out, found, made.said, (whole.allowed, free.allowed), whole.windows, warm, begins,
     )  # fmt: skip
 
 
-# --- the march without limits, and the cycle repeated for ever
+# --- the simulation without limits, and the cycle repeated for ever
 
 
 def _whole(drive: Drive, task: Task, rows: int = _ROWS) -> Long:
-    """A march from end to end; of more periods than are marched otherwise as ``long_motion`` does it."""
-    out = march(drive, task, rows=rows)
-    return march_long(drive, task, rows) if "steps" in out.problems[0] else Long(out, drive, {}, ())
+    """A simulation from end to end; of more periods than are simulated otherwise as ``long_motion`` does it."""
+    out = simulate(drive, task, rows=rows)
+    return simulate_long(drive, task, rows) if "steps" in out.problems[0] else Long(out, drive, {}, ())
 
 
-def without_limits(drive: Drive, task: Task, out: Marched, loops: Loops) -> Marched:
-    """The march with nothing in its way, its winding warming; the same one where no limit was met, or that ends not."""
+def without_limits(drive: Drive, task: Task, out: Simulation, loops: Loops) -> Simulation:
+    """The simulation without limits, its winding warming; ``out`` where no limit was met, or where it does not end."""
     return _freed(drive, task, Long(out, drive, {}, ()), loops).out
 
 
@@ -139,23 +139,23 @@ def _freed(drive: Drive, task: Task, whole: Long, loops: Loops) -> Long:
     return whole if free.out.problems[0] else free
 
 
-def _warm(start: Drive, last: Marched | None, task: Task, loops: Loops) -> tuple[Marched, ...]:
+def _warm(start: Drive, last: Simulation | None, task: Task, loops: Loops) -> tuple[Simulation, ...]:
     """The cycle of the periodic steady state, and the same without limits; none where it is unknown or runs away."""
     if last is None or last.problems[0]:
         return ()
     return last, _freed(start, task, Long(last, start, {}, ()), loops).out
 
 
-def _periodic(drive: Drive, task: Task, out: Marched | None) -> tuple[dict[str, float], Drive, Marched | None]:
-    """Highest temperatures in the periodic steady state [K], the drive as warm as a cycle of it begins, its march.
+def _periodic(drive: Drive, task: Task, out: Simulation | None) -> tuple[dict[str, float], Drive, Simulation | None]:
+    """Highest temperatures in the periodic steady state [K], the drive as warm as a cycle of it begins, its simulation.
 
     A cycle makes of two starting temperatures two at its end, nearly affinely: its fixed point is sought by Newton's
-    method, with the slopes that the march followed, which hold while the winding's resistance changes no current,
+    method, with the slopes that the simulation followed, which hold while the winding's resistance changes no current,
     else with differences of 1 K.
     """
     if drive.heat is None:
         return {}, drive, None
-    last = out or march(drive, task, rows=0, most_steps=LONGEST)
+    last = out or simulate(drive, task, rows=0, most_steps=LONGEST)
     start, end = np.array([drive.heat.ambient, drive.heat.ambient]), _ends(last)
     for _ in range(_ROUNDS):
         slopes = last.slopes[0]
@@ -167,16 +167,16 @@ def _periodic(drive: Drive, task: Task, out: Marched | None) -> tuple[dict[str, 
         start = start + step
         if not np.isfinite(start).all() or start.max() > _HOTTEST or np.abs(np.linalg.eigvals(slopes)).max() >= 1.0:
             return {"winding": math.inf, "housing": math.inf}, drive, None  # it runs away
-        last = march(as_warm(drive, start), task, rows=0, most_steps=LONGEST)
+        last = simulate(as_warm(drive, start), task, rows=0, most_steps=LONGEST)
         end = _ends(last)
     highest = {name: float(last.figures[f"{name}_highest"][0]) for name in ("winding", "housing")}
     return highest, as_warm(drive, start), last
 
 
 def _slopes(drive: Drive, task: Task, start: Any, end: Any) -> Any:
-    """What a kelvin more at the start makes of winding and housing at the end, by marching it."""
+    """What a kelvin more at the start makes of winding and housing at the end, by simulation."""
     starts = [as_warm(drive, start + _NUDGE * unit) for unit in np.eye(2)]
-    ends = [_ends(march(one, task, rows=0, most_steps=LONGEST)) for one in starts]
+    ends = [_ends(simulate(one, task, rows=0, most_steps=LONGEST)) for one in starts]
     return np.column_stack([(found - end) / _NUDGE for found in ends])
 
 
@@ -187,5 +187,5 @@ def as_warm(drive: Drive, start: Sequence[float] | NDArray[np.float64]) -> Drive
     return replace(drive, heat=replace(drive.heat, winding=float(start[0]), housing=float(start[1])))
 
 
-def _ends(out: Marched) -> Any:
+def _ends(out: Simulation) -> Any:
     return np.array([out.figures["winding"][0], out.figures["housing"][0]])

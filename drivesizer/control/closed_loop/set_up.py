@@ -1,4 +1,4 @@
-"""A set put together for the march: its controller designed, its machine, its heat, and what it is asked for.
+"""A set put together for the simulation: its controller designed, its machine, its heat, and what it is asked for.
 
 Gains are those of ``loop_design``. What is taken for granted on the way is kept with the
 result.
@@ -14,7 +14,7 @@ import numpy as np
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, within_reach
-from drivesizer.control.engine import CurrentLimit, Drive, Encoder, Heat, Supply, Task
+from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Resolution, Supply, Task
 from drivesizer.control.linear_modes import Machine, machine_of
 from drivesizer.control.loop_design import designed, edges_of, gap_of, shaft_of
 from drivesizer.control.loop_models import Shaft
@@ -28,14 +28,14 @@ from drivesizer.physics.usable_voltage import usable_in
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["FOLLOWS", "Ready", "ready"]
+__all__ = ["FOLLOWS", "Prepared", "prepared"]
 
 FOLLOWS = 0.1  # of the top speed: a drive whose error grows beyond a tenth is not said to follow (our convention)
 _WHOLE = 1e-9  # share of a cycle that is none
 
 
-class Ready(NamedTuple):
-    """What a march takes, and what that was made of."""
+class Prepared(NamedTuple):
+    """What a simulation takes, and what that was made of."""
 
     train: DriveTrain
     controller: Gains | Cascade
@@ -46,7 +46,9 @@ class Ready(NamedTuple):
     said: tuple[str, ...]  # what was assumed on the way
 
 
-def ready(spec: RobotSpec, drive_set: DriveSet, asked: Profile, controller: Gains | Cascade | None = None) -> Ready:
+def prepared(
+    spec: RobotSpec, drive_set: DriveSet, asked: Profile, controller: Gains | Cascade | None = None
+) -> Prepared:
     """A set and its task as the engine takes them; with a controller that was designed before, where one is given.
 
     Raises
@@ -62,7 +64,7 @@ def ready(spec: RobotSpec, drive_set: DriveSet, asked: Profile, controller: Gain
     usable = usable_in(spec.supply.lowest, drive_set.controller)
     heat, lacks = _heat(spec, drive_set)
     drive = _drive(spec, drive_set, _machine(spec, drive_set, train, shaft), controller, heat, usable)
-    return Ready(train, controller, shaft, usable, drive, _task(spec, asked, train), (*said, *lacks))
+    return Prepared(train, controller, shaft, usable, drive, _task(spec, asked, train), (*said, *lacks))
 
 
 # --- what is asked
@@ -107,7 +109,7 @@ def _machine(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain, shaft: Sha
 
 
 def _drive(
-    spec: RobotSpec, drive_set: DriveSet, machine: Machine, own: Gains | Cascade, heat: Heat | None, usable: float
+    spec: RobotSpec, drive_set: DriveSet, machine: Machine, own: Gains | Cascade, heat: MotorHeat | None, usable: float
 ) -> Drive:
     """The set as the engine takes it; an unknown limit is none there, and unknown in its check."""
     controller, known = drive_set.controller, not math.isnan(usable)
@@ -127,12 +129,12 @@ def _drive(
         current=CurrentLimit(
             peak=limit("peak_current"), continuous=limit("continuous_current"), peak_time=limit("peak_time")
         ),
-        encoder=Encoder(edges=edges_of(spec, drive_set), periods=max(own.counted_over, 1)),
+        encoder=Resolution(edges=edges_of(spec, drive_set), periods=max(own.counted_over, 1)),
         heat=heat,
     )  # fmt: skip
 
 
-def _heat(spec: RobotSpec, drive_set: DriveSet) -> tuple[Heat | None, list[str]]:
+def _heat(spec: RobotSpec, drive_set: DriveSet) -> tuple[MotorHeat | None, list[str]]:
     """Winding and housing, which friction and iron warm, and what is left out; None where a figure is unknown."""
     figures = asdict(drive_set.motor)
     bodies: TwoBodies = two_bodies(figures)
@@ -142,4 +144,4 @@ def _heat(spec: RobotSpec, drive_set: DriveSet) -> tuple[Heat | None, list[str]]
     losses = {"loss_torque": coulomb, "loss_viscous": viscous}
     known = {name: loss for name, loss in losses.items() if not math.isnan(loss)}
     said = ["what the motor loses beside its copper is unknown, and warms nothing"] if known != losses else []
-    return Heat(bodies=bodies, ambient=spec.environment.ambient, **known), said
+    return MotorHeat(bodies=bodies, ambient=spec.environment.ambient, **known), said

@@ -1,7 +1,7 @@
 r"""A cascade whose current loop runs at the velocity loop's rate: what long motions are simulated with.
 
-A current loop runs ten times as often as the loop around it, and a march costs by its periods. The winding under the
-gains of the magnitude optimum is a lag :math:`T = L / k_p`; what that is after a velocity period :math:`h`,
+A current loop runs ten times as often as the loop around it, and a simulation costs by its periods. The winding under
+the gains of the magnitude optimum is a lag :math:`T = L / k_p`; what that is after a velocity period :math:`h`,
 :math:`1 - b` with :math:`b = 1 - e^{-h/T}`, is had from the winding held over such a period,
 :math:`i' = a i + (1 - a) u / R` with :math:`a = e^{-hR/L}`, by the PI that takes away its pole:
 

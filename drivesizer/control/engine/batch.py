@@ -1,4 +1,4 @@
-"""Motor sets marched along a task: one with its course over time, or many beside each other."""
+"""Drives simulated along a task: one with its course over time, or many beside each other."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from drivesizer.control.engine.cycles import all_cycles
-from drivesizer.control.engine.figures import Marched, course_of, figures_of
+from drivesizer.control.engine.figures import Simulation, course_of, figures_of
 from drivesizer.control.engine.kernel import compiled
 from drivesizer.control.engine.layout import ROW
 from drivesizer.control.engine.start import Run, ready
 from drivesizer.control.engine.task import Drive, Task
 from drivesizer.control.engine.task_checks import checked
 
-__all__ = ["march", "march_many"]
+__all__ = ["simulate", "simulate_many"]
 
 _MOST_STEPS = 50_000_000  # of one set: some ten seconds of computing
 _MOST_ROWS = 20_000
@@ -23,7 +23,7 @@ _BLOCK = 256  # sets whose matrices are held at a time
 _PROBLEMS = ("", "the state leaves the range of numbers: the loop is unstable", "more steps than are permitted")
 
 
-def march(drive: Drive, task: Task, *, rows: int = _MOST_ROWS, most_steps: int = _MOST_STEPS) -> Marched:
+def simulate(drive: Drive, task: Task, *, rows: int = _MOST_ROWS, most_steps: int = _MOST_STEPS) -> Simulation:
     """One set along a task, with its course over time.
 
     Parameters
@@ -33,17 +33,19 @@ def march(drive: Drive, task: Task, *, rows: int = _MOST_ROWS, most_steps: int =
     rows
         Most rows of the series: all after corners, evenly thinned elsewhere; 0 for none.
     most_steps
-        At which the march is given up.
+        Steps at which the simulation is given up.
 
     Raises
     ------
     InputError
         When a figure cannot be computed with.
     """
-    return _march([drive], task, rows, most_steps, 1)
+    return _simulate([drive], task, rows, most_steps, 1)
 
 
-def march_many(drives: Sequence[Drive], task: Task, *, threads: int = 2, most_steps: int = _MOST_STEPS) -> Marched:
+def simulate_many(
+    drives: Sequence[Drive], task: Task, *, threads: int = 2, most_steps: int = _MOST_STEPS
+) -> Simulation:
     """Many sets along one task; the figures do not depend on the number of threads.
 
     Parameters
@@ -51,19 +53,19 @@ def march_many(drives: Sequence[Drive], task: Task, *, threads: int = 2, most_st
     drives, task
         The sets, all rigid or all flexible, and what each is asked for.
     threads
-        That march beside each other.
+        That compute beside each other.
     most_steps
-        At which a set's march is given up.
+        Steps at which a drive's simulation is given up.
 
     Raises
     ------
     InputError
         When a figure cannot be computed with.
     """
-    return _march(drives, task, 0, most_steps, threads)
+    return _simulate(drives, task, 0, most_steps, threads)
 
 
-def _march(drives: Sequence[Drive], task: Task, rows: int, most: int, threads: int) -> Marched:
+def _simulate(drives: Sequence[Drive], task: Task, rows: int, most: int, threads: int) -> Simulation:
     checked(drives, task)
     loop = compiled()
     blocks = [drives[n : n + _BLOCK] for n in range(0, len(drives), _BLOCK)]
@@ -76,7 +78,7 @@ def _march(drives: Sequence[Drive], task: Task, rows: int, most: int, threads: i
             list(pool.map(lambda part: [all_cycles(loop, one, task.cycles, book) for one in part],
                           [runs[n::threads] for n in range(threads)]))  # fmt: skip
             found += runs
-    return Marched(
+    return Simulation(
         figures=figures_of(found),
         problems=tuple(_PROBLEMS[run.status] for run in found),
         slopes=tuple(run.slopes for run in found),

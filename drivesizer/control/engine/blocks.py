@@ -29,7 +29,7 @@ def blocks(pieces: Array, p: Array, lap: int, worth: int) -> list[tuple[int, int
     Parameters
     ----------
     pieces, p
-        As the march takes them.
+        As ``task_pieces.pieces_of`` and ``parameters.table`` give them.
     lap
         Periods that a lap has at least; shorter motions are taken several at a time.
     worth

@@ -1,6 +1,6 @@
-"""A task done many times, its long constant stretches, what it repeats: laps that are alike are not marched but added.
+"""Repeated cycles, long constant stretches and repeated motions: laps that are alike are added, not simulated.
 
-Laps are marched 1, 1, 2, 4, 8 ... at a time until one ends as it began, or its sums are those of the one before.
+Laps are simulated 1, 1, 2, 4, 8 ... at a time until one ends as it began, or its sums are those of the one before.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import drivesizer.control.engine.layout as at
-from drivesizer.control.engine.laps import Lap, grown, joined, marched
+from drivesizer.control.engine.laps import Lap, grown, joined, simulated
 from drivesizer.control.engine.layout import ROW, Array
 from drivesizer.control.engine.repeats import alike, voltages
 from drivesizer.control.engine.start import Run
@@ -28,7 +28,7 @@ _NONE = np.zeros((0, len(ROW)))
 
 
 def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
-    """March a set through all cycles of its task; the course of the first goes into the book."""
+    """Simulate a drive through all cycles of its task; the course of the first goes into the book."""
     if _least_steps(run) > run.p[at.MOST]:
         run.status = at.TOO_LONG
         return run
@@ -63,10 +63,10 @@ def _least_steps(run: Run) -> float:
 
 
 def _watched(loop: Any, run: Run, book: tuple[Any, ...]) -> Run:
-    """March a set up to where it is watched, and on."""
-    marched(loop, run, run.pieces[: run.unseen], (_NONE, *book[1:]))
+    """Simulate a drive up to where it is recorded, and on."""
+    simulated(loop, run, run.pieces[: run.unseen], (_NONE, *book[1:]))
     if not run.status:
-        found = marched(loop, run, run.pieces[run.unseen :], book)
+        found = simulated(loop, run, run.pieces[run.unseen :], book)
         run.g[:], run.time = found.g, found.time
     return run
 
@@ -111,7 +111,7 @@ def _through(loop: Any, run: Run, first: int, end: int, book: tuple[Any, ...]) -
         cuts |= {n, n + 1}
     for a, b in pairwise(sorted(cuts)):
         part = run.pieces[a:b]
-        found = joined(found, _stretch(loop, run, part[0], book) if run.long[a] else marched(loop, run, part, book))
+        found = joined(found, _stretch(loop, run, part[0], book) if run.long[a] else simulated(loop, run, part, book))
         if run.status:
             break
     assert found is not None
@@ -126,7 +126,7 @@ def _stretch(loop: Any, run: Run, piece: Array, book: tuple[Any, ...]) -> Lap:
     def between(a: int, b: int) -> Lap:
         some = piece.copy()[None]
         some[0, 0], some[0, 1], some[0, 8] = a, b, piece[8] * (a == first)
-        return marched(loop, run, some, book)
+        return simulated(loop, run, some, book)
 
     def lap(done: int, many: int) -> Lap:
         return replace(between(first + done * length, first + (done + many) * length), count=many)
@@ -136,21 +136,21 @@ def _stretch(loop: Any, run: Run, piece: Array, book: tuple[Any, ...]) -> Lap:
     return found if run.status or rest == end else joined(found, between(rest, end))
 
 
-def _repeated(run: Run, march: Callable[[int, int], Lap], laps: int, turned: float, period: float = 0.0) -> Lap:
-    """March laps until they are alike, and add the rest; heated, the last is marched again at its temperatures.
+def _repeated(run: Run, simulate_laps: Callable[[int, int], Lap], laps: int, turned: float, period: float = 0.0) -> Lap:
+    """Simulate laps until they are alike, and add the rest; heated, the last is simulated again at its temperatures.
 
     Parameters
     ----------
     run
         The set on its way.
-    march
-        Marches laps: how many were done before, how many now.
+    simulate_laps
+        Simulates laps: how many were done before, how many now.
     laps
         All of them.
     turned
         Angle of the reference over one [rad].
     period
-        Of the controller, where one state may fill all laps: if it stays, the march carries it to their end [s].
+        Of the controller, where one state may fill all laps: if it stays, it is carried to their end [s].
     """
     total: Lap | None = None
     earlier: list[Lap] = []
@@ -159,7 +159,7 @@ def _repeated(run: Run, march: Callable[[int, int], Lap], laps: int, turned: flo
     many = 1
     while done < laps and not run.status:
         before, many = run.s.copy(), min(many, laps - done)
-        lap = march(done, many)
+        lap = simulate_laps(done, many)
         if owed:
             total, owed = joined(total, owed(lap)), None
         total, done, tried = joined(total, lap), done + many, tried + many

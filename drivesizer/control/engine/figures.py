@@ -1,4 +1,4 @@
-"""What comes out of a march: figures as columns over sets, the course of one."""
+"""Results of a simulation: figures as columns over drives, the time series of one."""
 
 from __future__ import annotations
 
@@ -13,16 +13,18 @@ from drivesizer.control.engine.laps import PEAKS
 from drivesizer.control.engine.layout import ROW, TALLY, Array
 from drivesizer.control.engine.start import Run
 
-__all__ = ["FIGURES", "Marched", "course_of", "figures_of"]
+__all__ = ["FIGURES", "Simulation", "course_of", "figures_of"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Marched:
+class Simulation:
     """What came out: a column over sets per figure of ``FIGURES``; the course of a single set."""
 
     figures: dict[str, Array]
     problems: tuple[str, ...]  # of each set, empty where it ran to the end; else the figures are those until then
-    slopes: tuple[Array | None, ...] = ()  # of each set marched alone: winding and housing at the end by the start's
+    slopes: tuple[
+        Array | None, ...
+    ] = ()  # of each drive simulated alone: winding and housing at the end by the start's
     series: dict[str, Array] | None = None  # by the names of ``places.ROW``; of the first cycle
 
 
@@ -58,7 +60,7 @@ def figures_of(runs: Sequence[Run]) -> dict[str, Array]:
             "i2t_share": g[:, at.G_I2T] / p[:, at.BUDGET],
         }
     return found | {"copper_heat": s[:, at.Q].copy(), "angle": s[:, at.X].copy(), "load_angle": s[:, at.Y].copy(),
-                    "time": time, "time_marched": np.array([run.marched for run in runs]),
+                    "time": time, "time_simulated": np.array([run.simulated for run in runs]),
                     "steps": s[:, at.STEPS].copy()}  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""The march as machine code; see ``machine_code``."""
+"""The simulation as machine code; see ``machine_code``."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _COMPILED = (
     steady,
     sample_loop,
 )  # each calls only those before it
-_LAST = sample_loop.march_one
+_LAST = sample_loop.simulate_one
 KERNEL = Kernel(
     functions=(*(f for f in defined_in(_COMPILED) if f is not _LAST), _LAST),
     modules=(layout, *_COMPILED),
@@ -39,10 +39,10 @@ KERNEL = Kernel(
 
 @cache
 def compiled() -> Callable[..., int]:
-    """``sample_loop.march_one`` as machine code, kept in the user's cache folder; as plain Python without numba."""
+    """``sample_loop.simulate_one`` as machine code, kept in the user's cache folder; as plain Python without numba."""
     return machine_code(KERNEL)
 
 
 def kept() -> bool:
-    """Whether the march was compiled before by this numba; without numba it never is."""
+    """Whether the simulation was compiled before by this numba; without numba it never is."""
     return KERNEL.kept

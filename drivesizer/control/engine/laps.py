@@ -1,4 +1,4 @@
-"""A stretch of march and what it added: what was watched, and what it makes of the temperatures."""
+"""A simulated stretch and what it added: what was watched, and what it makes of the temperatures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import TALLY, Array
 from drivesizer.control.engine.start import Run, tally
 
-__all__ = ["PEAKS", "SUMS", "Lap", "grown", "joined", "marched"]
+__all__ = ["PEAKS", "SUMS", "Lap", "grown", "joined", "simulated"]
 
 PEAKS = [n for n, name in enumerate(TALLY) if f"T_{name}" in TALLY]
 SUMS = slice(TALLY.index("SQUARE"), TALLY.index("I2T"))
@@ -31,14 +31,14 @@ class Lap:
     count: int = 1  # of laps of one length
 
 
-def marched(loop: Any, run: Run, pieces: Array, book: tuple[Any, ...]) -> Lap:
-    """March a set along some pieces; what is kept of the course goes into the book."""
+def simulated(loop: Any, run: Run, pieces: Array, book: tuple[Any, ...]) -> Lap:
+    """Simulate a drive along some pieces; what is kept of the course goes into the book."""
     s, g = run.s, tally()
     before = s.copy()
     s[at.WW : at.HQ + 1] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
     run.status = int(loop(run.p, s, g, run.M, *run.scratch, pieces, run.ring, *book))
     time = float(pieces[-1, 1] - pieces[0, 0]) * run.p[at.H]
-    run.marched += time
+    run.simulated += time
     return Lap(g, _affine(s, before), float(s[at.Q] - before[at.Q]), time, float(s[at.STEPS] - before[at.STEPS]))
 
 
@@ -77,7 +77,7 @@ def grown(lap: Lap, then: Lap | None, times: int, heat: float, highest: float, l
     Parameters
     ----------
     lap, then
-        As it was marched before and after.
+        As it was simulated before and after.
     times
         How often it is done.
     heat

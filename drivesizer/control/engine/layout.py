@@ -1,4 +1,4 @@
-"""Where the figures of a motor set lie in the arrays that the compiled march works on.
+"""Where the figures of a motor set lie in the arrays that the compiled simulation works on.
 
 All that a set is lies in an array of parameters, all that changes in an array of state, all that is watched in an array
 of tallies, all that is kept of the course in rows. A place is named ``places.K_T`` as a figure is named ``K_T``.

@@ -1,4 +1,4 @@
-"""A motor set in the names of the march: machine, controller, limits, heat."""
+"""A motor set by the names of ``layout``: machine, controller, limits, heat."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import PARAMETERS, Array
-from drivesizer.control.engine.task import Drive, Heat
+from drivesizer.control.engine.task import Drive, MotorHeat
 from drivesizer.control.engine.task_checks import multiples
 from drivesizer.control.validation import Gains
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
@@ -21,7 +21,7 @@ _NODES, _NODE = 24, 20.0  # nodes of temperature, and K between them: the modes 
 
 
 def table(drive: Drive, top: float, most: int) -> list[float]:
-    """A set as the march's parameters.
+    """A set as parameters of the simulation.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
     top
         Highest speed that is asked of the driven shaft [rad/s]: a scale where the voltage has no bound.
     most
-        Steps at which the march is given up.
+        Steps at which the simulation is given up.
     """
     named = parameters(drive, top, most) | controller(drive) | thermal(drive.heat)
     scale = named.get("PKP", 0.0)
@@ -39,7 +39,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
 
 
 def parameters(drive: Drive, top: float, most: int) -> dict[str, float]:
-    """A set in the march's names, its thermal figures and controller apart."""
+    """A set by the names of ``layout``, its thermal figures and controller apart."""
     m, supply, limit = drive.machine, drive.supply, drive.current
     volts = supply.voltage if supply.voltage < math.inf else 2.0 * m.back_emf_constant * m.ratio * max(top, 1.0)
     full_i, full_w = volts / m.resistance, volts / m.back_emf_constant
@@ -64,7 +64,7 @@ def parameters(drive: Drive, top: float, most: int) -> dict[str, float]:
 
 
 def controller(drive: Drive) -> dict[str, float]:
-    """A controller in the march's names: gains per sample."""
+    """A controller by the names of ``layout``: gains per sample."""
     c = drive.controller
     if isinstance(c, Gains):
         filtered = c.filter_time + c.period
@@ -81,8 +81,8 @@ def controller(drive: Drive) -> dict[str, float]:
     }  # fmt: skip
 
 
-def thermal(heat: Heat | None) -> dict[str, float]:
-    """Winding and housing in the march's names."""
+def thermal(heat: MotorHeat | None) -> dict[str, float]:
+    """Winding and housing by the names of ``layout``."""
     if heat is None:
         return {"AMBIENT": DATA_TEMPERATURE}
     b: Any = heat.bodies

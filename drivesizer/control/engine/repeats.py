@@ -21,7 +21,7 @@ _ALIKE = 2e-3  # difference of the sums of laps, of themselves, that is none
 _LEAST, _LEAST_EXACT = 4, 16  # laps that are compared by their sums: with counts, and where speeds are measured exactly
 _FULL = 1e-2  # of the I2t budget, by which its integral may move over laps that are alike by their sums
 _DRIFT = 1.3, 3.0  # ratio of one change to that before, about 2, that a drift has
-_CLOSE = 2.0  # K by which a winding may move in laps that are not marched, where its resistance changes the current
+_CLOSE = 2.0  # K by which a winding may move in laps that are not simulated, where its resistance changes the current
 _COMPARED = [
     STATE.index(n) for n in ("I", "W", "F", "V", "PEND", "OUTER", "INNER", "I_ASK", "I_NEXT", "W_ADD", "W_NEXT")
 ]

@@ -1,4 +1,4 @@
-"""The march of one motor set along pieces of its task, period by period."""
+"""Simulation of one drive along pieces of its task, period by period."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drivesizer.control.engine.steps import advance
 from drivesizer.control.engine.tallies import record, remain, square_of, strain, watch
 from drivesizer.control.engine.warming import heat
 
-__all__ = ["march_one", "note", "rest", "sample", "wrong"]
+__all__ = ["note", "rest", "sample", "simulate_one", "wrong"]
 
 
 def note(p: Array, s: Array, rows: Array, kept: Any, size: Any, asked: Any, k: int, near: bool) -> None:
@@ -46,7 +46,7 @@ def sample(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z:
 
 
 def wrong(p: Array, s: Array) -> int:
-    """Why a march cannot go on."""
+    """Reason for which a simulation ends early, by the codes of ``layout``."""
     if not abs(s[at.I] + s[at.W] + s[at.V] + s[at.F] + s[at.PEND] + s[at.T_W]) < at.VAST:
         return at.NOT_FINITE
     return at.TOO_LONG if s[at.STEPS] > p[at.MOST] else at.GOOD
@@ -64,9 +64,9 @@ def rest(p: Array, s: Array, g: Array, mind: Array, piece: Array, k: int, u: flo
     return carry
 
 
-def march_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z: Array, mind: Array, pieces: Array,
-              ring: Array, rows: Array, kept: Any, size: Any) -> int:  # fmt: skip
-    """March a set along all pieces: first, end, start [s], speed, slope, angle, load, its slope, corner."""
+def simulate_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z: Array, mind: Array,
+                 pieces: Array, ring: Array, rows: Array, kept: Any, size: Any) -> int:  # fmt: skip
+    """Simulate a drive along all pieces: first, end, start [s], speed, slope, angle, load, its slope, corner."""
     h, near = p[at.H], size[3]
     n_v, cycle = int(p[at.N_V]), int(p[at.N_V] * max(p[at.N_P], 1.0))
     corner, turned, swept, spent, u = 0, 0.0, 0.0, 0.0, 0.0

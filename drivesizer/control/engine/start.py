@@ -14,7 +14,7 @@ from drivesizer.control.engine.controllers import ahead
 from drivesizer.control.engine.layout import STATE, TALLY, Array
 from drivesizer.control.engine.modes import held, mode_of, resisting
 from drivesizer.control.engine.parameters import resistances, table
-from drivesizer.control.engine.task import Drive, Heat, Task
+from drivesizer.control.engine.task import Drive, MotorHeat, Task
 from drivesizer.control.engine.task_pieces import Flags, Part, pieces_of, stretches
 from drivesizer.control.linear_modes import columns, discretised
 from drivesizer.errors import InputError
@@ -22,7 +22,7 @@ from drivesizer.errors import InputError
 __all__ = ["Run", "ready", "tally"]
 
 
-def _start(p: Array, pieces: Array, heat: Heat | None, ki: tuple[bool, bool]) -> Array:
+def _start(p: Array, pieces: Array, heat: MotorHeat | None, ki: tuple[bool, bool]) -> Array:
     """The state in equilibrium at the first speed; ki: whether the outer and the inner loop have an integral."""
     s = np.zeros(len(STATE))
     w, l = pieces[0, 3], pieces[0, 6]
@@ -80,13 +80,13 @@ class Run:
     pieces: Array
     parts: list[Part]  # of the pieces, from place to place
     long: Flags  # which pieces are long and constant
-    unseen: int  # pieces that are marched and not watched
-    lap: int  # periods that these are marched in
+    unseen: int  # pieces that are simulated and not recorded
+    lap: int  # periods of a lap of these
     ring: Array  # counts
     status: int = 0
     cycles: int = 0
     time: float = 0.0  # s
-    marched: float = 0.0  # s of it that were marched, not added
+    simulated: float = 0.0  # s of it that were simulated, not added
     slopes: Array | None = None  # of winding and housing at the end, by each at the start; None: not followed
 
 

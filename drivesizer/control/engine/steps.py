@@ -87,7 +87,7 @@ def stop(p: Array, s: Array, w: float, v: float) -> None:
 
 def advance(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z: Array, u: float, l: float, dl: float,
             t: float) -> None:  # fmt: skip
-    """March one period under a held voltage and a load torque that runs straight."""
+    """Advance one period under a held voltage and a load torque that runs straight."""
     top = work.shape[1] - 1
     left, level, unit = 1 << top, top, p[at.H] / (1 << top)
     code = int(s[at.CODE])

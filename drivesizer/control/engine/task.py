@@ -1,4 +1,4 @@
-"""What the march takes: a motor set with its controller and what holds it back, and what it is asked for."""
+"""Input of a simulation: a drive with its controller and limits, and the motion and load required of it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drivesizer.control.linear_modes import Machine
 from drivesizer.control.validation import Gains
 from drivesizer.physics.thermal import TwoBodies
 
-__all__ = ["CurrentLimit", "Drive", "Encoder", "Heat", "Supply", "Task"]
+__all__ = ["CurrentLimit", "Drive", "MotorHeat", "Resolution", "Supply", "Task"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +37,7 @@ class CurrentLimit:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Encoder:
+class Resolution:
     """Counts of the motor's angle; 0 edges: speed and angle are measured exactly."""
 
     edges: int = 0  # per turn of the motor
@@ -45,7 +45,7 @@ class Encoder:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Heat:
+class MotorHeat:
     """Winding and housing, and where they start."""
 
     bodies: TwoBodies
@@ -65,8 +65,8 @@ class Drive:
     controller: Gains | Cascade
     supply: Supply
     current: CurrentLimit = CurrentLimit()
-    encoder: Encoder = Encoder()
-    heat: Heat | None = None  # None: the winding stays at 25 degC
+    encoder: Resolution = Resolution()
+    heat: MotorHeat | None = None  # None: the winding stays at 25 degC
     delay: bool = True  # cascade: each loop answers its sample before, a period of its own late
     prompt: bool = False  # cascade: but for the current loop, which answers at once (see ``slower_loop``)
 
@@ -79,5 +79,5 @@ class Task:
     speed: Sequence[float] | Array  # rad/s of the driven shaft
     load_time: Sequence[float] | Array = ()  # s, strictly rising
     load_torque: Sequence[float] | Array = ()  # N*m, added to the machine's own; beyond the corners as there
-    since: float | None = None  # s; what comes before is marched and not watched; of one cycle
+    since: float | None = None  # s; what comes before is simulated and not recorded; of one cycle
     cycles: int = 1  # how often it is done; its length is then rounded up to whole samples of the slowest loop

@@ -160,7 +160,7 @@ def follow(
         late = np.concatenate([plan.time[:1] - speeds.period, plan.time]) + _FED * speeds.period
         fed[:, d.kinematics.driven] = _torques(d, sampled(trajectory, late), ground).T
     start = first_state(a, plan.posture[:, 0], plan.in_robot()[0][:, 0])
-    return _march(a, d, plan, speeds, poses, fed, start, tolerance)
+    return _simulate(a, d, plan, speeds, poses, fed, start, tolerance)
 
 
 def drive(
@@ -213,7 +213,7 @@ def drive(
     still = np.zeros((3, count))
     place = still + np.array([[0.0], [0.0], [heading]])
     plan = Planned(np.asarray(np.arange(count) * period, dtype=float), place, still, still)
-    return _march(a, d, plan, held, None, fed, start, tolerance)
+    return _simulate(a, d, plan, held, None, fed, start, tolerance)
 
 
 def _fits(d: Dynamics, speeds: SpeedLoop, poses: PoseLoop | None) -> None:
@@ -245,9 +245,9 @@ def _torques(d: Dynamics, plan: Planned, ground: Ground) -> Array:
     return wheel_torques(d, eta, rate, theta=plan.posture[2], ground=ground)
 
 
-def _march(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: PoseLoop | None, fed: Array, start: Array,
-           tolerance: float) -> Followed:  # fmt: skip
-    """Let the machine code march, and name what it found."""
+def _simulate(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: PoseLoop | None, fed: Array,
+              start: Array, tolerance: float) -> Followed:  # fmt: skip
+    """Run the machine code, and name its results."""
     if not 0.0 < tolerance < 1.0:
         raise InputError(f"following: tolerance must lie between 0 and 1 m/s, got {tolerance!r}")
     least = _WITHIN * min(a.B[at.SLIP_SPEED], a.B[at.TURNROUND])
@@ -261,13 +261,13 @@ def _march(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: Pose
     limited, torque = np.zeros(n), np.clip(fed[0], -gains[:, 2], gains[:, 2])
     S = d.kinematics.motions
     eta = np.ascontiguousarray(map_columns(S @ np.linalg.pinv(S), plan.in_robot()[0]).T)
-    marched = compiled()(
+    done = compiled()(
         a.W, a.K, a.B, a.C, a.M, gains, d.kinematics.E, P, np.ascontiguousarray(plan.posture.T), eta, fed[1:], start,
         torque, speeds.period, a.lever, min(tolerance, least), np.zeros((n, at.WORK)), np.zeros((3, 3)),
         np.zeros((7, len(start))), np.zeros(9 + 2 * n), rows, floor, applied, limited,
     )  # fmt: skip
-    if marched < count:
-        raise InputError(f"following: speeds run away at {plan.time[marched]:.6g} s; check torques, gains and periods")
+    if done < count:
+        raise InputError(f"following: speeds run away at {plan.time[done]:.6g} s; check torques, gains and periods")
     y = rows.T
     velocity, turned = y[3:6], y[6 : 6 + n]
     kinetic = (np.einsum("ik,ij,jk->k", velocity, a.M, velocity) + a.W[:, at.J] @ turned**2) / 2.0

@@ -1,4 +1,4 @@
-"""The march of a platform as machine code, where numba is installed; as plain Python without it."""
+"""Simulation of a platform as machine code, where numba is installed; as plain Python without it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ KERNEL = Kernel(
     functions=(slip.grip, slip.grip_slope, *defined_in((kernel_forces, kernel_step, kernel_loop))),
     modules=(kernel_layout, slip, kernel_forces, kernel_step, kernel_loop),
     inline=False,
-    slow="numba is not installed: a platform's march runs some hundred times slower",
+    slow="numba is not installed: the simulation of a platform runs some hundred times slower",
 )
 
 

@@ -1,4 +1,4 @@
-"""A platform and its floor as the arrays of the march."""
+"""A platform and its floor as the arrays of the simulation."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _KINDS = {"motor": 0.0, "free": 1.0, "blocked": 2.0}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arrays:
-    """Wheels, casters, platform and floor as in ``march_places``; inertia and Coriolis matrix without the wheels."""
+    """Wheels, casters, platform and floor as in ``kernel_layout``; inertia and Coriolis matrix without the wheels."""
 
     W: Array
     K: Array

@@ -1,4 +1,4 @@
-"""Where the figures of a march lie in its arrays."""
+"""Where the figures of a simulation lie in its arrays."""
 
 from __future__ import annotations
 

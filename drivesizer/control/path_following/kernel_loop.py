@@ -65,7 +65,7 @@ def note(W: Array, B: Array, y: Array, torque: Array, w: Array, row: Array, floo
 def follow_one(W: Array, K: Array, B: Array, C: Array, M: Array, G: Array, E: Array, P: Array, asked: Array, eta: Array,
                fed: Array, y: Array, torque: Array, period: float, lever: float, tolerance: float, w: Array, A: Array,
                s: Array, z: Array, rows: Array, floor: Array, applied: Array, limited: Array) -> int:  # fmt: skip
-    """March along all samples; how many of them are marched, less than all where speeds run away."""
+    """Simulate all samples; how many of them were reached, less than all where speeds run away."""
     n, reach = W.shape[0], period
     for k in range(asked.shape[0]):
         forces(W, K, B, C, y, torque, w, s[0], s[2])

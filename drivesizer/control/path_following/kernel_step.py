@@ -136,7 +136,7 @@ def once(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: Arr
 
 def advance(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: Array, period: float, reach: float,
             lever: float, tolerance: float, w: Array, A: Array, s: Array) -> float:  # fmt: skip
-    """March one period under held torques; the step to try next [s], 0 where speeds run away."""
+    """Advance one period under held torques; the step to try next [s], 0 where speeds run away."""
     left, h = period, min(reach, period)
     while left > 0.0:
         last = h >= left * (1.0 - 1e-9)

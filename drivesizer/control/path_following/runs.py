@@ -22,10 +22,10 @@ from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.platform import Platform
 from drivesizer.units import show
 
-__all__ = ["Case", "assumed", "drawn", "follow_all", "follow_case"]
+__all__ = ["FollowingRun", "assumed", "drawn", "follow_all", "follow_case"]
 
 
-class Case(NamedTuple):
+class FollowingRun(NamedTuple):
     """One way to drive a platform along its way."""
 
     model: Model
@@ -41,9 +41,9 @@ class Case(NamedTuple):
 
 
 _COMPARED = (
-    *(Case(model, integral, False, exact) for exact in (True, False) for integral in (True, False)
+    *(FollowingRun(model, integral, False, exact) for exact in (True, False) for integral in (True, False)
       for model in ("kinematic", "dynamic")),
-    *(Case(model, True, True, False) for model in ("kinematic", "dynamic")),
+    *(FollowingRun(model, True, True, False) for model in ("kinematic", "dynamic")),
 )  # fmt: skip
 
 
@@ -83,7 +83,7 @@ def _upright(found: Driving) -> None:
         )
 
 
-def _cases(found: Driving) -> dict[str, Case]:
+def _cases(found: Driving) -> dict[str, FollowingRun]:
     """What is driven, by name."""
     given, k = _section(found).following, dynamics_of(found.spec).kinematics
     steered = k.mobility == 3 or is_unicycle(k)
@@ -91,11 +91,13 @@ def _cases(found: Driving) -> dict[str, Case]:
         cases = (case for case in _COMPARED if steered or not case.poses)
         return {", ".join(case.words): case for case in cases}
     integral = given.speed_loop == "PI"
-    runs = {f"{model} model": Case(model, integral, False, False) for model in ("kinematic", "dynamic")}
-    return runs | ({"poses fed back": Case("dynamic", integral, True, False)} if steered else {})
+    runs = {f"{model} model": FollowingRun(model, integral, False, False) for model in ("kinematic", "dynamic")}
+    return runs | ({"poses fed back": FollowingRun("dynamic", integral, True, False)} if steered else {})
 
 
-def follow_case(found: Driving, chosen: DriveSet | None, case: Case, misjudged: Misjudged | None = None) -> Followed:
+def follow_case(
+    found: Driving, chosen: DriveSet | None, case: FollowingRun, misjudged: Misjudged | None = None
+) -> Followed:
     """One run; parameters of ``follow_all``.
 
     Parameters

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.closed_loop.checks import checks
-from drivesizer.control.closed_loop.run import Case, as_warm, run, without_limits
-from drivesizer.control.closed_loop.set_up import Ready, ready
-from drivesizer.control.engine import Marched, Task, march_many
+from drivesizer.control.closed_loop.run import ClosedLoop, as_warm, run, without_limits
+from drivesizer.control.closed_loop.set_up import Prepared, prepared
+from drivesizer.control.engine import Simulation, Task, simulate_many
 from drivesizer.errors import InputError
 from drivesizer.loads.at_shaft import asked_of
 from drivesizer.loads.profile import Profile
@@ -97,29 +97,29 @@ def _times(part: Any, factors: Mapping[str, float]) -> dict[str, Any]:
     return {name: getattr(part, name) * factor for name, factor in factors.items()}
 
 
-def _judged(nominal: Case, machines: Sequence[tuple[RobotSpec, DriveSet]]) -> list[tuple[Check, ...]]:
+def _judged(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveSet]]) -> list[tuple[Check, ...]]:
     """The checks of each machine, with the nominal one's controller."""
     profiles = [_asked(nominal, spec) for spec, _ in machines]
-    made = [ready(*machine, asked, nominal.controller) for machine, asked in zip(machines, profiles, strict=True)]
-    marched, warm = _marched(made), _warm(made, nominal)
+    made = [prepared(*machine, asked, nominal.controller) for machine, asked in zip(machines, profiles, strict=True)]
+    marched, warm = _simulated(made), _warm(made, nominal)
     return [
         _checks(nominal, machine, asked, one, (out, cycle))
         for machine, asked, one, out, cycle in zip(machines, profiles, made, marched, warm, strict=True)
     ]
 
 
-def _warm(made: Sequence[Ready], nominal: Case) -> list[tuple[Marched, ...]]:
+def _warm(made: Sequence[Prepared], nominal: ClosedLoop) -> list[tuple[Simulation, ...]]:
     """A cycle of each that begins as warm as the nominal one's, and without limits; none where that is unknown."""
     if nominal.begins is None:
         return [()] * len(made)
     warmer = [one._replace(drive=as_warm(one.drive, nominal.begins), task=replace(one.task, cycles=1)) for one in made]
     return [
         () if out.problems[0] else (out, _freed(one, out, nominal))
-        for one, out in zip(warmer, _marched(warmer), strict=True)
+        for one, out in zip(warmer, _simulated(warmer), strict=True)
     ]
 
 
-def _freed(one: Ready, out: Marched, nominal: Case) -> Marched:
+def _freed(one: Prepared, out: Simulation, nominal: ClosedLoop) -> Simulation:
     """The same without limits; with them where a machine cannot be marched without."""
     try:
         return without_limits(one.drive, one.task, out, nominal.loops)
@@ -127,35 +127,35 @@ def _freed(one: Ready, out: Marched, nominal: Case) -> Marched:
         return out
 
 
-def _asked(nominal: Case, spec: RobotSpec) -> Profile:
+def _asked(nominal: ClosedLoop, spec: RobotSpec) -> Profile:
     return nominal.profile if spec.motion == nominal.spec.motion else asked_of(spec)
 
 
-def _marched(made: Sequence[Ready]) -> list[Marched]:
+def _simulated(made: Sequence[Prepared]) -> list[Simulation]:
     """Each on its task; those with the same task side by side."""
     tasks: list[Task] = []
     for one in made:
         if one.task not in tasks:
             tasks.append(one.task)
-    found: dict[int, Marched] = {}
+    found: dict[int, Simulation] = {}
     for task in tasks:
         places = [n for n, one in enumerate(made) if one.task == task]
-        together = march_many([made[n].drive for n in places], task)
+        together = simulate_many([made[n].drive for n in places], task)
         for k, n in enumerate(places):
             figures = {name: column[k : k + 1] for name, column in together.figures.items()}
-            found[n] = Marched(figures=figures, problems=(together.problems[k],), series=None)
+            found[n] = Simulation(figures=figures, problems=(together.problems[k],), series=None)
     return [found[n] for n in range(len(made))]
 
 
 def _checks(
-    nominal: Case, machine: tuple[RobotSpec, DriveSet], asked: Profile, made: Ready,
-    marched: tuple[Marched, tuple[Marched, ...]],
+    nominal: ClosedLoop, machine: tuple[RobotSpec, DriveSet], asked: Profile, made: Prepared,
+    marched: tuple[Simulation, tuple[Simulation, ...]],
 ) -> tuple[Check, ...]:  # fmt: skip
     """Demand against limit of one sample, from its march from cold and those of its periodic steady state."""
     out, warm = marched
     if out.problems[0]:
         return (replace(checks(nominal)[0], status="fail", title=_LOST),)
-    case = Case(
+    case = ClosedLoop(
         *machine, asked, made.train, made.controller, made.shaft, nominal.loops, made.usable_voltage, made.task,
         out, _freed(made, out, nominal), {}, made.said, warm=warm,
     )  # fmt: skip
