@@ -116,7 +116,7 @@ def test_nothing_fits_is_status_1(run, example_text, tmp_path):
     (tmp_path / "heavy.yaml").write_text(example_text.replace("mass: 45 kg", "mass: 450 kg"))
     status, out, _ = run("size", "heavy.yaml")
     assert status == 1
-    assert "No set stands" in out
+    assert "No drive meets all limits" in out
     assert "load.mass 450 kg →" in " ".join(out.split())
     status, out, _ = run("size", "heavy.yaml", "--json")
     document = json.loads(out)

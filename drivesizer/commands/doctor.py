@@ -8,7 +8,7 @@ import re
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from importlib import metadata, resources
 from pathlib import Path
 from typing import NamedTuple
@@ -16,7 +16,7 @@ from typing import NamedTuple
 from drivesizer.errors import DrivesizerError, reason_of
 from drivesizer.version import __version__
 
-__all__ = ["Finding", "examined"]
+__all__ = ["Finding", "examined", "print_findings"]
 
 
 class Finding(NamedTuple):
@@ -62,7 +62,7 @@ def _libraries() -> Iterator[Finding]:
         try:
             version = metadata.version(name)
         except metadata.PackageNotFoundError:
-            said = f"not installed; drivesizer[{extra[1]}] brings it" if extra else "missing"
+            said = f"not installed, optional: pip install drivesizer[{extra[1]}]" if extra else "missing"
             yield Finding(name, said, extra is not None, f"pip install '{name}>={least}'")
             continue
         yield Finding(name, version, _number(version) >= _number(least), f"pip install '{name}>={least}'")
@@ -142,3 +142,22 @@ def _terminal() -> Iterator[Finding]:
     works = shown.encoding.lower().replace("-", "") == "utf8"
     if not works:
         yield Finding("letters", "Greek letters and frames cannot be shown", False, "set PYTHONUTF8=1")
+
+
+def print_findings(findings: Sequence[Finding]) -> None:
+    """Print what was examined, and the remedy where something does not work."""
+    from rich.text import Text
+
+    from drivesizer.output.terminal.tables import STYLE, bare, console
+
+    table = bare(("", "left"), ("found", "left"), ("", "left"))
+    for one in findings:
+        mark = Text("ok", style=STYLE["pass"]) if one.works else Text("WRONG", style=STYLE["fail"])
+        table.add_row(one.subject, one.found, mark)
+    shown = console()
+    shown.print(table)
+    wrong = [one for one in findings if not one.works]
+    for one in wrong:
+        shown.print(Text(f"{one.subject}: {one.remedy}"))
+    if not wrong:
+        shown.print("Everything works.")

@@ -96,7 +96,7 @@ def schema(
 
 def doctor(json: Json = False) -> None:
     """Examine this installation: libraries, cache, catalogues, fonts, terminal."""
-    from drivesizer.commands.doctor import examined
+    from drivesizer.commands.doctor import examined, print_findings
 
     found = examined()
     if json:
@@ -108,7 +108,5 @@ def doctor(json: Json = False) -> None:
             )
         )
     else:
-        from drivesizer.commands import terminal_doctor
-
-        terminal_doctor.examined(found)
+        print_findings(found)
     raise typer.Exit(0 if all(f.works for f in found) else 1)

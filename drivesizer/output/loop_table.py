@@ -1,16 +1,20 @@
-"""What linear theory says of loops as figures in one order: what each is called, its kind and unit of the trade."""
+"""Gains of a controller and linear analysis of its loops, as the rows that terminal and reports print."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isnan, nan
+from typing import Any, NamedTuple
 
+from drivesizer.control.cascade import Cascade
 from drivesizer.control.loop_records import Loop
+from drivesizer.control.validation import Gains
 from drivesizer.results.sizing import Figure
-from drivesizer.units import show
+from drivesizer.units import label, show
 
-__all__ = ["NONE", "cell", "loop_figures", "loop_name", "settled"]
+__all__ = ["NONE", "GainRow", "cell", "gain", "gain_rows", "linear", "loop_figures", "loop_name", "settled"]
 
-NONE = "–"  # of a figure that does not exist: an unstable loop has no margins, some gains may rise without end
+NONE = "–"  # of a figure that does not exist: no margins of an unstable loop, or an unbounded one
 
 _COLUMNS = (  # attribute of a loop, title, kind, unit
     ("bandwidth", "bandwidth", "frequency", "Hz"),
@@ -27,7 +31,7 @@ _COLUMNS = (  # attribute of a loop, title, kind, unit
 
 
 def loop_figures(loop: Loop) -> tuple[Figure, ...]:
-    """The figures of a loop, the most asked for first; NaN where one does not exist.
+    """The figures of a loop, main ones first; NaN where one does not exist.
 
     The sensitivity of an unstable loop is left NaN: its distance to -1 is no measure of robustness.
     """
@@ -38,7 +42,7 @@ def loop_figures(loop: Loop) -> tuple[Figure, ...]:
 
 
 def loop_name(loop: Loop) -> str:
-    """What a loop is called, with the direction of power that its record is of.
+    """Name of a loop, with the direction of power where there is one.
 
     >>> from types import SimpleNamespace
     >>> loop_name(SimpleNamespace(name="velocity", direction="braking"))
@@ -48,17 +52,85 @@ def loop_name(loop: Loop) -> str:
 
 
 def cell(figure: Figure) -> str:
-    """A figure of a loop as it stands in a table: three digits, the pole's modulus with four; a dash where none is."""
+    """A figure of a loop as text: three digits, the pole's modulus with four; a dash where it does not exist."""
     if isnan(figure.value):
         return NONE
     return show(figure.value, figure.unit, figure.kind, 4 if figure.name == "pole_radius" else 3)
 
 
 def settled(loop: Loop) -> int:
-    """How many samples of a step tell all: to twice the settling time; all of them where it does not settle."""
+    """Samples of a step response to show: up to twice the settling time; all where it does not settle."""
     if isnan(loop.settling_time):
         return len(loop.step)
     return min(max(round(2.0 * loop.settling_time / loop.period), _LEAST) + 1, len(loop.step))
 
 
 _LEAST = 10  # samples, of a loop that settles at once
+
+
+def gain(row: GainRow) -> str:
+    """A gain in SI; a period in ms."""
+    return show(row.value, "ms", "time") if row.unit == "s" else f"{row.value:.4g} {label(row.unit)}"
+
+
+def linear(loops: Sequence[Loop]) -> dict[str, Any]:
+    """The linear analysis of the loops as a table, a row for each."""
+    found = [loop_figures(loop) for loop in loops]
+    return {
+        "heads": [figure.title for figure in found[0]] if found else [],
+        "rows": [
+            {"name": loop_name(loop), "stable": loop.stable, "cells": [cell(figure) for figure in row]}
+            for loop, row in zip(loops, found, strict=True)
+        ],
+        "directed": any(loop.direction for loop in loops),
+        "unstable": any(not loop.stable for loop in loops),
+    }
+
+
+# --- gains
+
+
+class GainRow(NamedTuple):
+    """One gain or period, in SI."""
+
+    name: str
+    title: str
+    value: float
+    unit: str
+
+
+_VOLTAGE = (
+    ("kp", "Proportional gain, at the motor", "V*s/rad"),
+    ("ki", "Integral gain", "V/rad"),
+    ("kd", "Derivative gain", "V*s^2/rad"),
+    ("filter_time", "Filter of the derivative", "s"),
+    ("period", "Period of the controller", "s"),
+    ("counted_over", "Periods over which counts are taken for a speed", "1"),
+)
+_CASCADE = (
+    ("current_kp", "Current loop, proportional gain", "V/A"),
+    ("current_ki", "Current loop, integral gain", "V/(A*s)"),
+    ("velocity_kp", "Velocity loop, proportional gain, at the motor", "A*s/rad"),
+    ("velocity_ki", "Velocity loop, integral gain", "A/rad"),
+    ("velocity_kd", "Velocity loop, derivative gain", "A*s^2/rad"),
+    ("filter_time", "Filter of the derivative", "s"),
+    ("position_kp", "Position loop, proportional gain", "1/s"),
+    ("feedforward_velocity", "Feedforward of the velocity", "A*s/rad"),
+    ("feedforward_friction", "Feedforward of the friction", "A"),
+    ("feedforward_acceleration", "Feedforward of the acceleration", "A*s^2/rad"),
+    ("current_period", "Period of the current loop", "s"),
+    ("velocity_period", "Period of the velocity loop", "s"),
+    ("position_period", "Period of the position loop", "s"),
+    ("counted_over", "Velocity periods over which counts are taken for a speed", "1"),
+)
+_MAY_BE_OFF: dict[type, set[str]] = {  # 0: the controller has no such path
+    Gains: {"counted_over"},
+    Cascade: {"velocity_kd", "filter_time", "position_kp", "position_period", "counted_over"},
+}
+
+
+def gain_rows(gains: Gains | Cascade) -> list[GainRow]:
+    """Gains and periods of a controller, without the paths that it does not have."""
+    table = _VOLTAGE if isinstance(gains, Gains) else _CASCADE
+    rows = [GainRow(name, title, float(getattr(gains, name)), unit) for name, title, unit in table]
+    return [row for row in rows if row.value or row.name not in _MAY_BE_OFF[type(gains)]]

@@ -147,7 +147,7 @@ def test_an_unknown_figure_meets_nothing_and_is_counted(run, small):
     status, out, _ = run("list", "motors", "--power", ">=1 W", "--catalog", small)
     assert status == 0
     assert "M2" not in out
-    assert "1 more may fit: a figure that is asked for is unknown" in words(out)
+    assert "1 more may fit: a required figure is unknown" in words(out)
     assert "1 more are excluded from sizing" in words(out)
     document = json.loads(run("list", "motors", "--power", ">=1 W", "--catalog", small, "--json")[1])
     assert (document["found"], document["undecided"]) == (2, 1)
@@ -336,7 +336,7 @@ def test_search(run, small):
 def test_stats(run, small):
     status, out, _ = run("stats", "--catalog", small)
     assert status == 0
-    assert "4 pairs of motor and gearhead, 1 pairs of motor and encoder" in words(out)
+    assert "4 combinations of motor and gearhead, 1 combination of motor and encoder" in words(out)
     assert "assigned power 75 %" in words(out)
     document = json.loads(run("stats", "--catalog", small, "--json")[1])["catalogs"]["small"]
     assert document["motors"]["known"]["mass"] == 3

@@ -73,7 +73,7 @@ def test_a_library_of_an_extra_may_be_missing_but_not_old(version, works, monkey
     monkeypatch.setattr(doctor.metadata, "version", told)
     (found,) = doctor._libraries()
     assert (found.subject, found.works) == ("pyarrow", works)
-    assert found.found == (version or "not installed; drivesizer[study] brings it")
+    assert found.found == (version or "not installed, optional: pip install drivesizer[study]")
 
 
 def test_what_breaks_on_the_way_is_a_finding(monkeypatch):

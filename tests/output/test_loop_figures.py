@@ -255,7 +255,7 @@ def test_the_terminal_prints_the_loops_of_a_validation(proof, capsys, monkeypatc
     monkeypatch.setenv("COLUMNS", "80")
     terminal.validation(proof)
     out = capsys.readouterr().out
-    assert "The loops by linear theory" in out and max(len(line.rstrip()) for line in out.splitlines()) <= 80
+    assert "Linear analysis of the loops" in out and max(len(line.rstrip()) for line in out.splitlines()) <= 80
 
 
 def test_the_report_has_table_figures_and_the_controllers_own_units(result, proof):

@@ -23,8 +23,7 @@ from numbers_read import NUMBER, number, sheet, value_of, words
 from printed import blank_figures
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.probability_order import moved
-from drivesizer.output.probability_words import likely
+from drivesizer.output.probability import likely, moved
 from drivesizer.output.report import write, write_sets
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.reliability import Reliability

@@ -267,7 +267,7 @@ def test_rows_whose_figures_are_unknown_are_left_out(part, shown):
     assert "from cold" in said
     assert "from warm" not in said.replace("warm: ", "")
     said = words(shown(part(winding_time_constant=None)))
-    assert "continuous current by the ambient" in said
+    assert "continuous current by ambient" in said
     assert "overload: unknown without winding time constant" in said
     assert "at standstill 1." in words(shown(part(nominal_current=None)))
 

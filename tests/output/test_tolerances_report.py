@@ -18,7 +18,7 @@ from drivesizer.cli import app
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.json.schema import report_schema
-from drivesizer.output.probability_order import moved
+from drivesizer.output.probability import moved
 from drivesizer.output.report import workbook, write
 from drivesizer.output.report.all_figures import report_drawings
 from drivesizer.output.report.figures.tornado import swings, tornado
@@ -101,10 +101,10 @@ def test_the_terminal_names_the_three_that_matter_most(
     said = capsys.readouterr().out
     best = result.sets[0].reliability
     assert best and result.uncertainty
-    assert "How sure they are" in said and "What its smallest margin hangs on most" in said
+    assert "Probability that all checks pass" in said and "Largest influences on its smallest margin" in said
     for driver in best.drivers[:3]:
         assert driver.title.split(" +-")[0].split(" in ")[0] in said
-    assert f"{result.uncertainty.examined} sets sampled, 512 times each (seed 1)" in said
+    assert f"{result.uncertainty.examined} drives sampled, 512 times each (seed 1)" in said
 
 
 # --- what is printed where nothing was sampled, and where nothing is sure enough -----------------------------------
@@ -181,8 +181,9 @@ def test_nothing_reached_is_said_at_the_terminal(
     monkeypatch.setenv("COLUMNS", "80")
     said = told(unsure, capsys)
     surest = unsure.unsure[0].status  # unknown where its motor's heat is: the time constants of some are not printed
-    assert "No set is as sure as 100 %." in said and f"The surest, at nominal figures: {surest}" in said
-    assert "none of them as sure as 100 %" in said and "No set stands" not in said
+    assert "No drive reaches the confidence of 100 %." in said
+    assert f"The most probable, at nominal figures: {surest}" in said
+    assert "none of them at or above the confidence of 100 %" in said and "No drive meets all limits" not in said
 
 
 @pytest.mark.parametrize("columns", ["80", "140"])
@@ -193,14 +194,14 @@ def test_no_word_of_the_table_is_broken_and_quiet_leaves_the_notes_out(
     looped = replace(result, sets=tuple(replace(one, reliability=_looped(one)) for one in result.sets))
     said, quiet = told(looped, capsys), told(looped, capsys, quiet=True)
     assert max(map(len, said.splitlines())) <= int(columns)
-    table = quiet[quiet.index("How sure they are") : quiet.index("sets sampled")]
+    table = quiet[quiet.index("Probability that all checks pass") : quiet.index("drives sampled")]
     for one in looped.sets:
         assert one.reliability
         words = {*one.reliability.weakest.split(), *one.motor_name.split(), *one.gearhead_name.split(), "± 19 %"}
         assert all(word in table for word in words)
     assert "± 0." in table or "± 1" in table
     assert "limits are the catalogue's" in " ".join(said.split()) and "limits are the catalogue's" not in quiet
-    assert "What is uncertain" in said and "What is uncertain" not in quiet
+    assert "Uncertain figures" in said and "Uncertain figures" not in quiet
 
 
 def _looped(one: DriveSet) -> Reliability:
@@ -241,8 +242,10 @@ def test_explain_tells_how_sure_a_pair_is(
     words = ["explain", str(file), "--motor", best.motor.part, "--gearhead", best.gearhead.part, "--samples", "256"]
     run = CliRunner().invoke(app, words)
     said = " ".join(run.output.split())
-    assert run.exit_code == 0 and "How sure it is" in said and "1 set sampled, 256 times each" in said
-    assert "What its smallest margin hangs on most" in said and "load.mass" in said
+    assert (
+        run.exit_code == 0 and "Probability that all checks pass" in said and "1 drive sampled, 256 times each" in said
+    )
+    assert "Largest influences on its smallest margin" in said and "load.mass" in said
     document = json.loads(CliRunner().invoke(app, [*words, "--json"]).output)
     assert document["uncertainty"]["samples"] == 256
     assert 0.0 < document["sets"][0]["reliability"]["probability"] < 1.0

@@ -207,7 +207,7 @@ def test_a_set_that_cannot_be_driven_in_closed_loop_says_why() -> None:
     (row,) = [row for row in reliability_rows.reliability_rows(one) if row["name"] == "closed_loop"]
     assert (row["status"], row["note"]) == ("unknown", why)
     said = reliability_lines.sure(sizing)
-    assert said and f"not driven in closed loop: {why}" in said["sets"][0]["more"]
+    assert said and f"not simulated in closed loop: {why}" in said["sets"][0]["more"]
     page = io.StringIO()
     terminal_reliability.tolerances(Console(width=80, file=page), sizing)
     assert "resistance not in" in " ".join(page.getvalue().split())

@@ -12,7 +12,7 @@ from drivesizer.control.validation import Validation
 from drivesizer.loads import load_cycle
 from drivesizer.output.datasheet import datasheets
 from drivesizer.output.derivation import step
-from drivesizer.output.gain_table import gain_rows
+from drivesizer.output.loop_table import gain, gain_rows, linear
 from drivesizer.output.parts import parts_list
 from drivesizer.output.report.figures import load_and_loop
 from drivesizer.output.report.figures.field import MOST_PANELS
@@ -21,7 +21,6 @@ from drivesizer.output.report.figures.time_windows import windows
 from drivesizer.output.report.lines.battery import battery_rows
 from drivesizer.output.report.lines.candidates import candidates, front
 from drivesizer.output.report.lines.figures_behind_checks import marked_figures, unknown_figures
-from drivesizer.output.report.lines.loops import gain, linear
 from drivesizer.output.report.lines.machine import driven_over, first_wheel, machine_rows, machine_words
 from drivesizer.output.report.lines.order_list import order_list
 from drivesizer.output.report.lines.reliability import standing, sure

@@ -1,4 +1,4 @@
-"""A battery's discharge table at the terminal: what it gives for how long, down to which voltage."""
+"""Discharge tables of a battery at the terminal: current or power over time and cut-off voltage."""
 
 from __future__ import annotations
 

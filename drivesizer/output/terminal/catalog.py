@@ -1,4 +1,4 @@
-"""Catalogues on the terminal: what they hold, lists, parts side by side, what a text is found in."""
+"""Catalogues at the terminal: overview, lists of parts, comparison, search."""
 
 from __future__ import annotations
 
@@ -73,7 +73,22 @@ _BESIDE = 4  # parts side by side on 80 columns
 
 
 def figure(value: Any, column: Column, *, unit: bool = True) -> str:
-    """A figure as a data sheet prints it; one that is unknown says so."""
+    """A figure as a data sheet prints it; "unknown" where it is.
+
+    Parameters
+    ----------
+    value
+        Text, or a number in SI.
+    column
+        Its column: kind and unit.
+    unit
+        Whether the unit is printed.
+
+    Returns
+    -------
+    str
+        The text of a cell.
+    """
     if isinstance(value, str):
         return value or "unknown"
     if column.kind.startswith("price") and not isnan(value):
@@ -87,7 +102,7 @@ _FEW = 5  # catalogues of which the families are named, else their makers
 
 
 def overview(shelf: Mapping[str, Catalog]) -> None:
-    """The families of each section; of many catalogues the makers."""
+    """Print the families of each section; of many catalogues the makers."""
     out = console()
     for section, names in families(shelf).items():
         hits = [hit for some in names.values() for hit in some]
@@ -101,12 +116,27 @@ def overview(shelf: Mapping[str, Catalog]) -> None:
         out.print(counted(counts, out.width))
         out.print()
     if len(shelf) > _FEW:
-        out.print(Text("drivesizer catalog list --catalog maxon names the families of one."))
+        out.print(Text("drivesizer catalog list --catalog maxon shows the families of one catalogue."))
     out.print(Text("drivesizer catalog list motors --family 'RE 25' lists a family, '--power >=20W' more than one."))
 
 
 def counted(counts: Mapping[str, int], width: int, head: str = "") -> Text:
-    """Names with their counts, one after the other; a line ends between two of them."""
+    """Names with their counts as wrapped text; no line breaks inside a name.
+
+    Parameters
+    ----------
+    counts
+        Count by name.
+    width
+        Longest line [characters].
+    head
+        Text before the first name.
+
+    Returns
+    -------
+    Text
+        Lines of at most the width.
+    """
     glue = "\u00a0"  # no line ends here
     items = [
         f"{name or 'no family'} ({count})".replace(" ", glue).replace("-", "\u2011") for name, count in counts.items()
@@ -116,16 +146,28 @@ def counted(counts: Mapping[str, int], width: int, head: str = "") -> Text:
 
 
 def listing(section: str, found: Selection, limit: int, extra: Sequence[str]) -> None:
-    """The parts of a selection, a line each; further columns are those that were asked for."""
+    """Print the parts of a selection, a line each.
+
+    Parameters
+    ----------
+    section
+        Kind of part, as "motors".
+    found
+        The parts.
+    limit
+        Largest number of lines.
+    extra
+        Further columns; the usual ones make room for them.
+    """
     out, schema = console(), columns_of(section)
     usual = [(head, schema[name]) for head, name in _SHOWN[section]]
     there = {column.name for _, column in usual} | {"part", "family", "manufacturer"}
-    asked = [(name.replace("_", "\n"), schema[name]) for name in dict.fromkeys(extra) if name not in there]
+    requested = [(name.replace("_", "\n"), schema[name]) for name in dict.fromkeys(extra) if name not in there]
     hits = found.hits[:limit]
-    while len(usual) > 1 and _width(hits, usual + asked) > out.width:
-        usual.pop()  # what was asked for is of more use than the last of the usual columns
+    while len(usual) > 1 and _width(hits, usual + requested) > out.width:
+        usual.pop()  # requested columns go before the last of the usual ones
     if hits:
-        out.print(_table(hits, usual + asked))
+        out.print(_table(hits, usual + requested))
     for line in _footer(section, found, limit):
         out.print(Text(line))
 
@@ -156,14 +198,22 @@ def _footer(section: str, found: Selection, limit: int) -> list[str]:
     more = f"the first {limit} of {count} {section}; --limit shows more" if count > limit else f"{count} {section}"
     said = [f"{more}{f'; {_NOTES[section]}' if count and _NOTES[section] else ''}"]
     if found.undecided:
-        said.append(f"{found.undecided} more may fit: a figure that is asked for is unknown")
+        said.append(f"{found.undecided} more may fit: a required figure is unknown")
     if found.excluded:
         said.append(f"{found.excluded} more are excluded from sizing by a note; --excluded lists them (×)")
     return said
 
 
 def comparison(hits: Sequence[Hit], rows: Sequence[Row]) -> None:
-    """Parts side by side; a row in which they differ is marked, ? where some are unknown."""
+    """Print parts side by side; a row in which they differ is marked, ? where some are unknown.
+
+    Parameters
+    ----------
+    hits
+        The parts.
+    rows
+        Their figures, compared.
+    """
     out = console()
     for start in range(0, len(hits), _BESIDE):
         some = slice(start, start + _BESIDE)
@@ -175,11 +225,21 @@ def comparison(hits: Sequence[Hit], rows: Sequence[Row]) -> None:
             table.add_row(mark, Text(row.column.name.replace("_", " "), style=style), *map(Text, cells))
         out.print(table)
     differing = sum(row.differs is True for row in rows)
-    out.print(Text(f"≠ differs ({differing} of {len(rows)} rows), ? cannot be told: a figure is unknown"))
+    out.print(Text(f"≠ differs ({differing} of {len(rows)} rows), ? undecided: a figure is unknown"))
 
 
 def searched(groups: Mapping[str, Mapping[str, Sequence[Hit]]], parts: Sequence[Hit], limit: int) -> None:
-    """Families and parts that a text was found in."""
+    """Print the families and parts in which a text was found.
+
+    Parameters
+    ----------
+    groups
+        Parts by section and family.
+    parts
+        Single parts.
+    limit
+        Largest number of single parts.
+    """
     out = console()
     if any(groups.values()):
         table = bare(("", "left"), ("family", "left"), ("parts", "right"), ("kind", "left"), ("catalogue", "left"))

@@ -1,7 +1,7 @@
 """A line chart for the terminal, of braille characters: 2 x 4 dots to a cell.
 
-Both axes start at 0, end where they are told to, and have ticks at round figures. Lines differ by the gap between their
-dots, or have a mark, so that they can be told apart without colour. Dots are counted from the lower left of the field.
+Both axes run from 0 to a given end, with ticks at round figures. Lines differ by the gap between their dots, or have a
+mark, so that they differ without colour. Dots are counted from the lower left of the field.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Point = tuple[float, float]
 
 
 class Axis(NamedTuple):
-    """What is drawn along an axis, from 0 to an end above it."""
+    """Quantity along an axis, from 0 to an end above it."""
 
     name: str
     unit: str
@@ -56,6 +56,11 @@ def chart(series: Sequence[Series], x: Axis, y: Axis, width: int = 80, height: i
         Columns that no line exceeds, 24 at least.
     height
         Lines of the field itself.
+
+    Returns
+    -------
+    list of Text
+        From top to bottom.
     """
     reach = x.end, y.end
     upright = ticks(y.end, height // _PER_TICK[0])
@@ -74,7 +79,22 @@ def chart(series: Sequence[Series], x: Axis, y: Axis, width: int = 80, height: i
 
 
 def ticks(end: float, count: int) -> list[float]:
-    """Round figures from 0 up to an end: steps of 1, 2 or 5 times a power of ten, no more than a count, 3 at least.
+    """Round figures from 0 up to an end: steps of 1, 2 or 5 times a power of ten.
+
+    Parameters
+    ----------
+    end
+        Of the axis, above 0.
+    count
+        Largest number of steps; at least 3 are made.
+
+    Returns
+    -------
+    list of float
+        Rising, from 0.
+
+    Examples
+    --------
 
     >>> ticks(243.0, 5)
     [0.0, 50.0, 100.0, 150.0, 200.0]
@@ -96,6 +116,11 @@ def dots(one: Series, reach: Point, size: tuple[int, int]) -> list[tuple[int, in
         The figures at the ends of both axes.
     size
         Dots along both axes.
+
+    Returns
+    -------
+    list of (int, int)
+        Column and row of each dot, counted from the lower left.
     """
     most = float(size[0] - 1), float(size[1] - 1)
     at = [(a / reach[0] * most[0], b / reach[1] * most[1]) for a, b in zip(one.x, one.y, strict=True)]

@@ -1,4 +1,4 @@
-"""A platform on its way, at the terminal."""
+"""A platform on its path, at the terminal."""
 
 from __future__ import annotations
 
@@ -21,38 +21,46 @@ from drivesizer.units import show
 
 __all__ = ["driven"]
 
-_ASKED = (  # of a wheel: requirement, head
+_OF_A_WHEEL = (  # requirement, head of its column
     ("nominal_speed", "speed"), ("maximum_torque_per_motor", "torque"), ("rms_torque_per_motor", "RMS"),
     ("maximum_power_per_motor", "power"), ("returned_power_per_motor", "back"),
 )  # fmt: skip
 
 
-_BESIDE = 4  # runs that stand side by side
+_BESIDE = 4  # runs side by side
 
 
 def driven(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]) -> None:
-    """Print what each wheel is asked for, and the checks of a set on the way; without a set the former alone."""
+    """Print the requirements at each wheel, the checks of a drive on the path, and how the platform follows it.
+
+    Parameters
+    ----------
+    found
+        The platform on its path.
+    chosen
+        The drive; None without one.
+    runs
+        Simulated path following, by name.
+    """
     console = tables.console()
-    way = found.trajectory
-    length, time = show(way.length, "m", "length"), show(way.total, "s", "time")
+    path = found.trajectory
+    length, time = show(path.length, "m", "length"), show(path.total, "s", "time")
     tables.heading(console, f"{found.spec.name}: {length} in {time}", *_status(chosen))
     console.print(_wheels(found))
     if chosen:
         console.print(Text(chosen.label))
-        console.print(tables.checks(chosen.checks, "The set on this way"))
+        console.print(tables.checks(chosen.checks, "The drive on this path"))
         _machine(console, chosen)
     if runs:
         console.print(_compared(runs, found) if len(runs) > _BESIDE else _followed(runs))
-        for said in assumed(found):
-            console.print(Text(said, style="dim"))
+        for assumption in assumed(found):
+            console.print(Text(assumption, style="dim"))
 
 
 def _followed(runs: Mapping[str, Followed]) -> Table:
-    """Largest deviations of each run, and how long a wheel stood at its torque limit."""
+    """Largest deviations of each run, and the share of time that a wheel is at its torque limit."""
     found = {name: extremes(run) for name, run in runs.items()}
-    table = tables.bare(
-        ("", "left"), *((name, "right") for name in runs), title="How it follows: largest along the way"
-    )
+    table = tables.bare(("", "left"), *((name, "right") for name in runs), title="Path following: largest deviations")
     for row in zip(*found.values(), strict=True):
         table.add_row(row[0].title, *(show(one.value, one.unit, one.kind, 3) for one in row))
     limited = (show(float(run.limited.max()), "%", "dimensionless", 3) for run in runs.values())
@@ -64,7 +72,7 @@ def _compared(runs: Mapping[str, Followed], found: Driving) -> Table:
     """A row for each run, below those that were measured."""
     heads = [(head, "left") for head in ("model", "loops", "poses", "it knows")]
     figures = [(head, "right") for head in ("position", "heading", "at limit")]
-    table = tables.bare(*heads, *figures, title="How it follows: largest along the way")
+    table = tables.bare(*heads, *figures, title="Path following: largest deviations")
     section = found.spec.platform
     for one in section.following.measured if section else ():
         table.add_row(one.name, "measured", "", "", *_errors(one.position, one.heading), "")
@@ -80,20 +88,20 @@ def _errors(position: float, heading: float) -> tuple[str, str]:
 
 
 def _status(chosen: DriveSet | None) -> tuple[str, str]:
-    return (MARK[chosen.status], STYLE[chosen.status]) if chosen else ("no set", "")
+    return (MARK[chosen.status], STYLE[chosen.status]) if chosen else ("no drive", "")
 
 
 def _machine(console: Console, chosen: DriveSet) -> None:
     if chosen.budget:
-        console.print(tables.checks(chosen.budget, "The machine on this way"))
+        console.print(tables.checks(chosen.budget, "The machine on this path"))
 
 
 def _wheels(found: Driving) -> Table:
-    heads = [(head, "right") for _, head in _ASKED]
-    table = tables.bare(("wheel", "right"), *heads, ("friction needed", "right"), title="What the wheels are asked for")
+    heads = [(head, "right") for _, head in _OF_A_WHEEL]
+    table = tables.bare(("wheel", "right"), *heads, ("friction needed", "right"), title="Requirements at the wheels")
     for wheel in found.wheels:
-        asked = {r.name: r.text for r in wheel.asked}
-        table.add_row(str(wheel.number), *(asked[name] for name, _ in _ASKED), _friction(wheel.grip, found))
+        required = {r.name: r.text for r in wheel.asked}
+        table.add_row(str(wheel.number), *(required[name] for name, _ in _OF_A_WHEEL), _friction(wheel.grip, found))
     return table
 
 

@@ -1,6 +1,6 @@
 """The paper's equations at the terminal: all of them in lines, or one with its terms, notes and source.
 
-Those of the sizing, (1)-(20), are scalars and those of the platform, (21)-(59), matrices; both are told alike.
+Those of the sizing, (1)-(20), are scalars and those of the platform, (21)-(59), matrices; both are printed alike.
 """
 
 from __future__ import annotations
@@ -54,20 +54,20 @@ def equation(declared: Equation) -> None:
         rows.append(("note", declared.note))
     rows.append(("result", f"{declared.result.meaning} [{label(declared.shown) or '1'}]"))
     rows += [(formula.symbol_text(term.name), f"{term.meaning} [{label(term.unit) or '1'}]") for term in declared.terms]
-    _told(console, [*rows, ("source", printed_forms.SOURCE)])
+    _print_rows(console, [*rows, ("source", printed_forms.SOURCE)])
 
 
 def platform_equation(declared: MatrixEquation) -> None:
     """Print one equation of the platform: as printed, as computed, where they differ, units, source."""
     console = tables.console()
     tables.heading(console, declared.title, f"equation ({declared.number})")
-    _told(console, printed_forms.rows(declared))
+    _print_rows(console, printed_forms.rows(declared))
 
 
 _NAMES = ("as printed", "unit check", "value check", "as computed", "note", "result", "source")
 
 
-def _told(console: Console, rows: list[tuple[str, str]]) -> None:
+def _print_rows(console: Console, rows: list[tuple[str, str]]) -> None:
     """Rows of a name, or a symbol, and words."""
     table = tables.bare(("", "left"), ("", "left"))
     table.show_header = False

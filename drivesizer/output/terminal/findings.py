@@ -1,4 +1,4 @@
-"""On the terminal: how complete catalogues are, what does not fit in them, and what an import read."""
+"""Completeness, findings and imports of catalogues at the terminal."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _BESIDE = 5  # catalogues side by side on 80 columns
 
 
 def statistics(shelf: Mapping[str, Catalog]) -> None:
-    """How complete each catalogue is, section by section, and how sure its figures are."""
+    """Print the completeness of each catalogue, section by section, and the confidence of its figures."""
     out = console()
     found = {name: {s: one for s in PARTS if (one := coverage(c, s)).parts} for name, c in shelf.items()}
     if len(shelf) > _BESIDE:
@@ -36,14 +36,16 @@ def statistics(shelf: Mapping[str, Catalog]) -> None:
             every = [one[section] for one in found.values() if section in one]
             if every:
                 _completeness(out, {"all": _together(every)}, section)
-        out.print(Text("drivesizer catalog stats --catalog maxon tells of one by itself"))
+        out.print(Text("drivesizer catalog stats --catalog maxon shows one catalogue in detail"))
         return
     for name, sections in found.items():
         pairs = pairs_of(shelf[name]).items()
-        heading(out, name, ", ".join(f"{count} pairs of {what}" for what, count in pairs if count))
+        heading(
+            out, name, ", ".join(f"{count} combination{'s' * (count > 1)} of {what}" for what, count in pairs if count)
+        )
         table = bare(("", "left"), ("parts", "right"), ("families", "right"), *_LEVELS)
         for section, one in sections.items():
-            table.add_row(section, str(one.parts), str(one.families), *_sureness([one]))
+            table.add_row(section, str(one.parts), str(one.families), *_confidences([one]))
         out.print(table)
     for section in PARTS:
         some = {name: sections[section] for name, sections in found.items() if section in sections}
@@ -55,18 +57,18 @@ def _summary(out: Console, found: Mapping[str, Mapping[str, Coverage]]) -> None:
     table = bare(("", "left"), ("parts", "right"), ("makers", "right"), *_LEVELS)
     for section in PARTS:
         some = [one[section] for one in found.values() if section in one]
-        table.add_row(section, str(sum(one.parts for one in some)), str(len(some)), *_sureness(some))
+        table.add_row(section, str(sum(one.parts for one in some)), str(len(some)), *_confidences(some))
     out.print(table)
     table = bare(("catalogue", "left"), ("parts", "left"), *_LEVELS)
     for name, sections in found.items():
         parts = "\n".join(
             f"{one.parts} {section if one.parts > 1 else one_of(section)}" for section, one in sections.items()
         )
-        table.add_row(Text(name), parts, *_sureness(list(sections.values())))
+        table.add_row(Text(name), parts, *_confidences(list(sections.values())))
     out.print(table)
 
 
-def _sureness(some: Sequence[Coverage]) -> list[str]:
+def _confidences(some: Sequence[Coverage]) -> list[str]:
     """The share of each confidence among all known figures."""
     counts = {level: sum(one.sure[level] for one in some) for level in CONFIDENCE}
     return [_share(counts[level], sum(counts.values())) for level in CONFIDENCE]
@@ -113,26 +115,34 @@ def _share(count: int, total: int) -> str:
     return f"{percent:.0f} %"
 
 
-def taken(told: Taken) -> None:
-    """What an import read, and what it left."""
+def taken(found: Taken) -> None:
+    """Print the parts and columns that an import read, and those that it left out."""
     out = console()
-    out.print(counted(told.families, out.width, f"{told.parts} parts in {len(told.families)} families: "))
-    for theirs, ours in told.columns.items():
+    out.print(counted(found.families, out.width, f"{found.parts} parts in {len(found.families)} families: "))
+    for theirs, ours in found.columns.items():
         if theirs != ours:
             out.print(Text(f"  {theirs} → {ours}"))
-    same = ", ".join(ours for theirs, ours in told.columns.items() if theirs == ours)
-    out.print(Text(f"columns that are called as ours: {same or 'none'}"))
+    same = ", ".join(ours for theirs, ours in found.columns.items() if theirs == ours)
+    out.print(Text(f"columns with matching names: {same or 'none'}"))
     for what, names in (
-        ("unknown columns, left out", told.unknown),
-        ("taken, but nothing known", told.empty),
-        ("rows skipped", told.skipped),
+        ("unknown columns, left out", found.unknown),
+        ("imported columns without a value", found.empty),
+        ("rows skipped", found.skipped),
     ):
         if names:
             out.print(Text(f"{what}: {', '.join(names)}"))
 
 
 def findings(found: Sequence[Finding], *, everything: bool = False) -> None:
-    """What does not fit, by what it breaks; with ``everything`` also what is accepted or only worth knowing."""
+    """Print figures that contradict one another, by the identity that they break.
+
+    Parameters
+    ----------
+    found
+        The findings of a check of catalogues.
+    everything
+        Print accepted and informational findings too.
+    """
     out = console()
     groups: dict[tuple[str, ...], list[Finding]] = {}
     for one in found:
@@ -145,7 +155,7 @@ def findings(found: Sequence[Finding], *, everything: bool = False) -> None:
         out.print(_broken(some) if some[0].kind else Text("  " + ", ".join(one.part for one in some)))
     wrong = sum(one.unexplained for one in found)
     accepted_too = sum(bool(one.accepted) for one in found)
-    said = f"{wrong} unexplained, {accepted_too} accepted, {len(found) - wrong - accepted_too} only worth knowing"
+    said = f"{wrong} unexplained, {accepted_too} accepted, {len(found) - wrong - accepted_too} informational"
     out.print(Text(said if everything or wrong == len(found) else f"{said}; --all shows them"))
 
 

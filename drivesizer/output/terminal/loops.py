@@ -19,14 +19,19 @@ _FIRST = 6  # figures that 80 columns have room for
 
 
 def loops(found: Sequence[Loop], width: int) -> Table:
-    """What linear theory says of each loop, from the inside out.
+    """Linear analysis of each loop, innermost first.
 
     Parameters
     ----------
     found
         The loops of a validation.
     width
-        Columns of the terminal: the table has as many figures as they have room for.
+        Width of the terminal [characters]: the table has as many figures as fit.
+
+    Returns
+    -------
+    Table
+        A row for each loop.
     """
     every, wide = len(loop_figures(found[0])), Console(width=1000)
     for shown, line in ((every, " "), *((n, "\n") for n in range(every, _FIRST, -1))):
@@ -39,7 +44,7 @@ def loops(found: Sequence[Loop], width: int) -> Table:
 def _table(found: Sequence[Loop], shown: int, line: str) -> Table:
     """The first figures of each loop; its name and direction on a line or on two."""
     heads = [figure.title.replace(" ", "\n") for figure in loop_figures(found[0])[:shown]]
-    table = bare(("loop", "left"), *((head, "right") for head in heads), title="The loops by linear theory")
+    table = bare(("loop", "left"), *((head, "right") for head in heads), title="Linear analysis of the loops")
     for loop in found:
         name = Text(loop_name(loop).replace(" ", line))
         if not loop.stable:

@@ -1,4 +1,4 @@
-"""The machine with a set in it at the terminal: budgets, what draws from the battery, how long it lasts."""
+"""The machine with a drive at the terminal: budgets, masses, consumers and the battery."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ __all__ = ["machine"]
 
 
 def _masses(found: DriveSet) -> Table:
-    """What the machine weighs, part by part."""
-    table = tables.bare(("", "left"), ("", "right"), ("mass", "right"), title="What it weighs")
+    """Masses of the machine, part by part."""
+    table = tables.bare(("", "left"), ("", "right"), ("mass", "right"), title="Masses")
     for row in found.masses:
         number = f"{row.number} x {show(row.each, 'g', 'mass')}" if row.number > 1 and row.each == row.each else ""
         table.add_row(row.name, number, show(row.total, "kg", "mass"))
@@ -23,9 +23,17 @@ def _masses(found: DriveSet) -> Table:
 
 
 def machine(console: Console, found: DriveSet) -> None:
-    """Print the budgets of the machine with a set in it; nothing where the spec gives none."""
+    """Print the budgets of the machine with a drive; nothing where the spec gives none.
+
+    Parameters
+    ----------
+    console
+        The terminal.
+    found
+        The drive.
+    """
     if found.budget:
-        console.print(tables.checks(found.budget, "The machine with this set"))
+        console.print(tables.checks(found.budget, "The machine with this drive"))
     if found.masses:
         console.print(_masses(found))
     if found.machine:

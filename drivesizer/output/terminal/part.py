@@ -1,4 +1,4 @@
-"""One part at the terminal, like a data sheet: figures, torque and speed, heat, what goes with it, what it rests on."""
+"""One part at the terminal as a data sheet: figures, torque and speed, heat, matching parts, tolerances, sources."""
 
 from __future__ import annotations
 
@@ -34,13 +34,21 @@ _POINTS = (
 _DOUBT = {"quoted": "", "secondary": "cyan", "derived": "yellow", "recalled": "red"}
 _AMBIENTS = (DATA_TEMPERATURE, 313.15, 333.15, 353.15, 373.15)  # K
 _OVERLOADS = (1.5, 2.0, 3.0, 5.0)  # times the continuous current
-_READ = 3.0  # times the nominal torque: so far a chart shows something; a large motor's stall is 40 times as far
+_READ = 3.0  # times the nominal torque, the end of the chart; a large motor's stall is at 40 times
 _HEIGHT = 8  # columns of the terminal to a line of the chart's field
 _SLOW = ("winding_time_constant", "motor_time_constant")
 
 
 def page(hit: Hit, *, sources: bool = False) -> None:
-    """One part as a data sheet."""
+    """Print one part as a data sheet.
+
+    Parameters
+    ----------
+    hit
+        The part.
+    sources
+        Print the source of each figure.
+    """
     out, sheet = console(), datasheet(hit.section, hit.table.record(hit.row), hit.catalog)
     reduction = f" {hit['reduction']}" if hit.section in ("gearheads", "actuators") else ""
     head = f"{sheet['maker']} {sheet['family']}{reduction}".strip()
@@ -68,9 +76,9 @@ def _figures(out: Console, hit: Hit, sheet: dict[str, Any], sources: bool) -> No
     rows = []
     for row in sheet["rows"]:
         source = origin[row["name"]]
-        sure = source.confidence if sources else row["mark"]
+        confidence = source.confidence if sources else row["mark"]
         number = [f"[{documents.index(source.document) + 1}]"] if sources else []
-        cells = (row["name"], row["text"], Text(sure, style=_DOUBT[source.confidence]), *map(Text, number))
+        cells = (row["name"], row["text"], Text(confidence, style=_DOUBT[source.confidence]), *map(Text, number))
         rows.append([Text(c) if isinstance(c, str) else c for c in cells])
     half = (len(rows) + 1) // 2
     halves = [_block(part, sources) for part in (rows[:half], rows[half:])]
@@ -87,7 +95,7 @@ def _block(rows: Sequence[Sequence[Text]], sources: bool) -> Table:
 
 
 def _beside(out: Console, tables: Sequence[RenderableType]) -> bool:
-    """Print tables side by side; False, and nothing, where they do not fit."""
+    """Print tables side by side; False, without printing, where they do not fit."""
     wide = Console(width=1000)
     if sum(Measurement.get(wide, wide.options, table).maximum + 2 for table in tables) > out.width:
         return False
@@ -109,18 +117,18 @@ def _partners(out: Console, hit: Hit) -> None:
         else:
             out.print(Text(f"{section}: none is listed; one may still exist"))
     if hit.section == "gearheads" and hit["mounting"] == HUB:
-        out.print(Text("motors: any with a shaft that its clamping hub takes, of whatever maker"))
+        out.print(Text("motors: of any maker, with a shaft that fits the clamping hub"))
     if hit.table.excluded[hit.row]:
         out.print(Text("excluded from sizing by a note", style="red"))
 
 
 def _tolerances(out: Console, hit: Hit) -> None:
-    """How far its figures may be off, as its maker says, a line for each document."""
-    said: dict[tuple[int, str], list[str]] = {}
+    """Print the maker's tolerances, a line for each document."""
+    stated: dict[tuple[int, str], list[str]] = {}
     for one in tolerances(hit):
         figure_ = f"losses of the {one.part}" if one.figure == "efficiency" else one.figure.replace("_", " ")
-        said.setdefault((one.source, one.text), []).append(f"{figure_} {one.tolerance}")
-    for (number, text), figures in said.items():
+        stated.setdefault((one.source, one.text), []).append(f"{figure_} {one.tolerance}")
+    for (number, text), figures in stated.items():
         source = hit.catalog.sources[number]
         line = f"{', '.join(figures)}{f'; {text}' if text else ''} ({source.document}; {source.confidence})"
         out.print(Text("tolerances: ", style="bold") + Text(line))
@@ -128,8 +136,8 @@ def _tolerances(out: Console, hit: Hit) -> None:
 
 def _remarks(out: Console, hit: Hit, sheet: dict[str, Any], sources: bool) -> None:
     for note in sheet["notes"]:
-        said = "; ".join(text for text in (note["text"], note["confidence"]) if text)
-        out.print(Text("note: ", style="bold") + Text(f"{note['where']}: {said}" if note["where"] else said))
+        words = "; ".join(text for text in (note["text"], note["confidence"]) if text)
+        out.print(Text("note: ", style="bold") + Text(f"{note['where']}: {words}" if note["where"] else words))
     if not sources:
         out.print(Text("source: ", style="bold") + Text(f"{sheet['source']} ({sheet['confidence']})"))
         return
@@ -173,7 +181,7 @@ def _chart(hit: Hit, width: int) -> list[Text]:
 
 
 def _reach(hit: Hit, ends: Line, continuous: Sequence[float]) -> float:
-    """Where the torque axis ends [N*m]: at stall, or before it where there is no more to be read."""
+    """End of the torque axis [N*m]: stall, or less where stall is far beyond the nominal torque."""
     nominal = hit["nominal_torque"]
     if isnan(nominal):
         own = 0.0 if isnan(hit["no_load_current"]) else hit["no_load_current"]
@@ -184,18 +192,18 @@ def _reach(hit: Hit, ends: Line, continuous: Sequence[float]) -> float:
 
 
 def _drawn(hit: Hit, ends: Line, curve: tuple[list[float], list[float]], reach: float) -> list[Series]:
-    """What the chart shows, in SI: the line, the continuous region, peak and nominal torque, as far as known."""
+    """Series of the chart in SI: the line, the continuous region, peak and nominal torque, as far as known."""
     schema, top, found = columns_of(hit.section), hit["max_speed"], []
 
-    def said(name: str) -> str:
+    def shown(name: str) -> str:
         return figure(hit[name], schema[name])
 
     if not isnan(ends.torque):
         start = min(ends.speed, top) if top > 0.0 else ends.speed
-        at = "nominal voltage" if isnan(hit["nominal_voltage"]) else said("nominal_voltage")
+        at = "nominal voltage" if isnan(hit["nominal_voltage"]) else shown("nominal_voltage")
         name = f"at {at}, winding at {_celsius(data_temperature(hit))}"
         name += ", computed from R, k_t and the no-load speed" if ends.computed else ""
-        name += f"; cut at the permitted {said('max_speed')}" if start < ends.speed else ""
+        name += f"; cut at the permitted {shown('max_speed')}" if start < ends.speed else ""
         stall = figure(ends.torque, schema["stall_torque"])
         name += f"; stall, {stall}, is beyond the chart" if ends.torque > reach else ""
         found.append(Series(name, [0.0, ends.torque * (1.0 - start / ends.speed), ends.torque], [start, start, 0.0]))
@@ -215,7 +223,7 @@ def _celsius(temperature: Value) -> str:
 
 
 def _nominal(hit: Hit, ends: Line) -> list[Series]:
-    """The nominal point; on the line where the maker does not tell its speed."""
+    """The nominal point; on the line where its speed is unknown."""
     torque, speed = hit["nominal_torque"], hit["nominal_speed"]
     name = "nominal torque, on the line" if isnan(speed) else "nominal point"
     speed = ends.speed * (1.0 - torque / ends.torque) if isnan(speed) else speed
@@ -226,7 +234,7 @@ def _nominal(hit: Hit, ends: Line) -> list[Series]:
 
 
 def _heat(out: Console, hit: Hit) -> None:
-    """What the winding bears for ever by the ambient, and for how long at 25 degC; or what is missing for it."""
+    """Print continuous current over ambient temperature and overload times at 25 degC, or what is missing for them."""
     ambients, overloads = _ambients(hit), _overloads(hit)
     found = [table for table in (ambients, overloads) if table]
     if found:
@@ -235,8 +243,8 @@ def _heat(out: Console, hit: Hit) -> None:
         for table in found:
             out.print(table)
     if overloads:
-        for said in _bounds(hit):
-            out.print(Text(said))
+        for note in _bounds(hit):
+            out.print(Text(note))
     needed = [*(() if found else HEAT[:1]), *(() if overloads else (*HEAT[1:], *_SLOW))]
     missing = ", ".join(name.replace("_", " ") for name in needed if isnan(hit[name]))
     if missing:
@@ -244,20 +252,20 @@ def _heat(out: Console, hit: Hit) -> None:
 
 
 def _ambients(hit: Hit) -> Table | None:
-    """Continuous current; nothing where it is known at 25 degC alone, which is among the figures."""
+    """Continuous current; None where it is known at 25 degC only, which is among the figures."""
     currents = [bears(hit, ambient) for ambient in _AMBIENTS]
     if all(map(isnan, currents[1:])):
         return None
     heads = [(show(ambient, "degC", "temperature"), "right") for ambient in _AMBIENTS]
-    table = bare(("", "left"), *heads, title="continuous current by the ambient (– not permitted)")
+    table = bare(("", "left"), *heads, title="continuous current by ambient (– not permitted)")
     if _AMBIENTS[-1] <= hit["ambient_max"] or isnan(hit["ambient_max"]):
-        table.title = "continuous current by the ambient"
+        table.title = "continuous current by ambient"
     table.add_row("at standstill" if isnan(hit["nominal_current"]) else "nominal", *map(_amperes, currents))
     return table
 
 
 def _overloads(hit: Hit) -> Table | None:
-    """The thermal curve at a few currents."""
+    """Overload times at a few currents; None where unknown."""
     currents = [bears(hit, DATA_TEMPERATURE) * times for times in _OVERLOADS]
     times = [bears_for(hit, current) for current in currents]
     if isnan(currents[0] + times[0][0]):
@@ -272,15 +280,15 @@ def _overloads(hit: Hit) -> Table | None:
 
 
 def _bounds(hit: Hit) -> list[str]:
-    """What a reader of overload times has to know: the warm start, and limits other than heat."""
+    """Notes on overload times: the warm start, and limits other than heat."""
     most, current = _OVERLOADS[-1] * bears(hit, DATA_TEMPERATURE), hit["nominal_voltage"] / hit["resistance"]
     peak = hit["peak_torque"] / hit["torque_constant"]
-    said = ["warm: winding and housing as warm as the housing gets at the nominal point"]
+    notes = ["warm: winding and housing at the housing's temperature at the nominal point"]
     if current < most:
-        said.append(f"more than {_amperes(current)} does not flow at nominal voltage")
+        notes.append(f"more than {_amperes(current)} does not flow at nominal voltage")
     if peak < most:
-        said.append(f"more than {_amperes(peak)} exceeds the permitted peak torque")
-    return said
+        notes.append(f"more than {_amperes(peak)} exceeds the permitted peak torque")
+    return notes
 
 
 def _limit(hit: Hit) -> str:
@@ -292,6 +300,6 @@ def _amperes(current: float) -> str:
 
 
 def _duration(time: float) -> str:
-    """A time in the unit that people tell it in."""
+    """A time in its customary unit."""
     unit = "h" if time > 7200.0 else "min" if time > 120.0 else "s"
     return show(time, unit, "time", 3)

@@ -1,4 +1,4 @@
-"""How sure the sets are, at the terminal: probabilities, margins of the best set, and what matters most."""
+"""Probabilities at the terminal: of each drive, of the best one's checks, and the largest influences."""
 
 from __future__ import annotations
 
@@ -10,62 +10,83 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.output.probability_order import moved
-from drivesizer.output.probability_words import asked_for, in_the_loop, likely
+from drivesizer.output.probability import confidence, in_the_loop, likely, moved
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.tables import percent
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.reliability import Reliability, Uncertainty
 from drivesizer.results.sizing import Explanation, SizingResult
 
-__all__ = ["none_as_sure", "tolerances", "tolerances_of"]
+__all__ = ["below_confidence", "tolerances", "tolerances_of"]
 
 _DRIVERS = 3
-_NEAR = 0.0995  # margin below which its tenths are told
+_NEAR = 0.0995  # margin below which its tenths are shown
 
 
-def none_as_sure(result: SizingResult) -> str:
-    """That no set reaches the confidence that was asked for."""
+def below_confidence(result: SizingResult) -> str:
+    """The sentence that no drive reaches the required confidence."""
     wanted = result.uncertainty.confidence if result.uncertainty else None
-    return f"No set is as sure as {asked_for(wanted)}."
+    return f"No drive reaches the confidence of {confidence(wanted)}."
 
 
 def tolerances(console: Console, result: SizingResult, *, quiet: bool = False) -> None:
-    """Print how sure the sets are; nothing where no tolerances were sampled."""
-    told = result.uncertainty
-    if told is None or not (result.sets or result.unsure):
+    """Print the probabilities of a sizing; nothing where no tolerances were sampled.
+
+    Parameters
+    ----------
+    console
+        The terminal.
+    result
+        The sizing.
+    quiet
+        Leave out the checks one by one and the notes.
+    """
+    uncertain = result.uncertainty
+    if uncertain is None or not (result.sets or result.unsure):
         return
     if result.sets:
-        console.print(_table(result.sets, "How sure they are"))
+        console.print(_table(result.sets, "Probability that all checks pass"))
     if result.unsure:
-        console.print(_table(result.unsure, f"Stand, but less surely than {asked_for(told.confidence)}"))
+        console.print(
+            _table(
+                result.unsure, f"Pass at nominal figures, below the confidence of {confidence(uncertain.confidence)}"
+            )
+        )
     best = next(iter((*result.sets, *result.unsure)))
     if best.reliability and not quiet:
-        named = f"Set {best.rank}" if len(result.sets) + len(result.unsure) > 1 else "The set"
+        named = f"Drive {best.rank}" if len(result.sets) + len(result.unsure) > 1 else "The drive"
         _of_a_set(console, best.reliability, f"{named}, check by check")
-        console.print(_assumed(told))
-    _said(console, told, quiet=quiet)
+        console.print(_assumed(uncertain))
+    _summary(console, uncertain, quiet=quiet)
 
 
 def tolerances_of(console: Console, pair: Explanation) -> None:
-    """Print how sure one pair is with each belt ratio; nothing where no tolerances were sampled."""
+    """Print the probabilities of a combination with each belt ratio; nothing where no tolerances were sampled.
+
+    Parameters
+    ----------
+    console
+        The terminal.
+    pair
+        The combination of motor and gearhead.
+    """
     if pair.uncertainty is None:
         return
-    console.print(_table(pair.sets, "How sure it is"))
+    console.print(_table(pair.sets, "Probability that all checks pass"))
     for one in pair.sets:
         if one.reliability:
             _of_a_set(console, one.reliability, one.label if len(pair.sets) > 1 else "Check by check")
     console.print(_assumed(pair.uncertainty))
-    _said(console, pair.uncertainty, quiet=False)
+    _summary(console, pair.uncertainty, quiet=False)
 
 
 _FIGURES = (("all pass", "right"), ("weakest check", "left"), ("margin\n5 %", "right"), ("margin\n50 %", "right"))
 
 
 def _table(sets: Sequence[DriveSet], title: str) -> Table:
-    """A set in two lines: a probability stands over its error, as the motor over the gearhead."""
+    """Two lines for a drive: probability over its error, motor over gearhead."""
     loops = [("in closed\nloop", "right")] if any(one.reliability and one.reliability.loop for one in sets) else []
-    table = tables.bare(("", "right"), ("set", "left"), *_FIGURES, *loops, title=title)
+    table = tables.bare(("", "right"), ("drive", "left"), *_FIGURES, *loops, title=title)
     _unbroken(table)
     for one in sets:
         found = one.reliability
@@ -79,7 +100,7 @@ def _table(sets: Sequence[DriveSet], title: str) -> Table:
 
 
 def _unbroken(table: Table) -> None:
-    """Leave it to the columns of words to become narrow: figures stay whole."""
+    """Let only columns of words become narrow: figures do not wrap."""
     for column in table.columns:
         column.no_wrap = column.justify == "right"
 
@@ -91,7 +112,7 @@ def _named(one: DriveSet) -> Text:
 
 
 def _all_pass(found: Reliability) -> str:
-    """How probable it is that all checks pass; where that is unknown, that none of the known ones fails."""
+    """Probability that all checks pass; where that is unknown, that none of the known ones fails."""
     return _chance(found.probability, found.error, found.unknown)
 
 
@@ -102,19 +123,19 @@ def _chance(probability: float, error: float, unknown: tuple[str, ...]) -> str:
 
 
 def _weakest(found: Reliability) -> Text:
-    """The weakest check, that of the closed loop where it fails, and what no sample can tell."""
+    """The weakest check, that of the closed loop where it fails, and the checks that stay unknown."""
     loop = in_the_loop(found)
     unknown = f"\nunknown: {'; '.join(found.unknown)}" if found.unknown else ""
     return Text(found.weakest + (f"\n{loop}" if loop else "")) + Text(unknown, style="yellow")
 
 
 def _loop(found: Reliability) -> str:
-    """What the closed loop says, with its own error."""
+    """Probability in closed loop, with its own error."""
     return _chance(found.loop.probability, found.loop.error, found.loop.unknown) if found.loop else "–"
 
 
 def _margin(value: float) -> str:
-    """A margin, near the limit to a tenth of a per cent: whether it is one is what samples tell.
+    """A margin, to a tenth of a per cent near the limit.
 
     >>> _margin(-0.0034), _margin(0.213)
     ('-0.3 %', '+21 %')
@@ -131,7 +152,7 @@ def _of_a_set(console: Console, found: Reliability, title: str) -> None:
 
 
 def _spreads(found: Reliability, title: str) -> Table:
-    """The checks of a set that samples move, those that fail most first."""
+    """The checks of a drive that vary over the samples, most failures first."""
     heads = ("check", "left"), ("passes", "right"), ("margin 5 %", "right"), ("50 %", "right"), ("95 %", "right")
     table = tables.bare(*heads, title=title)
     _unbroken(table)
@@ -141,9 +162,9 @@ def _spreads(found: Reliability, title: str) -> Table:
 
 
 def _drivers(found: Reliability) -> Table:
-    """What matters most for its smallest margin."""
+    """The assumptions with the largest influence on its smallest margin."""
     heads = ("assumption", "left"), ("share", "right"), ("from", "right"), ("to", "right"), ("smallest margin", "right")
-    table = tables.bare(*heads, title="What its smallest margin hangs on most")
+    table = tables.bare(*heads, title="Largest influences on its smallest margin")
     _unbroken(table)
     for one in found.drivers[:_DRIVERS]:
         moves = f"{_margin(one.low_margin)} … {_margin(one.high_margin)}"
@@ -152,26 +173,26 @@ def _drivers(found: Reliability) -> Table:
 
 
 def _assumed(found: Uncertainty) -> Table:
-    """What was uncertain."""
-    table = tables.bare(("figure", "left"), ("tolerance", "left"), ("from", "left"), title="What is uncertain")
+    """The uncertain figures."""
+    table = tables.bare(("figure", "left"), ("tolerance", "left"), ("source", "left"), title="Uncertain figures")
     for one in found.assumptions:
         table.add_row(one.title, Text(one.text), one.source)
     return table
 
 
-def _said(console: Console, found: Uncertainty, *, quiet: bool) -> None:
-    sets = "1 set" if found.examined == 1 else f"{found.examined} sets"
-    console.print(f"{sets} sampled, {found.samples:,} times each (seed {found.seed}){_reached(found)}.")
+def _summary(console: Console, found: Uncertainty, *, quiet: bool) -> None:
+    drives = "1 drive" if found.examined == 1 else f"{found.examined} drives"
+    console.print(f"{drives} sampled, {found.samples:,} times each (seed {found.seed}){_reached(found)}.")
     for note in () if quiet else found.notes:
         console.print(Padding(Text(note), (0, 0, 0, 2)))
     console.print()
 
 
 def _reached(found: Uncertainty) -> str:
-    """How many are as sure as was asked for."""
+    """How many reach the required confidence."""
     if found.confidence is None:
         return ""
-    wanted = asked_for(found.confidence)
+    wanted = confidence(found.confidence)
     if found.examined == 1:
-        return f": {'' if found.reached else 'not '}as sure as {wanted}"
-    return f", {found.reached or 'none'} of them as sure as {wanted}"
+        return f": {'reaches' if found.reached else 'below'} the confidence of {wanted}"
+    return f", {found.reached or 'none'} of them at or above the confidence of {wanted}"

@@ -1,4 +1,4 @@
-"""What a person sees at the terminal of a sizing, an explanation and a validation."""
+"""A sizing, an explanation and a validation at the terminal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drivesizer.control.validation import Validation
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.loops import loops
 from drivesizer.output.terminal.machine import machine
-from drivesizer.output.terminal.reliability import none_as_sure, tolerances, tolerances_of
+from drivesizer.output.terminal.reliability import below_confidence, tolerances, tolerances_of
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
@@ -26,7 +26,15 @@ __all__ = ["explained", "sizing", "validation", "validations"]
 
 
 def sizing(result: SizingResult, *, quiet: bool = False) -> None:
-    """Print a sizing: requirements, the chosen set, the next best, and why the rest fell."""
+    """Print a sizing: requirements, the best drive, the next best, the closest rejected, and why the others fail.
+
+    Parameters
+    ----------
+    result
+        The sizing.
+    quiet
+        Leave out the requirements and the checks one by one.
+    """
     console = tables.console()
     tables.heading(console, result.spec.name, f"method: {result.method}")
     if not quiet:
@@ -35,8 +43,8 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
     if result.sets:
         _chosen(console, result, result.sets[0], "The drive: ", quiet=quiet)
     elif result.unsure:
-        console.print(Text(none_as_sure(result), style="bold red"))
-        _chosen(console, result, result.unsure[0], "The surest, at nominal figures: ", quiet=quiet)
+        console.print(Text(below_confidence(result), style="bold red"))
+        _chosen(console, result, result.unsure[0], "The most probable, at nominal figures: ", quiet=quiet)
     else:
         _none(console, result)
     if len(result.sets) > 1:
@@ -44,10 +52,10 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
     if result.front:
         console.print(_front(result))
     elif result.pareto:
-        console.print(f"Of no set that stands are {', '.join(result.pareto)} all known: there is no front.")
+        console.print(f"No Pareto front: no drive that passes has known values of {', '.join(result.pareto)}.")
     tolerances(console, result, quiet=quiet)
     if result.misses:
-        console.print(_nearest(result.misses))
+        console.print(_rejected(result.misses))
     _tally(console, result)
 
 
@@ -57,7 +65,7 @@ def _chosen(console: Console, result: SizingResult, best: DriveSet, words: str, 
     console.print(line + _by_the_other(best))
     console.print(tables.parts(best, result.catalog))
     mass = f"{show(best.mass, 'g', 'mass')} ({' + '.join(best.mass_of)})"
-    console.print(f"whole reduction {best.total_ratio:.4g} · mass {mass}")
+    console.print(f"total ratio {best.total_ratio:.4g} · mass {mass}")
     if tight:
         console.print(f"tightest: {tight.title}, margin {percent(tight.margin)}")
     if not quiet:
@@ -71,18 +79,18 @@ _METHODS = {"paper": "by the paper's equations and rule", "physics": "by physics
 
 
 def _both_methods(console: Console, found: DriveSet) -> None:
-    """The checks of the method that ranked, those of the other, and where they look at the same limit."""
+    """The checks of the method that ranked, those of the other, and both where the limit is the same."""
     console.print(tables.checks(found.checks, f"Checks {_METHODS[found.checks[0].method]}"))
     if found.figures:
-        console.print(tables.loose(found.figures, "What it does"))
+        console.print(tables.loose(found.figures, "Operating figures"))
     if found.beside:
-        console.print(tables.checks(found.beside, f"The same set {_METHODS[found.beside[0].method]}"))
+        console.print(tables.checks(found.beside, f"The same drive {_METHODS[found.beside[0].method]}"))
         console.print(_both(found))
     machine(console, found)
 
 
 def _by_the_other(found: DriveSet) -> Text:
-    """What the other method says of the set, in a few words."""
+    """The other method's verdict, and the checks that decide it."""
     if not found.beside:
         return Text()
     status = verdict(found.beside)
@@ -92,7 +100,7 @@ def _by_the_other(found: DriveSet) -> Text:
 
 
 def _both(found: DriveSet) -> Table:
-    """Where both methods look at the same limit: both demands, and why they differ."""
+    """Limits that both methods check: both demands, and why they differ."""
     table = tables.bare(
         ("", "left"), ("paper", "right"), ("physics", "right"), ("why they differ", "left"), title="Both methods"
     )
@@ -106,22 +114,22 @@ def _both(found: DriveSet) -> Table:
 
 
 def _none(console: Console, result: SizingResult) -> None:
-    console.print(Text("No set stands.", style="bold red"))
+    console.print(Text("No drive meets all limits.", style="bold red"))
     if result.counts.failed_by:
         name, count = max(result.counts.failed_by.items(), key=lambda item: item[1])
         title = CHECKS[result.method][name].title.lower()
-        console.print(f"Blocks most: {title}, which {count:,} of {result.counts.considered:,} sets fail.")
+        console.print(f"Most frequent failure: {title}, in {count:,} of {result.counts.considered:,} drives.")
     if result.relaxations:
-        console.print("Any one of these changes would let one stand:")
+        console.print("Any one of these changes alone would let a drive pass:")
     for r in result.relaxations:
-        console.print(Text(f"  {r.field} {r.now} → {r.needed}: then {r.set_label}"))
+        console.print(Text(f"  {r.field} {r.now} → {r.needed}: {r.set_label}"))
     if not result.relaxations and result.counts.considered:
-        console.print("  No single figure of the spec, moved up to 20 times, is enough.")
+        console.print("  No single figure of the spec, changed by up to a factor of 20, is enough.")
     if not result.counts.considered:
-        console.print("  No listed pair of motor and gearhead is left by the families and parts that the spec names.")
+        console.print("  The families and parts that the spec names leave no listed combination of motor and gearhead.")
     if result.misses:
         console.print()
-        console.print(tables.checks(result.misses[0].checks, f"Nearest miss: {result.misses[0].label}"))
+        console.print(tables.checks(result.misses[0].checks, f"Closest rejected: {result.misses[0].label}"))
         machine(console, result.misses[0])
 
 
@@ -145,28 +153,28 @@ def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
 
 
 def _gearhead(found: DriveSet, among: tuple[DriveSet, ...]) -> str:
-    """Gearhead and reduction, with the belt's where the sets differ in it."""
+    """Gearhead and its reduction, with the belt's ratio where the drives differ in it."""
     belt = f" × {found.belt_name or 1}" if len({s.belt_ratio for s in among}) > 1 else ""
     return f"{found.gearhead_name}{belt}"
 
 
 def _named(part: Encoder | Controller | None, otherwise: str) -> str:
-    """Family and number of a part, or that it is in the actuator."""
+    """Family and number of a part; "inside" where the actuator contains it."""
     if part is None:
         return otherwise
     return "inside" if part.inside else f"{part.family}\n{part.part}"
 
 
-def _nearest(misses: tuple[DriveSet, ...]) -> Table:
-    """The nearest that fell, each with its worst check."""
+def _rejected(misses: tuple[DriveSet, ...]) -> Table:
+    """The closest rejected, each with its worst check."""
     table = tables.bare(
-        ("motor", "left"), ("gearhead", "left"), ("falls by", "left"), ("demand", "right"), ("limit", "right"),
-        title="Nearest of those that fell",
+        ("motor", "left"), ("gearhead", "left"), ("fails on", "left"), ("demand", "right"), ("limit", "right"),
+        title="Closest rejected",
     )  # fmt: skip
     for found in misses:
         failed = [check for check in found.deciding if check.status != "pass"]
         check = worst(tuple(failed)) or failed[0]
-        others = f" (+{len(failed) - 1})" if len(failed) > 1 else ""
+        others = {1: "", 2: " and 1 more check"}.get(len(failed), f" and {len(failed) - 1} more checks")
         table.add_row(
             found.motor_name,
             _gearhead(found, misses),
@@ -189,7 +197,7 @@ def _objective(found: DriveSet, objective: str) -> str:
 
 
 def _front(result: SizingResult) -> Table:
-    """Sets that no other beats in all of several objectives."""
+    """Drives that no other beats in all objectives."""
     heads = [(name.replace("_", " "), "right") for name in result.pareto]
     table = tables.bare(("motor", "left"), ("gearhead", "left"), *heads, title="Pareto front")
     for found in result.front:
@@ -202,11 +210,11 @@ def _front(result: SizingResult) -> Table:
 
 def _tally(console: Console, result: SizingResult) -> None:
     counts = result.counts
-    sets = "1 set" if counts.considered == 1 else f"{counts.considered:,} sets"
-    stands = "stands" if counts.feasible == 1 else "stand"
-    console.print(f"{sets} considered, {counts.feasible:,} {stands}.", end="")
+    drives = "1 drive" if counts.considered == 1 else f"{counts.considered:,} drives"
+    meet = "meets" if counts.feasible == 1 else "meet"
+    console.print(f"{drives} considered, {counts.feasible:,} {meet} all limits.", end="")
     if counts.failed_by:
-        console.print(" The others fell by:")
+        console.print(" The others fail on:")
         for name, count in sorted(counts.failed_by.items(), key=lambda item: -item[1]):
             words = (
                 "not the largest reduction"
@@ -217,7 +225,7 @@ def _tally(console: Console, result: SizingResult) -> None:
     else:
         console.print()
     if counts.failed_by_budget:
-        console.print(f"Of {counts.judged:,} held against the machine, the best first, some fell by:")
+        console.print(f"Of {counts.judged:,} checked in the machine, best first, some fail on:")
         for name, count in sorted(counts.failed_by_budget.items(), key=lambda item: -item[1]):
             console.print(f"  {count:>8,}  {CHECKS['budget'][name].title.lower()}")
     other = result.unrestricted
@@ -236,7 +244,15 @@ def _tally(console: Console, result: SizingResult) -> None:
 
 
 def explained(pair: Explanation, catalog: Catalog) -> None:
-    """Print one pair check by check, for every belt ratio, and how sure each is."""
+    """Print a combination of motor and gearhead check by check, for every belt ratio, and its probabilities.
+
+    Parameters
+    ----------
+    pair
+        The combination with each belt.
+    catalog
+        The catalogue of its parts.
+    """
     console = tables.console()
     for found in pair.sets:
         tables.heading(console, found.label, MARK[found.status], STYLE[found.status])
@@ -249,37 +265,45 @@ def explained(pair: Explanation, catalog: Catalog) -> None:
 
 
 def _changes(console: Console, found: DriveSet) -> None:
-    """What would let a set pass that fails."""
+    """Changes of the spec that would let a failing drive pass."""
     if found.status != "fail":
         return
     if not found.changes:
-        console.print("No single change of the spec, up to 20 times, would let it pass.")
+        console.print("No single change of the spec, by up to a factor of 20, would let it pass.")
         return
-    console.print("Any one of these changes alone would let it pass, the least first:")
+    console.print("Any one of these changes alone would let it pass, smallest first:")
     for change in found.changes:
         console.print(Text(f"  {change.field} {change.now} → {change.needed}"))
 
 
 def validation(proof: Validation) -> None:
-    """Print a closed-loop verdict."""
+    """Print a validation in closed loop."""
     console = tables.console()
     tables.heading(console, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])
     console.print(Text(proof.drive_set.label))
     console.print(tables.gains(proof))
-    console.print(tables.checks(proof.checks, "Demand against limit"))
-    console.print(tables.loose(proof.figures, "The closed loop"))
+    console.print(tables.checks(proof.checks, "Checks in closed loop"))
+    console.print(tables.loose(proof.figures, "Figures of the closed loop"))
     if proof.loops:
         console.print(loops(proof.loops, console.width))
 
 
 def validations(proofs: Sequence[Validation], objective: str) -> None:
-    """Print several sets in closed loop, a line each, the best first."""
+    """Print several drives in closed loop, a line each, best first.
+
+    Parameters
+    ----------
+    proofs
+        The validations.
+    objective
+        The objective of the sizing that ranked them.
+    """
     console = tables.console()
     first = proofs[0]
-    tables.heading(console, f"{first.spec.name}: {first.profile}", f"{len(proofs)} sets in closed loop", "")
+    tables.heading(console, f"{first.spec.name}: {first.profile}", f"{len(proofs)} drives in closed loop", "")
     table = tables.bare(
-        ("", "right"), ("was", "right"), ("set", "left"), (objective.replace("_", " "), "right"), ("tightest", "right"),
-        ("", "left"),
+        ("", "right"), ("was", "right"), ("drive", "left"), (objective.replace("_", " "), "right"),
+        ("tightest", "right"), ("", "left"),
     )  # fmt: skip
     for place, proof in enumerate(proofs, 1):
         tight = worst(proof.checks)

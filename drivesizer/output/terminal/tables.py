@@ -15,7 +15,7 @@ from rich.text import Text
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.catalog_file import DATA
 from drivesizer.control.validation import Validation
-from drivesizer.output.gain_table import gain_rows
+from drivesizer.output.loop_table import gain_rows
 from drivesizer.results.drive_set import DriveSet, made_by, section_of
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check, Figure
@@ -47,7 +47,22 @@ def console() -> Console:
 
 
 def bare(*columns: tuple[str, str], title: str = "", wide: bool = False) -> Table:
-    """A plain table; a column is its header and its alignment."""
+    """A plain table.
+
+    Parameters
+    ----------
+    columns
+        Header and alignment of each column.
+    title
+        Above the table.
+    wide
+        Use the full width.
+
+    Returns
+    -------
+    Table
+        Without rows.
+    """
     table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", title_style="bold", pad_edge=False)
     table.padding = (0, 2, 0, 0)
     for header, justify in columns:
@@ -68,7 +83,17 @@ def percent(margin: float) -> str:
 
 
 def heading(console: Console, name: str, right: str, style: str = "") -> None:
-    """Print a line that names what follows, something at its right end, and a rule."""
+    """Print a heading and a rule.
+
+    Parameters
+    ----------
+    console
+        The terminal.
+    name
+        At the left, bold.
+    right, style
+        Text at the right, and its style.
+    """
     grid = Table.grid(expand=True)
     grid.add_column(overflow="fold")
     grid.add_column(justify="right", no_wrap=True)
@@ -78,7 +103,20 @@ def heading(console: Console, name: str, right: str, style: str = "") -> None:
 
 
 def requirements(requirements: Iterable[Requirement], title: str) -> Table:
-    """Requirements with their equation numbers."""
+    """Requirements with their equation numbers.
+
+    Parameters
+    ----------
+    requirements
+        In the order of the rows.
+    title
+        Above the table.
+
+    Returns
+    -------
+    Table
+        A row for each.
+    """
     table = bare(("eq.", "right"), ("", "left"), ("", "left"), ("", "right"), title=title)
     for r in requirements:
         number = f"({r.equation})" if r.equation else ""
@@ -88,7 +126,20 @@ def requirements(requirements: Iterable[Requirement], title: str) -> Table:
 
 
 def checks(checks: Iterable[Check], title: str) -> Table:
-    """Checks: demand, limit, margin, verdict, and the worst moment where one is known."""
+    """Checks: demand, limit, margin, verdict, and the worst instant where one is known.
+
+    Parameters
+    ----------
+    checks
+        In the order of the rows.
+    title
+        Above the table; the load case is added where all are worst in the same one.
+
+    Returns
+    -------
+    Table
+        A row for each.
+    """
     checks = list(checks)
     timed = any(check.at_time is not None for check in checks)
     worst_in = {check.case for check in checks} - {AS_SPECIFIED}
@@ -107,9 +158,22 @@ def checks(checks: Iterable[Check], title: str) -> Table:
 
 
 def plain(check: Check, figure: float) -> str:
-    """Demand or limit; nothing for a condition that has no figures."""
+    """Demand or limit as text; empty for a condition without figures.
+
+    Parameters
+    ----------
+    check
+        The check: kind and unit.
+    figure
+        Its demand or limit [SI].
+
+    Returns
+    -------
+    str
+        The text of a cell.
+    """
     if isnan(check.demand) and isnan(check.limit) and check.status != "unknown":
-        return ""  # a condition that is met or not, without figures
+        return ""
     return check.shown(figure)
 
 
@@ -147,7 +211,20 @@ _PARTS: dict[str, tuple[tuple[str, str, str, str], ...]] = {  # figure, unit, ki
 
 
 def parts(found: DriveSet, catalog: Catalog) -> Table:
-    """The set, part by part, with what the catalogue is less sure of."""
+    """The drive, part by part, with the figures that are not quoted from the maker.
+
+    Parameters
+    ----------
+    found
+        The drive.
+    catalog
+        The catalogue of its parts.
+
+    Returns
+    -------
+    Table
+        A row for each part.
+    """
     table = bare(("", "left"), ("", "left"), ("", "left"))
     table.show_header = False
     for role, part in found.parts.items():
@@ -163,7 +240,7 @@ def parts(found: DriveSet, catalog: Catalog) -> Table:
 
 
 def _part(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[Text, Text]:
-    """Name and number of a part; its main figures, and how sure they are."""
+    """Name and number of a part; its main figures and their confidence."""
     reduction = f" {part.reduction}" if role in ("gearhead", "actuator") else ""
     values = [(getattr(part, field), unit, kind, words) for field, unit, kind, words in _PARTS[role]]
     shown = [f"{show(v, unit, kind)} {words}".strip() for v, unit, kind, words in values if not isnan(v)]
@@ -175,38 +252,51 @@ def _part(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[Text
         shown.append(f"bore {part.bore}")
     doubt = _doubt(catalog, section_of(part), part.part)
     text = Text(" · ".join(shown)) + (Text(f"\n{doubt}", style="yellow") if doubt else Text(""))
-    name = made_by(part) if len(catalog.digests) > 1 else part.family  # with one catalogue it goes without saying
+    name = made_by(part) if len(catalog.digests) > 1 else part.family  # the maker is obvious with one catalogue
     return Text(f"{name}{reduction}", style="bold") + Text(f"\n{part.part}"), text
 
 
 def _belt(table: Table, found: DriveSet) -> None:
-    """The belt, where its ratio is all that is known of it."""
+    """Add the belt where only its ratio is known."""
     if found.belt_ratio != 1.0 and not found.belt_drive:
         efficient = show(found.belt_efficiency, "%", "dimensionless") + " efficient"
         table.add_row("belt", f"{found.belt_ratio:g}", efficient)
 
 
 def _doubt(catalog: Catalog, section: str, part: str) -> str:
-    """How many figures are not quoted from the maker's own document, the shakiest ones by name."""
-    sure = catalog.confidence(section, catalog.table(section).rows[part])
+    """How many figures are not quoted from the maker's own document; the least certain ones by name."""
+    confidence = catalog.confidence(section, catalog.table(section).rows[part])
     figures = {
-        name: sure[name]
+        name: confidence[name]
         for name, column in columns_of(section).items()
-        if name in sure and column.kind != "text" and name != DATA  # a condition of the others
+        if name in confidence and column.kind != "text" and name != DATA  # a condition of the others
     }
-    said = []
+    doubts = []
     for level in ("secondary", "derived", "recalled"):
         names = [name.replace("_", " ") for name, value in figures.items() if value == level]
         if names and level == "secondary":
-            said.append(f"{len(names)} of {len(figures)} figures secondary")
+            doubts.append(f"{len(names)} of {len(figures)} figures secondary")
         elif names:
             more = f" and {len(names) - 4} more" if len(names) > 5 else ""
-            said.append(f"{level}: {', '.join(names[: 4 if more else 5])}{more}")
-    return "; ".join(said)
+            doubts.append(f"{level}: {', '.join(names[: 4 if more else 5])}{more}")
+    return "; ".join(doubts)
 
 
 def loose(figures: Iterable[Figure], title: str) -> Table:
-    """Figures without a limit."""
+    """Figures without a limit.
+
+    Parameters
+    ----------
+    figures
+        In the order of the rows.
+    title
+        Above the table.
+
+    Returns
+    -------
+    Table
+        Name, value and, where known, the instant of each.
+    """
     table = bare(("", "left"), ("", "right"), ("", "right"), title=title)
     table.show_header = False
     for figure in figures:

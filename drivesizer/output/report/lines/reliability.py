@@ -5,8 +5,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
-from drivesizer.output.probability_order import moved
-from drivesizer.output.probability_words import asked_for, in_the_loop, likely
+from drivesizer.output.probability import confidence, in_the_loop, likely, moved
 from drivesizer.output.text import margin, minus
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.reliability import Driver, LoopShare, Reliability, Spread
@@ -28,7 +27,7 @@ def none_as_sure(result: SizingResult) -> str:
     """That no set reaches the confidence that was asked for; empty where one does, or none stands at all."""
     if standing(result) != "unsure" or result.uncertainty is None:
         return ""
-    return f"no set is as sure as {asked_for(result.uncertainty.confidence)}"
+    return f"no set is as sure as {confidence(result.uncertainty.confidence)}"
 
 
 def error_and_weakest(found: Reliability) -> str:
@@ -49,7 +48,7 @@ def sure(result: SizingResult) -> dict[str, Any] | None:
     if told is None or best is None or best.reliability is None:
         return None
     return {
-        "asked": asked_for(told.confidence) if told.confidence is not None else "",
+        "asked": confidence(told.confidence) if told.confidence is not None else "",
         "samples": f"{told.samples:,}",
         "seed": str(told.seed),
         "examined": told.examined,

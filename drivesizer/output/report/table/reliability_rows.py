@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import nan
 from typing import Any
 
-from drivesizer.output.probability_words import asked_for
+from drivesizer.output.probability import confidence
 from drivesizer.output.report.table.rows import Row
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.reliability import Driver, Reliability, Spread
@@ -53,7 +53,7 @@ def less_sure_row(result: SizingResult) -> Row:
     """What marks a set that stands at nominal figures, but less surely than was asked for."""
     wanted = result.uncertainty.confidence if result.uncertainty else None
     return {"section": "set", "name": "unsure", "title": "Stands, but less surely than was asked for",
-            "note": f"less surely than {asked_for(wanted)}"}  # fmt: skip
+            "note": f"less surely than {confidence(wanted)}"}  # fmt: skip
 
 
 def reliability_rows(one: DriveSet) -> Iterator[Row]:

@@ -11,8 +11,7 @@ from math import isnan
 from typing import Any
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.gain_table import gain_rows
-from drivesizer.output.loop_table import loop_figures
+from drivesizer.output.loop_table import gain_rows, loop_figures
 from drivesizer.output.parts import PartLine, Total
 from drivesizer.output.report.lines.machine import driven_over
 from drivesizer.output.sums import price_of

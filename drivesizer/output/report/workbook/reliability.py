@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
-from drivesizer.output.probability_words import asked_for
+from drivesizer.output.probability import confidence
 from drivesizer.output.report.lines.reliability import none_as_sure
 from drivesizer.output.report.table.reliability_rows import every_list, method_of
 from drivesizer.output.report.table.rows import Row
@@ -70,7 +70,7 @@ def _sampled(result: SizingResult, told: Uncertainty) -> str:
     said = f"{sets} sampled, {told.samples} times each, seed {told.seed}"
     if told.confidence is None:
         return said
-    return f"{said}; {none_as_sure(result) or f'{told.reached} of them as sure as {asked_for(told.confidence)}'}"
+    return f"{said}; {none_as_sure(result) or f'{told.reached} of them as sure as {confidence(told.confidence)}'}"
 
 
 def _set(one: DriveSet) -> Row:

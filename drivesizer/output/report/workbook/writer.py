@@ -13,7 +13,7 @@ from functools import cache
 from typing import Any
 
 from drivesizer.output.cells import visible
-from drivesizer.output.probability_words import likely
+from drivesizer.output.probability import likely
 from drivesizer.output.report.table.rows import Row
 from drivesizer.output.report.workbook.chart import draw
 from drivesizer.output.report.workbook.sheet import Column, Sheet, Told
