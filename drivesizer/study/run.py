@@ -25,7 +25,7 @@ __all__ = ["Outcome", "carry_out"]
 
 Progress = Callable[[int, int], None]  # variants that are done, variants in all
 Compute = Callable[[Plan, Sequence[int]], Iterator[tuple[int, Part]]]
-_OWN = {"lock", "chunks", "maps", "results.csv", "results.parquet", "study.json"}
+_OWN = {"lock", "lock.txt", "chunks", "maps", "results.csv", "results.parquet", "study.json"}
 
 
 @dataclass

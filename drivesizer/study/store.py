@@ -6,7 +6,7 @@ mixed with these.
 
     FOLDER/study.json                what the results are made of
     FOLDER/chunks/000/000012.jsonl   a head with the digest, then a row in each line
-    FOLDER/lock                      held while a process is at work
+    FOLDER/lock, lock.txt            held while a process is at work, and its name
 """
 
 from __future__ import annotations

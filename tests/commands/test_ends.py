@@ -221,6 +221,7 @@ def test_a_lock_that_cannot_be_written_is_one_line(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(os, "write", full)
-    with pytest.raises(InputError, match=r"lock: cannot be written \(no space left on device\)"), locked(tmp_path):
+    monkeypatch.setattr(os, "open", full)
+    said = r"lock: cannot be written or locked \(no space left on device\)"
+    with pytest.raises(InputError, match=said), locked(tmp_path):
         pass
