@@ -1,8 +1,8 @@
 """The command line: parse, call, print.
 
-Exit status: 0 a set was found or the set passes, also where that is unknown for want of a figure, 1 none does, 2 the
-input is wrong or an output cannot be written (one line says where and what), 70 drivesizer itself is at fault, 130 it
-was interrupted. Results go to stdout, warnings and errors to stderr; whatever fails ends in `cli_ends`.
+Exit status: 0 a drive was found or passes, also where that is unknown for lack of a figure, 1 none does, 2 the input
+is wrong or an output cannot be written (one line says where and what), 70 drivesizer itself is at fault, 130 it
+was interrupted. Results go to stdout, warnings and errors to stderr; failures are reported in `commands.ends`.
 """
 
 from __future__ import annotations
@@ -36,24 +36,24 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
 
-# in the order of the work: what it does in the list of commands, and an example
+# in the order of use: short help and an example
 _COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
     (init, "Write a commented robot.yaml to start from.", "init --kind wheeled_vehicle -o robot.yaml"),
-    (size, "Find the drive, the next best, and why the rest fell.",
+    (size, "Find the drive, the next best, and why the others fail.",
      "size examples/sps_robot.yaml --top 3 --objective price"),
-    (explain, "Why one pair of motor and gearhead passes or fails.",
+    (explain, "Why a combination of motor and gearhead passes or fails.",
      "explain examples/sps_robot.yaml --motor 118743 --gearhead 406764"),
-    (validate, "Drive a set through its profile in closed loop.",
+    (validate, "Simulate a drive over its profile in closed loop.",
      "validate examples/sps_robot.yaml --profile trapezoid"),
     (drive, "Drive a platform along a trajectory, wheel by wheel.",
      "drive examples/sps_platform.yaml examples/sps_way.csv"),
     (report, "Write the report: PDF, HTML, XLSX, CSV or JSON.", "report examples/sps_robot.yaml -o report.pdf"),
-    (export, "Write the set for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
+    (export, "Write the drive for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
      "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
     (study, "Size every variant of a spec: tables and maps.", "study examples/study.yaml"),
     (equations, "The paper's equations, as printed and as computed.", "equations 10"),
     (schema, "JSON Schema of robot.yaml, a catalogue or the JSON report.", "schema > robot.schema.json"),
-    (doctor, "Whether this installation works, and what to do if not.", "doctor"),
+    (doctor, "Check this installation.", "doctor"),
 )  # fmt: skip
 
 
@@ -69,17 +69,17 @@ def _root(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")
     ] = False,
 ) -> None:
-    """Size electric drives out of real catalogues: one robot.yaml in, the drive and its proof out."""
+    """Size electric drives from real catalogues: one robot.yaml in, the drive with every check out."""
 
 
 for _command, _short, _example in _COMMANDS:
     app.command(short_help=_short, epilog=f"Example: drivesizer {_example}")(_command)
-app.add_typer(catalog_commands, name="catalog", short_help="Look into the catalogues, check them, carry parts.")
+app.add_typer(catalog_commands, name="catalog", short_help="Search, check, import and export catalogues.")
 
 
 def main() -> None:
     """Run the command line; every failure ends in one line and a status."""
-    gc.set_threshold(200_000, 20, 20)  # in a process of seconds, looking for cycles costs more than it frees
+    gc.set_threshold(200_000, 20, 20)  # in a process of seconds, collecting cycles costs more than it frees
     warnings.showwarning = lambda message, *_, **__: print(f"note: {printable(str(message))}", file=sys.stderr)
-    warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is told as unknown
+    warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is reported as unknown
     sys.exit(ended(lambda: app(standalone_mode=False)))

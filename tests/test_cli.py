@@ -261,7 +261,7 @@ def test_a_long_search_shows_a_bar_and_a_short_one_nothing(monkeypatch, capsys):
             told(3, 3)
         out = capsys.readouterr()
         assert out.out == ""
-        assert ("sets examined" in out.err) == (seconds > 1.0)
+        assert ("drives examined" in out.err) == (seconds > 1.0)
 
 
 def test_the_list_of_commands_fits_80_columns_and_each_has_an_example(run, monkeypatch):

@@ -52,7 +52,7 @@ def listed(
     kind: Annotated[str | None, typer.Option(help="Such as brushed or planetary; * stands for anything.")] = None,
     where: Annotated[list[str] | None, typer.Option(help="A column: 'max_speed>=8000 rpm'. May be repeated.")] = None,
     sort: Annotated[str, typer.Option(help="A column, -column for the largest first; the unknown last.")] = "",
-    excluded: Annotated[bool, typer.Option("--excluded", help="Also what is excluded from sizing.")] = False,
+    excluded: Annotated[bool, typer.Option("--excluded", help="Also parts excluded from sizing.")] = False,
     limit: Limit = 40,
     json: Json = False,
     csv: Csv = None,
@@ -60,8 +60,8 @@ def listed(
     """List the parts that meet conditions, or all families."""
     shelf = open_named(catalog)
     options = {"family": family, "voltage": voltage, "diameter": diameter, "power": power, "kind": kind}
-    asked = [*filter(None, options.values()), *(where or ()), sort]
-    if section is None and not any(asked) and not (json or csv):
+    wanted = [*filter(None, options.values()), *(where or ()), sort]
+    if section is None and not any(wanted) and not (json or csv):
         from drivesizer.output.terminal import catalog as terminal_catalog
 
         terminal_catalog.overview(shelf)
@@ -87,16 +87,16 @@ def _columns(conditions: list[str]) -> list[str]:
 def _selected(
     shelf: dict[str, Catalog], section: str | None, options: dict[str, str | None], where: list[str], **how: Any
 ) -> dict[str, Selection]:
-    """What meets the conditions, by section: the one that is named, or all that have the figures."""
+    """Parts that meet the conditions, by section: the named one, or all that have the figures."""
     from drivesizer.catalog import PARTS
     from drivesizer.catalog.query import conditions, has, select
 
     names = [known(section)] if section else [s for s in PARTS if has(s, where, how["sort"])] or list(PARTS)
-    asked = {name: conditions(name, options, where) for name in names}
-    found = {name: select(shelf, name, ask, **how) for name, ask in asked.items() if ask is not None}
+    required = {name: conditions(name, options, where) for name in names}
+    found = {name: select(shelf, name, some, **how) for name, some in required.items() if some is not None}
     if not found:
         given = ", ".join(f"--{name}" for name, text in options.items() if text is not None)
-        raise InputError(f"{given}: {section or 'no section'} has no such figure; --where asks any column")
+        raise InputError(f"{given}: {section or 'no section'} has no such figure; --where takes any column")
     return found
 
 
@@ -119,10 +119,10 @@ def _print_parts(shelf: dict[str, Catalog], hits: list[Hit], undecided: int) -> 
 def show(
     part: Annotated[str, typer.Argument(help="A part number.")],
     catalog: Names = None,
-    source: Annotated[bool, typer.Option("--source", help="Where each figure is from and how sure it is.")] = False,
+    source: Annotated[bool, typer.Option("--source", help="Source and confidence of each figure.")] = False,
     json: Json = False,
 ) -> None:
-    """Show one part like a data sheet, and what goes with it."""
+    """Show one part as a data sheet, with matching parts."""
     from drivesizer.catalog.lookup import find, partners
 
     shelf = open_named(catalog)
@@ -196,7 +196,7 @@ def search(
 
 @app.command(epilog="Example: drivesizer catalog stats --catalog maxon")
 def stats(catalog: Names = None, json: Json = False) -> None:
-    """Tell how complete the catalogues are, and how sure their figures."""
+    """Show the completeness of the catalogues and the confidence of their figures."""
     shelf = open_named(catalog)
     if json:
         from drivesizer.catalog import PARTS
@@ -213,10 +213,10 @@ def stats(catalog: Names = None, json: Json = False) -> None:
 @app.command(epilog="Example: drivesizer catalog check --catalog my_parts.yaml")
 def check(
     catalog: Names = None,
-    everything: Annotated[bool, typer.Option("--all", help="Also what is accepted or only worth knowing.")] = False,
+    everything: Annotated[bool, typer.Option("--all", help="Also accepted and informational findings.")] = False,
     json: Json = False,
 ) -> None:
-    """Check that figures agree with each other; status 1 when one is unexplained."""
+    """Check that figures are consistent; status 1 when a contradiction is unexplained."""
     from drivesizer.catalog.laws.check import check as checked
 
     found = [one for shelved in open_named(catalog).values() for one in checked(shelved)]

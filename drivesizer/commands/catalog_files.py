@@ -1,4 +1,4 @@
-"""Catalogues in and out: parts to CSV or JSON, and a catalogue file out of another program's table."""
+"""Export of parts to CSV or JSON, and import of another program's table as a catalogue file."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def export(
     raise typer.Exit(0 if hits else 1)
 
 
-Told = Annotated[str | None, typer.Option(help="As in the map, and before it.")]
+Stated = Annotated[str | None, typer.Option(help="As in the map, and before it.")]
 
 
 def take_in(
@@ -100,14 +100,14 @@ def take_in(
     section: Annotated[str, typer.Option(help="motors, gearheads, encoders or controllers.")],
     map_: Annotated[Path | None, typer.Option("--map", help="YAML: their header to our column, source, maker.")] = None,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="The catalogue file to write.")] = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only tell what would be read.")] = False,
-    manufacturer: Told = None,
-    family: Told = None,
-    name: Told = None,
-    document: Told = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only show what would be read.")] = False,
+    manufacturer: Stated = None,
+    family: Stated = None,
+    name: Stated = None,
+    document: Stated = None,
     confidence: Annotated[str | None, typer.Option(help="quoted, secondary, derived or recalled.")] = None,
-    date: Told = None,
-    url: Told = None,
+    date: Stated = None,
+    url: Stated = None,
 ) -> None:
     """Make a catalogue file out of another program's table."""
     from drivesizer.catalog.exchange.import_map import plan
@@ -117,12 +117,12 @@ def take_in(
     from drivesizer.output.terminal import findings as terminal_findings
 
     target = _target(output, dry_run)
-    said = {"manufacturer": manufacturer, "family": family, "name": name, "document": document,
-            "confidence": confidence, "date": date, "url": url}  # fmt: skip
-    told = take(read_text(file), file, plan(section, map_, said), target)
-    terminal_findings.taken(told)
+    stated = {"manufacturer": manufacturer, "family": family, "name": name, "document": document,
+              "confidence": confidence, "date": date, "url": url}  # fmt: skip
+    taken = take(read_text(file), file, plan(section, map_, stated), target)
+    terminal_findings.taken(taken)
     if not dry_run:
-        new(target, told.text.encode())
+        new(target, taken.text.encode())
         typer.echo(f"{target} written; it states no compatibility yet: add it at its end")
 
 

@@ -1,4 +1,4 @@
-"""What the commands share: their options, the spec that they read, what is said while they work."""
+"""Shared by the commands: options, reading the spec, progress and notes."""
 
 from __future__ import annotations
 
@@ -24,16 +24,17 @@ __all__ = [
     "Spec",
     "Top",
     "load",
+    "print_notes",
     "progress",
-    "tell",
     "working",
 ]
 
-Spec = Annotated[Path, typer.Argument(metavar="ROBOT.YAML", help="The spec; robot.yaml when not given.")]
+Spec = Annotated[Path, typer.Argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
-Top = Annotated[int, typer.Option(min=1, max=1000, help="How many sets to show.")]
+Top = Annotated[int, typer.Option(min=1, max=1000, help="How many drives to show.")]
 Chosen = Annotated[
-    str | None, typer.Option("--set", metavar="MOTOR/GEARHEAD", help="Part numbers, e.g. 118752/406764; else the best.")
+    str | None,
+    typer.Option("--set", metavar="MOTOR/GEARHEAD", help="A drive, e.g. 118752/406764; else the best."),
 ]
 More = Annotated[
     list[str] | None,
@@ -43,15 +44,28 @@ DEFAULT = Path("robot.yaml")
 Profile = Annotated[
     str | None, typer.Option(help="trapezoid, s-curve, or a CSV file of time and speed; else the spec's.")
 ]
-_PATIENCE = 1.0  # s, after which a person is told what goes on
+_PATIENCE = 1.0  # s, after which progress is shown
 
 
 class NothingFitsError(DrivesizerError):
-    """The input is right and no set stands: exit status 1."""
+    """The input is valid and no drive meets all limits: exit status 1."""
 
 
 def load(path: Path, more: list[str] | None = None) -> Any:
-    """The spec, with further catalogues; their paths count from the current folder."""
+    """Read the spec and add catalogues; their paths are relative to the current folder.
+
+    Parameters
+    ----------
+    path
+        The spec.
+    more
+        Further catalogues, by name or file.
+
+    Returns
+    -------
+    RobotSpec
+        The spec.
+    """
     from drivesizer.spec.robot import load_spec
 
     if path == DEFAULT and not path.exists():
@@ -64,7 +78,7 @@ def load(path: Path, more: list[str] | None = None) -> Any:
     return spec.model_copy(update={"select": select})
 
 
-def tell(messages: tuple[str, ...]) -> None:
+def print_notes(messages: tuple[str, ...]) -> None:
     """Print notes to stderr, a line each."""
     for message in messages:
         typer.echo(f"note: {message}", err=True)
@@ -72,11 +86,11 @@ def tell(messages: tuple[str, ...]) -> None:
 
 @contextmanager
 def progress() -> Iterator[Callable[[int, int], None]]:
-    """A bar on stderr for a search that lasts longer than a second; nothing for a shorter one."""
+    """Progress bar on stderr for a search of more than a second."""
     bar: Any = None
     started, looked = time.monotonic(), False
 
-    def told(done: int, total: int) -> None:
+    def advance(done: int, total: int) -> None:
         nonlocal bar, looked
         if not looked and time.monotonic() - started > _PATIENCE:
             from rich.console import Console
@@ -85,13 +99,13 @@ def progress() -> Iterator[Callable[[int, int], None]]:
             looked, console = True, Console(stderr=True)
             if console.is_terminal and not console.is_dumb_terminal:
                 bar = Progress(console=console, transient=True)
-                bar.add_task("sets examined", total=total)
+                bar.add_task("drives examined", total=total)
                 bar.start()
         if bar is not None:
             bar.update(bar.task_ids[0], completed=done)
 
     try:
-        yield told
+        yield advance
     finally:
         if bar is not None:
             bar.stop()
@@ -99,7 +113,7 @@ def progress() -> Iterator[Callable[[int, int], None]]:
 
 @contextmanager
 def working(on: str) -> Iterator[None]:
-    """A line on stderr that says what takes longer than a second; nothing where no person looks."""
+    """Status line on stderr after a second; nothing where stderr is no terminal."""
     if not sys.stderr.isatty():
         yield
         return

@@ -1,4 +1,4 @@
-"""Whether an installation works: libraries, cache, catalogues, fonts, terminal; and what to do where it does not."""
+"""Check of an installation: libraries, cache, catalogues, fonts, terminal; with a remedy for each failure."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ __all__ = ["Finding", "examined", "print_findings"]
 
 
 class Finding(NamedTuple):
-    """One thing that was looked at."""
+    """Result of one check of the installation."""
 
     subject: str
     found: str
     works: bool
-    remedy: str = ""  # what to do where it does not work
+    remedy: str = ""  # where it does not work
 
 
 def examined() -> list[Finding]:
@@ -35,7 +35,7 @@ def examined() -> list[Finding]:
 
 
 def _tried(look: Callable[[], Iterator[Finding]]) -> list[Finding]:
-    """What a look finds; a failure on the way is a finding."""
+    """Findings of one check; a failure inside it is a finding too."""
     found: list[Finding] = []
     try:
         found.extend(look())
@@ -52,13 +52,13 @@ def _program() -> Iterator[Finding]:
 
 
 def _libraries() -> Iterator[Finding]:
-    """Each library that drivesizer names, with the least version that it asks for; one of an extra may be missing."""
+    """Each library that drivesizer names, with the least version required; one of an extra may be missing."""
     for line in metadata.requires("drivesizer") or ():
-        asked = re.match(r"([\w.-]+)\s*>=\s*([\d.]+)(?:\s*;\s*(.*))?$", line)
+        required = re.match(r"([\w.-]+)\s*>=\s*([\d.]+)(?:\s*;\s*(.*))?$", line)
         extra = re.search(r"extra\s*==\s*['\"](\w+)", line)
-        if asked is None or not _meant(asked[3]) or (extra and extra[1] == "dev"):
+        if required is None or not _meant(required[3]) or (extra and extra[1] == "dev"):
             continue
-        name, least = asked[1], asked[2]
+        name, least = required[1], required[2]
         try:
             version = metadata.version(name)
         except metadata.PackageNotFoundError:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, Chosen, Json, More, Spec, load, progress, tell, working
+from drivesizer.commands.common import DEFAULT, Chosen, Json, More, Spec, load, print_notes, progress, working
 from drivesizer.errors import InputError
 
 __all__ = ["drive"]
@@ -21,7 +21,7 @@ def drive(
     chosen: Chosen = None,
     json: Json = False,
     follow: Annotated[
-        bool, typer.Option("--follow", help="Also simulate how it follows: both robot models, slip, poses fed back.")
+        bool, typer.Option("--follow", help="Also simulate path following: both robot models, slip, poses fed back.")
     ] = False,
     failed: Annotated[
         list[int] | None, typer.Option(metavar="WHEEL", help="A wheel whose motor has failed; may be repeated.")
@@ -32,7 +32,7 @@ def drive(
     ] = None,
     catalogs: More = None,
 ) -> None:
-    """Drive a platform along a trajectory: what each wheel is asked for, and whether a set does it."""
+    """Drive a platform along a trajectory: requirements at each wheel, and the checks of a drive."""
     from drivesizer.loads.platform_drive import driving, on_the_way
     from drivesizer.output.report import accept
 
@@ -40,9 +40,9 @@ def drive(
         raise InputError("--figures: it draws what --follow simulates; expected both, or none")
     robot = load(spec, catalogs)
     accept([], tables=[csv] if csv else [])
-    way = on_the_way(robot, trajectory, failed or ())
-    found = driving(way)
-    one = _on_the_way(robot, way, chosen)
+    on_path = on_the_way(robot, trajectory, failed or ())
+    found = driving(on_path)
+    one = _on_the_path(robot, on_path, chosen)
     if csv:
         from drivesizer.output.report import write_driving
 
@@ -57,15 +57,16 @@ def drive(
         from drivesizer.output.terminal import driving as terminal_driving
 
         terminal_driving.driven(found, one, runs)
-        tell(() if one else ("no set stands for the spec's own motion; `drivesizer size` shows the nearest misses",))
+        if not one:
+            print_notes(("no drive meets all limits for the spec's own motion; see `drivesizer size`",))
     raise typer.Exit(0 if one and one.status != "fail" else 1)
 
 
 def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
-    """The runs along the way, drawn where that is asked for."""
+    """Simulate the runs along the path, and draw them where a folder is given."""
     from drivesizer.control.path_following.runs import drawn, follow_all
 
-    with working("driving the platform along its way"):
+    with working("simulating the platform on its path"):
         runs = follow_all(found, one)
     if drawings:
         from drivesizer.output.report import write_path
@@ -75,27 +76,27 @@ def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
     return runs
 
 
-def _on_the_way(robot: Any, way: Any, chosen: str | None) -> Any:
-    """A set with its checks on the way: named by its parts, or the best for the spec's own motion; None without."""
+def _on_the_path(robot: Any, on_path: Any, chosen: str | None) -> Any:
+    """The drive with its checks on the path: named by its parts, or the best for the spec's own motion; or None."""
     from drivesizer.commands.validate import pick
     from drivesizer.sizing import explain, size
 
     if chosen:
-        return pick(way, chosen)
-    with progress() as told:
-        best = size(robot, top=1, progress=told).sets
-    if not best or (robot.motion == way.motion and robot.platform == way.platform):
+        return pick(on_path, chosen)
+    with progress() as advance:
+        best = size(robot, top=1, progress=advance).sets
+    if not best or (robot.motion == on_path.motion and robot.platform == on_path.platform):
         return best[0] if best else None
     motor, gearhead = (best[0].actuator or best[0].motor).part, best[0].gearhead.part
-    return next(s for s in explain(_with_its(best[0], way), motor, gearhead) if s.belt_ratio == best[0].belt_ratio)
+    return next(s for s in explain(_with_its(best[0], on_path), motor, gearhead) if s.belt_ratio == best[0].belt_ratio)
 
 
-def _with_its(best: Any, way: Any) -> Any:
-    """The way's spec with the encoder and the controller of a set and no other to choose from."""
+def _with_its(best: Any, on_path: Any) -> Any:
+    """The spec of the path, with the encoder and controller of a drive as the only ones to choose from."""
     parts = {role: getattr(best, role) for role in ("encoder", "controller")}
     pinned = {
-        role: getattr(way.select, role).model_copy(update={"family": None, "part": [part.part]})
+        role: getattr(on_path.select, role).model_copy(update={"family": None, "part": [part.part]})
         for role, part in parts.items()
         if part is not None and not part.inside
     }
-    return way.alone(select=way.select.model_copy(update=pinned))
+    return on_path.alone(select=on_path.select.model_copy(update=pinned))

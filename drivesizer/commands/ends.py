@@ -1,6 +1,6 @@
-"""How a command ends: whatever fails becomes one line on stderr and an exit status, in this one place.
+"""End of a command: every failure becomes one line on stderr and an exit status.
 
-What a user can mend is told as it is. Anything else is a fault of the program and is told as such, with how to see
+An error of the user's is printed as it is. Anything else is reported as a fault of the program, with the way to see
 where it arose.
 """
 
@@ -38,14 +38,14 @@ def ended(command: Callable[[], int | None]) -> int:
             import traceback
 
             traceback.print_exc()
-        message, status = _told(error)
+        message, status = _reported(error)
         _say(message)
         _forget_output()
     return status
 
 
-def _told(error: BaseException) -> tuple[str, int]:
-    """What is said of a failure, and the exit status; nothing is said where nobody listens or somebody stopped it."""
+def _reported(error: BaseException) -> tuple[str, int]:
+    """Message and exit status of a failure; no message where the reader is gone or the user stopped the command."""
     if isinstance(error, NothingFitsError):
         return str(error), 1
     if isinstance(error, DrivesizerError):
@@ -76,7 +76,7 @@ def _opened() -> None:
 
 def _say(message: str) -> None:
     if message:
-        with contextlib.suppress(OSError):  # nobody can be told
+        with contextlib.suppress(OSError):  # no message can be written
             print(f"drivesizer: {printable(' '.join(message.split()))}", file=sys.stderr, flush=True)
 
 

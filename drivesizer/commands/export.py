@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, Chosen, More, Spec, load, tell, working
+from drivesizer.commands.common import DEFAULT, Chosen, More, Spec, load, print_notes, working
 from drivesizer.commands.validate import pick
 
 __all__ = ["export"]
@@ -20,7 +20,7 @@ def export(
     chosen: Chosen = None,
     catalogs: More = None,
 ) -> None:
-    """Write a set for a simulator: MuJoCo, URDF, Gazebo, ros2_control, an FMU, or plain JSON."""
+    """Write a drive for a simulator: MuJoCo, URDF, Gazebo, ros2_control, an FMU, or plain JSON."""
     from drivesizer.output.export import accept, export_of, write
 
     robot = load(spec, catalogs)
@@ -29,6 +29,6 @@ def export(
     with working("designing the controller"):
         record = export_of(robot, found)
         written = write(record, form, output)
-    tell(record.said)
+    print_notes(record.said)
     for path in written:
         typer.echo(path)

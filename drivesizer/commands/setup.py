@@ -39,7 +39,7 @@ def equations(
 
 
 def init(
-    kind: Annotated[str, typer.Option(help=f"What is driven: {', '.join(_KINDS)}.")] = "wheeled_vehicle",
+    kind: Annotated[str, typer.Option(help=f"Kind of load: {', '.join(_KINDS)}.")] = "wheeled_vehicle",
     output: Annotated[Path, typer.Option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
     urdf: Annotated[
         Path | None, typer.Option("--from-urdf", metavar="FILE", help="Masses, wheels and limits of a URDF.")
@@ -95,7 +95,7 @@ def schema(
 
 
 def doctor(json: Json = False) -> None:
-    """Examine this installation: libraries, cache, catalogues, fonts, terminal."""
+    """Check this installation: libraries, cache, catalogues, fonts, terminal."""
     from drivesizer.commands.doctor import examined, print_findings
 
     found = examined()

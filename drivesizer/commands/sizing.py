@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, Json, More, Profile, Spec, Top, load, progress, tell, working
+from drivesizer.commands.common import DEFAULT, Json, More, Profile, Spec, Top, load, print_notes, progress, working
 from drivesizer.errors import InputError, NoLoopError, quoted
 
 __all__ = ["explain", "report", "size"]
@@ -16,14 +16,16 @@ __all__ = ["explain", "report", "size"]
 Objective = Annotated[
     str | None, typer.Option(help="mass, price, energy ... or several with weights, e.g. mass=2,price=1.")
 ]
-Pareto = Annotated[str | None, typer.Option(metavar="NAMES", help="Also the front of several, e.g. mass,price,energy.")]
+Pareto = Annotated[str | None, typer.Option(metavar="NAMES", help="Also the Pareto front, e.g. of mass,price,energy.")]
 Confidence = Annotated[
-    float | None, typer.Option(help="Only sets of which no check fails with this probability, e.g. 0.95.")
+    float | None, typer.Option(help="Only drives of which no check fails with this probability, e.g. 0.95.")
 ]
-Samples = Annotated[int | None, typer.Option(help="Of each set, for its tolerances; else the spec's.")]
-Seed = Annotated[int | None, typer.Option(help="Of the samples: the same seed, the same figures.")]
-LoopSamples = Annotated[int | None, typer.Option(help="Of the best sets in closed loop; 64 with a confidence, else 0.")]
-Processes = Annotated[int, typer.Option(min=1, max=64, help="That share the sets to be sampled.")]
+Samples = Annotated[int | None, typer.Option(help="Samples of each drive's tolerances; else the spec's.")]
+Seed = Annotated[int | None, typer.Option(help="Seed of the samples: the same seed gives the same figures.")]
+LoopSamples = Annotated[
+    int | None, typer.Option(help="Samples in closed loop, of the best drives; 64 with a confidence, else 0.")
+]
+Processes = Annotated[int, typer.Option(min=1, max=64, help="Processes that share the sampling.")]
 
 
 def size(
@@ -37,12 +39,12 @@ def size(
     loop_samples: LoopSamples = None,
     processes: Processes = 1,
     json: Json = False,
-    csv: Annotated[Path | None, typer.Option(help="Also write the sets to this CSV file.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="Also write the drives to this CSV file.")] = None,
     pdf: Annotated[Path | None, typer.Option(help="Also write the report to this PDF file.")] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only the drive, no derivation, no notes.")] = False,
     catalogs: More = None,
 ) -> None:
-    """Find the drive: requirements, the best sets, and why the rest fell."""
+    """Find the drive: requirements, the best drives, and why the others fail."""
     from drivesizer.output.report import accept, write, write_sets
     from drivesizer.search.uncertainty.options import asked
     from drivesizer.sizing import size as sized
@@ -50,9 +52,9 @@ def size(
     robot = load(spec, catalogs)
     accept([pdf] if pdf else [], tables=[csv] if csv else [])
     sampling = asked(robot, confidence, samples, seed, processes, loop_samples)
-    with progress() as told:
+    with progress() as advance:
         result = sized(
-            robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=told, sampling=sampling
+            robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=advance, sampling=sampling
         )
     if csv:
         write_sets(result, csv)
@@ -67,7 +69,7 @@ def size(
         from drivesizer.output.terminal import sizing as terminal
 
         terminal.sizing(result, quiet=quiet)
-        tell(() if quiet else result.warnings)
+        print_notes(() if quiet else result.warnings)
     raise typer.Exit(0 if result.sets else 1)
 
 
@@ -79,7 +81,7 @@ def _objective(text: str | None) -> Any:
 
 
 def _pareto(text: str | None) -> tuple[str, ...]:
-    """The objectives of a front."""
+    """The objectives of a Pareto front."""
     from drivesizer.spec.select import OBJECTIVES
 
     names = tuple(name.strip() for name in text.split(",")) if text else ()
@@ -93,7 +95,7 @@ def _pareto(text: str | None) -> tuple[str, ...]:
 
 def report(
     output: Annotated[
-        list[Path], typer.Option("--output", "-o", help="A file to write; may be repeated. Its suffix tells its kind.")
+        list[Path], typer.Option("--output", "-o", help="A file to write; may be repeated. Its suffix gives its kind.")
     ],
     spec: Spec = DEFAULT,
     top: Top = 10,
@@ -120,11 +122,11 @@ def report(
     robot = load(spec, catalogs)
     accept(output)
     sampling = asked(robot, confidence, samples, seed, processes, loop_samples)
-    with progress() as told:
+    with progress() as advance:
         result = sized(
-            robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=told, sampling=sampling
+            robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=advance, sampling=sampling
         )
-    with working("driving the set in closed loop"):
+    with working("simulating the drive in closed loop"):
         result, proof = _proven(result, profile)
     with working("writing the report"):
         written = write(result, proof, output, paper=paper, date=date)
@@ -145,7 +147,7 @@ def explain(
     json: Json = False,
     catalogs: More = None,
 ) -> None:
-    """Show why one pair of motor and gearhead passes or fails, check by check."""
+    """Show why one combination of motor and gearhead passes or fails, check by check."""
     from drivesizer.search.uncertainty.options import asked
     from drivesizer.sizing import explained, load_parts
 
@@ -161,12 +163,12 @@ def explain(
         from drivesizer.output.terminal import sizing as terminal
 
         terminal.explained(found, catalog)
-        tell(found.warnings)
+        print_notes(found.warnings)
     raise typer.Exit(0 if any(s.status != "fail" for s in found.sets) else 1)
 
 
 def _proven(result: Any, profile: str | None) -> tuple[Any, Any]:
-    """A sizing and its best set in closed loop, in its hardest load case; without, and why, where that cannot be."""
+    """A sizing and its best drive in closed loop, in its hardest load case; None and a note where it cannot be."""
     from drivesizer.simulate import hardest_case
     from drivesizer.simulate import validate as validated
 
@@ -176,5 +178,5 @@ def _proven(result: Any, profile: str | None) -> tuple[Any, Any]:
     try:
         return result, validated(result.spec, best, profile=profile, load_case=hardest_case(result.spec, best))
     except NoLoopError as error:
-        tell((str(error),))
+        print_notes((str(error),))
         return replace(result, warnings=(*result.warnings, f"not simulated in closed loop: {error}")), None

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import tell
+from drivesizer.commands.common import print_notes
 
 __all__ = ["study"]
 
@@ -19,14 +19,14 @@ _ORDER = ("pass", "unknown", "fail", "error")
 
 
 def study(
-    path: Annotated[Path, typer.Argument(metavar="STUDY.YAML", help="The study; study.yaml when not given.")] = Path(
+    path: Annotated[Path, typer.Argument(metavar="STUDY.YAML", help="The study; study.yaml by default.")] = Path(
         "study.yaml"
     ),
     folder: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FOLDER", help="Where to; else one here, named as the study."),
+        typer.Option("--output", "-o", metavar="FOLDER", help="Folder of the results; else here, named as the study."),
     ] = None,
-    processes: Annotated[int, typer.Option(min=0, max=1024, help="How many; 0 is one for each core.")] = 0,
+    processes: Annotated[int, typer.Option(min=0, max=1024, help="Processes; 0 is one for each core.")] = 0,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers compute instead.")
     ] = None,
@@ -34,7 +34,7 @@ def study(
     over: Annotated[str | None, typer.Option("--map", metavar="A,B", help="The two fields that maps are over.")] = None,
     maps: Annotated[bool, typer.Option("--maps/--no-maps", help="Whether maps are drawn.")] = True,
 ) -> None:
-    """Size every variant of a spec: tables and maps; begun again after an interruption, it goes on."""
+    """Size every variant of a spec: tables and maps; the same command resumes after an interruption."""
     from drivesizer.study.plan import read_study
     from drivesizer.study.run import carry_out
 
@@ -42,25 +42,25 @@ def study(
     target = Path(path.stem) if folder is None else folder
     names = tuple(name.strip() for name in over.split(",")) if over else ()
     try:
-        with _bar() as told:
+        with _bar() as advance:
             found = carry_out(
                 plan, target, processes=processes, scheduler=scheduler, fresh=fresh, maps=names if maps else None,
-                progress=told,
+                progress=advance,
             )  # fmt: skip
     except KeyboardInterrupt:
-        typer.echo(f"drivesizer: {target}: stopped; what is done is kept, and the same command goes on", err=True)
+        typer.echo(f"drivesizer: {target}: stopped; results so far are kept, and the same command resumes", err=True)
         raise typer.Exit(_STOPPED) from None
     status = ", ".join(f"{found.variants[name]} {name}" for name in _ORDER if found.variants[name])
-    typer.echo(f"{plan.total} variants: {status}; {found.examined} sets examined")
+    typer.echo(f"{plan.total} variants: {status}; {found.examined} drives examined")
     for written in found.written:
         typer.echo(written)
-    tell(tuple(found.notes))
+    print_notes(tuple(found.notes))
     raise typer.Exit(0 if found.variants["pass"] + found.variants["unknown"] else 1)
 
 
 @contextmanager
 def _bar() -> Iterator[Callable[[int, int], None] | None]:
-    """A bar on stderr with the time that is left; nothing where no person looks."""
+    """Progress bar on stderr with the remaining time; None where stderr is no terminal."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -74,13 +74,13 @@ def _bar() -> Iterator[Callable[[int, int], None] | None]:
     task: Any = bar.add_task("variants", total=None)
     first: list[int] = []
 
-    def told(done: int, total: int) -> None:
-        if not first:  # what an earlier run did says nothing of how fast this one is
+    def advance(done: int, total: int) -> None:
+        if not first:  # an earlier run does not count for the speed of this one
             first.append(done)
             bar.start()
         bar.update(task, total=total, completed=done)
 
     try:
-        yield told
+        yield advance
     finally:
         bar.stop()

@@ -16,8 +16,8 @@ from drivesizer.commands.common import (
     Profile,
     Spec,
     load,
+    print_notes,
     progress,
-    tell,
     working,
 )
 from drivesizer.errors import InputError, quoted
@@ -35,13 +35,13 @@ def validate(
         Path | None, typer.Option("--figures", metavar="FOLDER", help="Also draw the loop, Bode and step: SVG and PNG.")
     ] = None,
     case: Annotated[
-        str | None, typer.Option(metavar="NAME", help="The load case to drive; else the set's hardest.")
+        str | None, typer.Option(metavar="NAME", help="The load case to simulate; else the hardest.")
     ] = None,
-    everything: Annotated[bool, typer.Option("--all", help="The best sets of the search, ranked anew.")] = False,
+    everything: Annotated[bool, typer.Option("--all", help="The best drives of the search, ranked anew.")] = False,
     top: Annotated[int, typer.Option(min=1, max=100, help="How many, with --all.")] = 5,
     catalogs: More = None,
 ) -> None:
-    """Drive a set through the profile in closed loop: every demand against its limit."""
+    """Simulate a drive over the profile in closed loop: every demand against its limit."""
     from drivesizer.output.report import accept
     from drivesizer.simulate import hardest_case
     from drivesizer.simulate import validate as validated
@@ -51,10 +51,10 @@ def validate(
     _known(robot, case)
     if everything:
         if chosen or csv or drawings:
-            raise InputError("--all: it takes the sets of the search; --set, --csv and --figures are for one of them")
+            raise InputError("--all: it takes the drives of the search; --set, --csv and --figures are for one of them")
         raise typer.Exit(_all_of(robot, case, profile, top, json))
     found = pick(robot, chosen)
-    with working("driving the set in closed loop"):
+    with working("simulating the drive in closed loop"):
         proof = validated(robot, found, profile=profile, load_case=case or hardest_case(robot, found))
     if drawings:
         from drivesizer.output.report import write_loop_figures
@@ -73,7 +73,7 @@ def validate(
         from drivesizer.output.terminal import sizing as terminal
 
         terminal.validation(proof)
-        tell(proof.warnings)
+        print_notes(proof.warnings)
     raise typer.Exit(1 if proof.status == "fail" else 0)
 
 
@@ -87,16 +87,16 @@ def _known(robot: Any, name: str | None) -> None:
 
 
 def _all_of(robot: Any, case: str | None, profile: str | None, top: int, json: bool) -> int:
-    """The best sets of the search in closed loop, those that pass first; the exit status."""
+    """The best drives of the search in closed loop, those that pass first; the exit status."""
     from drivesizer.simulate import validate_all
     from drivesizer.sizing import size as sized
 
-    with progress() as told:
-        result = sized(robot, top=top, progress=told)
+    with progress() as advance:
+        result = sized(robot, top=top, progress=advance)
     if not result.sets:
-        raise NothingFitsError("no set stands; `drivesizer size` shows the nearest misses")
-    with working("driving the sets in closed loop"):
-        proofs, said = validate_all(result, profile=profile, load_case=case)
+        raise NothingFitsError("no drive meets all limits; `drivesizer size` shows the closest rejected")
+    with working("simulating the drives in closed loop"):
+        proofs, notes = validate_all(result, profile=profile, load_case=case)
     if json:
         from drivesizer.output.json import documents as json_documents
 
@@ -106,21 +106,41 @@ def _all_of(robot: Any, case: str | None, profile: str | None, top: int, json: b
         from drivesizer.output.terminal import sizing as terminal
 
         terminal.validations(proofs, result.objective)
-    tell(tuple(said))
+    print_notes(tuple(notes))
     return 1 if all(proof.status == "fail" for proof in proofs) else 0
 
 
 def pick(robot: Any, chosen: str | None) -> Any:
-    """The set of a spec that is meant: named by its parts, or the best of the search."""
+    """The drive that an option names by its parts, or the best of the search.
+
+    Parameters
+    ----------
+    robot
+        The spec.
+    chosen
+        MOTOR/GEARHEAD or ACTUATOR; None for the best.
+
+    Returns
+    -------
+    DriveSet
+        The drive.
+
+    Raises
+    ------
+    NothingFitsError
+        When no drive meets all limits.
+    InputError
+        When the option names no parts.
+    """
     from drivesizer.sizing import explain as explained
     from drivesizer.sizing import size as sized
 
     if chosen is None:
-        with progress() as told:
-            result = sized(robot, top=1, progress=told)
+        with progress() as advance:
+            result = sized(robot, top=1, progress=advance)
         if not result.sets:
             raise NothingFitsError(
-                "no set stands; `drivesizer size` shows the nearest misses, --set names one to validate"
+                "no drive meets all limits; `drivesizer size` shows the closest rejected, --set names one to validate"
             )
         return result.sets[0]
     parts = [part.strip() for part in chosen.split("/")]

@@ -60,7 +60,7 @@ def test_no_set_is_exit_1(example_text, tmp_path, capsys, monkeypatch):
     heavy = tmp_path / "heavy.yaml"
     heavy.write_text(example_text.replace("mass: 45 kg", "mass: 45000 kg"))
     status, _, err = run(capsys, monkeypatch, "export", heavy, "--format", "json", "-o", tmp_path / "a.json")
-    assert status == 1 and "no set stands" in err and not (tmp_path / "a.json").exists()
+    assert status == 1 and "no drive meets all limits" in err and not (tmp_path / "a.json").exists()
 
 
 def test_the_schema_is_printed(example, tmp_path, capsys, monkeypatch):

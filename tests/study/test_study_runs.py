@@ -151,7 +151,7 @@ def test_ctrl_c_stops_the_study_and_its_processes(tmp_path):
         os.kill(study.pid, signal.SIGINT)
         out, err = study.communicate(timeout=WAIT)
     assert (study.returncode, out) == (130, "")
-    assert err == "drivesizer: study: stopped; what is done is kept, and the same command goes on\n"
+    assert err == "drivesizer: study: stopped; results so far are kept, and the same command resumes\n"
     until(lambda: not _group(study.pid), every=0.2)
     assert 2 <= len(chunks(tmp_path)) < 167
 
@@ -343,7 +343,7 @@ def test_a_study_where_nothing_stands_is_status_1(run, tmp_path):
     laid(tmp_path, "spec: robot.yaml\nvary: {load.mass: [450 kg, -5 kg]}\n")
     status, out, err = run()
     assert (status, err) == (1, "")
-    assert out.splitlines()[0] == "2 variants: 1 fail, 1 error; 18 sets examined"
+    assert out.splitlines()[0] == "2 variants: 1 fail, 1 error; 18 drives examined"
 
 
 @pytest.mark.usefixtures("here")
