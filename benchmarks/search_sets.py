@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from drivesizer.catalog import load
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.search.columns.candidates import Rows, pairs
 from drivesizer.search.columns.stages import problem
 from drivesizer.search.search import search

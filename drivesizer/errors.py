@@ -2,6 +2,7 @@
 
     DrivesizerError
     ├── InputError      the user's text, file or option is wrong (also a ValueError)
+    │   ├── FieldError      a field of the spec, before its file and line are added
     │   └── NoLoopError     this set cannot be driven in closed loop; everything else about it can be reported
     └── CatalogError    a catalogue file is wrong (also a ValueError)
 
@@ -16,6 +17,7 @@ from collections.abc import Iterable
 __all__ = [
     "CatalogError",
     "DrivesizerError",
+    "FieldError",
     "InputError",
     "NoLoopError",
     "nearest",
@@ -33,6 +35,14 @@ class DrivesizerError(Exception):
 
 class InputError(DrivesizerError, ValueError):
     """Something that the user gave cannot be used."""
+
+
+class FieldError(InputError):
+    """A field of the spec that cannot be used, raised where the file is not known; the caller adds file and line."""
+
+    def __init__(self, field: tuple[str | int, ...], message: str) -> None:
+        super().__init__(message)
+        self.field = field
 
 
 class NoLoopError(InputError):

@@ -20,16 +20,18 @@ from drivesizer.control.loop_warnings import loop_warnings, resolution_warning, 
 from drivesizer.control.validation import Gains, Validation
 from drivesizer.control.voltage_loop_design import COMPUTING
 from drivesizer.errors import InputError
-from drivesizer.loads.at_shaft import asked_of
-from drivesizer.loads.platform_wheels import on_wheels
-from drivesizer.loads.profile import SPEED, Profile
-from drivesizer.loads.profile import profile as named
-from drivesizer.loads.returning import starts_farther_on
-from drivesizer.loads.wheel import WheelLoad
-from drivesizer.loads.wheeled_vehicle import grip_warning
+from drivesizer.load_cases.at_shaft import asked_of
+from drivesizer.load_cases.platform_wheels import on_wheels
+from drivesizer.load_cases.profile import SPEED
+from drivesizer.load_cases.profile import profile as named
+from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
+from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.loads.arm import Arm
+from drivesizer.loads.course import Profile
+from drivesizer.loads.recorded import Recorded
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, SizingResult, verdict
-from drivesizer.spec.loads import Arm, Recorded, WheeledVehicle
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 

@@ -14,10 +14,9 @@ from drivesizer.catalog.actuators_apart import taken_apart
 from drivesizer.catalog.clamping_hubs import on_any_shaft
 from drivesizer.catalog.direct import with_direct
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.loads.platform_wheels import on_wheels
-from drivesizer.loads.requirements import requirements
-from drivesizer.loads.returning import not_returning
-from drivesizer.loads.wheeled_vehicle import grip_warning
+from drivesizer.load_cases.platform_wheels import on_wheels
+from drivesizer.load_cases.requirements import requirements
+from drivesizer.load_cases.warnings import grip_warning, not_returning
 from drivesizer.machine.budgets import check_battery, of_the_platform, with_budget
 from drivesizer.physics.thermal import of_unstated_temperature
 from drivesizer.results.drive_set import DriveSet

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.loads import load_cycle
-from drivesizer.loads.wheel import WheelLoad
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.output.export import FORMATS, export_of, files
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec

@@ -16,7 +16,7 @@ from drivesizer.control.loop_analysis import analyse
 from drivesizer.control.loop_models import voltage_open_loop
 from drivesizer.control.voltage_loop_design import design, effective_delay
 from drivesizer.errors import InputError
-from drivesizer.loads.profile import Profile
+from drivesizer.loads.course import Profile
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
 

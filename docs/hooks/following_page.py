@@ -10,7 +10,7 @@ from drivesizer import load_spec
 from drivesizer.control.path_following.deviation import extremes
 from drivesizer.control.path_following.following import Followed
 from drivesizer.control.path_following.runs import Case, follow_case
-from drivesizer.loads.platform_drive import Driving, driving, on_the_way
+from drivesizer.load_cases.platform_drive import Driving, driving, on_the_way
 from drivesizer.platform.misjudged import EXACT, Misjudged
 from drivesizer.platform.wheels import Payload
 from drivesizer.units import show

@@ -10,7 +10,7 @@ import yaml
 from docstrings import as_markdown
 from spec_tables import SCHEMA, fields_of, reference
 
-from drivesizer.spec.loads import AXES, MODULES
+from drivesizer.loads.kinds import AXES, MODULES
 
 __all__ = ["loads"]
 

@@ -33,7 +33,7 @@ def drive(
     catalogs: More = None,
 ) -> None:
     """Drive a platform along a trajectory: requirements at each wheel, and the checks of a drive."""
-    from drivesizer.loads.platform_drive import driving, on_the_way
+    from drivesizer.load_cases.platform_drive import driving, on_the_way
     from drivesizer.output.report import accept
 
     if drawings and not follow:

@@ -79,7 +79,7 @@ def validate(
 
 def _known(robot: Any, name: str | None) -> None:
     """Refuse a name that none of the spec's load cases has."""
-    from drivesizer.loads.platform_wheels import on_wheels
+    from drivesizer.load_cases.platform_wheels import on_wheels
 
     found = [case for case, _ in on_wheels(robot).load_cases]
     if name is not None and name not in found:

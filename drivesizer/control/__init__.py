@@ -1,6 +1,6 @@
 """Closed loops: the drive train as a linear plant, gains, loop analysis, simulation and its checks.
 
-May import: physics, platform, catalog, spec, results, loads; not machine.
+May import: physics, platform, catalog, loads, spec, results, load_cases; not machine.
 """
 
 from __future__ import annotations

@@ -17,8 +17,8 @@ from math import inf, isfinite, isnan
 import numpy as np
 
 from drivesizer.errors import InputError, NoLoopError
-from drivesizer.loads.at_shaft import at_shaft
-from drivesizer.loads.profile import Profile
+from drivesizer.load_cases.at_shaft import at_shaft
+from drivesizer.loads.course import Profile
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.motor_demand import friction, gear_loss
 from drivesizer.physics.thermal import of_unstated_temperature, resistance_25

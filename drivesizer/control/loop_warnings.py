@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from drivesizer.control.cascade import LEAST_PHASE_MARGIN
 from drivesizer.control.loop_models import Shaft
 from drivesizer.control.loop_records import Loop, Loops
-from drivesizer.loads.profile import Profile
+from drivesizer.loads.course import Profile
 from drivesizer.physics.counted_speed import COUNT_SHARE, speed_quantum
 from drivesizer.units import show
 

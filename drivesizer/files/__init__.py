@@ -1,4 +1,4 @@
-"""Files in and out: text, CSV and YAML read strictly, outputs written whole or not at all, caches.
+"""Files in and out: text, CSV and YAML read strictly, types of their fields, outputs written whole or not at all, caches.
 
 May import: errors, ranges, units.
 """

@@ -13,37 +13,68 @@ rigid body, exercise on the athlete with a steel ball).
 
 from __future__ import annotations
 
-import numpy as np
+import math
+from typing import ClassVar, Literal
 
+import numpy as np
+from pydantic import Field, model_validator
+
+from drivesizer.files.fields import Axis, Bearing, Incline, Inertia, Length, Mass, Torque, default
 from drivesizer.loads.course import Course
+from drivesizer.loads.lever import Lever, check_inertia
+from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.torque_curved import weight_on_lever
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.spec.loads import Arm
-from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["arm"]
+__all__ = ["Arm", "arm"]
+
+
+class Arm(SharedLoad):
+    """A joint that swings an arm against gravity."""
+
+    axis: ClassVar[Axis] = "rotary"
+    has_end: ClassVar[bool] = True
+    kind: Literal["arm"]
+    mass: Mass = Field(description="of arm and payload")
+    length: Length = Field(description="from the joint to their centre of mass")
+    inertia: Inertia | None = Field(default=None, description="about the joint; mass times length squared if not given")
+    start_angle: Bearing = default("0 deg", description="above the level line, when the cycle starts")
+    tilt: Incline = default("0 deg", description="of the joint's axis from level; 90 deg feels no gravity")
+    friction_torque: Torque = default("0 N*m", description="of the joint, against the motion")
+
+    @model_validator(mode="after")
+    def _heavy_enough(self) -> Arm:
+        if self.inertia is not None:
+            check_inertia(self.inertia, self.mass, self.length, "length")
+        return self
+
+    @property
+    def lever(self) -> Lever:
+        """Arm and payload, about the joint's axis."""
+        return Lever(self.mass, self.length, math.cos(self.tilt), self.start_angle)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
-def arm(spec: RobotSpec, course: Course) -> LoadCycle:
+def arm(load: Arm, gravity: float, course: Course) -> LoadCycle:
     """The load cycle at the joint, for one motor set.
 
     Parameters
     ----------
-    spec
+    load
         The arm.
+    gravity
+        Acceleration of free fall [m/s^2].
     course
         How the joint turns, upward positive.
 
     Raises
     ------
+    FieldError
+        When the arm turns round too often in one cycle.
     InputError
-        When the arm turns round too often in one cycle, or a figure leaves the range of numbers that can be computed
-        with.
+        When a figure leaves the range of numbers that can be computed with.
     """
-    load = spec.load
-    assert isinstance(load, Arm)
     inertia = load.mass * load.length * load.length if load.inertia is None else load.inertia
-    course, weight = weight_on_lever(spec, course)
+    course, weight = weight_on_lever(load.lever, gravity, course)
     torque = inertia * course.acceleration + weight + load.friction_torque * course.direction
     return course.cycle(torque / load.motors, inertia=inertia / load.motors)

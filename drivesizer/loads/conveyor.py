@@ -13,25 +13,58 @@ Worked example: goods and belt 20 kg, μ 0.3, drum 90 mm, efficiency 0.9: 0.3 ·
 
 from __future__ import annotations
 
-import numpy as np
+from typing import ClassVar, Literal
 
+import numpy as np
+from pydantic import Field
+
+from drivesizer.files.fields import (
+    Axis,
+    Coefficient,
+    Counterweight,
+    Force,
+    Incline,
+    Inertia,
+    Length,
+    Mass,
+    Pull,
+    Share,
+    default,
+)
 from drivesizer.loads.course import Course
+from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.spec.loads import Conveyor
-from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["conveyor"]
+__all__ = ["Conveyor", "conveyor"]
+
+
+class Conveyor(SharedLoad):
+    """A belt conveyor, level or inclined, driven at a drum."""
+
+    axis: ClassVar[Axis] = "linear"
+    kind: Literal["conveyor"]
+    mass: Mass = Field(description="goods on the belt")
+    belt_mass: Counterweight = default("0 kg", description="of the belt itself")
+    drum_diameter: Length
+    friction_coefficient: Coefficient = Field(description="of belt and goods on the bed, or of the rollers")
+    friction_force: Force = default("0 N", description="of scrapers and seals, against the motion")
+    efficiency: Share = Field(default=1, description="of belt and drums, in either direction of power")
+    incline: Incline = default("0 deg", description="upward positive")
+    force: Pull = default("0 N", description="further force against the forward motion, at rest too")
+    inertia: Inertia = default("0 kg*m^2", description="of all drums, seen at the driven one")
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
-def conveyor(spec: RobotSpec, course: Course) -> LoadCycle:
+def conveyor(load: Conveyor, gravity: float, course: Course) -> LoadCycle:
     """The load cycle at the driven drum of one motor set.
 
     Parameters
     ----------
-    spec
+    load
         The conveyor.
+    gravity
+        Acceleration of free fall [m/s^2].
     course
         How the belt moves.
 
@@ -40,10 +73,8 @@ def conveyor(spec: RobotSpec, course: Course) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with.
     """
-    load, g = spec.load, spec.environment.gravity
-    assert isinstance(load, Conveyor)
     moved = load.mass + load.belt_mass
-    force = force_along(course, load, g, moved)
+    force = force_along(course, load, gravity, moved)
     losses = (load.efficiency, load.efficiency)
     radius = load.drum_diameter / 2
     return through_stage(course, force, radius, losses, mass=moved, turning=load.inertia, motors=load.motors)

@@ -1,4 +1,4 @@
-"""How a load moves over one cycle: position, speed and acceleration over segments, for the loads to make torque of.
+"""How a load moves over one cycle: a profile of speed, and as columns over segments for the torque laws.
 
 Along a line in metres or about an axis in radians, as the load moves; positions count from the start of the cycle.
 Symbols: s position [m or rad], v speed [m/s or rad/s], a acceleration [m/s^2 or rad/s^2], r radius [m].
@@ -6,16 +6,45 @@ Symbols: s position [m or rad], v speed [m/s or rad/s], a acceleration [m/s^2 or
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from math import nan
+from math import fsum, nan
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.loads.profile import Profile
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, cut_points
 
-__all__ = ["Course", "course"]
+__all__ = ["Course", "Profile", "course"]
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """Speed over time, piecewise linear."""
+
+    name: str
+    time: tuple[float, ...]  # s, strictly rising
+    speed: tuple[float, ...]  # m/s, or rad/s of a load that turns
+    acceleration: tuple[float, ...] | None = None  # where it is continuous; else that of each straight piece
+
+    @property
+    def duration(self) -> float:
+        """From the first breakpoint to the last [s]."""
+        return self.time[-1] - self.time[0]
+
+    @property
+    def top_speed(self) -> float:
+        """Largest speed in either direction [m/s or rad/s]."""
+        return max(abs(v) for v in self.speed)
+
+    @property
+    def distance(self) -> float:
+        """Way along the profile, there minus back [m or rad]."""
+        return fsum((t1 - t0) * (v0 + v1) / 2 for t0, t1, v0, v1 in self.pieces())
+
+    def pieces(self) -> Iterator[tuple[float, float, float, float]]:
+        """The straight pieces: start and end [s], speeds there [m/s or rad/s]."""
+        return zip(self.time, self.time[1:], self.speed, self.speed[1:], strict=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,27 +15,52 @@ Physics, rotational mechanics).
 
 from __future__ import annotations
 
-import numpy as np
+from typing import ClassVar, Literal
 
+import numpy as np
+from pydantic import Field, model_validator
+
+from drivesizer.files.fields import Axis, Exponent, Inertia, Torque, Turning, default
 from drivesizer.loads.course import Course
+from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.torque_curved import capped
 from drivesizer.physics.load_cycle import Ends, LoadCycle
-from drivesizer.spec.loads import Fan
-from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["fan"]
+__all__ = ["Fan", "fan"]
 
 _PIECES = 128  # of a ramp from standstill to top speed
 
 
+class Fan(SharedLoad):
+    """A fan, pump or flywheel: torque that grows with a power of speed, and inertia."""
+
+    axis: ClassVar[Axis] = "rotary"
+    kind: Literal["fan", "flywheel"]
+    inertia: Inertia
+    rated_torque: Torque = default("0 N*m", description="at rated_speed")
+    rated_speed: Turning | None = Field(default=None, description="where rated_torque is taken")
+    exponent: Exponent = Field(default=2, description="2 for fans and pumps, 1 for an eddy current brake")
+    friction_torque: Torque = default("0 N*m", description="at any speed, against the motion")
+
+    @model_validator(mode="after")
+    def _rated(self) -> Fan:
+        if self.rated_torque and self.rated_speed is None:
+            raise ValueError("give rated_speed beside rated_torque")
+        if self.exponent < 1.0:
+            raise ValueError("exponent must be at least 1; torque that is the same at any speed is friction_torque")
+        return self
+
+
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
-def fan(spec: RobotSpec, course: Course) -> LoadCycle:
+def fan(load: Fan, gravity: float, course: Course) -> LoadCycle:
     """The load cycle at the shaft of fan, pump or flywheel, for one motor set.
 
     Parameters
     ----------
-    spec
+    load
         The fan, pump or flywheel.
+    gravity
+        Acceleration of free fall [m/s^2].
     course
         How it turns.
 
@@ -44,8 +69,6 @@ def fan(spec: RobotSpec, course: Course) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with.
     """
-    load = spec.load
-    assert isinstance(load, Fan)
     top = float(np.abs(course.speed).max())
     if load.rated_torque > 0.0 and load.exponent > 1.0 and top > 0.0:
         course = course.finer(capped(_PIECES * np.ptp(course.speed, axis=1) / top))

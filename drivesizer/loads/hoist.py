@@ -16,43 +16,61 @@ elevator).
 
 from __future__ import annotations
 
-import numpy as np
+from typing import ClassVar, Literal
 
-from drivesizer.errors import InputError
+import numpy as np
+from pydantic import Field
+
+from drivesizer.errors import FieldError
+from drivesizer.files.fields import Axis, Counterweight, Force, Inertia, Length, Mass, Share, default
 from drivesizer.loads.course import Course
+from drivesizer.loads.model import Count, SharedLoad
 from drivesizer.loads.stage_losses import through_stage
 from drivesizer.physics.load_cycle import Ends, LoadCycle
-from drivesizer.spec.loads import Hoist
-from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["hoist"]
+__all__ = ["Hoist", "hoist"]
+
+
+class Hoist(SharedLoad):
+    """A rope drum that lifts a mass, with or without a counterweight."""
+
+    axis: ClassVar[Axis] = "linear"
+    has_end: ClassVar[bool] = True
+    kind: Literal["hoist"]
+    mass: Mass = Field(description="of what is lifted, its carrier included")
+    counterweight: Counterweight = default("0 kg", description="hung against the mass, with as many falls")
+    drum_diameter: Length
+    falls: Count = Field(default=1, description="rope parts that carry the mass; the rope runs so many times faster")
+    rope_efficiency: Share = Field(default=1, description="of rope and sheaves, in either direction of power")
+    friction_force: Force = default("0 N", description="of the guides, against the motion")
+    inertia: Inertia = default("0 kg*m^2", description="of drum and sheaves, seen at the drum")
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
-def hoist(spec: RobotSpec, course: Course) -> LoadCycle:
+def hoist(load: Hoist, gravity: float, course: Course) -> LoadCycle:
     """The load cycle at the drum of one motor set.
 
     Parameters
     ----------
-    spec
+    load
         The hoist.
+    gravity
+        Acceleration of free fall [m/s^2].
     course
         How the load moves, upward positive.
 
     Raises
     ------
+    FieldError
+        When the rope would go slack.
     InputError
-        When the rope would go slack, or a figure leaves the range of numbers that can be computed with.
+        When a figure leaves the range of numbers that can be computed with.
     """
-    load, g = spec.load, spec.environment.gravity
-    assert isinstance(load, Hoist)
     moved = load.mass + load.counterweight
-    weight = (load.mass - load.counterweight) * g
+    weight = (load.mass - load.counterweight) * gravity
     force = weight + moved * course.acceleration + load.friction_force * course.direction
-    if _slack(load, g, course, force):
-        raise InputError(
-            f"{spec.where(('motion',))}: the rope goes slack, as it cannot push; expected less acceleration or friction"
-        )
+    if _slack(load, gravity, course, force):
+        raise FieldError(("motion",), "the rope goes slack, as it cannot push; expected less acceleration or friction")
     losses = (load.rope_efficiency, load.rope_efficiency)
     radius = load.drum_diameter / 2 / load.falls
     return through_stage(course, force, radius, losses, mass=moved, turning=load.inertia, motors=load.motors)
@@ -61,8 +79,8 @@ def hoist(spec: RobotSpec, course: Course) -> LoadCycle:
 _ROUNDING = 1e-9  # of gravity: a load that falls freely pulls with nothing, whatever its figures are rounded to
 
 
-def _slack(load: Hoist, g: float, course: Course, force: Ends) -> bool:
+def _slack(load: Hoist, gravity: float, course: Course, force: Ends) -> bool:
     """Whether a rope would have to push: on the load, or on the counterweight where there is one."""
     if load.counterweight == 0.0:
-        return bool((force < -_ROUNDING * load.mass * g).any())
-    return bool((abs(course.acceleration) > g * (1.0 + _ROUNDING)).any())
+        return bool((force < -_ROUNDING * load.mass * gravity).any())
+    return bool((abs(course.acceleration) > gravity * (1.0 + _ROUNDING)).any())

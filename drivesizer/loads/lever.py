@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
-from drivesizer.spec.loads import Arm, Load, RotaryTable
-
-__all__ = ["Lever", "lever_of"]
+__all__ = ["Lever", "check_inertia"]
 
 _LEVEL = 1e-5  # of the weight: what gets through a smaller share of it is none; files round 90 degrees to 1.5708 rad
 
@@ -25,10 +22,25 @@ class Lever(NamedTuple):
         return self.mass * gravity * self.length * self.share if abs(self.share) > _LEVEL else 0.0
 
 
-def lever_of(load: Load) -> Lever | None:
-    """The whole machine's lever; None for loads of another kind. One whose moment is 0 is balanced, or turns level."""
-    if isinstance(load, Arm):
-        return Lever(load.mass, load.length, math.cos(load.tilt), load.start_angle)
-    if isinstance(load, RotaryTable):
-        return Lever(load.mass, load.eccentricity, math.sin(load.tilt), load.start_angle)
-    return None
+def check_inertia(inertia: float, mass: float, length: float, name: str) -> None:
+    """Refuse an inertia below that of all the mass in its centre, 2 % apart for rounded figures.
+
+    Parameters
+    ----------
+    inertia
+        About the axis [kg*m^2].
+    mass
+        That turns about it [kg].
+    length
+        From the axis to its centre [m].
+    name
+        Of the field that gives the length.
+
+    Raises
+    ------
+    ValueError
+        When no such mass has so small an inertia.
+    """
+    least = mass * length * length
+    if inertia < 0.98 * least:
+        raise ValueError(f"inertia must be at least mass times {name} squared, {least:.4g} kg·m²")

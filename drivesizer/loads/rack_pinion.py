@@ -12,25 +12,46 @@ calculation and selection).
 
 from __future__ import annotations
 
-import numpy as np
+from typing import ClassVar, Literal
 
+import numpy as np
+from pydantic import Field
+
+from drivesizer.files.fields import Axis, Coefficient, Force, Incline, Inertia, Length, Mass, Pull, Share, default
 from drivesizer.loads.course import Course
+from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.spec.loads import RackPinion
-from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["rack_pinion"]
+__all__ = ["RackPinion", "rack_pinion"]
+
+
+class RackPinion(SharedLoad):
+    """A rack that a pinion moves, or a carriage that runs along a rack, level to upright."""
+
+    axis: ClassVar[Axis] = "linear"
+    has_end: ClassVar[bool] = True
+    kind: Literal["rack_pinion"]
+    mass: Mass
+    pinion_diameter: Length = Field(description="of its pitch circle")
+    efficiency: Share = Field(default=1, description="of the toothing, in either direction of power")
+    incline: Incline = default("0 deg", description="of the forward motion, upward positive")
+    friction_coefficient: Coefficient = Field(default=0, description="of the guide")
+    friction_force: Force = default("0 N", description="of the guide's seals, against the motion")
+    force: Pull = default("0 N", description="further force against the forward motion, at rest too")
+    inertia: Inertia = default("0 kg*m^2", description="of pinion and shaft")
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
-def rack_pinion(spec: RobotSpec, course: Course) -> LoadCycle:
+def rack_pinion(load: RackPinion, gravity: float, course: Course) -> LoadCycle:
     """The load cycle at the pinion of one motor set.
 
     Parameters
     ----------
-    spec
+    load
         What is moved along or by the rack.
+    gravity
+        Acceleration of free fall [m/s^2].
     course
         How it moves.
 
@@ -39,9 +60,7 @@ def rack_pinion(spec: RobotSpec, course: Course) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with.
     """
-    load, g = spec.load, spec.environment.gravity
-    assert isinstance(load, RackPinion)
-    force = force_along(course, load, g, load.mass)
+    force = force_along(course, load, gravity, load.mass)
     losses = (load.efficiency, load.efficiency)
     radius = load.pinion_diameter / 2
     return through_stage(course, force, radius, losses, mass=load.mass, turning=load.inertia, motors=load.motors)

@@ -23,18 +23,20 @@ from __future__ import annotations
 
 from math import nan
 from pathlib import Path
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from drivesizer.errors import InputError
-from drivesizer.files.csv_columns import beside, columns
+from drivesizer.errors import FieldError, InputError
+from drivesizer.files.csv_columns import columns
+from drivesizer.files.fields import Axis, Inertia, Pause, default
+from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.smoothing import local_parabola
-from drivesizer.spec.loads import Recorded
-from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["recorded"]
+__all__ = ["Recorded", "recorded"]
 
 Column = NDArray[np.float64]
 
@@ -45,25 +47,41 @@ _FORMS = tuple(
 _ROUNDING = 1e-9  # of the largest speed: less is what sums over windows leave where the load stands
 
 
-def recorded(spec: RobotSpec) -> LoadCycle:
+class Recorded(SharedLoad):
+    """A recording of speed or position and of torque at the driven shaft."""
+
+    axis: ClassVar[Axis] = "rotary"
+    kind: Literal["recorded"]
+    file: str = Field(min_length=1, description="CSV: columns time, speed or position, torque; then a row of units")
+    smoothing: Pause = default("0 s", description="width of the window in which position or speed is smoothed")
+    inertia: Inertia = default("0 kg*m^2", description="that turns with the shaft and is not in the torque")
+
+    @property
+    def shaft_inertia(self) -> float:
+        """Of what one motor set moves, as far as it is known, at the shaft [kg*m^2]."""
+        return self.inertia / self.motors
+
+
+def recorded(load: Recorded, path: Path) -> LoadCycle:
     """The load cycle of a recording.
 
     Parameters
     ----------
-    spec
-        The machine; its load names the file.
+    load
+        The recording's fields.
+    path
+        The file that they name, from the folder of the spec.
 
     Raises
     ------
+    FieldError
+        When the smoothing is longer than the recording.
     InputError
         When the file is wrong, nothing moves in it, or a figure leaves the range of numbers that can be computed with.
     """
-    load = spec.load
-    assert isinstance(load, Recorded)
-    path = beside(spec.file, load.file, spec.where(("load", "file")))
     found = columns(path, *_FORMS)
     with np.errstate(all="ignore"):  # a figure beyond numbers is told by the load cycle
-        speed = _speed(path, found, load.smoothing, spec.where(("load", "smoothing")))
+        speed = _speed(path, found, load.smoothing)
         duration = np.diff(found["time"])
         ends, torque = (np.stack([c[:-1], c[1:]], axis=1) for c in (speed, found["torque"]))
         acceleration = np.repeat(np.diff(ends, axis=1) / duration[:, None], 2, axis=1)
@@ -72,14 +90,14 @@ def recorded(spec: RobotSpec) -> LoadCycle:
     return LoadCycle(load.file, duration, ends, acceleration, torque, inertia).split()
 
 
-def _speed(path: Path, found: dict[str, Column], smoothing: float, where: str) -> Column:
+def _speed(path: Path, found: dict[str, Column], smoothing: float) -> Column:
     """The speed at each sample [rad/s]."""
     time, name = found["time"] - found["time"][0], list(found)[1]
     fitted = name != "speed" or smoothing > 0.0
     if fitted and len(time) < 3:
         raise InputError(f"{path}: rows: {len(time)} found; expected at least 3, to take a slope of or to smooth")
     if smoothing > time[-1]:
-        raise InputError(f"{where}: {smoothing:g} s is longer than the recording, {time[-1]:g} s")
+        raise FieldError(("load", "smoothing"), f"{smoothing:g} s is longer than the recording, {time[-1]:g} s")
     speed = found[name]
     if fitted:
         value, slope = local_parabola(time, speed, smoothing)

@@ -13,36 +13,76 @@ rotational motion).
 
 from __future__ import annotations
 
-import numpy as np
+import math
+from typing import ClassVar, Literal
 
+import numpy as np
+from pydantic import Field, model_validator
+
+from drivesizer.files.fields import (
+    Axis,
+    Bearing,
+    Counterweight,
+    Incline,
+    Inertia,
+    SignedTorque,
+    Thickness,
+    Torque,
+    default,
+)
 from drivesizer.loads.course import Course
+from drivesizer.loads.lever import Lever, check_inertia
+from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.torque_curved import weight_on_lever
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.spec.loads import RotaryTable
-from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["rotary_table"]
+__all__ = ["RotaryTable", "rotary_table"]
+
+
+class RotaryTable(SharedLoad):
+    """An indexing or turning table, level or tilted, balanced or not."""
+
+    axis: ClassVar[Axis] = "rotary"
+    kind: Literal["rotary_table"]
+    inertia: Inertia = Field(description="of table and load about the axis")
+    friction_torque: Torque = default("0 N*m", description="of the bearing, against the motion")
+    torque: SignedTorque = default("0 N*m", description="further torque against the forward motion")
+    mass: Counterweight = default("0 kg", description="of what turns, where its centre is off the axis")
+    eccentricity: Thickness = default("0 mm", description="of that centre")
+    tilt: Incline = default("0 deg", description="of the axis from the vertical; 90 deg lies level")
+    start_angle: Bearing = default("0 deg", description="of the centre from the level line, when the cycle starts")
+
+    @model_validator(mode="after")
+    def _heavy_enough(self) -> RotaryTable:
+        check_inertia(self.inertia, self.mass, self.eccentricity, "eccentricity")
+        return self
+
+    @property
+    def lever(self) -> Lever:
+        """What turns off the axis, about the table's axis."""
+        return Lever(self.mass, self.eccentricity, math.sin(self.tilt), self.start_angle)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
-def rotary_table(spec: RobotSpec, course: Course) -> LoadCycle:
+def rotary_table(load: RotaryTable, gravity: float, course: Course) -> LoadCycle:
     """The load cycle at the table's axis, for one motor set.
 
     Parameters
     ----------
-    spec
+    load
         The table.
+    gravity
+        Acceleration of free fall [m/s^2].
     course
         How it turns.
 
     Raises
     ------
+    FieldError
+        When an unbalanced table turns round too often in one cycle.
     InputError
-        When an unbalanced table turns round too often in one cycle, or a figure leaves the range of numbers that can
-        be computed with.
+        When a figure leaves the range of numbers that can be computed with.
     """
-    load = spec.load
-    assert isinstance(load, RotaryTable)
-    course, weight = weight_on_lever(spec, course)
+    course, weight = weight_on_lever(load.lever, gravity, course)
     torque = load.inertia * course.acceleration + load.friction_torque * course.direction + load.torque + weight
     return course.cycle(torque / load.motors, inertia=load.inertia / load.motors)

@@ -20,26 +20,65 @@ technical reference, motor sizing: ball screw).
 from __future__ import annotations
 
 import math
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+from pydantic import Field
 
+from drivesizer.files.fields import (
+    Axis,
+    Coefficient,
+    Force,
+    Incline,
+    Inertia,
+    Length,
+    Mass,
+    Pull,
+    Quantity,
+    Share,
+    Torque,
+    default,
+)
 from drivesizer.loads.course import Course
+from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.spec.loads import Screw
-from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["screw"]
+__all__ = ["Screw", "screw"]
+
+BackEfficiency = Annotated[float, Quantity("dimensionless", most=1.0)]
+
+
+class Screw(SharedLoad):
+    """A lead screw or ball screw that moves a slide, level to upright."""
+
+    axis: ClassVar[Axis] = "linear"
+    has_end: ClassVar[bool] = True
+    kind: Literal["lead_screw", "ball_screw"]
+    mass: Mass = Field(description="of the slide and what is on it")
+    lead: Length = Field(description="way per turn")
+    efficiency: Share = Field(description="of screw and nut when it drives the slide")
+    back_efficiency: BackEfficiency | None = Field(
+        default=None, description="when the slide drives it; 2 - 1/efficiency where not given, below 0 is self-locking"
+    )
+    incline: Incline = default("0 deg", description="of the forward motion, upward positive; 90 deg lifts")
+    friction_coefficient: Coefficient = Field(default=0, description="of the guide")
+    friction_force: Force = default("0 N", description="of the guide's seals, against the motion")
+    force: Pull = default("0 N", description="further force against the forward motion, at rest too")
+    preload_torque: Torque = default("0 N*m", description="drag of a preloaded nut and its bearings")
+    inertia: Inertia = Field(description="of screw and coupling")
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
-def screw(spec: RobotSpec, course: Course) -> LoadCycle:
+def screw(load: Screw, gravity: float, course: Course) -> LoadCycle:
     """The load cycle at the screw of one motor set.
 
     Parameters
     ----------
-    spec
+    load
         The slide and its screw.
+    gravity
+        Acceleration of free fall [m/s^2].
     course
         How the slide moves.
 
@@ -48,9 +87,7 @@ def screw(spec: RobotSpec, course: Course) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with.
     """
-    load, g = spec.load, spec.environment.gravity
-    assert isinstance(load, Screw)
-    force = force_along(course, load, g, load.mass)
+    force = force_along(course, load, gravity, load.mass)
     return through_stage(
         course,
         force,

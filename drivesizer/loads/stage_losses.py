@@ -15,17 +15,41 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
 from drivesizer.loads.course import Course
 from drivesizer.physics.load_cycle import Ends, LoadCycle
-from drivesizer.spec.loads import Conveyor, RackPinion, Screw
 
-__all__ = ["force_along", "through_stage"]
+__all__ = ["OnIncline", "force_along", "through_stage"]
 
 
-def force_along(course: Course, load: Conveyor | RackPinion | Screw, g: float, moved: float) -> Ends:
+class OnIncline(Protocol):
+    """A load that is moved along an incline, with friction."""
+
+    @property
+    def mass(self) -> float:
+        """Of what climbs [kg]."""
+
+    @property
+    def incline(self) -> float:
+        """Of the forward motion, upward positive [rad]."""
+
+    @property
+    def friction_coefficient(self) -> float:
+        """Of what rubs on its guide or bed."""
+
+    @property
+    def friction_force(self) -> float:
+        """Of seals and scrapers, against the motion [N]."""
+
+    @property
+    def force(self) -> float:
+        """Further force against the forward motion, at rest too [N]."""
+
+
+def force_along(course: Course, load: OnIncline, gravity: float, moved: float) -> Ends:
     """Force that moves a load along its incline: friction, weight, further force and inertia [N].
 
     Parameters
@@ -34,13 +58,13 @@ def force_along(course: Course, load: Conveyor | RackPinion | Screw, g: float, m
         How the load moves.
     load
         What is moved; its ``mass`` climbs.
-    g
-        Gravity [m/s^2].
+    gravity
+        Acceleration of free fall [m/s^2].
     moved
         What rubs and is accelerated, the load's mass among it [kg].
     """
-    friction = load.friction_coefficient * moved * g * math.cos(load.incline) + load.friction_force
-    climb = load.mass * g * math.sin(load.incline)
+    friction = load.friction_coefficient * moved * gravity * math.cos(load.incline) + load.friction_force
+    climb = load.mass * gravity * math.sin(load.incline)
     return friction * course.direction + (climb + load.force) + moved * course.acceleration
 
 

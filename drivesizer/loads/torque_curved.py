@@ -14,11 +14,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.errors import InputError
+from drivesizer.errors import FieldError
 from drivesizer.loads.course import Course
-from drivesizer.loads.lever import lever_of
+from drivesizer.loads.lever import Lever
 from drivesizer.physics.load_cycle import Ends
-from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["capped", "weight_on_lever"]
 
@@ -37,33 +36,33 @@ def capped(pieces: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.maximum(np.ceil(pieces * share), 1.0).astype(np.int64)
 
 
-def weight_on_lever(spec: RobotSpec, course: Course) -> tuple[Course, Ends]:
+def weight_on_lever(lever: Lever, gravity: float, course: Course) -> tuple[Course, Ends]:
     """The course in pieces that are fine enough, and the torque of a weight about the axis.
 
     Parameters
     ----------
-    spec
-        The machine: its load is a lever.
+    lever
+        The mass and where it is.
+    gravity
+        Acceleration of free fall [m/s^2].
     course
         How the lever turns.
 
     Raises
     ------
-    InputError
+    FieldError
         When the cycle has too many turns to follow.
     """
-    lever = lever_of(spec.load)
-    assert lever is not None
-    moment = lever.moment(spec.environment.gravity)
+    moment = lever.moment(gravity)
     if moment == 0.0:
         return course, np.zeros_like(course.speed)
     rate = np.abs(course.speed).max(axis=1)
     slope = np.abs(np.diff(course.speed, axis=1)[:, 0]) / course.duration
     pieces = np.hypot(rate, np.sqrt(slope)) * course.duration / _STEP
     if not pieces.sum() <= _MOST * _LONGEST_STEP / _STEP:  # written so that NaN fails too
-        raise InputError(
-            f"{spec.where(('motion',))}: the weight turns round more than 250 times in one cycle; "
-            "expected a shorter cycle, or a balanced load"
+        raise FieldError(
+            ("motion",),
+            "the weight turns round more than 250 times in one cycle; expected a shorter cycle, or a balanced load",
         )
     course = course.finer(capped(pieces))
     return course, moment * np.cos(lever.start + course.position)

@@ -15,28 +15,118 @@ Worked example: 45 kg on 4 wheels of 152.4 mm, C_rr 0.02, level, at 1.5 m/s: 0.0
 from __future__ import annotations
 
 import math
+from typing import ClassVar, Literal
 
 import numpy as np
+from pydantic import Field, model_validator
 
 from drivesizer import equations as eq
+from drivesizer.files.fields import (
+    Area,
+    Axis,
+    Coefficient,
+    Density,
+    Inertia,
+    Length,
+    Mass,
+    Section,
+    Share,
+    SignedSpeed,
+    Slope,
+    Thickness,
+    default,
+    exactly_one,
+)
 from drivesizer.loads.course import Course
+from drivesizer.loads.model import Count, LoadModel
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit
-from drivesizer.spec.loads import Cylinder, WheeledVehicle
-from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["grip_warning", "held_by_a_wheel", "rolling_resistance", "turning_inertia", "wheeled_vehicle"]
+__all__ = [
+    "Cylinder",
+    "Cylinders",
+    "WheeledVehicle",
+    "held_by_a_wheel",
+    "rolling_resistance",
+    "turning_inertia",
+    "wheeled_vehicle",
+]
 
-_STANDS = 3  # wheels at least
 _PIECES = 64  # of a ramp in wind: the straight lines are off by 1/4 of 1/64² of the drag at its end, 6e-5 of it
 
 
-def wheeled_vehicle(spec: RobotSpec, course: Course) -> LoadCycle:
+class Cylinder(Section):
+    """A rotating hollow cylinder, (8) and (9)."""
+
+    density: Density
+    outer_diameter: Length
+    inner_diameter: Thickness = default("0 mm", description="0 when solid")
+    width: Length
+
+    @model_validator(mode="after")
+    def _hollow(self) -> Cylinder:
+        if not self.inner_diameter < self.outer_diameter:
+            raise ValueError("inner_diameter must be below outer_diameter")
+        return self
+
+
+class Cylinders(Section):
+    """The cylinders that turn with each driven wheel."""
+
+    wheel: Cylinder
+    shaft: Cylinder | None = None
+
+
+class WheeledVehicle(LoadModel):
+    """A vehicle on driven wheels, each with its own motor set."""
+
+    axis: ClassVar[Axis] = "linear"
+    kind: Literal["wheeled_vehicle"]
+    mass: Mass = Field(description="whole vehicle, payload included")
+    driven_wheels: Count = Field(description="wheels with a motor set")
+    wheel_diameter: Length
+    rolling_resistance: Coefficient | None = Field(default=None, description="C_rr; or give sinkage")
+    sinkage: Thickness | None = Field(default=None, description="sinking depth z of (4); or give rolling_resistance")
+    friction_coefficient: Coefficient | None = Field(default=None, description="between wheel and floor, for traction")
+    driven_share: Share | None = Field(
+        default=None,
+        description="of the weight that the driven wheels carry, for traction; all of it where not given. Casters and "
+        "other wheels carry the rest. A platform tells it by its places",
+    )
+    slope: Slope = default("0 deg", description="uphill positive")
+    drag_area: Area = default("0 m^2", description="drag coefficient times frontal area")
+    headwind: SignedSpeed = default("0 m/s", description="against the forward motion positive")
+    air_density: Density = default("1.2 kg/m^3")
+    cylinders: Cylinders | None = Field(default=None, description="wheel and shaft; or give inertia")
+    inertia: Inertia | None = Field(default=None, description="of one wheel with its shaft; or give cylinders")
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> WheeledVehicle:
+        exactly_one(self, "rolling_resistance", "sinkage")
+        exactly_one(self, "cylinders", "inertia")
+        if self.sinkage is not None and self.sinkage >= self.wheel_diameter:
+            raise ValueError("sinkage must be below wheel_diameter")
+        return self
+
+    @property
+    def motors(self) -> int:
+        """How many motor sets share the load."""
+        return self.driven_wheels
+
+    @property
+    def alike(self) -> int:
+        """How many motor sets are asked for what the load cycle says: all."""
+        return self.driven_wheels
+
+
+def wheeled_vehicle(load: WheeledVehicle, gravity: float, course: Course) -> LoadCycle:
     """The load cycle at one driven wheel.
 
     Parameters
     ----------
-    spec
+    load
         The vehicle.
+    gravity
+        Acceleration of free fall [m/s^2].
     course
         How it moves.
 
@@ -45,20 +135,18 @@ def wheeled_vehicle(spec: RobotSpec, course: Course) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with.
     """
-    load, g = spec.load, spec.environment.gravity
-    assert isinstance(load, WheeledVehicle)
     r, N = load.wheel_diameter / 2, load.driven_wheels
     if load.drag_area > 0.0:
         course = course.finer(np.where(np.ptp(course.speed, axis=1) > 0.0, _PIECES, 1))
     turning = turning_inertia(load)
-    weight = load.mass * g * math.sin(load.slope)
-    rolling = eq.nominal_force(rolling_resistance(load), load.mass, g, load.slope) - weight
+    weight = load.mass * gravity * math.sin(load.slope)
+    rolling = eq.nominal_force(rolling_resistance(load), load.mass, gravity, load.slope) - weight
     wind = course.speed + load.headwind
     drag = load.air_density * load.drag_area * wind * np.abs(wind) / 2
     force = rolling * course.direction + weight + drag + load.mass * course.acceleration
     torque = force * r / N + turning * course.acceleration / r
     inertia = turning + load.mass * r**2 / N
-    own = () if spec.platform else _grip(load, g, course, force / N, turning)  # a platform's own checks know more
+    own = _grip(load, gravity, course, force / N, turning)
     return course.cycle(torque, r, inertia=inertia, own=own)
 
 
@@ -81,42 +169,28 @@ def _cylinder(c: Cylinder) -> float:
     return float(eq.cylinder_inertia(eq.cylinder_mass(c.density, r_a, r_i, c.width), r_a, r_i))
 
 
-def _grip(load: WheeledVehicle, g: float, course: Course, force: Ends, turning: float) -> tuple[OwnLimit, ...]:
+def _grip(load: WheeledVehicle, gravity: float, course: Course, force: Ends, turning: float) -> tuple[OwnLimit, ...]:
     """The largest force of a wheel on the floor against what friction transmits."""
     if load.friction_coefficient is None:
         return ()
     worst = int(np.abs(force).argmax())
     end = np.cumsum(course.duration)
     time = np.stack([end - course.duration, end], axis=1).reshape(-1)[worst]
-    limit = held_by_a_wheel(load, g)
+    limit = held_by_a_wheel(load, gravity)
     most = float(np.abs(force).reshape(-1)[worst])
     return (OwnLimit("traction", most, limit, float(time), turning),)
 
 
-def held_by_a_wheel(load: WheeledVehicle, g: float) -> float:
+def held_by_a_wheel(load: WheeledVehicle, gravity: float) -> float:
     """Force that friction transmits at a driven wheel [N]; unknown without a coefficient.
 
     Parameters
     ----------
     load
         The vehicle; where its driven wheels stand is not known.
-    g
-        Gravity [m/s^2].
+    gravity
+        Acceleration of free fall [m/s^2].
     """
     friction = math.nan if load.friction_coefficient is None else load.friction_coefficient
     share = 1.0 if load.driven_share is None else load.driven_share
-    return friction * share * load.mass * g * math.cos(load.slope) / load.driven_wheels
-
-
-def grip_warning(spec: RobotSpec) -> tuple[str, ...]:
-    """That casters may carry, where traction takes the driven wheels to carry all; nothing where that is clear."""
-    load = spec.load
-    if not isinstance(load, WheeledVehicle) or spec.platform or load.friction_coefficient is None:
-        return ()
-    if load.driven_share is not None or load.driven_wheels >= _STANDS:
-        return ()
-    wheels = "1 driven wheel" if load.driven_wheels == 1 else f"{load.driven_wheels} driven wheels"
-    return (
-        f"traction: all of the weight is taken to be on {wheels}, which cannot stand alone; give load.driven_share, "
-        "such as 60 %, where casters or other wheels carry the rest",
-    )
+    return friction * share * load.mass * gravity * math.cos(load.slope) / load.driven_wheels

@@ -16,9 +16,10 @@ import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
-from drivesizer.loads import load_cycle
-from drivesizer.loads.platform_wheels import dynamics_of, trajectory_of
-from drivesizer.loads.wheel import machine_cases
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of
+from drivesizer.load_cases.wheel import machine_cases
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_pack import pack_of
 from drivesizer.machine.energy_budget import energy_budget
 from drivesizer.machine.mass_budget import drive_rows
@@ -29,7 +30,6 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.sizing import verdict
 from drivesizer.spec.battery import Battery
-from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["check_battery", "drive_mass", "mass_without_drive", "of_the_platform", "with_budget"]

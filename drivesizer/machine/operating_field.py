@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.machine.set_columns import OneRow
 from drivesizer.physics.load_cycle import Ends
 from drivesizer.physics.motor_demand import (

@@ -10,7 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import nan
 
-from drivesizer.loads.platform_record import platform_assumptions, platform_of
+from drivesizer.load_cases.platform_record import platform_assumptions, platform_of
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.mass_budget import MassBudget
 from drivesizer.machine.platform_checks import (
     Standing,
@@ -28,7 +29,6 @@ from drivesizer.platform.stability_along import least_load, least_margin
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, Figure, Status, verdict
-from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.platform import Budget, Platform
 
 __all__ = ["MechanicalBudget", "budget_checks", "mass_part", "platform_part"]

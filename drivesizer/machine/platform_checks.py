@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.errors import InputError
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.mass_budget import MassBudget, drive_rows, mass_budget
 from drivesizer.platform.contact_loads import Ground, contact_loads
 from drivesizer.platform.dynamics import Dynamics
@@ -27,7 +28,6 @@ from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.mass import MassRow
 from drivesizer.results.sizing import Check
-from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.platform import Budget, PassageSection, Platform
 
 __all__ = [

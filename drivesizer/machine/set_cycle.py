@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.machine.set_columns import OneRow
 from drivesizer.physics.heat_course import WindingCourse
 from drivesizer.physics.load_cycle import mean_product

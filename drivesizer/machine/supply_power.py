@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.loads.wheel import WheelLoad
+from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.set_cycle import set_cycle, supplied
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.waveform import Wave, energy, largest_power
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["DrivePower", "drive_power", "together", "way_of"]

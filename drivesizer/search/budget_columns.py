@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_checks import Load, accepted, charging, raised_voltage
 from drivesizer.machine.battery_pack import Pack, pack_of
 from drivesizer.machine.platform_checks import mass_columns, rest_of_machine
@@ -22,7 +23,6 @@ from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.evaluation import Evaluation, by_physics
 from drivesizer.search.columns.stages import Problem
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, columns_of, feeding
-from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["surely_fallen"]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from drivesizer.catalog import Catalog
-from drivesizer.loads.platform_wheels import on_wheels
+from drivesizer.load_cases.platform_wheels import on_wheels
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.budgets import drive_mass, mass_without_drive
 from drivesizer.machine.mass_budget import settle
 from drivesizer.search import pulleys
 from drivesizer.search.machine_filter import best_in_machine
 from drivesizer.search.ranking import Ranking
-from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["at_its_own_mass"]

@@ -14,7 +14,7 @@ import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.loads.platform_wheels import on_wheels
+from drivesizer.load_cases.platform_wheels import on_wheels
 from drivesizer.machine.budgets import check_battery, of_the_platform
 from drivesizer.machine.platform_budget import MechanicalBudget
 from drivesizer.results.drive_set import DriveSet

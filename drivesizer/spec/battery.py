@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from drivesizer.spec.fields import (
+from drivesizer.files.fields import (
     Allowance,
     Current,
     Duration,

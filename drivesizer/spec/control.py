@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from drivesizer.spec.fields import Angle, Duration, Frequency, Gain, Part, Section, Stiffness
+from drivesizer.files.fields import Angle, Duration, Frequency, Gain, Part, Section, Stiffness
 
 __all__ = ["Control", "Plant"]
 

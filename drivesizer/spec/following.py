@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from drivesizer.spec.fields import (
+from drivesizer.files.fields import (
     Angle,
     Coefficient,
     Duration,

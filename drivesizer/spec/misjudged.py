@@ -6,9 +6,9 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from drivesizer.files.fields import Bearing, Mass, Place, Quantity, Section, Thickness, default
 from drivesizer.platform.misjudged import Misjudged
 from drivesizer.platform.wheels import Payload
-from drivesizer.spec.fields import Bearing, Mass, Place, Quantity, Section, Thickness, default
 
 __all__ = ["Unknown", "UnknownPayload"]
 

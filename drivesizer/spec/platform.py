@@ -12,9 +12,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from drivesizer.platform.envelope import Passage, Size
-from drivesizer.platform.wheels import Platform as Record
-from drivesizer.spec.fields import (
+from drivesizer.files.fields import (
     Bearing,
     Coefficient,
     Counterweight,
@@ -28,6 +26,8 @@ from drivesizer.spec.fields import (
     Turning,
     default,
 )
+from drivesizer.platform.envelope import Passage, Size
+from drivesizer.platform.wheels import Platform as Record
 from drivesizer.spec.following import Following
 from drivesizer.spec.misjudged import Unknown
 from drivesizer.spec.wheels import CasterPlace, Layout, WheelPlace

@@ -16,11 +16,12 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.files.fields import Section, default
 from drivesizer.files.yaml_source import Path_, YamlSource, read
+from drivesizer.loads.kinds import AXES, Load
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.control import Control, Plant
-from drivesizer.spec.fields import Section, default
-from drivesizer.spec.loads import AXES, Load, WheeledVehicle
 from drivesizer.spec.messages import explained
 from drivesizer.spec.motions import Motion, Track, Trapezoid, Waypoints
 from drivesizer.spec.platform import Budget, Platform

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
-from drivesizer.spec.fields import Names, Ratio, Section
+from drivesizer.files.fields import Names, Ratio, Section
 
 __all__ = [
     "OBJECTIVES",

@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from drivesizer.catalog.tolerances.factors import share
-from drivesizer.spec.fields import Section, Share
+from drivesizer.files.fields import Section, Share
 
 __all__ = ["FEWEST", "MOST", "GearheadTolerances", "MotorTolerances", "Tolerances"]
 

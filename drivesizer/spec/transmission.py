@@ -7,7 +7,7 @@ from typing import Annotated, Literal, NamedTuple
 from pydantic import Field, PrivateAttr, model_validator
 
 from drivesizer.catalog.belt_drive import BeltDrive
-from drivesizer.spec.fields import (
+from drivesizer.files.fields import (
     Force,
     Inertia,
     Length,

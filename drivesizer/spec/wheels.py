@@ -11,8 +11,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from drivesizer.files.fields import Bearing, Coefficient, Length, Place, Quantity, Section, default
 from drivesizer.platform.wheels import Wheel, table_wheel
-from drivesizer.spec.fields import Bearing, Coefficient, Length, Place, Quantity, Section, default
 
 __all__ = ["CasterPlace", "Differential", "Layout", "Mecanum", "Omni", "WheelPlace"]
 

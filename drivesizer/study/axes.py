@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import Annotated, Any, get_args, get_origin
 
 from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.fields import Quantity
 from drivesizer.files.yaml_source import Path_, YamlSource
-from drivesizer.spec.fields import Quantity
-from drivesizer.spec.loads import AXES
+from drivesizer.loads.kinds import AXES
 from drivesizer.spec.messages import known_keys, models_at
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.tolerance_text import has_tolerance, tolerance

@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError, model_validator
 
 from drivesizer.errors import InputError
+from drivesizer.files.fields import Names, Section, exactly_one
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.spec.fields import Names, Section, exactly_one
 from drivesizer.spec.messages import explained
 
 __all__ = ["Hypercube", "StudyFile", "schema_of"]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.search.search import search
 from drivesizer.spec.robot import read_spec
 

@@ -15,7 +15,7 @@ import pytest
 
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.physics.motor_demand import at_gearhead, demands
 from drivesizer.physics.stress import Parts, heat, stress
 from drivesizer.search.columns import limits_over_time as wave

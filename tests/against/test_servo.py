@@ -21,7 +21,7 @@ from drivesizer.control.drive_train import Regime, modes
 from drivesizer.control.validation import Validation
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads.at_shaft import asked_of
+from drivesizer.load_cases.at_shaft import asked_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
@@ -157,7 +157,7 @@ def test_errors_are_those_of_the_mass_that_they_are_named_for():
 
 
 def _profile(spec: RobotSpec):
-    from drivesizer.loads.profile import profile_of
+    from drivesizer.load_cases.profile import profile_of
 
     return profile_of(spec)
 
@@ -250,7 +250,7 @@ def test_json_csv_and_report_carry_the_same(tmp_path, monkeypatch):
 
 
 def test_a_profile_beyond_any_machine_is_refused():
-    from drivesizer.loads.profile import Profile
+    from drivesizer.loads.course import Profile
 
     spec = spec_of()
     fast = Profile(name="fast", time=(0.0, 1.0, 2.0), speed=(0.0, 1e300, 0.0))
@@ -295,7 +295,7 @@ def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_betwee
 def restless(monkeypatch):
     """A motion that never repeats, 40 s long, where a hundredth of the steps is simulated that are otherwise."""
     from drivesizer.control.engine import simulate
-    from drivesizer.loads.profile import Profile
+    from drivesizer.loads.course import Profile
 
     most = simulate.__kwdefaults__["most_steps"]
     monkeypatch.setattr(closed_loop_run, "simulate", partial(simulate, most_steps=most // 100))

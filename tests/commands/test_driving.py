@@ -13,9 +13,9 @@ from drivesizer.cli import main
 from drivesizer.control.path_following.runs import follow_all
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
-from drivesizer.loads.platform_drive import driving, on_the_way, over_time
-from drivesizer.loads.platform_wheels import on_wheels
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.platform_drive import driving, on_the_way, over_time
+from drivesizer.load_cases.platform_wheels import on_wheels
 from drivesizer.machine.supply_power import drive_power, together
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec

@@ -38,7 +38,7 @@ from drivesizer.control.loop_models import (
 from drivesizer.control.loop_warnings import loop_warnings, resolution_warning, resonance_warning, shortest_ramp
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
-from drivesizer.loads.profile import Profile
+from drivesizer.loads.course import Profile
 
 EPOS4 = Rates(4e-5, 4e-4, 4e-4)
 R, L, K_T, K_E, J_M = 2.3, 2.4e-4, 0.0234, 0.0271, 1.3e-6

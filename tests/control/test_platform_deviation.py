@@ -13,8 +13,8 @@ from drivesizer.control.path_following.deviation import deviation, extremes
 from drivesizer.control.path_following.following import follow, sampled
 from drivesizer.control.path_following.runs import drawn, follow_all
 from drivesizer.errors import InputError
-from drivesizer.loads.platform_drive import driving, on_the_way
-from drivesizer.loads.platform_record import platform_of
+from drivesizer.load_cases.platform_drive import driving, on_the_way
+from drivesizer.load_cases.platform_record import platform_of
 from drivesizer.output.report.figures.path import path_and_errors
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.spec.robot import load_spec

@@ -11,7 +11,7 @@ from docs_pages import ROOT, blocks, held_against_the_page, page, rows
 
 from drivesizer.control.path_following.runs import follow_all
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads.platform_drive import driving
+from drivesizer.load_cases.platform_drive import driving
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.json import driving as json_driving
 from drivesizer.platform import printed_forms

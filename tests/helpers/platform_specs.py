@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drivesizer.spec.loads import WheeledVehicle
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.spec.platform import Platform
 
 SIZE = {"length": "707 mm", "width": "350 mm", "height": "184 mm"}  # of the paper

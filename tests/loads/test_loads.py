@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
-from drivesizer.loads.platform_wheels import held_by_the_floor
-from drivesizer.loads.profile import Profile
-from drivesizer.loads.wheeled_vehicle import grip_warning
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.platform_wheels import held_by_the_floor
+from drivesizer.load_cases.warnings import grip_warning
+from drivesizer.loads.course import Profile
+from drivesizer.loads.kinds import AXES
 from drivesizer.physics.load_cycle import integral, rms
-from drivesizer.spec.loads import AXES
 from drivesizer.spec.robot import load_spec, read_spec
 
 ROOT = Path(__file__).resolve().parents[2]

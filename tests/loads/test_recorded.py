@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.physics.load_cycle import integral, rms
 from drivesizer.physics.motor_demand import AT_REST, at_gearhead
 from drivesizer.physics.smoothing import local_parabola

@@ -11,7 +11,7 @@ from trajectories import joined, piece, straight
 
 from drivesizer import size
 from drivesizer.errors import InputError
-from drivesizer.loads.platform_record import platform_of
+from drivesizer.load_cases.platform_record import platform_of
 from drivesizer.machine.platform_budget import budget_checks
 from drivesizer.machine.platform_checks import Standing, envelope_checks, grip_checks, machine_mass, mass_checks
 from drivesizer.machine.platform_checks import stability_checks as footing

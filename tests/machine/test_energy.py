@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 import drivesizer
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
+from drivesizer.loads.kinds import AXES
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import at_gearhead, demands, peak
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.sizing import size
-from drivesizer.spec.loads import AXES
 from drivesizer.spec.robot import read_spec
 
 STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"

@@ -8,7 +8,7 @@ import pytest
 
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import read
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.machine.operating_field import OperatingField, field
 from drivesizer.physics.load_cycle import rms
 from drivesizer.physics.thermal import COPPER, nominal_current, steady_winding_temperature

@@ -12,7 +12,7 @@ import pytest
 from synthetic_validation import labels, synthetic_validation
 
 from drivesizer.files.yaml_source import read
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.output.report.figures import load_and_loop
 from drivesizer.output.report.figures.field import torque_speed
 from drivesizer.output.report.figures.field_panels import panels, paper_points

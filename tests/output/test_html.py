@@ -18,7 +18,7 @@ from printed import blank_figures
 from drivesizer.control.validation import Validation
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import read
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.report import write
 from drivesizer.output.report.figures.field_panels import panels

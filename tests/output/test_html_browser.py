@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from html_reports import CASE, hostile_spec, whole_validation
 
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.machine.operating_field import field
 from drivesizer.output.report import write
 from drivesizer.results.sizing import SizingResult

@@ -11,8 +11,8 @@ from pdf_pages import SHEETS, assert_within_margins
 from printed import Printed, blank_figures, printed, text_of
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
-from drivesizer.loads.platform_wheels import trajectory_of
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.platform_wheels import trajectory_of
 from drivesizer.output.report import html, workbook
 from drivesizer.output.report.all_figures import report_drawings
 from drivesizer.output.report.figures import motion, plan_view, wheels

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
-from drivesizer.loads.profile import Profile, trapezoid
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.profile import trapezoid
+from drivesizer.loads.course import Profile
 from drivesizer.physics.load_cycle import LoadCycle, integral, rms
 from drivesizer.spec.robot import read_spec
 

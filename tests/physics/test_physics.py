@@ -14,8 +14,9 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
-from drivesizer.loads.profile import Profile, trapezoid
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.profile import trapezoid
+from drivesizer.loads.course import Profile
 from drivesizer.output.json import documents as json_documents
 from drivesizer.physics.motor_demand import at_gearhead, demands, gear_loss, peak
 from drivesizer.search.columns.candidates import Rows, candidates

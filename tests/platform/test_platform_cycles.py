@@ -15,8 +15,9 @@ from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, WHEEL, car, differen
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
-from drivesizer.loads.profile import Profile, profile_of
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.profile import profile_of
+from drivesizer.loads.course import Profile
 from drivesizer.physics.load_cycle import integral
 from drivesizer.platform.contact_loads import Ground, contact_loads
 from drivesizer.platform.dynamics import dynamics, energy, wheel_torques

@@ -15,8 +15,8 @@ from wheel_sets import wheel_sets
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
-from drivesizer.loads.profile import Profile
+from drivesizer.load_cases import load_cycle
+from drivesizer.loads.course import Profile
 from drivesizer.platform.contact_loads import Ground, contact_loads, weight_along
 from drivesizer.platform.dynamics import (
     acceleration,

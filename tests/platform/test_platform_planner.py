@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from platform_limits import BOTH, DRIVING, TURNING
 
 from drivesizer.errors import InputError
-from drivesizer.loads.profile import s_curve
+from drivesizer.load_cases.profile import s_curve
 from drivesizer.platform import planner
 from drivesizer.platform.planner import Limits, Waypoint, plan
 from drivesizer.spec.motions import SCurve

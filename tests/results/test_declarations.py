@@ -13,9 +13,9 @@ from shutil import copytree, ignore_patterns
 import pytest
 
 import drivesizer
+from drivesizer.loads.kinds import AXES
 from drivesizer.results.check_columns import at_least, at_most, fits
 from drivesizer.results.check_kinds import CHECKS
-from drivesizer.spec.loads import AXES
 from drivesizer.units import KINDS, scale
 
 PACKAGE = Path(drivesizer.__file__).parent

@@ -9,7 +9,7 @@ import pytest
 from forty_motors import MOTORS, catalogue
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads.platform_wheels import on_wheels
+from drivesizer.load_cases.platform_wheels import on_wheels
 from drivesizer.machine.budgets import with_budget
 from drivesizer.search import machine_filter, search
 from drivesizer.search.columns.candidates import pairs

@@ -11,7 +11,7 @@ from drivesizer.control.closed_loop.run import run
 from drivesizer.control.closed_loop.set_up import prepared
 from drivesizer.control.engine import simulate
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads.at_shaft import asked_of
+from drivesizer.load_cases.at_shaft import asked_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.uncertainty import sampled_closed_loop
 from drivesizer.search.uncertainty.options import Sampling

@@ -10,7 +10,7 @@ import pytest
 
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads.platform_wheels import on_wheels
+from drivesizer.load_cases.platform_wheels import on_wheels
 from drivesizer.machine.budgets import with_budget
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.output.export import export_of, write
 from drivesizer.sizing import size
 from drivesizer.spec.from_urdf import carried, spec_of

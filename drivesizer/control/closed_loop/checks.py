@@ -17,8 +17,9 @@ from drivesizer.catalog import Controller, Encoder
 from drivesizer.control.closed_loop.run import ClosedLoop
 from drivesizer.control.closed_loop.set_up import FOLLOWS
 from drivesizer.control.loop_design import stated_margin
+from drivesizer.load_cases.platform_wheels import held_by_the_floor
 from drivesizer.loads.course import course
-from drivesizer.loads.platform_wheels import held_by_the_floor
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.lasting_speed import asked_of_the_gearhead, lasting_speeds
 from drivesizer.physics.thermal import (
     DATA_TEMPERATURE,
@@ -31,7 +32,6 @@ from drivesizer.physics.thermal import (
 from drivesizer.results.check_columns import NOT_ASKED, CheckColumn, at_least, at_most, between, fits
 from drivesizer.results.nominal_current import nominal_current_limit
 from drivesizer.results.sizing import Check
-from drivesizer.spec.loads import WheeledVehicle
 
 __all__ = ["METHOD", "checks"]
 

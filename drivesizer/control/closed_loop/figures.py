@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.closed_loop.run import ClosedLoop
-from drivesizer.loads.profile import SPEED
+from drivesizer.load_cases.profile import SPEED
 from drivesizer.physics.counted_speed import speed_quantum
 from drivesizer.results.sizing import Figure
 

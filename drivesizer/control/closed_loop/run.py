@@ -25,7 +25,7 @@ from drivesizer.control.loop_models import Shaft
 from drivesizer.control.loop_records import Loops
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
-from drivesizer.loads.profile import Profile
+from drivesizer.loads.course import Profile
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 

@@ -20,8 +20,8 @@ from drivesizer.control.loop_design import designed, edges_of, gap_of, shaft_of
 from drivesizer.control.loop_models import Shaft
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
-from drivesizer.loads.at_shaft import at_shaft, remaining_torque
-from drivesizer.loads.profile import Profile
+from drivesizer.load_cases.at_shaft import at_shaft, remaining_torque
+from drivesizer.loads.course import Profile
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import TwoBodies, two_bodies
 from drivesizer.physics.usable_voltage import usable_in

@@ -11,14 +11,14 @@ from drivesizer.control.path_following.following import Followed, Model, follow
 from drivesizer.control.path_following.pose_control import SpeedLoop, is_unicycle, pose_loop, speed_loop
 from drivesizer.control.path_following.slip import Contact
 from drivesizer.errors import InputError
-from drivesizer.loads.platform_drive import Driving
-from drivesizer.loads.platform_wheels import dynamics_of, ground_of
+from drivesizer.load_cases.platform_drive import Driving
+from drivesizer.load_cases.platform_wheels import dynamics_of, ground_of
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.platform.dynamics import Dynamics
 from drivesizer.platform.misjudged import EXACT, Misjudged
 from drivesizer.platform.stability_along import least_margin
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.following import Following
-from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.platform import Platform
 from drivesizer.units import show
 

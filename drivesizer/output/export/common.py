@@ -23,10 +23,10 @@ from drivesizer.control.drive_train import DriveTrain, drive_train, within_reach
 from drivesizer.control.loop_design import designed
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
-from drivesizer.loads.at_shaft import asked_of, at_shaft, remaining_torque
-from drivesizer.loads.lever import Lever, lever_of
-from drivesizer.loads.platform_wheels import on_wheels
-from drivesizer.loads.wheel import WheelLoad
+from drivesizer.load_cases.at_shaft import asked_of, at_shaft, remaining_torque
+from drivesizer.load_cases.platform_wheels import on_wheels
+from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.loads.lever import Lever
 from drivesizer.machine.set_cycle import set_cycle, warming
 from drivesizer.output.export.limits import Limits, limits
 from drivesizer.physics.heat_cycle import periodic_heat
@@ -229,7 +229,7 @@ def _housing(spec: RobotSpec, found: DriveSet, bodies: TwoBodies) -> float:
 
 def _lever(spec: RobotSpec) -> Lever | None:
     """One motor set's share of a lever that feels its weight."""
-    lever = lever_of(spec.load)
+    lever = spec.load.lever
     if lever is None or lever.moment(spec.environment.gravity) == 0.0:
         return None
     return lever._replace(mass=lever.mass / spec.load.motors)

@@ -7,7 +7,7 @@ from typing import Any
 
 from drivesizer.control.path_following.deviation import extremes
 from drivesizer.control.path_following.following import Followed
-from drivesizer.loads.platform_drive import Driving, Wheel
+from drivesizer.load_cases.platform_drive import Driving, Wheel
 from drivesizer.output.json.documents import SCHEMA_VERSION, drive_set, requirement
 from drivesizer.output.json.loops import number
 from drivesizer.results.drive_set import DriveSet

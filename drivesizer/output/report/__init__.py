@@ -16,7 +16,7 @@ from drivesizer.errors import InputError, quoted
 if TYPE_CHECKING:
     from drivesizer.control.path_following.following import Followed
     from drivesizer.control.validation import Validation
-    from drivesizer.loads.platform_drive import Driving
+    from drivesizer.load_cases.platform_drive import Driving
     from drivesizer.results.sizing import SizingResult
 
 __all__ = [
@@ -155,7 +155,7 @@ def write_driving(found: Driving, path: Path) -> list[Path]:
         When the file cannot be written.
     """
     from drivesizer.files.writing import put, ready
-    from drivesizer.loads.platform_drive import over_time
+    from drivesizer.load_cases.platform_drive import over_time
     from drivesizer.output.report.table.csv import columns_csv
 
     ready(path)

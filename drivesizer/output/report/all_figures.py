@@ -7,7 +7,7 @@ from math import isfinite, nan
 
 import drivesizer.output.report.figures.load_and_loop as figures
 from drivesizer.control.validation import Validation
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.output.report.figures.battery import battery, is_known
 from drivesizer.output.report.figures.bode_and_step import bode, step
 from drivesizer.output.report.figures.field import torque_speed

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from drivesizer.control.validation import Validation
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.output.datasheet import datasheets
 from drivesizer.output.derivation import step
 from drivesizer.output.loop_table import gain, gain_rows, linear

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from functools import cached_property
 from math import fsum, isfinite, isnan
 
-from drivesizer.loads.wheel import WheelLoad
+from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.machine.energy_flow import EnergyFlow, energy_flow
 from drivesizer.machine.set_cycle import SetCycle, set_cycle, warming
 from drivesizer.machine.warm_up import WarmUp, warm_up

@@ -12,7 +12,7 @@ from rich.text import Text
 from drivesizer.control.path_following.deviation import extremes
 from drivesizer.control.path_following.following import Followed
 from drivesizer.control.path_following.runs import assumed
-from drivesizer.loads.platform_drive import Driving
+from drivesizer.load_cases.platform_drive import Driving
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.tables import MARK, STYLE
 from drivesizer.physics.load_cycle import OwnLimit

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from drivesizer import equations as eq
 from drivesizer.catalog import Catalog
+from drivesizer.loads.wheeled_vehicle import Cylinder, WheeledVehicle
 from drivesizer.physics.equation import Equation
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.requirement import Requirement
-from drivesizer.spec.loads import Cylinder, WheeledVehicle
 from drivesizer.spec.motions import Trapezoid
 from drivesizer.spec.robot import RobotSpec
 

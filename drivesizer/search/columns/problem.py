@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.loads import load_cycle
-from drivesizer.loads.wheel import machine_cases
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.wheel import machine_cases
 from drivesizer.physics.motor_demand import at_gearhead
 from drivesizer.results.check_columns import CheckColumn, worst_case
 from drivesizer.results.check_kinds import CHECKS

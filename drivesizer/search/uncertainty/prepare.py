@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import Path_
-from drivesizer.loads import load_cycle
-from drivesizer.loads.platform_wheels import cycles_of as wheels_of
-from drivesizer.loads.platform_wheels import dynamics_of, trajectory_of
-from drivesizer.loads.wheel import WheelLoad, machine_cases, wheel_load
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.platform_wheels import cycles_of as wheels_of
+from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of
+from drivesizer.load_cases.wheel import WheelLoad, machine_cases, wheel_load
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.search.uncertainty.sampled_battery import Feeding, feeding
 from drivesizer.search.uncertainty.sampled_checks import Block

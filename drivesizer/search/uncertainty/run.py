@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
-from drivesizer.loads.wheel import WheelLoad
+from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.reliability import Reliability, Uncertain, Uncertainty
 from drivesizer.search.columns.evaluation import Evaluation

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.loads.wheel import WheelLoad
+from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_checks import Load, battery_columns, required_autonomy
 from drivesizer.machine.battery_pack import Pack, pack_of, run_time
 from drivesizer.physics.battery import current_of_power, terminal_voltage
@@ -23,7 +24,6 @@ from drivesizer.physics.stress import Parts
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 from drivesizer.spec.battery import Battery
-from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["LASTING", "SAMPLED", "Draw", "Feeding", "battery_limits", "columns_of", "feeding"]

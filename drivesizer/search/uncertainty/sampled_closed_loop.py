@@ -20,9 +20,9 @@ from drivesizer.control.closed_loop.run import ClosedLoop, as_warm, run, without
 from drivesizer.control.closed_loop.set_up import Prepared, prepared
 from drivesizer.control.engine import Simulation, Task, simulate_many
 from drivesizer.errors import InputError
-from drivesizer.loads.at_shaft import asked_of
-from drivesizer.loads.profile import Profile
-from drivesizer.loads.wheel import WheelLoad
+from drivesizer.load_cases.at_shaft import asked_of
+from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.loads.course import Profile
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.reliability import LoopShare

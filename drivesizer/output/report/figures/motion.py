@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.loads import load_cycle
-from drivesizer.loads.platform_wheels import trajectory_of
-from drivesizer.loads.profile import SPEED, profile_of
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.platform_wheels import trajectory_of
+from drivesizer.load_cases.profile import SPEED, profile_of
 from drivesizer.output.report.figures.style import COLOURS, Form, drawn, heading, placed
 from drivesizer.output.report.figures.time_windows import Window, thinned
 from drivesizer.spec.motions import Track, Trapezoid, Waypoints

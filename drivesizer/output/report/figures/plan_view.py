@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.loads.platform_wheels import trajectory_of
+from drivesizer.load_cases.platform_wheels import trajectory_of
 from drivesizer.output.report.figures.style import CASES, COLOURS, Form, drawn, heading, named, placed
 from drivesizer.platform.envelope import Passage, Size
 from drivesizer.platform.trajectory import Trajectory

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.control.validation import Validation
-from drivesizer.loads import load_cycle
+from drivesizer.load_cases import load_cycle
 from drivesizer.output.report.all_figures import Drawing, report_drawings
 from drivesizer.output.report.content import document
 from drivesizer.output.report.figures.field import MOST_PANELS

@@ -8,11 +8,11 @@ from math import isnan
 from typing import Any
 
 from drivesizer.control.validation import Validation
-from drivesizer.loads.platform_wheels import trajectory_of
-from drivesizer.loads.wheel import WheelLoad
+from drivesizer.load_cases.platform_wheels import trajectory_of
+from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.output.report.lines.sets import figure_row
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.platform import Platform
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show

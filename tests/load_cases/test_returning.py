@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads.returning import not_returning
+from drivesizer.load_cases.warnings import not_returning
 from drivesizer.simulate import validate
 from drivesizer.sizing import explained, size
 from drivesizer.spec.robot import read_spec

@@ -15,20 +15,20 @@ the straight lines add where the curve is hollow, they take away where it bulges
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.csv_columns import beside, columns
+from drivesizer.loads.course import Profile
 from drivesizer.physics.s_curve import fastest_ramp
 from drivesizer.spec.motions import Csv, Harmonic, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
     "SPEED",
-    "Profile",
     "from_csv",
     "harmonic",
     "profile",
@@ -45,35 +45,6 @@ _PIECES = 32  # of a jerk phase
 _QUARTER = 64  # pieces of a quarter of a harmonic period: the speed is off by 7.5e-5 of its peak, 1 - cos(pi/256)
 _Leg = tuple[str, float, float]  # field that gives its time; time [s]; speed at its end
 _Ramp = list[tuple[float, float, float]]
-
-
-@dataclass(frozen=True, slots=True)
-class Profile:
-    """Speed over time, piecewise linear."""
-
-    name: str
-    time: tuple[float, ...]  # s, strictly rising
-    speed: tuple[float, ...]  # m/s, or rad/s of a load that turns
-    acceleration: tuple[float, ...] | None = None  # where it is continuous; else that of each straight piece
-
-    @property
-    def duration(self) -> float:
-        """From the first breakpoint to the last [s]."""
-        return self.time[-1] - self.time[0]
-
-    @property
-    def top_speed(self) -> float:
-        """Largest speed in either direction [m/s or rad/s]."""
-        return max(abs(v) for v in self.speed)
-
-    @property
-    def distance(self) -> float:
-        """Way along the profile, there minus back [m or rad]."""
-        return math.fsum((t1 - t0) * (v0 + v1) / 2 for t0, t1, v0, v1 in self.pieces())
-
-    def pieces(self) -> Iterator[tuple[float, float, float, float]]:
-        """The straight pieces: start and end [s], speeds there [m/s or rad/s]."""
-        return zip(self.time, self.time[1:], self.speed, self.speed[1:], strict=False)
 
 
 def trapezoid(motion: Trapezoid) -> Profile:

@@ -21,12 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.loads import load_cycle, of_course
-from drivesizer.loads.course import Course
-from drivesizer.loads.profile import Profile, profile_of
-from drivesizer.loads.wheel import WheelLoad
+from drivesizer.load_cases import load_cycle, of_course
+from drivesizer.load_cases.profile import profile_of
+from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.loads.course import Course, Profile
+from drivesizer.loads.hoist import Hoist
+from drivesizer.loads.recorded import Recorded
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.spec.loads import Hoist, Recorded
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["AtShaft", "asked_of", "at_shaft", "remaining_torque"]

@@ -14,8 +14,17 @@ from pydantic import ValidationError
 
 from drivesizer.errors import InputError
 from drivesizer.files import csv_columns
+from drivesizer.load_cases.profile import (
+    from_csv,
+    harmonic,
+    profile,
+    profile_of,
+    s_curve,
+    segments,
+    trapezoid,
+    triangle,
+)
 from drivesizer.loads.course import course
-from drivesizer.loads.profile import from_csv, harmonic, profile, profile_of, s_curve, segments, trapezoid, triangle
 from drivesizer.spec.motions import Harmonic, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import load_spec
 

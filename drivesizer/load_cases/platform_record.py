@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from drivesizer.errors import InputError
-from drivesizer.loads.wheeled_vehicle import rolling_resistance, turning_inertia
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle, rolling_resistance, turning_inertia
 from drivesizer.platform import wheels
-from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.platform import Platform
 from drivesizer.units import show
 

@@ -6,8 +6,9 @@ from collections.abc import Iterable
 
 from pydantic import PrivateAttr
 
+from drivesizer.loads.kinds import Load
+from drivesizer.loads.recorded import Recorded
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.spec.loads import Load, Recorded
 
 __all__ = ["WheelLoad", "machine_cases", "wheel_load"]
 

@@ -11,9 +11,9 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.loads import load_cycle
-from drivesizer.loads.at_shaft import asked_of, at_shaft, remaining_torque
-from drivesizer.loads.profile import Profile
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.at_shaft import asked_of, at_shaft, remaining_torque
+from drivesizer.loads.course import Profile
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec

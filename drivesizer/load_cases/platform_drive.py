@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
 from drivesizer.files.text import missing
-from drivesizer.loads.platform_wheels import cycles_of, dynamics_of, ground_of, trajectory_of
-from drivesizer.loads.requirements import requirements
+from drivesizer.load_cases.platform_wheels import cycles_of, dynamics_of, ground_of, trajectory_of
+from drivesizer.load_cases.requirements import requirements
 from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 from drivesizer.platform.dynamics import wheel_torques
 from drivesizer.platform.kinematics import map_columns

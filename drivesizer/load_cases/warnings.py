@@ -1,4 +1,4 @@
-"""Whether a cyclic motion ends where it began, of loads whose way has an end or whose torque hangs on where they are.
+"""Warnings of load cases: a motion that does not end where it started, driven wheels that cannot stand alone.
 
 A cycle repeats for ever. A vehicle, a conveyor, a fan, a flywheel and an indexing table may go on from wherever they
 are; an arm, a hoist, a screw, a rack and a table that gravity pulls round may not: each further cycle would start
@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import math
 
+from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.course import course
-from drivesizer.loads.profile import profile_of
-from drivesizer.spec.loads import Arm, RotaryTable
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["not_returning", "starts_farther_on"]
+__all__ = ["grip_warning", "not_returning", "starts_farther_on"]
 
 _ROUNDING = 1e-6  # of the way: a recording is no more exact
 _TURN = 2.0 * math.pi
+_STANDS = 3  # wheels at least
 
 
 def not_returning(spec: RobotSpec) -> tuple[str, ...]:
@@ -51,12 +52,27 @@ def _told(name: str, off: float, spec: RobotSpec) -> str:
 def _off(spec: RobotSpec) -> float:
     """How far the end of a cycle is from its start [m or rad]; 0 where that does not matter."""
     load = spec.load
-    pulled = isinstance(load, RotaryTable) and load.mass * load.eccentricity * math.sin(load.tilt) != 0.0
+    lever = load.lever
+    pulled = lever is not None and lever.mass * lever.length * lever.share != 0.0
     if not load.has_end and not pulled:
         return 0.0
     moved = course(profile_of(spec))
     way = moved.duration * moved.speed.mean(axis=1)
     off = float(way.sum())
-    if isinstance(load, Arm | RotaryTable):  # a whole turn brings them back
+    if lever is not None:  # a whole turn brings it back
         off -= _TURN * round(off / _TURN)
     return off if abs(off) > _ROUNDING * float(abs(way).sum()) else 0.0
+
+
+def grip_warning(spec: RobotSpec) -> tuple[str, ...]:
+    """That casters may carry, where traction takes the driven wheels to carry all; nothing where that is clear."""
+    load = spec.load
+    if not isinstance(load, WheeledVehicle) or spec.platform or load.friction_coefficient is None:
+        return ()
+    if load.driven_share is not None or load.driven_wheels >= _STANDS:
+        return ()
+    wheels = "1 driven wheel" if load.driven_wheels == 1 else f"{load.driven_wheels} driven wheels"
+    return (
+        f"traction: all of the weight is taken to be on {wheels}, which cannot stand alone; give load.driven_share, "
+        "such as 60 %, where casters or other wheels carry the rest",
+    )

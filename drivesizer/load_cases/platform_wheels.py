@@ -15,9 +15,9 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.files.csv_columns import beside
-from drivesizer.loads.platform_record import platform_of
-from drivesizer.loads.wheel import wheel_load
-from drivesizer.loads.wheeled_vehicle import held_by_a_wheel
+from drivesizer.load_cases.platform_record import platform_of
+from drivesizer.load_cases.wheel import wheel_load
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle, held_by_a_wheel
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, rms
 from drivesizer.platform.contact_loads import Ground, contact_loads
 from drivesizer.platform.dynamics import Dynamics, dynamics, own_rolling
@@ -25,7 +25,6 @@ from drivesizer.platform.planner import Limits, Waypoint, plan
 from drivesizer.platform.track import read_track
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.platform.wheel_cycles import wheel_cycles
-from drivesizer.spec.loads import WheeledVehicle
 from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 

@@ -1,0 +1,38 @@
+"""What the models of all kinds of load have in common."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar
+
+from pydantic import Field
+
+from drivesizer.files.fields import Axis, Section
+from drivesizer.loads.lever import Lever
+
+__all__ = ["Count", "LoadModel", "SharedLoad"]
+
+Count = Annotated[int, Field(ge=1, le=100)]
+
+
+class LoadModel(Section):
+    """A load as a user writes it; its file also has the torque law."""
+
+    axis: ClassVar[Axis]  # of its motion: along a line or about an axis
+    has_end: ClassVar[bool] = False  # whether its travel is limited, so that a cycle has to end where it starts
+
+    @property
+    def lever(self) -> Lever | None:
+        """The mass that gravity turns about the axis, of the whole load; None where there is none."""
+        return None
+
+
+class SharedLoad(LoadModel):
+    """A load that one motor set moves, or several alike."""
+
+    kind: str
+    motors: Count = Field(default=1, description="motor sets that share the load alike; all figures are of the whole")
+
+    @property
+    def alike(self) -> int:
+        """How many motor sets are asked for what the load cycle says: all."""
+        return self.motors
