@@ -1,6 +1,6 @@
-"""Files in and out: text, CSV and YAML read strictly, types of their fields, outputs written whole or not at all, caches.
+"""Files in and out: text, CSV and YAML read strictly, types of fields, outputs written whole or not at all, caches.
 
-May import: errors, ranges, units.
+May import: errors, units.
 """
 
 from __future__ import annotations
