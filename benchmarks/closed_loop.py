@@ -15,19 +15,19 @@ from typing import Any
 import numpy as np
 
 from drivesizer.control.cascade import Cascade
+from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, simulate, simulate_many
-from drivesizer.control.linear_modes import Machine
 from drivesizer.control.validation import Gains
 
 PERIOD = 1e-3
 SAW = Task(time=tuple(0.5 * n for n in range(21)), speed=tuple(40.0 * (n % 2) + 5.0 for n in range(21)))
-MACHINE = Machine(
-    resistance=2.0, inductance=1e-3, torque_constant=0.05, back_emf_constant=0.05, motor_inertia=2e-5, ratio=7.0,
-    efficiency=0.8,
+MACHINE = DriveTrain(
+    resistance=2.0, inductance=1e-3, torque_constant=0.05, back_emf_constant=0.05, motor_inertia=2e-5, gear_ratio=7.0,
+    gear_efficiency=0.8,
     load_inertia=2e-3, friction=2e-3, forward_torque=0.1, backward_torque=-0.1,
 )  # fmt: skip
 GAINS = Gains(kp=0.15, ki=3.0, kd=0.0, filter_time=0.0, period=PERIOD, rule="benchmark", source="")
-DRIVE = Drive(machine=MACHINE, controller=GAINS, supply=Supply(voltage=15.0))
+DRIVE = Drive(train=MACHINE, controller=GAINS, supply=Supply(voltage=15.0))
 CASCADE = Cascade(
     current_kp=2.0, current_ki=4e3, velocity_kp=0.05, velocity_ki=1.0, current_period=4e-5, velocity_period=4e-4
 )
@@ -84,7 +84,7 @@ def main() -> None:
     off = np.abs(ours.series["motor_speed"][: len(speeds)] - speeds).max() / speeds.max()
     print(f"{'10 s at 1 kHz, saturated':40}{one * 1e3:9.2f} ms   python-control, LSODA {theirs * 1e3:9.0f} ms")
     print(f"{'LSODA / engine':40}{theirs / one:9.0f}      goal: at least 20; they differ by {off:.1e} of the top speed")
-    many = [replace(DRIVE, machine=replace(MACHINE, resistance=2.0 + 1e-4 * n)) for n in range(1000)]
+    many = [replace(DRIVE, train=replace(MACHINE, resistance=2.0 + 1e-4 * n)) for n in range(1000)]
     bare, _ = best(lambda: simulate_many(many[:1], SAW, threads=1), 9)
     for threads in (1, 2):
         all_of_them, _ = best(lambda threads=threads: simulate_many(many, SAW, threads=threads), 3)

@@ -1,8 +1,8 @@
 """Closed-loop validation (figure 3 of the paper): does the chosen drive follow the profile within its limits?
 
 Reference speed - error at the motor shaft - sampled controller - limited voltage - motor - gearhead, belt, load.
-The parts: ``profile`` what is asked, ``plant`` and ``at_shaft`` the machine, ``closed_loop`` the simulation, ``checks``
-and ``figures`` what it means. This module makes the record of it, with all that is taken for granted.
+``loads.profile`` gives the reference motion, ``control.drive_train`` the plant, ``control.closed_loop`` simulation,
+checks and figures. This module makes the record, with assumptions and warnings.
 """
 
 from __future__ import annotations
@@ -38,23 +38,23 @@ from drivesizer.units import show
 __all__ = ["hardest_case", "validate", "validate_all"]
 
 _STILL_COLD = (
-    "the winding's resistance is that at 25 °C: a thermal figure is unknown; voltage and supply current pass where "
-    "they do with the winding as warm as its largest current or its permitted temperature makes it, and fail where "
-    "they do with it cold"
+    "the winding's resistance is that at 25 °C: a thermal figure is unknown; voltage and supply current pass if they "
+    "pass with the winding at the temperature of its largest current, or at its permitted temperature, and fail if "
+    "they fail with it cold"
 )
-_ALL = 1e-6  # of a simulation: less is not told
-_KEPT = 0.5  # of the RMS current: less at rest is not told
+_ALL = 1e-6  # of the duration: a smaller part that was not simulated is not reported
+_KEPT = 0.5  # of the RMS current: a smaller current at rest is not reported
 
 
 def hardest_case(spec: RobotSpec, drive_set: DriveSet) -> str:
-    """The load case that asks most of a set: that of its tightest limit, of those that a closed loop meets too.
+    """The most demanding load case of a drive: that of its tightest limit, of those that a closed loop meets too.
 
     Parameters
     ----------
     spec
         The machine with its load cases.
     drive_set
-        A set with its checks by physics, each of which names its worst case.
+        A drive with its checks by physics, each of which names its worst case.
 
     Returns
     -------
@@ -77,39 +77,39 @@ _MET_BY_THE_LOOP = {
 def validate(
     spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | None = None, load_case: str | None = None
 ) -> Validation:
-    """Drive a set through a profile in closed loop.
+    """Simulate a drive along a profile in closed loop.
 
     Parameters
     ----------
     spec
         The machine.
     drive_set
-        The parts of one motor set.
+        The drive.
     profile
         A name such as ``trapezoid``, a CSV file, or a profile; the spec's own motion when not given.
     load_case
-        The load case that is driven, by its name in ``spec.load_cases``, such as that of :func:`hardest_case`; the spec
+        Name of the load case to simulate, as in ``spec.load_cases``, such as that of :func:`hardest_case`; the spec
         as it is when not given.
 
     Returns
     -------
     Validation
-        ``fail`` when a check fails, ``unknown`` when a missing figure leaves one open, which is told as well.
+        ``fail`` when a check fails, ``unknown`` when a missing figure leaves one open, which is reported as well.
 
     Raises
     ------
     InputError
-        When the profile is wrong or too long, the catalogue lacks what the motor's motion needs, or
-        ``control`` asks for what no controller can do.
+        When the profile is wrong or too long, the catalogue lacks a figure that the simulation needs, or ``control``
+        requires the impossible.
     """
     whole = on_wheels(spec)
     driven = whole.load_cases[0][0] if load_case is None else load_case
     spec = dict(whole.load_cases)[driven]
     if profile is not None and isinstance(spec.load, Recorded):
         what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else "a recorded load"
-        raise InputError(f"--profile: {what} brings its own motion, from which its torque is; leave the option out")
-    asked = asked_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
-    case = run(spec, drive_set, asked)
+        raise InputError(f"--profile: {what} brings its own motion, on which its torque depends; leave the option out")
+    motion = asked_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
+    case = run(spec, drive_set, motion)
     found = checks(case)
     own, lacking = _own_units(case)
     name = driven if len(whole.load_cases) > 1 else ""
@@ -118,14 +118,14 @@ def validate(
         spec=spec,
         drive_set=drive_set,
         case=name,
-        profile=asked.name,
+        profile=motion.name,
         status=verdict(found),
         checks=found,
         figures=figures(case),
         gains=case.controller,
         series=series(case),
         series_units=series_units(case),
-        assumptions=(*case.said, *_assumptions(case), *_one_of(whole.load_cases, driven)),
+        assumptions=(*case.assumptions, *_assumptions(case), *_one_of(whole.load_cases, driven)),
         warnings=(*_warnings(case, found), *lacking, *farther),
         controller_gains=own,
         loops=case.loops.all,
@@ -135,7 +135,7 @@ def validate(
 def validate_all(
     result: SizingResult, *, profile: str | Profile | None = None, load_case: str | None = None
 ) -> tuple[list[Validation], list[str]]:
-    """The sets of a sizing in closed loop: those that pass first, each group in the order of the sizing.
+    """The drives of a sizing in closed loop: those that pass first, each group in the order of the sizing.
 
     Parameters
     ----------
@@ -144,17 +144,17 @@ def validate_all(
     profile
         As :func:`validate`.
     load_case
-        The load case that is driven, by name; for each set its hardest when not given.
+        Name of the load case to simulate; for each drive its hardest when not given.
 
     Returns
     -------
     tuple
-        The proofs, and why others could not be driven: a figure that the model needs is unknown.
+        The proofs, and why others could not be simulated: a figure that the model needs is unknown.
 
     Raises
     ------
     InputError
-        As :func:`validate`, where no set can be driven.
+        As :func:`validate`, where no drive can be simulated.
     """
     found: list[Validation] = []
     said: list[str] = []
@@ -178,15 +178,15 @@ def _own_units(case: ClosedLoop) -> tuple[tuple[ControllerGain, ...], list[str]]
 
 
 def _assumptions(case: ClosedLoop) -> list[str]:
-    """What the model takes for granted, as sentences."""
+    """Assumptions of the model, as sentences."""
     spec, shaft = case.spec, case.shaft
     over = case.controller.counted_over
     periods = "each period" if over == 1 else f"{over} periods"
     measured = f"counted by the encoder, its speed over {periods} of the loop" if over else "measured exactly"
     turns = "the wheel turns at speed over radius; " if isinstance(spec.load, WheeledVehicle) else ""
     said = [
-        f"{turns}all motor sets share the load alike; one is simulated",
-        "a gear's efficiency is the catalogue's maximum, at any torque; driven backward it is the same",
+        f"{turns}all drives share the load equally; one is simulated",
+        "a gear's efficiency is the catalogue's maximum, at any torque and in either direction of power",
         f"friction of a brushed motor is Coulomb's, of a brushless one viscous; the motor's angle is {measured}",
         "currents are those of a DC motor between two terminals",
         *_of_the_controller(case),
@@ -194,30 +194,28 @@ def _assumptions(case: ClosedLoop) -> list[str]:
         "the motors, without the controllers' own losses",
     ]
     if math.isnan(case.usable_voltage):
-        said.append("the controller's voltage limit is unknown: the motor gets up to the lowest supply voltage")
+        said.append("the controller's voltage limit is unknown and taken as the lowest supply voltage")
     if case.periodic:
-        said.append("what friction and iron lose warms the housing; iron by the square of the speed")
+        said.append("friction and iron losses heat the housing, iron losses by the square of the speed")
     else:
         said.append(
             _STILL_COLD if spec.plant.warming else "the winding's resistance is that at 25 °C: plant.warming is off"
         )
     simulated, lasts = case.figure("time_simulated"), case.figure("time")
     if simulated < (1.0 - _ALL) * lasts:
-        said.append(
-            f"{simulated:.4g} s of {lasts:.6g} s are simulated; the rest is added, as it repeats what was simulated"
-        )
+        said.append(f"{simulated:.4g} s of {lasts:.6g} s are simulated; the rest repeats them and is added")
     said += _in_windows(case)
     if len(case.task.load_time):
-        off = case.figure("load_angle_error")  # rad: of sin by as much at most
-        arm = f": an arm's weight is up to {off:.2%} of its largest off" if isinstance(spec.load, Arm) else ""
-        said.append(f"what the load takes beyond inertia and friction comes at its time, however the drive lags{arm}")
+        error = case.figure("load_angle_error")  # rad: an error of the sine of as much at most
+        arm = f": an error of up to {error:.2%} of an arm's largest weight torque" if isinstance(spec.load, Arm) else ""
+        said.append(f"load torque beyond inertia and friction follows the reference's time, not the drive's{arm}")
     if shaft:
-        said.append(f"motor and load are two masses on {shaft.stiffness:.4g} N·m/rad at the load's shaft")
+        said.append(f"motor and load are two masses on a shaft of {shaft.stiffness:.4g} N·m/rad, seen at the load")
     return said
 
 
 def _in_windows(case: ClosedLoop) -> list[str]:
-    """Where a long motion was simulated in full, and what that says of the rest."""
+    """Windows in which a long motion was simulated in full, and the allowance elsewhere."""
     c = case.controller
     if not case.windows or not isinstance(c, Cascade):
         return []
@@ -226,33 +224,31 @@ def _in_windows(case: ClosedLoop) -> list[str]:
     where = ", ".join(f"{a:.6g} to {b:.6g}" for a, b in case.windows)
     return [
         f"the whole motion is simulated with the current loop at the velocity loop's {slow}, and with its own {full} "
-        f"from {where} s: about the largest values and at even distances; there figures are up to {more:.1%} above; "
-        "checks allow for as much everywhere, figure by figure, and are unknown where that decides"
+        f"from {where} s: around the largest values and at even distances; there figures are up to {more:.1%} higher; "
+        "checks allow for that everywhere, figure by figure, and are unknown where it decides"
     ]
 
 
 def _one_of(cases: Sequence[tuple[str, RobotSpec]], name: str) -> list[str]:
-    """Which of several load cases is driven."""
+    """The load case that is simulated, where there are several."""
     others = len(cases) - 1
     if not others:
         return []
     left = "1 further case is" if others == 1 else f"{others} further cases are"
-    return [f"the load case simulated is {name}; {left} not"]
+    return [f"the load case {name} is simulated; {left} not simulated"]
 
 
 def _of_the_controller(case: ClosedLoop) -> list[str]:
     if isinstance(case.controller, Gains):
         return [
-            f"the voltage answers the measurement of {COMPUTING:g} control period before",
-            "the current limit is ideal: the controller's current loop is much faster than its speed loop",
+            f"the voltage responds to the measurement of {COMPUTING:g} control period before",
+            "the current limit is ideal: the controller's current loop is much faster than its velocity loop",
         ]
-    return [
-        f"each loop answers its sample of {COMPUTING:g} period of its own before; a faster controller has more margin"
-    ]
+    return [f"each loop responds to its sample of {COMPUTING:g} period before; a faster controller has more margin"]
 
 
 def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
-    """What the reader must know, and what to change."""
+    """Warnings, each with its remedy where there is one."""
     said = loop_warnings(case.loops.all, case.profile)
     if case.shaft:
         said += resonance_warning(case.loops, case.shaft)
@@ -263,7 +259,7 @@ def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
     if "tracking_error" in failed:
         said.append(_does_not_follow(case))
     if math.isinf(next(check.demand for check in found if check.name == "winding_temperature")):
-        said.append("the winding runs away thermally at this current")
+        said.append("thermal runaway of the winding at this current")
     unknown = [check.title for check in found if check.status == "unknown" and not check.advice]
     if unknown:
         said.append(f"unknown: {', '.join(unknown)}")
@@ -283,24 +279,24 @@ def _resolution(case: ClosedLoop) -> list[str]:
 
 
 def _kept_at_rest(case: ClosedLoop) -> list[str]:
-    """A current that the loop's integral keeps up at rest, where friction holds and nothing tells it to let go."""
+    """Warning of a current that the loop's integral holds at rest, against friction."""
     rows, machine = series(case), case.train
     still = (rows["speed_reference"] == 0.0) & (rows["motor_speed"] == 0.0)
     kept = float(np.abs(rows["current"][still]).max(initial=0.0))
-    asked = abs(machine.rest_torque) / machine.ratio / machine.torque_constant
-    if not kept > asked + _KEPT * case.figure("rms_current"):
+    needed = abs(machine.rest_torque) / machine.ratio / machine.torque_constant
+    if not kept > needed + _KEPT * case.figure("rms_current"):
         return []
     return [
-        f"at rest the integral of the loop keeps up to {show(kept, 'A', 'current', 3)} against friction, where holding "
-        f"takes {show(asked, 'A', 'current', 3)}: a power stage that is switched off at rest spares that heat"
+        f"at rest the integral of the loop holds up to {show(kept, 'A', 'current', 3)} against friction, where holding "
+        f"the load needs {show(needed, 'A', 'current', 3)}: switch the power stage off at rest to save that heat"
     ]
 
 
 def _does_not_follow(case: ClosedLoop) -> str:
-    """How far a drive is off, and what keeps it from following, where it is a limit."""
+    """Tracking error of a drive that does not follow, and the limit that causes it, if one does."""
     error = case.figure("load_speed_error") * case.train.radius
     kind, unit = SPEED[case.spec.load.axis]
     share = f", {error / case.profile.top_speed:.0%} of its top speed" if case.profile.top_speed else ""
     limits = {"time_at_voltage_limit": "voltage", "time_at_current_limit": "current"}
-    why = next((f": the {what} does not suffice" for name, what in limits.items() if case.figure(name)), "")
-    return f"the drive does not follow the profile: off by {show(error, unit, kind, 3)}{share}{why}"
+    why = next((f": {what} limit reached" for name, what in limits.items() if case.figure(name)), "")
+    return f"the drive does not follow the profile: error {show(error, unit, kind, 3)}{share}{why}"

@@ -5,7 +5,7 @@ and acceleration goes to the current demand. Angles and speeds are those of the 
 
 .. [1] maxon, *EPOS4 Firmware Specification*, objects 0x30A0 to 0x30A2 (6.2.61 to 6.2.63): gains and their units. The
    document itself was not at hand: the units are those that two independent users of the controller give for it, and
-   an auto-tuned controller's own figures bear them out (its acceleration feedforward is its inertia over its torque
+   an auto-tuned controller's own figures confirm them (its acceleration feedforward is its inertia over its torque
    constant).
 """
 
@@ -28,7 +28,7 @@ _PER_VELOCITY = 10.0  # current periods in a velocity period, where only the lat
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cascade:
-    """Gains and rates; 0 switches a path off."""
+    """Gains and rates of a cascade; a gain of 0 switches its path off."""
 
     current_kp: float  # V/A
     current_ki: float  # V/(A*s)
@@ -36,7 +36,7 @@ class Cascade:
     velocity_ki: float  # A/rad
     velocity_kd: float = 0.0  # A/(rad/s^2)
     filter_time: float = 0.0  # s, of the derivative
-    position_kp: float = 0.0  # 1/s: speed demand per angle that is missing
+    position_kp: float = 0.0  # 1/s: speed demand per position error
     feedforward_velocity: float = 0.0  # A/(rad/s): viscous friction and iron
     feedforward_friction: float = 0.0  # A, in the direction of the demand
     feedforward_acceleration: float = 0.0  # A/(rad/s^2): the inertia
@@ -66,22 +66,29 @@ class Rates(NamedTuple):
     position: float
 
 
-def rates(controller: Controller | None, asked: float | None = None) -> tuple[Rates, list[str]]:
-    """The periods of a controller's loops, and what was assumed where the catalogue has none.
+def rates(controller: Controller | None, velocity_rate: float | None = None) -> tuple[Rates, list[str]]:
+    """The periods of a controller's loops, and the assumptions where the catalogue has none.
 
-    Velocity and position periods are rounded to whole multiples of the loop inside; that is told where it moves them.
+    Velocity and position periods are rounded to whole multiples of the loop inside; a period that this changes is
+    reported.
 
     Parameters
     ----------
     controller
         With its rates, where they are known.
-    asked
-        Rate of the velocity loop that is wanted in place of the controller's [Hz]; the position loop is no faster.
+    velocity_rate
+        Rate of the velocity loop in place of the controller's [Hz]; the position loop is no faster.
+
+    Returns
+    -------
+    tuple
+        Periods [s], and assumptions as sentences.
     """
     named = {"current": "current_loop", "velocity": "speed_loop", "position": "position_loop"}
     rate = {name: getattr(controller, figure) if controller else math.nan for name, figure in named.items()}
-    if asked:
-        rate |= {"velocity": asked, "position": min(rate["position"], asked) if rate["position"] > 0.0 else asked}
+    if velocity_rate:
+        position = min(rate["position"], velocity_rate) if rate["position"] > 0.0 else velocity_rate
+        rate |= {"velocity": velocity_rate, "position": position}
     known = {name: 1.0 / f if f > 0.0 else math.nan for name, f in rate.items()}
     inner, middle, outer = known.values()
     if not inner > 0.0:
@@ -123,7 +130,7 @@ _EPOS4: tuple[_Row, ...] = (  # object, name, unit, that unit per SI unit, gain 
     ("0x30A2:04", "velocity controller FF acceleration gain", "µA·s²/rad", 1e6, lambda c: c.feedforward_acceleration),
 )
 # The EPOS4's position controller is a PID whose output is the current. Where the velocity loop gets the path's velocity
-# beside kv e, with e the angle that is missing, i = kp (kv e + e') + ki ∫(kv e + e') dt is that PID.
+# beside kv e, with e the position error, i = kp (kv e + e') + ki ∫(kv e + e') dt is that PID.
 _EPOS4_POSITION: tuple[_Row, ...] = (
     ("0x30A1:01", "position controller P gain", "µA/rad", 1e6, lambda c: c.velocity_kp * c.position_kp + c.velocity_ki),
     ("0x30A1:02", "position controller I gain", "µA/(rad·s)", 1e6, lambda c: c.velocity_ki * c.position_kp),
@@ -135,7 +142,7 @@ _EPOS4_LACKS = ("velocity_kd", "feedforward_friction")
 
 
 def controller_gains(cascade: Cascade, controller: str) -> tuple[tuple[ControllerGain, ...], list[str]]:
-    """The gains in the units of a controller, and what it has no place for.
+    """The gains in the units of a controller, and those that it cannot take.
 
     Parameters
     ----------

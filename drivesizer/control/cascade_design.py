@@ -1,4 +1,4 @@
-"""The gains of a servo cascade: what the user gives is taken, the rest is designed around it by named rules.
+"""The gains of a servo cascade: those that are given are kept, the rest is designed around them by named rules.
 
 From the inside out: current loop, velocity loop, position loop, feedforward; the rules and their sources are those of
 ``cascade_rules``.
@@ -41,7 +41,7 @@ _LARGEST_GAIN = 1e9  # with it, rounding errors would be amperes
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wanted:
-    """What the user gives; the rest is designed around it. Units as in :class:`Cascade`."""
+    """Gains and requirements that the user gives; the rest is designed. Units as in :class:`Cascade`."""
 
     current_kp: float | None = None
     current_ki: float | None = None
@@ -70,7 +70,7 @@ def design_cascade(
 ) -> tuple[Cascade, list[str]]:
     """All gains of a cascade: those that are given, and the rest designed around them.
 
-    Velocity loop: pole placement where a bandwidth or a damping is wanted, else the symmetrical optimum.
+    Velocity loop: pole placement where a bandwidth or a damping is given, else the symmetrical optimum.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def design_cascade(
     every
         The periods, see :func:`drivesizer.control.cascade.rates`.
     wanted
-        What the user gives.
+        Gains and requirements that the user gives.
     where
         From a field of :class:`Wanted` to its place in the user's text.
     counts
@@ -90,7 +90,7 @@ def design_cascade(
     Returns
     -------
     tuple
-        The cascade, and sentences on how it came about.
+        The cascade, and sentences on the rules that were used.
 
     Raises
     ------
@@ -171,10 +171,10 @@ def _current(
 
 
 def _late(train: DriveTrain, lag: float, period: float, wanted: Wanted, counts: Counts | None) -> tuple[int, float]:
-    """Periods over which counts are taken, and all that the velocity loop is late by [s].
+    """Periods over which counts are taken, and the total lag of the velocity loop [s].
 
-    The symmetrical optimum is as fast as the lag or the answer to one count lets it be; a gain that is known is counted
-    as long as it asks for. Gains that are given are taken as they are, with counts of one period.
+    The symmetrical optimum is as fast as the lag or the answer to one count allows; for a bandwidth that is given,
+    counts are taken as long as its gain needs. Gains that are given are kept, with counts of one period.
     """
     periods, late = lags(counts, period)
     every = lag + late

@@ -1,6 +1,6 @@
 r"""Gains of the servo cascade by named rules, from the inside out.
 
-The winding is a lag :math:`L/R`; what a held voltage is late by, computing included, is the small lag
+The winding is a lag :math:`L/R`; the delay of a held voltage, computing included, is the small lag
 :math:`T_{\sigma i} = 1.5\,T_i`. The magnitude optimum [1]_ makes of it a current loop with the lag
 :math:`2\,T_{\sigma i}` and damping 0.707; the back-EMF is a disturbance. The velocity loop sees the inertia behind
 :math:`T_{\sigma w} = R/k_{i,i} + 1.5\,T_w`, the position loop sees the velocity loop.
@@ -105,6 +105,16 @@ def natural_frequency(bandwidth: float, damping: float) -> float:
     Of :math:`(2 D\omega_0 s + \omega_0^2)/(s^2 + 2 D\omega_0 s + \omega_0^2)`:
 
     .. math:: \omega_b = \omega_0 \sqrt{1 + 2D^2 + \sqrt{(1 + 2D^2)^2 + 1}}
+
+    Parameters
+    ----------
+    bandwidth, damping
+        At -3 dB [Hz]; of the poles, D [1].
+
+    Returns
+    -------
+    float
+        :math:`\omega_0` [rad/s].
     """
     b = 1.0 + 2.0 * damping**2
     return 2.0 * math.pi * bandwidth / math.sqrt(b + math.hypot(b, 1.0))
@@ -113,7 +123,7 @@ def natural_frequency(bandwidth: float, damping: float) -> float:
 def pole_placement(
     inertia: float, torque_constant: float, natural_frequency: float, damping: float, viscous: float = 0.0
 ) -> tuple[float, float]:
-    r"""Velocity PI gains that put the poles of the closed loop where they are wanted [5]_.
+    r"""Velocity PI gains by pole placement [5]_.
 
     .. math:: k_p = \frac{2 D \omega_0 J - b}{k_t}, \quad k_i = \frac{\omega_0^2 J}{k_t}
 
@@ -134,9 +144,9 @@ def pole_placement(
 
 
 def most_bandwidth(lag: float, damping: float, lightest: float = 1.0) -> float:
-    r"""The widest -3 dB bandwidth [Hz] that leaves a phase margin of 30 deg behind a dead time; NaN where none does.
+    r"""Largest -3 dB bandwidth [Hz] with a phase margin of 30 deg behind a dead time; NaN where there is none.
 
-    With :math:`\rho` the share of the inertia that is left (driven backward, gears' losses help):
+    With :math:`\rho` the share of the inertia that is left (driven by the load, the gears' losses help):
 
     .. math:: x = \left(\frac{\omega_c}{\omega_0}\right)^2 = \frac{2D^2 + \sqrt{4D^4 + \rho^2}}{\rho^2}, \quad
               \varphi = \arctan(2 D \sqrt{x}) - \omega_0 \sqrt{x}\, T_\sigma
@@ -148,7 +158,12 @@ def most_bandwidth(lag: float, damping: float, lightest: float = 1.0) -> float:
     damping
         Of the poles that are placed [1].
     lightest
-        Smallest inertia over the one that is designed for [1].
+        Smallest inertia over the design inertia [1].
+
+    Returns
+    -------
+    float
+        Largest bandwidth [Hz].
     """
     x = math.sqrt(2.0 * damping**2 + math.hypot(2.0 * damping**2, lightest)) / lightest
     left = math.atan(2.0 * damping * x) - LEAST_PHASE_MARGIN
@@ -156,24 +171,39 @@ def most_bandwidth(lag: float, damping: float, lightest: float = 1.0) -> float:
 
 
 def current_lag(train: DriveTrain, kp: float, ki: float, period: float) -> float:
-    """What the closed current loop is late by [s]: R/k_i, twice the small lag for the magnitude optimum [3]_."""
+    """Lag of the closed current loop [s]: R/k_i, twice the small lag for the magnitude optimum [3]_.
+
+    Parameters
+    ----------
+    train
+        The drive train, with the resistance and inductance of its winding.
+    kp, ki
+        Gains of the current loop [V/A], [V/(A*s)].
+    period
+        Of the current loop [s].
+
+    Returns
+    -------
+    float
+        Time constant of the loop as a first-order lag [s].
+    """
     if ki > 0.0:
         return train.resistance / ki
     return train.inductance / (train.resistance + kp) + LATE * period
 
 
 def position_gain(velocity_lag: float) -> float:
-    """Gain of the position loop [1/s] around a velocity loop that is late by a lag [s]: both poles real [4]_."""
+    """Gain of the position loop [1/s] around a velocity loop with a lag [s]: both poles real and equal [4]_."""
     return 1.0 / (4.0 * velocity_lag)
 
 
 def feedforward(train: DriveTrain) -> tuple[float, float, float]:
-    """Current that the motion is known to need, driving: acceleration, viscous friction, friction with a direction.
+    """Feedforward gains of the current, driving: acceleration, viscous friction, Coulomb friction.
 
     Parameters
     ----------
     train
-        The machine. What changes sign with the direction is friction; what does not is weight, and left to the loop.
+        The drive train. A torque that changes sign with the direction is friction; weight is left to the loop.
 
     Returns
     -------

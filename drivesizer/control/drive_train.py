@@ -1,11 +1,10 @@
-"""One motor set and its share of the load as a machine in motion: what the closed loop drives.
+"""The plant of the closed loop: motor, gearhead, belt and one motor's share of the load.
 
-A rigid chain from the rotor to the driven shaft: motor, gearhead, belt, load. Between the reversals of speed and of
-power it is linear, so it is a handful of linear modes: standing, and driving or braking in either direction.
-The paper's speed reserve, bearing and oversize factors are no physics and not in here.
+Rigid, it is linear between the reversals of speed and of power, with five linear modes: at rest, and driving or braking
+in either direction. The paper's speed reserve, bearing and oversize factors are no physics and are not included.
 
-Convention: forward is positive at the motor, the shaft and the load; torque at the shaft is positive when the load
-asks to be driven forward. Symbols: i current [A], w motor speed [rad/s], u voltage [V], K whole reduction [1].
+Convention: forward is positive at the motor, the shaft and the load; torque at the shaft is positive when it resists
+forward motion. Symbols: i current [A], w motor speed [rad/s], u voltage [V], K total ratio [1].
 """
 
 from __future__ import annotations
@@ -36,9 +35,9 @@ _NEEDED = {
 
 
 class Regime(IntEnum):
-    """The linear modes, by what the motor set is doing."""
+    """The linear modes of a rigid drive train, by direction of motion and of power."""
 
-    STANDING = 0
+    AT_REST = 0
     FORWARD_DRIVING = 1
     FORWARD_BRAKING = 2
     BACKWARD_DRIVING = 3
@@ -47,28 +46,37 @@ class Regime(IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DriveTrain:
-    """A motor set and what hangs on it; SI."""
+    """One motor, its gears and its share of the load, SI; rigid unless a stiffness is given.
 
-    resistance: float  # ohm
+    Stiffness, damping and backlash are those of the driven shaft, behind the gears; seen at the motor shaft a
+    stiffness is smaller by K^2.
+    """
+
+    resistance: float  # ohm, winding at 25 degC
     inductance: float  # H
     torque_constant: float  # N*m/A
     back_emf_constant: float  # V*s/rad
-    friction: float  # N*m at the motor, against the motion: the motor's and the idle gearhead's
+    friction: float = 0.0  # N*m at the motor, Coulomb: the motor's and the idle gearhead's
+    stiction: float = 0.0  # N*m at the motor, at rest; the Coulomb friction where that is larger
     viscous: float = 0.0  # N*m*s/rad at the motor
     motor_inertia: float  # kg*m^2 at the motor shaft: rotor, encoder, gearhead input
     gear_ratio: float
-    gear_efficiency: float
-    belt_ratio: float
-    belt_efficiency: float
+    gear_efficiency: float  # in either direction of power
+    belt_ratio: float = 1.0
+    belt_efficiency: float = 1.0
     load_inertia: float  # kg*m^2 at the driven shaft
-    radius: float  # m, way of the load per angle of the driven shaft; 1 where it turns with it
-    forward_torque: float  # N*m at the driven shaft, resistance when the load moves forward
-    backward_torque: float  # N*m at the driven shaft, the same when it moves backward
-    rest_torque: float  # N*m at the driven shaft, weight alone
+    load_viscous: float = 0.0  # N*m*s/rad at the driven shaft
+    radius: float = 1.0  # m, travel of the load per angle of the driven shaft; 1 where it turns with it
+    forward_torque: float = 0.0  # N*m at the driven shaft, resistance when the load moves forward
+    backward_torque: float = 0.0  # N*m at the driven shaft, the same when it moves backward
+    rest_torque: float = 0.0  # N*m at the driven shaft, weight alone
+    stiffness: float = inf  # N*m/rad of the driven shaft; infinite: rigid
+    damping: float = 0.0  # N*m*s/rad of the driven shaft
+    gap: float = 0.0  # rad of backlash at the driven shaft, from contact to contact
 
     @property
     def ratio(self) -> float:
-        """Whole reduction K, motor turns per turn of the driven shaft."""
+        """Total ratio K, motor turns per turn of the driven shaft."""
         return self.gear_ratio * self.belt_ratio
 
     @property
@@ -81,27 +89,32 @@ class DriveTrain:
         """Motor speed per speed of the load, K/r [rad/m, or 1]."""
         return self.ratio / self.radius
 
+    @property
+    def flexible(self) -> bool:
+        """Whether motor and load are two masses on an elastic shaft."""
+        return self.stiffness < inf
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mode:
     """A regime in numbers: J dw/dt = k_t i - b w - drag."""
 
     regime: Regime
-    inertia: float  # kg*m^2 at the motor, infinite when standing
+    inertia: float  # kg*m^2 at the motor, infinite at rest
     drag: float  # N*m at the motor: friction and resistance
 
 
 def modes(train: DriveTrain) -> tuple[Mode, ...]:
-    """The five modes of a drive train, in the order of :class:`Regime`; at rest friction takes what the motor gives."""
-    standing = Mode(regime=Regime.STANDING, inertia=inf, drag=0.0)
-    return (standing, *(_moving(train, regime) for regime in list(Regime)[1:]))
+    """The five modes of a rigid drive train in the order of :class:`Regime`; at rest, friction balances the motor."""
+    at_rest = Mode(regime=Regime.AT_REST, inertia=inf, drag=0.0)
+    return (at_rest, *(_moving(train, regime) for regime in list(Regime)[1:]))
 
 
 def _moving(train: DriveTrain, regime: Regime) -> Mode:
     forward = regime in (Regime.FORWARD_DRIVING, Regime.FORWARD_BRAKING)
     driving = regime in (Regime.FORWARD_DRIVING, Regime.BACKWARD_DRIVING)
     resistance = train.forward_torque if forward else train.backward_torque
-    # T_in = T_out/(i e) where power goes to the load, T_out e/i where it comes back (Giberti et al. 2010)
+    # T_in = T_out/(i e) where power flows to the load, T_out e/i where it flows back (Giberti et al. 2010)
     share = (1.0 / train.efficiency if driving else train.efficiency) / train.ratio
     inertia = train.motor_inertia + train.load_inertia * share / train.ratio
     drag = (train.friction if forward else -train.friction) + resistance * share
@@ -110,6 +123,11 @@ def _moving(train: DriveTrain, regime: Regime) -> Mode:
 
 def matrices(train: DriveTrain, mode: Mode) -> tuple[np.ndarray, np.ndarray]:
     """State matrices of a mode: states current and motor speed, input voltage.
+
+    Parameters
+    ----------
+    train, mode
+        The rigid drive train, and one of its modes.
 
     Returns
     -------
@@ -123,14 +141,19 @@ def matrices(train: DriveTrain, mode: Mode) -> tuple[np.ndarray, np.ndarray]:
 
 
 def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[DriveTrain, list[str]]:
-    """The machine that a spec and a drive set make, and what had to be assumed.
+    """The rigid drive train of a spec and a drive, with the assumptions made.
 
     Parameters
     ----------
     spec, drive_set
-        The machine, and the parts of one motor set.
+        The machine and the drive.
     period
         Control period [s].
+
+    Returns
+    -------
+    tuple
+        The drive train, and its assumptions as sentences.
 
     Raises
     ------
@@ -172,13 +195,20 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
     if not train.inductance > 0.0:  # NaN too
         said.append("the motor's inductance is unknown: the current follows the voltage at once")
         train = replace(train, inductance=_NO_INDUCTANCE * period * train.resistance)
-    if not all(isfinite(getattr(train, f.name)) for f in fields(train)):
+    if not all(isfinite(getattr(train, f.name)) for f in fields(train) if f.name != "stiffness"):
         raise InputError("the load's figures leave the range of numbers that can be computed with")
     return train, said
 
 
 def within_reach(train: DriveTrain, profile: Profile) -> None:
     """Refuse a profile that is faster than any machine.
+
+    Parameters
+    ----------
+    train
+        The drive train.
+    profile
+        The motion of the load.
 
     Raises
     ------
@@ -191,7 +221,7 @@ def within_reach(train: DriveTrain, profile: Profile) -> None:
 
 
 def _known(value: float, what: str, said: list[str]) -> float:
-    """A figure of small weight, 0 where the catalogue lacks it; that is told."""
+    """A figure of small influence; 0, reported as an assumption, where the catalogue lacks it."""
     if isnan(value):
         said.append(f"the {what} is unknown and taken as 0")
         return 0.0

@@ -1,7 +1,7 @@
-"""What linear theory says of a sampled loop: poles, margins, bandwidth, step response, Bode data.
+"""Linear analysis of a sampled loop: poles, margins, bandwidth, step response, Bode data.
 
-The loops are those of ``loop_models``. Both directions of power are looked
-at; a loop's record is that of the direction nearer to instability, its margins and bandwidth the least of both.
+The loops are those of ``loop_models``. Both directions of power are analysed; a loop's record is that of the direction
+nearer to instability, its margins and bandwidth the least of both.
 Margins and bandwidth are roots on the frequency response itself (no polynomials, which are ill-conditioned for slow
 loops), on a grid that is finer around every pole near the unit circle.
 
@@ -43,14 +43,19 @@ _DIRECTIONS = {"driving": Regime.FORWARD_DRIVING, "braking": Regime.FORWARD_BRAK
 
 
 def analyse(train: DriveTrain, controller: Cascade | Gains, shaft: Shaft | None = None) -> Loops:
-    """The loops of a controller around a rigid machine, or one with an elastic shaft.
+    """The loops of a controller around a drive train, rigid or with an elastic shaft.
 
     Parameters
     ----------
     train, controller
-        The machine and its controller. References go in without feedforward.
+        The rigid drive train and its controller; feedforward is left out.
     shaft
-        What is elastic between motor and load; none: rigid.
+        The elastic shaft between motor and load; None: rigid.
+
+    Returns
+    -------
+    Loops
+        From the inside out.
     """
     every = modes(train)
 
@@ -78,7 +83,7 @@ def analyse(train: DriveTrain, controller: Cascade | Gains, shaft: Shaft | None 
 
 
 def _worse(name: str, every: tuple[Mode, ...], opened: Callable[[Mode], Any]) -> Loop:
-    """Of driving and braking the one nearer to instability, with the least margins and bandwidth of both."""
+    """Of driving and braking the loop nearer to instability, with the least margins and bandwidth of both."""
     found = [loop_of(name, opened(every[r]), direction) for direction, r in _DIRECTIONS.items()]
     unstable = [loop for loop in found if not loop.stable]
     if unstable:  # it has no margins, whatever the other direction's are
@@ -98,10 +103,15 @@ def loop_of(name: str, opened: Any, direction: str = "") -> Loop:
     Parameters
     ----------
     name, direction
-        What the record is called.
+        Name of the loop, and the direction of power.
     opened
         The open loop: a sampled python-control system with one input and one output, or two of which the second is fed
         back.
+
+    Returns
+    -------
+    Loop
+        Without margins where the loop is unstable.
     """
     opened, closed = _closed(opened)
     poles = tuple(complex(p) for p in closed.poles())
@@ -135,7 +145,7 @@ def loop_of(name: str, opened: Any, direction: str = "") -> Loop:
 
 
 def _closed(opened: Any) -> tuple[Any, Any]:
-    """The loop from error to what is fed back, and the closed one from the reference to the first output."""
+    """Open loop from the error to the fed-back output, and closed loop from the reference to the first output."""
     import control
 
     if opened.noutputs == 1:
@@ -220,7 +230,7 @@ def _margins(response: _Response, w: NDArray[np.float64], L: NDArray[np.complex1
 
 
 def _bandwidth(closed: Any, whole: _Response, w: NDArray[np.float64], T: NDArray[np.complex128]) -> float:
-    """Where the closed loop first falls 3 dB below its value at rest [Hz]; NaN where it does not."""
+    """Frequency at which the closed loop first is 3 dB below its value at rest [Hz]; NaN: nowhere."""
     level = abs(complex(closed(1.0 + 0j))) / math.sqrt(2.0)
     if not (math.isfinite(level) and level > 0.0):
         return math.nan
@@ -230,7 +240,7 @@ def _bandwidth(closed: Any, whole: _Response, w: NDArray[np.float64], T: NDArray
 
 
 def _step(closed: Any, radius: float) -> NDArray[np.float64]:
-    """The response of a stable loop to a step, until its slowest pole has died out to 1e-4, or the samples are many."""
+    """Step response of a stable loop, until its slowest pole has decayed to 1e-4, or to the most samples."""
     import control
 
     samples = 100 + math.ceil(math.log(1e-4) / math.log(min(max(radius, 0.1), 1.0 - 1e-9)))
@@ -239,7 +249,7 @@ def _step(closed: Any, radius: float) -> NDArray[np.float64]:
 
 
 def _answer(step: NDArray[np.float64], closed: Any) -> tuple[float, float, float]:
-    """Rise time [s], overshoot and settling time [s] of a step; NaN where it does not get there."""
+    """Rise time [s], overshoot and settling time [s] of a step; NaN where a level is not reached."""
     final = float(np.real(closed(1.0 + 0j)))
     if not len(step) or not (math.isfinite(final) and abs(final) > 1e-9):
         return (math.nan,) * 3
@@ -251,7 +261,7 @@ def _answer(step: NDArray[np.float64], closed: Any) -> tuple[float, float, float
 
 
 def _reached(y: NDArray[np.float64], level: float) -> float:
-    """When a response first reaches a level, in samples, with a straight line between two; NaN never."""
+    """Sample at which a response first reaches a level, linearly interpolated; NaN: never."""
     above = np.flatnonzero(y >= level)
     if not len(above):
         return math.nan

@@ -1,7 +1,7 @@
-"""The controller of a set: its rates and its encoder, gains by rule, held against the sampled loop.
+"""The controller of a drive: its rates and its encoder, gains by rule, checked on the sampled loop.
 
-Rates are those of the spec, else the controller's own out of the catalogue. Speed is that of the encoder's counts where
-the set has an encoder whose lines are known.
+Rates are those of the spec, else the catalogue's. Speed is that of the encoder's counts where the drive has an encoder
+whose lines are known.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from drivesizer.control.cascade_design import Wanted, design_cascade
 from drivesizer.control.cascade_rules import SPREAD, margin_of
 from drivesizer.control.drive_train import DriveTrain, drive_train
 from drivesizer.control.loop_models import Shaft
-from drivesizer.control.loop_tuning import Held, Tuned, tuned
+from drivesizer.control.loop_tuning import Required, Tuned, tuned
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import design
 from drivesizer.errors import InputError
@@ -32,12 +32,22 @@ _PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's i
 
 
 def designed(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
-    """The machine of a set, the controller that is designed for it, and what was assumed of both.
+    """The drive train of a spec and a drive, the controller designed for it, and the assumptions of both.
+
+    Parameters
+    ----------
+    spec, drive_set
+        The machine and the drive.
+
+    Returns
+    -------
+    tuple
+        Drive train, controller, assumptions as sentences.
 
     Raises
     ------
     InputError
-        When the catalogue lacks a figure without which nothing moves, or ``control`` asks for what cannot be.
+        When the catalogue lacks a figure without which nothing moves, or ``control`` requires the impossible.
     """
     if spec.control.structure == "cascade":
         return _cascade(spec, drive_set)
@@ -47,9 +57,9 @@ def designed(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Gains | 
     said += [*assumed, *more]
     if spec.control.kp is not None:
         return train, design(spec, train, period, counts), said
-    gains, slower = tuned(lambda factor: design(spec, train, period, counts, factor), _held(spec, drive_set, train))
-    _as_asked(spec, ("control", "bandwidth"), spec.control.bandwidth, slower)
-    return train, gains, [*said, *_told(slower)]
+    gains, slower = tuned(lambda factor: design(spec, train, period, counts, factor), _required(spec, drive_set, train))
+    _refuse_slower(spec, ("control", "bandwidth"), spec.control.bandwidth, slower)
+    return train, gains, [*said, *_reported(slower)]
 
 
 def _cascade(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Cascade, list[str]]:
@@ -68,23 +78,23 @@ def _cascade(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Cascade,
 
     if wanted.velocity_kp is not None or wanted.velocity_ki is not None:
         return train, make(1.0), [*said, *assumed, *more, *rules]
-    cascade, slower = tuned(make, _held(spec, drive_set, train))
-    _as_asked(spec, ("control", "velocity", "bandwidth"), wanted.bandwidth, slower)
-    return train, cascade, [*said, *assumed, *more, *rules, *_told(slower)]
+    cascade, slower = tuned(make, _required(spec, drive_set, train))
+    _refuse_slower(spec, ("control", "velocity", "bandwidth"), wanted.bandwidth, slower)
+    return train, cascade, [*said, *assumed, *more, *rules, *_reported(slower)]
 
 
-def _as_asked(spec: RobotSpec, path: tuple[str, ...], bandwidth: float | None, slower: Tuned) -> None:
-    """Refuse a bandwidth that is asked for where the loop must be slower."""
+def _refuse_slower(spec: RobotSpec, path: tuple[str, ...], bandwidth: float | None, slower: Tuned) -> None:
+    """Refuse a required bandwidth where the loop must be slower."""
     if bandwidth is not None and slower.why:
         most = show(math.floor(10.0 * bandwidth / slower.slower) / 10.0, "Hz", "frequency")
-        asked = show(bandwidth, "Hz", "frequency")
-        raise InputError(f"{spec.where(path)}: {asked} is too fast: {slower.why}; expected at most {most}")
+        required = show(bandwidth, "Hz", "frequency")
+        raise InputError(f"{spec.where(path)}: {required} is too fast: {slower.why}; expected at most {most}")
 
 
-def _told(slower: Tuned) -> list[str]:
+def _reported(slower: Tuned) -> list[str]:
     if not slower.why:
         return []
-    return [f"the loop is {slower.slower:.3g} times slower than its rule has it: with that {slower.why}"]
+    return [f"the loop is {slower.slower:.3g} times slower than its design rule, with which {slower.why}"]
 
 
 # --- rates
@@ -104,16 +114,27 @@ def _period(spec: RobotSpec, controller: Controller | None) -> tuple[float, list
 
 
 def edges_of(spec: RobotSpec, drive_set: DriveSet) -> int:
-    """Counts per turn of the motor by which speed is measured; 0: exactly."""
+    """Counts per turn of the motor by which speed is measured.
+
+    Parameters
+    ----------
+    spec, drive_set
+        The machine and the drive.
+
+    Returns
+    -------
+    int
+        0: speed is measured exactly.
+    """
     lines = drive_set.encoder.lines if drive_set.encoder else math.nan
     return 0 if spec.control.speed_from == "exact" or math.isnan(lines) else round(EDGES * lines)
 
 
 def _counts(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain, period: float) -> tuple[Counts | None, list[str]]:
-    """How speed is counted, and what was assumed of it; none: it is measured exactly."""
+    """How speed is counted, and the assumptions made; None: it is measured exactly."""
     edges = edges_of(spec, drive_set)
     if not edges:
-        lacks = "the set has no encoder" if drive_set.encoder is None else "the encoder's resolution is unknown"
+        lacks = "the drive has no encoder" if drive_set.encoder is None else "the encoder's resolution is unknown"
         return None, [] if spec.control.speed_from == "exact" else [f"{lacks}: speed is measured exactly"]
     usable = usable_in(spec.supply.lowest, drive_set.controller)
     volts = spec.supply.lowest if math.isnan(usable) else usable
@@ -124,23 +145,23 @@ def _counts(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain, period: flo
 
 
 def _periods(spec: RobotSpec, period: float) -> int:
-    """Periods over which the spec wants counts to be taken; 0: as is best."""
+    """Counting time of the spec in periods; 0: the best is found."""
     time = spec.control.count_time
     if time is None:
         return 0
     if not 0.5 <= time / period < MOST_PERIODS + 0.5:
         raise InputError(
-            f"{spec.where(('control', 'count_time'))}: {show(time, 'ms', 'time')} is no time for counts at a period of "
+            f"{spec.where(('control', 'count_time'))}: {show(time, 'ms', 'time')} is no counting time at a period of "
             f"{show(period, 'ms', 'time', 4)}; expected one to {MOST_PERIODS} periods"
         )
     return round(time / period)
 
 
-# --- what has to hold
+# --- requirements
 
 
 def stated_margin(spec: RobotSpec) -> float:
-    """Phase margin that a loop must have [rad]: that of the symmetrical optimum, else that below which a loop rings."""
+    """Required phase margin [rad]: that of the symmetrical optimum, else that below which a loop rings."""
     c = spec.control.velocity
     if c.phase_margin is not None:
         return c.phase_margin
@@ -148,12 +169,30 @@ def stated_margin(spec: RobotSpec) -> float:
     return LEAST_PHASE_MARGIN if placed else margin_of(SPREAD)
 
 
-def _held(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain) -> Held:
-    return Held(train, shaft_of(spec, train), gap_of(spec, drive_set), stated_margin(spec))
+def _required(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain) -> Required:
+    return Required(train, shaft_of(spec, train), gap_of(spec, drive_set), stated_margin(spec))
 
 
 def shaft_of(spec: RobotSpec, train: DriveTrain) -> Shaft | None:
-    """What is elastic between motor and load, as the spec says; none of a rigid model."""
+    """The elastic shaft between motor and load that a spec gives.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    train
+        Its rigid drive train.
+
+    Returns
+    -------
+    Shaft or None
+        None for a rigid model.
+
+    Raises
+    ------
+    InputError
+        When the model is two masses, and its stiffness or the load's inertia is missing.
+    """
     if spec.plant.model == "rigid":
         return None
     where, stiffness = spec.where(("plant", "model")), spec.plant.stiffness or (spec.belt and spec.belt.stiffness)
@@ -166,17 +205,28 @@ def shaft_of(spec: RobotSpec, train: DriveTrain) -> Shaft | None:
 
 
 def gap_of(spec: RobotSpec, drive_set: DriveSet) -> float:
-    """Backlash at the driven shaft [rad]: the spec's, else the gearhead's; 0 where neither is known."""
+    """Backlash at the driven shaft: the spec's, else the gearhead's.
+
+    Parameters
+    ----------
+    spec, drive_set
+        The machine and the drive.
+
+    Returns
+    -------
+    float
+        [rad]; 0 where neither is known.
+    """
     own = drive_set.gearhead.backlash / drive_set.belt_ratio
     gap = spec.plant.backlash if spec.plant.backlash is not None else own
     return 0.0 if math.isnan(gap) else float(gap)
 
 
-# --- what the spec gives
+# --- gains of the spec
 
 
 def _wanted(spec: RobotSpec) -> Wanted:
-    """What the spec gives of the cascade."""
+    """Gains and requirements of the cascade that the spec gives."""
     c = spec.control
     given: dict[str, Any] = {f"current_{name}": getattr(c.current, name) for name in ("kp", "ki")}
     given |= {f"velocity_{name}": getattr(c.velocity, name) for name in ("kp", "ki", "kd")}
@@ -186,7 +236,7 @@ def _wanted(spec: RobotSpec) -> Wanted:
 
 
 def _path(field: str) -> tuple[str, ...]:
-    """Where a field of ``Wanted`` stands in the spec."""
+    """Path of a field of ``Wanted`` in the spec."""
     section, _, name = field.partition("_")
     if section in ("current", "velocity", "position", "feedforward"):
         return "control", section, name

@@ -6,13 +6,13 @@ loop holds its demand over n current periods, n of its steps make exactly one of
 
 .. math:: x_{k+1} = \Phi^n x_k + \Bigl(\sum_{m=0}^{n-1} \Phi^m\Bigr) \Gamma\, r_k
 
-and the same again from the velocity to the position loop. Nothing is neglected but the limits; each loop computes for
-one of its own periods.
+and the same again from the velocity to the position loop. Only the limits are neglected; each loop takes one of its
+own periods to compute.
 
-A speed that is counted is the mean over the last n periods of the velocity loop: what the angle grew by, exactly, in
-each of them. Loops around it have two outputs, the speed and what is counted of it; the second is fed back.
+A counted speed is the mean over the last n periods of the velocity loop, by the exact growth of the angle in each.
+Loops around it have two outputs, the speed and the counted speed; the second is fed back.
 
-Symbols: i current [A], w motor speed [rad/s], u voltage [V], e efficiency, K reduction [1].
+Symbols: i current [A], w motor speed [rad/s], u voltage [V], e efficiency, K total ratio [1].
 
 .. [1] K. J. Åström, B. Wittenmark, *Computer-Controlled Systems*, 3rd ed., Prentice Hall 1997, ch. 2: sampled systems.
 .. [2] D. Schröder, *Elektrische Antriebe - Regelung von Antriebssystemen*, Springer: the elastic two-mass system.
@@ -45,7 +45,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shaft:
-    """What is elastic between motor and load, seen at the load's shaft."""
+    """The elastic shaft between motor and load, seen at the load's shaft."""
 
     stiffness: float  # N*m/rad
     damping: float = 0.0  # N*m*s/rad; none is the worst case
@@ -65,27 +65,28 @@ def resonance(train: DriveTrain, mode: Mode, shaft: Shaft) -> tuple[float, float
     Parameters
     ----------
     train, mode
-        The machine and the direction of power: driving, the load's inertia counts 1/(e K^2), braking e/K^2.
+        The drive train and the direction of power: driving, the load's inertia counts 1/(e K^2), braking e/K^2.
     shaft
         The stiffness c at the load's shaft.
 
-    Notes
-    -----
-    [2]; at the anti-resonance the load swings and the motor stands.
+    Returns
+    -------
+    tuple
+        Anti-resonance, at which the load swings against a motor at rest, and resonance [Hz]; [2].
     """
     anti = math.sqrt(shaft.stiffness / train.load_inertia)
     return anti / (2.0 * math.pi), anti * math.sqrt(mode.inertia / train.motor_inertia) / (2.0 * math.pi)
 
 
 def plant(train: DriveTrain, mode: Mode, shaft: Shaft | None = None, *, angle: bool = False) -> Any:
-    """The machine in continuous time: from voltage to current and motor speed, small motions about a moving point.
+    """The drive train in continuous time, from voltage to current and motor speed, linearised about a moving point.
 
     Parameters
     ----------
     train, mode
-        The machine and the direction of power.
+        The drive train and the direction of power.
     shaft
-        What is elastic; none: rigid.
+        The elastic shaft; None: rigid.
     angle
         Whether the motor's angle is a third output.
 
@@ -124,7 +125,7 @@ def _two_masses(train: DriveTrain, mode: Mode, shaft: Shaft, rigid: np.ndarray) 
 
 
 def _pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: float = 0.0) -> Any:
-    """A sampled PID with a filtered derivative, and the period that it computes: the answer to the sample before."""
+    """A sampled PID with a filtered derivative, one period late for its computation."""
     import control
 
     found: Any = control.ss([], [], [], [[kp]], period)
@@ -137,7 +138,7 @@ def _pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: floa
 
 
 def _lifted(fast: Any, steps: int) -> Any:
-    """A sampled system whose input is held over a number of its steps, seen once in that number [1]; exact."""
+    """A sampled system with its input held over a number of its steps, at the slower rate [1]; exact."""
     import control
 
     held = np.block([[fast.A, fast.B], [np.zeros((fast.ninputs, fast.nstates)), np.eye(fast.ninputs)]])
@@ -147,18 +148,18 @@ def _lifted(fast: Any, steps: int) -> Any:
 
 
 def _counted(held: Any, periods: int, row: int, *, angle: bool = False) -> Any:
-    """Of a sampled machine whose last state is its angle: one output, and the mean speed over the last periods.
+    """A sampled drive train whose last state is its angle, with two outputs: one of its own, and the counted speed.
 
     Parameters
     ----------
     held
-        The machine, sampled once in a period of the velocity loop.
+        The drive train, sampled once in a period of the velocity loop.
     periods
         Over which counts are taken.
     row
         The output that is kept.
     angle
-        Whether the angle is kept as a state; a speed needs none, and would have a pole more that nothing moves.
+        Whether the angle is kept as a state; a speed needs none, and would get an uncontrollable pole.
     """
     import control
 
@@ -174,7 +175,22 @@ def _counted(held: Any, periods: int, row: int, *, angle: bool = False) -> Any:
 
 
 def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains, shaft: Shaft | None = None) -> Any:
-    """The velocity loop that acts on the voltage, open: from the speed error to the motor's speed (and as counted)."""
+    """Open velocity loop that acts on the voltage: from the speed error to the motor's speed.
+
+    Parameters
+    ----------
+    train, mode
+        The rigid drive train and the direction of power.
+    gains
+        The voltage PID.
+    shaft
+        The elastic shaft; None: rigid.
+
+    Returns
+    -------
+    control.StateSpace
+        Sampled; with a counted speed two outputs, of which the second is fed back.
+    """
     counted = gains.counted_over
     held = plant(train, mode, shaft, angle=counted > 0).sample(gains.period, "zoh")
     forward = _counted(held, counted, 1) if counted else held[1, 0]
@@ -182,7 +198,20 @@ def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains, shaft: Shaft 
 
 
 def current_open_loop(train: DriveTrain, cascade: Cascade) -> Any:
-    """The current loop, open, with the rotor held: the back-EMF is a disturbance, as in the design."""
+    """Open current loop with the rotor held: the back-EMF is a disturbance, as in the design.
+
+    Parameters
+    ----------
+    train
+        The drive train, with the resistance and inductance of its winding.
+    cascade
+        The controller.
+
+    Returns
+    -------
+    control.StateSpace
+        Sampled, from the current error to the current.
+    """
     import control
 
     R, L, period = train.resistance, train.inductance, cascade.current_period
@@ -202,7 +231,22 @@ def _current_closed(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: Shaf
 
 
 def velocity_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: Shaft | None = None) -> Any:
-    """The velocity loop, open, around the closed current loop: from the speed error to the speed (and as counted)."""
+    """Open velocity loop around the closed current loop: from the speed error to the motor's speed.
+
+    Parameters
+    ----------
+    train, mode
+        The rigid drive train and the direction of power.
+    cascade
+        The controller.
+    shaft
+        The elastic shaft; None: rigid.
+
+    Returns
+    -------
+    control.StateSpace
+        Sampled; with a counted speed two outputs, of which the second is fed back.
+    """
     counted = cascade.counted_over
     held = _current_closed(train, mode, cascade, shaft, angle=counted > 0)
     return (_counted(held, counted, 1) if counted else held[1, 0]) * _velocity_pid(cascade)
@@ -214,7 +258,22 @@ def _velocity_pid(cascade: Cascade) -> Any:
 
 
 def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: Shaft | None = None) -> Any:
-    """The position loop, open, around the closed velocity loop: from the missing angle to the motor's angle."""
+    """Open position loop around the closed velocity loop: from the position error to the motor's angle.
+
+    Parameters
+    ----------
+    train, mode
+        The rigid drive train and the direction of power.
+    cascade
+        The controller.
+    shaft
+        The elastic shaft; None: rigid.
+
+    Returns
+    -------
+    control.StateSpace
+        Sampled at the position loop's period.
+    """
     import control
 
     held = _current_closed(train, mode, cascade, shaft, angle=True)

@@ -1,4 +1,4 @@
-"""What linear theory says of a closed loop, as records; NaN where a figure does not exist."""
+"""Records of the linear analysis of a closed loop; NaN where a figure does not exist."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class Loop:
     """A linear, sampled loop without its limits; an unstable one has no margins."""
 
     name: str
-    direction: str  # of power: the one nearer to instability; "" where it plays no part
+    direction: str  # of power: the one nearer to instability; "" where it has no influence
     period: float  # s
     stable: bool
     pole_radius: float  # largest modulus of the closed loop's poles; below 1 is stable
     poles: tuple[complex, ...]  # z plane
     gain_margin: float  # factor
-    gain_reduction: float  # factor below 1 down to which the gain may fall; NaN: to any
+    gain_reduction: float  # factor below 1 down to which the gain may be reduced; NaN: to any
     phase_margin: float  # rad
     crossover: float  # Hz, where the phase margin of this direction is
     sensitivity: float  # largest |1/(1 + L)|, the reciprocal of the distance to -1 [1]
@@ -47,9 +47,9 @@ class Loop:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Loops:
-    """The loops of a controller, and the elastic frequencies where there is a shaft."""
+    """The loops of a controller, and the frequencies of an elastic shaft."""
 
-    current: Loop | None = None  # none of its own: the velocity loop acts on the voltage
+    current: Loop | None = None  # None: the velocity loop acts on the voltage
     velocity: Loop
     position: Loop | None = None
     resonance: float = nan  # Hz
@@ -58,5 +58,5 @@ class Loops:
 
     @property
     def all(self) -> tuple[Loop, ...]:
-        """The loops that there are, from the inside out."""
+        """The loops that exist, from the inside out."""
         return tuple(loop for loop in (self.current, self.velocity, self.position) if loop is not None)

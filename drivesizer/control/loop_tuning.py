@@ -1,9 +1,9 @@
-"""Designed gains held against the sampled loop: made slower until every stated margin holds, or refused.
+"""Designed gains checked on the sampled loop: made slower until every required margin is met, or refused.
 
-The rules of ``voltage_loop_design`` and ``cascade_design`` place a bandwidth by lags and delays. What is left then
-of it is seen on the loop itself, sampled, delayed, its speed counted as it is, in both directions of power: the phase
-margin, and with an elastic shaft the distance to the resonance [1]. With backlash the motor turns alone at times, a
-shaft of no stiffness; any stiffness between none and that in contact may describe it [2], and both ends must hold.
+The rules of ``voltage_loop_design`` and ``cascade_design`` place a bandwidth by lags and delays. The result is checked
+on the loop itself, sampled, delayed, with its counted speed, in both directions of power: the phase margin, and with an
+elastic shaft the distance to the resonance [1]. In the backlash the motor turns alone, as on a shaft of no stiffness;
+any stiffness between none and that in contact may describe it [2], and both ends must hold.
 
 .. [1] G. Ellis, *Control System Design Guide*, 4th ed., Elsevier 2012, ch. 16: resonance and the loop's bandwidth.
 .. [2] M. Nordin, P.-O. Gutman, "Controlling mechanical systems with backlash - a survey", Automatica 38 (2002)
@@ -25,16 +25,16 @@ from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.units import show
 
-__all__ = ["Held", "Tuned", "flaw", "tuned"]
+__all__ = ["Required", "Tuned", "flaw", "tuned"]
 
 Controller = TypeVar("Controller", Gains, Cascade)
 
-_SLOWEST = 2.0**12  # beyond which no slower loop is tried
+_SLOWEST = 2.0**12  # factor beyond which no slower loop is tried
 _CLOSE = 1.01  # to which factor the slower loop is sought
 
 
-class Held(NamedTuple):
-    """What designed gains must hold around a machine."""
+class Required(NamedTuple):
+    """A drive train, and the margins that designed gains must meet around it."""
 
     train: DriveTrain
     shaft: Shaft | None
@@ -43,51 +43,69 @@ class Held(NamedTuple):
 
 
 class Tuned(NamedTuple):
-    """How much slower a loop had to be than its rule, and why."""
+    """Factor by which a loop is slower than its design rule, and why."""
 
     slower: float
     why: str
 
 
-def tuned(make: Callable[[float], Controller], held: Held) -> tuple[Controller, Tuned]:
-    """The fastest controller whose margins hold.
+def tuned(make: Callable[[float], Controller], required: Required) -> tuple[Controller, Tuned]:
+    """The fastest controller that meets the required margins.
 
     Parameters
     ----------
     make
-        From a factor by which the loop is to be slower than its rule to the controller.
-    held
-        The machine and what is to hold.
+        Makes the controller for a factor by which the loop is to be slower than its rule.
+    required
+        The drive train and the margins.
+
+    Returns
+    -------
+    tuple
+        The controller, and how much slower than its rule it is.
 
     Raises
     ------
     InputError
-        When none does, however slow.
+        When no controller, however slow, meets them.
     """
     found = make(1.0)
-    why = flaw(found, held)
+    why = flaw(found, required)
     if not why:
         return found, Tuned(1.0, "")
     low = high = 1.0
-    while flaw(make(high), held):
+    while flaw(make(high), required):
         low, high = high, 2.0 * high
         if high > _SLOWEST:
-            raise InputError(f"control: gains designed by rule do not hold, however slow: {why}")
+            raise InputError(f"control: gains designed by rule miss their margins, however slow: {why}")
     while high / low > _CLOSE:
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if flaw(make(middle), held) else (low, middle)
+        low, high = (middle, high) if flaw(make(middle), required) else (low, middle)
     return make(high), Tuned(high, why)
 
 
-def flaw(controller: Gains | Cascade, held: Held) -> str:
-    """What does not hold in a loop; empty where everything does."""
-    for name, opened in _opened(controller, held):
+def flaw(controller: Gains | Cascade, required: Required) -> str:
+    """The first margin that a loop misses, in words.
+
+    Parameters
+    ----------
+    controller
+        Gains around the drive train.
+    required
+        The drive train and the margins.
+
+    Returns
+    -------
+    str
+        Empty where all are met.
+    """
+    for name, opened in _opened(controller, required):
         margin, bandwidth = margin_and_bandwidth(opened)
         if math.isnan(margin):
             return f"the {name} is unstable"
-        if margin < held.margin:
-            return f"the {name} has {math.degrees(margin):.3g}° of phase margin, less than {_degrees(held.margin)}"
-        if "stiff" in name and bandwidth > (most := RESONANCE_SHARE * _resonance(held)):
+        if margin < required.margin:
+            return f"the {name} has {math.degrees(margin):.3g}° of phase margin, less than {_degrees(required.margin)}"
+        if "stiff" in name and bandwidth > (most := RESONANCE_SHARE * _resonance(required)):
             hertz, share = (show(f, "Hz", "frequency", 3) for f in (bandwidth, most))
             return f"the {name} has a bandwidth of {hertz}, above {share}, a fifth of the resonance"
     return ""
@@ -97,25 +115,25 @@ def _degrees(angle: float) -> str:
     return f"{math.degrees(angle):.3g}°"
 
 
-def _resonance(held: Held) -> float:
-    assert held.shaft is not None
-    return resonance(held.train, modes(held.train)[Regime.FORWARD_BRAKING], held.shaft)[1]
+def _resonance(required: Required) -> float:
+    assert required.shaft is not None
+    return resonance(required.train, modes(required.train)[Regime.FORWARD_BRAKING], required.shaft)[1]
 
 
-def _opened(controller: Gains | Cascade, held: Held) -> Iterator[tuple[str, object]]:
-    """The loops that are to hold, with their names."""
-    every = modes(held.train)
+def _opened(controller: Gains | Cascade, required: Required) -> Iterator[tuple[str, object]]:
+    """The loops to be checked, with their names."""
+    every = modes(required.train)
     directions = {"driving": every[Regime.FORWARD_DRIVING], "braking": every[Regime.FORWARD_BRAKING]}
     for direction, mode in directions.items():
-        if held.shaft is not None:
-            yield f"velocity loop with a stiff shaft, {direction},", _velocity(controller, held.train, mode, None)
-        yield f"velocity loop, {direction},", _velocity(controller, held.train, mode, held.shaft)
+        if required.shaft is not None:
+            yield f"velocity loop with a stiff shaft, {direction},", _velocity(controller, required.train, mode, None)
+        yield f"velocity loop, {direction},", _velocity(controller, required.train, mode, required.shaft)
         if isinstance(controller, Cascade) and controller.position_kp and controller.position_period:
-            opened = position_open_loop(held.train, mode, controller, held.shaft)
+            opened = position_open_loop(required.train, mode, controller, required.shaft)
             yield f"position loop, {direction},", opened
-    if held.shaft is not None and held.gap:
-        alone = Mode(regime=Regime.FORWARD_DRIVING, inertia=held.train.motor_inertia, drag=held.train.friction)
-        yield "velocity loop of the motor alone, in the backlash,", _velocity(controller, held.train, alone, None)
+    if required.shaft is not None and required.gap:
+        alone = Mode(regime=Regime.FORWARD_DRIVING, inertia=required.train.motor_inertia, drag=required.train.friction)
+        yield "velocity loop of the motor alone, in the backlash,", _velocity(controller, required.train, alone, None)
 
 
 def _velocity(controller: Gains | Cascade, train: DriveTrain, mode: Mode, shaft: Shaft | None) -> object:

@@ -1,4 +1,4 @@
-"""What is wrong with a loop, in words: for the machine's builder, with the figure that would be right.
+"""Warnings about a loop in words, each with the figure that would be right.
 
 .. [1] K. J. Åström, T. Hägglund, *PID Controllers: Theory, Design, and Tuning*, 2nd ed., ISA 1995, ch. 4: margins.
 .. [2] G. Ellis, *Control System Design Guide*, 4th ed., Elsevier 2012, ch. 16: resonance and the loop's bandwidth.
@@ -27,14 +27,19 @@ def _hertz(figure: float) -> str:
 
 
 def loop_warnings(loops: Iterable[Loop], profile: Profile | None = None) -> list[str]:
-    """Loops that are unstable or ring, and those that are slower than a profile asks.
+    """Warnings about loops that are unstable, ring, or are slower than a profile requires.
 
     Parameters
     ----------
     loops
         From the inside out.
     profile
-        What is asked of the outer ones: the shortest ramp is the shortest time in which they must answer.
+        The motion that the outer ones must follow: its shortest ramp is the shortest time in which they must respond.
+
+    Returns
+    -------
+    list
+        Sentences.
     """
     ramp = shortest_ramp(profile) if profile else math.nan
     said = []
@@ -48,16 +53,15 @@ def loop_warnings(loops: Iterable[Loop], profile: Profile | None = None) -> list
         if loop.stable and loop.bandwidth < _RISE / ramp:
             said.append(
                 f"the {loop.name} loop is slower than the profile: bandwidth {_hertz(loop.bandwidth)}, and the "
-                f"shortest ramp, {show(ramp, 's', 'time', 3)}, asks for {_hertz(_RISE / ramp)}"
+                f"shortest ramp, {show(ramp, 's', 'time', 3)}, needs {_hertz(_RISE / ramp)}"
             )
     return said
 
 
 def shortest_ramp(profile: Profile) -> float:
-    """The shortest time in which a profile goes from one constant or extreme speed to the next [s]; NaN: none.
+    """Shortest time in which a profile goes from one constant or extreme speed to the next [s]; NaN: none.
 
-    Straight pieces that follow each other in one direction are one ramp, so that the rounded ramp of an S-curve counts
-    whole.
+    Successive straight pieces in one direction are one ramp, so that the rounded ramp of an S-curve counts whole.
     """
     ramps: list[float] = []
     sign = 0.0
@@ -71,7 +75,20 @@ def shortest_ramp(profile: Profile) -> float:
 
 
 def resonance_warning(loops: Loops, shaft: Shaft) -> list[str]:
-    """Whether the bandwidth that the gains ask of a stiff machine reaches to where the load swings [2]."""
+    """Warning where the bandwidth that the gains have on a stiff shaft reaches the resonance [2].
+
+    Parameters
+    ----------
+    loops
+        With resonance, anti-resonance and the bandwidth on a stiff shaft.
+    shaft
+        The elastic shaft.
+
+    Returns
+    -------
+    list
+        One sentence, or none.
+    """
     wanted, most = loops.rigid_bandwidth, RESONANCE_SHARE * loops.resonance
     if not wanted > most:
         return []
@@ -85,7 +102,7 @@ def resonance_warning(loops: Loops, shaft: Shaft) -> list[str]:
 
 
 def resolution_warning(lines: float, time: float, kp: float, peak: float, kind: str = "current") -> list[str]:
-    """Whether one encoder count is answered with much of what the controller can give.
+    """Warning where one encoder count is answered with much of the controller's range.
 
     Parameters
     ----------
@@ -97,6 +114,11 @@ def resolution_warning(lines: float, time: float, kp: float, peak: float, kind: 
         Peak current [A], or usable voltage [V].
     kind
         ``current`` or ``voltage``.
+
+    Returns
+    -------
+    list
+        One sentence, or none.
     """
     quantum = speed_quantum(lines, time)
     if not quantum * kp > COUNT_SHARE * peak:  # unknown too

@@ -32,13 +32,13 @@ class Gains:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Validation:
-    """A drive set driven through a profile in closed loop."""
+    """A drive simulated along a profile in closed loop."""
 
     spec: RobotSpec
     drive_set: DriveSet
-    case: str = ""  # the load case that was driven, where there are several
+    case: str = ""  # the load case that was simulated, where there are several
     profile: str
-    status: Status  # what its checks amount to
+    status: Status  # verdict of the checks
     checks: tuple[Check, ...]  # with the time of the worst moment
     figures: tuple[Figure, ...]  # tracking error, bandwidth, margins of stability ...
     gains: Gains | Cascade
@@ -47,9 +47,9 @@ class Validation:
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     controller_gains: tuple[ControllerGain, ...] = ()  # the same in the controller's own units, where known
-    loops: tuple[Loop, ...] = ()  # what linear theory says of each, from the inside out
+    loops: tuple[Loop, ...] = ()  # linear analysis of each, from the inside out
 
     @property
     def over(self) -> str:
-        """The profile that was driven, and the load case where there are several and it does not name the profile."""
+        """Name of the profile, with the load case where there are several and the profile does not name it."""
         return f"{self.profile}, {self.case}" if self.case and self.case not in self.profile else self.profile

@@ -1,8 +1,8 @@
-"""Gains of the velocity loop that acts on the voltage: the spec's, or PI gains by the SIMC rule [1].
+"""Gains of the velocity loop that acts on the voltage: those of the spec, or PI gains by the SIMC rule [1].
 
 The rule works on the speed response of the motor with its reflected load, friction that grows with speed left out.
-A speed that is counted is late by half the time of its counts, and one count may be answered with a tenth of what there
-is: of all times over which counts may be taken that one is best with which the closed loop is fastest.
+A counted speed is late by half its counting time, and one count may be answered with a tenth of the available voltage:
+of all counting times the one with the fastest closed loop is taken.
 
 .. [1] S. Skogestad, "Simple analytic rules for model reduction and PID controller tuning", J. Process Control 13
    (2003) 291-309: the half rule, the PI settings, and tau_c = theta for tight control.
@@ -46,7 +46,7 @@ def effective_delay(train: DriveTrain, mode: Mode, period: float) -> tuple[float
     Parameters
     ----------
     train, mode
-        The machine and the direction of power.
+        The drive train and the direction of power.
     period
         Control period :math:`T_s` [s].
 
@@ -71,14 +71,14 @@ def effective_delay(train: DriveTrain, mode: Mode, period: float) -> tuple[float
 def design(
     spec: RobotSpec, train: DriveTrain, period: float, counts: Counts | None = None, slower: float = 1.0
 ) -> Gains:
-    """The gains that a spec gives, or those of the SIMC rule.
+    """Gains of the voltage PI: given by the spec, or by the SIMC rule.
 
     Parameters
     ----------
     spec
-        The robot; ``control`` has the gains or the bandwidth, ``needs`` may ask for a bandwidth.
+        The robot; ``control`` has the gains or the bandwidth, ``needs`` may require a bandwidth.
     train
-        The machine.
+        The drive train.
     period
         Control period [s].
     counts
@@ -86,10 +86,15 @@ def design(
     slower
         Factor on the time constant of the closed loop.
 
+    Returns
+    -------
+    Gains
+        With the rule that they come from.
+
     Raises
     ------
     InputError
-        When ``control.bandwidth`` is faster than the delay of the loop allows, or a gain is no use.
+        When ``control.bandwidth`` is faster than the delay of the loop allows, or a gain is out of range.
     """
     if spec.control.kp is not None:
         return _given(spec, spec.control.kp, period, counts)
@@ -97,8 +102,8 @@ def design(
     periods, late = lags(counts, period)
     tight, quiet = _least(train, period, counts)
     least = np.maximum(tight, quiet)
-    tau_c = slower * _asked(spec, float(tight.min()), float(least.min()))
-    # a bandwidth that is asked for may be louder than counts should be: then they are taken as long as the delay allows
+    tau_c = slower * _time_constant(spec, float(tight.min()), float(least.min()))
+    # at a bandwidth that is given, counts may be too noisy: then they are taken as long as the delay allows
     n = shortest(least, tau_c) if tau_c >= least.min() else int(np.flatnonzero(tight <= tau_c)[-1])
     theta += float(late[n])
     kp = train.back_emf_constant * tau_1 / (tau_c + theta)
@@ -124,8 +129,8 @@ def _least(train: DriveTrain, period: float, counts: Counts | None) -> tuple[_Ar
     return tight, train.back_emf_constant * tau_1 / most_gain(counts, periods, period) - delay
 
 
-def _asked(spec: RobotSpec, tight: float, least: float) -> float:
-    """Time constant of the closed loop: that of the bandwidth asked for, else the least by delay and noise [s]."""
+def _time_constant(spec: RobotSpec, tight: float, least: float) -> float:
+    """Time constant of the closed loop [s]: that of the required bandwidth, else the least by delay and noise."""
     if spec.control.bandwidth is not None:
         tau_c = 1.0 / (2.0 * math.pi * spec.control.bandwidth)
         if tau_c < tight:

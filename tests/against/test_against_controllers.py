@@ -18,7 +18,6 @@ from textbook_machine import RUBS, SHAFT, STEEP, driven, on_slope, task_of, text
 from drivesizer.control.cascade import Cascade, Rates
 from drivesizer.control.cascade_design import Wanted, design_cascade
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, simulate
-from drivesizer.control.linear_modes import machine_of
 
 RATES = Rates(4e-5, 4e-4, 1.2e-3)  # s: current, velocity, position
 
@@ -178,9 +177,9 @@ def by_hand(drive, task, samples, i=0.0):
     """Rows of speed, current and voltage of the whole loop."""
     c = drive.controller
     period = c.current_period if isinstance(c, Cascade) else c.period
-    machine = textbook(drive.machine, i, task.speed[0] * drive.machine.ratio)
+    machine = textbook(drive.train, i, task.speed[0] * drive.train.ratio)
     controller = (ServoCascade if isinstance(c, Cascade) else VoltagePid)(drive, machine)
-    asked, rows = Asked(task, drive.machine.ratio, period), []
+    asked, rows = Asked(task, drive.train.ratio, period), []
     for n in range(samples):
         u = controller.voltage(n, machine, asked)
         rows.append((machine.w, machine.i, u))
@@ -238,9 +237,9 @@ def servo(spec, catalog, degrees, more, **limits):
     bandwidth = 8.0 if more else 30.0  # Hz; the shaft rings at 87
     c, _ = design_cascade(train, RATES, Wanted(bandwidth=bandwidth, position=True))
     c = replace(c, feedforward_velocity=1e-4, velocity_kd=1e-4, filter_time=1e-3)
-    m = replace(machine_of(train), stiction=1.5 * train.friction, **RUBS, **more)
+    m = replace(train, stiction=1.5 * train.friction, **RUBS, **more)
     supply = Supply(voltage=17.0, resistance=0.05, sets=4, max_duty=0.9, voltage_drop=1.0)
-    return Drive(machine=m, controller=c, supply=supply, **limits), task_of(train, *TURN)
+    return Drive(train=m, controller=c, supply=supply, **limits), task_of(train, *TURN)
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def test_half_the_control_period_moves_the_results_by_little(spec, catalog, stru
     task = task_of(train, (0.0, 0.3, 0.6, 1.1, 1.32), (0.0, 1.2, 1.2, -0.6, -0.6))
     c = controller_of(structure, hilly, train, shaft)
     limits = {"supply": Supply(voltage=22.0, max_duty=0.9, voltage_drop=1.0), "current": CurrentLimit(peak=6.0)}
-    drive = Drive(machine=machine(train, shaft), controller=c, **limits)
+    drive = Drive(train=machine(train, shaft), controller=c, **limits)
     found = []
     for n in (1, 2, 4):
         run = simulate(replace(drive, controller=shorter(c, n)), task, rows=0)
@@ -69,7 +69,7 @@ def test_electrical_energy_is_work_losses_and_what_is_stored(spec, catalog, stru
     hilly, train = on_slope(spec, catalog, degrees)
     m = replace(machine(train, shaft), **RUBS)
     task = task_of(train, (0.0, 0.1, 0.5), (0.3, 0.3, 1.3 if degrees > 0.0 else 0.2))
-    drive = Drive(machine=m, controller=controller_of(structure, hilly, train, shaft), supply=Supply(voltage=24.0))
+    drive = Drive(train=m, controller=controller_of(structure, hilly, train, shaft), supply=Supply(voltage=24.0))
     run, s = ended(drive, task)
     assert one_mode(run, regime)
     f = {name: float(column[0]) for name, column in run.figures.items()}

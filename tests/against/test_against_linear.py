@@ -50,7 +50,7 @@ def test_the_voltage_pid_is_the_linear_loop(spec, catalog, shaft, degrees, regim
     hilly, train = on_slope(spec, catalog, degrees)
     g = design(hilly, train, PERIOD)
     g = replace(slower(g) if shaft else g, kd=kd / 20.0 if shaft else kd, filter_time=2e-3 if kd else 0.0)
-    run = simulate(Drive(machine=machine(train, shaft), controller=g, supply=FREE), task_of(train, *BUMP))
+    run = simulate(Drive(train=machine(train, shaft), controller=g, supply=FREE), task_of(train, *BUMP))
     assert one_mode(run, regime)
     when = np.arange(750) * PERIOD
     change = (np.interp(when, *BUMP) - 1.0) * train.motor_per_speed
@@ -124,7 +124,7 @@ def test_the_loops_of_the_design_compute_for_a_period_each(spec, catalog, shaft,
 def test_the_velocity_loop_of_the_cascade_is_the_linear_loop(spec, catalog, shaft, degrees, regime):
     _, train = on_slope(spec, catalog, degrees)
     c = servo(train, shaft, position_kp=0.0, position_period=0.0)
-    run = simulate(Drive(machine=machine(train, shaft), controller=c, supply=FREE), task_of(train, *BUMP))
+    run = simulate(Drive(train=machine(train, shaft), controller=c, supply=FREE), task_of(train, *BUMP))
     assert one_mode(run, regime)
     when = np.arange(750) * c.velocity_period
     change = (np.interp(when, *BUMP) - 1.0) * train.motor_per_speed
@@ -147,7 +147,7 @@ def test_the_position_loop_of_the_cascade_is_the_linear_loop(spec, catalog, shaf
     t = 10 * T + np.array([0.1, 0.5, 0.9]) * c.velocity_period
     leap, top = 0.02, cruise + 2.0 * 0.02 / (t[2] - t[0])
     task = Task(time=(0.0, *t, 0.24), speed=tuple(w / train.ratio for w in (cruise, cruise, top, cruise, cruise)))
-    run = simulate(Drive(machine=machine(train, shaft), controller=c, supply=FREE), task)
+    run = simulate(Drive(train=machine(train, shaft), controller=c, supply=FREE), task)
     assert one_mode(run, regime)
     closed = control.feedback(outer_loops(train, modes(train)[regime], c, shaft)["position"], 1)
     when = np.arange(200) * T
@@ -187,7 +187,7 @@ def test_ever_shorter_periods_lead_to_the_continuous_loop(spec, catalog, structu
     exact = control.forced_response(loop, when, change).outputs
     off = []
     for n in (1, 2, 4, 8):
-        drive = Drive(machine=machine(train, None), controller=shorter(controller, n), supply=FREE)
+        drive = Drive(train=machine(train, None), controller=shorter(controller, n), supply=FREE)
         run = simulate(drive, task_of(train, *BUMP), rows=100_000)
         assert one_mode(run, Regime.FORWARD_DRIVING)
         s = run.series

@@ -28,7 +28,6 @@ from textbook_machine import PERIOD, SHAFT, on_slope, slower, task_of
 from drivesizer.control.cascade import Cascade, Rates
 from drivesizer.control.cascade_design import Wanted, design_cascade
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, simulate
-from drivesizer.control.linear_modes import machine_of
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import design
 
@@ -95,7 +94,7 @@ def load_of(spec):
 
 def driven(train, controller, time, speed, **more):
     """A simulation along speeds of the robot [m/s]; nothing is left out of its series."""
-    drive = Drive(**{"machine": machine_of(train), "controller": controller, "supply": SUPPLY, "current": PEAK} | more)
+    drive = Drive(**{"train": train, "controller": controller, "supply": SUPPLY, "current": PEAK} | more)
     return simulate(drive, task_of(train, time, speed), rows=60_000).series
 
 
@@ -238,7 +237,7 @@ def test_a_soft_shaft_there_and_back(robot, gap, structure):
     c, period, steps = (soft, RATES.current, 5) if structure == "cascade" else (
         slower(controllers[structure]), PERIOD, 20)  # fmt: skip
     s = driven(train, c, (0.0, 0.3, 0.4, 0.9, 1.0), (0.0, 1.0, 1.0, -0.8, -0.8),
-               machine=replace(machine_of(train), **SHAFT, gap=gap))  # fmt: skip
+               train=replace(train, **SHAFT, gap=gap))  # fmt: skip
     assert s["motor_speed"].max() > 375.0 and s["motor_speed"].min() < -300.0
     assert (s["gear_torque"] == 0.0).any() == (gap > 0.0)  # the backlash is crossed
     coarse, fine = (two_masses(train, load, s, n, period, SHAFT | {"gap": gap}) for n in (steps, 2 * steps))
@@ -256,9 +255,7 @@ def under(train, volts, seconds, speed=0.0):
     c = Gains(kp=1e6 if volts else 0.0, ki=0.0, kd=0.0, filter_time=0.0, period=PERIOD, rule="test", source="")
     aim = math.copysign(1e4, volts) if volts else speed / train.ratio
     task = Task(time=(0.0, PERIOD, seconds), speed=(speed / train.ratio, aim, aim))
-    return simulate(
-        Drive(machine=machine_of(train), controller=c, supply=Supply(voltage=abs(volts) or 1.0)), task
-    ).series
+    return simulate(Drive(train=train, controller=c, supply=Supply(voltage=abs(volts) or 1.0)), task).series
 
 
 @pytest.mark.parametrize("share", [-1.01, -0.99, 0.99, 1.01, 1.5])

@@ -21,7 +21,6 @@ import pytest
 from textbook_machine import PERIOD, RUBS, SAGS, SHAFT, STEEP, driven, net, on_slope, task_of, textbook
 
 from drivesizer.control.engine import Drive, Resolution, Task, simulate
-from drivesizer.control.linear_modes import machine_of
 from drivesizer.control.voltage_loop_design import design
 
 # --- the machine
@@ -58,7 +57,7 @@ def test_the_machine_under_the_voltage_that_was_applied(spec, catalog, degrees, 
     assert run.figures["time_at_voltage_limit"][0] > 0.02
     speed, current = run.series["motor_speed"], run.series["current"]
     assert speed.max() > 240.0 and speed.min() < -50.0
-    found, electrical, copper, end = replayed(drive.machine, run, STEEP[0][-1])
+    found, electrical, copper, end = replayed(drive.train, run, STEEP[0][-1])
     off = np.abs(found[::-1] - (speed, current))
     turn = np.argmax(speed < 0.0)
     assert off[1].max() < 1e-4 and off[0].max() < grain  # A of 10, rad/s of 290
@@ -77,11 +76,11 @@ def test_copper_loss_under_a_voltage_that_leaps_every_few_periods(spec, catalog)
     ripple comes out too large, by 0.6 % of all at 0.4 ms, by 0.02 % at 0.1 ms. State and electrical energy are exact.
     """
     hilly, train = on_slope(spec, catalog, 3.0)
-    m = machine_of(train)
+    m = train
     for n, share in ((1, 8e-3), (4, 2.5e-4)):
         g = replace(design(hilly, train, PERIOD / n), kp=8e-3, ki=0.02)
         task = Task(time=(0.0, 0.08), speed=(300.0 / m.ratio,) * 2)
-        run = simulate(Drive(machine=m, controller=g, supply=SAGS, encoder=Resolution(edges=64 * n)), task)
+        run = simulate(Drive(train=m, controller=g, supply=SAGS, encoder=Resolution(edges=64 * n)), task)
         found, electrical, copper, _ = replayed(m, run, 0.08)
         assert np.ptp(run.series["voltage"]) > 1.9 and np.ptp(found[0]) > 0.55  # V, A of 1.0
         assert found == pytest.approx(np.array((run.series["current"], run.series["motor_speed"])), abs=1e-9)
@@ -94,7 +93,7 @@ def test_errors_of_the_load_are_not_those_of_the_motor(spec, catalog):
     the twist of the shaft since the start."""
     train, drive = driven(spec, catalog, 4.0, RUBS | SHAFT | {"gap": 0.01})
     task = task_of(train, *STEEP)
-    run, m = simulate(drive, task), drive.machine
+    run, m = simulate(drive, task), drive.train
     s, asked, samples = run.series, np.array(task.speed), round(STEEP[0][-1] / PERIOD)
     assert len(s["time"]) == samples + 1
     own, rows = textbook(m, s["current"][0], s["motor_speed"][0]), []

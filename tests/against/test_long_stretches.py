@@ -14,16 +14,16 @@ from scipy.integrate import solve_ivp
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.closed_loop.run import without_limits
+from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.engine import Drive, MotorHeat, Resolution, Supply, Task, simulate
-from drivesizer.control.linear_modes import Machine
 from drivesizer.control.validation import Gains
 from drivesizer.physics.thermal import TwoBodies
 
 R, K_T, RATIO, E, LOAD, SPEED = 2.32, 0.0234, 9.1, 0.72, 0.17, 30.0  # ohm, N*m/A, 1, 1, N*m, rad/s at the shaft
 HOURS, BUS = 10 * 3600.0, 9.3  # s, V: enough for the cold winding, not for the warm one
-MACHINE = Machine(
-    resistance=R, inductance=0.24e-3, torque_constant=K_T, back_emf_constant=K_T, motor_inertia=1.2e-6, ratio=RATIO,
-    efficiency=E, load_inertia=4e-4, forward_torque=LOAD, backward_torque=-LOAD,
+MACHINE = DriveTrain(
+    resistance=R, inductance=0.24e-3, torque_constant=K_T, back_emf_constant=K_T, motor_inertia=1.2e-6,
+    gear_ratio=RATIO, gear_efficiency=E, load_inertia=4e-4, forward_torque=LOAD, backward_torque=-LOAD,
 )  # fmt: skip
 BODIES = TwoBodies(R_25=R, R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)
 PI = Gains(kp=0.01, ki=0.3, kd=0.0, filter_time=0.0, period=4e-4, rule="test", source="")
@@ -54,7 +54,7 @@ def hot():
 @pytest.mark.parametrize("controller", [PI, SERVO], ids=["PI", "cascade"])
 def test_ten_hours_at_one_speed(hot, controller, edges):
     drive = Drive(
-        machine=MACHINE, controller=controller, supply=Supply(voltage=BUS), encoder=Resolution(edges=edges, periods=5),
+        train=MACHINE, controller=controller, supply=Supply(voltage=BUS), encoder=Resolution(edges=edges, periods=5),
         heat=MotorHeat(bodies=BODIES, ambient=298.15),
     )  # fmt: skip
     task = Task(time=(0.0, 0.5, HOURS), speed=(SPEED,) * 3)
@@ -67,5 +67,5 @@ def test_ten_hours_at_one_speed(hot, controller, edges):
     assert told["voltage"] <= BUS * (1 + 1e-5)
     assert told["speed_error"] == pytest.approx((hot.volts - BUS) / K_T, abs=0.02)  # rad/s, of 273
     takes = without_limits(drive, task, run, SimpleNamespace(all=()))
-    assert takes.figures["voltage_asked"][0] == pytest.approx(hot.volts, abs=0.06 if edges else 1e-3)
+    assert takes.figures["voltage_demand"][0] == pytest.approx(hot.volts, abs=0.06 if edges else 1e-3)
     assert hot.volts - BUS > 0.25

@@ -278,7 +278,7 @@ def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_betwee
     def usable(volts):
         return status("supply_voltage", case._replace(usable_voltage=volts))
 
-    cold, hot = case.takes("voltage_asked"), case.takes("voltage_asked") + more * current
+    cold, hot = case.required("voltage_demand"), case.required("voltage_demand") + more * current
     found = [usable(volts) for volts in (0.99 * cold, 1.01 * cold, 0.99 * hot, 1.01 * hot)]
     assert found == ["fail", "unknown", "unknown", "pass"]
 

@@ -396,7 +396,7 @@ def test_warnings():
     assert any("rings: phase margin" in w for w in loop_warnings(rings.all))
     slow = analyse(TRAIN, designed(bandwidth=2.0))
     (said,) = loop_warnings(slow.all, Profile("jerky", (0.0, 0.02, 0.05, 1.0, 1.4), (0.0, 0.5, 1.0, 1.0, 0.0)))
-    assert "slower than the profile" in said and "0.05 s, asks for 6.99 Hz" in said  # 0.35/0.05 s
+    assert "slower than the profile" in said and "0.05 s, needs 6.99 Hz" in said  # 0.35/0.05 s
 
 
 def test_shortest_ramp():

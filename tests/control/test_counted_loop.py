@@ -19,7 +19,6 @@ from drivesizer.control.cascade import Rates, rates
 from drivesizer.control.cascade_design import Wanted, design_cascade
 from drivesizer.control.drive_train import Regime, drive_train, modes
 from drivesizer.control.engine import Drive, Resolution, Supply, Task, simulate
-from drivesizer.control.linear_modes import machine_of
 from drivesizer.control.loop_analysis import analyse
 from drivesizer.control.loop_design import designed
 from drivesizer.control.voltage_loop_design import design
@@ -88,12 +87,12 @@ def test_the_simulation_of_a_counted_pi(spec, chosen):
     """Sample by sample in a plain loop: counts are floors, speed their difference over n periods, the answer late."""
     T, n = 4e-4, 5
     train, _ = drive_train(spec, chosen, T)
-    m = replace(machine_of(train), friction=0.0, forward_torque=0.0, backward_torque=0.0, rest_torque=0.0,
-                load_inertia=1e-9, efficiency=1.0, belt_efficiency=1.0, viscous=0.0)  # fmt: skip
+    m = replace(train, friction=0.0, forward_torque=0.0, backward_torque=0.0, rest_torque=0.0,
+                load_inertia=1e-9, gear_efficiency=1.0, belt_efficiency=1.0, viscous=0.0)  # fmt: skip
     gains = replace(design(controlled(spec), train, T, Counts(EDGES, 1.0, n)), kp=0.02, ki=0.3)
     time, speed = (0.0, 0.02, 0.2), (1.0, 1.3, 1.3)
     run = simulate(
-        Drive(machine=m, controller=gains, supply=Supply(voltage=VOLTS), encoder=Resolution(edges=EDGES, periods=n)),
+        Drive(train=m, controller=gains, supply=Supply(voltage=VOLTS), encoder=Resolution(edges=EDGES, periods=n)),
         Task(time=time, speed=speed),
     )
     bare = replace(train, viscous=0.0)
@@ -122,7 +121,7 @@ def noise(spec, chosen, period, counts, gains):
     """Voltage that a simulation at a steady speed asks for, from top to bottom [V]."""
     train, _ = drive_train(spec, chosen, period)
     edges = Resolution(edges=counts.edges, periods=max(gains.counted_over, 1))
-    drive = Drive(machine=machine_of(train), controller=gains, supply=Supply(voltage=1e4), encoder=edges)
+    drive = Drive(train=train, controller=gains, supply=Supply(voltage=1e4), encoder=edges)
     run = simulate(drive, Task(time=(0.0, 1.0), speed=(9.37, 9.37)))
     late = run.series["time"] > 0.5
     return float(np.ptp(run.series["voltage"][late]))

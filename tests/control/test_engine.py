@@ -24,7 +24,7 @@ from drivesizer.control.engine import (
     simulate,
     simulate_many,
 )
-from drivesizer.control.linear_modes import columns, discretised, generators, machine_of
+from drivesizer.control.linear_modes import columns, discretised, generators
 from drivesizer.control.loop_models import voltage_open_loop
 from drivesizer.control.voltage_loop_design import design
 from drivesizer.errors import InputError
@@ -64,7 +64,7 @@ def test_speed_at_a_held_voltage_rises_like_first_order():
 
 def test_torsional_resonance():
     m = machine(stiffness=40.0, resistance=1e7, inductance=1.0, load_inertia=3e-4, forward_torque=0.5)
-    drive = Drive(machine=m, controller=gains(ki=1e-12, period=1e-4), supply=Supply(voltage=1e12))
+    drive = Drive(train=m, controller=gains(ki=1e-12, period=1e-4), supply=Supply(voltage=1e12))
     # behind such a resistance the current stays; the load's torque steps a little while
     # the shaft stays loaded in one direction: a free oscillation about the new load
     task = Task(time=(0.0, 0.05), speed=(900.0, 900.0), load_time=(0.0, 1e-4, 0.05), load_torque=(0.0, 0.05, 0.05))
@@ -82,7 +82,7 @@ def test_torsional_resonance():
 def test_coasting_stops_when_friction_has_taken_the_speed():
     m = machine(resistance=1e7, inductance=1.0, friction=5e-3, forward_torque=0.05, backward_torque=-0.05)
     run = simulate(
-        Drive(machine=m, controller=gains(), supply=Supply(voltage=1e-6)), Task(time=(0.0, 0.5), speed=(40.0, 40.0))
+        Drive(train=m, controller=gains(), supply=Supply(voltage=1e-6)), Task(time=(0.0, 0.5), speed=(40.0, 40.0))
     )
     # braking all the way: the load's inertia pushes back through the gears
     share = m.efficiency / m.ratio
@@ -115,7 +115,7 @@ def test_heat_of_a_locked_rotor_against_an_integrator():
 def test_a_day_at_one_speed_is_carried_to_the_steady_temperature():
     m = machine(friction=0.02)
     heat = MotorHeat(bodies=MOTOR, ambient=298.15, loss_torque=1e-3)
-    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
+    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
     run = simulate(drive, Task(time=(0.0, 86400.0), speed=(20.0, 20.0)))
     settled = steady_state(MOTOR, 298.15, 0.02 / 0.0234, 1e-3 * 20.0 * 9.1)
     assert State(figure(run, "winding"), figure(run, "housing")) == pytest.approx(settled, abs=1e-2)
@@ -129,7 +129,7 @@ def test_a_day_at_one_speed_is_carried_to_the_steady_temperature():
 def test_saturated_loop_against_an_integrator(more):
     m, g = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1, **more), gains(kp=0.04, ki=0.6)
     task = Task(time=(0.0, 0.1, 0.4, 0.5, 0.6), speed=(10.0, 10.0, 60.0, 20.0, 20.0))
-    run = simulate(Drive(machine=m, controller=g, supply=Supply(voltage=11.0)), task)
+    run = simulate(Drive(train=m, controller=g, supply=Supply(voltage=11.0)), task)
     exact = saturated_by_solver(m, g, 11.0, task, 1500)
     n = np.rint(run.series["time"][:-1] / PERIOD).astype(int)
     assert figure(run, "time_at_voltage_limit") > 0.05
@@ -146,7 +146,7 @@ def robot(spec, catalog):
 
 def robot_drive(train, g, **more):
     supply = Supply(voltage=22.0, max_duty=0.9, voltage_drop=1.0)
-    return Drive(machine=machine_of(train), controller=g, supply=supply, **more)
+    return Drive(train=train, controller=g, supply=supply, **more)
 
 
 def test_linear_loop_against_python_control(robot):
@@ -172,7 +172,7 @@ def test_energy_balance(more):
     m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1, **more)
     g = gains(kp=0.02, ki=0.3, period=1e-4)
     task = Task(time=(0.0, 0.4, 0.8, 1.2, 1.6), speed=(0.0, 40.0, 40.0, 0.0, 0.0))
-    run = simulate(Drive(machine=m, controller=g, supply=Supply(voltage=24.0)), task)
+    run = simulate(Drive(train=m, controller=g, supply=Supply(voltage=24.0)), task)
     s = run.series
     T = s["gear_torque"] * s["motor_speed"]
     at_shaft = s["gear_torque"] * np.where(T > 0, 1.3 * 0.9, 1.3 / 0.9)
@@ -180,7 +180,7 @@ def test_energy_balance(more):
     gears = np.abs(at_shaft * s["motor_speed"] / m.ratio) * np.where(driving, 1 / m.efficiency - 1, 1 - m.efficiency)
     shaft = at_shaft * (s["motor_speed"] / m.ratio - s["load_speed"])  # what twists it, and what its damping takes
     taken = np.trapezoid(1e-3 * np.abs(s["motor_speed"]) + gears + 0.1 * np.abs(s["load_speed"]) + shaft, s["time"])
-    electrical = figure(run, "energy_in") - figure(run, "energy_back")
+    electrical = figure(run, "energy_in") - figure(run, "energy_returned")
     taken += np.trapezoid((m.back_emf_constant - m.torque_constant) * s["motor_speed"] * s["current"], s["time"])
     assert electrical == pytest.approx(taken + figure(run, "copper_heat"), rel=2e-3)
     assert s["motor_speed"].max() > 350.0
@@ -190,7 +190,7 @@ def test_half_the_period_changes_little():
     m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
     task = Task(time=(0.0, 0.4, 0.8, 1.2), speed=(0.0, 40.0, 40.0, 0.0))
     found = [
-        simulate(Drive(machine=m, controller=gains(kp=0.02, ki=0.3, period=h), supply=Supply(voltage=24.0)), task)
+        simulate(Drive(train=m, controller=gains(kp=0.02, ki=0.3, period=h), supply=Supply(voltage=24.0)), task)
         for h in (2e-4, 1e-4)
     ]
     for name, share in (("rms_current", 1e-3), ("energy_in", 1e-3), ("current", 0.02), ("speed", 1e-3)):
@@ -212,7 +212,7 @@ def test_bus_sags_by_its_resistance():
 def test_peak_current_for_its_time_then_the_continuous():
     m = machine(stiction=1.0)
     limit = CurrentLimit(peak=4.0, continuous=1.5, peak_time=0.5)
-    drive = Drive(machine=m, controller=SERVO, supply=Supply(voltage=24.0), current=limit)
+    drive = Drive(train=m, controller=SERVO, supply=Supply(voltage=24.0), current=limit)
     run = simulate(drive, FAR)
     i, t = run.series["current"], run.series["time"]
     assert i[(t > 0.01) & (t < 0.49)] == pytest.approx(4.0, abs=1e-3)
@@ -223,7 +223,7 @@ def test_peak_current_for_its_time_then_the_continuous():
 def test_cascade_follows_in_speed_and_angle():
     m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
     task = Task(time=(0.0, 0.4, 1.2, 1.6, 2.6), speed=(0.0, 40.0, 40.0, 0.0, 0.0))
-    drive = Drive(machine=m, controller=SERVO, supply=Supply(voltage=24.0), current=CurrentLimit(peak=6.0))
+    drive = Drive(train=m, controller=SERVO, supply=Supply(voltage=24.0), current=CurrentLimit(peak=6.0))
     run = simulate(drive, task)
     cruise = np.searchsorted(run.series["time"], 1.19)
     assert run.series["motor_speed"][cruise] == pytest.approx(40.0 * m.ratio, rel=1e-6)
@@ -238,7 +238,7 @@ def test_cascade_follows_in_speed_and_angle():
 
 def test_a_gap_is_crossed_without_torque():
     m = machine(stiffness=200.0, damping=0.2, gap=0.02, friction=5e-4)
-    run = simulate(Drive(machine=m, controller=gains(kp=0.02), supply=Supply(voltage=24.0)),
+    run = simulate(Drive(train=m, controller=gains(kp=0.02), supply=Supply(voltage=24.0)),
                 Task(time=(0.0, 0.2, 0.4), speed=(0.0, 20.0, -20.0)))  # fmt: skip
     free = run.series["gear_torque"] == 0.0
     assert free[1:].any() and not free.all()
@@ -253,7 +253,7 @@ def test_many_are_as_one_by_one_and_threads_do_not_matter():
     m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
     heat = MotorHeat(bodies=MOTOR, ambient=298.15)
     drives = [
-        Drive(machine=replace(m, resistance=2.32 + 0.01 * n), controller=gains(kp=0.02 + 1e-3 * n, ki=0.3),
+        Drive(train=replace(m, resistance=2.32 + 0.01 * n), controller=gains(kp=0.02 + 1e-3 * n, ki=0.3),
               supply=Supply(voltage=12.0), heat=heat if n % 3 == 0 else None)
         for n in range(10)
     ]  # fmt: skip
@@ -268,7 +268,7 @@ def test_many_are_as_one_by_one_and_threads_do_not_matter():
 
 def test_plain_python_gives_the_same(monkeypatch):
     m = machine(friction=1e-3, stiffness=60.0, damping=0.02, gap=1e-3)
-    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
+    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
     task = Task(time=(0.0, 0.1, 0.2), speed=(0.0, 40.0, 0.0))
     fast = simulate(drive, task)
     monkeypatch.setattr(batch, "compiled", lambda: sample_loop.simulate_one)
@@ -280,7 +280,7 @@ def test_plain_python_gives_the_same(monkeypatch):
 @pytest.mark.parametrize("heat", [None, MotorHeat(bodies=MOTOR, ambient=298.15)])
 def test_cycles_that_repeat_are_added(heat, monkeypatch):
     m = machine(friction=2e-2, forward_torque=0.3, backward_torque=-0.3)
-    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=24.0), heat=heat)
+    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=24.0), heat=heat)
     task = Task(time=(0.0, 0.2, 0.8, 1.0, 2.0), speed=(0.0, 30.0, 30.0, 0.0, 0.0), cycles=60)
     added = simulate(drive, task)
     for name in ("_PERIODIC", "_PERIODIC_WARM", "_ALIKE"):
@@ -297,7 +297,7 @@ def test_cycles_that_repeat_are_added(heat, monkeypatch):
 
 
 def test_unstable_gains_come_to_an_end():
-    wild = Drive(machine=machine(), controller=gains(kp=1e5, ki=1e7), supply=Supply(voltage=math.inf))
+    wild = Drive(train=machine(), controller=gains(kp=1e5, ki=1e7), supply=Supply(voltage=math.inf))
     run = simulate(wild, FAR)
     assert "unstable" in run.problems[0]
     few = simulate(open_drive(machine(), 12.0), FAR, most_steps=100)
@@ -307,7 +307,7 @@ def test_unstable_gains_come_to_an_end():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"machine": machine(resistance=math.nan)}, "resistance"),
+        ({"train": machine(resistance=math.nan)}, "resistance"),
         ({"controller": replace(SERVO, velocity_period=5e-5)}, "whole multiple"),
         ({"supply": Supply(voltage=0.5, voltage_drop=1.0)}, "supply"),
         ({"heat": MotorHeat(bodies=replace(MOTOR, tau_w=math.nan), ambient=300.0)}, "unknown"),

@@ -36,7 +36,7 @@ def test_an_unwritable_folder_keeps_nothing(tmp_path, monkeypatch):
     assert not any(options.get("cache") for options in told)
     assert len(told) > 30
     # in their own space of names the functions find each other
-    drive = Drive(machine=machine(friction=1e-3), controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
+    drive = Drive(train=machine(friction=1e-3), controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
     task = Task(time=(0.0, 0.02, 0.04), speed=(0.0, 10.0, 0.0))
     compiled = simulate(drive, task)
     monkeypatch.setattr(batch, "compiled", lambda: loop)

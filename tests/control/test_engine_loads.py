@@ -20,7 +20,7 @@ from drivesizer.physics.thermal import TwoBodies
 def pulled(supply, **more):
     """A set that its load pulls at a constant speed, and the current that holds it."""
     m = machine(friction=1e-3)
-    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=supply)
+    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.5), supply=supply)
     task = Task(**({"time": (0.0, 2.0), "speed": (40.0, 40.0)} | more), load_time=(0.0,), load_torque=(-0.6,))
     return simulate(drive, task), (1e-3 - 0.6 * 0.72 / 9.1) / 0.0234
 
@@ -33,7 +33,7 @@ def test_returned_energy_raises_the_bus_over_its_resistance_or_a_chopper_takes_i
     bus = (24.0 + math.sqrt(24.0**2 - 4 * 0.3 * power)) / 2  # V (V - V_0) / R_s is what flows back into the source
     assert figure(run, "bus_highest") == pytest.approx(bus if raises else 24.0, rel=1e-9)
     assert figure(run, "bus_lowest") == pytest.approx(bus if raises else 24.0, rel=1e-9)
-    assert figure(run, "energy_back") == pytest.approx(-power / 4 * 2.0, rel=1e-9)
+    assert figure(run, "energy_returned") == pytest.approx(-power / 4 * 2.0, rel=1e-9)
     assert figure(run, "energy_in") == figure(run, "bus_current") == 0.0
 
 
@@ -75,7 +75,7 @@ def test_a_load_with_corners_in_a_saturated_loop_against_an_integrator(more):
         time=(0.0, 0.1, 0.4, 0.5, 0.6), speed=(10.0, 10.0, 60.0, 20.0, 20.0), load_time=corners,
         load_torque=(0.05, 0.25, -0.05, 0.1, 0.3),
     )  # fmt: skip
-    run = simulate(Drive(machine=m, controller=g, supply=Supply(voltage=11.0)), task)
+    run = simulate(Drive(train=m, controller=g, supply=Supply(voltage=11.0)), task)
     exact = saturated_by_solver(m, g, 11.0, task, 1500)
     n = np.rint(run.series["time"][:-1] / PERIOD).astype(int)
     assert figure(run, "time_at_voltage_limit") > 0.05
@@ -89,7 +89,7 @@ def test_a_jump_of_the_load_takes_effect_at_the_next_sample(when):
     task = Task(
         time=(0.0, 0.2), speed=(40.0, 40.0), load_time=(when, math.nextafter(when, 1.0)), load_torque=(0.0, 0.1)
     )
-    run = simulate(Drive(machine=m, controller=gains(), supply=Supply(voltage=1e-6)), task)
+    run = simulate(Drive(train=m, controller=gains(), supply=Supply(voltage=1e-6)), task)
     share = 1.0 / (m.ratio * m.efficiency)
     slows = 0.1 * share / (m.motor_inertia + m.load_inertia * share / m.ratio)
     sample = math.ceil(when / PERIOD - 1e-6) * PERIOD
@@ -105,7 +105,7 @@ def test_a_load_of_many_corners_within_a_sample_keeps_its_size():
     # a ramp within a hundredth of a period, with a sample in its middle
     mid = 100 * PERIOD
     task = Task(time=(0.0, 0.2), speed=(40.0, 40.0), load_time=(mid - 2e-6, mid + 2e-6), load_torque=(0.0, 0.1))
-    run = simulate(Drive(machine=m, controller=gains(), supply=Supply(voltage=1e-6)), task)
+    run = simulate(Drive(train=m, controller=gains(), supply=Supply(voltage=1e-6)), task)
     share = 1.0 / (m.ratio * m.efficiency)
     slows = 0.1 * share / (m.motor_inertia + m.load_inertia * share / m.ratio)
     late = run.series["time"] > mid + PERIOD
@@ -118,7 +118,7 @@ def test_hours_under_loads_that_are_constant_in_pieces_are_carried():
     m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
     jumps = (1200.0, math.nextafter(1200.0, 2e3), 2400.0, math.nextafter(2400.0, 3e3))
     task = Task(time=(0.0, 3600.0), speed=(20.0, 20.0), load_time=jumps, load_torque=(0.0, 0.2, 0.2, 0.4))
-    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0))
+    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0))
     run = simulate(drive, task)
     share = 1.0 / (m.ratio * m.efficiency)
     currents = [(1e-3 + T * share) / m.torque_constant for T in (0.1, 0.3, 0.5)]
@@ -135,7 +135,7 @@ def test_hours_under_loads_that_are_constant_in_pieces_are_carried():
 @pytest.mark.parametrize("given", [tuple, np.asarray])
 def test_corners_on_a_straight_line_change_nothing(given):
     m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
-    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=24.0))
+    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=24.0))
     few = Task(time=(0.0, 4.0, 6.0, 10.0), speed=(0.0, 40.0, 40.0, 5.0), load_time=(0.0, 10.0), load_torque=(0.0, 0.1))
     time = np.linspace(0.0, 10.0, 1_000_001)  # 40 to a sample
     many = Task(
@@ -214,7 +214,7 @@ def test_a_cascade_through_a_gap_against_fine_steps():
         backward_torque=0.03, rest_torque=0.03, motor_inertia=4e-6,
     )  # fmt: skip
     task = Task(time=(0.0, 0.01, 0.06, 0.12), speed=(15.0, 15.0, -20.0, 12.0))
-    run = simulate(Drive(machine=m, controller=CASCADE, supply=Supply(voltage=60.0)), task)
+    run = simulate(Drive(train=m, controller=CASCADE, supply=Supply(voltage=60.0)), task)
     exact = gap_by_steps(m, CASCADE, task, 1201, 100)  # with the state at the end
     n = np.rint(run.series["time"] / 1e-4).astype(int)
     free = run.series["gear_torque"] == 0.0
@@ -231,7 +231,7 @@ def test_a_cascade_through_a_gap_against_fine_steps():
 def test_a_loss_that_grows_with_the_square_of_speed_settles_as_computed():
     m = machine(friction=0.02)
     heat = MotorHeat(bodies=MOTOR, ambient=298.15, loss=0.2, loss_torque=1e-3, loss_viscous=5e-5)
-    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
+    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
     run = simulate(drive, Task(time=(0.0, 86400.0), speed=(20.0, 20.0)))
     w = 20.0 * m.ratio
     settled = steady_state(MOTOR, 298.15, 0.02 / 0.0234, 0.2 + 1e-3 * w + 5e-5 * w**2)
@@ -244,7 +244,7 @@ def test_a_loss_by_the_square_of_speed_over_ramps():
     kept = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=1e9, tau_w=12.4, tau_h=612e8)
     heat = MotorHeat(bodies=kept, ambient=298.15, loss_viscous=5e-5)
     m = machine(friction=1e-3)
-    drive = Drive(machine=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
+    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0), heat=heat)
     run = simulate(drive, Task(time=(0.0, 0.5, 1.0, 1.5), speed=(0.0, 40.0, 40.0, -10.0)))
     w = run.series["motor_speed"]
     swept = PERIOD / 3.0 * np.sum(w[:-1] ** 2 + w[:-1] * w[1:] + w[1:] ** 2)

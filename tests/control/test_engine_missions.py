@@ -25,7 +25,7 @@ from drivesizer.physics.overload import State, steady_state
 SET = machine(friction=1e-3, forward_torque=0.3, backward_torque=-0.3)
 HEAT = MotorHeat(bodies=MOTOR, ambient=298.15, loss_torque=1e-3, loss_viscous=1e-6)
 COUNTED = Drive(
-    machine=SET, controller=SERVO, supply=Supply(voltage=24.0), current=CurrentLimit(peak=6.0),
+    train=SET, controller=SERVO, supply=Supply(voltage=24.0), current=CurrentLimit(peak=6.0),
     encoder=Resolution(edges=2000, periods=4), heat=HEAT,
 )  # fmt: skip
 CYCLE = Task(time=(0.0, 0.1, 0.5, 0.6, 2.0), speed=(0.0, 30.0, 30.0, 0.0, 0.0), cycles=120)
@@ -46,7 +46,7 @@ def all_simulated(monkeypatch, drive, task):
         {},
         {"heat": None},
         {"encoder": Resolution()},
-        {"machine": replace(SET, stiffness=60.0, damping=0.05, gap=4e-3)},
+        {"train": replace(SET, stiffness=60.0, damping=0.05, gap=4e-3)},
         {"encoder": Resolution(edges=256, periods=4)},
     ],
     ids=["counted and heated", "counted", "heated", "backlash", "few edges"],
@@ -94,7 +94,7 @@ def test_the_current_s_integral_fills_in_the_same_cycle(encoder, monkeypatch):
 @pytest.mark.parametrize("encoder", [Resolution(), Resolution(edges=2000, periods=4)], ids=["exact", "counted"])
 def test_a_mission_with_long_stretches(encoder):
     """80 min at cruise, four times: the current of each stretch is known, and the temperatures it settles at."""
-    drive = replace(COUNTED, encoder=encoder, machine=replace(SET, forward_torque=0.15, backward_torque=-0.15))
+    drive = replace(COUNTED, encoder=encoder, train=replace(SET, forward_torque=0.15, backward_torque=-0.15))
     run = simulate(drive, Task(time=(0.0, 1.0, 4801.0, 4802.0), speed=(0.0, 40.0, 40.0, 0.0), cycles=4))
     w = 40.0 * SET.ratio
     i = (1e-3 + 0.15 / (SET.ratio * SET.efficiency)) / SET.torque_constant
@@ -120,7 +120,7 @@ def test_a_stretch_is_as_if_it_were_simulated(monkeypatch):
     for name in ("winding", "housing"):
         assert figure(added, name) == pytest.approx(figure(simulated, name), abs=0.05)  # K of 15
     assert figure(added, "angle") == pytest.approx(figure(simulated, "angle"), abs=0.05)
-    assert figure(added, "voltage_asked") == pytest.approx(figure(simulated, "voltage_asked"), rel=0.05)
+    assert figure(added, "voltage_demand") == pytest.approx(figure(simulated, "voltage_demand"), rel=0.05)
 
 
 def test_a_counted_drive_at_rest_within_its_count_is_carried():
@@ -170,7 +170,7 @@ def test_a_motion_that_is_written_out_is_found_to_repeat(encoder, monkeypatch):
 def test_ten_hours_written_out_warm_as_a_solver_has_it():
     """Currents by hand: i = (J_M a + F + (T + J_L a/K)/(K e))/k, the gears driving all the time; heat by SciPy."""
     m = replace(SET, load_inertia=1e-5, forward_torque=0.15, backward_torque=-0.15)
-    drive = replace(COUNTED, machine=m, encoder=Resolution(), heat=replace(HEAT, loss_torque=0.0, loss_viscous=0.0))
+    drive = replace(COUNTED, train=m, encoder=Resolution(), heat=replace(HEAT, loss_torque=0.0, loss_viscous=0.0))
     run = simulate(drive, written_out(FASTER_SLOWER, 1800))
     assert figure(run, "time") == pytest.approx(36005.0, rel=1e-6)
     assert figure(run, "time_simulated") < 2000.0

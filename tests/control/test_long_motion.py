@@ -14,14 +14,14 @@ from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Resolution
 
 SET = machine(friction=1e-3, forward_torque=0.15, backward_torque=-0.15, load_inertia=1e-5)
 DRIVE = Drive(
-    machine=SET, controller=SERVO, supply=Supply(voltage=24.0), current=CurrentLimit(peak=6.0),
+    train=SET, controller=SERVO, supply=Supply(voltage=24.0), current=CurrentLimit(peak=6.0),
     heat=MotorHeat(bodies=MOTOR, ambient=298.15),
 )  # fmt: skip
 TIME = np.arange(601.0)  # s: ten minutes at 1 Hz, never at rest
 SPEED = 25.0 + 10.0 * np.sin(np.cumsum(np.random.default_rng(3).uniform(0.0, 2.0, 601)))
 TASK = Task(time=TIME, speed=SPEED)
 PEAKS = (
-    "current", "voltage_asked", "current_asked", "speed", "speed_error", "load_angle_error", "gear_torque", "power"
+    "current", "voltage_demand", "current_demand", "speed", "speed_error", "load_angle_error", "gear_torque", "power"
 )  # fmt: skip
 
 

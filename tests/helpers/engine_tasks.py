@@ -6,12 +6,12 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from drivesizer.control.cascade import Cascade
+from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.engine import (
     Drive,
     Supply,
     Task,
 )
-from drivesizer.control.linear_modes import Machine
 from drivesizer.control.validation import Gains
 from drivesizer.physics.thermal import TwoBodies
 
@@ -24,10 +24,10 @@ def machine(**figures):
     """A set with ratio and efficiencies far from 1."""
     given = {
         "resistance": 2.32, "inductance": 0.24e-3, "torque_constant": 0.0234, "back_emf_constant": 0.026,
-        "motor_inertia": 1.2e-6, "ratio": 9.1, "efficiency": 0.72, "belt_ratio": 1.3, "belt_efficiency": 0.9,
-        "load_inertia": 4e-4,
+        "motor_inertia": 1.2e-6, "gear_ratio": 7.0, "gear_efficiency": 0.72 / 0.9, "belt_ratio": 1.3,
+        "belt_efficiency": 0.9, "load_inertia": 4e-4,
     }  # fmt: skip
-    return Machine(**(given | figures))
+    return DriveTrain(**(given | figures))
 
 
 def gains(kp=0.0, ki=0.0, kd=0.0, filter_time=0.0, period=PERIOD):
@@ -36,7 +36,7 @@ def gains(kp=0.0, ki=0.0, kd=0.0, filter_time=0.0, period=PERIOD):
 
 def open_drive(m, volts, **more):
     """A voltage that is held: with a gain beyond measure the PID stays at the limit."""
-    return Drive(machine=m, controller=gains(kp=1e6), supply=Supply(voltage=volts), **more)
+    return Drive(train=m, controller=gains(kp=1e6), supply=Supply(voltage=volts), **more)
 
 
 FAR = Task(time=(0.0, 1e-3, 2.0), speed=(0.0, 1e4, 1e4))

@@ -10,7 +10,6 @@ from textbook_machine import SHAFT
 from drivesizer.control.cascade import Rates
 from drivesizer.control.cascade_design import Wanted, design_cascade
 from drivesizer.control.drive_train import Regime
-from drivesizer.control.linear_modes import machine_of
 from drivesizer.control.loop_models import Shaft
 
 ENDS = ((3.0, Regime.FORWARD_DRIVING), (-6.0, Regime.FORWARD_BRAKING))  # slope in degrees, mode
@@ -25,7 +24,7 @@ both_ways = pytest.mark.parametrize(("degrees", "regime"), ENDS, ids=["driving",
 
 
 def machine(train, shaft):
-    return replace(machine_of(train), **(SHAFT if shaft else {}))
+    return replace(train, **(SHAFT if shaft else {}))
 
 
 def one_mode(run, regime):

@@ -10,7 +10,6 @@ from scipy.integrate import solve_ivp
 
 from drivesizer.control.drive_train import drive_train
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task
-from drivesizer.control.linear_modes import machine_of
 from drivesizer.control.voltage_loop_design import design
 from drivesizer.sizing import explain
 
@@ -175,11 +174,11 @@ def slower(g, factor=5.0):
 def driven(spec, catalog, degrees, more):
     """The robot's machine with a stiction and more, and the drive that goes with it: limits in voltage and current."""
     hilly, train = on_slope(spec, catalog, degrees)
-    m = replace(machine_of(train), stiction=1.5 * train.friction, **more)
+    m = replace(train, stiction=1.5 * train.friction, **more)
     g = design(hilly, train, PERIOD)
     peak = CurrentLimit() if m.flexible else CurrentLimit(peak=6.0)
-    return train, Drive(machine=m, controller=slower(g) if m.flexible else g, supply=SAGS, current=peak)
+    return train, Drive(train=m, controller=slower(g) if m.flexible else g, supply=SAGS, current=peak)
 
 
 def net(run):
-    return float(run.figures["energy_in"][0] - run.figures["energy_back"][0])
+    return float(run.figures["energy_in"][0] - run.figures["energy_returned"][0])

@@ -73,7 +73,7 @@ def test_the_share_is_that_of_what_fails(arm: tuple[RobotSpec, DriveSet]) -> Non
     text = ARM.replace("nominal: 24 V", "nominal: 24 V, min: uniform(1 V; 24 V)")
     low = read_spec(YamlSource(text, "arm.yaml"))
     uncertain = assumptions(low)
-    asked = run(spec, one, asked_of(spec)).takes("voltage_asked")
+    asked = run(spec, one, asked_of(spec)).required("voltage_demand")
     assert one.controller
     needed = asked / one.controller.max_duty + one.controller.voltage_drop
     values = sample(uncertain, 64, 1).values

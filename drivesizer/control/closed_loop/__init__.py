@@ -1,4 +1,4 @@
-"""One drive in closed loop: put together, simulated by the engine, judged, its figures.
+"""One drive in closed loop: its set-up, simulation by the engine, checks and figures.
 
 May import: control and control/engine.
 """

@@ -1,7 +1,7 @@
-"""What a simulation in closed loop means: every demand against its limit.
+"""Checks of a simulation in closed loop: every demand against its limit, with its worst moment.
 
-Each check tells its worst moment. A figure that the catalogue lacks leaves its check unknown; what the spec does not
-limit is not checked, but for the tracking itself.
+A figure that the catalogue lacks leaves its check unknown; a figure that the spec does not limit is not checked, except
+for the tracking error.
 """
 
 from __future__ import annotations
@@ -60,9 +60,11 @@ def _check(column: CheckColumn, at_time: float | None = None, note: str = "", *,
     return column.at((), METHOD, at_time=at_time, note=note, rotary=rotary)
 
 
-def _most(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn], *, takes: bool = False) -> CheckColumn:
-    """A check of the largest value of a figure; of a long motion it is unknown where only its allowance fails."""
-    return _allowed(check, case.takes(name) if takes else case.figure(name), case.more(name, takes=takes))
+def _most(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn], *, required: bool = False) -> CheckColumn:
+    """A check of the largest value of a figure; for a long motion unknown where it fails only with its allowance."""
+    return _allowed(
+        check, case.required(name) if required else case.figure(name), case.allowance(name, required=required)
+    )
 
 
 def _allowed(check: Callable[[float], CheckColumn], value: float, more: float) -> CheckColumn:
@@ -70,14 +72,14 @@ def _allowed(check: Callable[[float], CheckColumn], value: float, more: float) -
 
 
 def _resisted(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn], power: bool = False) -> CheckColumn:
-    """A check of what grows with the winding's resistance: of a motor of unknown heat it is unknown between bounds.
+    """A check of a figure that grows with the winding's resistance, between bounds for a motor of unknown heat.
 
-    Its march has the winding at 25 °C; it may be as cold as the ambient, and as warm as its largest current makes it in
-    the long run, up to what is permitted.
+    The simulation has the winding at 25 °C; it may be as cold as the ambient, and as warm as its largest current heats
+    it in the steady state, up to its permitted temperature.
     """
     motor, ambient = asdict(case.drive_set.motor), case.spec.environment.ambient
-    read = case.draws if power else case.takes
-    value, more = read(name), case.more(name, takes=not power)
+    read = case.drawn if power else case.required
+    value, more = read(name), case.allowance(name, required=not power)
     if two_bodies(motor).known or not case.spec.plant.warming:
         return _allowed(check, value, more)
     current = read("current")
@@ -104,7 +106,7 @@ def _bus_current(case: ClosedLoop, current: float, ohms: float, largest: float) 
 
 
 def _controller(case: ClosedLoop) -> Controller:
-    """The controller; one of which nothing is known where the set has none."""
+    """The controller; one of unknown figures where the drive has none."""
     return case.drive_set.controller or Controller()
 
 
@@ -145,29 +147,29 @@ def _phase_margin(case: ClosedLoop) -> Iterator[Check]:
 
 
 def _electrical(case: ClosedLoop) -> Iterator[Check]:
-    """Voltage and current that the controller must give."""
+    """Voltage and current that the controller must supply."""
     controller, supply = _controller(case), case.spec.supply
-    takes = "that following takes"
+    ideal = "required to follow the profile without limits"
     yield _check(
-        _resisted(case, "voltage_asked", lambda x: at_most("supply_voltage", x, case.usable_voltage)),
-        case.takes("voltage_asked_time"),
-        f"{takes}; what the controller can give at the lowest supply voltage",
+        _resisted(case, "voltage_demand", lambda x: at_most("supply_voltage", x, case.usable_voltage)),
+        case.required("voltage_demand_time"),
+        f"{ideal}; limit: output of the controller at the lowest supply voltage",
     )
     yield _check(
         _most(
             case,
-            "current_asked",
+            "current_demand",
             lambda x: at_most("controller_peak_current", x, controller.peak_current),
-            takes=True,
+            required=True,
         ),
-        case.takes("current_asked_time"),
-        takes,
+        case.required("current_demand_time"),
+        ideal,
     )
     share = _peak_share(case)
     if share != 0.0:
         yield _check(
-            between(*(at_most("controller_i2t", x, 1.0) for x in (share, share * case.more("i2t_share")))),
-            note="its highest state: at 100 % the controller falls back to the continuous current",
+            between(*(at_most("controller_i2t", x, 1.0) for x in (share, share * case.allowance("i2t_share")))),
+            note="highest state: at 100 % the controller limits to the continuous current",
         )
     yield _check(
         _most(
@@ -177,7 +179,7 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
     if supply.current is not None:
         yield _check(
             _resisted(case, "bus_current", lambda x: at_most("supply_current", x, supply.current), power=True),
-            case.draws("bus_current_time"),
+            case.drawn("bus_current_time"),
             "electrical power over the supply's voltage",
         )
 
@@ -185,13 +187,13 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
 def _peak_share(case: ClosedLoop) -> float:
     """Highest state of the I²t sum; 0 where the continuous current is never exceeded, NaN where a figure is unknown."""
     controller, peak = _controller(case), case.figure("current")
-    if case.more("current") * peak <= controller.continuous_current:
+    if case.allowance("current") * peak <= controller.continuous_current:
         return 0.0
     return case.figure("i2t_share") if controller.peak_time > 0.0 else math.nan
 
 
 def _heat(case: ClosedLoop) -> Iterator[Check]:
-    """The motor's RMS current, and the winding at its highest in the cycle repeated for ever."""
+    """The motor's RMS current, and the winding's highest temperature in the periodic steady state."""
     figures, ambient = asdict(case.drive_set.motor), case.spec.environment.ambient
     limit = figures["max_winding_temperature"]
     yield _check(
@@ -200,8 +202,8 @@ def _heat(case: ClosedLoop) -> Iterator[Check]:
     )
     winding, note = _winding(case)
     if math.isinf(winding):
-        note = "runs away: the copper loss grows faster than it is carried off"
-    warmer = ambient + (winding - ambient) * case.more("rms_current") ** 2
+        note = "thermal runaway: the copper loss grows faster than the heat is dissipated"
+    warmer = ambient + (winding - ambient) * case.allowance("rms_current") ** 2
     yield _check(
         between(*(at_most("winding_temperature", T, limit, zero=ambient) for T in (winding, warmer))),
         note=note,
@@ -209,9 +211,9 @@ def _heat(case: ClosedLoop) -> Iterator[Check]:
 
 
 def _winding(case: ClosedLoop) -> tuple[float, str]:
-    """Temperature of the winding [K], NaN unknown, and which one it is."""
+    """Temperature of the winding [K], NaN unknown, and its kind in words."""
     if case.periodic:
-        return case.periodic["winding"], "highest over the cycle repeated for ever"
+        return case.periodic["winding"], "highest in the periodic steady state"
     motor, rms = case.drive_set.motor, case.figure("rms_current")
     R_th = motor.thermal_resistance_winding, motor.thermal_resistance_housing
     steady = steady_winding_temperature(case.spec.environment.ambient, resistance_25(asdict(motor)), *R_th, rms)
@@ -243,10 +245,10 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
     )
     moved = course(case.profile)
     lasting = lasting_speeds(moved.duration, moved.speed)
-    asked = asked_of_the_gearhead(np.array(gearhead.manufacturer), **lasting) * case.train.motor_per_speed
+    speed_demand = asked_of_the_gearhead(np.array(gearhead.manufacturer), **lasting) * case.train.motor_per_speed
     yield _check(
-        at_most("gearhead_continuous_speed", asked, gearhead.continuous_input_speed),
-        note="of the reference: what lasts by the maker's rule, or the mean",
+        at_most("gearhead_continuous_speed", speed_demand, gearhead.continuous_input_speed),
+        note="of the reference: the lasting speed by the maker's rule, or the mean",
     )
     yield _check(
         _most(case, "speed", lambda x: at_most("gearhead_intermittent_speed", x, gearhead.intermittent_input_speed)),
@@ -255,19 +257,19 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
 
 
 def _speed(case: ClosedLoop) -> Iterator[Check]:
-    """The motor's speed and all that counts it."""
+    """The motor's speed, and the counting frequencies of encoder and controller."""
     motor, encoder, controller = case.drive_set.motor, case.drive_set.encoder or Encoder(), _controller(case)
     when, per_turn = case.figure("speed_time"), encoder.lines / (2 * math.pi)
-    asked = {} if case.spec.wants_encoder else NOT_ASKED
+    encoder_check = {} if case.spec.wants_encoder else NOT_ASKED
 
     def limited(name: str, factor: float, limit: float, **more: Any) -> CheckColumn:
         return _most(case, "speed", lambda x: at_most(name, x * factor, limit, **more))
 
     yield _check(limited("motor_speed", 1.0, motor.max_speed), when)
-    yield _check(limited("encoder_speed", 1.0, encoder.max_speed, **asked), when)
+    yield _check(limited("encoder_speed", 1.0, encoder.max_speed, **encoder_check), when)
     for name, limit in (("encoder", encoder.max_frequency), ("controller", controller.max_encoder_frequency)):
         yield _check(
-            limited(f"{name}_frequency", per_turn, limit, **asked),
+            limited(f"{name}_frequency", per_turn, limit, **encoder_check),
             when,
         )
     if motor.kind == "brushless":
@@ -279,7 +281,7 @@ def _speed(case: ClosedLoop) -> Iterator[Check]:
 
 
 def _load(case: ClosedLoop) -> Iterator[Check]:
-    """What the wheels must put on the floor."""
+    """Traction that the floor must transmit."""
     load = case.spec.load
     if not isinstance(load, WheeledVehicle) or load.friction_coefficient is None:
         return
@@ -292,5 +294,5 @@ def _load(case: ClosedLoop) -> Iterator[Check]:
     yield _check(
         _most(case, "gear_torque", held),
         case.figure("gear_torque_time"),
-        "what turns the wheel itself counted in",
+        "with the torque that accelerates the wheel itself",
     )

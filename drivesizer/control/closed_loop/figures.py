@@ -15,30 +15,30 @@ from drivesizer.results.sizing import Figure
 
 __all__ = ["figures", "quantum", "series", "series_units"]
 
-_WAY = {"linear": ("length", "mm"), "rotary": ("angle", "deg")}
+_TRAVEL = {"linear": ("length", "mm"), "rotary": ("angle", "deg")}
 _SHARE, _CURRENT, _VOLTAGE = ("dimensionless", "%"), ("current", "A"), ("voltage", "V")
 _HERTZ, _HEAT, _ENERGY = ("frequency", "Hz"), ("temperature", "degC"), ("energy", "W*h")
 _Row = tuple[str, str, float, tuple[str, str], float | None]
 
 
 def figures(case: ClosedLoop) -> tuple[Figure, ...]:
-    """What the loop did, where nothing limits it."""
+    """Figures of a simulation, without limits of their own."""
     rows = [*_tracking(case), *_loop(case), *_electrical(case)]
     if case.task.cycles > 1:
-        rows.append(("mission", "Time that was driven", case.figure("time"), ("time", "min"), None))
+        rows.append(("mission", "Simulated time", case.figure("time"), ("time", "min"), None))
     return tuple(Figure(name=n, title=t, value=v, kind=k, unit=u, at_time=at) for n, t, v, (k, u), at in rows)
 
 
 def quantum(case: ClosedLoop) -> float:
-    """Smallest step of a speed that is counted, over as many periods as it is [rad/s]; NaN unknown."""
+    """Smallest step of the counted speed over its counting time [rad/s]; NaN unknown."""
     encoder, periods = case.drive_set.encoder, max(case.controller.counted_over, 1)
     return speed_quantum(encoder.lines, case.velocity_period, periods) if encoder else math.nan
 
 
 def _tracking(case: ClosedLoop) -> list[_Row]:
-    """How far the load strays from what is asked for; of two masses also how far the motor does, as at the load."""
+    """Errors of the load against the reference; of two masses also those of the motor, as at the load."""
     radius, time, top = case.train.radius, case.figure("time"), case.profile.top_speed
-    speed, way, of_top = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis], 1.0 / top if top else math.nan
+    speed, travel, of_top = SPEED[case.spec.load.axis], _TRAVEL[case.spec.load.axis], 1.0 / top if top else math.nan
     peak, when = case.figure("load_speed_error") * radius, case.figure("load_speed_error_time")
     rms = math.sqrt(case.figure("load_speed_error_square") / time) * radius
     left = case.profile.distance * case.task.cycles - case.figure("load_angle") * radius
@@ -47,9 +47,9 @@ def _tracking(case: ClosedLoop) -> list[_Row]:
         ("tracking_error_peak_share", "Tracking error, peak, of top speed", peak * of_top, _SHARE, when),
         ("tracking_error_rms", "Tracking error, RMS", rms, speed, None),
         ("tracking_error_rms_share", "Tracking error, RMS, of top speed", rms * of_top, _SHARE, None),
-        ("position_error_peak", "Position error at the load, peak", case.figure("load_angle_error") * radius, way,
+        ("position_error_peak", "Position error at the load, peak", case.figure("load_angle_error") * radius, travel,
          case.figure("load_angle_error_time")),
-        ("distance_error", "Way left at the end, load", left, way, None),
+        ("distance_error", "Final position error, load", left, travel, None),
         *(_of_the_motor(case) if case.shaft else ()),
         ("voltage_saturation", "Time at the voltage limit", case.figure("time_at_voltage_limit") / time, _SHARE, None),
         ("current_limitation", "Time at the current limit", case.figure("time_at_current_limit") / time, _SHARE, None),
@@ -59,9 +59,9 @@ def _tracking(case: ClosedLoop) -> list[_Row]:
 
 
 def _of_the_motor(case: ClosedLoop) -> list[_Row]:
-    """The same errors of the motor's shaft, through the whole reduction as if the shaft were stiff."""
+    """The same errors of the motor's shaft, through the total ratio as if the shaft were stiff."""
     per_speed, time = case.train.motor_per_speed, case.figure("time")
-    speed, way = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis]
+    speed, travel = SPEED[case.spec.load.axis], _TRAVEL[case.spec.load.axis]
     left = case.profile.distance * case.task.cycles - case.figure("angle") / per_speed
     return [
         ("motor_tracking_error_peak", "Tracking error of the motor, as at the load, peak",
@@ -69,8 +69,8 @@ def _of_the_motor(case: ClosedLoop) -> list[_Row]:
         ("motor_tracking_error_rms", "Tracking error of the motor, as at the load, RMS",
          math.sqrt(case.figure("speed_error_square") / time) / per_speed, speed, None),
         ("motor_position_error_peak", "Position error of the motor, as at the load, peak",
-         case.figure("angle_error") / per_speed, way, case.figure("angle_error_time")),
-        ("motor_distance_error", "Way left at the end, motor, as at the load", left, way, None),
+         case.figure("angle_error") / per_speed, travel, case.figure("angle_error_time")),
+        ("motor_distance_error", "Final position error, motor, as at the load", left, travel, None),
     ]  # fmt: skip
 
 
@@ -90,31 +90,37 @@ def _loop(case: ClosedLoop) -> list[_Row]:
 
 
 def _electrical(case: ClosedLoop) -> list[_Row]:
-    sets, seen = case.spec.load.motors, case.figure
+    motors, seen = case.spec.load.motors, case.figure
     rows: list[_Row] = [
         ("rms_current", "Motor current, RMS", seen("rms_current"), _CURRENT, None),
         ("peak_current", "Motor current, peak", seen("current"), _CURRENT, seen("current_time")),
         ("bus_lowest", "Supply voltage, lowest", seen("bus_lowest"), _VOLTAGE, None),
-        ("peak_power", "Electrical power, peak, all sets", seen("power") * sets, ("power", "W"), seen("power_time")),
-        ("energy_in", "Electrical energy taken, all sets", seen("energy_in") * sets, _ENERGY, None),
-        ("energy_returned", "Electrical energy returned, all sets", seen("energy_back") * sets, _ENERGY, None),
+        (
+            "peak_power",
+            "Electrical power, peak, all drives",
+            seen("power") * motors,
+            ("power", "W"),
+            seen("power_time"),
+        ),
+        ("energy_in", "Electrical energy taken, all drives", seen("energy_in") * motors, _ENERGY, None),
+        ("energy_returned", "Electrical energy returned, all drives", seen("energy_returned") * motors, _ENERGY, None),
     ]
     if case.periodic:
-        rows.insert(2, ("winding_end", "Winding at the end, from cold", seen("winding"), _HEAT, None))
+        rows.insert(2, ("winding_end", "Winding at the end, from ambient", seen("winding"), _HEAT, None))
     return rows
 
 
 def series_units(case: ClosedLoop) -> dict[str, tuple[str, str]]:
     """Kind and unit of the trade of each column of the series."""
-    speed, way = SPEED[case.spec.load.axis], _WAY[case.spec.load.axis]
+    speed, travel = SPEED[case.spec.load.axis], _TRAVEL[case.spec.load.axis]
     units = {
         "time": ("time", "s"),
         "speed_reference": speed,
         "speed": speed,
         "error": speed,
         "motor_error": speed,
-        "position_error": way,
-        "motor_position_error": way,
+        "position_error": travel,
+        "motor_position_error": travel,
         "motor_speed": ("rotary_speed", "rpm"),
         "current": _CURRENT,
         "voltage": _VOLTAGE,
@@ -127,7 +133,7 @@ def series_units(case: ClosedLoop) -> dict[str, tuple[str, str]]:
 
 
 def series(case: ClosedLoop) -> dict[str, NDArray[np.float64]]:
-    """The kept rows of the first cycle as columns, seen from the load and from the supply."""
+    """Recorded rows of the first cycle as columns, seen from the load and from the supply."""
     rows: Any = case.out.series
     per_speed = case.train.motor_per_speed
     reference, speed = rows["reference"] / per_speed, rows["load_speed"] * case.train.radius

@@ -19,41 +19,46 @@ from drivesizer.control.cascade import Cascade
 from drivesizer.control.closed_loop.slower_loop import slower
 from drivesizer.control.engine import Drive, Simulation, Task, simulate
 
-__all__ = ["LONGEST", "Long", "simulate_long"]
+__all__ = ["LONGEST", "LongSimulation", "simulate_long"]
 
 LONGEST = 250_000_000  # steps of a simulation: some 40 s
-_LEAD, _WATCHED = 1.0, 2.0  # s, that a window is simulated before it is watched, and is watched
+_LEAD, _WATCHED = 1.0, 2.0  # s of a window before it is recorded, and recorded
 _EVEN = 8  # windows at even distances
-_NEAR = 0.5  # of a figure's largest value: a window in which it reaches that tells by how much the two differ
+_NEAR = 0.5  # of a figure's largest value: windows that reach it are compared
 _PEAKS = (
-    "voltage_asked", "voltage", "current", "current_asked", "speed", "speed_error", "angle_error", "load_speed_error",
+    "voltage_demand", "voltage", "current", "current_demand", "speed", "speed_error", "angle_error", "load_speed_error",
     "load_angle_error", "gear_torque", "power", "bus_current",
 )  # fmt: skip
 _MEANS = ("rms_current", "rms_gear_torque_running")
-_EXCESS = 10.0  # times as far off as the current's square is the I2t integral taken to be, a difference of squares
+_EXCESS = 10.0  # error of the I2t integral, a difference of squares, over that of the current's square
 
 
-class Long(NamedTuple):
-    """A simulation of a long motion."""
+class LongSimulation(NamedTuple):
+    """Simulation of a long motion."""
 
-    out: Simulation  # with the larger of all peaks
-    drive: Drive  # that was simulated from end to end
-    allowed: dict[str, float]  # factor of 1 and more by which a figure may be larger than it is told
-    windows: tuple[tuple[float, float], ...]  # s, in which the drive as it is was simulated
+    out: Simulation  # with the largest peaks of motion and windows
+    drive: Drive  # simulated from end to end
+    allowed: dict[str, float]  # factor of 1 and more by which a figure may exceed its reported value
+    windows: tuple[tuple[float, float], ...]  # s, in which the full drive was simulated
 
 
-def simulate_long(drive: Drive, task: Task, rows: int) -> Long:
+def simulate_long(drive: Drive, task: Task, rows: int) -> LongSimulation:
     """Simulate a drive along a motion of hours.
 
     Parameters
     ----------
     drive, task, rows
         As in ``engine.simulate``.
+
+    Returns
+    -------
+    LongSimulation
+        Of the drive with the slower current loop, where it has one, and of the full drive in windows.
     """
     slow = slower(drive) if isinstance(drive.controller, Cascade) else None
     out = simulate(slow or drive, task, rows=max(rows, 2), most_steps=LONGEST)
     if slow is None or out.problems[0]:
-        return Long(out, slow or drive, {}, ())
+        return LongSimulation(out, slow or drive, {}, ())
     windows = _windows(task, out)  # of the first cycle
     pairs = [tuple(_seen(one, task, out, *window) for one in (drive, slow)) for window in windows]
     whole = [pair for pair in pairs if not pair[0].problems[0] and not pair[1].problems[0]]
@@ -64,11 +69,11 @@ def simulate_long(drive: Drive, task: Task, rows: int) -> Long:
                 figures[name], figures[f"{name}_time"] = seen.figures[name], seen.figures[f"{name}_time"]
     allowed = {name: _allowed(name, out, figures, whole) for name in (*_PEAKS, *_MEANS)}
     allowed["i2t_share"] = 1.0 + _EXCESS * (allowed["rms_current"] ** 2 - 1.0)
-    return Long(replace(out, figures=figures), slow, allowed, tuple(windows))
+    return LongSimulation(replace(out, figures=figures), slow, allowed, tuple(windows))
 
 
 def _windows(task: Task, out: Simulation) -> list[tuple[float, float]]:
-    """Where the drive as it is is watched [s]: about the largest values, and at even distances; none over another."""
+    """Windows of the full drive [s]: around the largest values and at even distances, without overlap."""
     first, last = task.time[0], task.time[-1]
     about = [first + float(out.figures[f"{name}_time"][0]) % (last - first) for name in _PEAKS]
     about += np.linspace(first, last, _EVEN, endpoint=False).tolist()
@@ -84,7 +89,7 @@ def _windows(task: Task, out: Simulation) -> list[tuple[float, float]]:
 
 
 def _seen(drive: Drive, task: Task, out: Simulation, start: float, end: float) -> Simulation:
-    """A set watched in a window, at the temperature that it has there; times as in the whole motion."""
+    """Simulation of a drive in a window, from its temperature there; times are those of the whole motion."""
     begin = max(start - _LEAD, task.time[0])
     heat = drive.heat
     if heat is not None and out.series is not None:
@@ -98,7 +103,7 @@ def _seen(drive: Drive, task: Task, out: Simulation, start: float, end: float) -
 
 
 def _cut(task: Task, begin: float, start: float, end: float) -> Task:
-    """A part of a task, from a moment on watched."""
+    """A part of a task, recorded from a time on."""
 
     def part(times: Sequence[float] | Any, values: Sequence[float] | Any) -> tuple[Any, Any]:
         t = np.asarray(times, float)
@@ -114,12 +119,12 @@ def _cut(task: Task, begin: float, start: float, end: float) -> Task:
     )
 
 
-def _allowed(name: str, out: Simulation, told: dict[str, Any], pairs: Sequence[Any]) -> float:
-    """By what factor a figure may exceed what is told of it: as the drive as it is exceeds the slower at most."""
+def _allowed(name: str, out: Simulation, reported: dict[str, Any], pairs: Sequence[Any]) -> float:
+    """Factor by which a figure may exceed its reported value: the largest of full over slower drive in the windows."""
     most = float(out.figures[name][0])
     found = [
         float(seen.figures[name][0] / slow.figures[name][0])
         for seen, slow in pairs
         if slow.figures[name][0] >= _NEAR * most > 0.0
     ]
-    return max([1.0, *(x * most / float(told[name][0]) for x in found)])
+    return max([1.0, *(x * most / float(reported[name][0]) for x in found)])

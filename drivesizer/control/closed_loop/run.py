@@ -1,8 +1,7 @@
-"""A set in closed loop: gains designed, loops analysed, and the machine simulated along a profile.
+"""A drive in closed loop: gains designed, loops analysed, and the drive simulated along a profile.
 
-Puts together ``voltage_loop_design`` or ``cascade_design`` (gains), ``loop_analysis`` (what linear theory says) and
-``engine`` (the simulation: sampled, limited, warming); ``checks`` says what it means. What is taken for granted on the
-way is kept with the result.
+Puts together ``voltage_loop_design`` or ``cascade_design`` (gains), ``loop_analysis`` (linear analysis) and ``engine``
+(the sampled simulation with limits and heat); ``checks`` judges the result. Assumptions are kept with it.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.cascade import Cascade
-from drivesizer.control.closed_loop.long_motion import LONGEST, Long, simulate_long
+from drivesizer.control.closed_loop.long_motion import LONGEST, LongSimulation, simulate_long
 from drivesizer.control.closed_loop.set_up import prepared
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.engine import CurrentLimit, Drive, Simulation, Task, simulate
@@ -31,16 +30,16 @@ from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["ClosedLoop", "as_warm", "run", "without_limits"]
 
-_ROWS = 20_000  # most rows of a series
+_ROWS = 20_000  # most rows of a time series
 _SHORTER = "expected a slower control.rate, one cycle of what repeats with a mission.duration, or a part with --profile"
 _ROUNDS = 4  # of the search for the periodic temperatures
-_NUDGE = 1.0  # K, by which starts differ to see what a cycle makes of them
-_FOUND = 0.05  # K, by which the fixed point is still sought to move
+_NUDGE = 1.0  # K, difference of starts for a derivative
+_FOUND = 0.05  # K, last step of the search for the fixed point
 _HOTTEST = 2000.0  # K: beyond it the winding runs away
 
 
 class ClosedLoop(NamedTuple):
-    """A simulation in closed loop and all that it was made of."""
+    """A simulation in closed loop, with its inputs."""
 
     spec: RobotSpec
     drive_set: DriveSet
@@ -51,30 +50,30 @@ class ClosedLoop(NamedTuple):
     loops: Loops
     usable_voltage: float  # V, NaN unknown
     task: Task
-    out: Simulation  # from cold
-    free: Simulation  # the same without limits; ``out`` where that one does not end
+    out: Simulation  # from ambient temperature
+    unlimited: Simulation  # the same without limits; ``out`` where that one does not end
     periodic: dict[str, float]  # highest temperatures in the periodic steady state [K]; empty: unknown
-    said: tuple[str, ...]  # what was assumed on the way
-    allowed: tuple[Mapping[str, float], Mapping[str, float]] = ({}, {})  # see ``long_motion``; of both simulations
+    assumptions: tuple[str, ...]
+    allowed: tuple[Mapping[str, float], Mapping[str, float]] = ({}, {})  # see ``long_motion``: with, without limits
     windows: tuple[tuple[float, float], ...] = ()  # s, the same
-    warm: tuple[Simulation, ...] = ()  # one cycle as warm as it is in the periodic steady state, and without limits
-    begins: tuple[float, float] | None = None  # K, winding and housing at the start of that cycle
+    steady_cycle: tuple[Simulation, ...] = ()  # one cycle in the periodic steady state, with and without limits
+    steady_start: tuple[float, float] | None = None  # K, winding and housing at the start of that cycle
 
     def figure(self, name: str) -> float:
         """A figure of the simulation, SI."""
         return float(self.out.figures[name][0])
 
-    def takes(self, name: str) -> float:
-        """A figure of the simulation without limits, SI; of the periodic steady state where more is needed there."""
-        return _largest((self.free, *self.warm[1:]), name)
+    def required(self, name: str) -> float:
+        """A figure without limits, SI: the larger of the simulation and of the periodic steady state."""
+        return _largest((self.unlimited, *self.steady_cycle[1:]), name)
 
-    def draws(self, name: str) -> float:
-        """A figure of the simulation, SI; of the periodic steady state where it is larger there."""
-        return _largest((self.out, *self.warm[:1]), name)
+    def drawn(self, name: str) -> float:
+        """A figure with limits, SI: the larger of the simulation and of the periodic steady state."""
+        return _largest((self.out, *self.steady_cycle[:1]), name)
 
-    def more(self, name: str, *, takes: bool = False) -> float:
-        """Factor by which a figure of a simulation may exceed what is told of it; 1 where all of it was simulated."""
-        return self.allowed[takes].get(name, 1.0)
+    def allowance(self, name: str, *, required: bool = False) -> float:
+        """Factor by which a figure may exceed its reported value; 1 where the whole motion was simulated in full."""
+        return self.allowed[required].get(name, 1.0)
 
     @property
     def velocity_period(self) -> float:
@@ -83,13 +82,25 @@ class ClosedLoop(NamedTuple):
 
 
 def _largest(runs: Sequence[Simulation], name: str) -> float:
-    """A peak, or its time, of the simulation that has the largest."""
+    """A peak, or its time, of the simulation with the largest one."""
     peak = name.removesuffix("_time")
     return float(max(runs, key=lambda one: one.figures[peak][0]).figures[name][0])
 
 
-def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> ClosedLoop:
-    """Design a controller for a set, analyse its loops and simulate it along a profile, as often as the mission lasts.
+def run(spec: RobotSpec, drive_set: DriveSet, profile: Profile) -> ClosedLoop:
+    """Design a controller for a drive, analyse its loops and simulate it along a profile for the mission's duration.
+
+    Parameters
+    ----------
+    spec, drive_set
+        The machine and the drive.
+    profile
+        Reference motion of the load.
+
+    Returns
+    -------
+    ClosedLoop
+        The simulation with its inputs.
 
     Raises
     ------
@@ -97,40 +108,55 @@ def run(spec: RobotSpec, drive_set: DriveSet, asked: Profile) -> ClosedLoop:
         When gains exclude each other, the bandwidth is out of reach, a figure that the model needs is missing, the
         profile cannot be sampled, or the loop leaves the range of numbers.
     """
-    made = prepared(spec, drive_set, asked)
+    made = prepared(spec, drive_set, profile)
     loops = analyse(made.train, made.controller, made.shaft)
     drive, task = made.drive, made.task
     whole = _whole(drive, task)
     out = whole.out
     if out.problems[0]:
-        wanted = _SHORTER if "steps" in out.problems[0] else "expected other gains"
-        raise InputError(f"profile {asked.name}: {out.problems[0]}; {wanted}")
+        cure = _SHORTER if "steps" in out.problems[0] else "expected other gains"
+        raise InputError(f"profile {profile.name}: {out.problems[0]}; {cure}")
     free = _freed(drive, task, whole, loops)
     cycle = replace(task, cycles=1)
     found, start, last = _periodic(whole.drive, cycle, out if task.cycles == 1 else None)
-    warm = () if last is out else _warm(start, last, cycle, loops)  # else it is what was simulated already
+    warm = () if last is out else _warm(start, last, cycle, loops)  # else it is the first one
     begins = (start.heat.winding, start.heat.housing) if warm and start.heat else None
     return ClosedLoop(
-        spec, drive_set, asked, made.train, made.controller, made.shaft, loops, made.usable_voltage, task, out,
-        free.out, found, made.said, (whole.allowed, free.allowed), whole.windows, warm, begins,
+        spec, drive_set, profile, made.train, made.controller, made.shaft, loops, made.usable_voltage, task, out,
+        free.out, found, made.assumptions, (whole.allowed, free.allowed), whole.windows, warm, begins,
     )  # fmt: skip
 
 
-# --- the simulation without limits, and the cycle repeated for ever
+# --- the simulation without limits, and the periodic steady state
 
 
-def _whole(drive: Drive, task: Task, rows: int = _ROWS) -> Long:
-    """A simulation from end to end; of more periods than are simulated otherwise as ``long_motion`` does it."""
+def _whole(drive: Drive, task: Task, rows: int = _ROWS) -> LongSimulation:
+    """A simulation from end to end, by ``long_motion`` where it has more periods than are simulated in full."""
     out = simulate(drive, task, rows=rows)
-    return simulate_long(drive, task, rows) if "steps" in out.problems[0] else Long(out, drive, {}, ())
+    return simulate_long(drive, task, rows) if "steps" in out.problems[0] else LongSimulation(out, drive, {}, ())
 
 
 def without_limits(drive: Drive, task: Task, out: Simulation, loops: Loops) -> Simulation:
-    """The simulation without limits, its winding warming; ``out`` where no limit was met, or where it does not end."""
-    return _freed(drive, task, Long(out, drive, {}, ()), loops).out
+    """Simulate without limits of voltage and current, the winding warming.
+
+    Parameters
+    ----------
+    drive, task
+        The drive with its limits, and its task.
+    out
+        Their simulation.
+    loops
+        Linear analysis: an unstable loop needs its limits.
+
+    Returns
+    -------
+    Simulation
+        ``out`` where no limit was met, the loop is unstable, or the simulation without limits does not end.
+    """
+    return _freed(drive, task, LongSimulation(out, drive, {}, ()), loops).out
 
 
-def _freed(drive: Drive, task: Task, whole: Long, loops: Loops) -> Long:
+def _freed(drive: Drive, task: Task, whole: LongSimulation, loops: Loops) -> LongSimulation:
     met = whole.out.figures["time_at_voltage_limit"][0] + whole.out.figures["time_at_current_limit"][0]
     if not met or not all(loop.stable for loop in loops.all):
         return whole
@@ -140,17 +166,17 @@ def _freed(drive: Drive, task: Task, whole: Long, loops: Loops) -> Long:
 
 
 def _warm(start: Drive, last: Simulation | None, task: Task, loops: Loops) -> tuple[Simulation, ...]:
-    """The cycle of the periodic steady state, and the same without limits; none where it is unknown or runs away."""
+    """The cycle of the periodic steady state, with and without limits; none where it is unknown or runs away."""
     if last is None or last.problems[0]:
         return ()
-    return last, _freed(start, task, Long(last, start, {}, ()), loops).out
+    return last, _freed(start, task, LongSimulation(last, start, {}, ()), loops).out
 
 
 def _periodic(drive: Drive, task: Task, out: Simulation | None) -> tuple[dict[str, float], Drive, Simulation | None]:
-    """Highest temperatures in the periodic steady state [K], the drive as warm as a cycle of it begins, its simulation.
+    """Highest temperatures in the periodic steady state [K], the drive at the start of its cycle, its simulation.
 
-    A cycle makes of two starting temperatures two at its end, nearly affinely: its fixed point is sought by Newton's
-    method, with the slopes that the simulation followed, which hold while the winding's resistance changes no current,
+    The two temperatures at the end of a cycle are nearly affine in those at its start: the fixed point is found by
+    Newton's method, with the slopes of the simulation, which hold while the winding's resistance changes no current,
     else with differences of 1 K.
     """
     if drive.heat is None:
@@ -174,14 +200,27 @@ def _periodic(drive: Drive, task: Task, out: Simulation | None) -> tuple[dict[st
 
 
 def _slopes(drive: Drive, task: Task, start: Any, end: Any) -> Any:
-    """What a kelvin more at the start makes of winding and housing at the end, by simulation."""
+    """Derivatives of winding and housing temperature at the end by those at the start, by simulation."""
     starts = [as_warm(drive, start + _NUDGE * unit) for unit in np.eye(2)]
     ends = [_ends(simulate(one, task, rows=0, most_steps=LONGEST)) for one in starts]
     return np.column_stack([(found - end) / _NUDGE for found in ends])
 
 
 def as_warm(drive: Drive, start: Sequence[float] | NDArray[np.float64]) -> Drive:
-    """A drive whose winding and housing begin at these temperatures [K]; the same one where its heat is unknown."""
+    """A drive with other temperatures at the start.
+
+    Parameters
+    ----------
+    drive
+        The drive.
+    start
+        Winding and housing [K].
+
+    Returns
+    -------
+    Drive
+        The same one where its heat is unknown.
+    """
     if drive.heat is None:
         return drive
     return replace(drive, heat=replace(drive.heat, winding=float(start[0]), housing=float(start[1])))

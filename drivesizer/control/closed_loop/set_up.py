@@ -1,7 +1,6 @@
-"""A set put together for the simulation: its controller designed, its machine, its heat, and what it is asked for.
+"""Input of a simulation: drive train, designed controller, limits, heat and task of a drive.
 
-Gains are those of ``loop_design``. What is taken for granted on the way is kept with the
-result.
+Gains are those of ``loop_design``. Assumptions are kept with the result.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ import numpy as np
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, within_reach
 from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Resolution, Supply, Task
-from drivesizer.control.linear_modes import Machine, machine_of
 from drivesizer.control.loop_design import designed, edges_of, gap_of, shaft_of
 from drivesizer.control.loop_models import Shaft
 from drivesizer.control.validation import Gains
@@ -30,12 +28,12 @@ from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["FOLLOWS", "Prepared", "prepared"]
 
-FOLLOWS = 0.1  # of the top speed: a drive whose error grows beyond a tenth is not said to follow (our convention)
-_WHOLE = 1e-9  # share of a cycle that is none
+FOLLOWS = 0.1  # of the top speed: a drive whose error exceeds it does not follow (our convention)
+_WHOLE = 1e-9  # share of a cycle that is neglected
 
 
 class Prepared(NamedTuple):
-    """What a simulation takes, and what that was made of."""
+    """Input of a simulation, and the parts that it was made from."""
 
     train: DriveTrain
     controller: Gains | Cascade
@@ -43,55 +41,71 @@ class Prepared(NamedTuple):
     usable_voltage: float  # V, NaN unknown
     drive: Drive
     task: Task
-    said: tuple[str, ...]  # what was assumed on the way
+    assumptions: tuple[str, ...]
 
 
 def prepared(
-    spec: RobotSpec, drive_set: DriveSet, asked: Profile, controller: Gains | Cascade | None = None
+    spec: RobotSpec, drive_set: DriveSet, profile: Profile, controller: Gains | Cascade | None = None
 ) -> Prepared:
-    """A set and its task as the engine takes them; with a controller that was designed before, where one is given.
+    """A drive and its task as the engine takes them.
+
+    Parameters
+    ----------
+    spec, drive_set
+        The machine and the drive.
+    profile
+        Reference motion of the load.
+    controller
+        Designed before; designed here when not given.
+
+    Returns
+    -------
+    Prepared
+        With the assumptions made.
 
     Raises
     ------
     InputError
-        As :func:`run`.
+        As :func:`drivesizer.control.closed_loop.run.run`.
     """
     train, own, said = designed(spec, drive_set)
     controller = controller or own
-    within_reach(train, asked)
-    _sampled(controller, asked)
+    within_reach(train, profile)
+    _sampled(controller, profile)
     shaft = shaft_of(spec, train)
+    if shaft is not None:
+        train = replace(train, stiffness=shaft.stiffness, damping=shaft.damping, gap=gap_of(spec, drive_set))
     usable = usable_in(spec.supply.lowest, drive_set.controller)
     heat, lacks = _heat(spec, drive_set)
-    drive = _drive(spec, drive_set, _machine(spec, drive_set, train, shaft), controller, heat, usable)
-    return Prepared(train, controller, shaft, usable, drive, _task(spec, asked, train), (*said, *lacks))
+    drive = _drive(spec, drive_set, train, controller, heat, usable)
+    return Prepared(train, controller, shaft, usable, drive, _task(spec, profile, train), (*said, *lacks))
 
 
-# --- what is asked
+# --- the task
 
 
-def _sampled(controller: Gains | Cascade, asked: Profile) -> None:
-    """Refuse a profile whose top speed no sample of the velocity loop sees, or that has more samples than numbers."""
+def _sampled(controller: Gains | Cascade, profile: Profile) -> None:
+    """Refuse a profile whose top speed lies between samples of the velocity loop, or that is too long to be counted."""
     period = controller.period if isinstance(controller, Gains) else controller.velocity_period
-    if not asked.duration / period < 2.0**53:
-        raise InputError(f"profile {asked.name}: {asked.duration:g} s is too long to be sampled every {period:g} s")
-    time, speed = np.array(asked.time) - asked.time[0], np.array(asked.speed)
+    if not profile.duration / period < 2.0**53:
+        raise InputError(f"profile {profile.name}: {profile.duration:g} s is too long to be sampled every {period:g} s")
+    time, speed = np.array(profile.time) - profile.time[0], np.array(profile.speed)
     near = np.unique(np.concatenate([np.floor(time / period + k) for k in (-1.0, 0.0, 1.0)])) * period
     seen = np.abs(np.interp(near[(near >= 0.0) & (near <= time[-1])], time, speed)).max(initial=0.0)
-    if not seen >= (1.0 - FOLLOWS) * asked.top_speed:
+    if not seen >= (1.0 - FOLLOWS) * profile.top_speed:
         raise InputError(
-            f"profile {asked.name}: its top speed lies between two samples of the controller, {period:g} s apart; "
+            f"profile {profile.name}: its top speed lies between two samples of the controller, {period:g} s apart; "
             "expected a slower change"
         )
 
 
-def _task(spec: RobotSpec, asked: Profile, train: DriveTrain) -> Task:
-    """What is asked of the driven shaft, as often as the mission lasts."""
-    left = remaining_torque(spec, asked, at_shaft(spec))
-    lasts = spec.mission.duration / asked.duration if spec.mission else 1.0
+def _task(spec: RobotSpec, profile: Profile, train: DriveTrain) -> Task:
+    """Motion and load of the driven shaft, repeated for the mission's duration."""
+    left = remaining_torque(spec, profile, at_shaft(spec))
+    lasts = spec.mission.duration / profile.duration if spec.mission else 1.0
     return Task(
-        time=asked.time,
-        speed=tuple((np.array(asked.speed) / train.radius).tolist()),
+        time=profile.time,
+        speed=tuple((np.array(profile.speed) / train.radius).tolist()),
         load_time=tuple(left[:, 0].tolist()),
         load_torque=tuple(left[:, 1].tolist()),
         cycles=max(1, math.ceil(lasts - _WHOLE)),
@@ -101,17 +115,10 @@ def _task(spec: RobotSpec, asked: Profile, train: DriveTrain) -> Task:
 # --- the machine
 
 
-def _machine(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain, shaft: Shaft | None) -> Machine:
-    machine = machine_of(train)
-    if shaft is None:
-        return machine
-    return replace(machine, stiffness=shaft.stiffness, damping=shaft.damping, gap=gap_of(spec, drive_set))
-
-
 def _drive(
-    spec: RobotSpec, drive_set: DriveSet, machine: Machine, own: Gains | Cascade, heat: MotorHeat | None, usable: float
+    spec: RobotSpec, drive_set: DriveSet, train: DriveTrain, own: Gains | Cascade, heat: MotorHeat | None, usable: float
 ) -> Drive:
-    """The set as the engine takes it; an unknown limit is none there, and unknown in its check."""
+    """The drive as the engine takes it; an unknown limit is none there, and unknown in its check."""
     controller, known = drive_set.controller, not math.isnan(usable)
 
     def limit(name: str) -> float:
@@ -119,7 +126,7 @@ def _drive(
         return math.inf if math.isnan(value) else float(value)
 
     return Drive(
-        machine=machine,
+        train=train,
         controller=own,
         supply=Supply(
             voltage=spec.supply.lowest, resistance=spec.supply.resistance or 0.0, sets=spec.load.motors,
@@ -135,7 +142,7 @@ def _drive(
 
 
 def _heat(spec: RobotSpec, drive_set: DriveSet) -> tuple[MotorHeat | None, list[str]]:
-    """Winding and housing, which friction and iron warm, and what is left out; None where a figure is unknown."""
+    """Winding and housing with their losses, and assumptions; None where a figure is unknown."""
     figures = asdict(drive_set.motor)
     bodies: TwoBodies = two_bodies(figures)
     if not (bodies.known and spec.plant.warming):
@@ -143,5 +150,7 @@ def _heat(spec: RobotSpec, drive_set: DriveSet) -> tuple[MotorHeat | None, list[
     coulomb, viscous = (float(x[0]) for x in housing_loss(figures, np.ones(1)))
     losses = {"loss_torque": coulomb, "loss_viscous": viscous}
     known = {name: loss for name, loss in losses.items() if not math.isnan(loss)}
-    said = ["what the motor loses beside its copper is unknown, and warms nothing"] if known != losses else []
+    said = (
+        ["the motor's losses other than copper loss are unknown and left out of its heating"] if known != losses else []
+    )
     return MotorHeat(bodies=bodies, ambient=spec.environment.ambient, **known), said

@@ -57,8 +57,8 @@ def ahead(p: Array, speed: float, slope: float) -> float:
 def restrict(p: Array, s: Array, wanted: float) -> None:
     """What the limit leaves of a current that is asked for."""
     s[at.LIMIT] = permitted(p, s, p[at.H] * p[at.N_V])
-    s[at.I_ASK] = min(max(wanted, -s[at.LIMIT]), s[at.LIMIT])
-    s[at.I_CUT] = wanted - s[at.I_ASK]
+    s[at.I_DEMAND] = min(max(wanted, -s[at.LIMIT]), s[at.LIMIT])
+    s[at.I_CUT] = wanted - s[at.I_DEMAND]
 
 
 def ask(p: Array, s: Array, ring: Array, k: int, speed: float, slope: float, angle: float) -> None:
@@ -84,7 +84,7 @@ def ask(p: Array, s: Array, ring: Array, k: int, speed: float, slope: float, ang
 
 def clipped(p: Array, s: Array, g: Array, wanted: float, t: float, weight: float) -> float:
     """What the bus leaves of a voltage."""
-    see(g, at.G_U_ASKED, wanted, t)
+    see(g, at.G_U_DEMAND, wanted, t)
     most = available(p, s[at.I], wanted)
     u = min(max(wanted, -most), most)
     s[at.U_CUT] = wanted - u
@@ -95,10 +95,10 @@ def clipped(p: Array, s: Array, g: Array, wanted: float, t: float, weight: float
 
 def cascade(p: Array, s: Array, g: Array, t: float, weight: float) -> float:
     """The current loop: the voltage applied now."""
-    see(g, at.G_AHEAD, s[at.I_ASK] + s[at.I_CUT], t)
+    see(g, at.G_AHEAD, s[at.I_DEMAND] + s[at.I_CUT], t)
     if s[at.I_CUT] != 0.0:
         g[at.G_LIMITED] += weight
-    error = s[at.I_ASK] - s[at.I]
+    error = s[at.I_DEMAND] - s[at.I]
     if not s[at.U_CUT] * error > 0.0:
         s[at.INNER] += p[at.CKI] * error
     wanted = p[at.CKP] * error + s[at.INNER]

@@ -46,29 +46,29 @@ PARAMETERS = _PARAMETERS.split()
 # of the reference when the cycle started
 _STATE = """
     I W F V X Y T_W T_H Q WW WH WQ HW HH HQ CODE I2T PEND OUTER - - - INNER - - -
-    I_ASK I_NEXT I_CUT U_CUT W_ADD W_NEXT LIMIT STEPS SQUARE RES SEEN TURN
+    I_DEMAND I_NEXT I_CUT U_CUT W_ADD W_NEXT LIMIT STEPS SQUARE RES SEEN TURN
 """
 STATE = _STATE.split()
 (
     I, W, F, V, X, Y, T_W, T_H, Q, WW, WH, WQ, HW, HH, HQ, CODE, I2T, PEND, OUTER, _, _, _, INNER, _, _, _,
-    I_ASK, I_NEXT, I_CUT, U_CUT, W_ADD, W_NEXT, LIMIT, STEPS, SQUARE, RES, SEEN, TURN,
+    I_DEMAND, I_NEXT, I_CUT, U_CUT, W_ADD, W_NEXT, LIMIT, STEPS, SQUARE, RES, SEEN, TURN,
 ) = _places(STATE)  # fmt: skip
 
 # largest magnitudes with their times, then what adds up [s, A^2 s, J, (rad/s)^2 s, rad^2 s], then highest and lowest;
 # errors of the motor (W, X) are those at the motor, errors of the load (V, Y) those at the driven shaft
 _TALLY = """
-    I T_I U_ASKED T_U_ASKED U T_U W T_W E_W T_E_W E_X T_E_X E_V T_E_V E_Y T_E_Y G T_G I_AHEAD T_I_AHEAD POWER T_POWER
-    BUS T_BUS SQUARE SATURATED LIMITED IN BACK E2_W E2_X E2_V E2_Y G_SQUARE RUNNING I2T WINDING HOUSING V_LOW V_HIGH
+    I T_I U_DEMAND T_U_DEMAND U T_U W T_W E_W T_E_W E_X T_E_X E_V T_E_V E_Y T_E_Y G T_G I_AHEAD T_I_AHEAD POWER T_POWER
+    BUS T_BUS SQUARE SATURATED LIMITED IN RETURNED E2_W E2_X E2_V E2_Y G_SQUARE RUNNING I2T WINDING HOUSING V_LOW V_HIGH
 """
 TALLY = _TALLY.split()
 (
-    G_I, _, G_U_ASKED, _, G_U, _, G_W, _, G_E_W, _, G_E_X, _, G_E_V, _, G_E_Y, _, G_G, _, G_AHEAD, _, G_POWER, _,
-    G_BUS, _, G_SQUARE, G_SATURATED, G_LIMITED, G_IN, G_BACK, G_E2_W, G_E2_X, G_E2_V, G_E2_Y, G_G_SQUARE, G_RUNNING,
+    G_I, _, G_U_DEMAND, _, G_U, _, G_W, _, G_E_W, _, G_E_X, _, G_E_V, _, G_E_Y, _, G_G, _, G_AHEAD, _, G_POWER, _,
+    G_BUS, _, G_SQUARE, G_SATURATED, G_LIMITED, G_IN, G_RETURNED, G_E2_W, G_E2_X, G_E2_V, G_E2_Y, G_G_SQUARE, G_RUNNING,
     G_I2T, G_WINDING, G_HOUSING, G_V_LOW, G_V_HIGH,
 ) = _places(TALLY)  # fmt: skip
 
 _ROW = """
-    time reference motor_speed current voltage gear_torque load_speed position_error load_position_error current_asked
+    time reference motor_speed current voltage gear_torque load_speed position_error load_position_error current_demand
     winding
 """
 ROW = _ROW.split()

@@ -40,7 +40,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
 
 def parameters(drive: Drive, top: float, most: int) -> dict[str, float]:
     """A set by the names of ``layout``, its thermal figures and controller apart."""
-    m, supply, limit = drive.machine, drive.supply, drive.current
+    m, supply, limit = drive.train, drive.supply, drive.current
     volts = supply.voltage if supply.voltage < math.inf else 2.0 * m.back_emf_constant * m.ratio * max(top, 1.0)
     full_i, full_w = volts / m.resistance, volts / m.back_emf_constant
     tight = STILL if drive.heat is None else STILL_WARM

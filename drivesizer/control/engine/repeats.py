@@ -23,7 +23,7 @@ _FULL = 1e-2  # of the I2t budget, by which its integral may move over laps that
 _DRIFT = 1.3, 3.0  # ratio of one change to that before, about 2, that a drift has
 _CLOSE = 2.0  # K by which a winding may move in laps that are not simulated, where its resistance changes the current
 _COMPARED = [
-    STATE.index(n) for n in ("I", "W", "F", "V", "PEND", "OUTER", "INNER", "I_ASK", "I_NEXT", "W_ADD", "W_NEXT")
+    STATE.index(n) for n in ("I", "W", "F", "V", "PEND", "OUTER", "INNER", "I_DEMAND", "I_NEXT", "W_ADD", "W_NEXT")
 ]
 
 
@@ -99,8 +99,8 @@ def _drifts(lap: Lap, earlier: Sequence[Lap], left: int) -> bool:
 def _means(lap: Lap) -> tuple[Array, Array]:
     """Sums of a lap over its time, and what they are measured by."""
     g = lap.g
-    square, torque, work = g[at.G_SQUARE], g[at.G_G_SQUARE], g[at.G_IN] - g[at.G_BACK] - lap.heat
-    scale = square, torque, g[at.G_IN] + g[at.G_BACK] + lap.heat
+    square, torque, work = g[at.G_SQUARE], g[at.G_G_SQUARE], g[at.G_IN] - g[at.G_RETURNED] - lap.heat
+    scale = square, torque, g[at.G_IN] + g[at.G_RETURNED] + lap.heat
     return np.array([square, torque, work]) / lap.time, np.array(scale) / lap.time
 
 
@@ -136,7 +136,7 @@ def _until_cut(run: Run, lap: Lap, left: int) -> int:
     The voltage rises by the resistance times the largest current; the bus has least under that current.
     """
     p, s, current = run.p, run.s, float(lap.g[at.G_I])
-    room = available(p, current, 1.0) - lap.g[at.G_U_ASKED]
+    room = available(p, current, 1.0) - lap.g[at.G_U_DEMAND]
 
     def kept(laps: int) -> bool:
         winding = (np.linalg.matrix_power(lap.A, laps) @ (s[at.T_W], s[at.T_H], 0.0, 1.0))[0]

@@ -24,7 +24,7 @@ def note(p: Array, s: Array, rows: Array, kept: Any, size: Any, asked: Any, k: i
     torque = gear_torque(p, int(s[at.CODE]), s[at.I], s[at.W], s[at.F], s[at.V], l)
     winding = s[at.T_W] + p[at.AMBIENT]
     lag, behind = angle - s[at.X], angle / p[at.RATIO] - s[at.Y]
-    row = (t, speed, s[at.W], s[at.I], u, torque, s[at.V], lag, behind, s[at.I_ASK], winding)
+    row = (t, speed, s[at.W], s[at.I], u, torque, s[at.V], lag, behind, s[at.I_DEMAND], winding)
     record(rows, kept, size, near, k, row)
 
 
@@ -77,10 +77,10 @@ def simulate_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
         mind[:] = math.nan
         strain(p, s, g, int(s[at.CODE]), piece[6] + piece[7] * (k * h - piece[2]), k * h, 0.0)
         while k < end:
-            t, x, w, taken = k * h, s[at.X], s[at.W], g[at.G_IN] - g[at.G_BACK]
+            t, x, w, taken = k * h, s[at.X], s[at.W], g[at.G_IN] - g[at.G_RETURNED]
             u = sample(p, s, g, M, work, stamp, z, ring, rows, kept, size, piece, k, k - corner < near)
             advance(p, s, g, M, work, stamp, z, u, piece[6] + piece[7] * (t - piece[2]), piece[7], t)
-            bus(p, g, (g[at.G_IN] - g[at.G_BACK] - taken) / h, t)
+            bus(p, g, (g[at.G_IN] - g[at.G_RETURNED] - taken) / h, t)
             turned, swept = turned + abs(s[at.X] - x), swept + square_of(w, s[at.W], s[at.X] - x, h)
             spent, k = spent + h, k + 1
             if k % n_v == 0 or k == end:

@@ -102,7 +102,7 @@ def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
             continue
         resistance = np.array([resistances(P[n]) for n in here])
         with np.errstate(all="ignore"):
-            M = discretised(columns([drives[n].machine for n in here]), resistance, P[here, at.H])
+            M = discretised(columns([drives[n].train for n in here]), resistance, P[here, at.H])
         if not np.isfinite(M).all():
             raise InputError("the machine's figures leave the range of numbers that can be computed with")
         for m, n in enumerate(here):

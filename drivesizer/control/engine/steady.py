@@ -30,7 +30,7 @@ def hold(p: Array, s: Array, g: Array, u: float, l: float, t: float, duration: f
     if work > 0.0:
         g[at.G_IN] += work
     else:
-        g[at.G_BACK] -= work
+        g[at.G_RETURNED] -= work
     s[at.X] += s[at.W] * duration
     s[at.Y] += s[at.V] * duration
     rise = (s[at.RES] - R) * s[at.I] if regulated(p, s) else 0.0
@@ -38,7 +38,7 @@ def hold(p: Array, s: Array, g: Array, u: float, l: float, t: float, duration: f
     s[at.INNER if p[at.CASCADE] != 0.0 else at.OUTER] += rise
     bus(p, g, (u + rise) * s[at.I], t + duration)
     see(g, at.G_U, u + rise, t + duration)
-    see(g, at.G_U_ASKED, u + rise + s[at.U_CUT], t + duration)
+    see(g, at.G_U_DEMAND, u + rise + s[at.U_CUT], t + duration)
     if (u + rise) * s[at.I] > g[at.G_POWER]:
         see(g, at.G_POWER, (u + rise) * s[at.I], t + duration)
 
@@ -46,7 +46,7 @@ def hold(p: Array, s: Array, g: Array, u: float, l: float, t: float, duration: f
 def steady(p: Array, s: Array, mind: Array, lag: float) -> bool:
     """Whether nothing changed since it was last asked."""
     now = (
-        s[at.I], s[at.W], s[at.F], s[at.V], s[at.PEND], s[at.OUTER], s[at.OUTER + 1], s[at.INNER], s[at.I_ASK],
+        s[at.I], s[at.W], s[at.F], s[at.V], s[at.PEND], s[at.OUTER], s[at.OUTER + 1], s[at.INNER], s[at.I_DEMAND],
         s[at.I_NEXT], s[at.W_ADD], s[at.W_NEXT], lag if p[at.PKP] > 0.0 else 0.0, s[at.U_CUT],
     )  # fmt: skip
     asked = p[at.TOL_I] if p[at.CASCADE] != 0.0 else p[at.TOL_U]

@@ -32,7 +32,7 @@ def count(p: Array, s: Array, g: Array, square: float, u: float, q: float, dt: f
     if u * q > 0.0:
         g[at.G_IN] += u * q
     else:
-        g[at.G_BACK] -= u * q
+        g[at.G_RETURNED] -= u * q
 
 
 def strain(p: Array, s: Array, g: Array, code: int, l: float, t: float, dt: float) -> None:

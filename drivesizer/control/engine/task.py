@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivesizer.control.cascade import Cascade
+from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.engine.layout import Array
-from drivesizer.control.linear_modes import Machine
 from drivesizer.control.validation import Gains
 from drivesizer.physics.thermal import TwoBodies
 
@@ -61,7 +61,7 @@ class MotorHeat:
 class Drive:
     """One motor set with its controller."""
 
-    machine: Machine
+    train: DriveTrain
     controller: Gains | Cascade
     supply: Supply
     current: CurrentLimit = CurrentLimit()

@@ -9,11 +9,17 @@ from dataclasses import fields
 import numpy as np
 
 from drivesizer.control.cascade import Cascade
+from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.engine.task import Drive, Task
-from drivesizer.control.linear_modes import Machine
 from drivesizer.errors import InputError
 
 __all__ = ["checked", "multiples"]
+
+_ABOVE_ZERO = {
+    "resistance", "inductance", "torque_constant", "back_emf_constant", "motor_inertia", "gear_ratio",
+    "gear_efficiency", "belt_ratio", "belt_efficiency", "radius",
+}  # fmt: skip
+_SIGNED = {"forward_torque", "backward_torque", "rest_torque"}
 
 
 def checked(drives: Sequence[Drive], task: Task) -> None:
@@ -26,20 +32,18 @@ def checked(drives: Sequence[Drive], task: Task) -> None:
         raise InputError("task: expected at least two corners, and at least one cycle")
     if task.since is not None and not (task.cycles == 1 and task.time[0] < task.since < task.time[-1]):
         raise InputError("task: since is to lie within a single cycle")
-    if len({drive.machine.flexible for drive in drives}) != 1:
+    if len({drive.train.flexible for drive in drives}) != 1:
         raise InputError("expected at least one set, and all of them rigid or all flexible")
     for drive in drives:
         _checked_drive(drive)
 
 
 def _checked_drive(drive: Drive) -> None:
-    m = drive.machine
-    above = ("resistance", "inductance", "torque_constant", "back_emf_constant", "motor_inertia", "ratio", "efficiency")
-    above += ("belt_ratio", "belt_efficiency", *(("stiffness", "load_inertia") if m.flexible else ()))
-    for f in fields(Machine):
+    m = drive.train
+    above = _ABOVE_ZERO | ({"stiffness", "load_inertia"} if m.flexible else set())
+    for f in fields(DriveTrain):
         value = getattr(m, f.name)
-        signed = f.name in ("forward_torque", "backward_torque", "rest_torque")
-        if not (value > 0.0 if f.name in above else value >= 0.0 or signed):
+        if not (value > 0.0 if f.name in above else value >= 0.0 or f.name in _SIGNED):
             raise InputError(f"machine: {f.name.replace('_', ' ')} {value:g} is no figure of a machine")
         if not math.isfinite(value) and f.name != "stiffness":
             raise InputError(f"machine: {f.name.replace('_', ' ')} is not finite")

@@ -110,9 +110,11 @@ def _judged(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveSet]])
 
 def _warm(made: Sequence[Prepared], nominal: ClosedLoop) -> list[tuple[Simulation, ...]]:
     """A cycle of each that begins as warm as the nominal one's, and without limits; none where that is unknown."""
-    if nominal.begins is None:
+    if nominal.steady_start is None:
         return [()] * len(made)
-    warmer = [one._replace(drive=as_warm(one.drive, nominal.begins), task=replace(one.task, cycles=1)) for one in made]
+    warmer = [
+        one._replace(drive=as_warm(one.drive, nominal.steady_start), task=replace(one.task, cycles=1)) for one in made
+    ]
     return [
         () if out.problems[0] else (out, _freed(one, out, nominal))
         for one, out in zip(warmer, _simulated(warmer), strict=True)
@@ -157,7 +159,7 @@ def _checks(
         return (replace(checks(nominal)[0], status="fail", title=_LOST),)
     case = ClosedLoop(
         *machine, asked, made.train, made.controller, made.shaft, nominal.loops, made.usable_voltage, made.task,
-        out, _freed(made, out, nominal), {}, made.said, warm=warm,
+        out, _freed(made, out, nominal), {}, made.assumptions, steady_cycle=warm,
     )  # fmt: skip
     return tuple(check for check in checks(case) if check.name not in _LEFT)
 
