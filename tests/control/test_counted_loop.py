@@ -186,7 +186,7 @@ def test_the_cascade_has_the_margin_of_its_rule(spec, chosen, rate):
     assert math.degrees(analyse(train, by_rule).velocity.phase_margin) < 30.0
     assert math.degrees(analyse(train, cascade).velocity.phase_margin) == pytest.approx(stated, abs=0.5)
     assert math.degrees(analyse(train, cascade).velocity.phase_margin) >= stated
-    assert "slower than its rule" in " ".join(said)
+    assert "slower than its design rule" in " ".join(said)
 
 
 def test_a_bandwidth_that_leaves_no_margin_is_refused(spec, chosen):
