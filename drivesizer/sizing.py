@@ -10,9 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
-from drivesizer.catalog.actuators_apart import taken_apart
-from drivesizer.catalog.clamping_hubs import on_any_shaft
-from drivesizer.catalog.direct import with_direct
+from drivesizer.catalog.search_view import search_view
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.load_cases.platform_wheels import on_wheels
 from drivesizer.load_cases.requirements import requirements
@@ -39,17 +37,12 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, ControllerChoice, EncoderChoice
 from drivesizer.units import show
 
-__all__ = ["explain", "explained", "load_parts", "prepared", "size"]
+__all__ = ["explain", "explained", "load_parts", "size"]
 
 
 def load_parts(spec: RobotSpec) -> Catalog:
     """The catalogues that a spec names; paths count from the spec's folder."""
-    return prepared(load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None))
-
-
-def prepared(catalog: Catalog) -> Catalog:
-    """A catalogue for the search: actuators taken apart, gearheads with a hub on every shaft that fits, and none."""
-    return with_direct(on_any_shaft(taken_apart(catalog)))
+    return search_view(load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None))
 
 
 def size(
@@ -92,7 +85,7 @@ def size(
         When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
         another method.
     """
-    catalog = prepared(catalog) if catalog else load_parts(spec)
+    catalog = search_view(catalog) if catalog else load_parts(spec)
     objective = objective or spec.select.objective
     picked = shortlist(spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling)
     spec, found, short = picked.spec, picked.found, picked.short
@@ -248,7 +241,7 @@ def explained(
     InputError
         When a part number is in no catalogue, the gearhead is missing or inside something else, or no pulleys fit.
     """
-    catalog = prepared(catalog) if catalog else load_parts(spec)
+    catalog = search_view(catalog) if catalog else load_parts(spec)
     spec, _ = at_its_own_mass(spec, catalog, spec.select.objective)
     spec = pulleys.with_pulleys(on_wheels(spec), catalog)
     check_battery(spec, catalog)

@@ -67,12 +67,17 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     beside
         Folder from which relative paths count.
 
+    Returns
+    -------
+    Catalog
+        All parts as columns; several catalogues are joined in the order given.
+
     Raises
     ------
     InputError
         When a catalogue is neither shipped nor a file.
     CatalogError
-        When a file is not what the schema asks for.
+        When a file does not follow the schema.
     """
     known = shipped()
     named = [each for name in names for each in (known if name == "all" else [name])]
@@ -84,14 +89,12 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     raws = [read_bytes(path, _LARGEST) for path in paths]
     keys = [_key(raw) for raw in raws]
 
-    def all_of_them() -> Catalog:
+    def join() -> Catalog:
         return joined([_one(*each) for each in zip(paths, raws, keys, strict=True)])
 
     if len(paths) == 1:
-        return all_of_them()
-    return _compiled(
-        f"{len(paths)} {digest_of(*map(str.encode, stems))}", digest_of(*map(str.encode, keys)), all_of_them
-    )
+        return join()
+    return _compiled(f"{len(paths)} {digest_of(*map(str.encode, stems))}", digest_of(*map(str.encode, keys)), join)
 
 
 def _path(name: str, beside: Path | None, known: Mapping[str, Path]) -> Path:
@@ -105,7 +108,7 @@ def _path(name: str, beside: Path | None, known: Mapping[str, Path]) -> Path:
 
 
 def _key(raw: bytes) -> str:
-    """What a compilation was made from: this program's version, the schema and the file's bytes."""
+    """Digest of what a compiled catalogue is made from: program version, schema and the file's bytes."""
     return digest_of(__version__.encode(), _schema(), raw)
 
 
@@ -125,7 +128,7 @@ def _one(path: Path, raw: bytes, key: str) -> Catalog:
 
 
 def _compiled(name: str, key: str, make: Callable[[], Catalog]) -> Catalog:
-    """What is kept under a name and a key, made and kept when there is none."""
+    """The compiled catalogue of a name and key; made and stored where there is none."""
     place = folder() / f"{name}-{key}.catalog"
     found = recall(place)
     if found is None:

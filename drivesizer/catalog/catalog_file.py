@@ -1,7 +1,7 @@
-"""A catalogue file, read and checked: YAML in the project's own schema to columns.
+"""Reader of catalogue files: YAML in the project's own schema to columns, checked.
 
 The schema is ``parts``: a table's header names fields and the unit of each column, so a unit is read once per
-column and not once per cell. Whatever does not fit is one line that names file, line, table and field.
+column and not once per cell. Every error is one line that names file, line, table and field.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.columns import Column
-from drivesizer.catalog.direct import NONE, with_no_gearhead
 from drivesizer.catalog.discharge_reading import read_discharges
 from drivesizer.catalog.discharges import DISCHARGES
 from drivesizer.catalog.field_reader import Reader, did_you_mean
-from drivesizer.catalog.maker_tolerances import STATED
-from drivesizer.catalog.maker_tolerances_reading import read_stated
+from drivesizer.catalog.maker_tolerances import TOLERANCES
+from drivesizer.catalog.maker_tolerances_reading import read_maker_tolerances
 from drivesizer.catalog.parts import DIRECT, PARTS, columns_of
 from drivesizer.catalog.relations import relations
+from drivesizer.catalog.search_view import NO_GEARHEAD_SOURCE, with_no_gearhead
 from drivesizer.catalog.tables import CONFIDENCE, Catalog, Note, Source, Table
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
@@ -33,7 +33,7 @@ __all__ = ["DATA", "SCHEMA", "parse"]
 
 SCHEMA = 1
 DATA = "data_temperature"  # stands at the head of a file, for all motors and actuators that have none of their own
-_TOP = {"catalog", "manufacturer", "overrides", "sources", DATA, *PARTS, DISCHARGES, STATED, "compatibility"}
+_TOP = {"catalog", "manufacturer", "overrides", "sources", DATA, *PARTS, DISCHARGES, TOLERANCES, "compatibility"}
 _HOLDS = ("motors", "actuators")  # whose figures hold at a temperature
 _TABLE = {"family", "source", "common", "columns", "rows", "notes"}
 _NOTE = {"parts", "fields", "text", "confidence", "source", "exclude", "accepted"}
@@ -56,10 +56,15 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     name, digest
         The catalogue's name and the digest of its bytes, kept with the result.
 
+    Returns
+    -------
+    Catalog
+        All sections of the file; those that it lacks are empty tables.
+
     Raises
     ------
     CatalogError
-        When anything in the file is not what the schema asks for.
+        When anything in the file does not follow the schema.
     """
     reader = Reader(source)
     data = reader.mapping(source.data, (), _TOP, {"catalog", "manufacturer", "sources"})
@@ -70,7 +75,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     tables: dict[str, Any] = {s: _section(reader, s, data.get(s) or [], maker) for s in PARTS}
     _at_temperature(reader, data.get(DATA), tables)
     families = {part: _names(tables, section) for part, section in (("motor", "motors"), ("gearhead", "gearheads"))}
-    stated = read_stated(reader, data.get(STATED), maker, families)
+    tolerances = read_maker_tolerances(reader, data.get(TOLERANCES), maker, families)
     tables["gearheads"] = _with_direct(reader, tables["gearheads"], data.get("compatibility"))
     pairs = relations(reader, tables, data.get("compatibility") or {})
     return Catalog(
@@ -80,7 +85,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
         sources=tuple(reader.sources.values()),
         notes=tuple(reader.notes),
         digests={name: digest},
-        tolerances=stated,
+        tolerances=tolerances,
         overrides=reader.flag(data.get("overrides", False), ("overrides",)),
     )
 
@@ -142,12 +147,12 @@ def _section(reader: Reader, section: str, given: Any, maker: str) -> Table[Any]
 
 
 def _with_direct(reader: Reader, table: Table[Any], compatibility: Any) -> Table[Any]:
-    """The gearheads, and the lack of one where the file lists motors that drive the load themselves."""
+    """The gearheads, with direct drive where the file lists motors that drive the load themselves."""
     groups = compatibility.get("motor_gearhead") if isinstance(compatibility, dict) else None
     named = [g.get("gearheads") for g in groups if isinstance(g, dict)] if isinstance(groups, list) else []
     if not any(isinstance(names, list) and DIRECT in names for names in named):
         return table
-    reader.sources[DIRECT] = NONE
+    reader.sources[DIRECT] = NO_GEARHEAD_SOURCE
     return with_no_gearhead(table, len(reader.sources) - 1)
 
 
@@ -163,7 +168,7 @@ def _unique(reader: Reader, parts: NDArray[Any], places: list[Path_]) -> None:
 
 
 def _table(reader: Reader, section: str, entry: dict[str, Any], path: Path_) -> dict[str, NDArray[Any]]:
-    """The columns that one table gives, its common figures spread over the rows."""
+    """The columns of one table, its common figures repeated for every row."""
     headers = _headers(reader, section, entry["columns"], (*path, "columns"))
     rows = reader.sequence(entry["rows"], (*path, "rows"))
     for index, row in enumerate(rows):

@@ -19,12 +19,27 @@ class Column(NamedTuple):
 
 
 def figure(kind: str, unit: str, *, least: float = 0.0) -> Any:
-    """A field that holds a figure of a kind (see ``units``), printed in a unit; unknown unless given."""
+    """A field of a part that holds a figure in SI.
+
+    Parameters
+    ----------
+    kind
+        Kind of quantity, a key of ``units.KINDS``.
+    unit
+        In which datasheets print it.
+    least
+        Smallest value a part may have, in SI.
+
+    Returns
+    -------
+    dataclasses.field
+        With NaN, unknown, as its default.
+    """
     return field(default=nan, metadata={"kind": kind, "unit": unit, "least": least})
 
 
 def text() -> Any:
-    """A field that holds a text; empty unless given."""
+    """A field of a part that holds text; empty unless given."""
     return field(default="", metadata={"kind": "text", "unit": ""})
 
 

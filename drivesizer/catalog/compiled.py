@@ -1,10 +1,10 @@
 """Compiled catalogues: the columns of a catalogue file as plain bytes in the user's cache folder.
 
 A compiled file is named by the digest of what it was made from (this package's version, the schema, the YAML's
-bytes), so a changed catalogue is never met by an old compilation. It starts with the digest of its own
-contents and is thrown away when that does not hold. Numbers are npy arrays read without pickle, texts are
+bytes), so an old compilation is never used for a changed catalogue. It starts with the digest of its own
+contents and is discarded when that differs. Numbers are npy arrays read without pickle, texts are
 JSON. Writing goes to a private file that then takes the name at once, so two processes cannot disturb each
-other; when the folder cannot be written, the program goes on without.
+other; when the folder cannot be written, the program works without it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
-from drivesizer.catalog.maker_tolerances import Stated
+from drivesizer.catalog.maker_tolerances import MakerTolerance
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.tables import Across, Catalog, Note, Pairs, Source, Table, empty
 from drivesizer.errors import reason_of
@@ -45,6 +45,13 @@ def recall(path: Path) -> Catalog | None:
 
 def store(path: Path, catalog: Catalog) -> None:
     """Keep a compiled catalogue; older compilations of the same file are removed.
+
+    Parameters
+    ----------
+    path
+        Of the compiled file.
+    catalog
+        Its content.
 
     Warns
     -----
@@ -107,7 +114,7 @@ def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
         digests=texts["digests"],
         overrides=texts["overrides"],
         replaced=tuple(texts["replaced"]),
-        tolerances=tuple(Stated(s[0], s[1], s[2], s[3], tuple(s[4]), s[5], s[6]) for s in texts["tolerances"]),
+        tolerances=tuple(MakerTolerance(s[0], s[1], s[2], s[3], tuple(s[4]), s[5], s[6]) for s in texts["tolerances"]),
         across=tuple(Across(a[0], _names(a[1]), _names(a[2]), a[3]) for a in texts["across"]),
     )
 

@@ -1,4 +1,4 @@
-"""How complete catalogues are: parts, pairs, how many figures of each column are known, and how sure they are."""
+"""How complete catalogues are: parts, pairs, how many figures of each column are known, and their confidence."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Coverage", "coverage", "pairs_of"]
 
 
 class Coverage(NamedTuple):
-    """What a catalogue knows of one kind of part."""
+    """How much a catalogue knows of one kind of part."""
 
     parts: int
     families: int
@@ -25,7 +25,20 @@ class Coverage(NamedTuple):
 
 
 def coverage(catalog: Catalog, section: str) -> Coverage:
-    """How complete a section of a catalogue is."""
+    """How complete a section of a catalogue is.
+
+    Parameters
+    ----------
+    catalog
+        The catalogue.
+    section
+        One of its sections, such as ``motors``.
+
+    Returns
+    -------
+    Coverage
+        Counts of parts and of known figures; direct drive is not counted.
+    """
     table = catalog.table(section)
     real = table["part"] != DIRECT
     known = {name: (table[name] != "" if c.kind == "text" else ~np.isnan(table[name])) & real
@@ -43,7 +56,7 @@ def coverage(catalog: Catalog, section: str) -> Coverage:
 
 
 def _levels(catalog: Catalog, section: str, figures: list[str]) -> NDArray[Any]:
-    """The confidence of each figure as its place in CONFIDENCE: what Catalog.confidence says, for all rows at once."""
+    """The confidence of each figure as its place in CONFIDENCE: as Catalog.confidence, for all rows at once."""
     table = catalog.table(section)
     of_source = np.array([CONFIDENCE.index(source.confidence) for source in catalog.sources])
     level = np.tile(of_source[table.source], (len(figures), 1))

@@ -24,14 +24,19 @@ def read_discharges(reader: Reader, given: Any, batteries: dict[str, int]) -> Di
     reader
         The file.
     given
-        What stands under ``discharges``.
+        Value of the field ``discharges``.
     batteries
         Rows of the file's batteries by part number.
+
+    Returns
+    -------
+    Discharges
+        Columns of all printed discharges, in SI.
 
     Raises
     ------
     CatalogError
-        When a table is not what the schema asks for.
+        When a table does not follow the schema.
     """
     seen: dict[tuple[float, ...], Path_] = {}
     found = [NO_DISCHARGES]

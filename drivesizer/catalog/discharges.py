@@ -39,7 +39,7 @@ NO_DISCHARGES = Discharges(*(np.zeros(0, np.int32 if n in INTEGERS else float) f
 
 
 def join_discharges(given: Sequence[tuple[Discharges, int, int]], places: NDArray[np.int32]) -> Discharges:
-    """Discharges of several catalogues as those of one; of a part that is replaced only the last one's are left.
+    """Discharges of several catalogues as those of one; of a replaced part only those of the last catalogue remain.
 
     Parameters
     ----------
@@ -47,9 +47,14 @@ def join_discharges(given: Sequence[tuple[Discharges, int, int]], places: NDArra
         Of each catalogue: its discharges, the first row of its batteries in the table of all, its first source.
     places
         Where each row of the table of all goes.
+
+    Returns
+    -------
+    Discharges
+        Entries that refer to rows and sources of the joined catalogue.
     """
     last = np.zeros(int(places.max(initial=-1)) + 1, np.int64)
-    last[places] = np.arange(len(places))  # the last assignment stands
+    last[places] = np.arange(len(places))  # the last assignment counts
     found = [NO_DISCHARGES]
     for own, first_row, first_source in given:
         rows = own.battery + first_row

@@ -1,4 +1,4 @@
-"""One catalogue file while it is read: where a field stands, and the small checks that all parts of it share."""
+"""One catalogue file while it is read: places of fields, and the checks that all its sections share."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Reader", "did_you_mean"]
 
 
 class Reader:
-    """Walks one file; ``fail`` knows where it is."""
+    """A catalogue file with its sources and notes; errors name file, line and field."""
 
     def __init__(self, source: YamlSource) -> None:
         self.file = source
@@ -71,6 +71,19 @@ class Reader:
 
 
 def did_you_mean(key: str, allowed: Iterable[str]) -> str:
-    """The nearest of the words that are allowed, or all of them."""
+    """Hint for an unknown word: the nearest allowed one, or all of them.
+
+    Parameters
+    ----------
+    key
+        The unknown word.
+    allowed
+        Words that are allowed.
+
+    Returns
+    -------
+    str
+        Half a sentence that begins with a semicolon.
+    """
     close = difflib.get_close_matches(key, sorted(allowed), 1)
     return f"; did you mean {quoted(close[0])}?" if close else f"; expected one of {', '.join(sorted(allowed))}"

@@ -1,4 +1,4 @@
-"""Several catalogues as one: rows under each other, pairs moved, overridden parts left out."""
+"""Several catalogues as one: rows concatenated, pairs renumbered, overridden parts left out."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.discharges import join_discharges
-from drivesizer.catalog.maker_tolerances import join_stated
+from drivesizer.catalog.maker_tolerances import join_maker_tolerances
 from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, one_of
 from drivesizer.catalog.tables import Across, Catalog, Pairs, Table, unique_pairs
 from drivesizer.errors import CatalogError, nearest, quoted
@@ -37,7 +37,7 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
         pairs[relation] = _moved(listed, places["motors"], places[right])
     starts = _starts(catalogs, "batteries")
     printed = [(c.discharges, *first) for c, *first in zip(catalogs, starts, first_source.tolist(), strict=False)]
-    stated, instead = join_stated([(", ".join(c.digests), c.tolerances, c.overrides) for c in catalogs],
+    tolerances, instead = join_maker_tolerances([(", ".join(c.digests), c.tolerances, c.overrides) for c in catalogs],
                                   first_source.tolist())  # fmt: skip
     left: dict[str, Any] = {name: _kept(table, places[name]) for name, table in tables.items()}
     return Catalog(
@@ -48,7 +48,7 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
         notes=tuple(note for c in catalogs for note in c.notes),
         digests={name: digest for c in catalogs for name, digest in c.digests.items()},
         replaced=(*replaced, *instead),
-        tolerances=stated,
+        tolerances=tolerances,
     )
 
 
@@ -104,7 +104,7 @@ def _kept(table: Table[Any], place: NDArray[np.int32]) -> Table[Any]:
     if not len(place) or place[-1] == len(place) - 1:
         return table
     rows = np.empty(place.max() + 1, np.int64)
-    rows[place] = np.arange(len(place))  # the last assignment stands
+    rows[place] = np.arange(len(place))  # the last assignment counts
     columns = {name: column[rows] for name, column in table.columns.items()}
     return Table(table.section, columns, table.source[rows], table.excluded[rows])
 

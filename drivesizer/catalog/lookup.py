@@ -1,4 +1,4 @@
-"""A part by its number, a text anywhere in numbers and names, and what a catalogue says of one part."""
+"""A part by its number, a text anywhere in numbers and names, and the sources of one part's figures."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Source
-from drivesizer.catalog.maker_tolerances import Stated, stated_of
+from drivesizer.catalog.maker_tolerances import MakerTolerance, maker_tolerances_of
 from drivesizer.catalog.query import OPTIONS, Hit, Shelf, every
 from drivesizer.errors import InputError, nearest, quoted
 
@@ -15,6 +15,18 @@ __all__ = ["families", "find", "look", "origins", "partners", "tolerances"]
 
 def find(shelf: Shelf, part: str) -> list[Hit]:
     """The parts with a number, in whatever section or catalogue.
+
+    Parameters
+    ----------
+    shelf
+        Catalogues by name.
+    part
+        The part number.
+
+    Returns
+    -------
+    list[Hit]
+        One for each catalogue and section that has it.
 
     Raises
     ------
@@ -39,7 +51,20 @@ def find(shelf: Shelf, part: str) -> list[Hit]:
 
 
 def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[Hit]]], list[Hit]]:
-    """Families whose name or kind contains a text, by section, and parts whose number does."""
+    """Families whose name or kind contains a text, by section, and parts whose number does.
+
+    Parameters
+    ----------
+    shelf
+        Catalogues by name.
+    text
+        Part of a number, name or kind; case does not matter.
+
+    Returns
+    -------
+    tuple
+        Families by section with their parts, and single parts.
+    """
     piece = text.strip().casefold()
 
     def there(words: Iterable[str]) -> bool:
@@ -81,19 +106,23 @@ def partners(hit: Hit) -> dict[str, dict[str, int]]:
 def origins(hit: Hit) -> dict[str, Source]:
     """Where each known figure of a part comes from: its table's source, or that of a note on it."""
     base = hit.catalog.sources[hit.table.source[hit.row]]
-    sure = hit.catalog.confidence(hit.section, hit.row)
+    confidence = hit.catalog.confidence(hit.section, hit.row)
     by_document = {source.document: source for source in hit.catalog.sources}
-    found = dict.fromkeys(sure, base)
+    found = dict.fromkeys(confidence, base)
     for note in hit.catalog.notes_on(hit.section, hit.part):
         if note.source:
-            found |= {name: by_document.get(note.source, base) for name in (note.fields or sure) if name in sure}
-    return {name: source._replace(confidence=sure[name]) for name, source in found.items()}
+            found |= {
+                name: by_document.get(note.source, base) for name in (note.fields or confidence) if name in confidence
+            }
+    return {name: source._replace(confidence=confidence[name]) for name, source in found.items()}
 
 
 _TOLERANCED = {"motors": ("motor",), "gearheads": ("gearhead",), "actuators": ("motor", "gearhead")}
 
 
-def tolerances(hit: Hit) -> list[Stated]:
-    """What its maker says of how far a part's figures may be off; of an actuator those of its motor and its gear."""
+def tolerances(hit: Hit) -> list[MakerTolerance]:
+    """Tolerances that the maker states for a part's figures; for an actuator those of its motor and its gear."""
     stated, owner = hit.catalog.tolerances, (hit["manufacturer"], hit["family"])
-    return [one for part in _TOLERANCED.get(hit.section, ()) for one in stated_of(stated, part, *owner).values()]
+    return [
+        one for part in _TOLERANCED.get(hit.section, ()) for one in maker_tolerances_of(stated, part, *owner).values()
+    ]

@@ -1,7 +1,7 @@
-"""What makers say of how far their figures may be off: carried beside the figures, by maker and family.
+"""Tolerances that makers state for their figures, by maker and family.
 
-The statement is the maker's and holds for its parts in whatever file they stand. One that names families holds for
-these alone, and before one that names none.
+A statement holds for the maker's parts in every catalogue file. One that names families holds for these alone and
+takes precedence over one that names none.
 """
 
 from __future__ import annotations
@@ -11,65 +11,90 @@ from typing import NamedTuple
 
 from drivesizer.errors import CatalogError
 
-__all__ = ["STATED", "Stated", "join_stated", "stated_of", "whose"]
+__all__ = ["TOLERANCES", "MakerTolerance", "join_maker_tolerances", "maker_tolerances_of", "owner_of"]
 
-STATED = "tolerances"  # the section of a catalogue file
+TOLERANCES = "tolerances"  # the section of a catalogue file
 
 
-class Stated(NamedTuple):
-    """How far a figure may be off, as its maker says."""
+class MakerTolerance(NamedTuple):
+    """Tolerance of a catalogue figure as its maker states it."""
 
     part: str  # motor or gearhead
     figure: str
-    tolerance: str  # as it is written, of the printed figure
+    tolerance: str  # of the printed figure, as written
     maker: str
     families: tuple[str, ...]  # empty: all of the maker's
     text: str  # a remark
     source: int  # index into Catalog.sources
 
 
-def stated_of(stated: Sequence[Stated], part: str, maker: str, family: str) -> dict[str, Stated]:
-    """What is stated of a part's figures, by figure.
+def maker_tolerances_of(
+    stated: Sequence[MakerTolerance], part: str, maker: str, family: str
+) -> dict[str, MakerTolerance]:
+    """Tolerances that a maker states for a part, by figure.
 
     Parameters
     ----------
     stated
-        Of a catalogue.
+        All of a catalogue.
     part
         motor or gearhead.
     maker, family
         Of the part.
+
+    Returns
+    -------
+    dict
+        Statements by figure; those of the family before the general ones.
     """
     mine = [one for one in stated if (one.part, one.maker) == (part, maker)]
     general = {one.figure: one for one in mine if not one.families}
     return general | {one.figure: one for one in mine if family in one.families}
 
 
-def whose(stated: Sequence[Stated], one: Stated) -> str:
-    """Maker, and families where that maker says something else of others."""
+def owner_of(stated: Sequence[MakerTolerance], one: MakerTolerance) -> str:
+    """Maker, and families where that maker states another tolerance for others.
+
+    Parameters
+    ----------
+    stated
+        All of a catalogue.
+    one
+        One of them.
+
+    Returns
+    -------
+    str
+        Such as ``maxon`` or ``maxon RE 25, RE 30``.
+    """
     several = sum((other.part, other.figure, other.maker) == (one.part, one.figure, one.maker) for other in stated) > 1
     return f"{one.maker} {', '.join(one.families)}".strip() if several else one.maker
 
 
-def join_stated(
-    each: Sequence[tuple[str, Sequence[Stated], bool]], first_source: Sequence[int]
-) -> tuple[tuple[Stated, ...], tuple[str, ...]]:
-    """What several catalogues state as one, and what was replaced, in words.
+def join_maker_tolerances(
+    each: Sequence[tuple[str, Sequence[MakerTolerance], bool]], first_source: Sequence[int]
+) -> tuple[tuple[MakerTolerance, ...], tuple[str, ...]]:
+    """Tolerances of several catalogues as one, and a message for each that was replaced.
 
     Parameters
     ----------
     each
-        Of every catalogue: its name, what it states, and whether it overrides those before it.
+        Of every catalogue: its name, its tolerances, and whether it overrides those before it.
     first_source
         Number of its first source among all.
+
+    Returns
+    -------
+    tuple
+        The tolerances, and one message for each that replaces another.
 
     Raises
     ------
     CatalogError
-        When two state the same, and the later one does not say that it overrides.
+        When two state the same tolerance and the later one does not override.
     """
-    found: list[tuple[str, Stated]] = []
-    said: list[str] = []
+    found: list[tuple[str, MakerTolerance]] = []
+    messages: list[str] = []
     for (name, stated, overrides), first in zip(each, first_source, strict=True):
         before, found = found, []
         for other, theirs in before:
@@ -80,18 +105,18 @@ def join_stated(
                     "`overrides: true` in the second makes its own count"
                 )
             if mine:
-                said.append(f"tolerance of {_named(mine)}: {name} in place of {other}")
+                messages.append(f"tolerance of {_named(mine)}: {name} in place of {other}")
             found += [(other, one) for one in _left(theirs, stated, overrides)]
         found += [(name, one._replace(source=one.source + first)) for one in stated]
-    return tuple(one for _, one in found), tuple(said)
+    return tuple(one for _, one in found), tuple(messages)
 
 
-def _named(one: Stated) -> str:
+def _named(one: MakerTolerance) -> str:
     return f"{one.maker} {one.part} {one.figure.replace('_', ' ')}"
 
 
-def _same(one: Stated, later: Stated, overrides: bool) -> bool:
-    """Whether a later one says something of the same figure and parts; of all, it overrides what is of some."""
+def _same(one: MakerTolerance, later: MakerTolerance, overrides: bool) -> bool:
+    """Whether a later tolerance is of the same figure and parts; one of all families overrides those of some."""
     if one[:2] != later[:2] or one.maker != later.maker:
         return False
     if one.families and later.families:
@@ -99,8 +124,8 @@ def _same(one: Stated, later: Stated, overrides: bool) -> bool:
     return not later.families and (overrides or not one.families)
 
 
-def _left(one: Stated, stated: Sequence[Stated], overrides: bool) -> list[Stated]:
-    """What of a statement still holds beside later ones: all of it, or that of the families that they do not name."""
+def _left(one: MakerTolerance, stated: Sequence[MakerTolerance], overrides: bool) -> list[MakerTolerance]:
+    """The part of a tolerance that later ones leave: all of it, or that of the families that they do not name."""
     later = [other for other in stated if _same(one, other, overrides)]
     if not later:
         return [one]

@@ -1,4 +1,4 @@
-"""What a maker says of how far its figures may be off, out of a catalogue file: in the words of a spec."""
+"""Reader of the tolerances that a maker states in a catalogue file, in the notation of a spec."""
 
 from __future__ import annotations
 
@@ -6,40 +6,47 @@ from collections.abc import Mapping, Set
 from typing import Any
 
 from drivesizer.catalog.field_reader import Reader
-from drivesizer.catalog.maker_tolerances import STATED, Stated
+from drivesizer.catalog.maker_tolerances import TOLERANCES, MakerTolerance
 from drivesizer.catalog.tolerances.classes import CLASSES
 from drivesizer.catalog.tolerances.factors import share
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import Path_
 
-__all__ = ["ENTRY", "FIGURES", "read_stated"]
+__all__ = ["ENTRY", "FIGURES", "read_maker_tolerances"]
 
 FIGURES = {part: tuple(f for p, f in CLASSES if p == part) for part in dict.fromkeys(part for part, _ in CLASSES)}
 ENTRY = ("source", "families", *FIGURES, "text")
 
 
-def read_stated(reader: Reader, given: Any, maker: str, families: Mapping[str, Set[str]]) -> tuple[Stated, ...]:
-    """What a catalogue file states.
+def read_maker_tolerances(
+    reader: Reader, given: Any, maker: str, families: Mapping[str, Set[str]]
+) -> tuple[MakerTolerance, ...]:
+    """Tolerances stated in a catalogue file.
 
     Parameters
     ----------
     reader
         The file, its sources read.
     given
-        What stands under ``tolerances``.
+        Value of the field ``tolerances``.
     maker
         The file's.
     families
-        Names of the file's families, of which a statement may be, by part.
+        Names of the file's families that a statement may name, by part.
+
+    Returns
+    -------
+    tuple[MakerTolerance, ...]
+        In the order of the file.
 
     Raises
     ------
     CatalogError
-        One line with file, line and field, where an entry is not what the schema asks for.
+        One line with file, line and field, where an entry does not follow the schema.
     """
-    found: list[Stated] = []
-    for index, entry in enumerate(reader.sequence(given or [], (STATED,))):
-        path: Path_ = (STATED, index)
+    found: list[MakerTolerance] = []
+    for index, entry in enumerate(reader.sequence(given or [], (TOLERANCES,))):
+        path: Path_ = (TOLERANCES, index)
         entry = reader.mapping(entry, path, ENTRY, {"source"})
         parts = [part for part in FIGURES if part in entry]
         if not parts:
@@ -49,7 +56,7 @@ def read_stated(reader: Reader, given: Any, maker: str, families: Mapping[str, S
         for part in parts:
             named = _families(reader, entry, path, families[part], part)
             for figure, tolerance in _figures(reader, entry[part], (*path, part), FIGURES[part]).items():
-                one = Stated(part, figure, tolerance, maker, named, text, source)
+                one = MakerTolerance(part, figure, tolerance, maker, named, text, source)
                 _once(reader, one, found, (*path, part, figure))
                 found.append(one)
     return tuple(found)
@@ -85,8 +92,8 @@ def _figures(reader: Reader, given: Any, path: Path_, allowed: tuple[str, ...]) 
     return found
 
 
-def _once(reader: Reader, one: Stated, found: list[Stated], path: Path_) -> None:
-    """Refuse what is stated again of the same family, or again of all."""
+def _once(reader: Reader, one: MakerTolerance, found: list[MakerTolerance], path: Path_) -> None:
+    """Refuse a second tolerance of the same figure and family, or of the same figure for all families."""
     for other in found:
         same = set(one.families) & set(other.families) or (not one.families and not other.families)
         if one[:2] == other[:2] and same:

@@ -1,7 +1,7 @@
-"""What a catalogue knows of parts beside motor, gearhead, encoder and controller: one frozen record per kind.
+"""Records of the catalogue's further kinds of parts, beside motor, gearhead, encoder and controller.
 
-An actuator or gearmotor is sold whole; ``inside`` takes it apart for the search. Belts, pulleys, brakes, steppers and
-batteries are parts of their own.
+An actuator or gearmotor is sold as one part; ``search_view`` splits it for the search. Belts, pulleys, brakes, steppers
+and batteries are parts of their own.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Actuator:
     no_load_speed: float = figure("rotary_speed", "rpm")  # of the output, like all speeds here
     no_load_current: float = figure("current", "A")
     nominal_speed: float = figure("rotary_speed", "rpm")
-    nominal_torque: float = figure("torque", "N*m")  # of the output, for ever, like all torques here
+    nominal_torque: float = figure("torque", "N*m")  # of the output, continuous, like all torques here
     nominal_current: float = figure("current", "A")
     stall_torque: float = figure("torque", "N*m")
     stall_current: float = figure("current", "A")
@@ -58,7 +58,7 @@ class Actuator:
     backlash: float = figure("angle", "deg")
     max_radial_load: float = figure("force", "N")
     max_axial_load: float = figure("force", "N")
-    steps_per_turn: float = figure("dimensionless", "1")  # of the output, that its encoder tells apart
+    steps_per_turn: float = figure("dimensionless", "1")  # of the output, that its encoder resolves
     controller: str = text()  # integrated, or the name of the one inside; empty: it needs one
     buses: str = text()  # of the one inside, separated by semicolons
     supply_min: float = figure("voltage", "V")
@@ -159,7 +159,7 @@ class Battery:
     continuous_current: float = figure("current", "A")
     peak_current: float = figure("current", "A")
     max_charge_current: float = figure("current", "A")
-    resistance: float = figure("resistance", "mohm")  # to direct current, where the maker tells it apart
+    resistance: float = figure("resistance", "mohm")  # to direct current, where the maker states it separately
     peukert_exponent: float = figure("dimensionless", "1")
     mass: float = figure("mass", "g")
     dimensions: str = text()

@@ -1,4 +1,4 @@
-"""What a catalogue knows of the parts that a drive set is made of: one frozen record per kind of part.
+"""Records of the parts of a drive: one frozen record per kind of part.
 
 These classes are the catalogue's schema. A field's metadata names its kind of quantity (the reader in
 ``units``) and the unit in which datasheets print it; loader, columns, JSON Schema and datasheet pages are
@@ -27,7 +27,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motor:
-    """One winding of a motor, as its data sheet gives it at ``data_temperature``; 25 degC where that is not said."""
+    """One winding of a motor, as its data sheet gives it at ``data_temperature``; 25 degC where none is stated."""
 
     part: str = text()
     family: str = text()
@@ -39,7 +39,7 @@ class Motor:
     nominal_voltage: float = figure("voltage", "V")
     no_load_speed: float = figure("rotary_speed", "rpm")
     no_load_current: float = figure("current", "mA")
-    friction_torque: float = figure("torque", "mN*m")  # at any speed, where the maker tells it apart
+    friction_torque: float = figure("torque", "mN*m")  # at any speed, where the maker states it separately
     viscous_friction: float = figure("damping", "N*m*s/rad")  # that grows with speed
     nominal_speed: float = figure("rotary_speed", "rpm")
     nominal_torque: float = figure("torque", "mN*m")
@@ -70,9 +70,9 @@ class Motor:
     max_radial_load: float = figure("force", "N")
     radial_load_distance: float = figure("length", "mm")  # from the flange
     pole_pairs: float = figure("dimensionless", "1")
-    standstill_torque: float = figure("torque", "mN*m")  # for ever, at speed 0
-    half_speed_torque: float = figure("torque", "mN*m")  # for ever, at half the permissible speed
-    top_speed_torque: float = figure("torque", "mN*m")  # for ever, at the permissible speed
+    standstill_torque: float = figure("torque", "mN*m")  # continuous, at speed 0
+    half_speed_torque: float = figure("torque", "mN*m")  # continuous, at half the permissible speed
+    top_speed_torque: float = figure("torque", "mN*m")  # continuous, at the permissible speed
     phases: float = figure("dimensionless", "1")
     commutator_segments: float = figure("dimensionless", "1")
     shaft_diameter: float = figure("length", "mm")
@@ -160,12 +160,12 @@ class Encoder:
 
     @property
     def lines(self) -> float:
-        """Lines of an incremental encoder that tells as many positions apart."""
+        """Lines of an incremental encoder of the same resolution."""
         return self.counts_per_turn if self.counts_per_turn == self.counts_per_turn else self.steps_per_turn / EDGES
 
     @property
     def resolution(self) -> str:
-        """What it tells apart, in words."""
+        """Resolution as text."""
         if self.counts_per_turn == self.counts_per_turn:
             return f"{self.counts_per_turn:g} counts per turn"
         return f"{self.steps_per_turn:g} steps per turn" if self.steps_per_turn == self.steps_per_turn else ""
@@ -207,8 +207,8 @@ class Controller:
 
 
 EDGES = 4  # of an incremental encoder per line, evaluated in quadrature
-DIRECT = "direct"  # the part that stands for no gearhead at all
-# What is not there weighs nothing and has no limit; infinity here is not an unknown figure but the lack of any limit.
+DIRECT = "direct"  # the part that represents direct drive, without a gearhead
+# Direct drive weighs nothing and limits nothing: infinity here is the absence of a limit, not an unknown figure.
 NO_GEARHEAD = Gearhead(
     part=DIRECT, family=DIRECT, kind=DIRECT, reduction="1:1", ratio=1.0, stages=0.0, direction=1.0, efficiency=1.0,
     continuous_torque=inf, intermittent_torque=inf, continuous_input_speed=inf, intermittent_input_speed=inf,
@@ -231,7 +231,7 @@ PARTS: dict[str, type[Any]] = {
 
 
 def lines(encoder: Any) -> Any:
-    """Lines of encoders that would tell as many positions apart: their own, or an absolute one's steps over four.
+    """Lines of incremental encoders of the same resolution: their own, or an absolute one's steps over four.
 
     >>> float(lines({"counts_per_turn": np.nan, "steps_per_turn": 4096.0}))
     1024.0
@@ -240,12 +240,12 @@ def lines(encoder: Any) -> Any:
     return np.where(np.isnan(own), encoder["steps_per_turn"] / EDGES, own)
 
 
-# What goes with a motor, by the name of the list that says so.
+# Parts that go with a motor, by the name of the list of pairs.
 RELATIONS = {"motor_gearhead": "gearheads", "motor_encoder": "encoders", "motor_brake": "brakes"}
 
 
 def one_of(section: str) -> str:
-    """What one part of a section is called.
+    """Singular of a section's name.
 
     >>> one_of("motors"), one_of("batteries")
     ('motor', 'battery')

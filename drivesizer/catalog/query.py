@@ -1,7 +1,7 @@
-"""Questions to catalogues: which parts meet some conditions.
+"""Queries of catalogues: parts that meet conditions.
 
-Catalogues are asked one by one and not joined, so that every part keeps the name of the catalogue it is from. An
-unknown figure neither meets a condition nor fails it; such parts are counted apart.
+Catalogues are searched one by one and not joined, so that every part keeps the name of its catalogue. An unknown
+figure neither meets a condition nor fails it; such parts are counted separately.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _SIGNS: dict[str, Callable[[Any, Any], Any]] = {
 _CONDITION = re.compile(r"\s*([A-Za-z][\w -]*?)\s*(<=|>=|!=|==|<|>|=)\s*(.*?)\s*", re.DOTALL)
 _OPTION = re.compile(r"\s*(<=|>=|!=|==|<|>|=)?\s*(.*?)\s*", re.DOTALL)
 
-# Options of the command line: the column that each asks in a section. A controller serves a range of voltages.
+# Options of the command line: the column that each tests in a section. A controller serves a range of voltages.
 OPTIONS: dict[str, dict[str, str]] = {
     "family": dict.fromkeys(PARTS, "family"),
     "voltage": {
@@ -63,14 +63,14 @@ OPTIONS: dict[str, dict[str, str]] = {
 
 
 class Condition(NamedTuple):
-    """What a column must be: a figure in SI, or a text in which ``*`` stands for anything."""
+    """Condition on a column: a figure in SI, or a text in which ``*`` matches anything."""
 
     column: Column
     sign: str
     value: float | str
 
     def met(self, values: NDArray[Any]) -> NDArray[np.bool_]:
-        """Which of a column's values are as asked for; an unknown one is not."""
+        """Which of a column's values meet the condition; an unknown one does not."""
         if isinstance(self.value, str):
             pattern = re.compile(re.escape(self.value).replace(r"\*", ".*"), re.IGNORECASE | re.DOTALL)
             both = "both" if self.column.name == "drives" else None
@@ -89,7 +89,7 @@ class Condition(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """A part where it stands."""
+    """A part with its catalogue, section and row."""
 
     catalogue: str
     catalog: Catalog
@@ -112,11 +112,11 @@ class Hit:
 
 
 class Selection(NamedTuple):
-    """The parts that meet all conditions, and how many may: none of their known figures says no."""
+    """The parts that meet all conditions, and the number of those that may, some figures being unknown."""
 
     hits: list[Hit]
     undecided: int
-    excluded: int  # would be among the hits, but the catalogue itself does not offer them
+    excluded: int  # meet all conditions, but the catalogue excludes them from sizing
 
 
 def open_all(names: Iterable[str] = ()) -> dict[str, Catalog]:
@@ -138,7 +138,20 @@ def open_all(names: Iterable[str] = ()) -> dict[str, Catalog]:
 
 
 def every(shelf: Shelf, sections: Iterable[str] = PARTS) -> Iterator[Hit]:
-    """All parts of some sections; the lack of a gearhead is none."""
+    """All parts of some sections, without direct drive.
+
+    Parameters
+    ----------
+    shelf
+        Catalogues by name.
+    sections
+        Which sections.
+
+    Returns
+    -------
+    Iterator[Hit]
+        In the order of sections, catalogues and rows.
+    """
     for section in sections:
         for name, catalog in shelf.items():
             parts = catalog.table(section)["part"].tolist()
@@ -147,6 +160,18 @@ def every(shelf: Shelf, sections: Iterable[str] = PARTS) -> Iterator[Hit]:
 
 def where(section: str, text: str) -> Condition:
     """A condition such as ``max_speed>=8000 rpm`` on a section's column.
+
+    Parameters
+    ----------
+    section
+        Such as ``motors``.
+    text
+        Column, sign and value with its unit.
+
+    Returns
+    -------
+    Condition
+        With the value in SI.
 
     Raises
     ------
@@ -173,13 +198,42 @@ def _column_name(text: str) -> str:
 
 
 def has(section: str, given: Iterable[str], sort: str = "") -> bool:
-    """Whether a section has all columns that conditions and sorting name."""
+    """Whether a section has all columns that conditions and sorting name.
+
+    Parameters
+    ----------
+    section
+        Such as ``motors``.
+    given
+        Conditions as text.
+    sort
+        Column to sort by, with a minus for the largest first.
+
+    Returns
+    -------
+    bool
+        False where one of the columns is missing.
+    """
     names = {_column_name(sort.removeprefix("-")), *map(name_of, given)} - {""}
     return names <= set(columns_of(section))
 
 
 def option(section: str, name: str, text: str) -> list[Condition] | None:
-    """The conditions that an option such as ``--diameter '<=26 mm'`` means; None where the section has no such figure.
+    """The conditions of an option such as ``--diameter '<=26 mm'``; None where the section has no such figure.
+
+    Parameters
+    ----------
+    section
+        Such as ``motors``.
+    name
+        Of the option, a key of :data:`OPTIONS`.
+    text
+        Its value.
+
+    Returns
+    -------
+    list[Condition] or None
+        Two for a range of voltages.
 
     >>> [(c.column.name, c.sign) for c in option("controllers", "voltage", "24 V") or ()]
     [('supply_min', '<='), ('supply_max', '>=')]
@@ -204,7 +258,7 @@ def _condition(section: str, name: str, sign: str, text: str, said: str) -> Cond
     column = columns[name]
     if column.kind == "text":
         if sign not in ("=", "==", "!=") or not text:
-            raise InputError(f"{said}: {name} is text; expected = or != and a text, in which * stands for anything")
+            raise InputError(f"{said}: {name} is text; expected = or != and a text, in which * matches anything")
         return Condition(column, sign, text)
     try:
         return Condition(column, sign, to_si(text, column.kind))
@@ -213,39 +267,70 @@ def _condition(section: str, name: str, sign: str, text: str, said: str) -> Cond
 
 
 def conditions(section: str, options: Mapping[str, str | None], given: Sequence[str]) -> list[Condition] | None:
-    """All conditions on a section; None when it lacks a figure that an option asks for."""
+    """All conditions on a section; None when it lacks a figure that an option names.
+
+    Parameters
+    ----------
+    section
+        Such as ``motors``.
+    options
+        Values of the options by name; None where not given.
+    given
+        Conditions on columns, as text.
+
+    Returns
+    -------
+    list[Condition] or None
+        All of them together.
+    """
     found: list[Condition] = []
     for name, text in options.items():
-        asked = [] if text is None else option(section, name, text)
-        if asked is None:
+        more = [] if text is None else option(section, name, text)
+        if more is None:
             return None
-        found += asked
+        found += more
     return found + [where(section, text) for text in given]
 
 
 def select(
     shelf: Shelf,
     section: str,
-    asked: Sequence[Condition],
+    wanted: Sequence[Condition],
     *,
     sort: str = "",
     excluded: bool = False,
 ) -> Selection:
     """The parts of a section that meet all conditions, sorted by a column; unknown figures come last.
 
-    A minus before the column's name puts the largest first.
+    Parameters
+    ----------
+    shelf
+        Catalogues by name.
+    section
+        Such as ``motors``.
+    wanted
+        The conditions.
+    sort
+        Column to sort by; a minus in front puts the largest first.
+    excluded
+        Whether parts that their catalogue excludes from sizing are listed too.
+
+    Returns
+    -------
+    Selection
+        The parts, and how many could not be decided or are excluded.
     """
     hits: list[Hit] = []
     undecided = left_out = 0
     for name, catalog in shelf.items():
         table = catalog.table(section)
-        met, open_ = (np.array(table["part"] != DIRECT, bool) for _ in range(2))
-        for one in asked:
+        met, possible = (np.array(table["part"] != DIRECT, bool) for _ in range(2))
+        for one in wanted:
             met &= one.met(table[one.column.name])
-            open_ &= one.met(table[one.column.name]) | one.unknown(table[one.column.name])
+            possible &= one.met(table[one.column.name]) | one.unknown(table[one.column.name])
         offered = np.ones(len(table), bool) if excluded else ~table.excluded
         left_out += int((met & ~offered).sum())
-        undecided += int((open_ & ~met & offered).sum())
+        undecided += int((possible & ~met & offered).sum())
         hits += [Hit(name, catalog, section, int(row)) for row in np.flatnonzero(met & offered)]
     return Selection(_sorted(hits, section, sort), undecided, left_out)
 

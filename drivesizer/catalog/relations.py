@@ -26,7 +26,22 @@ Group = tuple[NDArray[Any], NDArray[Any], int]  # rows that all go with rows, by
 
 
 def relations(reader: Reader, tables: Mapping[str, Table[Any]], given: Any) -> dict[str, Any]:
-    """The pairs of each relation, and under ``across`` what names another catalogue."""
+    """The pairs of each relation, and under ``across`` what names another catalogue.
+
+    Parameters
+    ----------
+    reader
+        The file.
+    tables
+        Its parts by section.
+    given
+        Value of the field ``compatibility``.
+
+    Returns
+    -------
+    dict
+        Pairs by relation, and under ``across`` lists that name other catalogues.
+    """
     members = {section: table.members for section, table in tables.items()}
     found: dict[str, list[Group]] = {relation: [] for relation in RELATIONS}
     across: list[Across] = []
@@ -45,8 +60,8 @@ def relations(reader: Reader, tables: Mapping[str, Table[Any]], given: Any) -> d
                 rows[sections[1]] = np.setdiff1d(rows[sections[1]], out)
             for right in sections[1:]:
                 found[f"motor_{one_of(right)}"].append((rows["motors"], rows[right], source))
-    sure = [CONFIDENCE.index(source.confidence) for source in reader.sources.values()]
-    pairs: dict[str, Any] = {name: _pairs(sorted(some, key=lambda g: sure[g[2]])) for name, some in found.items()}
+    rank = [CONFIDENCE.index(source.confidence) for source in reader.sources.values()]
+    pairs: dict[str, Any] = {name: _pairs(sorted(some, key=lambda g: rank[g[2]])) for name, some in found.items()}
     return pairs | {"across": tuple(across)}
 
 
@@ -88,7 +103,7 @@ def _across(
 
 
 def _pairs(groups: list[Group]) -> Pairs:
-    """Groups multiplied out, each pair once with the first source that states it (the surest comes first), sorted."""
+    """All pairs of the groups, sorted, each once with the most reliable source that states it."""
     lefts, rights, sources = [], [], []
     for left, right, source in groups:
         lefts.append(np.repeat(left, len(right)))

@@ -1,4 +1,4 @@
-"""JSON Schema of a catalogue file, for editors: made of the same columns as the reader."""
+"""JSON Schema of a catalogue file for editors, from the same columns as its reader."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 from drivesizer.catalog.catalog_file import DATA
 from drivesizer.catalog.columns import Column
 from drivesizer.catalog.discharges import DISCHARGES, HELD, TABLE
-from drivesizer.catalog.maker_tolerances import STATED
+from drivesizer.catalog.maker_tolerances import TOLERANCES
 from drivesizer.catalog.maker_tolerances_reading import FIGURES
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.tables import CONFIDENCE
@@ -37,7 +37,7 @@ _NOTE = {
         "confidence": _CONFIDENCE,
         "source": {"type": "string"},
         "exclude": {"type": "boolean", "description": "leave these parts out of the search"},
-        "accepted": {"type": "boolean", "description": "what `catalog check` finds of these fields is known"},
+        "accepted": {"type": "boolean", "description": "findings of `catalog check` on these fields are accepted"},
     },
     "required": ["text"],
     "additionalProperties": False,
@@ -61,7 +61,7 @@ def catalog_schema() -> dict[str, Any]:
             "sources": {"type": "object", "additionalProperties": _SOURCE, "minProperties": 1},
             **{section: _tables(section) for section in PARTS},
             DISCHARGES: _discharges(),
-            STATED: _stated(),
+            TOLERANCES: _tolerances(),
             "compatibility": _compatibility(),
         },
         "required": ["catalog", "manufacturer", "sources"],
@@ -124,7 +124,7 @@ def _discharges() -> dict[str, Any]:
         "properties": {
             "battery": _TEXT | {"description": "a part number of this file"},
             "source": {"type": "string", "description": "one of `sources`"},
-            "held": {"type": "string", "description": f"what is held: {named}", "pattern": _pattern(list(HELD))},
+            "held": {"type": "string", "description": f"held constant: {named}", "pattern": _pattern(list(HELD))},
             "cells": {"type": "integer", "minimum": 1, "description": "voltage and power are those of one in so many"},
             "columns": columns | {"description": "cutoff_voltage (V), then times such as 30 min"},
             "rows": {"type": "array", "items": {"type": "array", "items": cell}},
@@ -135,8 +135,8 @@ def _discharges() -> dict[str, Any]:
     return {"type": "array", "items": table}
 
 
-def _stated() -> dict[str, Any]:
-    """What the maker says of how far its figures may be off."""
+def _tolerances() -> dict[str, Any]:
+    """Tolerances that the maker states for its figures."""
     share = {"type": "string", "description": "of the printed figure: +- 10 %, -10 %..30 %, normal(5 %) or none"}
     figures = {
         part: {
@@ -151,7 +151,7 @@ def _stated() -> dict[str, Any]:
         "type": "object",
         "properties": {
             "source": {"type": "string", "description": "one of `sources`"},
-            "families": _NAMES | {"minItems": 1, "description": "of which it is said; all of the maker's if left out"},
+            "families": _NAMES | {"minItems": 1, "description": "to which it applies; all of the maker's if left out"},
             **figures,
             "text": {"type": "string"},
         },

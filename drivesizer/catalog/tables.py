@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
-from drivesizer.catalog.maker_tolerances import Stated
+from drivesizer.catalog.maker_tolerances import MakerTolerance
 from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Stepper
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 
 __all__ = ["CONFIDENCE", "Across", "Catalog", "Note", "Pairs", "Source", "Table", "empty", "unique_pairs"]
 
 Part = TypeVar("Part")
-CONFIDENCE = ("quoted", "secondary", "derived", "recalled")  # from the surest down
+CONFIDENCE = ("quoted", "secondary", "derived", "recalled")  # from the most to the least reliable
 
 
 class Source(NamedTuple):
@@ -44,7 +44,7 @@ class Note(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Which rows of two tables go together, and which source says so."""
+    """Rows of two tables that go together, and the source that states it."""
 
     left: NDArray[np.int32]
     right: NDArray[np.int32]
@@ -104,7 +104,7 @@ def empty(section: str) -> Table[Any]:
 
 @dataclass(frozen=True)
 class Catalog:
-    """Everything that was loaded: parts, which go together, and where each figure comes from."""
+    """Loaded catalogues: parts, pairs that go together, and the source of each figure."""
 
     motors: Table[Motor]
     gearheads: Table[Gearhead]
@@ -125,7 +125,7 @@ class Catalog:
     overrides: bool = False  # its parts count before those of the catalogues named before it
     across: tuple[Across, ...] = ()  # pairs with parts of other catalogues, until those are loaded with it
     discharges: Discharges = NO_DISCHARGES  # of the batteries
-    tolerances: tuple[Stated, ...] = ()  # what makers say of their figures
+    tolerances: tuple[MakerTolerance, ...] = ()  # that makers state for their figures
     replaced: tuple[str, ...] = ()  # parts that an overriding catalogue gives in place of another, in words
 
     def table(self, section: str) -> Table[Any]:
@@ -138,11 +138,11 @@ class Catalog:
         return replace(self, **tables, **pairs)
 
     def notes_on(self, section: str, part: str) -> list[Note]:
-        """What the catalogue remarks on a part."""
+        """The catalogue's notes on a part."""
         return [note for note in self.notes if note.section == section and part in note.parts]
 
     def confidence(self, section: str, row: int) -> dict[str, str]:
-        """How sure each known figure of a part is: its row's confidence, changed by the notes on it."""
+        """Confidence of each known figure of a part: that of its row, changed by the notes on it."""
         table = self.table(section)
         base = self.sources[table.source[row]].confidence
         known = {name for name, column in columns_of(section).items() if _is_known(table[name][row], column.kind)}
@@ -158,6 +158,19 @@ def _is_known(value: Any, kind: str) -> bool:
 
 
 def unique_pairs(left: NDArray[Any], right: NDArray[Any], source: NDArray[Any]) -> Pairs:
-    """Pairs of rows, each once with the first source that states it, sorted."""
+    """Pairs of rows, each once with the first source that states it, sorted.
+
+    Parameters
+    ----------
+    left, right
+        Rows of the two tables, shape (pairs,).
+    source
+        Index into ``Catalog.sources``, shape (pairs,).
+
+    Returns
+    -------
+    Pairs
+        Sorted by left, then right.
+    """
     _, first = np.unique(left.astype(np.int64) << 32 | right.astype(np.int64), return_index=True)
     return Pairs(*(side[first].astype(np.int32) for side in (left, right, source)))

@@ -111,7 +111,7 @@ def take_in(
 ) -> None:
     """Make a catalogue file out of another program's table."""
     from drivesizer.catalog.exchange.import_map import plan
-    from drivesizer.catalog.exchange.importing import take
+    from drivesizer.catalog.exchange.importing import import_table
     from drivesizer.files.text import read_text
     from drivesizer.files.writing import new
     from drivesizer.output.terminal import findings as terminal_findings
@@ -119,10 +119,10 @@ def take_in(
     target = _target(output, dry_run)
     stated = {"manufacturer": manufacturer, "family": family, "name": name, "document": document,
               "confidence": confidence, "date": date, "url": url}  # fmt: skip
-    taken = take(read_text(file), file, plan(section, map_, stated), target)
-    terminal_findings.taken(taken)
+    imported = import_table(read_text(file), file, plan(section, map_, stated), target)
+    terminal_findings.taken(imported)
     if not dry_run:
-        new(target, taken.text.encode())
+        new(target, imported.text.encode())
         typer.echo(f"{target} written; it states no compatibility yet: add it at its end")
 
 

@@ -1,4 +1,4 @@
-"""Files kept between runs: named by a digest, written whole or not at all, old ones tidied away."""
+"""Files kept between runs: named by a digest, written whole or not at all; outdated ones are removed."""
 
 from __future__ import annotations
 
@@ -11,13 +11,8 @@ from pathlib import Path
 
 __all__ = ["CacheWarning", "digest_of", "folder", "keep", "kept"]
 
-
 _HALF = ".compiling-"  # begins the name of a file that is being written
-
-
-_LONG_AGO = 600.0  # s, after which nobody writes it any more
-
-
+_LONG_AGO = 600.0  # s, after which such a file is left over from a killed process
 _DIGEST = 32  # bytes of blake2b at the head of a compiled file
 
 
@@ -26,10 +21,9 @@ class CacheWarning(UserWarning):
 
 
 def folder() -> Path:
-    """Where compiled catalogues are kept: ``$DRIVESIZER_CACHE``, or the user's cache folder."""
-    given = os.environ.get("DRIVESIZER_CACHE")
-    if given:
-        return Path(given)
+    """The cache folder: ``$DRIVESIZER_CACHE``, or drivesizer's in the user's cache folder."""
+    if chosen := os.environ.get("DRIVESIZER_CACHE"):
+        return Path(chosen)
     from platformdirs import user_cache_path
 
     return user_cache_path("drivesizer", appauthor=False)
@@ -44,7 +38,7 @@ def digest_of(*parts: bytes) -> str:
 
 
 def kept(path: Path) -> bytes | None:
-    """What was kept under a path, or None when there is nothing or it is damaged."""
+    """Bytes kept under a path; None where there are none or they are damaged."""
     try:
         raw = path.read_bytes()
     except OSError:
@@ -54,7 +48,14 @@ def kept(path: Path) -> bytes | None:
 
 
 def keep(path: Path, body: bytes) -> None:
-    """Keep bytes under a path, whole or not at all; older ones of the same name before its digest are removed.
+    """Keep bytes under a path, whole or not at all; files of an older digest are removed.
+
+    Parameters
+    ----------
+    path
+        Of the file; its stem ends with ``-`` and the digest.
+    body
+        The content.
 
     Raises
     ------
@@ -74,14 +75,14 @@ def keep(path: Path, body: bytes) -> None:
 
 
 def _tidy(path: Path) -> None:
-    """Remove older compilations of the same catalogue, and what a killed process left half done."""
+    """Remove files of the same name with an older digest, and unfinished ones of killed processes."""
     for old in path.parent.iterdir():
-        with contextlib.suppress(FileNotFoundError):  # of another process, which is done with it
+        with contextlib.suppress(FileNotFoundError):  # another process removed it first
             left_over = old.name.startswith(_HALF) and time.time() - old.stat().st_mtime > _LONG_AGO
-            if left_over or (_catalogue(old) == _catalogue(path) and old != path):
+            if left_over or (_subject(old) == _subject(path) and old != path):
                 old.unlink()
 
 
-def _catalogue(path: Path) -> tuple[str, str]:
-    """The name of the catalogue that a compiled file holds (before the digest), and the file's ending."""
+def _subject(path: Path) -> tuple[str, str]:
+    """Name of a file before its digest, and its suffix."""
     return path.stem.rpartition("-")[0], path.suffix

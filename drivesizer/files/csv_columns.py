@@ -1,4 +1,4 @@
-"""Recordings: CSV files with a header, a row of units and then numbers, read strictly into SI columns."""
+"""Reader of CSV files with a header, a row of units and then numbers: strict, to columns in SI."""
 
 from __future__ import annotations
 
@@ -29,29 +29,43 @@ _ABOVE = 3  # line of the first row of numbers
 
 
 def beside(spec_file: str, name: str, where: str) -> Path:
-    """The path to a file that a spec names: relative ones count from the spec's folder.
+    """Path of a file that a spec names; relative ones count from the spec's folder.
+
+    Parameters
+    ----------
+    spec_file
+        Path of the spec; empty for a spec that is no file.
+    name
+        The path as the spec gives it.
+    where
+        Place in the spec, for the message.
+
+    Returns
+    -------
+    Path
+        Of something that exists.
 
     Raises
     ------
     InputError
-        When there is none: says where the spec names it.
+        When there is none; the message has the place in the spec.
     """
     path = Path(spec_file).parent / name if spec_file else Path(name)
     if reason := missing(path):
-        said = "expected a CSV file, its path from the spec's folder, e.g. cycle.csv"
-        raise InputError(f"{where}: {quoted(name)} cannot be read ({reason}); {said}")
+        expected = "expected a CSV file, its path from the spec's folder, e.g. cycle.csv"
+        raise InputError(f"{where}: {quoted(name)} cannot be read ({reason}); {expected}")
     return path
 
 
 def columns(path: Path, *forms: Form) -> dict[str, NDArray[np.float64]]:
-    """The columns of a recording, in SI units, times rising.
+    """Columns of a recording in SI, with rising times.
 
     Parameters
     ----------
     path
         A CSV file in UTF-8: a header, a row of units such as ``s,m/s``, then the numbers.
     forms
-        What columns the file may have, in any order; one of each form is ``time``.
+        Sets of columns that the file may have, in any order; one of each is ``time``.
 
     Returns
     -------
@@ -75,7 +89,18 @@ def columns(path: Path, *forms: Form) -> dict[str, NDArray[np.float64]]:
 def refuse_impossible(
     path: Path, values: NDArray[np.float64], header: list[str], form: Form, factors: list[float]
 ) -> None:
-    """Refuse a figure beyond what machines have; however small ones are steps towards 0.
+    """Refuse figures above the range of their kind; arbitrarily small ones are allowed as steps towards 0.
+
+    Parameters
+    ----------
+    path
+        The file's name, for messages.
+    values
+        Figures in SI, shape (rows, columns).
+    header, form
+        Names of the columns, and the kind of each one's quantity.
+    factors
+        Of the file's units to SI.
 
     Raises
     ------
@@ -84,10 +109,10 @@ def refuse_impossible(
     """
     most = np.array([RANGES[form[name]][1] for name in header])
     if not (np.abs(values) <= most).all():
-        row, place = (int(k[0]) for k in np.nonzero(np.abs(values) > most))
-        kind, found = form[header[place]], values[row, place] / factors[place]
-        said = f'"{found:g}" is no {noun(kind)} of a machine; {possible(kind)}'
-        raise InputError(f"{path}:{row + _ABOVE}: {header[place]}: {said}")
+        row, column = (int(k[0]) for k in np.nonzero(np.abs(values) > most))
+        kind, found = form[header[column]], values[row, column] / factors[column]
+        reason = f'"{found:g}" is no {noun(kind)} of a machine; {possible(kind)}'
+        raise InputError(f"{path}:{row + _ABOVE}: {header[column]}: {reason}")
 
 
 def _example(width: int) -> str:
@@ -103,6 +128,11 @@ def rows_of(path: Path, text: str, width: int) -> Iterator[tuple[int, list[str]]
         The file's name, for messages, and its content.
     width
         Columns of the example that messages show.
+
+    Returns
+    -------
+    Iterator
+        Pairs of line number and cells.
 
     Raises
     ------
@@ -124,7 +154,7 @@ def rows_of(path: Path, text: str, width: int) -> Iterator[tuple[int, list[str]]
 
 
 def _header(path: Path, row: tuple[int, list[str]] | None, forms: tuple[Form, ...]) -> tuple[list[str], Form]:
-    """The names of the columns as they stand, and the form that has them."""
+    """Names of the columns in the file's order, and the form that has them."""
     line, cells = row or (1, [])
     names = [cell.strip().lower() for cell in cells]
     for form in forms:
@@ -136,7 +166,7 @@ def _header(path: Path, row: tuple[int, list[str]] | None, forms: tuple[Form, ..
 
 
 def factors_of(path: Path, header: list[str], form: Form, row: tuple[int, list[str]] | None) -> list[float]:
-    """What brings the columns to SI, from the row of units.
+    """Factors that convert the columns to SI, from the row of units.
 
     Parameters
     ----------
@@ -146,6 +176,11 @@ def factors_of(path: Path, header: list[str], form: Form, row: tuple[int, list[s
         Names of the columns, and the kind of each one's quantity.
     row
         Line number and cells of the row of units; None where the file ends before.
+
+    Returns
+    -------
+    list[float]
+        One for each column.
 
     Raises
     ------
@@ -168,7 +203,7 @@ def factors_of(path: Path, header: list[str], form: Form, row: tuple[int, list[s
 
 
 def plain_number(cell: str) -> float:
-    """The number in a cell; what else float() takes (underscores, digits of other scripts) is NaN."""
+    """The number in a cell; NaN for underscores and digits of other scripts, which float() accepts."""
     return float(cell) if cell.isascii() and "_" not in cell else math.nan
 
 
@@ -179,7 +214,7 @@ def values_of(
     factors: list[float],
     convert: Callable[[str], float],
 ) -> NDArray[np.float64]:
-    """The numbers in SI, a row each; their times rise.
+    """Numbers in SI, with rising times.
 
     Parameters
     ----------
@@ -188,16 +223,21 @@ def values_of(
     rows
         Line number and cells of each row below the units.
     header, factors
-        Names of the columns, and what brings them to SI.
+        Names of the columns, and their factors to SI.
     convert
-        What makes a number of a cell: ``float``, or ``plain_number`` of a file that may hold what that should not take.
+        Converts a cell: ``float``, or ``plain_number`` where the text may hold what ``float`` must not accept.
+
+    Returns
+    -------
+    array
+        Shape (rows, columns), in the order of the header.
 
     Raises
     ------
     InputError
         One line that says where, what was found and what is expected.
     """
-    width, at = len(header), header.index("time")
+    width, time = len(header), header.index("time")
     found, before = array("d"), -math.inf
     for count, (line, cells) in enumerate(rows):
         if len(cells) != width:
@@ -207,13 +247,13 @@ def values_of(
         except ValueError:
             values = [math.nan]
         if not math.isfinite(sum(values)):  # a finite sum has finite parts
-            values = [number_of(path, line, *given) for given in zip(header, cells, factors, strict=True)]
-        if not values[at] > before:
-            shown = quoted(cells[at])
+            values = [number_of(path, line, *cell) for cell in zip(header, cells, factors, strict=True)]
+        if not values[time] > before:
+            shown = quoted(cells[time])
             raise InputError(f"{path}:{line}: time: {shown} is not after the row before; expected rising times")
         if count == _MOST_ROWS:
             raise InputError(f"{path}:{line}: row: more than {_MOST_ROWS} rows; expected a thinned recording")
-        before = values[at]
+        before = values[time]
         found.extend(values)
     if len(found) < 2 * width:
         few = f"{len(found) // width} found; expected at least 2 below the units, e.g. {_example(width)}"
@@ -224,10 +264,24 @@ def values_of(
 def number_of(path: Path, line: int, column: str, cell: str, factor: float) -> float:
     """The finite number in a cell, in SI.
 
+    Parameters
+    ----------
+    path, line, column
+        Place of the cell, for the message.
+    cell
+        Its text.
+    factor
+        Of its unit to SI.
+
+    Returns
+    -------
+    float
+        The number in SI.
+
     Raises
     ------
     InputError
-        When there is none: says where.
+        When there is none.
     """
     try:
         value = plain_number(cell) * factor
@@ -239,7 +293,20 @@ def number_of(path: Path, line: int, column: str, cell: str, factor: float) -> f
 
 
 def miscount(cells: list[str], header: list[str]) -> str:
-    """What is wrong with a row that has more or fewer cells than the header, in words."""
+    """Message for a row that has more or fewer cells than the header.
+
+    Parameters
+    ----------
+    cells
+        The row.
+    header
+        Names of the columns.
+
+    Returns
+    -------
+    str
+        Found and expected.
+    """
     text, width = quoted(",".join(cells)), len(header)
     if len(cells) > width or (len(cells) == 1 and ";" in cells[0]):
         return (

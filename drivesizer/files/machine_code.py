@@ -1,8 +1,8 @@
-"""Plain functions on arrays as machine code, where numba is installed, and where that code is kept.
+"""Plain functions on arrays compiled to machine code by numba, and the cache of that code.
 
-Compiled code is kept in a folder named by the digest of all files that it is made from and numba's version, so that
-old code is never met; where that cannot be written it is compiled in memory at every start. It runs without the
-interpreter's lock: threads run beside each other.
+Compiled code is kept in a folder named by the digest of all its source files and numba's version, so that outdated
+code is never used; where that folder cannot be written it is compiled in memory at every start. It runs without the
+interpreter's lock: threads run in parallel.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ class SlowWarning(UserWarning):
 
 
 class Kernel(NamedTuple):
-    """What becomes one piece of machine code."""
+    """Functions that are compiled together to one piece of machine code."""
 
     functions: tuple[Callable[..., Any], ...]  # each calls only those before it; the last one is called from outside
-    modules: tuple[ModuleType, ...]  # where they and their constants stand
-    inline: bool  # whether each is made part of those that call it: faster, and longer to compile
-    slow: str  # what is said without numba
+    modules: tuple[ModuleType, ...]  # that define them and their constants
+    inline: bool  # whether each is inlined where it is called: faster, and longer to compile
+    slow: str  # the warning without numba
 
     @property
     def kept(self) -> bool:
@@ -93,39 +93,40 @@ def machine_code(kernel: Kernel) -> Callable[..., int]:
     finally:
         config.CACHE_DIR = before
     if place is not None:
-        _goes_on_without(made._cache, place)
+        _warn_where_not_stored(made._cache, place)
     compiled: Callable[..., int] = made
     return compiled
 
 
-def _goes_on_without(cache: Any, place: Path) -> None:
-    """Let what numba cannot keep, such as on a full disk, be told and not stop what it compiled for."""
+def _warn_where_not_stored(cache: Any, place: Path) -> None:
+    """Warn where numba cannot store its code, such as on a full disk, instead of stopping the run."""
     save = cache.save_overload
 
-    def kept_or_told(*given: Any) -> None:
+    def save_or_warn(*given: Any) -> None:
         try:
             save(*given)
         except OSError as error:
             warnings.warn(f"the compiled code is not kept in {place} ({reason_of(error)})", CacheWarning, stacklevel=2)
 
-    cache.save_overload = kept_or_told
+    cache.save_overload = save_or_warn
 
 
 def translated(kernel: Kernel, njit: Any, keep: bool) -> Any:
-    """Every function as a compiler makes it; in a space of names of their own they see each other, not the plain ones.
+    """Compile every function; in a namespace of their own they call each other, not the plain ones.
 
     Parameters
     ----------
     kernel
         What is compiled.
     njit
-        numba's, or what stands in for it.
+        numba's, or a stand-in.
     keep
         Whether the last one is kept in the cache folder.
 
     Returns
     -------
-    The last function.
+    Callable
+        The last function, compiled.
     """
     names: dict[str, Any] = {}
     for module in kernel.modules:
@@ -135,6 +136,6 @@ def translated(kernel: Kernel, njit: Any, keep: bool) -> Any:
     inner: dict[str, Any] = {"no_cpython_wrapper": True} | ({"forceinline": True} if kernel.inline else {})
     for function in kernel.functions:
         more = {"cache": keep} if function is kernel.functions[-1] else inner
-        alike = FunctionType(function.__code__, names, function.__name__)
-        names[function.__name__] = njit(**options, **more)(alike)
+        copy = FunctionType(function.__code__, names, function.__name__)
+        names[function.__name__] = njit(**options, **more)(copy)
     return names[kernel.functions[-1].__name__]

@@ -1,6 +1,6 @@
-"""Reading a user's text file: bounded, UTF-8, and every failure one line.
+"""Reader of a user's text file: bounded size, UTF-8, every error one line.
 
-What was read is remembered by its name for as long as the process lives: no output may take the place of an input.
+Files that were read are remembered by name for as long as the process lives: no output may replace an input.
 """
 
 from __future__ import annotations
@@ -14,13 +14,25 @@ from drivesizer.errors import InputError, reason_of
 
 __all__ = ["decoded", "missing", "read_bytes", "read_text", "was_read"]
 
-_PATIENCE = 2.0  # s that somebody has to begin to write into a named pipe
+_PATIENCE = 2.0  # s to wait for a writer on a named pipe
 _PIECE = 1 << 20  # bytes read at once
-_read: dict[Path, None] = {}  # absolute paths of what was read
+_read: dict[Path, None] = {}  # absolute paths of the files that were read
 
 
 def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
     """A file's bytes.
+
+    Parameters
+    ----------
+    path
+        Of a file, or of a pipe.
+    largest
+        Size that is accepted [bytes].
+
+    Returns
+    -------
+    bytes
+        The whole content.
 
     Raises
     ------
@@ -40,7 +52,7 @@ def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
 
 
 def _bytes(path: Path, largest: int) -> bytes:
-    """No more than one byte beyond `largest`: a device tells no size."""
+    """At most one byte more than `largest`: a device has no size."""
     found = path.stat()
     if stat.S_ISSOCK(found.st_mode) or stat.S_ISBLK(found.st_mode):
         raise InputError(f"{path}: cannot be read; expected a file")
@@ -53,7 +65,7 @@ def _bytes(path: Path, largest: int) -> bytes:
 
 
 def _from_pipe(path: Path, largest: int) -> bytes:
-    """What is written into a pipe, such as ``<(command)``; opened so that one without a writer holds nobody up."""
+    """Content of a pipe, such as ``<(command)``; one without a writer is refused after a time."""
     pipe = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     try:
         if not select.select([pipe], [], [], _PATIENCE)[0]:
@@ -68,7 +80,7 @@ def _from_pipe(path: Path, largest: int) -> bytes:
 
 
 def was_read(path: Path) -> Path | None:
-    """The path under which a file was read in this process, through whatever link; None where it was not."""
+    """Path under which a file was read in this process, links followed; None where it was not."""
     for name in _read:
         try:
             if name.samefile(path):
@@ -79,7 +91,7 @@ def was_read(path: Path) -> Path | None:
 
 
 def missing(path: Path) -> str:
-    """Why nothing can be read at a path, as ``no such file or directory``; empty where something lies there."""
+    """Reason why nothing can be read at a path, such as ``no such file or directory``; empty where something exists."""
     try:
         path.stat()
     except (OSError, ValueError) as error:
@@ -90,10 +102,22 @@ def missing(path: Path) -> str:
 def decoded(raw: bytes, path: Path) -> str:
     """Bytes as UTF-8 text, a byte-order mark left out.
 
+    Parameters
+    ----------
+    raw
+        Content of a file.
+    path
+        Its name, for the message.
+
+    Returns
+    -------
+    str
+        The text.
+
     Raises
     ------
     InputError
-        When the bytes are no UTF-8 text: names the line.
+        When the bytes are not UTF-8 text; the message has the line.
     """
     try:
         return raw.decode("utf-8-sig")
@@ -103,5 +127,23 @@ def decoded(raw: bytes, path: Path) -> str:
 
 
 def read_text(path: Path, largest: int = 64_000_000) -> str:
-    """A file's text; both failures above apply."""
+    """A file's text.
+
+    Parameters
+    ----------
+    path
+        Of a file, or of a pipe.
+    largest
+        Size that is accepted [bytes].
+
+    Returns
+    -------
+    str
+        The text, without a byte-order mark.
+
+    Raises
+    ------
+    InputError
+        As :func:`read_bytes` and :func:`decoded`.
+    """
     return decoded(read_bytes(path, largest), path)

@@ -1,4 +1,4 @@
-"""Files written whole or not at all.
+"""Output files, written whole or not at all.
 
 Content goes to a temporary file in the target's folder, which then takes the target's place in one step: a
 full disk, a missing permission or an interruption leaves what was there before. Of several files either none is
@@ -23,14 +23,14 @@ __all__ = ["new", "put", "ready", "ready_all", "remove_all"]
 
 
 class _Waiting(NamedTuple):
-    """Content that lies beside its target until all is there."""
+    """Content in a temporary file until all files of an output are complete."""
 
     temporary: Path
     target: Path
 
 
 def ready(path: Path) -> None:
-    """Refuse a target that cannot work before time is spent on its content.
+    """Refuse a target that cannot be written, before its content is computed.
 
     Raises
     ------
@@ -63,18 +63,18 @@ def ready(path: Path) -> None:
 
 
 def ready_all(paths: Iterable[Path]) -> None:
-    """Refuse targets of which one cannot work, or of which two are one file; see :func:`ready`."""
+    """Refuse targets of which one cannot be written, or two are the same file; see :func:`ready`."""
     behind: dict[Path, Path] = {}
     for path in paths:
         ready(path)
         first = behind.setdefault(path.resolve(), path)
-        if first is not path and not _is_open_end(_status(path)):
+        if first is not path and not _is_stream(_status(path)):
             raise InputError(f"{path}: would be written twice{'' if first == path else f', as {first} too'}; "
                              "expected another name")  # fmt: skip
 
 
 def remove_all(paths: Iterable[Path]) -> None:
-    """Take away earlier outputs, as far as they are there; none of them where one was read in this run.
+    """Remove earlier outputs where they exist; none of them where one was read in this run.
 
     Raises
     ------
@@ -114,10 +114,10 @@ def put(files: Mapping[Path, bytes]) -> list[Path]:
     waiting: list[_Waiting] = []
     complete, path = False, Path()
     try:
-        streams = [path for path in files if _is_open_end(_status(path))]
+        streams = [path for path in files if _is_stream(_status(path))]
         for path, content in files.items():
             if path not in streams:
-                _lay_by(path.resolve(), content, waiting)  # a link stays a link, the file behind it changes
+                _write_temporary(path.resolve(), content, waiting)  # a link stays a link, the file behind it changes
         for path in streams:
             _pour(path, files[path])
         complete = True
@@ -136,12 +136,19 @@ def put(files: Mapping[Path, bytes]) -> list[Path]:
 
 
 def new(path: Path, content: bytes) -> None:
-    """Write a file where none is yet, whole or not at all.
+    """Write a file where none exists, whole or not at all.
+
+    Parameters
+    ----------
+    path
+        Of the new file.
+    content
+        Its bytes.
 
     Raises
     ------
     InputError
-        When something is there, which is left alone, or the file cannot be written.
+        When one exists, which is left unchanged, or the file cannot be written.
     """
     try:
         with path.open("xb") as stream:
@@ -161,22 +168,22 @@ def new(path: Path, content: bytes) -> None:
 
 
 def _status(path: Path) -> os.stat_result | None:
-    """What lies behind a path, None where nothing does."""
+    """Status of a path's target; None where it does not exist."""
     try:
         return path.stat()
     except FileNotFoundError:
         return None
 
 
-def _is_open_end(found: os.stat_result | None) -> bool:
-    """Whether a target is written into as it stands: a device, a pipe, or where this process's own output goes."""
+def _is_stream(found: os.stat_result | None) -> bool:
+    """Whether a target is written directly: a device, a pipe, or this process's own output."""
     if found is None:
         return False
     return stat.S_ISCHR(found.st_mode) or stat.S_ISFIFO(found.st_mode) or _own_stream(found) is not None
 
 
 def _own_stream(found: os.stat_result) -> int | None:
-    """The number of the standard stream, output or error, that goes to a file; None where none does."""
+    """Number of the standard stream, output or error, that is redirected to a file; None where none is."""
     for number in (1, 2):
         try:
             if os.path.samestat(os.fstat(number), found):
@@ -187,7 +194,7 @@ def _own_stream(found: os.stat_result) -> int | None:
 
 
 def _pour(path: Path, content: bytes) -> None:
-    """Write into a device, a pipe that somebody reads, or a standard stream, after what was printed before."""
+    """Write into a device, a pipe with a reader, or a standard stream, after what was printed before."""
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
     number = _own_stream(path.stat())
@@ -207,8 +214,8 @@ def _pour(path: Path, content: bytes) -> None:
 # --- files -----------------------------------------------------------------------------------------------------------
 
 
-def _lay_by(target: Path, content: bytes, waiting: list[_Waiting]) -> None:
-    """Write content to a temporary file beside its target, and remember it from before it is there."""
+def _write_temporary(target: Path, content: bytes, waiting: list[_Waiting]) -> None:
+    """Write content to a temporary file in its target's folder; it is listed before it exists."""
     for number in count(len(waiting)):
         # Named by the process, so that two runs do not meet; a run that was killed may have left such a name.
         temporary = target.parent / f".drivesizer-{os.getpid()}-{number}.part"
@@ -232,7 +239,7 @@ def _as_before(temporary: Path, target: Path) -> None:
 
 
 def _take_places(waiting: list[_Waiting]) -> None:
-    """Let complete files take their targets' places, and forget them: their names may be another run's by then."""
+    """Rename complete files to their targets, and drop them from the list: another run may reuse their names."""
     while waiting:
         temporary, target = waiting[0]
         if temporary.exists():  # else an interruption came right after it took its place

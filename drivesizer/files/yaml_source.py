@@ -1,10 +1,9 @@
 """YAML text to plain data, strictly, and back from a field's path to its line.
 
 YAML 1.2 core scalars only (``on`` is text, ``27:1`` is text), unique keys, no anchors, aliases, tags or second
-documents, no characters that steer a terminal, bounded size, depth and number of keys: what a hostile or careless file
-can do is a one-line error. The parsing is
-libyaml's; only the building of the data is ours, because positions and strictness are what PyYAML's
-constructor does not keep.
+documents, no terminal control characters, bounded size, depth and number of keys: a hostile or careless file causes no
+more than a one-line error. libyaml parses; the data is built here, because PyYAML's constructor keeps neither positions
+nor strictness.
 """
 
 from __future__ import annotations
@@ -27,12 +26,12 @@ Path_ = tuple[str | int, ...]  # keys and indices from the top of the document t
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _DEEPEST = 20
 _MOST_KEYS = 10_000  # of one group of fields
-_LARGEST = 2_000_000  # bytes: what is long stands in a CSV file beside it
+_LARGEST = 2_000_000  # bytes: long data belongs in a CSV file beside it
 _NULL = {"", "~", "null", "Null", "NULL"}
 _BOOL = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
 _INT = re.compile(r"[-+]?[0-9]+", re.ASCII)
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?", re.ASCII)
-# controls but tab and line feed, ends of line of other scripts, and what turns the direction of writing
+# controls but tab and line feed, line ends of other scripts, and marks of writing direction
 _UNSEEN = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ufff9-\ufffb\ud800-\udfff]"
 )
@@ -48,7 +47,7 @@ class YamlSource:
         self._lines: dict[Path_, int] = {}
 
     def line(self, path: Path_) -> int | None:
-        """Line of the field at a path, or of the nearest field above it that exists (read again when first asked)."""
+        """Line of the field at a path, or of the nearest field above it (parsed again on the first call)."""
         if not self._lines:
             _build(self.text, self.name, self._lines.setdefault)
         for length in range(len(path), 0, -1):
@@ -57,7 +56,7 @@ class YamlSource:
         return None
 
     def where(self, path: Path_) -> str:
-        """``file:line: field.path`` as it stands at the head of a message."""
+        """``file:line: field.path``, the head of a message."""
         line = self.line(path)
         place = f"{self.name}:{line}" if line else self.name
         field = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{p}" for p in path).lstrip(".")
@@ -66,6 +65,18 @@ class YamlSource:
 
 def read(path: Path, largest: int = _LARGEST) -> YamlSource:
     """Read a YAML file of at most `largest` bytes.
+
+    Parameters
+    ----------
+    path
+        Of the file.
+    largest
+        Size that is accepted [bytes].
+
+    Returns
+    -------
+    YamlSource
+        The data with the line of each field.
 
     Raises
     ------
@@ -101,19 +112,22 @@ def _events(text: str, name: str) -> Iterator[Any]:
 
 
 def _not_yaml(error: yaml.MarkedYAMLError, text: str) -> str:
-    """Line and reason of what is no YAML; of a quote or bracket that is left open, the line that opens it."""
+    """Line and reason of a syntax error; of an unclosed quote or bracket, the line that opens it."""
     lines = text.splitlines()
     here = error.problem_mark or error.context_mark
-    problem, at = error.problem or "unreadable", here.line if here else 0
-    if at >= len(lines) and error.context_mark:  # the file ends in the middle of something
-        at, problem = error.context_mark.line, f"{problem} {error.context or ''}, which begins here".replace(" ,", ",")
-    at = min(at, max(len(lines) - 1, 0))
-    hint = "; indent with blanks, not tabs" if lines and "\t" in lines[at] else ""
-    return f"{at + 1}: not YAML: {problem}{hint}"
+    problem, line = error.problem or "unreadable", here.line if here else 0
+    if line >= len(lines) and error.context_mark:  # the file ends in the middle of something
+        line, problem = (
+            error.context_mark.line,
+            f"{problem} {error.context or ''}, which begins here".replace(" ,", ","),
+        )
+    line = min(line, max(len(lines) - 1, 0))
+    hint = "; indent with blanks, not tabs" if lines and "\t" in lines[line] else ""
+    return f"{line + 1}: not YAML: {problem}{hint}"
 
 
 def _build(text: str, name: str, note: Callable[[Path_, int], object]) -> Any:
-    """Data from events; ``note`` is told the path and line of every field."""
+    """Data from events; ``note`` is called with the path and line of every field."""
     builder = _Builder(name, note)
     for event in _events(text, name):
         builder.take(event)
@@ -121,7 +135,7 @@ def _build(text: str, name: str, note: Callable[[Path_, int], object]) -> Any:
 
 
 class _Builder:
-    """Puts YAML events together to dicts, lists and scalars, and refuses what is not used here."""
+    """Builds dicts, lists and scalars from YAML events, and refuses features that specs do not use."""
 
     def __init__(self, name: str, note: Callable[[Path_, int], object]) -> None:
         self.name = name
@@ -184,7 +198,7 @@ class _Builder:
         return key
 
     def place(self, value: Any, event: Any) -> Path_:
-        """Put a value where it belongs; its path."""
+        """Add a value to its container; return its path."""
         if not self.open:
             self.root = value
             return ()

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drivesizer.catalog import Catalog, load
+from drivesizer.catalog.search_view import search_view
 from drivesizer.errors import DrivesizerError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.search.ranking import objective_of, title_of
-from drivesizer.sizing import prepared
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.study.axes import changed
 from drivesizer.study.best import best
@@ -39,7 +39,7 @@ def _source(name: str, text: str) -> YamlSource:
 @lru_cache(maxsize=8)
 def _catalog(names: tuple[str, ...], beside: str) -> Catalog:
     """Catalogues as the search wants them: loaded once in a process."""
-    return prepared(load(names, beside=Path(beside)))
+    return search_view(load(names, beside=Path(beside)))
 
 
 def spec_of(job: Job, variant: Variant) -> RobotSpec:

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from drivesizer.catalog import PARTS, Catalog, columns_of, load, shipped
 from drivesizer.catalog.catalog_file import parse
-from drivesizer.catalog.clamping_hubs import on_any_shaft
 from drivesizer.catalog.joining import joined
+from drivesizer.catalog.search_view import search_view
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.search.columns.controllers import selected
@@ -528,5 +528,5 @@ def test_a_misspelt_part_of_a_catalogue_that_is_loaded_is_an_error(guest: Path) 
 
 def test_a_clamping_hub_takes_the_shafts_that_it_holds(guest: Path) -> None:
     """A 9 mm shaft: the 11 mm hub with a bushing; not the 8 mm one, not the 19 mm one; unknown shafts with none."""
-    found = named(on_any_shaft(load(["maxon", "guest.yaml"], beside=guest)))
+    found = named(search_view(load(["maxon", "guest.yaml"], beside=guest)))
     assert {pair for pair in found if pair[1].startswith("GH")} == {("GM-1", "GH-5"), ("118752", "GH-5")}

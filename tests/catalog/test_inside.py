@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.catalog import load
-from drivesizer.catalog.actuators_apart import taken_apart
+from drivesizer.catalog.search_view import split_actuators
 from drivesizer.cli import app
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.results.drive_set import DriveSet
@@ -84,7 +84,7 @@ def one(shop, motor: str, gearhead: str = "") -> DriveSet:
 
 
 def test_the_motor_inside_has_the_figures_of_the_rotor(shop):
-    apart = taken_apart(load(["whole.yaml"], beside=shop))
+    apart = split_actuators(load(["whole.yaml"], beside=shop))
     motor = apart.motors.record(apart.motors.rows["XA70-10"])
     assert motor.torque_constant == pytest.approx(0.1)
     assert motor.nominal_torque == pytest.approx(0.9)
@@ -97,7 +97,7 @@ def test_the_motor_inside_has_the_figures_of_the_rotor(shop):
 
 
 def test_the_gearhead_inside_weighs_and_costs_nothing(shop):
-    apart = taken_apart(load(["whole.yaml"], beside=shop))
+    apart = split_actuators(load(["whole.yaml"], beside=shop))
     gearhead = apart.gearheads.record(apart.gearheads.rows["XA70-10"])
     assert (gearhead.ratio, gearhead.efficiency, gearhead.kind) == (10.0, 0.9, "planetary")
     assert (gearhead.continuous_torque, gearhead.intermittent_torque) == (8.1, 24.0)
@@ -109,22 +109,22 @@ def test_the_gearhead_inside_weighs_and_costs_nothing(shop):
 def test_a_rotor_constant_that_is_printed_goes_before_the_outputs(shop):
     text = (WHOLE % OWN_CONTROLLER).replace("torque_constant (N*m/A)", "motor_torque_constant (N*m/A)")
     (shop / "whole.yaml").write_text(text.replace("28, 0.9, 0.3", "28, 0.11, 0.3"))
-    apart = taken_apart(load(["whole.yaml"], beside=shop))
+    apart = split_actuators(load(["whole.yaml"], beside=shop))
     assert apart.motors["torque_constant"][apart.motors.rows["XA70-10"]] == pytest.approx(0.11)
 
 
 def test_what_is_not_printed_stays_unknown(shop):
     text = (WHOLE % OWN_CONTROLLER).replace(", 10, 90, 24,", ", 10, ~, 24,")
     (shop / "whole.yaml").write_text(text)
-    apart = taken_apart(load(["whole.yaml"], beside=shop))
+    apart = split_actuators(load(["whole.yaml"], beside=shop))
     motor = apart.motors.record(apart.motors.rows["XA70-10"])
     assert isnan(motor.torque_constant) and isnan(motor.nominal_torque) and not isnan(motor.rotor_inertia)
 
 
 def test_taking_apart_is_done_once_and_leaves_the_catalogue_as_printed(shop):
     catalog = load(["whole.yaml"], beside=shop)
-    apart = taken_apart(catalog)
-    assert taken_apart(apart) is apart
+    apart = split_actuators(catalog)
+    assert split_actuators(apart) is apart
     assert (len(catalog.motors), len(apart.motors), len(apart.actuators)) == (0, 1, 1)
     assert catalog.actuators.record(0).nominal_torque == 8.1
 

@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, columns_of, load, shipped
-from drivesizer.catalog.actuators_apart import taken_apart
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit, every, open_all
+from drivesizer.catalog.search_view import split_actuators
 from drivesizer.units import from_si, to_si
 
 ELSEWHERE = {"maxon", "faulhaber", "allied_motion", "tmotor", "pittman"}  # tested in files of their own
@@ -556,7 +556,7 @@ def insides(shelf: dict[str, Catalog]) -> dict[str, list[Inside]]:
     found: dict[str, list[Inside]] = {}
     for name, catalog in shelf.items():
         if len(catalog.actuators):
-            apart = taken_apart(catalog)
+            apart = split_actuators(catalog)
             motors = {str(part): row for row, part in enumerate(apart.motors["inside"]) if part}
             found[name] = [Inside(catalog, apart, row, motors[part]) for part, row in catalog.actuators.rows.items()]
     return found
@@ -751,5 +751,5 @@ def test_all_load_as_one(full: dict[str, Catalog]) -> None:
         parts = [part for part in everything.table(section)["part"].tolist() if part != DIRECT]
         assert len(parts) == len(set(parts))
         assert len(parts) == sum(1 for _ in every(full, [section])), section
-    apart = taken_apart(everything)
+    apart = split_actuators(everything)
     assert int((apart.motors["inside"] != "").sum()) == len(everything.actuators)

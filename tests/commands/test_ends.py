@@ -202,15 +202,15 @@ def test_closed_streams_are_no_fault(folder):
     assert Path("a.csv").read_text().startswith("list,rank,status")
 
 
-def test_machine_code_that_cannot_be_kept_is_told_and_used(tmp_path):
-    from drivesizer.files.machine_code import _goes_on_without
+def test_machine_code_that_cannot_be_kept_is_a_warning_and_used(tmp_path):
+    from drivesizer.files.machine_code import _warn_where_not_stored
 
     class Cache:
         def save_overload(self, *_):
             raise OSError(errno.ENOSPC, "No space left on device")
 
     cache = Cache()
-    _goes_on_without(cache, tmp_path)
+    _warn_where_not_stored(cache, tmp_path)
     with pytest.warns(CacheWarning, match=r"is not kept in .* \(no space left on device\)"):
         cache.save_overload("signature", "code")
 

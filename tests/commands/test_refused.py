@@ -10,7 +10,7 @@ from fuzzing import CATALOGUE, MAP, STARTERS, TABLE, fault_of
 
 from drivesizer.catalog import load, shipped
 from drivesizer.catalog.exchange.import_map import plan
-from drivesizer.catalog.exchange.importing import take
+from drivesizer.catalog.exchange.importing import import_table
 from drivesizer.errors import CatalogError, DrivesizerError, InputError
 from drivesizer.files.yaml_source import YamlSource, read
 from drivesizer.results.check_columns import at_most
@@ -202,7 +202,7 @@ def test_a_map_that_names_what_is_not_there_is_one_line(was, put, said, tmp_path
     text = MAP.replace(was, put, 1).replace("16 mm}", "16 mm}]" if "[{" in put else "16 mm}")
     (tmp_path / "map.yaml").write_text(text)
     with pytest.raises(DrivesizerError) as error:
-        take(TABLE, tmp_path / "parts.csv", plan("motors", tmp_path / "map.yaml", {}), tmp_path / "new.yaml")
+        import_table(TABLE, tmp_path / "parts.csv", plan("motors", tmp_path / "map.yaml", {}), tmp_path / "new.yaml")
     assert said in str(error.value)
 
 

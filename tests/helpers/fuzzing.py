@@ -25,7 +25,7 @@ import yaml
 
 from drivesizer.catalog.exchange.exporting import as_document
 from drivesizer.catalog.exchange.import_map import plan
-from drivesizer.catalog.exchange.importing import take
+from drivesizer.catalog.exchange.importing import import_table
 from drivesizer.catalog.laws.check import check
 from drivesizer.catalog.lookup import find
 from drivesizer.catalog.query import every, open_all
@@ -191,7 +191,7 @@ def table_once(folder: Path, chance: random.Random) -> None:
     if chance.random() < 0.4:
         table = damaged(table, chance)
     (folder / "map.yaml").write_text(as_yaml(mapping, chance), encoding="utf-8", errors="replace")
-    take(table, folder / "parts.csv", plan("motors", folder / "map.yaml", {}), folder / "new.yaml")
+    import_table(table, folder / "parts.csv", plan("motors", folder / "map.yaml", {}), folder / "new.yaml")
 
 
 def _write(folder: Path, catalogue: str, spec: str) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.actuators_apart import taken_apart
 from drivesizer.catalog.laws.check import check_file
+from drivesizer.catalog.search_view import split_actuators
 from drivesizer.machine.energy_flow import energy_flow
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.output.export.fmu_motor import FIGURES, Drive
@@ -73,7 +73,7 @@ def shop(tmp_path_factory):
 
 
 def motor_of(catalogue, part):
-    motors = taken_apart(load([catalogue])).motors
+    motors = split_actuators(load([catalogue])).motors
     return motors.record(motors.rows[part])
 
 
@@ -115,7 +115,7 @@ def test_the_speed_limit_of_a_built_in_controller_is_no_figure_of_the_winding():
     assert back_emf_constant(column_of(**slower)) > 0.0181 * 1.3
     assert back_emf_constant(column_of(**slower, commutation="integrated electronics")) == pytest.approx(0.0181)
     assert back_emf_constant(column_of(**slower, speed_constant=527 * RPM)) == pytest.approx(0.0181)  # one constant
-    motors = taken_apart(load(["robstride"])).motors
+    motors = split_actuators(load(["robstride"])).motors
     assert (back_emf_constant(motors.columns) == motors["torque_constant"]).all()
 
 

@@ -17,12 +17,12 @@ from rich.console import Console
 from scipy import stats
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.actuators_apart import taken_apart
 from drivesizer.catalog.catalog_file import parse
 from drivesizer.catalog.compiled import recall, store
 from drivesizer.catalog.joining import joined
-from drivesizer.catalog.maker_tolerances import stated_of
+from drivesizer.catalog.maker_tolerances import maker_tolerances_of
 from drivesizer.catalog.schema import catalog_schema
+from drivesizer.catalog.search_view import split_actuators
 from drivesizer.errors import CatalogError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json import documents as json_documents
@@ -297,7 +297,7 @@ def _held(catalog: Catalog, part: str, number: str) -> dict[str, str]:
 
 
 def test_a_statement_of_families_counts_before_one_of_all() -> None:
-    catalog = taken_apart(parse(YamlSource(WHOLE, "whole.yaml"), "whole", "0"))
+    catalog = split_actuators(parse(YamlSource(WHOLE, "whole.yaml"), "whole", "0"))
     assert _held(catalog, "gearhead", "G10") == {"efficiency": "-5 %..20 %", "inertia": "+- 8 %"}
     assert _held(catalog, "gearhead", "H10") == {"efficiency": "none", "inertia": "+- 8 %"}
     assert _held(catalog, "gearhead", "A20") == {"efficiency": "+- 30 %", "inertia": "+- 8 %"}  # inside the actuator
@@ -312,9 +312,11 @@ def test_a_statement_of_families_counts_before_one_of_all() -> None:
 
 
 def test_a_makers_statement_holds_for_its_parts_alone(makers: Catalog) -> None:
-    assert [one.tolerance for one in stated_of(makers.tolerances, "motor", "Acme", "Acme 40").values()] == ["+- 5 %"]
-    assert stated_of(makers.tolerances, "gearhead", "Acme", "Acme 40") == {}
-    assert stated_of(makers.tolerances, "motor", "Coil", "Coil 40") == {}
+    assert [one.tolerance for one in maker_tolerances_of(makers.tolerances, "motor", "Acme", "Acme 40").values()] == [
+        "+- 5 %"
+    ]
+    assert maker_tolerances_of(makers.tolerances, "gearhead", "Acme", "Acme 40") == {}
+    assert maker_tolerances_of(makers.tolerances, "motor", "Coil", "Coil 40") == {}
 
 
 # --- the file --------------------------------------------------------------------------------------------------------
@@ -423,7 +425,8 @@ def test_an_overriding_catalogue_states_anew() -> None:
     both = joined([first, mine])
     assert sorted(_documents(both)) == [("Acme", "+- 2 %", "Acme letter"), ("Acme", "+- 6 %", "Acme data sheet")]
     assert both.replaced == ("tolerance of Acme motor torque constant: mine in place of acme",)
-    assert {one.figure: one.tolerance for one in stated_of(both.tolerances, "motor", "Acme", "Acme 40").values()} == {
+    found = maker_tolerances_of(both.tolerances, "motor", "Acme", "Acme 40").values()
+    assert {one.figure: one.tolerance for one in found} == {
         "torque_constant": "+- 2 %", "resistance": "+- 6 %"
     }  # fmt: skip
     with pytest.raises(
@@ -436,10 +439,10 @@ def test_what_overrides_some_families_leaves_the_others() -> None:
     of_40 = ACME.replace("sheet,", "sheet, families: [Acme 40],")
     general = joined([_maker("Acme", ACME), _mine(of_40.replace("5 %", "2 %"), overrides=True)])
     for family, tolerance in (("Acme 40", "+- 2 %"), ("Acme 50", "+- 5 %")):
-        (one,) = stated_of(general.tolerances, "motor", "Acme", family).values()
+        (one,) = maker_tolerances_of(general.tolerances, "motor", "Acme", family).values()
         assert one.tolerance == tolerance
     special = joined([_maker("Acme", of_40), _mine(ACME.replace("5 %", "2 %"), overrides=True)])
-    (one,) = stated_of(special.tolerances, "motor", "Acme", "Acme 40").values()
+    (one,) = maker_tolerances_of(special.tolerances, "motor", "Acme", "Acme 40").values()
     assert one.tolerance == "+- 2 %" and len(special.tolerances) == 1
 
 
@@ -477,7 +480,7 @@ def test_what_ships_names_maker_and_document() -> None:
     assert said["Beckhoff", "resistance"][1].url.endswith("am8100/1333724939.html")
     printed = np.array([0.054, 0.057])  # V rms per rpm, of which the mean stands in the file
     assert printed / printed.mean() == pytest.approx([0.973, 1.027], abs=5e-4)
-    catalog = taken_apart(catalog)
+    catalog = split_actuators(catalog)
     row = catalog.motors.rows["CyberGear"]
     assert [one.text for one in holding(catalog, {}, "motor", row)][:2] == ["+- 10 %", "+- 2.7 %"]
     assert {one.whose for one in holding(catalog, {}, "motor", catalog.motors.rows["118752"])} == {""}

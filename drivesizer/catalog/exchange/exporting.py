@@ -1,8 +1,8 @@
-"""Parts out of catalogues to other programs: CSV with a row of units, or JSON in SI.
+"""Export of parts: CSV with a row of units, or JSON in SI.
 
 Numbers are written as the data sheet prints them where that is the same figure, so that what is exported and
-imported again is the same. An unknown figure is an empty cell, null in JSON. A text that a spreadsheet would compute
-gets an apostrophe in front, which :func:`plain` takes off again.
+imported again is the same. An unknown figure is an empty cell, null in JSON. A text that a spreadsheet would take
+for a formula gets an apostrophe in front, which :func:`plain` removes.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from drivesizer.units import KINDS, from_si, scale
 __all__ = ["ORIGIN", "as_csv", "as_document", "as_finding", "as_part", "digits", "plain", "safe"]
 
 ORIGIN = ("catalog", "document", "confidence", "excluded")  # columns of a CSV that are no figures of a part
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # a spreadsheet computes a cell that begins so
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # a spreadsheet takes a cell that begins so for a formula
 
 
 def safe(text: str) -> str:
-    """A text as a cell that no spreadsheet computes.
+    """A text as a cell that no spreadsheet takes for a formula.
 
     >>> safe("=1+1"), safe("RE 25")
     ("'=1+1", 'RE 25')
@@ -39,7 +39,7 @@ def safe(text: str) -> str:
 
 
 def plain(cell: str) -> str:
-    """The text that a cell of ours, or of another program, stands for.
+    """The text of a cell that drivesizer or another program wrote.
 
     >>> plain("'=1+1"), plain("'n Sync")
     ('=1+1', "'n Sync")
@@ -48,7 +48,19 @@ def plain(cell: str) -> str:
 
 
 def digits(value: float, column: Column) -> str:
-    """A figure in its column's unit with as many digits as it takes to get the same figure back; empty when unknown.
+    """A figure in its column's unit, with the digits that give the same figure when read again.
+
+    Parameters
+    ----------
+    value
+        In SI; NaN where unknown.
+    column
+        With its unit.
+
+    Returns
+    -------
+    str
+        Empty where unknown.
 
     >>> digits(0.0263, columns_of("motors")["nominal_torque"])
     '26.3'
@@ -65,7 +77,20 @@ def digits(value: float, column: Column) -> str:
 
 
 def as_csv(section: str, hits: Sequence[Hit]) -> bytes:
-    """Parts of one section: a header, a row of units, a part in each row, and where it comes from."""
+    """Parts of one section as CSV: a header, a row of units, then a part with its source in each row.
+
+    Parameters
+    ----------
+    section
+        Such as ``motors``.
+    hits
+        The parts.
+
+    Returns
+    -------
+    bytes
+        UTF-8 text.
+    """
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     columns = printed(section)
@@ -106,11 +131,26 @@ def _known(value: Any) -> Any:
 
 
 def as_document(shelf: Mapping[str, Catalog], hits: Sequence[Hit], *, sources: bool = False) -> dict[str, Any]:
-    """Parts as one document: what catalogues they are from, in what units, and the parts."""
+    """Parts as one JSON document with their catalogues and units.
+
+    Parameters
+    ----------
+    shelf
+        Catalogues by name.
+    hits
+        The parts.
+    sources
+        Whether sources and tolerances of the figures are added.
+
+    Returns
+    -------
+    dict
+        Plain data, figures in SI.
+    """
     sections = [section for section in PARTS if any(hit.section == section for hit in hits)]
     parts = []
     for hit in hits:
-        parts.append(as_part(hit) | (_rests_on(hit) if sources else {}))
+        parts.append(as_part(hit) | (_sources(hit) if sources else {}))
     return {
         "catalogs": {name: digest for c in shelf.values() for name, digest in c.digests.items()},
         "units": {section: _units(section) for section in sections},
@@ -118,8 +158,8 @@ def as_document(shelf: Mapping[str, Catalog], hits: Sequence[Hit], *, sources: b
     }
 
 
-def _rests_on(hit: Hit) -> dict[str, Any]:
-    """Where a part's figures come from, and how far off they may be, as its maker says."""
+def _sources(hit: Hit) -> dict[str, Any]:
+    """Sources of a part's figures, and the tolerances that its maker states."""
     stated = [
         {"part": one.part, "figure": one.figure, "tolerance": one.tolerance, "text": one.text or None,
          "source": hit.catalog.sources[one.source]._asdict()}

@@ -1,4 +1,4 @@
-"""The map of a table that is taken over: whose column is which, and what holds for all parts.
+"""Map of a table to import: its columns, and figures that all parts have in common.
 
 manufacturer: Anymaker
 family: M 20                       # where no column gives it
@@ -8,7 +8,7 @@ common: {kind: brushed, diameter: 20 mm}
 columns:
   Order no.: part
   Nominal voltage: nominal_voltage
-  Remark: ~                        # left out on purpose
+  Remark: ~                        # not imported
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ _SOURCE = ("name", "document", "confidence", "date", "url")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """What map and options say together."""
+    """Map and options combined."""
 
     section: str
-    columns: Mapping[str, str | None]  # their header -> our column, None: left out on purpose
+    columns: Mapping[str, str | None]  # header in the table -> column of the catalogue, None: not imported
     manufacturer: str
     family: str
     source_name: str
@@ -44,50 +44,55 @@ class Plan:
 
 
 def plan(section: str, path: Path | None, options: Mapping[str, str | None]) -> Plan:
-    """The plan out of a map file and options; an option wins over the map.
+    """Plan of an import from a map file and options; an option takes precedence over the map.
 
     Parameters
     ----------
     section
         A key of :data:`PARTS`.
     path
-        The map file, or None when the headers are our own.
+        The map file; None where the headers are names of columns already.
     options
         ``manufacturer``, ``family``, ``name``, ``document``, ``confidence``, ``date`` and ``url``.
+
+    Returns
+    -------
+    Plan
+        With texts empty where nothing is given.
 
     Raises
     ------
     InputError
-        When the map is not such a map, or document or confidence are told nowhere.
+        When the map is wrong, or neither map nor options give document and confidence.
     """
     if section not in PARTS:
         raise InputError(f"--section: {quoted(section)} is not known; expected {', '.join(PARTS)}")
     file = read(path) if path else YamlSource("{}", "")
     given = _mapping(file, file.data, (), _KEYS)
-    said = _said(file, given, options)
+    stated = _stated(file, given, options)
     return Plan(
         section=section,
         columns=_columns(file, section, given.get("columns")),
-        manufacturer=said["manufacturer"],
-        family=said["family"],
-        source_name=said["name"] or "table",
-        source={key: said[key] for key in ("document", "date", "confidence", "url")},
+        manufacturer=stated["manufacturer"],
+        family=stated["family"],
+        source_name=stated["name"] or "table",
+        source={key: stated[key] for key in ("document", "date", "confidence", "url")},
         unknown=_unknown(file, given.get("unknown")),
         common=_common(file, section, given.get("common")),
     )
 
 
-def _said(file: YamlSource, given: dict[str, Any], options: Mapping[str, str | None]) -> dict[str, str]:
-    """Maker, family and source out of the map, or out of an option where one is given."""
+def _stated(file: YamlSource, given: dict[str, Any], options: Mapping[str, str | None]) -> dict[str, str]:
+    """Maker, family and source, from an option where it is given, else from the map."""
     source = _mapping(file, given.get("source"), ("source",), _SOURCE)
-    said = {key: _text(file, source.get(key), ("source", key)) for key in _SOURCE}
-    said |= {key: _text(file, given.get(key), (key,)) for key in ("manufacturer", "family")}
-    said |= {key: value for key, value in options.items() if value}
-    if not said["document"]:
-        raise InputError("--document: where the figures come from is not told; expected e.g. 'data sheet, 2024-05'")
-    if said["confidence"] not in CONFIDENCE:
-        raise InputError(f"--confidence: {quoted(said['confidence'])}; expected one of {', '.join(CONFIDENCE)}")
-    return said
+    stated = {key: _text(file, source.get(key), ("source", key)) for key in _SOURCE}
+    stated |= {key: _text(file, given.get(key), (key,)) for key in ("manufacturer", "family")}
+    stated |= {key: value for key, value in options.items() if value}
+    if not stated["document"]:
+        raise InputError("--document: the source of the figures is missing; expected e.g. 'data sheet, 2024-05'")
+    if stated["confidence"] not in CONFIDENCE:
+        raise InputError(f"--confidence: {quoted(stated['confidence'])}; expected one of {', '.join(CONFIDENCE)}")
+    return stated
 
 
 def _mapping(file: YamlSource, value: Any, path: Path_, allowed: tuple[str, ...] = ()) -> dict[str, Any]:

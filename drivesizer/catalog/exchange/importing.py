@@ -1,7 +1,7 @@
-"""Parts of another program's table into a catalogue file: CSV with a header and a row of units, a map of its columns.
+"""Import of another program's table: CSV with a header and a row of units, to the text of a catalogue file.
 
-Numbers go over as they are printed, in the units that the table names; nothing is worked out and nothing guessed. The
-text that comes out is read back as a catalogue before anybody writes it.
+Numbers are copied as printed, in the units of the table; nothing is computed or guessed. The resulting text is read as
+a catalogue before it is written.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.units import number, scale
 
-__all__ = ["Taken", "take"]
+__all__ = ["Imported", "import_table"]
 
 _FRACTION = re.compile(r"[0-9]{1,15}/[1-9][0-9]{0,14}")
 _BARE = re.compile(r"[A-Za-z][A-Za-z0-9_ ()*/^.%+-]*[A-Za-z0-9_)%]|[A-Za-z]")
 _WORDS = {"null", "true", "false"}
 
 
-class Taken(NamedTuple):
-    """What came out: the text of the catalogue file, and what is to be told."""
+class Imported(NamedTuple):
+    """Result of an import: the text of the catalogue file, and a summary."""
 
     text: str
     parts: int
     families: dict[str, int]
-    columns: dict[str, str]  # their header -> our column
-    unknown: tuple[str, ...]  # their headers that are no column of ours
-    empty: tuple[str, ...]  # our columns that are taken and of which nothing is known
+    columns: dict[str, str]  # header in the table -> column
+    unknown: tuple[str, ...]  # headers in the table that are no column
+    empty: tuple[str, ...]  # columns without any value
     skipped: tuple[str, ...]  # rows, each with its reason
 
 
@@ -48,22 +48,27 @@ class _Sheet(NamedTuple):
     rows: list[tuple[int, list[str]]]  # line and cells
 
 
-def take(text: str, path: Path, plan: Plan, target: Path) -> Taken:
-    """A catalogue file out of a table.
+def import_table(text: str, path: Path, plan: Plan, target: Path) -> Imported:
+    """Make the text of a catalogue file from a table.
 
     Parameters
     ----------
     text, path
         The CSV, and its name for messages.
     plan
-        What the map and the options say.
+        Map and options combined.
     target
-        The name of the catalogue file, for the check that it loads.
+        Name of the catalogue file, for messages.
+
+    Returns
+    -------
+    Imported
+        The text and a summary; nothing is written.
 
     Raises
     ------
     InputError
-        One line that says where, what was found and what is expected.
+        One line with place, found and expected.
     """
     sheet = _sheet(text, path)
     taken = _columns(sheet, plan)
@@ -73,7 +78,7 @@ def take(text: str, path: Path, plan: Plan, target: Path) -> Taken:
     groups: dict[str, list[dict[str, str]]] = {}
     for line, row in rows:
         groups.setdefault(_family(sheet, line, row, plan), []).append(row)
-    told = Taken(
+    imported = Imported(
         text=_written(plan, _maker(sheet, plan, groups), groups, heads),
         parts=len(rows),
         families={_untoken(name): len(some) for name, some in groups.items()},
@@ -82,14 +87,14 @@ def take(text: str, path: Path, plan: Plan, target: Path) -> Taken:
         empty=tuple(name for name in taken if name not in used),
         skipped=skipped,
     )
-    _loads(told.text, target)
-    return told
+    _loads(imported.text, target)
+    return imported
 
 
 def _rows(
     sheet: _Sheet, taken: Mapping[str, int], plan: Plan
 ) -> tuple[list[tuple[int, dict[str, str]]], tuple[str, ...]]:
-    """The rows that are parts, each with its line, and why others are none."""
+    """Rows with a part number, each with its line, and the reasons why others were skipped."""
     found: dict[str, tuple[int, dict[str, str]]] = {}
     skipped: list[str] = []
     for line, cells in sheet.rows:
@@ -124,7 +129,7 @@ def _sheet(text: str, path: Path) -> _Sheet:
 
 
 def _columns(sheet: _Sheet, plan: Plan) -> dict[str, int]:
-    """Where each of our columns stands in the table."""
+    """Place of each column in the table."""
     for theirs in (name for name in plan.columns if name not in sheet.header):
         near = nearest(theirs, sheet.header)
         raise InputError(f"{sheet.path}:1: header: the map's column {quoted(theirs)} is not there{near}")
@@ -149,22 +154,24 @@ def _columns(sheet: _Sheet, plan: Plan) -> dict[str, int]:
 def _head(sheet: _Sheet, place: int, column: Column) -> str:
     """A column's head in the catalogue, its unit checked."""
     unit = sheet.units[place] if place < len(sheet.units) else ""
-    said = f"{sheet.path}:2: {sheet.header[place]}"
+    where = f"{sheet.path}:2: {sheet.header[place]}"
     if column.kind in ("text", "ratio") or (column.kind == "dimensionless" and unit in ("", "1")):
         if unit not in ("", "1"):
-            raise InputError(f"{said}: {column.name} has no unit, found {quoted(unit)}; the second row holds the units")
+            raise InputError(
+                f"{where}: {column.name} has no unit, found {quoted(unit)}; the second row holds the units"
+            )
         return column.name
     if not unit:
-        raise InputError(f"{said}: {column.name} needs a unit in the second row, e.g. {column.unit}")
+        raise InputError(f"{where}: {column.name} needs a unit in the second row, e.g. {column.unit}")
     try:
         scale(unit, column.kind)
     except InputError as error:
-        raise InputError(f"{said}: {error}; the second row holds the units, e.g. {column.unit}") from None
+        raise InputError(f"{where}: {error}; the second row holds the units, e.g. {column.unit}") from None
     return f"{column.name} ({unit})"
 
 
 def _row(sheet: _Sheet, line: int, cells: list[str], taken: Mapping[str, int], plan: Plan) -> dict[str, str]:
-    """The known cells of a row as they stand in the catalogue, by our column."""
+    """Known cells of a row as YAML, by column."""
     found: dict[str, str] = {}
     schema = columns_of(plan.section)
     for name, place in taken.items() if any(cells) else ():
@@ -186,7 +193,7 @@ def _number(cell: str, unit: str, column: Column, where: str) -> str:
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
     if rest:
-        raise InputError(f"{where}: {quoted(cell)} is not a plain number; the unit stands in the second row")
+        raise InputError(f"{where}: {quoted(cell)} is not a plain number; the unit belongs in the second row")
     factor, offset = scale(unit or "1", column.kind)
     if value * factor + offset < column.least or (column.kind == "ratio" and value <= 0.0):
         least = "not above 0" if column.kind == "ratio" else f"below {column.least:g}"
@@ -195,7 +202,7 @@ def _number(cell: str, unit: str, column: Column, where: str) -> str:
 
 
 def _token(text: str) -> str:
-    """A text as YAML; bare where it reads as itself.
+    """A text as YAML; unquoted where YAML reads it as the same text.
 
     >>> _token("RE 25"), _token("118752"), _token("1e5"), _token("27:1")
     ('RE 25', '118752', '"1e5"', '"27:1"')
@@ -214,7 +221,7 @@ def _untoken(token: str) -> str:
 
 
 def _family(sheet: _Sheet, line: int, row: dict[str, str], plan: Plan) -> str:
-    """The family of a row as YAML, taken out of the row."""
+    """The family of a row as YAML; removed from the row."""
     family = row.pop("family", _token(plan.family) if plan.family else "")
     if not family:
         raise InputError(f"{sheet.path}:{line}: family: unknown; give one with --family or in the map")
@@ -222,7 +229,7 @@ def _family(sheet: _Sheet, line: int, row: dict[str, str], plan: Plan) -> str:
 
 
 def _maker(sheet: _Sheet, plan: Plan, groups: Mapping[str, list[dict[str, str]]]) -> str:
-    """The one maker of all rows as YAML, taken out of the rows."""
+    """The one maker of all rows as YAML; removed from the rows."""
     found = {row.pop("manufacturer") for rows in groups.values() for row in rows if "manufacturer" in row}
     found |= {_token(plan.manufacturer)} if plan.manufacturer and not found else set()
     if len(found) != 1:
@@ -244,7 +251,7 @@ def _written(plan: Plan, maker: str, groups: dict[str, list[dict[str, str]]], he
 
 
 def _block(family: str, rows: list[dict[str, str]], heads: Mapping[str, str], plan: Plan) -> Iterator[str]:
-    """The table of one family; columns of which it knows nothing are left out."""
+    """The table of one family, without columns that have no value."""
     names = [name for name in heads if any(name in row for row in rows)]
     common = ", ".join(f"{name}: {_common(value)}" for name, value in plan.common.items())
     yield f"- family: {family}"
@@ -263,7 +270,7 @@ def _common(value: Any) -> str:
 
 
 def _loads(text: str, target: Path) -> None:
-    """Read the catalogue back, as it will be read."""
+    """Check that the text loads as a catalogue."""
     try:
         parse(YamlSource(text, str(target)), target.stem, "")
     except (CatalogError, InputError) as error:

@@ -1,4 +1,4 @@
-"""What a data sheet states twice, as laws that each part of a catalogue is held against.
+"""Consistency of data sheets: laws between figures of a part, and the check of catalogues against them.
 
 May import: the catalogue's columns, tables and parts; nothing of the catalogue reads its laws.
 """

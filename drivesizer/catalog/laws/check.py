@@ -1,4 +1,4 @@
-"""Whether a catalogue's figures agree with each other: what datasheets say twice, and what cannot be.
+"""Check of a catalogue's figures against each other, by laws that data sheets must satisfy.
 
 >>> findings = check_file("maxon")
 >>> [f for f in findings if f.unexplained]
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.columns import Column
 from drivesizer.catalog.laws.discharge import odd_discharges
-from drivesizer.catalog.laws.law import SLACK, Law, Numbers, decimal_places
+from drivesizer.catalog.laws.law import SLACK, Law, Numbers, decimal_places, half_last_digit
 from drivesizer.catalog.laws.parts import LAWS
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.tables import Catalog, Note, Table
@@ -26,8 +26,7 @@ from drivesizer.units import from_si, show
 __all__ = ["Finding", "check", "check_file"]
 
 INFORMATION = "information"
-_DIGITS = 3  # to which datasheets round
-_NOMINAL = {  # whole because they are meant so, not by rounding
+_NOMINAL = {  # whole numbers by definition, not by rounding
     "nominal_voltage", "counts_per_turn", "steps_per_turn", "full_steps", "stages", "teeth", "pitch", "rated_time",
 }  # fmt: skip
 _WRONG: dict[str, Callable[[Any, Any, Any], Any]] = {
@@ -41,7 +40,7 @@ _WRONG: dict[str, Callable[[Any, Any, Any], Any]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """One thing about one part that does not fit, or that is worth knowing.
+    """A contradiction in the figures of one part, or information on it.
 
     ``found`` and ``expected`` are SI (NaN where there is no number); ``kind`` and ``unit`` are those in which
     datasheets print them. ``deviation`` and ``tolerance`` are relative to ``expected``.
@@ -68,7 +67,7 @@ class Finding:
 
     @property
     def unexplained(self) -> bool:
-        """Whether something is wrong that the catalogue has no word for."""
+        """Whether it is a contradiction that no note of the catalogue accepts."""
         return self.grade != INFORMATION and not self.accepted
 
     def text(self) -> str:
@@ -82,18 +81,31 @@ class Finding:
 
 
 def check_file(name: str, *, beside: Path | None = None) -> list[Finding]:
-    """What is found in one catalogue, by name or by file; see ``check``."""
+    """Findings of one catalogue, by name or by file; see :func:`check`.
+
+    Parameters
+    ----------
+    name
+        Of a shipped catalogue, or a path.
+    beside
+        Folder from which relative paths count.
+
+    Returns
+    -------
+    list[Finding]
+        The accepted ones included.
+    """
     from drivesizer.catalog import load
 
     return check(load([name], beside=beside))
 
 
 def check(catalog: Catalog) -> list[Finding]:
-    """Everything that does not fit in a catalogue, the accepted included, in the order of the parts.
+    """All findings of a catalogue, the accepted included, in the order of the parts.
 
-    Unknown figures are not checked. Excluded parts are, but no family is judged by them, and what is found on them is
-    accepted for the reason of their exclusion. Of several catalogues loaded as one a finding names all the files:
-    check each by itself (``check_file``).
+    Unknown figures are not checked. Excluded parts are checked but do not count in comparisons with their family, and
+    their findings are accepted for the reason of their exclusion. For several catalogues loaded as one a finding names
+    all the files: check each by itself (:func:`check_file`).
     """
     found: list[Finding] = []
     for section in PARTS:
@@ -137,7 +149,7 @@ def _place(catalog: Catalog, table: Table[Any], row: int) -> dict[str, Any]:
 
 
 def _tolerance(table: Table[Any], law: Law) -> Numbers:
-    """What rounding and the law's allowance permit, per part."""
+    """Tolerance of a law per part: rounding of its figures and the law's allowance."""
     total = np.full(len(table), law.allowance)
     columns = columns_of(law.section)
     for name in (law.figure, *law.fields) if law.rounds else ():
@@ -158,11 +170,10 @@ def _rounding(table: Table[Any], column: Column) -> Numbers:
     for family in np.unique(table["family"]) if column.name not in _NOMINAL else ():
         here = table["family"] == family
         place[here] = 10.0 ** -places[here].max()
-    last = np.maximum(10.0 ** (np.floor(np.log10(printed)) - (_DIGITS - 1)), place)
-    return np.asarray(0.5 * last / printed)
+    return half_last_digit(printed, place)
 
 
-# --- what the catalogue says of it -----------------------------------------------------------------------------------
+# --- notes of the catalogue ------------------------------------------------------------------------------------------
 
 
 def _notes_by_part(catalog: Catalog, section: str) -> dict[str, list[Note]]:
@@ -183,16 +194,16 @@ def _judged(finding: Finding, notes: list[Note]) -> Finding:
 
 
 def _discharges(catalog: Catalog) -> Iterator[Finding]:
-    """What a battery's discharge tables contradict, of each other and of its row."""
+    """Contradictions of batteries' discharge tables, among each other and with the batteries' figures."""
     for odd in odd_discharges(catalog.discharges, catalog.batteries):
-        yield Finding(**_place(catalog, catalog.batteries, odd.row), **odd.said)
+        yield Finding(**_place(catalog, catalog.batteries, odd.row), **odd.finding)
 
 
 # --- parts among each other ------------------------------------------------------------------------------------------
 
 
 def _twins(catalog: Catalog, table: Table[Any]) -> Iterator[Finding]:
-    """Parts that are the same in every field but the number."""
+    """Parts that agree in every field but the number."""
     first: dict[tuple[str, ...], str] = {}
     for row in np.flatnonzero(~table.excluded).tolist():
         figures = tuple(str(table[name][row]) for name in table.columns if name != "part")
@@ -205,7 +216,7 @@ def _twins(catalog: Catalog, table: Table[Any]) -> Iterator[Finding]:
 
 
 def _dangling(catalog: Catalog) -> Iterator[Finding]:
-    """Pairs of rows that do not exist (no file can say so, a damaged compilation can)."""
+    """Pairs of rows that do not exist: impossible in a file, possible in a damaged compilation."""
     for relation, section in RELATIONS.items():
         pairs = getattr(catalog, relation)
         sides = ((pairs.left, len(catalog.motors)), (pairs.right, len(catalog.table(section))))
@@ -216,7 +227,7 @@ def _dangling(catalog: Catalog) -> Iterator[Finding]:
 
 
 def _alone(catalog: Catalog) -> Iterator[Finding]:
-    """Offered parts that go with no offered part: not wrong, but out of every search with such a part."""
+    """Offered parts that go with no offered part: no contradiction, but never found by a search."""
     for relation, section in RELATIONS.items():
         pairs, motors, others = getattr(catalog, relation), catalog.motors, catalog.table(section)
         inside = (pairs.left < len(motors)) & (pairs.right < len(others))

@@ -1,7 +1,7 @@
-"""What a battery's discharge tables say twice: of each other, of its capacities and of its voltages.
+"""Consistency of a battery's discharge tables: among each other, with its capacities and with its voltages.
 
-Each figure is compared with a neighbour in its table, so that a slip is told where it stands. Charge is what a held
-current draws in its time, energy what a held power does; the tolerance is half of the last printed digit of both.
+Each figure is compared with a neighbour in its table, so that a misprint is located. Charge is a constant current times
+its time, energy a constant power times its time; the tolerance is half of the last printed digit of both.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.catalog.discharges import DISCHARGES, HELD, Discharges
-from drivesizer.catalog.laws.law import DEFINITION, SLACK, Numbers, decimal_places
+from drivesizer.catalog.laws.law import DEFINITION, SLACK, Numbers, decimal_places, half_last_digit
 from drivesizer.catalog.tables import Table
 from drivesizer.units import show
 
@@ -24,14 +24,14 @@ _MEAN = 0.02  # relative: power over current is the mean voltage of two discharg
 
 
 class Odd(NamedTuple):
-    """One entry that does not fit: the battery's row, and what a finding says of it."""
+    """A contradicting entry: the battery's row, and the fields of the finding on it."""
 
     row: int
-    said: dict[str, Any]
+    finding: dict[str, Any]
 
 
 def odd_discharges(given: Discharges, batteries: Table[Any]) -> Iterator[Odd]:
-    """Everything in the discharge tables that cannot be.
+    """Contradictions in discharge tables.
 
     Parameters
     ----------
@@ -39,6 +39,11 @@ def odd_discharges(given: Discharges, batteries: Table[Any]) -> Iterator[Odd]:
         Columns of all discharges.
     batteries
         The table whose rows they belong to.
+
+    Returns
+    -------
+    Iterator[Odd]
+        By battery.
     """
     for row in np.unique(given.battery).tolist():
         own = given.on(given.battery == row)
@@ -56,8 +61,7 @@ def _digit(some: Discharges, held: str) -> Numbers:
     draw = getattr(some, held)
     places = decimal_places(draw)
     column = np.array([10.0 ** -places[some.time == time].max() for time in some.time])
-    last = np.maximum(10.0 ** (np.floor(np.log10(draw)) - 2), column) if len(draw) else draw
-    return np.asarray(0.5 * last / draw)
+    return half_last_digit(draw, column) if len(draw) else draw
 
 
 def _pairs(first: Numbers, then: Numbers) -> Iterator[tuple[int, int]]:
@@ -69,7 +73,7 @@ def _pairs(first: Numbers, then: Numbers) -> Iterator[tuple[int, int]]:
 
 
 def _along_time(row: int, some: Discharges, draw: Numbers, digit: Numbers, held: str, unit: str) -> Iterator[Odd]:
-    """A longer discharge is at less draw, and gives no less in all."""
+    """A longer discharge draws less, and gives no less charge or energy in total."""
     total = {"current": ("charge", "A*h"), "power": ("energy", "W*h")}[held]
     for quick, slow in _pairs(some.cutoff_voltage, some.time):
         where = f"{_at(some, slow)}, beside {_hours(some.time[quick])}"
@@ -84,7 +88,7 @@ def _along_time(row: int, some: Discharges, draw: Numbers, digit: Numbers, held:
 
 
 def _along_voltage(row: int, some: Discharges, draw: Numbers, digit: Numbers, held: str, unit: str) -> Iterator[Odd]:
-    """Down to a lower voltage in the same time it gives no less."""
+    """A discharge to a lower end voltage in the same time gives no less."""
     for deep, shallow in _pairs(some.time, some.cutoff_voltage):
         span = digit[deep] + digit[shallow]
         if draw[deep] < draw[shallow] * (1.0 - span - SLACK):
@@ -132,8 +136,8 @@ def _odd(
 ) -> Odd:  # fmt: skip
     numbers = {"found": float(found), "expected": float(expected), "deviation": float(found / expected - 1.0)}
     words = {"identity": identity, "meaning": meaning, "relation": relation, "kind": kind, "unit": unit}
-    told = {"tolerance": float(tolerance), "reason": "half of the last printed digits", "source": DEFINITION}
-    return Odd(row, words | numbers | told | {"fields": (DISCHARGES, *fields)})
+    limits = {"tolerance": float(tolerance), "reason": "half of the last printed digits", "source": DEFINITION}
+    return Odd(row, words | numbers | limits | {"fields": (DISCHARGES, *fields)})
 
 
 def _at(own: Discharges, place: int) -> str:

@@ -1,8 +1,8 @@
-"""A law between the figures of one part, its sides, and what makes laws out of rows of a table.
+"""A law between the figures of one part, its sides, and functions that make laws out of rows of a table.
 
-Every law compares one figure with a function of the part's other figures, or of its sisters'. A figure that is not
-known makes its law say nothing (NaN). The tolerance of a law is what rounding can do, half of the last printed digit of
-every figure in it, and an ``allowance`` for physics that the formula leaves out, with its reason.
+Every law compares one figure with a function of the part's other figures, or of those of its family. With an unknown
+figure the law is not checked (NaN). Its tolerance is the effect of rounding, half of the last printed digit of every
+figure in it, and an ``allowance`` for physics that the formula leaves out, with its reason.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from drivesizer.catalog.tables import Table
 __all__ = [
     "BODY", "DEFINITION", "ENERGY", "HANDBOOK", "ROUNDED", "SLACK", "USAGE", "Band", "Beside", "Formula", "Law",
     "Numbers", "Side", "above_zero", "bands", "beside", "cylinder", "decimal_places", "formulas", "groups",
-    "of_toothed_stages", "offered", "only", "orders", "reductions", "shares", "usual", "whole_numbers", "words",
+    "half_last_digit", "of_toothed_stages", "offered", "only", "orders", "reductions", "shares", "usual",
+    "whole_numbers", "words",
 ]  # fmt: skip
 
 Numbers = NDArray[np.float64]
@@ -29,12 +30,13 @@ Side = Callable[[Table[Any]], Any]
 Formula = tuple[str, str, str, str, Side, tuple[str, ...], float, str]
 # section, name, figure, expected, least and most share of it, other figures, reason
 Band = tuple[str, str, str, Side, float, float, tuple[str, ...], str]
-# section, figure, side, how many times its sisters' at most, reason
+# section, figure, side, largest multiple of the median of similar parts, reason
 Beside = tuple[str, str, Callable[[str], Side], float, str]
 
 HANDBOOK = "maxon academy, Formulae Handbook, 2nd ed., 2012"
 DEFINITION = "what the words mean"
 SLACK = 1e-9  # relative: of the arithmetic, not of a printed figure
+_DIGITS = 3  # to which data sheets round
 _PLACES = range(1, 9)  # decimal places that a printed figure may have
 ENERGY = "no machine gives more than it takes"
 BODY = "a body's mass and volume"
@@ -44,7 +46,7 @@ ROUNDED = "only what rounding explains"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Law:
-    """One figure against what other figures say of it."""
+    """One figure compared with a function of other figures."""
 
     section: str
     name: str
@@ -52,7 +54,7 @@ class Law:
     figure: str  # the field that is compared; both numbers have its unit
     relation: str  # = <= >= < >, figure on the left
     expected: Side
-    fields: tuple[str, ...]  # the other figures that weigh in it, as often as their power says
+    fields: tuple[str, ...]  # the other figures in it, each as often as its exponent
     allowance: float = 0.0  # relative, beyond rounding
     rounds: bool = True  # whether the rounding of the figures counts
     reason: str = ROUNDED  # of the tolerance
@@ -61,18 +63,52 @@ class Law:
 
 
 def decimal_places(printed: Numbers) -> NDArray[np.int_]:
-    """Behind the point, as many as it takes to write each figure; none for an unknown one."""
+    """Decimal places that each figure needs; 0 for an unknown one."""
     found = np.where(np.isnan(printed), 0, _PLACES[-1])
     for places in reversed((0, *_PLACES)):
         found[np.abs(np.round(printed, places) - printed) <= SLACK * printed] = places
     return found
 
 
+def half_last_digit(printed: Numbers, place: Numbers) -> Numbers:
+    """Half of the last printed digit of figures with three digits, relative to them.
+
+    Parameters
+    ----------
+    printed
+        Figures in the unit in which they are printed, above 0.
+    place
+        Smallest decimal place that is printed, such as 0.01; 0 for no bound.
+
+    Returns
+    -------
+    array
+        Relative rounding error, of the shape of ``printed`` [1].
+    """
+    last = np.maximum(10.0 ** (np.floor(np.log10(printed)) - (_DIGITS - 1)), place)
+    return np.asarray(0.5 * last / printed)
+
+
 # --- sides -----------------------------------------------------------------------------------------------------------
 
 
 def only(table: Table[Any], kind: str, values: Any) -> Numbers:
-    """Values of the parts of one kind, unknown for the others."""
+    """Values of the parts of one kind, unknown for the others.
+
+    Parameters
+    ----------
+    table
+        Parts with the column ``kind``.
+    kind
+        Such as ``brushed``.
+    values
+        One for each part.
+
+    Returns
+    -------
+    array
+        The values, NaN for parts of other kinds.
+    """
     return np.where(table["kind"] == kind, values, np.nan)
 
 
@@ -91,7 +127,22 @@ def groups(table: Table[Any], *names: str) -> NDArray[np.intp]:
 
 
 def offered(table: Table[Any], figure: str, rows: NDArray[np.bool_], how: Callable[[Numbers], Any]) -> float:
-    """Median, least or greatest figure of some of the offered parts."""
+    """Median, least or greatest figure of some offered parts.
+
+    Parameters
+    ----------
+    table, figure
+        The parts, and the column.
+    rows
+        Which parts, shape (parts,).
+    how
+        Reduction of the known figures, such as ``np.median``.
+
+    Returns
+    -------
+    float
+        NaN where none is known.
+    """
     values = table[figure][rows & ~table.excluded & ~np.isnan(table[figure])]
     return float(how(values)) if len(values) else np.nan
 
@@ -112,7 +163,22 @@ def usual(*names: str) -> Callable[[str], Side]:
 
 
 def of_toothed_stages(table: Table[Any], gearing: str, base: float) -> Numbers:
-    """A number to the power of the stages, where the column ``gearing`` says planetary or spur."""
+    """A number to the power of the stages, for planetary and spur gears.
+
+    Parameters
+    ----------
+    table
+        Gearheads or actuators.
+    gearing
+        Column with the kind of gear.
+    base
+        The number.
+
+    Returns
+    -------
+    array
+        NaN for other kinds of gears.
+    """
     return np.where(np.isin(table[gearing], ("planetary", "spur")), base ** table["stages"], np.nan)
 
 
@@ -129,7 +195,7 @@ def _printed_reduction(table: Table[Any]) -> Numbers:
 
 
 def _number(value: float) -> Side:
-    """The same number for every part but a gearhead of no stages, which stands for no gearhead at all."""
+    """The same number for every part but direct drive, the gearhead without stages."""
 
     def values(table: Table[Any]) -> Numbers:
         found = np.full(len(table), value)
@@ -139,7 +205,7 @@ def _number(value: float) -> Side:
 
 
 def _one(table: Table[Any]) -> Numbers:
-    """One, but for a part that gears nothing: it may lose nothing."""
+    """One; unknown for parts of ratio 1, which may be lossless."""
     if "ratio" not in table.columns:
         return np.ones(len(table))
     return np.where(np.abs(table["ratio"] - 1) > 0, 1.0, np.nan)
@@ -161,28 +227,43 @@ def _times(share: float, side: Side) -> Side:
 
 
 def words(name: str) -> str:
-    """A field's name as people read it."""
+    """A field's name in words."""
     return name.replace("_", " ")
 
 
 def formulas(section: str, rows: Iterable[Formula], source: str) -> Iterator[Law]:
-    """Formulas of a section's parts."""
+    """Formulas of a section's parts.
+
+    Parameters
+    ----------
+    section
+        Such as ``motors``.
+    rows
+        One for each law.
+    source
+        Of all of them.
+
+    Returns
+    -------
+    Iterator[Law]
+        One for each row.
+    """
     for name, meaning, figure, relation, expected, fields, allowance, reason in rows:
         yield Law(section=section, name=name, meaning=meaning, figure=figure, relation=relation, expected=expected,
                   fields=fields, allowance=allowance, reason=reason, source=source)  # fmt: skip
 
 
 def orders(rows: Iterable[tuple[str, str, str, str]]) -> Iterator[Law]:
-    """Figures of one part in their order; printed figures are in it themselves, so rounding has no say."""
-    said = {"<": "below", "<=": "not above", ">=": "not below"}
+    """Figures of one part in their order, which rounding does not change."""
+    meaning = {"<": "below", "<=": "not above", ">=": "not below"}
     for section, figure, relation, other in rows:
         yield Law(section=section, name=f"{words(figure)} and {words(other)}", figure=figure, relation=relation,
-                  meaning=f"{said[relation]} {words(other)}", expected=_column(other), fields=(other,), rounds=False,
+                  meaning=f"{meaning[relation]} {words(other)}", expected=_column(other), fields=(other,), rounds=False,
                   reason="none: rounding keeps the order")  # fmt: skip
 
 
 def bands(rows: Iterable[Band]) -> Iterator[Law]:
-    """A figure between two shares of what is expected."""
+    """A figure between two multiples of the expected one."""
     for section, name, figure, side, least, most, fields, reason in rows:
         for relation, share, word in ((">=", least, "least"), ("<=", most, "most")):
             yield Law(section=section, name=f"{name}, at {word}", meaning=f"{share:g} of it at {word}", figure=figure,
@@ -191,16 +272,29 @@ def bands(rows: Iterable[Band]) -> Iterator[Law]:
 
 
 def beside(rows: Iterable[Beside]) -> Iterator[Law]:
-    """A figure against the median of the part's sisters."""
+    """A figure compared with the median of similar parts."""
     for section, figure, side, times, reason in rows:
         for relation, share, word in ((">=", 1 / times, "least"), ("<=", times, "most")):
-            yield Law(section=section, name=f"{words(figure)} beside its sisters', at {word}", figure=figure,
+            yield Law(section=section, name=f"{words(figure)} beside similar parts, at {word}", figure=figure,
                       meaning=f"{share:.3g} of the median at {word}", relation=relation, fields=("family",),
                       expected=_times(share, side(figure)), rounds=False, reason=reason, source=USAGE)  # fmt: skip
 
 
 def reductions(section: str, gearing: str) -> Iterator[Law]:
-    """What holds for every reduction; the column ``gearing`` names its kind."""
+    """Laws of gear ratios.
+
+    Parameters
+    ----------
+    section
+        gearheads or actuators.
+    gearing
+        Column with the kind of gear.
+
+    Returns
+    -------
+    Iterator[Law]
+        Printed reduction, and ratio by stages.
+    """
     yield Law(
         section=section,
         name="printed reduction",

@@ -1,4 +1,4 @@
-"""What the datasheets of actuators, brakes, steppers, belts, pulleys and batteries say twice, as tables of laws."""
+"""Laws of actuators, brakes, steppers, belts, pulleys and batteries, as tables."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from drivesizer.catalog.laws.law import (
 )
 from drivesizer.catalog.tables import Table
 
-__all__ = ["LAWS_OF_WHOLES"]
+__all__ = ["LAWS_OF_MORE_PARTS"]
 
 # --- actuators -------------------------------------------------------------------------------------------------------
 
@@ -88,7 +88,7 @@ _LEAST_TEETH = {"belts": 16.0, "pulleys": 8.0}
 
 
 def _nearest(values: Any, made: tuple[float, ...]) -> Numbers:
-    """The nearest of the sizes that are made, as a ratio; unknown for an unknown value."""
+    """The nearest by ratio of the sizes that are made; unknown for an unknown value."""
     sizes = np.array(made)
     nearest = sizes[np.abs(np.log(np.asarray(values)[:, None] / sizes)).argmin(axis=1)]
     return np.where(np.isnan(values), np.nan, nearest)
@@ -157,7 +157,7 @@ _BATTERY_LAWS: list[Formula] = [
 
 
 def _capacities() -> Iterator[Law]:
-    """What is drawn in some hours against what is drawn in the rated time."""
+    """Capacity in some hours compared with that in the rated time."""
     for hours in (10, 5, 1):
         yield Law(section="batteries", name=f"capacity {hours} h and capacity", figure=f"capacity_{hours}h",
                   meaning="not above the capacity drawn more slowly", relation="<=", expected=_drawn_as_long(hours),
@@ -237,7 +237,7 @@ _BANDS: list[Band] = [
      "the exponent is one of a range of currents, and 1 h may go down to less volts: 0.99 to 1.28 of four blocks"),
 ]  # fmt: skip
 
-# section, figure, side, how many times its sisters' at most, reason
+# section, figure, side, largest multiple of the median of similar parts, reason
 _BESIDE: list[Beside] = [
     ("actuators", "mass", usual("family"), 8.0, "of the family's parts: several sizes"),
     ("actuators", "efficiency", usual("family"), 3.0, "of the family's parts: one to six stages"),
@@ -255,7 +255,7 @@ _SHARES = [("actuators", "efficiency")]
 _WHOLE = [("actuators", "pole_pairs"), ("actuators", "stages"), ("steppers", "full_steps"), ("belts", "teeth"),
           ("pulleys", "teeth")]  # fmt: skip
 
-LAWS_OF_WHOLES: tuple[Law, ...] = (
+LAWS_OF_MORE_PARTS: tuple[Law, ...] = (
     *formulas("actuators", _ACTUATOR_LAWS, HANDBOOK),
     *formulas("actuators", _ENERGY_LAWS, ENERGY),
     *formulas("steppers", _STEPPER_LAWS, USAGE),

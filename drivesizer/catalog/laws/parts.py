@@ -1,4 +1,4 @@
-"""What the datasheets of motors, gearheads, encoders and controllers say twice, as tables of laws; and all laws."""
+"""Laws of motors, gearheads, encoders and controllers, as tables; and the tuple of all laws."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ from drivesizer.catalog.laws.law import (
     whole_numbers,
     words,
 )
-from drivesizer.catalog.laws.more_parts import LAWS_OF_WHOLES
+from drivesizer.catalog.laws.more_parts import LAWS_OF_MORE_PARTS
 from drivesizer.catalog.tables import Table
 from drivesizer.physics.thermal import continuous_current, nominal_current, rated_ambient, resistance_25
 
 __all__ = ["LAWS"]
 
-# --- sides that are more than a formula ------------------------------------------------------------------------------
+# --- sides that take more than a formula -----------------------------------------------------------------------------
 
 _of_its_size = usual("family", "diameter")
 _of_its_stages = usual("family", "version", "stages")
@@ -63,7 +63,7 @@ def _one_stage_less(figure: str, how: Callable[[Numbers], Any]) -> Side:
 
 
 def _direction(table: Table[Any]) -> Numbers:
-    """Every spur stage turns the direction round; a planetary stage with a fixed ring does not."""
+    """Sign of the ratio: every spur stage reverses it, a planetary stage with a fixed ring does not."""
     odd = np.where(np.isnan(table["stages"]), np.nan, 1.0 - 2.0 * (table["stages"] % 2))
     return np.where(table["kind"] == "planetary", 1.0, only(table, "spur", odd))
 
@@ -74,7 +74,7 @@ def _k_e(m: Table[Any]) -> Numbers:
 
 
 def _thermal(m: Table[Any], housing_loss: bool) -> Numbers:
-    """Current that the thermal figures bear."""
+    """Continuous current that the thermal figures permit."""
     th1, th2, hot = m["thermal_resistance_winding"], m["thermal_resistance_housing"], m["max_winding_temperature"]
     if housing_loss:
         flow = (m["torque_constant"], m["no_load_current"], m["nominal_speed"])
@@ -82,8 +82,8 @@ def _thermal(m: Table[Any], housing_loss: bool) -> Numbers:
     return np.asarray(continuous_current(resistance_25(m), th1, th2, hot, rated_ambient(m)))
 
 
-def _borne(m: Table[Any]) -> Numbers:
-    """Torque for ever at the nominal speed: the parabola through those at 0, half and full permissible speed."""
+def _continuous_torque(m: Table[Any]) -> Numbers:
+    """Continuous torque at nominal speed: parabola through those at 0, half and full permissible speed."""
     x = m["nominal_speed"] / m["max_speed"]
     curve = (
         m["standstill_torque"] * (1 - x) * (1 - 2 * x)
@@ -145,11 +145,11 @@ _MOTOR_LAWS: list[Formula] = [
      lambda m: (1 - np.sqrt(m["no_load_current"] * m["resistance"] / m["nominal_voltage"])) ** 2,
      ("no_load_current", "resistance", "nominal_voltage"), 0.09,
      "friction at the best speed is not that at no load: 642 maxon motors within -8 and +7 %"),
-    ("nominal current of brushed motors, from heat", "not above what R, R_th1, R_th2 and T_max bear, friction counted",
+    ("nominal current of brushed motors, from heat", "not above what R, R_th1, R_th2 and T_max permit with friction",
      "nominal_current", "<=", lambda m: only(m, "brushed", _thermal(m, True)),
      (*_BRUSHED[:3], *_HEAT, "nominal_speed"), 0.03,
      "the copper's share of the housing's loss; brushes may set a lower one, so there is no lower bound"),
-    ("nominal current, from heat", "not above what R, R_th1, R_th2 and T_max bear without any other loss",
+    ("nominal current, from heat", "not above what R, R_th1, R_th2 and T_max permit without any other loss",
      "nominal_current", "<=", lambda m: _thermal(m, False), _HEAT, 0.14,
      "thermal resistances are typical values: 29 of 334 brushless maxon motors above, by 13.7 %"),
 ]  # fmt: skip
@@ -204,7 +204,7 @@ _BANDS: list[Band] = [
     ("motors", "assigned power beside M_N w_N", "assigned_power",
      lambda m: m["nominal_torque"] * m["nominal_speed"], 0.4, 4.0, ("nominal_torque", "nominal_speed"),
      "a class of the type and not a figure of the winding: 0.55 to 3.2 of 641 maxon motors"),
-    ("motors", "nominal torque beside the operating range", "nominal_torque", _borne, 0.93, 1.18, _CURVE,
+    ("motors", "nominal torque beside the operating range", "nominal_torque", _continuous_torque, 0.93, 1.18, _CURVE,
      "of the parabola through the torques at speed 0, half and top: 0.96 to 1.16 of 602 maxon motors, median 1.07"),
     ("motors", "mass beside volume", "mass", cylinder, 1500.0, 9000.0, ("diameter", "length"),
      "kg/m^3: hollow plastic and solid copper"),
@@ -243,7 +243,7 @@ _WHOLE = [("motors", "pole_pairs"), ("motors", "phases"), ("motors", "commutator
           ("encoders", "counts_per_turn"), ("encoders", "steps_per_turn"), ("encoders", "channels")]  # fmt: skip
 
 # thermal_resistance_winding: motors of which only winding to ambient is known have it in the housing's;
-# stages: 0 stands for no gearhead at all
+# stages: 0 is direct drive
 _MAY_BE_ZERO = {"thermal_resistance_winding", "friction_torque", "viscous_friction", "backlash", "voltage_drop",
                 "stages", "direction", "price", "price_5", "price_20", "list_price", "added_length",
                 "inertia"}  # fmt: skip
@@ -279,6 +279,6 @@ LAWS: tuple[Law, ...] = (
     *_by_stages(),
     *shares(_SHARES),
     *whole_numbers(_WHOLE),
-    *LAWS_OF_WHOLES,
+    *LAWS_OF_MORE_PARTS,
     *above_zero(_MAY_BE_ZERO),
 )

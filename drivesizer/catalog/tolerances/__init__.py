@@ -1,4 +1,4 @@
-"""How far catalogue figures may be off: by the maker's statement, else by a class of figures; distributions.
+"""Tolerances of catalogue figures: classes of figures and their distributions.
 
 May import: files and what is below the catalogue.
 """

@@ -1,8 +1,8 @@
-"""How far a catalogue figure may be off: the default classes, and those that a maker or a spec puts in their place.
+"""Tolerance classes of catalogue figures: the defaults, and those that a maker or a spec puts in their place.
 
 A class is a distribution of factors of the printed figure. Figures that belong together share one: the two thermal
 resistances of a motor with their time constants, so that heat capacities stay what they are; friction at any speed and
-with it, and the no-load current that stands for both.
+with it, and the no-load current that includes both.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ CLASSES = {
 
 
 class Class(NamedTuple):
-    """How far a figure of the catalogue may be off."""
+    """Tolerance of one kind of catalogue figure."""
 
     part: str  # motor or gearhead
     figure: str
     title: str
-    text: str  # as it is written
+    text: str  # as written
     factor: Distribution | None  # of the printed figure; None: taken as printed
     why: str
     whose: str = ""  # a maker, maybe with families: of its parts alone; else of all that have none of their own
@@ -63,23 +63,28 @@ def class_of(part: str, figure: str, text: str, why: str, whose: str = "") -> Cl
     part, figure
         One of ``CLASSES``.
     text
-        The tolerance, as ``reading.share`` takes it.
+        The tolerance, as ``factors.share`` reads it.
     why
         Where it comes from.
     whose
         Maker, of whose parts alone it is.
+
+    Returns
+    -------
+    Class
+        With the distribution that the text describes.
     """
     title = CLASSES[part, figure] + (f", {whose}" if whose else "")
     return Class(part, figure, title, text, share(text), why, whose)
 
 
 def classes(given: Mapping[tuple[str, str], str] | None = None) -> tuple[Class, ...]:
-    """The classes in force where no maker says anything, in a fixed order.
+    """The classes for parts whose maker states no tolerance, in a fixed order.
 
     Parameters
     ----------
     given
-        What a spec puts in place of a default, by part and figure.
+        Tolerances of a spec in place of the defaults, by part and figure.
 
     Examples
     --------

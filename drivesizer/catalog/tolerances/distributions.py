@@ -1,7 +1,7 @@
-r"""What is known of a figure beside its nominal value: how its values are distributed, as columns.
+r"""Distributions of an uncertain figure, evaluated as columns.
 
-All distributions have ends. A normal one is cut off 4 standard deviations from its mean, beyond which 6 of 100 000
-values would lie; whoever has a tolerance in hand does not mean them, and a mass could fall below zero there.
+All distributions are bounded. A normal one is truncated 4 standard deviations from its mean, beyond which 6 of
+100 000 values would lie: a tolerance does not include them, and a mass could be negative there.
 """
 
 from __future__ import annotations

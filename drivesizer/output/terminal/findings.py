@@ -12,7 +12,7 @@ from rich.text import Text
 
 from drivesizer.catalog import PARTS, Catalog, one_of
 from drivesizer.catalog.coverage import Coverage, coverage, pairs_of
-from drivesizer.catalog.exchange.importing import Taken
+from drivesizer.catalog.exchange.importing import Imported
 from drivesizer.catalog.laws.check import Finding
 from drivesizer.catalog.parts import printed
 from drivesizer.catalog.tables import CONFIDENCE
@@ -115,7 +115,7 @@ def _share(count: int, total: int) -> str:
     return f"{percent:.0f} %"
 
 
-def taken(found: Taken) -> None:
+def taken(found: Imported) -> None:
     """Print the parts and columns that an import read, and those that it left out."""
     out = console()
     out.print(counted(found.families, out.width, f"{found.parts} parts in {len(found.families)} families: "))

@@ -12,9 +12,9 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import columns_of, one_of
-from drivesizer.catalog.clamping_hubs import HUB
 from drivesizer.catalog.lookup import origins, partners, tolerances
 from drivesizer.catalog.query import Hit
+from drivesizer.catalog.search_view import CLAMPING_HUB
 from drivesizer.output.datasheet import datasheet
 from drivesizer.output.terminal.battery import discharge_tables
 from drivesizer.output.terminal.catalog import counted, figure
@@ -116,7 +116,7 @@ def _partners(out: Console, hit: Hit) -> None:
             out.print(counted(counts, out.width, f"{section}: {sum(counts.values())} in {len(counts)} families: "))
         else:
             out.print(Text(f"{section}: none is listed; one may still exist"))
-    if hit.section == "gearheads" and hit["mounting"] == HUB:
+    if hit.section == "gearheads" and hit["mounting"] == CLAMPING_HUB:
         out.print(Text("motors: of any maker, with a shaft that fits the clamping hub"))
     if hit.table.excluded[hit.row]:
         out.print(Text("excluded from sizing by a note", style="red"))

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from drivesizer.catalog import DIRECT, Catalog
-from drivesizer.catalog.maker_tolerances import Stated, stated_of, whose
+from drivesizer.catalog.maker_tolerances import MakerTolerance, maker_tolerances_of, owner_of
 from drivesizer.catalog.tolerances.classes import CLASSES, Class, class_of, classes
 
 __all__ = ["holding", "holding_of_a_set", "used"]
@@ -32,7 +32,7 @@ def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class,
     table = catalog.table(_SECTIONS[part])
     if row < 0 or table["part"][row] == DIRECT:
         return ()
-    stated = stated_of(catalog.tolerances, part, str(table["manufacturer"][row]), str(table["family"][row]))
+    stated = maker_tolerances_of(catalog.tolerances, part, str(table["manufacturer"][row]), str(table["family"][row]))
     found = []
     for default in classes(given):
         if default.part == part:
@@ -42,12 +42,12 @@ def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class,
     return tuple(found)
 
 
-def _of_a_maker(catalog: Catalog, one: Stated) -> Class:
+def _of_a_maker(catalog: Catalog, one: MakerTolerance) -> Class:
     source = catalog.sources[one.source]
     sure = "" if source.confidence == "quoted" else source.confidence
     date = "" if source.date in source.document else source.date
     why = ", ".join(text for text in (f"{one.maker}: {source.document}", date, sure) if text)
-    return class_of(one.part, one.figure, one.tolerance, why, whose(catalog.tolerances, one))
+    return class_of(one.part, one.figure, one.tolerance, why, owner_of(catalog.tolerances, one))
 
 
 def holding_of_a_set(catalog: Catalog, given: Given, motor: int, gearhead: int) -> tuple[Class, ...]:

@@ -1,0 +1,210 @@
+r"""The catalogue as the search takes it: actuators split into their parts, clamping hubs paired, direct drive added.
+
+An actuator's row keeps the figures that its maker prints, at the output. For the search its motor, gearhead, encoder
+and controller become rows of their own. With the ratio i and the gear's efficiency e:
+
+.. math::
+
+    w_m = i w, \quad M_m = \frac{M}{i e}, \quad k_{t,m} = \frac{k_t}{i e}, \quad J_m = \frac{J}{i^2}
+
+Mass, price and size are the motor's, those of the other parts 0. The maker rates the actuator as a unit: the gearhead
+inside has the actuator's torques and no power limit of its own, and the controller inside supplies the current with
+which the actuator was measured. Where no permissible speed is printed, the no-load speed at nominal voltage is used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog.parts import DIRECT, EDGES, NO_GEARHEAD, RELATIONS, Gearhead, columns_of, one_of
+from drivesizer.catalog.tables import Catalog, Pairs, Source, Table, unique_pairs
+from drivesizer.errors import CatalogError, quoted
+from drivesizer.physics.back_emf import ELECTRONICS
+
+__all__ = ["CLAMPING_HUB", "NO_GEARHEAD_SOURCE", "search_view", "split_actuators", "with_no_gearhead"]
+
+CLAMPING_HUB = "clamping hub"  # mounting of a gearhead that takes motors of any maker
+_THINNEST_SHAFT = 0.5  # of the hub's bore: a bushing fills the rest
+NO_GEARHEAD_SOURCE = Source("no gearhead: the motor drives the load itself", "quoted")
+
+Columns = dict[str, NDArray[Any]]
+_NAMES = ("part", "family", "manufacturer")
+_MOTOR = (
+    "kind", "nominal_voltage", "no_load_current", "nominal_current", "stall_current", "data_temperature",
+    "rated_ambient", "resistance", "inductance",
+    "pole_pairs", "thermal_resistance_winding", "thermal_resistance_housing", "winding_time_constant",
+    "motor_time_constant", "max_winding_temperature", "ambient_min", "ambient_max", "diameter", "length", "mass",
+    "price",
+)  # fmt: skip
+_GEARHEAD = ("reduction", "ratio", "stages", "direction", "efficiency", "backlash", "max_radial_load", "max_axial_load")
+
+
+class _Inside(NamedTuple):
+    """One kind of part inside actuators."""
+
+    of: NDArray[np.int64]  # rows of the actuators that have such a part
+    columns: Mapping[str, Any]
+
+
+def search_view(catalog: Catalog) -> Catalog:
+    """The catalogue as the search takes it: actuators split, clamping hubs paired, direct drive added."""
+    return _with_direct_drive(_with_clamping_hubs(split_actuators(catalog)))
+
+
+def split_actuators(catalog: Catalog) -> Catalog:
+    """The catalogue with a row for each motor, gearhead, encoder and controller that is inside an actuator.
+
+    A catalogue without actuators, or whose actuators are split already, is returned unchanged.
+
+    Raises
+    ------
+    CatalogError
+        When an actuator has the part number of a motor, gearhead, encoder or controller.
+    """
+    actuators = catalog.actuators
+    if not len(actuators) or (catalog.motors["inside"] != "").any():
+        return catalog
+    for section in ("motors", "gearheads", "encoders", "controllers"):
+        twice = sorted(set(actuators["part"].tolist()) & set(catalog.table(section)["part"].tolist()))
+        if twice:
+            raise CatalogError(f"part {quoted(twice[0])} is an actuator and a {one_of(section)} as well; rename one")
+    inside = {"motors": _motor(actuators), "gearheads": _gearhead(actuators), "encoders": _encoder(actuators),
+              "controllers": _controller(actuators)}  # fmt: skip
+    tables: dict[str, Any] = {name: _with(catalog.table(name), actuators, rows) for name, rows in inside.items()}
+    first = len(catalog.motors)
+    pairs: dict[str, Any] = {
+        name: _paired(getattr(catalog, name), actuators, inside[right].of, first, len(catalog.table(right)))
+        for name, right in RELATIONS.items()
+        if right in inside
+    }  # fmt: skip
+    return catalog.with_tables(tables, pairs)
+
+
+def _with(table: Table[Any], actuators: Table[Any], inside: _Inside) -> Table[Any]:
+    """A table followed by the rows of the parts inside actuators."""
+    columns: Columns = {}
+    of = inside.of
+    figures = dict(inside.columns) | {name: actuators[name] for name in _NAMES} | {"inside": actuators["part"]}
+    for name, column in columns_of(table.section).items():
+        unknown: Any = "" if column.kind == "text" else np.nan
+        values: NDArray[Any] = np.broadcast_to(figures.get(name, unknown), (len(actuators),))[of]
+        columns[name] = np.concatenate([table[name], values])
+    source = np.concatenate([table.source, actuators.source[of]])
+    return Table(table.section, columns, source, np.concatenate([table.excluded, actuators.excluded[of]]))
+
+
+def _paired(pairs: Pairs, actuators: Table[Any], of: NDArray[np.int64], motors: int, others: int) -> Pairs:
+    """The pairs followed by each actuator's motor with the part inside the same actuator."""
+    added: tuple[NDArray[Any], ...] = (of + motors, np.arange(len(of)) + others, actuators.source[of])
+    return Pairs(*(np.concatenate([a, b.astype(np.int32)]) for a, b in zip(pairs, added, strict=True)))
+
+
+def _motor(actuators: Table[Any]) -> _Inside:
+    i, e = actuators["ratio"], actuators["efficiency"]
+    k_t = np.where(
+        np.isnan(actuators["motor_torque_constant"]),
+        actuators["torque_constant"] / (i * e),
+        actuators["motor_torque_constant"],
+    )
+    figures: Columns = {name: actuators[name] for name in _MOTOR}
+    figures |= {name: i * actuators[name] for name in ("no_load_speed", "nominal_speed")}
+    figures |= {name: actuators[name] / (i * e) for name in ("nominal_torque", "stall_torque")}
+    figures["max_speed"] = i * _top_speed(actuators)
+    figures["torque_constant"] = k_t
+    figures["back_emf_constant"] = actuators["motor_back_emf_constant"]
+    figures["commutation"] = np.where(actuators["controller"] != "", ELECTRONICS, "")
+    figures["rotor_inertia"] = np.where(
+        np.isnan(actuators["rotor_inertia"]), actuators["output_inertia"] / i**2, actuators["rotor_inertia"]
+    )
+    return _Inside(np.arange(len(actuators)), figures)
+
+
+def _top_speed(actuators: Table[Any]) -> NDArray[np.float64]:
+    """The permissible speed of the output."""
+    return np.where(np.isnan(actuators["max_speed"]), actuators["no_load_speed"], actuators["max_speed"])
+
+
+def _gearhead(actuators: Table[Any]) -> _Inside:
+    speed = actuators["ratio"] * _top_speed(actuators)
+    # Size, mass, price and inertia are counted with the motor.
+    own = dict.fromkeys(("inertia", "diameter", "length", "mass", "price"), 0.0)
+    free = dict.fromkeys(("continuous_power", "intermittent_power"), np.inf)
+    figures: dict[str, Any] = {name: actuators[name] for name in _GEARHEAD}
+    return _Inside(np.arange(len(actuators)), figures | own | free | {
+        "kind": actuators["gearing"],
+        "continuous_torque": actuators["nominal_torque"],
+        "intermittent_torque": np.fmax(actuators["peak_torque"], actuators["nominal_torque"]),
+        "continuous_input_speed": speed,
+        "intermittent_input_speed": speed,
+        "temperature_min": actuators["ambient_min"],
+        "temperature_max": actuators["ambient_max"],
+    })  # fmt: skip
+
+
+def _encoder(actuators: Table[Any]) -> _Inside:
+    """The encoder as one at the motor shaft, with four edges per line and no limit of speed of its own."""
+    free = dict.fromkeys(("max_frequency", "max_speed", "max_mechanical_speed"), np.inf)
+    own = dict.fromkeys(("inertia", "diameter", "length", "added_length", "mass", "price"), 0.0)
+    figures: dict[str, Any] = {
+        "counts_per_turn": actuators["steps_per_turn"] / (EDGES * actuators["ratio"]),
+        "kind": "integrated",
+    }
+    return _Inside(np.flatnonzero(~np.isnan(actuators["steps_per_turn"])), figures | free | own)
+
+
+def _controller(actuators: Table[Any]) -> _Inside:
+    free = dict.fromkeys(("max_encoder_frequency", "max_speed_sine", "max_speed_block"), np.inf)
+    figures: dict[str, Any] = {name: actuators[name] for name in ("buses", "supply_min", "supply_max", "peak_current")}
+    figures |= {"drives": actuators["kind"], "continuous_current": actuators["nominal_current"]}
+    figures |= {"max_duty": 1.0, "voltage_drop": 0.0, "mass": 0.0, "price": 0.0}
+    return _Inside(np.flatnonzero(actuators["controller"] != ""), figures | free)
+
+
+def _with_clamping_hubs(catalog: Catalog) -> Catalog:
+    """The catalogue with a pair for each motor whose shaft fits a gearhead's clamping hub.
+
+    A bushing makes up for a thinner shaft, an adapter plate joins the flanges; the pair's source is the gearhead's.
+    A motor whose shaft is unknown is not paired.
+    """
+    motors, gearheads = catalog.motors, catalog.gearheads
+    hubs = np.flatnonzero(gearheads["mounting"] == CLAMPING_HUB)
+    single = np.flatnonzero((motors["inside"] == "") & ~np.isnan(motors["shaft_diameter"]))
+    bore, shaft = gearheads["max_motor_shaft"][hubs], motors["shaft_diameter"][single, None]
+    fits = np.nonzero((shaft <= bore) & (shaft >= _THINNEST_SHAFT * bore))
+    if not len(fits[0]):
+        return catalog
+    left, right = single[fits[0]], hubs[fits[1]]
+    sides: tuple[Any, ...] = (left, right, gearheads.source[right])
+    both = (np.concatenate([a, b]) for a, b in zip(catalog.motor_gearhead, sides, strict=True))
+    return catalog.with_tables({}, {"motor_gearhead": unique_pairs(*both)})
+
+
+def with_no_gearhead(gearheads: Table[Gearhead], source: int) -> Table[Gearhead]:
+    """A table of gearheads with the row of direct drive, which weighs nothing and has no limits, as its last.
+
+    Parameters
+    ----------
+    gearheads
+        The table to extend.
+    source
+        Index of the row's source in ``Catalog.sources``.
+
+    Returns
+    -------
+    Table
+        A new table with one row more.
+    """
+    columns = {name: np.append(gearheads[name], getattr(NO_GEARHEAD, name)) for name in gearheads.columns}
+    sources = np.append(gearheads.source, source).astype(np.int32)
+    return Table(gearheads.section, columns, sources, np.append(gearheads.excluded, False))
+
+
+def _with_direct_drive(catalog: Catalog) -> Catalog:
+    if DIRECT in catalog.gearheads.rows:
+        return catalog
+    table = with_no_gearhead(catalog.gearheads, len(catalog.sources))
+    return catalog.with_tables({"gearheads": table, "sources": (*catalog.sources, NO_GEARHEAD_SOURCE)}, {})
