@@ -1,8 +1,9 @@
-"""The load cycle: what the driven shaft of one motor set is asked for, whatever the machine.
+"""The load cycle: speed, acceleration and torque of the shaft that one drive turns, whatever the machine.
 
 Segments over time, each with its values at the left and the right end and straight lines between. Segments, not
 points: at the corner of a trapezoid the torque jumps, and a point has one value only. Every machine is reduced to
 this (``loads``), and whatever follows knows nothing else.
+Functions of ends take several cycles as well, side by side along a last axis.
 Symbols: w speed [rad/s], a acceleration [rad/s^2], T torque that the load takes, its own inertia included [N*m].
 """
 
@@ -10,19 +11,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
 
-__all__ = ["Ends", "LoadCycle", "OwnLimit", "cut_points", "integral", "mean_product", "rms"]
+__all__ = ["Ends", "Figure", "LoadCycle", "OwnLimit", "cut_points", "end_times", "integral", "mean_product", "rms"]
 
-Ends = NDArray[np.float64]  # shape (segments, 2): values at the left and the right end
+Ends = NDArray[np.float64]  # at the left and the right end: (segments, 2); of several cycles (segments, 2, cycles)
+Figure = Any  # a float of one cycle; of several a column, shape (cycles,)
 
 
-_NO_PART = 1e-250  # of a segment: a smaller one would last for no time that numbers can tell
+_NO_PART = 1e-250  # of a segment: a smaller one would have no duration in floating point
 _LARGEST = 1e60  # of any figure: products of a few of them can still be computed with
 
 
@@ -30,8 +32,8 @@ class OwnLimit(NamedTuple):
     """A limit of the load itself, whatever drives it, such as the grip of a wheel."""
 
     name: str
-    demand: float  # SI; NaN unknown
-    limit: float
+    demand: Figure  # SI; NaN unknown
+    limit: Figure
     time: float = nan  # s, of the worst moment
     turning: float = nan  # kg*m^2, J of a demand max |T - J a| / radius; NaN of any other demand
 
@@ -47,7 +49,7 @@ class LoadCycle:
     torque: Ends  # N*m, the load's own inertia included
     inertia: float = nan  # kg*m^2, of all that moves with the shaft, seen at it
     own: tuple[OwnLimit, ...] = ()
-    radius: float = 1.0  # m, way of the load per angle of the shaft; 1 where it turns with the shaft
+    radius: float = 1.0  # m, travel of the load per angle of the shaft; 1 where it turns with the shaft
 
     def __post_init__(self) -> None:
         shape = (len(self.duration), 2)
@@ -66,8 +68,7 @@ class LoadCycle:
     @property
     def time(self) -> Ends:
         """Time at both ends of each segment, from the start of the cycle [s]."""
-        end = np.cumsum(self.duration)
-        return np.stack([end - self.duration, end], axis=1)
+        return end_times(self.duration)
 
     @property
     def power(self) -> Ends:
@@ -112,22 +113,33 @@ _COLUMNS = ("speed", "acceleration", "torque")
 def cut_points(column: Ends) -> tuple[NDArray[np.int64], NDArray[np.float64], Ends]:
     """Where a quantity changes sign within segments.
 
+    Parameters
+    ----------
+    column
+        The quantity at both ends of each segment, shape (segments, 2).
+
     Returns
     -------
     tuple
-        Per segment in how many pieces it falls (1 or 2) and the share of it before the change (1 without one); and the
-        column, with an end that lies beyond its change of sign by less than numbers can tell set to 0.
+        Number of pieces of each segment (1 or 2); the share of it before the change [1] (1 without one); and the
+        column, with an end that is beyond its change of sign by less than rounding set to 0.
     """
     left, right = column.T
     crosses = left * right < 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
-        at = np.where(crosses, left / (left - right), 0.5)
-    column = np.where(np.stack([crosses & (at <= _NO_PART), crosses & (at >= 1.0)], axis=1), 0.0, column)
-    crosses &= (at > _NO_PART) & (at < 1.0)
-    return np.where(crosses, 2, 1), np.where(crosses, at, 1.0), column
+        share = np.where(crosses, left / (left - right), 0.5)
+    column = np.where(np.stack([crosses & (share <= _NO_PART), crosses & (share >= 1.0)], axis=1), 0.0, column)
+    crosses &= (share > _NO_PART) & (share < 1.0)
+    return np.where(crosses, 2, 1), np.where(crosses, share, 1.0), column
 
 
-def integral(duration: NDArray[np.float64], a: Ends, b: Ends) -> float:
+def end_times(duration: NDArray[np.float64]) -> Ends:
+    """Time at both ends of each segment, from the start of the cycle [s]: shape (segments, 2, ...)."""
+    end = np.cumsum(duration, axis=0)
+    return np.stack([end - duration, end], axis=1)
+
+
+def integral(duration: NDArray[np.float64], a: Ends, b: Ends) -> Figure:
     r"""Integral of a product of two quantities over the cycle, exact for straight lines.
 
     .. math:: \int a b \, dt = \sum \Delta t \, (2 a_0 b_0 + a_0 b_1 + a_1 b_0 + 2 a_1 b_1) / 6
@@ -135,26 +147,57 @@ def integral(duration: NDArray[np.float64], a: Ends, b: Ends) -> float:
     Parameters
     ----------
     duration
-        Of each segment [s].
+        Of each segment [s], shape (segments,) or (segments, cycles).
     a, b
-        The quantities at both ends of each segment.
+        The quantities at both ends of each segment, shape (segments, 2) or (segments, 2, cycles).
+
+    Returns
+    -------
+    float or array
+        The integral, in the units of a times b times s; of several cycles shape (cycles,).
 
     Examples
     --------
     >>> integral(np.array([3.0]), np.array([[0.0, 2.0]]), np.array([[0.0, 2.0]]))
     4.0
     """
-    return float(duration @ mean_product(a, b))
+    mean = mean_product(a, b)
+    return float(duration @ mean) if mean.ndim == 1 else (duration * mean).sum(axis=0)
 
 
 def mean_product(a: Ends, b: Ends) -> NDArray[np.float64]:
-    """Mean of a product of two quantities over each segment, exact for straight lines."""
+    """Mean of a product of two quantities over each segment, exact for straight lines.
+
+    Parameters
+    ----------
+    a, b
+        At both ends of each segment, shape (segments, 2) or (segments, 2, cycles).
+
+    Returns
+    -------
+    array
+        In the units of a times b, shape (segments,) or (segments, cycles).
+    """
     a_0, a_1, b_0, b_1 = a[:, 0], a[:, 1], b[:, 0], b[:, 1]
     mean: NDArray[np.float64] = (2 * a_0 * b_0 + a_0 * b_1 + a_1 * b_0 + 2 * a_1 * b_1) / 6
     return mean
 
 
-def rms(duration: NDArray[np.float64], a: Ends) -> float:
-    """Root mean square of a quantity over segments, exact for straight lines; 0 without any."""
-    total = duration.sum()
-    return float(np.sqrt(integral(duration, a, a) / total)) if total else 0.0
+def rms(duration: NDArray[np.float64], a: Ends) -> Figure:
+    """Root mean square of a quantity over segments, exact for straight lines; 0 without any.
+
+    Parameters
+    ----------
+    duration
+        Of each segment [s], shape (segments,) or (segments, cycles).
+    a
+        The quantity at both ends of each segment, shape (segments, 2) or (segments, 2, cycles).
+
+    Returns
+    -------
+    float or array
+        In the unit of a; of several cycles shape (cycles,).
+    """
+    total = duration.sum(axis=0)
+    found = np.sqrt(integral(duration, a, a) / np.where(total > 0.0, total, 1.0))
+    return float(found) if duration.ndim == 1 else found

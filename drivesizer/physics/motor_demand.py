@@ -1,15 +1,18 @@
-"""The drive model on columns: what a load cycle asks of every candidate, exactly and at a cost of its own length once.
+"""Torque, current and speed that a load cycle requires of every candidate's motor: exact, the cycle integrated once.
 
 For one load cycle and one belt the motor's torque is linear in six functions of time at the gearhead's output:
 driving torque, braking torque, torque at rest, acceleration, direction and speed, with coefficients that depend on
 the candidate alone. So the RMS current of every candidate is a quadratic form in one 6 x 6 matrix of exact segment
 integrals; peaks of current and voltage lie at the few ends of segments that ``extremes`` keeps. Another belt ratio
 scales the functions, so that nothing is integrated twice.
-Symbols: i ratio, e efficiency, J inertia [kg*m^2], T torque [N*m], w speed [rad/s], K whole reduction.
+All of it takes several load cycles too, side by side along a last axis: those of samples.
+Symbols: i ratio, e efficiency, J inertia [kg*m^2], T torque [N*m], w speed [rad/s], K total ratio.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
 from typing import Any, NamedTuple
@@ -20,7 +23,7 @@ from numpy.typing import NDArray
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.extremes import Extremes, extremes
 from drivesizer.physics.lasting_speed import lasting_speeds
-from drivesizer.physics.load_cycle import Ends, LoadCycle, integral, mean_product, rms
+from drivesizer.physics.load_cycle import Figure, end_times, integral, mean_product, rms
 from drivesizer.physics.products import product
 
 __all__ = [
@@ -31,6 +34,7 @@ __all__ = [
     "DRIVING",
     "SPEED",
     "AtGearhead",
+    "Base",
     "Demands",
     "Peak",
     "Pieces",
@@ -41,6 +45,8 @@ __all__ = [
     "friction",
     "gear_loss",
     "peak",
+    "piece_counts",
+    "places",
 ]
 
 _FINEST = 200  # pieces of a segment at most
@@ -48,23 +54,80 @@ DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
 Array = NDArray[np.float64]
 
 
+class Scalars(NamedTuple):
+    """Single figures of a load cycle at the gearhead's output; of several cycles columns."""
+
+    rms_torque: Figure  # N*m, while running
+    peak_torque: Figure  # N*m
+    standing_torque: Figure  # N*m, largest while at rest; NaN of a cycle that never rests
+    load_torque: Figure  # N*m, largest at the load
+    peak_speed: Figure  # rad/s
+    mean_speed: Figure  # rad/s, while running; where more, what it exceeds for long
+    sustained_speed: Figure  # rad/s, what it exceeds for longer than shortly
+    mean_power: Figure  # W, transmitted in either direction while running
+    peak_power: Figure  # W
+
+
+@dataclass(frozen=True, eq=False)
+class Base:
+    """A load cycle, or several, through a belt of ratio 1, its efficiency included."""
+
+    cycle: Any  # at the load: a LoadCycle, or several with the same fields as columns
+    functions: (
+        Array  # the six at both ends of each segment: (segments, 2, 6); of several cycles (6, segments, 2, cycles)
+    )
+    acts: NDArray[np.bool_]  # which of them are ever not 0
+    moments: Array  # means of their products over the cycle: (6, 6) or (6, 6, cycles)
+    scalars: Scalars
+    quickest: float  # s, shortest time constant of the windings
+    coarse: dict[tuple[str, int], Any] = field(default_factory=dict)  # the cycle in few pieces, by use and number
+
+    @cached_property
+    def time(self) -> Array:
+        """Time at both ends of each segment [s]: shape (segments, 2, ...)."""
+        return end_times(self.cycle.duration)
+
+    @cached_property
+    def extremes(self) -> Extremes:
+        """Of one cycle: the points at which anything linear in the functions is largest or smallest."""
+        return extremes(self.functions, self.time)
+
+    @cached_property
+    def warming(self) -> Pieces:
+        """Of one cycle: it in pieces so fine that a winding follows the mean of each, to 0.1 %."""
+        duration, functions = self.cycle.duration, self.functions
+        changing = (functions[:, 0] != functions[:, 1]).any(axis=1)
+        count = piece_counts(duration, np.where(changing, self.quickest, inf), 1e-3)
+        if count.max() == 1:
+            return Pieces(duration, functions)
+        owner, place = places(count)
+        share = place / count[owner]
+        left, rise = functions[owner, 0], functions[owner, 1] - functions[owner, 0]
+        ends = [left + rise * (share + step / count[owner])[:, None] for step in (0, 1)]
+        return Pieces(duration[owner] / count[owner], np.stack(ends, axis=1))
+
+    def behind(self, ratio: float) -> AtGearhead:
+        """The cycle behind a belt of a ratio."""
+        return AtGearhead(self, ratio)
+
+
 class AtGearhead:
     """A load cycle at the gearhead's output, behind one belt."""
 
-    def __init__(self, base: _Base, ratio: float) -> None:
-        self.base, self.belt = base, ratio
+    def __init__(self, base: Base, ratio: Figure) -> None:
+        self.base, self.belt, one = base, ratio, base.scalars
         self.scale = np.array([1 / ratio, 1 / ratio, 1 / ratio, ratio, 1.0, ratio])  # of the functions
-        self.moments = base.moments * np.outer(self.scale, self.scale)  # means of products over the cycle
-        self.rms_torque = base.rms_torque / ratio  # N*m, while running
-        self.peak_torque = base.peak_torque / ratio  # N*m
-        self.peak_speed = base.peak_speed * ratio  # rad/s
-        self.mean_speed = base.mean_speed * ratio  # rad/s, while running; where more, what it exceeds for long
-        self.sustained_speed = base.sustained_speed * ratio  # rad/s, what it exceeds for longer than shortly
-        self.mean_power = base.mean_power  # W, transmitted in either direction while running
-        self.peak_power = base.peak_power  # W
+        by_pairs = np.outer(self.scale, self.scale).reshape(6, 6, *[1] * (base.moments.ndim - 2))
+        self.moments = base.moments * by_pairs  # means of products over the cycle
+        self.rms_torque, self.peak_torque = one.rms_torque / ratio, one.peak_torque / ratio
+        self.standing_torque = one.standing_torque / ratio
+        self.peak_speed, self.mean_speed = one.peak_speed * ratio, one.mean_speed * ratio
+        self.sustained_speed = one.sustained_speed * ratio
+        self.mean_power, self.peak_power = one.mean_power, one.peak_power
+        self.load_torque, self.load_speed = one.load_torque, one.peak_speed  # N*m, rad/s, largest at the load
 
     @property
-    def cycle(self) -> LoadCycle:
+    def cycle(self) -> Any:
         """The load cycle at the load."""
         return self.base.cycle
 
@@ -79,39 +142,22 @@ class AtGearhead:
         scaled: Array = self.base.functions * self.scale
         return scaled
 
-    @property
-    def load_torque(self) -> Any:
-        """Largest torque at the load [N*m]."""
-        return np.abs(self.cycle.torque).max()
-
-    @property
-    def load_speed(self) -> Any:
-        """Highest speed of the load [rad/s]."""
-        return np.abs(self.cycle.speed).max()
-
-    @property
-    def standing_torque(self) -> Any:
-        """Largest torque at the gearhead's output while at rest [N*m]; unknown where the cycle never rests."""
-        rests = (self.cycle.speed == 0.0).all(axis=1).any()
-        return np.abs(self.base.functions[:, :, AT_REST]).max() / self.belt if rests else np.nan
-
     def on(self, rows: Any) -> AtGearhead:
         """Of some of the candidates, which all are behind this belt (``several_belts`` has those of several)."""
         return self
 
     def slope(self, c: Array) -> Array:
-        """Half of the slope of the mean square of what is linear in the functions, by each coefficient."""
+        """Half of the gradient of the mean square of c f(t), by each coefficient: shape (candidates, 6)."""
         found: Array = c @ self.moments
         return found
 
     @property
     def acts(self) -> NDArray[np.bool_]:
-        """Which of the functions are ever more than nothing."""
-        found: NDArray[np.bool_] = self.base.acts
-        return found
+        """Which of the functions are ever not 0."""
+        return self.base.acts
 
     def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
-        """Largest absolute value of what is linear in the functions, as ``peak`` takes it."""
+        """Largest absolute value of c f(t), as ``peak`` takes it."""
         high, low = (points * self.scale for points in (self.extremes.high, self.extremes.low))
         values = np.concatenate([product(coefficients, high.T), -product(coefficients, low.T)], axis=1)
         if left_out is not None and len(rows := np.flatnonzero(_any(left_out))):
@@ -123,13 +169,13 @@ class AtGearhead:
 
     @cached_property
     def warming(self) -> Pieces:
-        """The cycle in pieces of which a winding feels the mean."""
+        """The cycle in pieces of which a winding follows the mean."""
         pieces = self.base.warming
         return Pieces(pieces.duration, pieces.functions * self.scale)
 
     @cached_property
     def turning(self) -> Turning:
-        """What friction and iron lose by in each of those pieces."""
+        """Speed over each of those pieces, for the losses of friction and iron."""
         functions = self.warming.functions
         speed = functions[:, :, SPEED]
         steady = (functions[:, 0] == functions[:, 1]).all(axis=1)
@@ -150,29 +196,6 @@ class Turning(NamedTuple):
     mean: Array  # rad/s, of its amount
     square: Array  # rad^2/s^2, mean
     steady: NDArray[np.bool_]  # nothing changes within the piece
-
-
-class _Base(NamedTuple):
-    """The same without a belt's ratio, its efficiency included."""
-
-    cycle: LoadCycle
-    functions: Array
-    acts: NDArray[np.bool_]
-    moments: Array
-    extremes: Extremes
-    warming: Pieces
-    coarse: dict[tuple[str, int], Any]  # the cycle in few pieces, by what for and how many: made when asked for
-    rms_torque: float
-    peak_torque: float
-    peak_speed: float
-    mean_speed: float
-    sustained_speed: float
-    mean_power: float
-    peak_power: float
-
-    def behind(self, ratio: float) -> AtGearhead:
-        """The cycle behind a belt of a ratio."""
-        return AtGearhead(self, ratio)
 
 
 class Demands(NamedTuple):
@@ -204,79 +227,109 @@ class Peak(NamedTuple):
     time: Array  # s
 
 
-def at_gearhead(cycle: LoadCycle, efficiency: float, quickest: float = inf) -> _Base:
-    r"""A load cycle through a belt, with the direction of power deciding on which side its loss falls.
+def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> Base:
+    r"""A load cycle, or several, through a belt; the direction of power decides on which side its loss is.
 
     .. math:: T_g = \frac{T}{i e} \; (T w > 0), \quad \frac{T e}{i} \; (T w < 0), \quad \frac{T}{i} \; (w = 0)
 
     Parameters
     ----------
     cycle
-        At the load, split at changes of direction.
+        At the load, split at changes of direction: a ``LoadCycle``, or a record with the same fields as columns, which
+        may have segments of no duration.
     efficiency
-        Of the belt [1]; driven backward its efficiency is taken to be the same. Its ratio comes with ``behind``.
+        Of the belt [1], the same when driven backward; one figure, or one of each cycle. The ratio comes with
+        ``behind``.
     quickest
-        Shortest time constant of the windings that it is for [s].
+        Shortest time constant of the windings [s].
+
+    Returns
+    -------
+    Base
+        The cycle behind a belt of ratio 1.
     """
     power = (cycle.torque.mean(1) * cycle.speed.mean(1))[:, None]
-    running = np.any(cycle.speed != 0.0, axis=1)
-    torque = cycle.torque * np.where(~running[:, None], 1.0, np.where(power > 0.0, 1 / efficiency, efficiency))
-    speed = cycle.speed
-    none = np.zeros_like(torque)
-    functions = np.stack([
-        np.where(running[:, None] & (power > 0.0), torque, none),
-        np.where(running[:, None] & (power <= 0.0), torque, none),
-        np.where(~running[:, None], torque, none),
-        cycle.acceleration,
-        np.broadcast_to(np.sign(speed.mean(1))[:, None], torque.shape),
-        speed,
-    ], axis=2)  # fmt: skip
-    return _Base(
-        cycle, functions, np.asarray(functions.any(axis=(0, 1))), _moments(cycle, functions),
-        extremes(functions, cycle.time), _warming(cycle.duration, functions, quickest), {},
-        **_scalars(cycle, torque, speed, running),
+    running = np.any(cycle.speed != 0.0, axis=1)[:, None]
+    torque = cycle.torque * np.where(~running, 1.0, np.where(power > 0.0, 1.0 / efficiency, efficiency))
+    direction, one = np.sign(cycle.speed.mean(1))[:, None], cycle.torque.ndim == 2
+    six = [
+        np.where(running & (power > 0.0), torque, 0.0),
+        np.where(running & (power <= 0.0), torque, 0.0),
+        np.where(~running, torque, 0.0),
+        *(np.broadcast_to(x, torque.shape) for x in (cycle.acceleration, direction, cycle.speed)),
+    ]
+    duration, total = (cycle.duration, cycle.total) if one else (cycle.duration / cycle.total, 1.0)
+    acts = np.array([function.any() for function in six])
+    return Base(
+        cycle, np.stack(six, axis=2 if one else 0), acts, _moments(duration, total, six, acts),
+        _scalars(cycle, torque, running[:, 0]), quickest,
     )  # fmt: skip
 
 
-def _warming(duration: Array, functions: Array, quickest: float) -> Pieces:
-    """The cycle so fine that a winding follows the mean of each piece: to 0.1 % of what the change within it would do.
+def piece_counts(duration: Array, time_constant: Array, error: float) -> NDArray[np.int64]:
+    """In how many pieces segments are cut, so that a winding follows the mean of each.
 
-    The mean of a changing square of the current heats the end of a piece of length x time constants by x/12 of the
+    Parameters
+    ----------
+    duration
+        Of each segment [s].
+    time_constant
+        Of what follows a change within each segment [s]; infinite where nothing changes.
+    error
+        Permitted at the end of a segment, as a share of what the change within it does [1].
+
+    Returns
+    -------
+    array
+        Pieces of each segment, 1 to 200.
+
+    Notes
+    -----
+    The mean of a changing square of the current heats the end of a segment of length x time constants by x/12 of the
     change too little; in n pieces by x/12n².
     """
-    changing = (functions[:, 0] != functions[:, 1]).any(axis=1)
-    count = np.where(changing, np.ceil(np.sqrt(duration / quickest / 0.012)), 1.0)
-    count = np.clip(count, 1, _FINEST).astype(np.int64)
-    if count.max() == 1:
-        return Pieces(duration, functions)
+    count = np.ceil(np.sqrt(duration / time_constant / (12.0 * error)))
+    return np.clip(count, 1, _FINEST).astype(np.int64)
+
+
+def places(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The segment of each piece, and the piece's number within it, of so many pieces a segment.
+
+    >>> [x.tolist() for x in places(np.array([2, 3]))]
+    [[0, 0, 1, 1, 1], [0, 1, 0, 1, 2]]
+    """
     owner = np.repeat(np.arange(len(count)), count)
-    share = (np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)) / count[owner]
-    left, rise = functions[owner, 0], functions[owner, 1] - functions[owner, 0]
-    ends = [left + rise * (share + step / count[owner])[:, None] for step in (0, 1)]
-    return Pieces(duration[owner] / count[owner], np.stack(ends, axis=1))
+    return owner, np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
 
 
-def _moments(cycle: LoadCycle, functions: Array) -> Array:
-    """Means of products of the functions over the cycle."""
-    found = np.empty((6, 6))
-    for a in range(6):
-        for b in range(a + 1):
-            found[a, b] = found[b, a] = integral(cycle.duration, functions[:, :, a], functions[:, :, b]) / cycle.total
+def _moments(duration: Array, total: float, six: Sequence[Array], acts: NDArray[np.bool_]) -> Array:
+    """Means of products of the functions over the cycle; of several from shares of their time, a division less each."""
+    found, active = np.zeros((6, 6, *six[0].shape[2:])), np.flatnonzero(acts).tolist()
+    for place, a in enumerate(active):
+        for b in active[: place + 1]:
+            found[a, b] = found[b, a] = integral(duration, six[a], six[b]) / total
     return found
 
 
-def _scalars(cycle: LoadCycle, torque: Ends, speed: Ends, running: NDArray[np.bool_]) -> dict[str, float]:
-    time = cycle.duration[running]
-    fastest = np.abs(speed).max()
-    worked = float(np.sum(time * np.abs(mean_product(torque, speed)[running])))
-    return {
-        "rms_torque": rms(time, torque[running]),
-        "peak_torque": float(np.abs(torque).max()),
-        "peak_speed": float(fastest),
-        **{name: float(one) for name, one in lasting_speeds(cycle.duration, speed).items()},
-        "mean_power": worked / time.sum() if time.sum() else 0.0,
-        "peak_power": float(np.abs(torque * speed).max()),
-    }
+def _scalars(cycle: Any, torque: Array, running: NDArray[np.bool_]) -> Scalars:
+    """Single figures of cycles; of one from the segments in which it runs, of several with the others as of no time."""
+    duration, speed, alone = cycle.duration, cycle.speed, running.ndim == 1
+    time, some = (duration[running], running) if alone else (np.where(running, duration, 0.0), slice(None))
+    total = time.sum(axis=0)
+    power = np.abs(mean_product(torque, speed)[some])
+    rests = ~running & (duration > 0.0)
+    standing = np.where(rests[:, None], np.abs(torque), -1.0).max(axis=(0, 1))
+    found = Scalars(
+        rms_torque=rms(time, torque[some]),
+        peak_torque=np.abs(torque).max(axis=(0, 1)),
+        standing_torque=np.where(standing >= 0.0, standing, np.nan),
+        load_torque=np.abs(cycle.torque).max(axis=(0, 1)),
+        peak_speed=np.abs(speed).max(axis=(0, 1)),
+        **lasting_speeds(duration, speed),
+        mean_power=(time * power).sum(axis=0) / np.where(total > 0.0, total, 1.0),
+        peak_power=np.abs(torque * speed).max(axis=(0, 1)),
+    )
+    return Scalars(*map(float, found)) if alone else found
 
 
 def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:

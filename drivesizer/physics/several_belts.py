@@ -27,8 +27,8 @@ class AtGearheads(AtGearhead):
     def __init__(self, ats: Sequence[AtGearhead], which: NDArray[np.int64]) -> None:
         """``which``: the number of each candidate's belt, never falling."""
         self.ats, self.which, self.base = ats, which, ats[0].base
-        self.belt = np.array([at.belt for at in ats])[which]  # type: ignore[assignment]
-        self.peak_speed = np.array([at.peak_speed for at in ats])[which]  # type: ignore[assignment]
+        self.belt = np.array([at.belt for at in ats])[which]
+        self.peak_speed = np.array([at.peak_speed for at in ats])[which]
 
     @cached_property
     def parts(self) -> list[tuple[AtGearhead, slice]]:

@@ -164,7 +164,7 @@ def test_fitted_load_cycles_are_those_that_are_computed(plain: str) -> None:
         for name in ("duration", "speed", "acceleration", "torque"):
             largest = np.abs(getattr(exact, name)).max()
             np.testing.assert_allclose(getattr(case.cycles, name)[..., row], getattr(exact, name), atol=2e-6 * largest)
-        assert case.cycles.own["traction"][0][row] == pytest.approx(exact.own[0].demand, rel=1e-5)
+        assert case.cycles.own[0].demand[row] == pytest.approx(exact.own[0].demand, rel=1e-5)
 
 
 def _cycle(spec: RobotSpec, given: Any, values: Any) -> Any:

@@ -16,9 +16,10 @@ from drivesizer.load_cases.platform_wheels import cycles_of as wheels_of
 from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of
 from drivesizer.load_cases.wheel import WheelLoad, machine_cases, wheel_load
 from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.physics.motor_demand import at_gearhead
 from drivesizer.search.uncertainty.sampled_battery import Feeding, feeding
 from drivesizer.search.uncertainty.sampled_checks import Block
-from drivesizer.search.uncertainty.sampled_cycle import AtSamples, at_samples
+from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 from drivesizer.search.uncertainty.sampled_load_cycles import Cycles, cycles_of
 from drivesizer.search.uncertainty.sampling import first_of_each
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
@@ -222,9 +223,10 @@ def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequ
     specs, ats = [], []
     for case in one.cases:
         spec = _with_columns(case, one, rows)
-        sampled = at_samples(case.cycles if case.cycles.size == 1 else _some(case.cycles, rows), spec.belt_efficiency)
+        cycles = case.cycles if case.cycles.size == 1 else _some(case.cycles, rows)
+        base = at_gearhead(cycles, spec.belt_efficiency)
         specs.append(spec)
-        ats.append({belt: AtSamples(sampled, belt) for belt in belts})
+        ats.append({belt: AtSamples(base, belt) for belt in belts})
     return Block(
         len(rows), tuple(specs), tuple(ats), tuple(_feeds(one, catalog, specs)), factors, one.spec.tolerances.given
     )
@@ -241,7 +243,7 @@ def _feeds(one: Prepared, catalog: Catalog, specs: Sequence[Any]) -> Iterator[tu
 
 def _some(cycles: Cycles, rows: NDArray[np.int64]) -> Cycles:
     """Some of the cycles."""
-    own = {name: (demand[rows], limit[rows]) for name, (demand, limit) in cycles.own.items()}
+    own = tuple(one._replace(demand=one.demand[rows], limit=one.limit[rows]) for one in cycles.own)
     return cycles._replace(
         duration=cycles.duration[..., rows], speed=cycles.speed[..., rows],
         acceleration=cycles.acceleration[..., rows], torque=cycles.torque[..., rows], inertia=cycles.inertia[rows],

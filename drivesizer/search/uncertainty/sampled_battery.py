@@ -95,8 +95,8 @@ def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Dra
     parts
         The set's.
     """
-    total = at.sampled.duration.sum(axis=0)
-    speed = _way(spec, at) / total if feeds.travels else np.full_like(total, nan)
+    total = at.cycle.total
+    speed = _travel(spec, at) / total if feeds.travels else np.full_like(total, nan)
     return columns_of(spec, feeds, total, speed, draws, parts.controller["max_efficiency"])
 
 
@@ -120,6 +120,6 @@ def columns_of(
     return [check for check in battery_columns(spec, spec.battery, feeds.pack, load) if check.name in judged]
 
 
-def _way(spec: Any, at: AtSamples) -> Any:
-    """How far the machine goes in a cycle [m]."""
-    return spec.load.way if isinstance(spec.load, WheelLoad) else at.sampled.scalars["way"]
+def _travel(spec: Any, at: AtSamples) -> Any:
+    """Distance that the machine travels in a cycle [m]."""
+    return spec.load.way if isinstance(spec.load, WheelLoad) else at.cycle.travel

@@ -50,15 +50,27 @@ class Cycles(NamedTuple):
     torque: Array  # N*m
     inertia: Array  # kg*m^2, of each cycle
     radius: Array  # m, way of the load per angle of the shaft
-    own: dict[str, tuple[Array, Array]]  # demand and limit of the load's own limits
+    own: tuple[OwnLimit, ...]  # the load's own limits: columns
     like: LoadCycle  # the nominal one
     fitted: float  # largest error of the fit, of the largest value; 0: each computed
     computed: int  # how many cycles that took
 
     @property
     def size(self) -> int:
-        """How many cycles."""
+        """Number of cycles."""
         return int(self.duration.shape[1])
+
+    @property
+    def total(self) -> Array:
+        """Length of each cycle [s]."""
+        found: Array = self.duration.sum(axis=0)
+        return found
+
+    @property
+    def travel(self) -> Array:
+        """Travel of the load over each cycle, there and back [m]."""
+        found: Array = self.radius * (np.abs(self.speed).mean(axis=1) * self.duration).sum(axis=0)
+        return found
 
 
 def cycles_of(make: Make, nominal: Array, values: Array, *, every: bool = False) -> Cycles:
@@ -137,10 +149,12 @@ def _side_by_side(several: Sequence[LoadCycle], like: LoadCycle) -> Cycles:
             parts.append(np.concatenate([values, np.repeat(last, longest - len(values), axis=0)]))
         return np.ascontiguousarray(np.moveaxis(np.array(parts), 0, -1))
 
-    own = {
-        one.name: (np.array([c.own[n].demand for c in several]), np.array([c.own[n].limit for c in several]))
+    own = tuple(
+        one._replace(
+            demand=np.array([c.own[n].demand for c in several]), limit=np.array([c.own[n].limit for c in several])
+        )
         for n, one in enumerate(like.own)
-    }
+    )
     inertia, radius = (np.array([getattr(cycle, name) for cycle in several]) for name in ("inertia", "radius"))
     return Cycles(
         column("duration"), column("speed"), column("acceleration"), column("torque"), inertia, radius, own, like, 0.0,
@@ -263,10 +277,10 @@ def _unfolded(flat: Array, like: LoadCycle, error: float, computed: int) -> Cycl
     speed[level, 1] = speed[level, 0]
     acceleration[resting] = 0.0
     tail = rest[6 * n :]
-    own = {}
+    own = []
     for k, one in enumerate(like.own):
         demand, limit = tail[2 + 2 * k], tail[3 + 2 * k]
         if not np.isnan(one.turning):
             demand = np.abs(torque - demand * acceleration).max(axis=(0, 1)) / tail[1]
-        own[one.name] = demand, limit
-    return Cycles(duration, speed, acceleration, torque, tail[0], tail[1], own, like, error, computed)
+        own.append(one._replace(demand=demand, limit=limit))
+    return Cycles(duration, speed, acceleration, torque, tail[0], tail[1], tuple(own), like, error, computed)

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from drivesizer.physics.heat_course import of_pieces
 from drivesizer.physics.heat_cycle import highest, periodic
 from drivesizer.physics.heat_cycle_columns import each_figure
-from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.load_cycle import mean_product
+from drivesizer.physics.motor_demand import Demands, piece_counts, places
 from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
 from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, longest_above
@@ -25,12 +26,11 @@ from drivesizer.search.columns.limits_over_time import (
     kept_on_the_bus,
     while_at_most,
 )
-from drivesizer.search.uncertainty.sampled_cycle import AtSamples, mean_product
+from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 
 __all__ = ["moments"]
 
 Array = NDArray[np.float64]
-_FINEST = 200  # pieces of a segment at most
 _AT_ONCE = 1 << 14  # pieces times samples whose heat is computed at a time: what stays in the processor's cache
 
 
@@ -70,7 +70,7 @@ def moments(
     limit = np.broadcast_to(limit, (count,))
     above = np.where(np.isnan(limit), np.nan, 0.0)
     if (under.current.value > limit).any():
-        duration = np.broadcast_to(at.sampled.duration, (len(current), count)).T
+        duration = np.broadcast_to(at.cycle.duration, (len(current), count)).T
         above = longest_above(Wave(duration, np.moveaxis(current, -1, 0), np.moveaxis(current, -1, 0)), limit)
     steady = np.broadcast_to(while_at_most(spec, at, warm, under, parts.motor), (count,))
     mean, cold = np.broadcast_to(warm.winding, (count,)), under.cold_voltage.value
@@ -146,8 +146,7 @@ class _Cut(NamedTuple):
 
 
 def _cut(at: AtSamples, flows: tuple[Array, Array], pieces: NDArray[np.int64], rows: slice) -> _Cut:
-    owner = np.repeat(np.arange(len(pieces)), pieces)
-    place = np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    owner, place = places(pieces)
     ends = (np.stack([place, place + 1], axis=1) / pieces[owner][:, None])[..., None]
 
     def cut(line: Array) -> Array:
@@ -156,7 +155,7 @@ def _cut(at: AtSamples, flows: tuple[Array, Array], pieces: NDArray[np.int64], r
 
     current, induced = flows
     speed = at.speeds[..., rows] if at.speeds.shape[-1] > 1 else at.speeds
-    duration = at.sampled.duration
+    duration = at.cycle.duration
     t = (duration[:, rows] if duration.shape[-1] > 1 else duration)[owner] / pieces[owner][:, None]
     level = [(x[:, 0] == x[:, 1]).all(axis=-1) for x in (current, speed)]
     return _Cut(t, cut(current), cut(induced), cut(speed), (level[0] & level[1])[owner][:, None])
@@ -234,7 +233,6 @@ def _pieces(at: AtSamples, current: Array, winding: float, housing: float) -> ND
 
     A current that changes counts by the winding's time constant, a loss at the housing alone by the housing's.
     """
-    duration, steady = at.sampled.duration.max(axis=-1), (at.speeds[:, 0] == at.speeds[:, 1]).all(axis=-1)
+    duration, steady = at.cycle.duration.max(axis=-1), (at.speeds[:, 0] == at.speeds[:, 1]).all(axis=-1)
     quickest = np.where((current[:, 0] == current[:, 1]).all(axis=-1), np.where(steady, np.inf, housing), winding)
-    found: NDArray[np.int64] = np.clip(np.ceil(np.sqrt(duration / quickest / 0.12)), 1, _FINEST).astype(np.int64)
-    return found
+    return piece_counts(duration, quickest, 1e-2)
