@@ -34,7 +34,7 @@ __all__ = [
     "DRIVING",
     "SPEED",
     "AtGearhead",
-    "Base",
+    "CycleAtBelt",
     "Demands",
     "Peak",
     "Pieces",
@@ -69,7 +69,7 @@ class Scalars(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Base:
+class CycleAtBelt:
     """A load cycle, or several, through a belt of ratio 1, its efficiency included."""
 
     cycle: Any  # at the load: a LoadCycle, or several with the same fields as columns
@@ -114,7 +114,7 @@ class Base:
 class AtGearhead:
     """A load cycle at the gearhead's output, behind one belt."""
 
-    def __init__(self, base: Base, ratio: Figure) -> None:
+    def __init__(self, base: CycleAtBelt, ratio: Figure) -> None:
         self.base, self.belt, one = base, ratio, base.scalars
         self.scale = np.array([1 / ratio, 1 / ratio, 1 / ratio, ratio, 1.0, ratio])  # of the functions
         by_pairs = np.outer(self.scale, self.scale).reshape(6, 6, *[1] * (base.moments.ndim - 2))
@@ -227,7 +227,7 @@ class Peak(NamedTuple):
     time: Array  # s
 
 
-def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> Base:
+def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> CycleAtBelt:
     r"""A load cycle, or several, through a belt; the direction of power decides on which side its loss is.
 
     .. math:: T_g = \frac{T}{i e} \; (T w > 0), \quad \frac{T e}{i} \; (T w < 0), \quad \frac{T}{i} \; (w = 0)
@@ -245,7 +245,7 @@ def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> Base:
 
     Returns
     -------
-    Base
+    CycleAtBelt
         The cycle behind a belt of ratio 1.
     """
     power = (cycle.torque.mean(1) * cycle.speed.mean(1))[:, None]
@@ -260,7 +260,7 @@ def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> Base:
     ]
     duration, total = (cycle.duration, cycle.total) if one else (cycle.duration / cycle.total, 1.0)
     acts = np.array([function.any() for function in six])
-    return Base(
+    return CycleAtBelt(
         cycle, np.stack(six, axis=2 if one else 0), acts, _moments(duration, total, six, acts),
         _scalars(cycle, torque, running[:, 0]), quickest,
     )  # fmt: skip

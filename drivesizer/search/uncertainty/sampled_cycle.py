@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.motor_demand import SPEED, AtGearhead, Base, Peak, bounded
+from drivesizer.physics.motor_demand import SPEED, AtGearhead, CycleAtBelt, Peak, bounded
 
 __all__ = ["AtSamples"]
 
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 class AtSamples(AtGearhead):
     """The load cycles of samples at the gearhead's output, behind one belt."""
 
-    def __init__(self, base: Base, ratio: float) -> None:
+    def __init__(self, base: CycleAtBelt, ratio: float) -> None:
         super().__init__(base, ratio)
         self.active = np.flatnonzero(base.acts).tolist()
         segments = {k: np.flatnonzero(base.functions[k].any(axis=(1, 2))) for k in self.active}
