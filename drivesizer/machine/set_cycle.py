@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.set_columns import OneRow
-from drivesizer.physics.heat_course import WindingCourse
 from drivesizer.physics.load_cycle import mean_product
 from drivesizer.physics.motor_demand import SPEED, AtGearhead, Demands, at_gearhead, demands
 from drivesizer.physics.stress import Heat, Stress, heat, stress, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at
-from drivesizer.physics.warm_winding import warming as of_the_winding
 from drivesizer.physics.waveform import Wave, balanced, lost, mean_square
+from drivesizer.physics.winding_course import WindingCourse, current_and_winding
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
@@ -96,7 +95,7 @@ def set_cycle(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> SetCycl
     at = base.behind(drive_set.belt_ratio)
     asked = demands(at, motor, gearhead, encoder)
     warm = heat(spec.environment.ambient, at, asked, motor)
-    flows, course = of_the_winding(spec.environment.ambient, at, asked, warm, motor)
+    flows, course = current_and_winding(spec.environment.ambient, at, asked, warm, motor)
     return SetCycle(
         spec, motor, gearhead, at, asked, warm, stress(spec.environment.ambient, at, asked, motor), flows, course
     )

@@ -1,6 +1,6 @@
 """Bounds of the heat of a repeating cycle for many motors at once, which cost next to nothing.
 
-The exact course is ``heat_course``'s.
+The exact course is ``winding_course``'s.
 Convention: temperatures in and out are absolute; a motor with an unknown figure gives NaN, one that runs away infinity.
 Symbols: R resistance [ohm], R_th thermal resistance [K/W], tau time constant [s], I current [A], P_h loss at the
 housing [W].

@@ -10,9 +10,9 @@ import pytest
 
 from drivesizer.physics import heat_bounds
 from drivesizer.physics.heat_bounds import Blocks, blocks, bracket
-from drivesizer.physics.heat_course import winding_course
 from drivesizer.physics.motor_demand import AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.thermal import COPPER, TwoBodies, steady_winding_temperature
+from drivesizer.physics.winding_course import winding_course
 
 AMBIENT = 304.0  # K
 

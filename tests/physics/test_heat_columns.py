@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drivesizer.physics import heat_course, heat_step, thermal
-from drivesizer.physics.heat_course import winding_course
+from drivesizer.physics import heat_step, thermal
 from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.heat_cycle_columns import winding_bounds
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, steady_winding_temperature
+from drivesizer.physics.winding_course import winding_course
 
 AMBIENT = 304.0  # K
 NAMES = [figure.name for figure in fields(TwoBodies)]
@@ -93,7 +93,7 @@ def test_blocks_change_nothing(cells, monkeypatch):
     motors = random_motors(random, 53)
     dt, squares, losses = random_cycle(random, motors)
     whole = course(motors, dt, squares, losses)
-    monkeypatch.setattr(heat_course, "_CELLS", cells)
+    monkeypatch.setattr("drivesizer.physics.winding_course._CELLS", cells)
     for found, column in zip(course(motors, dt, squares, losses), whole, strict=True):
         assert found == pytest.approx(column, rel=1e-12, nan_ok=True)
 

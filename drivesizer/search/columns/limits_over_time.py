@@ -1,6 +1,6 @@
 """Limits that need the winding or the current of each moment: temperature, voltage, supply, bus, time of overload.
 
-The winding is as warm as it is at each moment of the cycle that repeats for ever (``heat_course``); its voltage is
+The winding is as warm as it is at each moment of the cycle that repeats for ever (``winding_course``); its voltage is
 looked at cold, as it starts, too. Where a figure is missing that this needs, a check passes by the warmest that the
 winding may be and fails by the coldest, so that less data never looks better (``checks.between``).
 Before the waveform come safe bounds from moments and extremes alone (``waveform_bounds``).
@@ -19,8 +19,8 @@ from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding_temperature
 from drivesizer.physics.usable_voltage import most_voltage
-from drivesizer.physics.warm_winding import warming
 from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, longest_above, mean_square, wave
+from drivesizer.physics.winding_course import current_and_winding
 from drivesizer.results.check_columns import CheckColumn, at_most, between
 from drivesizer.search.columns.limits import winding_limit
 from drivesizer.spec.robot import RobotSpec
@@ -107,7 +107,7 @@ def _pair(
     spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts, what: Wanted
 ) -> Pair:
     ambient, motor = spec.environment.ambient, parts.motor
-    flows, course = warming(spec.environment.ambient, at, asked, warm, motor)
+    flows, course = current_and_winding(spec.environment.ambient, at, asked, warm, motor)
     rows = np.flatnonzero(np.isnan(course.peak))
     T, R_25 = (course.ends, course.means), np.asarray(resistance_25(motor))
     course.ends[rows] = hottest(spec, at, warm, under, motor)[rows, None, None]
