@@ -1,4 +1,4 @@
-"""A check and an objective are declared once: a copy of the package gets one of each, and everything tells them."""
+"""A check, an objective and a kind of load are declared once: all outputs of a copy with one of each have them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 from shutil import copytree, ignore_patterns
 
 import pytest
+from pypdf import PdfReader
 
 import drivesizer
 from drivesizer.loads.kinds import AXES
@@ -29,11 +30,39 @@ ADDED = {  # file: a line before which another goes
         "        nominal_current_limit(asked.rms_current, motor, ambient, torque),\n",
         '        at_most("below_no_load", asked.peak_speed, motor["no_load_speed"]),\n',
     ),
+    "loads/kinds.py": ('    "hoist",\n', '    "wire_winder",\n'),
     "spec/select.py": (
         '    "energy": ObjectiveKind(',
         '    "idle": ObjectiveKind("idle current", "current", "mA", "no_load_current", ("motor",)),\n',
     ),
 }
+WINDER = """
+from typing import ClassVar, Literal
+
+from drivesizer.files.fields import Axis, Force, Length
+from drivesizer.loads.course import Course
+from drivesizer.loads.model import SharedLoad
+from drivesizer.physics.load_cycle import LoadCycle
+
+
+class WireWinder(SharedLoad):
+    axis: ClassVar[Axis] = "linear"
+    kind: Literal["wire_winder"]
+    tension: Force
+    reel_diameter: Length
+
+
+def wire_winder(load: WireWinder, gravity: float, course: Course) -> LoadCycle:
+    radius = load.reel_diameter / 2
+    torque = load.tension * radius * course.direction + 0.0 * course.speed
+    return course.cycle(torque / load.motors, radius, inertia=0.0)
+"""
+REEL = """
+name: reel
+load: {kind: wire_winder, tension: 23 N, reel_diameter: 70 mm}
+motion: {profile: trapezoid, speed: 0.4 m/s, acceleration_time: 0.5 s, cruise_time: 6 s, rest_time: 2 s}
+supply: {nominal: 24 V}
+"""
 RUN = """
 from pathlib import Path
 from drivesizer import load_spec, size
@@ -42,12 +71,14 @@ from drivesizer.output.terminal.sizing import sizing
 result = size(load_spec(Path("robot.yaml")), objective="idle", top=5)
 sizing(result)
 write(result, None, [Path("report.json"), Path("report.html")])
+reel = size(load_spec(Path("reel.yaml")), top=1)
+write(reel, None, [Path("reel.json"), Path("reel.pdf")])
 """
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory):
-    """Terminal, JSON and page of the copy."""
+def copy(tmp_path_factory):
+    """The folder where a copy with more declarations was run, and what it printed."""
     folder = tmp_path_factory.mktemp("declared")
     copytree(PACKAGE, folder / "drivesizer", ignore=ignore_patterns("__pycache__"))
     copytree(PACKAGE.parent / "catalogs", folder / "catalogs")
@@ -56,6 +87,8 @@ def told(tmp_path_factory):
         text = path.read_text(encoding="utf-8")
         assert text.count(before) == 1, file
         path.write_text(text.replace(before, line + before), encoding="utf-8")
+    (folder / "drivesizer" / "loads" / "wire_winder.py").write_text(WINDER, encoding="utf-8")
+    (folder / "reel.yaml").write_text(REEL, encoding="utf-8")
     text = (PACKAGE / "spec" / "starters" / "hoist.yaml").read_text(encoding="utf-8")
     (folder / "robot.yaml").write_text(text, encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": str(folder), "COLUMNS": "160"}
@@ -63,8 +96,15 @@ def told(tmp_path_factory):
         [sys.executable, "-c", RUN], cwd=folder, env=environment, capture_output=True, text=True, timeout=300
     )
     assert done.returncode == 0, done.stderr
+    return folder, done.stdout
+
+
+@pytest.fixture
+def told(copy):
+    """Terminal, JSON and page of the copy."""
+    folder, printed = copy
     document, page = ((folder / f"report.{kind}").read_text(encoding="utf-8") for kind in ("json", "html"))
-    return done.stdout, json.loads(document), page
+    return printed, json.loads(document), page
 
 
 def test_one_declaration_makes_a_check(told, catalog):
@@ -90,6 +130,18 @@ def test_one_declaration_makes_an_objective(told, catalog):
     assert [one["objective"] for one in document["sets"]] == pytest.approx(currents)
     assert currents == sorted(currents)
     assert f"{1000.0 * currents[0]:g} mA" in terminal and "idle" in page
+
+
+def test_one_file_and_one_line_make_a_kind_of_load(copy):
+    """Its fields are read, its torque is sized for, and its reports name it."""
+    folder, _ = copy
+    document = json.loads((folder / "reel.json").read_text(encoding="utf-8"))
+    required = document["requirements"]
+    assert required["maximum_torque_per_motor"]["si"] == pytest.approx(23.0 * 0.035)
+    assert required["nominal_speed"]["si"] == pytest.approx(0.4 / 0.035)
+    assert document["spec"]["load"]["kind"] == "wire_winder" and document["sets"][0]["status"] == "pass"
+    text = "".join(page.extract_text() for page in PdfReader(folder / "reel.pdf").pages)
+    assert "wire_winder" in text and "23 N" in text
 
 
 @pytest.mark.parametrize("make", [at_most, at_least, fits])
