@@ -10,28 +10,23 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import nan
 
-from drivesizer.load_cases.platform_record import platform_assumptions, platform_of
-from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.load_cases.platform_record import platform_assumptions
 from drivesizer.machine.mass_budget import MassBudget
 from drivesizer.machine.platform_checks import (
     Standing,
     envelope_checks,
     grip_checks,
-    machine_mass,
     mass_checks,
     stability_checks,
 )
-from drivesizer.platform.dynamics import dynamics
 from drivesizer.platform.envelope import heading_tolerance, heading_tolerance_driving, turning_circle
 from drivesizer.platform.grip import grip_acceleration, grip_slope
 from drivesizer.platform.stability import lift_off_acceleration, lift_off_slope, tipping_edges, tipping_slope
 from drivesizer.platform.stability_along import least_load, least_margin
-from drivesizer.platform.trajectory import Trajectory
-from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, Figure, Status, verdict
-from drivesizer.spec.platform import Budget, Platform
+from drivesizer.spec.platform import Platform
 
-__all__ = ["MechanicalBudget", "budget_checks", "mass_part", "platform_part"]
+__all__ = ["MechanicalBudget", "mass_part", "platform_part"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,56 +38,6 @@ class MechanicalBudget:
     checks: tuple[Check, ...]
     figures: tuple[Figure, ...]
     assumptions: tuple[str, ...]
-
-
-def budget_checks(
-    drive_set: DriveSet,
-    sets: int,
-    *,
-    budget: Budget | None = None,
-    platform: Platform | None = None,
-    load: WheeledVehicle | None = None,
-    gravity: float = 9.80665,
-    needed: float = 0.0,
-    battery: float | None = None,
-    trajectory: Trajectory | None = None,
-) -> MechanicalBudget:
-    """Mass, room, footing and grip of a machine with one set.
-
-    Parameters
-    ----------
-    drive_set, sets
-        What drives it, and how many of it there are.
-    budget, platform
-        The spec's sections; what is not given is not checked.
-    load
-        The vehicle; needed for the platform, and for the mass that the drive is sized for.
-    gravity
-        [m/s^2].
-    needed
-        Margin that the spec asks of traction.
-    battery
-        Mass of it [kg]; NaN where it is unknown, None where there is none or the budget's ``others`` have it.
-    trajectory
-        How the platform moves, where that is known.
-
-    Raises
-    ------
-    InputError
-        When platform and load contradict each other, or the wheels do not allow the trajectory.
-    """
-    parts = []
-    if budget:
-        mass = machine_mass(budget, drive_set, sets, platform=platform, battery=battery)
-        parts.append(mass_part(mass, load.mass if load else None))
-    if platform and load:
-        s = Standing(platform, load, dynamics(platform_of(platform, load)), gravity, needed, trajectory)
-        parts.append(platform_part(s))
-    checks, figures, assumptions = (
-        tuple(one for part in parts for one in getattr(part, name)) for name in ("checks", "figures", "assumptions")
-    )
-    found = parts[0].mass if budget else None
-    return MechanicalBudget(mass=found, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
 
 
 def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBudget:

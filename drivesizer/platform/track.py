@@ -48,7 +48,7 @@ from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.planner import Limits, Waypoint, plan
 from drivesizer.platform.trajectory import Trajectory
 
-__all__ = ["read_track", "read_waypoints"]
+__all__ = ["read_track"]
 
 _NAMES = {"t": "time", "theta": "heading"}  # as they may stand -> as they are
 _KINDS = {"time": "time", "x": "length", "y": "length", "heading": "angle", "pause": "time"}
@@ -113,22 +113,6 @@ def read_track(
         known = dict(zip(header, factors, strict=True))
         _enough_digits(file, time, posture, [known[name] for name in ("x", "y", "heading")])
     return spline(time, made, smoothing)
-
-
-def read_waypoints(path: str | Path) -> list[Waypoint]:
-    """The waypoints in a file without times.
-
-    Raises
-    ------
-    InputError
-        One line that says where, what was found and what is expected.
-    """
-    file = Path(path)
-    rows = rows_of(file, read_text(file), len(_TIMED))
-    header, factors = _head(file, rows)
-    if "time" in header:
-        raise InputError(f"{file}:1: header: times; expected waypoints, x,y with heading or pause where wanted")
-    return _waypoints(file, rows, header, factors)
 
 
 def _head(path: Path, rows: Iterator[tuple[int, list[str]]]) -> tuple[list[str], list[float]]:

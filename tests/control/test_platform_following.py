@@ -11,11 +11,8 @@ from platforms import MASS, RADIUS, WHEEL, car, mecanum
 from routes import route
 
 from drivesizer.control.path_following.deviation import (
-    curvature_by_radii,
     deviation,
     extremes,
-    heading_by_lever,
-    way_by_radius,
 )
 from drivesizer.control.path_following.following import Followed, follow
 from drivesizer.control.path_following.pose_control import SpeedLoop, pose_loop, speed_loop
@@ -102,7 +99,7 @@ def test_all_radii_off_lengthen_the_way(p, error, model):
     found, without = (
         deviation(follow(STRAIGHT, p, model=model, misjudged=Misjudged(radius=e), contact=STIFF)) for e in (error, 0.0)
     )
-    assert found.along[-1] - without.along[-1] == pytest.approx(way_by_radius(error, 6.0), rel=2e-3)
+    assert found.along[-1] - without.along[-1] == pytest.approx(error * 6.0, rel=2e-3)
     assert np.abs(found.across).max() < 1e-6 and np.abs(found.heading).max() < 1e-6
 
 
@@ -110,12 +107,12 @@ def test_all_radii_off_lengthen_the_way(p, error, model):
 def test_wheels_farther_out_turn_less(p):
     found = deviation(follow(AHEAD, p, misjudged=Misjudged(lever=0.03), contact=STIFF))
     assert found.turned[-1] == pytest.approx(2.0)
-    assert found.heading[-1] == pytest.approx(heading_by_lever(0.03, 2.0), rel=3e-3)
+    assert found.heading[-1] == pytest.approx(-0.03 / 1.03 * 2.0, rel=3e-3)
 
 
 def test_radii_apart_make_an_arc():
     found = follow(STRAIGHT, cart(), misjudged=Misjudged(radius=(0.02, -0.02)), contact=STIFF)  # right, left
-    bend = curvature_by_radii(0.02, 0.5)
+    bend = 2.0 * 0.02 / 0.5  # of the arc, 2 e over the track
     assert found.posture[2, -1] == pytest.approx(bend * 6.0, rel=2e-3)
     assert found.posture[0, -1] == pytest.approx(math.sin(bend * 6.0) / bend, rel=2e-3)
     assert found.posture[1, -1] == pytest.approx((1.0 - math.cos(bend * 6.0)) / bend, rel=2e-3)
@@ -213,7 +210,7 @@ def test_a_unicycle_s_lateral_error():
     off = Misjudged(radius=(0.01, -0.01))
     found = deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds, poses=poses))
     at = int(19.0 / 1e-3)
-    assert found.across[at] == pytest.approx(curvature_by_radii(0.01, 0.5) * poses.distance**2, rel=0.03)
+    assert found.across[at] == pytest.approx(2.0 * 0.01 / 0.5 * poses.distance**2, rel=0.03)
     assert abs(found.along[at]) < 1e-4
     assert abs(deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds)).across[at]) > 5.0
 

@@ -56,7 +56,7 @@ FURTHER = {  # of other pages
     ("platform", "while it slips: 1e-5"): ("platform_slip", "found.imbalance < 1e-5"),
     ("platform", "arc by radii apart: 0.3 % and better"): (
         "platform_following",
-        "heading_by_lever(0.03, 2.0), rel=3e-3)",
+        "-0.03 / 1.03 * 2.0, rel=3e-3)",
     ),
     ("platform", "times of planned ways: 1e-8"): (
         "platform_planner",

@@ -12,7 +12,7 @@ from trajectories import joined, piece, straight
 from drivesizer import size
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform_record import platform_of
-from drivesizer.machine.platform_budget import budget_checks
+from drivesizer.machine.platform_budget import mass_part, platform_part
 from drivesizer.machine.platform_checks import Standing, envelope_checks, grip_checks, machine_mass, mass_checks
 from drivesizer.machine.platform_checks import stability_checks as footing
 from drivesizer.platform.dynamics import dynamics
@@ -245,54 +245,48 @@ def test_grip_that_is_not_known():
 # --- all of it --------------------------------------------------------------------------------------------------------
 
 
-def whole(drive, **given):
-    found = section(
-        centre_of_mass=LOW, limits={"acceleration": "1 m/s^2"},
-        passages=[DOOR | {"height": "200 mm", "x": "0 m", "y": "0 m"}],
-    )  # fmt: skip
-    everything = {
-        "budget": budget(), "platform": found, "load": vehicle(friction_coefficient=0.6, slope="2 deg"),
-        "battery": 10.8, "trajectory": straight((-2.0, 0.01), (2.0, 0.01), 0.0, 4.0),
-    }  # fmt: skip
-    return budget_checks(drive, 4, **(everything | given))
+AHEAD = straight((-2.0, 0.01), (2.0, 0.01), 0.0, 4.0)
+ON_SLOPE = {"friction_coefficient": 0.6, "slope": "2 deg"}
+PASSING = {"passages": [DOOR | {"height": "200 mm", "x": "0 m", "y": "0 m"}], "limits": {"acceleration": "1 m/s^2"}}
 
 
-def test_a_whole_machine(drive):
-    found = whole(drive)
-    assert found.status == "pass" and found.mass.total == pytest.approx(31.988)
+def in_all(load=ON_SLOPE, trajectory=AHEAD, **given):
+    return platform_part(standing(load, trajectory, **(PASSING | given)))
+
+
+def test_a_whole_platform():
+    found = in_all()
+    assert found.status == "pass"
     assert {c.title for c in found.checks} == {CHECKS["budget"][c.name].title for c in found.checks}
     assert all(c.margin > 0.0 for c in found.checks if c.margin == c.margin)
     figure = {f.name: f.value for f in found.figures}
     assert figure["turning_circle"] == pytest.approx(0.7889, abs=5e-5)
     assert math.degrees(figure["heading_held"]) == pytest.approx(4.13, abs=0.005)
     assert figure["tipping_slope"] == pytest.approx(math.atan(0.13495 / 0.090))
-    assert figure["mass_left"] == pytest.approx(45.0 - 31.988)
     assert any("homogeneous box" in sentence for sentence in found.assumptions)
-    assert repr(found) == repr(whole(drive))  # the same every time
+    assert repr(found) == repr(in_all())  # the same every time
 
 
-def test_parts_of_it_alone(drive):
-    assert whole(drive, budget=None).mass is None
-    assert {c.name for c in whole(drive, platform=None, trajectory=None).checks} == {"mass", "mass_sized_for"}
-    nothing = budget_checks(drive, 4)
-    assert (nothing.checks, nothing.figures, nothing.status) == ((), (), "pass")
-    unknown = whole(replace(drive, controller=None))
+def test_mass_alone(drive):
+    found = mass_part(machine_mass(budget(), drive, 4, battery=10.8), 45.0)
+    assert found.mass.total == pytest.approx(31.988) and found.status == "pass"
+    assert {c.name for c in found.checks} == {"mass", "mass_sized_for"}
+    assert {f.name: f.value for f in found.figures}["mass_left"] == pytest.approx(45.0 - 31.988)
+    unknown = mass_part(machine_mass(budget(), replace(drive, controller=None), 4, battery=10.8), 45.0)
     assert unknown.status == "unknown" and any("without controller" in s for s in unknown.assumptions)
 
 
-def test_unknown_figures_stay_unknown(drive):
-    bare = section(centre_of_mass={"x": "0 m"})
-    found = {f.name: f.value for f in whole(drive, platform=bare, trajectory=None).figures}
+def test_unknown_figures_stay_unknown():
+    found = {f.name: f.value for f in in_all(trajectory=None, centre_of_mass={"x": "0 m"}).figures}
     assert all(math.isnan(found[n]) for n in ("lift_off_slope", "tipping_slope", "lift_off_acceleration", "grip_slope"))
     assert found["tipping_distance"] == pytest.approx(0.13495)
 
 
-def test_a_trajectory_that_the_wheels_do_not_allow_is_refused(drive):
+def test_a_trajectory_that_the_wheels_do_not_allow_is_refused():
     given = {"layout": {"kind": "differential", "track": "500 mm"}, "casters": [{"x": "-0.4 m", "y": "0 m"}]}
-    platform = section(centre_of_mass={"x": "-0.1 m", "height": "0.1 m"}, **given)
-    sideways = straight((0.0, -1.0), (0.0, 1.0), 0.0, 2.0)
+    centre = {"x": "-0.1 m", "height": "0.1 m"}
     with pytest.raises(InputError, match="slides wheel"):
-        whole(drive, platform=platform, load=vehicle(driven_wheels=2), trajectory=sideways)
+        in_all({"driven_wheels": 2}, straight((0.0, -1.0), (0.0, 1.0), 0.0, 2.0), centre_of_mass=centre, **given)
 
 
 def test_the_layout_of_these_tests_is_the_papers():

@@ -13,6 +13,7 @@ from wheel_sets import contact_row, figure, turn, wheel_sets
 
 from drivesizer.errors import InputError
 from drivesizer.platform import equations_dynamics, equations_kinematics, matrix_equation, printed_forms
+from drivesizer.platform.dynamics import dynamics
 from drivesizer.platform.kinematics import (
     kinematics,
     to_robot,
@@ -21,7 +22,6 @@ from drivesizer.platform.kinematics import (
     wheel_speeds,
 )
 from drivesizer.platform.matrix_equation import PLATFORM
-from drivesizer.platform.motor_failure import after_failure
 from drivesizer.platform.wheels import Caster, Payload, Wheel, loaded, table_wheel, without_motor
 
 LEVER = 0.3735  # m, l1 + l2 of the paper's robot, by hand: 274.06 mm (cos 29.5° + sin 29.5°)
@@ -174,12 +174,20 @@ def test_columns_give_what_single_figures_give():
 # --- a motor that failed ----------------------------------------------------------------------------------------------
 
 
+def after_failure(platform, wheel, *, blocked=False):
+    """Dynamics without a motor, and the largest torque to gain speed along each motion over that with all motors."""
+    left = dynamics(without_motor(platform, wheel, blocked=blocked))
+    motions = left.kinematics.motions
+    before, after = (np.abs(d.distribution @ d.M @ motions).max(axis=0) for d in (dynamics(platform), left))
+    return left, after / before
+
+
 @pytest.mark.parametrize("wheel", [1, 2, 3, 4])
 def test_three_of_four_mecanum_wheels_still_make_every_motion(wheel):
     """The paper, section 2: the structure is redundant and a failed motor leaves the task possible."""
-    left = after_failure(mecanum(), wheel)
-    assert left.motions.tolist() == np.eye(3).tolist()
-    assert left.torque_ratio == pytest.approx([2.0, 2.0, 2.0])  # two of the three work, each for two
+    left, torque_ratio = after_failure(mecanum(), wheel)
+    assert left.kinematics.motions.tolist() == np.eye(3).tolist()
+    assert torque_ratio == pytest.approx([2.0, 2.0, 2.0])  # two of the three work, each for two
     k = kinematics(left.platform.wheels)
     assert velocity(k, np.delete(kinematics(mecanum().wheels).E @ [0.5, -0.2, 0.7], wheel - 1)) == pytest.approx(
         [0.5, -0.2, 0.7]
@@ -187,13 +195,14 @@ def test_three_of_four_mecanum_wheels_still_make_every_motion(wheel):
 
 
 def test_a_blocked_wheel_leaves_two_motions():
-    left = after_failure(mecanum(inertia=0.0), 1, blocked=True)
-    assert left.motions.shape == (3, 2)
-    assert kinematics(mecanum().wheels).E[0] @ left.motions == pytest.approx(0.0, abs=1e-12)
+    left, torque_ratio = after_failure(mecanum(inertia=0.0), 1, blocked=True)
+    motions = left.kinematics.motions
+    assert motions.shape == (3, 2)
+    assert kinematics(mecanum().wheels).E[0] @ motions == pytest.approx(0.0, abs=1e-12)
     l = LENGTH * (math.cos(ALPHA) + math.sin(ALPHA))
-    assert pytest.approx(np.array([[1.0, 0.0, -1 / l], [0.0, 1.0, -1 / l]])) == left.motions.T
+    assert pytest.approx(np.array([[1.0, 0.0, -1 / l], [0.0, 1.0, -1 / l]])) == motions.T
     m, i = MASS, INERTIA / l**2  # by hand, from A τ = f with three wheels and two motions
-    assert left.torque_ratio[0] == pytest.approx(2 / 3 * (2 * m + i) / (m + i))
+    assert torque_ratio[0] == pytest.approx(2 / 3 * (2 * m + i) / (m + i))
     with pytest.raises(
         InputError, match=r"^velocity of the platform: it turns the blocked wheel 1 by 1 m/s, at sample 0"
     ):
@@ -203,7 +212,8 @@ def test_a_blocked_wheel_leaves_two_motions():
 def test_a_differential_drive_with_one_motor_is_lost():
     with pytest.raises(InputError, match="with its driven wheels at rest"):
         after_failure(differential(), 1)
-    assert after_failure(differential(), 1, blocked=True).motions.shape == (3, 1)  # round the wheel that stands
+    left, _ = after_failure(differential(), 1, blocked=True)
+    assert left.kinematics.motions.shape == (3, 1)  # round the wheel that stands
 
 
 # --- refused ----------------------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from drivesizer.errors import InputError
 from drivesizer.platform.curve import spline
 from drivesizer.platform.dynamics import dynamics
 from drivesizer.platform.planner import Limits, Waypoint, plan
-from drivesizer.platform.track import read_track, read_waypoints
+from drivesizer.platform.track import read_track
 from drivesizer.platform.wheel_cycles import wheel_cycles
 
 LIMITS = Limits(speed=1.0, acceleration=0.8, jerk=2.0, turning_speed=1.5, turning_acceleration=2.0, turning_jerk=6.0)
@@ -135,7 +135,6 @@ def test_a_planned_trajectory_comes_back_from_its_file(file):
 def test_waypoints_from_a_file_are_planned(file):
     rows = "y,x,theta,pause\nm,cm,deg,s\n0,0,0,\n0.5,200,114.59155902616465,1.5\n0.5,200,401.0704565915763,\n1,-100,,\n"
     path = file(rows)
-    assert read_waypoints(path)[1].heading == pytest.approx(2.0)
     found, planned = read_track(path, LIMITS), plan(ROUTE, LIMITS)
     assert found.duration == pytest.approx(planned.duration, rel=1e-9)
     assert found.posture == pytest.approx(planned.posture, abs=1e-9)
@@ -268,8 +267,6 @@ def test_limits_tell_jumps_that_a_wheel_could_make(file):
     read_track(path)
     with pytest.raises(InputError, match=r":22: x, y: a jump, 2\.\d+ m/s\^2 from row to row; expected 1\.6 m/s\^2 at"):
         read_track(path, LIMITS)
-    with pytest.raises(InputError, match=r":1: header: times; expected waypoints"):
-        read_waypoints(path)
     with pytest.raises(InputError, match=r"waypoints have no times; expected limits to plan with, or a column t"):
         read_track(file("x,y\nm,m\n0,0\n1,0\n"))
 

@@ -17,7 +17,7 @@ import numpy as np
 from drivesizer.control.path_following.following import Followed
 from drivesizer.platform.matrix_equation import Array
 
-__all__ = ["Deviation", "Extreme", "curvature_by_radii", "deviation", "extremes", "heading_by_lever", "way_by_radius"]
+__all__ = ["Deviation", "Extreme", "deviation", "extremes"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,30 +99,3 @@ def _extreme(title: str, values: Array, kind: str, unit: str, d: Deviation) -> E
     worst = values if values.ndim == 1 else values[np.abs(values).argmax(axis=0), np.arange(values.shape[1])]
     k = int(np.abs(worst).argmax())
     return Extreme(title, float(worst[k]), kind, unit, float(d.time[k]), float(d.way[k]))
-
-
-def way_by_radius(error: float, way: float) -> float:
-    """Along the path by radii that are 1 + error of what is believed [m].
-
-    >>> way_by_radius(0.01, 90.0)
-    0.9
-    """
-    return error * way
-
-
-def heading_by_lever(error: float, turned: float) -> float:
-    """Heading by wheels that are apart by 1 + error of what is believed [rad], after a turn.
-
-    >>> round(heading_by_lever(0.01, 1.0), 6)
-    -0.009901
-    """
-    return -error / (1.0 + error) * turned
-
-
-def curvature_by_radii(error: float, track: float) -> float:
-    """Of the arc of a differential drive whose right radius is 1 + error, the left one 1 - error of it [1/m].
-
-    >>> round(curvature_by_radii(0.01, 0.5), 9)
-    0.04
-    """
-    return 2.0 * error / track

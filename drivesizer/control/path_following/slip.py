@@ -24,7 +24,7 @@ from dataclasses import dataclass, fields
 
 from drivesizer.errors import InputError
 
-__all__ = ["Contact", "grip", "grip_slope", "slip_for", "stiffness"]
+__all__ = ["Contact", "grip", "grip_slope", "stiffness"]
 
 _LARGEST = 1e9  # of any figure, in SI
 
@@ -75,21 +75,3 @@ def stiffness(contact: Contact, load: float, rolling: float = 0.0) -> float:
     5000.0
     """
     return contact.friction * load / (contact.slip_speed + contact.creep * abs(rolling))
-
-
-def slip_for(contact: Contact, force: float, load: float, rolling: float = 0.0) -> float:
-    """Slip speed that passes on a force [m/s]; infinite at μN and above.
-
-    Parameters
-    ----------
-    contact
-        Floor and wheels.
-    force
-        On the floor [N].
-    load, rolling
-        What the wheel carries [N], and its speed [m/s].
-    """
-    most = contact.friction * load
-    if not abs(force) < most:
-        return math.copysign(math.inf, force)
-    return (contact.slip_speed + contact.creep * abs(rolling)) * math.atanh(force / most)
