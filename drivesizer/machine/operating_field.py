@@ -113,7 +113,7 @@ def _as_far_as_known(asked: Demands, motor: Any) -> Demands:
     c = np.where(asked.left_out, np.nan, asked.coefficients)
     for place, figure in zip((DIRECTION, SPEED), friction(motor), strict=True):
         c[np.isnan(figure), place] = np.nan
-    if asked.sure.all():
+    if asked.complete.all():
         return asked._replace(coefficients=c)
     unknown = np.full_like(asked.rms_current, np.nan)
     return asked._replace(coefficients=c, rms_torque=unknown, rms_current=unknown)

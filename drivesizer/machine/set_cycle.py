@@ -44,7 +44,7 @@ class SetCycle(NamedTuple):
     @property
     def known(self) -> bool:
         """Whether the motor's current is known, and not only a least one."""
-        return bool(self.asked.sure.all() and np.isfinite(self.asked.rms_current).all())
+        return bool(self.asked.complete.all() and np.isfinite(self.asked.rms_current).all())
 
     @property
     def hot(self) -> Array:

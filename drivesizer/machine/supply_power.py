@@ -72,7 +72,7 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> Drive
     one = Wave(np.ones(1), *(x[:, None] for x in _pieces(supplied(found, mean=False))[1:]))
     back = largest_power(one._replace(voltage=-one.voltage))[0]
     peak = largest_power(one)[0]
-    sets = spec.load.alike if found.asked.sure.all() else np.nan  # least demands are not told as if they were all
+    sets = spec.load.alike if found.asked.complete.all() else np.nan  # least demands are not told as if they were all
     return DrivePower(
         duration=duration,
         drawn=sums.drawn * sets,

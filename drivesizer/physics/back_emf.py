@@ -1,8 +1,8 @@
-r"""The voltage that a winding makes by turning: the back-EMF constant k_e, as far as catalogues tell it from k_t.
+r"""The voltage that a winding makes by turning: the back-EMF constant k_e, where catalogues distinguish it from k_t.
 
-In an ideal machine k_e and k_t are one figure, for power is one. Makers' figures are not: the torque per ampere is
-mostly that of stall, where iron saturates and brushes take their share (brushed motors 13 to 33 % below k_e), or rests
-on a stall current that a controller cut (k_t above k_e). What a voltage turns a motor to tells k_e itself:
+In an ideal machine k_e and k_t are one figure, since power is conserved. Makers' figures differ: the torque per ampere
+is mostly that of stall, where iron saturates and brushes lose some (brushed motors 13 to 33 % below k_e), or rests
+on a stall current that a controller cut (k_t above k_e). The no-load speed at a voltage gives k_e itself:
 
 .. math:: k_e = \frac{V - R I_0}{w_0}
 
@@ -26,15 +26,15 @@ _OTHER = 2.0  # times k_t or a part of it: then w_0 and V are not of one winding
 
 
 def back_emf_constant(motor: Any) -> Array:
-    """Voltage per speed of motors [V*s/rad]; what follows is the first of it that is known.
+    """Voltage per speed of motors [V*s/rad]; the first of these that is known.
 
     1. The maker's ``back_emf_constant``, or 1 over its ``speed_constant``.
-    2. (V - R I_0)/w_0. Not of a motor with its controller inside, whose no-load speed is as fast as that lets it run;
+    2. (V - R I_0)/w_0. Not of a motor with its controller inside, which limits the no-load speed;
        and not beyond half to twice k_t, where the two figures are of different windings or voltages. An unknown I_0
        leaves the bound V/w_0: k_e is k_t then, and no more than that.
     3. k_t.
 
-    What agrees with k_t within the rounding of three digits is k_t: one constant, printed twice.
+    A result within the rounding of three digits of k_t is k_t: one constant, printed twice.
 
     Parameters
     ----------

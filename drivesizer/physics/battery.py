@@ -1,4 +1,4 @@
-"""What a battery gives: run time at a load, voltage under it, and what capacity a run time needs.
+"""Batteries: run time and voltage under load, and the capacity that a run time requires.
 
 Functions of floats or arrays, SI throughout: charge in A*s, time in s. An unknown figure (NaN) gives an unknown result.
 Peukert's law and a printed discharge table are two answers to the same question; the table is the maker's own, and
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 
 def peukert_time(current: Any, capacity: Any, rated_time: Any, exponent: Any) -> Any:
-    """How long a full battery bears a constant current [s]: t = H (C / (H I))^k.
+    """Run time of a full battery at a constant current [s]: t = H (C / (H I))^k.
 
     At a current below the rated one it is C / I: no more charge is counted than the rated one, whatever the exponent
     says of slower discharges. Without a draw it is infinite.
@@ -42,6 +42,11 @@ def peukert_time(current: Any, capacity: Any, rated_time: Any, exponent: Any) ->
         Charge [A*s] that is drawn in the rated time [s].
     exponent
         Peukert's, 1 or more [1].
+
+    Returns
+    -------
+    float or array
+        Run time [s].
 
     Examples
     --------
@@ -57,18 +62,23 @@ def peukert_time(current: Any, capacity: Any, rated_time: Any, exponent: Any) ->
 
 
 def capacity_for(time: Any, current: Any, rated_time: Any, exponent: Any) -> Any:
-    """Rated capacity that bears a constant current for a time [A*s]: the inverse of :func:`peukert_time`.
+    """Rated capacity for a run time at a constant current [A*s]: the inverse of :func:`peukert_time`.
 
     C = H I (t/H)^(1/k), and I t where the time is longer than the rated one.
 
     Parameters
     ----------
     time
-        That it must last for [s].
+        Required run time [s].
     current
         Constant [A].
     rated_time, exponent
-        Of the battery that is sought [s], [1].
+        Of the battery [s], [1].
+
+    Returns
+    -------
+    float or array
+        Rated capacity [A*s].
     """
     share = np.asarray(time, float) / rated_time
     wanted = current * rated_time * np.where(share < 1.0, share ** (1.0 / np.asarray(exponent, float)), share)
@@ -76,7 +86,7 @@ def capacity_for(time: Any, current: Any, rated_time: Any, exponent: Any) -> Any
 
 
 def table_time(draw: Any, draws: Any, times: Any) -> Any:
-    """How long a draw lasts by a discharge table, straight between its points in logarithms [s].
+    """Run time at a draw by a discharge table, interpolated in logarithms [s].
 
     Outside the table, and with a table that does not fall, unknown: NaN.
 
@@ -85,7 +95,12 @@ def table_time(draw: Any, draws: Any, times: Any) -> Any:
     draw
         Constant current [A] or power [W].
     draws, times
-        The table: draws of that kind, and how long each lasts [s], in any order.
+        The table: draws of that kind, and the run time at each [s], in any order.
+
+    Returns
+    -------
+    float or array
+        Run time [s].
 
     Examples
     --------
@@ -99,7 +114,20 @@ def table_time(draw: Any, draws: Any, times: Any) -> Any:
 
 
 def table_draw(time: Any, draws: Any, times: Any) -> Any:
-    """The draw that lasts for a time by a discharge table [A or W]: the inverse of :func:`table_time`."""
+    """Draw of a run time by a discharge table [A or W]: the inverse of :func:`table_time`.
+
+    Parameters
+    ----------
+    time
+        Required run time [s].
+    draws, times
+        The table, as in :func:`table_time`.
+
+    Returns
+    -------
+    float or array
+        Constant current [A] or power [W]; NaN outside the table.
+    """
     x, y = _falling(draws, times)
     with np.errstate(divide="ignore", invalid="ignore"):
         at = np.log(np.asarray(time, float))
@@ -127,6 +155,11 @@ def terminal_voltage(current: Any, emf: Any, resistance: Any) -> Any:
         Open-circuit voltage [V].
     resistance
         Internal, to direct current [ohm].
+
+    Returns
+    -------
+    float or array
+        Voltage [V].
     """
     return emf - resistance * current
 
@@ -144,6 +177,11 @@ def current_of_power(power: Any, emf: Any, resistance: Any) -> Any:
     emf, resistance
         Open-circuit voltage [V] and internal resistance [ohm].
 
+    Returns
+    -------
+    float or array
+        Current [A]; NaN beyond the largest power.
+
     Examples
     --------
     >>> float(round(current_of_power(110.0, 12.0, 0.1), 9))  # 10 A at 11 V
@@ -155,14 +193,19 @@ def current_of_power(power: Any, emf: Any, resistance: Any) -> Any:
 
 
 def largest_power(emf: Any, resistance: Any, least_voltage: Any = 0.0) -> Any:
-    """Most that a battery gives at its terminals [W]: V (E - V) / R at the least voltage, E^2 / (4 R) at E / 2.
+    """Largest power at a battery's terminals [W]: V (E - V) / R at the least voltage, E^2 / (4 R) at E / 2.
 
     Parameters
     ----------
     emf, resistance
         Open-circuit voltage [V] and internal resistance [ohm].
     least_voltage
-        That the terminals must keep [V].
+        Least permitted at the terminals [V].
+
+    Returns
+    -------
+    float or array
+        Power [W].
     """
     volts = np.maximum(np.asarray(least_voltage, float), 0.5 * np.asarray(emf, float))
     with np.errstate(divide="ignore"):
@@ -183,7 +226,8 @@ def state_of_charge(duration: Any, current: Any, capacity: Any, start: float = 1
 
     Returns
     -------
-    One more value than pieces along the last axis; not cut at 0 or 1.
+    array
+        One more value than pieces along the last axis [1]; not cut at 0 or 1.
     """
     drawn = np.cumsum(np.asarray(duration, float) * current, axis=-1) / capacity
     return start - np.concatenate([np.zeros((*drawn.shape[:-1], 1)), drawn], axis=-1)
@@ -201,7 +245,7 @@ def polarised_voltage(
 ) -> tuple[Array, Array]:
     """Terminal voltage before and after each piece of constant current, with one RC pair behind the resistance [V].
 
-    u' = (R1 I - u) / T, V = E - R I - u, solved in each piece exactly; the load repeats, and u is what it comes to.
+    u' = (R1 I - u) / T, V = E - R I - u, solved in each piece exactly; u in periodic steady state.
 
     Parameters
     ----------
@@ -212,11 +256,12 @@ def polarised_voltage(
     polarisation, time_constant
         Resistance R1 [ohm] and time constant T = R1 C1 [s] of the pair.
     rested
-        Tell the first cycle instead, before which the battery was at rest: u = 0.
+        Compute the first cycle instead, before which the battery was at rest: u = 0.
 
     Returns
     -------
-    Two columns: voltage at the left and the right end of each piece.
+    tuple of arrays
+        Voltage at the left and the right end of each piece [V].
     """
     decay = np.exp(-np.asarray(duration, float) / time_constant)
     to = polarisation * np.asarray(current, float)

@@ -30,6 +30,20 @@ _NEAR_ENOUGH = 1e-12  # of the centre distance
 def pitch_diameter(teeth: Any, pitch: Any) -> Any:
     r"""Diameter at which the belt runs [m], :math:`d = z p / \pi`.
 
+    Parameters
+    ----------
+    teeth
+        Of the pulley [1].
+    pitch
+        Of the belt [m].
+
+    Returns
+    -------
+    float or array
+        Diameter [m].
+
+    Examples
+    --------
     >>> round(1e3 * pitch_diameter(18, 5e-3), 2)
     28.65
     """
@@ -43,12 +57,42 @@ def _lean(teeth: Any, other: Any, pitch: Any, distance: Any) -> Any:
 
 
 def wrap_angle(teeth: Any, other: Any, pitch: Any, distance: Any) -> Any:
-    r"""Angle over which the belt lies on the small pulley [rad], :math:`\beta = \pi - 2 \varphi`."""
+    r"""Angle over which the belt lies on the small pulley [rad], :math:`\beta = \pi - 2 \varphi`.
+
+    Parameters
+    ----------
+    teeth, other
+        Teeth of the two pulleys [1].
+    pitch
+        Of the belt [m].
+    distance
+        Between the centres [m].
+
+    Returns
+    -------
+    float or array
+        Angle [rad].
+    """
     return np.pi - 2.0 * _lean(teeth, other, pitch, distance)
 
 
 def teeth_in_mesh(teeth: Any, other: Any, pitch: Any, distance: Any) -> Any:
-    r"""Teeth of the small pulley that the belt holds, :math:`z_1 \beta / 2\pi`; makers round it down."""
+    r"""Teeth of the small pulley that the belt holds, :math:`z_1 \beta / 2\pi`; makers round it down.
+
+    Parameters
+    ----------
+    teeth, other
+        Teeth of the two pulleys [1].
+    pitch
+        Of the belt [m].
+    distance
+        Between the centres [m].
+
+    Returns
+    -------
+    float or array
+        Teeth [1], not rounded.
+    """
     return np.minimum(teeth, other) * wrap_angle(teeth, other, pitch, distance) / (2.0 * np.pi)
 
 
@@ -57,6 +101,20 @@ def belt_length(teeth: Any, other: Any, pitch: Any, distance: Any) -> Any:
 
     :math:`L = 2 a \cos\varphi + \pi (d_1 + d_2) / 2 + \varphi (d_2 - d_1)`. The form that handbooks print,
     :math:`2 a + \pi (d_1 + d_2) / 2 + (d_2 - d_1)^2 / 4a`, is its beginning in :math:`\varphi`.
+
+    Parameters
+    ----------
+    teeth, other
+        Teeth of the two pulleys [1].
+    pitch
+        Of the belt [m].
+    distance
+        Between the centres [m].
+
+    Returns
+    -------
+    float or array
+        Length along the pitch line [m].
     """
     d_1, d_2 = pitch_diameter(teeth, pitch), pitch_diameter(other, pitch)
     lean = _lean(teeth, other, pitch, distance)
@@ -69,6 +127,20 @@ def centre_distance(teeth: Any, other: Any, pitch: Any, belt_teeth: Any) -> Any:
     By Newton's method with :math:`dL/da = 2 \cos\varphi`. The length is convex in the distance and never less than
     :math:`2 a + \pi (d_1 + d_2) / 2`, so that from the distance which makes it that the steps come down to the answer.
     A belt is too short when the pulleys would lie inside each other's pitch circles.
+
+    Parameters
+    ----------
+    teeth, other
+        Teeth of the two pulleys [1].
+    pitch
+        Of the belt [m].
+    belt_teeth
+        Teeth of the belt [1].
+
+    Returns
+    -------
+    float or array
+        Distance [m].
     """
     teeth, other, belt_teeth = np.broadcast_arrays(*(np.asarray(z, float) for z in (teeth, other, belt_teeth)))
     touching = (pitch_diameter(teeth, pitch) + pitch_diameter(other, pitch)) / 2.0
@@ -88,5 +160,17 @@ def shortest_recommended(teeth: Any, other: Any, pitch: Any) -> Any:
 
     Autodesk Inventor, Engineer's Handbook, "Calculation of synchronous belt"; a quarter more than where the pulleys
     would touch.
+
+    Parameters
+    ----------
+    teeth, other
+        Teeth of the two pulleys [1].
+    pitch
+        Of the belt [m].
+
+    Returns
+    -------
+    float or array
+        Distance [m].
     """
     return 0.2 * pitch * (teeth + other)

@@ -1,4 +1,4 @@
-r"""Speed out of an encoder's counts: how coarse it is, and over how many periods it is best taken.
+r"""Speed from an encoder's counts: its resolution, and the best number of periods to count over.
 
 Counts of the last n periods over their time are a mean speed, late by n/2 periods, with a grain of one count:
 
@@ -30,9 +30,9 @@ MOST_PERIODS = 128  # over which counts are taken
 
 
 class Counts(NamedTuple):
-    """An encoder, and what its counts may be answered with."""
+    """An encoder, and the permitted answer to one of its counts."""
 
-    edges: int  # per turn of the motor
+    edges: int  # per turn of the motor [1]
     answer: float  # V or A, with which one count may be answered
     periods: int = 0  # over which counts are to be taken; 0: as is best
 
@@ -43,7 +43,7 @@ class Counts(NamedTuple):
 
 
 def answer(volts: float, resistance: float, peak: float, nominal: float) -> float:
-    """Current with which one count may be answered [A]: whatever of its limits is unknown is none.
+    """Current with which one count may be answered [A]: the least of its limits that are known.
 
     Parameters
     ----------
@@ -51,27 +51,91 @@ def answer(volts: float, resistance: float, peak: float, nominal: float) -> floa
         Voltage that the motor can get [V], and its winding [ohm]: their quotient is the most that can flow.
     peak, nominal
         Peak current of the controller, nominal current of the motor [A].
+
+    Returns
+    -------
+    float
+        Current [A].
     """
     return float(np.nanmin([COUNT_SHARE * volts / resistance, COUNT_SHARE * peak, HEAT_SHARE * nominal]))
 
 
 def speed_quantum(lines: float, period: float, periods: float = 1.0, edges: float = 4.0) -> float:
-    """Smallest step of a speed that is counted over some periods: one edge of an encoder's lines [rad/s]."""
+    """Smallest step of a speed that is counted over some periods: one edge of an encoder's lines [rad/s].
+
+    Parameters
+    ----------
+    lines
+        Of the encoder, per turn [1].
+    period
+        Of the controller, T [s].
+    periods
+        Over which counts are taken, n [1].
+    edges
+        Counted per line [1].
+
+    Returns
+    -------
+    float
+        Step of the speed, q [rad/s].
+    """
     return 2.0 * math.pi / (edges * lines * period * periods)
 
 
 def most_gain(counts: Counts, periods: Array, period: float) -> Array:
-    """Gain with which one count is answered with as much as it may be [V or A per rad/s]."""
+    """Largest permitted gain of a speed from counts [V or A per rad/s].
+
+    Parameters
+    ----------
+    counts
+        The encoder, and the permitted answer to one count.
+    periods
+        Over which counts are taken [1]: an array.
+    period
+        Of the controller [s].
+
+    Returns
+    -------
+    array
+        Gain for each number of periods [V or A per rad/s].
+    """
     return np.asarray(counts.answer * counts.edges * periods * period / (2.0 * math.pi))
 
 
 def lags(counts: Counts | None, period: float) -> tuple[Array, Array]:
-    """Over how many periods counts may be taken, and how late the speed then is [s]; 0 and none where it is exact."""
+    """Numbers of periods over which counts may be taken, and the lag of the speed then [s].
+
+    Parameters
+    ----------
+    counts
+        The encoder; None where the speed is exact.
+    period
+        Of the controller [s].
+
+    Returns
+    -------
+    tuple of arrays
+        Numbers of periods over which counts may be taken [1], and the lag of the speed with each [s]; 0 where it is
+        exact.
+    """
     if counts is None:
         return np.zeros(1), np.zeros(1)
     return counts.choice, counts.choice * period / 2.0
 
 
 def shortest(bound: Array, taken: float) -> int:
-    """The first place whose bound a time constant keeps."""
+    """The smallest number of periods that a time constant permits, by its place.
+
+    Parameters
+    ----------
+    bound
+        Least time constant with each number of periods [s].
+    taken
+        Time constant that is designed for [s].
+
+    Returns
+    -------
+    int
+        Place of the first bound that the time constant keeps.
+    """
     return int(np.flatnonzero(bound <= taken * (1.0 + 1e-9))[0])

@@ -126,6 +126,11 @@ def equation(
         The paper's own form, and the units of symbols that only this form has.
     note
         Where the printed form fails, or what a reader must know.
+
+    Returns
+    -------
+    callable
+        Decorator that makes an ``Equation`` of a function and enters it in the list of equations.
     """
 
     def declare(formula: Callable[..., Any]) -> Equation:

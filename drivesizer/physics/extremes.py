@@ -1,7 +1,7 @@
 """The few ends of segments at which anything that is linear in the six functions can be largest or smallest.
 
 All coefficients of torque, current and voltage are 0 or more. So only points that no other point exceeds in every
-function can carry a maximum, and only those that lie below can carry a minimum: exact, without any tolerance. What
+function can have a maximum, and only those that lie below can have a minimum: exact, without any tolerance. What
 is left of a long recording is thinned once more to its convex hull.
 """
 
@@ -16,7 +16,7 @@ __all__ = ["Envelope", "Extremes", "envelope", "extremes", "undominated"]
 
 Array = NDArray[np.float64]
 
-_FRONT = 300  # points that may be left of a group before its convex hull is asked for
+_FRONT = 300  # points that may be left of a group before its convex hull is computed
 _FREE = (0, 1, 2, 3, 5)  # the functions that vary within a group: the three torques, acceleration, speed
 
 
@@ -40,7 +40,22 @@ class Envelope(NamedTuple):
 
 
 def envelope(duration: Array, functions: Array, pieces: int) -> Envelope:
-    """Largest and smallest value of each function in consecutive pieces of a cycle, so many at most."""
+    """Largest and smallest value of each function in consecutive pieces of a cycle, so many at most.
+
+    Parameters
+    ----------
+    duration
+        Of each segment [s].
+    functions
+        The six functions at both ends of each segment, shape (segments, 2, 6).
+    pieces
+        Largest number of pieces [1].
+
+    Returns
+    -------
+    Envelope
+        Bounds of each function in each piece.
+    """
     starts = np.unique(np.linspace(0, len(duration), pieces, endpoint=False).astype(np.int64))
     return Envelope(
         np.add.reduceat(duration, starts),
@@ -58,6 +73,11 @@ def extremes(functions: Array, time: Array) -> Extremes:
         At both ends of each segment, shape (segments, 2, 6).
     time
         Of these ends [s], shape (segments, 2).
+
+    Returns
+    -------
+    Extremes
+        Points that no other exceeds in every function, and those that exceed no other.
     """
     points, when = functions.reshape(-1, functions.shape[2]), time.reshape(-1)
     kind = np.argmax(np.abs(points[:, :3]), axis=1) * 3 + np.sign(points[:, 4]).astype(int)  # torque, direction
@@ -81,13 +101,13 @@ def _largest(points: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:
     """Rows of a few points without those that another one of the same direction exceeds or equals, in order of time."""
     if len(rows) > _FRONT:
         return np.sort(rows)
-    way = np.sign(points[rows, 4])  # what is said of one direction alone must find its points
-    groups = [rows[way == w] for w in np.unique(way)]
+    direction = np.sign(points[rows, 4])  # a figure of one direction alone must find its points
+    groups = [rows[direction == d] for d in np.unique(direction)]
     return np.sort(np.concatenate([g[undominated(points[g])] for g in groups]))
 
 
 def _front(points: Array) -> NDArray[np.int64]:
-    """Rows of a group that may carry a maximum: its front, and of a long front the hull."""
+    """Rows of a group that may have a maximum: its front, and of a long front the hull."""
     varying = points[:, _FREE]
     rows = undominated(varying, _FRONT)
     return rows[_hull(varying[rows])] if len(rows) > _FRONT else rows
@@ -101,11 +121,16 @@ def undominated(points: Array, most: int | None = None) -> NDArray[np.int64]:
     points
         Of any number of columns, where more is better.
     most
-        When so many are found, the rest is left in unexamined.
+        When so many are found, the rest is kept without examination.
+
+    Returns
+    -------
+    array
+        Numbers of the rows.
     """
     spread = np.ptp(points, axis=0) if len(points) else 1.0
-    far = (points / np.where(spread > 0.0, spread, 1.0)).sum(axis=1)  # no column drowns the others: most fall at once
-    # who comes first cannot be exceeded by who comes later; columns break ties that the digits of the sum leave
+    far = (points / np.where(spread > 0.0, spread, 1.0)).sum(axis=1)  # no column outweighs the others: few rounds
+    # an earlier point cannot be exceeded by a later one; columns break ties that the digits of the sum leave
     left = np.lexsort((*-points.T[::-1], -far))
     found: list[int] = []
     while len(left) and (most is None or len(found) <= most):

@@ -1,9 +1,11 @@
 r"""Bounds of a winding's peak over a long recorded cycle, from blocks of it that all candidates share.
 
 The current is I = c f(t), with functions f that all candidates have in common and coefficients c >= 0 of each. A block
-keeps of its segments the mean M of f f' and how far the integral of f f' - M from the block's start rises above zero
-and falls below it, entry by entry: for any c the square of the current then has the mean c M c, and its integral
-strays from that of the mean by no more than c E c. Blocks know nothing of motors: they are made once per load cycle.
+keeps of its segments the mean M of f f' and how far the integral of f f' - M from the block's start goes above zero
+and below it, entry by entry: for any c the square of the current then has the mean c M c, and its integral
+deviates from that of the mean by no more than c E c. Blocks are made once per load cycle.
+Without these bounds the search over a recording of 36 000 samples (``benchmarks/search_sets.py``, one belt ratio)
+examines 10 000 combinations per second, with them 60 000.
 
 **Derivation.** Let q = R_25 I^2, a = ``COPPER``, and u and v the temperatures of winding and housing above that at
 which copper would have no resistance (v_a the ambient's), so that u and v are positive and
@@ -11,7 +13,7 @@ which copper would have no resistance (v_a the ambient's), so that u and v are p
 .. math:: C_w \dot u = a q u - (u - v) / R_{th1}, \quad C_h \dot v = P + (u - v) / R_{th1} - (v - v_a) / R_{th2}
 
 In each block q is its mean plus something whose integral F from the block's start is zero again at its end and lies
-between -D_below and D_above. With phi = a F / C_w and u = U exp(phi) what strays leaves the growth and stands, as a
+between -D_below and D_above. With phi = a F / C_w and u = U exp(phi) the deviation leaves the growth and remains, as a
 small share, in the exchange of heat only:
 
 .. math:: C_w \dot U = a \bar q U - (U - e^{-\phi} v) / R_{th1}, \quad
@@ -19,24 +21,24 @@ small share, in the exchange of heat only:
 
 Let U_0, v_0 solve this with phi = 0 and mean losses (``heat_cycle`` does), E = U - U_0, G = v - v_0, and let k_xy(t, s)
 be the answer of body x at t to a unit pulse of heat at body y at s in that system. All k are positive and k_ww > k_wh:
-seen backward from t, k_ww - k_wh falls only as far as it is positive. To first order E is the integral of -phi j over
+backward from t, k_ww - k_wh decreases only as far as it is positive. To first order E is the integral of -phi j over
 s < t, where by the equations of k and of U_0
 
 .. math:: j = (k_{ww} v_0 - k_{wh} U_0) / R_{th1} = \partial_s (C_w k_{ww} U_0), \quad \int j \, ds = U_0(t)
 
 Nearly all of j is positive: its negative part is at most k_wh (U_0 - v_0) / R_th1, with an integral J. So E is at most
 max(-phi) (U_0 + J) + max(phi) J, and likewise downward. That is ``2 D / C_w`` of the heat at the resistance then, as
-for a kernel that falls, and something for the housing that stores the heat.
+for a decreasing kernel, and something for the housing that stores the heat.
 
-*Masses.* Constant temperatures are periodic solutions too, with losses that are easily told; from them, with
+*Masses.* Constant temperatures are periodic solutions too, whose losses are known; from them, with
 m = int k_wh ds: int k_ww ds = m (1 + R_th1 / R_th2) and a int k_ww q ds = m / R_th2 - 1. U_0 itself is what v_a / R_th2
 and P at the housing make, so m <= R_th2 U_0 / v_a. Of the housing's answers the same holds with v_0.
 *J*: (h, h), where h is the housing's rise, is the answer to (U_0 - v_0) / R_th1 + P at the housing and C_w h' - a q h
-at the winding; so J <= max h (m + C_w / C_h int k_ww) / R_th2, were the housing never the warmer body. What it gives
-back is at most max P C_w / (C_w + C_h), as the slope of U_0 - v_0 shows where that is lowest.
+at the winding; so J <= max h (m + C_w / C_h int k_ww) / R_th2, were the housing never the warmer body. What it returns
+is at most max P C_w / (C_w + C_h), as the slope of U_0 - v_0 shows where that is lowest.
 *G*: its first order is the integral of -phi j_h with int j_h ds = 0 and a negative part of at most
-(k_hh - k_hw)^+ U_0 / R_th1 plus that of J; the first bracket falls at least as exp(-(1 / C_w + 1 / C_h) t / R_th1).
-*Housing loss*: its own strayed integral W moves U by -int W d/ds k_wh, and k_wh rises and falls by m / (R_th2 C_h).
+(k_hh - k_hw)^+ U_0 / R_th1 plus that of J; the first bracket decreases at least as exp(-(1 / C_w + 1 / C_h) t / R_th1).
+*Housing loss*: its own deviating integral W moves U by -int W d/ds k_wh, and k_wh goes up and down by m / (R_th2 C_h).
 *The rest* is of second order, phi times E and G and phi^2 / 2 times u and v: with the masses these are two linear
 inequalities for max |E| and max |G|. Where they have a solution the peak is finite: shrink phi continuously to zero,
 the periodic state could only cease to exist by growing beyond what they allow.
@@ -82,12 +84,12 @@ class Bracket(NamedTuple):
 
 
 class Blocks(NamedTuple):
-    """A load cycle in blocks: what can be told of any current that is linear in its functions."""
+    """A load cycle in blocks: bounds for any current that is linear in its functions."""
 
     duration: Array  # s, of each of B blocks
     mean: Array  # (B, 6, 6): means of products of the functions
     above: Array  # (B, 6, 6): highest integral of products less their means, from the block's start [s times those]
-    below: Array  # (B, 6, 6): and how far it falls below zero
+    below: Array  # (B, 6, 6): and how far it goes below zero
     most: Array  # (B, 6): what the functions reach
     least: Array  # (B, 6)
 
@@ -99,7 +101,7 @@ class Blocks(NamedTuple):
 
 
 def blocks(duration: Array, functions: Array, count: int) -> Blocks:
-    """Consecutive segments in blocks whose currents stray little from their mean, however long the cycle.
+    """Consecutive segments in blocks whose currents deviate little from their mean, however long the cycle.
 
     Parameters
     ----------
@@ -110,9 +112,14 @@ def blocks(duration: Array, functions: Array, count: int) -> Blocks:
     count
         Of blocks at most [1]; with no more segments than that each is a block.
 
+    Returns
+    -------
+    Blocks
+        The cycle in so many blocks at most.
+
     Notes
     -----
-    What a current does within a segment is counted among what strays: the bounds hold for it and for its mean square.
+    What a current does within a segment is counted among what deviates: the bounds hold for it and for its mean square.
     """
     left, right = (np.ascontiguousarray(functions[:, end].T) for end in (0, 1))
     starts = np.arange(len(duration)) if len(duration) <= count else _starts(duration, left, right, count)
@@ -123,7 +130,7 @@ def blocks(duration: Array, functions: Array, count: int) -> Blocks:
     mean, above, below = np.empty((3, len(starts), 6, 6))
     found = Blocks(total, mean, above, below, most, least)
     for a, b in zip(_ROW, _COLUMN, strict=True):
-        entry = _strayed(duration, left[[a, b]], right[[a, b]], starts, pieces, total)
+        entry = _deviating(duration, left[[a, b]], right[[a, b]], starts, pieces, total)
         for values, column in zip(found[1:4], entry, strict=True):
             values[:, a, b] = values[:, b, a] = column
     return found
@@ -136,7 +143,7 @@ def _product(left: Array, right: Array) -> Array:
     return found
 
 
-def _strayed(
+def _deviating(
     duration: Array, left: Array, right: Array, starts: NDArray[np.intp], pieces: NDArray[np.intp], total: Array
 ) -> tuple[Array, Array, Array]:
     """Mean of a product over each block, and how far the integral of what remains goes above zero and below."""
@@ -155,7 +162,7 @@ def _strayed(
 
 
 def _starts(duration: Array, left: Array, right: Array, count: int) -> NDArray[np.intp]:
-    """First segments of the blocks: again and again the worst are split where they stray most."""
+    """First segments of the blocks: again and again the worst are split where they deviate most."""
     step = max(1, len(duration) // max(_FINER * count, _FINE))
     ends = np.append(np.arange(0, len(duration), step), len(duration))
     time = np.append(0.0, np.cumsum(duration))[ends]
@@ -219,7 +226,7 @@ def bracket(
     Returns
     -------
     Bracket
-        Columns over motors: the upper one infinite where a motor may run away, the lower one where it surely does;
+        Columns over motors: the upper one infinite where a motor may run away, the lower one where it certainly does;
         NaN where a figure is unknown.
     """
     n, size = len(coefficients), max(_CELLS // len(cycle.duration), 1)
@@ -237,7 +244,7 @@ def bracket(
 
 
 class _Losses(NamedTuple):
-    """Of each block and motor the mean, and how far it strays above and below: (3, blocks, motors)."""
+    """Of each block and motor the mean, and how far it deviates above and below: (3, blocks, motors)."""
 
     I2: Array  # A^2, then A^2 s
     P_h: Array  # W, then J
@@ -302,10 +309,10 @@ def _tops(found: Periodic, body: int) -> Array:
 
 
 def _moved(
-    motor: TwoBodies, offset: float, most: tuple[Array, Array, Array], strays: tuple[Array, Array, Array]
+    motor: TwoBodies, offset: float, most: tuple[Array, Array, Array], deviates: tuple[Array, Array, Array]
 ) -> tuple[Array, Array]:
-    """How far U may be below and above U_0 [K]: from the highest rises and housing loss, and what strays."""
-    (peak, warm, loss), (above, below, housing) = most, strays
+    """How far U may be below and above U_0 [K]: from the highest rises and housing loss, and what deviates."""
+    (peak, warm, loss), (above, below, housing) = most, deviates
     R_1, R_2, ratio = motor.R_th1, motor.R_th2, motor.capacity_w / motor.capacity_h
     u, v, more = offset + peak, offset + warm, 1.0 + R_1 / R_2
     m, m_h = R_2 * u / offset, R_2 * v / offset

@@ -1,4 +1,4 @@
-"""How warm a motor gets over a cycle that repeats: winding and housing.
+"""Temperatures of winding and housing over a cycle in periodic steady state.
 
 Within a segment of constant mean square current both move in closed form (see ``heat_step``); the cycle's map is the
 product of the segments', and the periodic state is its fixed point. The functions before ``periodic_heat`` take
@@ -24,13 +24,13 @@ from drivesizer.physics.thermal import TwoBodies
 __all__ = ["HeatCycle", "Highest", "Periodic", "checked", "highest", "mean_rise", "periodic", "periodic_heat", "tops"]
 
 _BEYOND = (
-    1e9  # K: a winding that is warmer after one cycle has run away; what cools again from there has lost its digits
+    1e9  # K: a winding that is warmer after one cycle has run away; the digits of a lower temperature after it are lost
 )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeatCycle:
-    """Temperatures over a cycle that has repeated until nothing changes any more.
+    """Temperatures over a cycle in periodic steady state.
 
     All temperatures are infinite where the motor runs away, NaN where a figure is unknown.
     """
@@ -65,7 +65,7 @@ def _maps(span: Modes, weight: Weights, constant: tuple[Array, Array]) -> Array:
 
 
 class Periodic(NamedTuple):
-    """A cycle's segments and what repeats in it: segments along the first axis, then motors; pairs: w, h."""
+    """A cycle's segments and its periodic state: segments along the first axis, then motors; pairs: w, h."""
 
     t: Array  # s, duration of each segment
     span: Modes
@@ -93,6 +93,11 @@ def periodic(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) 
         Mean square current over each segment [A^2].
     P_h
         Mean loss at the housing over each segment [W].
+
+    Returns
+    -------
+    Periodic
+        Rises over ambient in periodic steady state; without meaning where ``settles`` is false.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         span, constant = modes(motor, I2), drive(motor, ambient, I2, P_h)
@@ -124,6 +129,11 @@ def mean_rise(found: Periodic, body: int) -> Array:
         The periodic state.
     body
         0 the winding, 1 the housing.
+
+    Returns
+    -------
+    array
+        Of each motor [K].
     """
     change = found.weight.slope_integral * found.slopes[body] + found.weight.pull_integral * found.pulls[body]
     mean: Array = (found.t * found.rises[body][:-1] + change).sum(axis=0) / found.t.sum(axis=0)
@@ -147,6 +157,11 @@ def highest(found: Periodic, *shares: float) -> Highest:
         The periodic state.
     shares
         What is summed: shares of the winding's rise and of the housing's [1].
+
+    Returns
+    -------
+    Highest
+        The sum, and when it is met, of each motor.
 
     Notes
     -----
@@ -192,7 +207,20 @@ def tops(found: Periodic) -> Array:
 
 
 def checked(dt: ArrayLike, I2: ArrayLike) -> tuple[Array, Array]:
-    """Durations [s] and mean square currents [A^2] as arrays; an error where they form no cycle."""
+    """Durations [s] and mean square currents [A^2] as arrays; an error where they form no cycle.
+
+    Parameters
+    ----------
+    dt
+        Duration of each segment [s].
+    I2
+        Mean square current over each segment [A^2].
+
+    Returns
+    -------
+    tuple of arrays
+        Both as arrays of floats.
+    """
     t, square = np.asarray(dt, dtype=np.float64), np.asarray(I2, dtype=np.float64)
     if t.ndim != 1 or t.size == 0:
         raise InputError(f"heat cycle: segments must form a list, got shape {t.shape}")
@@ -202,7 +230,7 @@ def checked(dt: ArrayLike, I2: ArrayLike) -> tuple[Array, Array]:
 
 
 def periodic_heat(motor: TwoBodies, ambient: float, dt: ArrayLike, I2: ArrayLike, P_h: ArrayLike = 0.0) -> HeatCycle:
-    r"""Temperatures of winding and housing over a cycle that repeats for ever.
+    r"""Temperatures of winding and housing over a cycle in periodic steady state.
 
     .. math:: C_w \dot T_w &= R_{25} I^2 (1 + \alpha (T_w - T_{25})) - (T_w - T_h) / R_{th1} \\
               C_h \dot T_h &= P_h + (T_w - T_h) / R_{th1} - (T_h - T_a) / R_{th2}

@@ -1,6 +1,6 @@
-"""Bounds of the heat of a repeating cycle for many motors at once, which cost next to nothing.
+"""Bounds of winding temperatures over a periodic cycle, in closed form, for many motors at once.
 
-The exact course is ``winding_course``'s.
+The exact temperatures are in ``winding_course``.
 Convention: temperatures in and out are absolute; a motor with an unknown figure gives NaN, one that runs away infinity.
 Symbols: R resistance [ohm], R_th thermal resistance [K/W], tau time constant [s], I current [A], P_h loss at the
 housing [W].
@@ -42,7 +42,12 @@ def each_figure(motor: TwoBodies, change: Callable[[Value], Array]) -> TwoBodies
     motor
         Columns over motors.
     change
-        What becomes of each column.
+        Function of each column.
+
+    Returns
+    -------
+    TwoBodies
+        The motors with the columns that came of it.
     """
     return TwoBodies(**{figure.name: change(getattr(motor, figure.name)) for figure in fields(motor)})
 
@@ -58,6 +63,11 @@ def some_of(motor: TwoBodies, n: int, rows: slice | NDArray[np.intp]) -> TwoBodi
         How many motors there are [1].
     rows
         Which of them.
+
+    Returns
+    -------
+    TwoBodies
+        Columns over these motors.
     """
     return each_figure(motor, lambda x: np.broadcast_to(x, n)[rows])
 
@@ -109,7 +119,7 @@ def winding_bounds(
     get there, for it is continuous in how far the loss varies.
 
     **Upper**: with the peak's resistance all the time the winding is nowhere cooler. It then answers to a unit pulse of
-    loss with a sum of falling exponentials, so that of all losses of the same mean and largest value the one that comes
+    loss with a sum of decaying exponentials, so that of all losses of the same mean and largest value the one
     in one piece, just before, heats it most. That resistance's temperature solves the steady state's equation, with
     another thermal resistance. A loss at the housing heats the winding no more than the housing, which answers alike.
     """
@@ -142,10 +152,15 @@ def coolest_winding(
     peak
         A lower bound of the winding's peak, ``winding_bounds`` has one [K].
 
+    Returns
+    -------
+    array
+        The temperature, of each motor [K].
+
     Notes
     -----
     At some moment the housing's rise is at least its mean, :math:`R_{th2}` times the mean losses, and the winding's is
-    at least that of ``peak``; from there on they fall no faster than without any loss:
+    at least that of ``peak``; from there on they decrease no faster than without any loss:
 
     .. math:: C_h \dot v \ge -(1/R_{th1} + 1/R_{th2}) v, \quad C_w \dot u \ge -(u - v)/R_{th1}
 

@@ -62,6 +62,11 @@ def modes(motor: TwoBodies, I2: Array) -> Modes:
     I2
         Mean square current over each span [A^2].
 
+    Returns
+    -------
+    Modes
+        Matrix and eigenvalues [1/s], of each span and motor.
+
     Notes
     -----
     Without cancellation: the determinant is known, and (A_ww - fast)(A_hh - fast) = A_wh A_hw.
@@ -93,6 +98,11 @@ def drive(motor: TwoBodies, ambient: float, I2: Array, P_h: Array) -> tuple[Arra
         Mean square current over each span [A^2].
     P_h
         Loss at the housing over each span [W].
+
+    Returns
+    -------
+    tuple of arrays
+        Of winding and housing [K/s].
     """
     at_ambient = motor.R_25 * (1.0 + COPPER * (ambient - DATA_TEMPERATURE))
     return at_ambient / motor.capacity_w * I2, P_h / motor.capacity_h
@@ -116,6 +126,11 @@ def weights(fast: Array, slow: Array, t: Array) -> Weights:
         The eigenvalues, fast < slow and fast < 0 [1/s].
     t
         Time from the span's start [s].
+
+    Returns
+    -------
+    Weights
+        Of each span and motor.
     """
     single, pair, single_2, pair_2 = phi(fast * t, slow * t)
     square = t * t
@@ -136,6 +151,11 @@ def phi(f: Array, s: Array) -> tuple[Array, Array, Array, Array]:
     ----------
     f, s
         Nodes of the same shape, f <= s and f <= 0 [1].
+
+    Returns
+    -------
+    tuple of arrays
+        The four functions [1], each of the shape of the nodes.
 
     Notes
     -----
@@ -220,6 +240,11 @@ def turning_time(gap: Array, slope: Array, pull: Array) -> Array:
         Slope of the temperature at the start [K/s].
     pull
         (A - fast) times the slopes, the row of this temperature [K/s^2].
+
+    Returns
+    -------
+    array
+        Time from the start [s].
 
     Notes
     -----

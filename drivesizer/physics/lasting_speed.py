@@ -1,20 +1,20 @@
-r"""Which speed of a cycle lasts: what a gearhead's continuous input speed is compared with.
+r"""The speed of a cycle that a gearhead's continuous input speed limits.
 
 A gearhead may be driven faster than its continuous input speed for a while. How long is the maker's rule:
 
 - maxon limits the input speed for continuous and for intermittent operation apart, out of concern for life and warmth
   (maxon programme 2024/25, terminology of gears, pages 372 and 454, online.flippingbook.com/view/623537/454). That
-  intermittent is at most 1 s on end and 10 % of the time is *assumed*: the footnote that says so was not at hand.
+  intermittent is at most 1 s uninterrupted and 10 % of the time is *assumed*: the footnote was not available.
 - Makers of servo gearboxes limit the mean: Wittenstein alpha's n1N is the mean input speed (Beckhoff Information
   System, AG3210, infosys.beckhoff.com/content/1033/ag3210_ba/6298081419.html), Harmonic Drive's the average over the
   cycle (manual 1021387, 12/2018, glossary, manualshive.com/ru/manual/harmonic-drive/shg-series/3993247?page=61), Apex
   Dynamics' that of continuous operation S1, beside n1B of cyclic operation S5 (glossary of its catalogue,
-  wmhapexcatalogues.co.uk/book-1/inc/html/79.html). What runs longer than 20 min on end is S1 (planetary gearboxes RG,
+  wmhapexcatalogues.co.uk/book-1/inc/html/79.html). More than 20 min uninterrupted is S1 (planetary gearboxes RG,
   interactivepdf.uniflip.com/2/69963/302245/pub/html/7.html).
 - Of other makers no rule is known: maxon's is *assumed*, the stricter one.
 
 With any of them the mean while running must not exceed the limit. All is exact for speeds that are straight lines, and
-the cycle repeats: what lasts over its end goes on at its start.
+the cycle repeats: a run over its end continues at its start.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["asked_of_the_gearhead", "exceeded", "lasting_speeds", "mean_running"]
+__all__ = ["continuous_speed", "exceeded", "lasting_speeds", "mean_running"]
 
 Array = NDArray[np.float64]
 _BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that limit the mean input speed
-_SHORT = (1.0, 0.1)  # s on end, share of the time: so long maxon's limit may be exceeded
+_SHORT = (1.0, 0.1)  # s uninterrupted, share of the time: so long maxon's limit may be exceeded
 _LONG = (1200.0, 1.0)  # and those of the mean
 _ROUNDING = 1e-9  # of a time: by so much sums of times may be off
 
@@ -45,16 +45,29 @@ def lasting_speeds(duration: Array, speed: Array) -> dict[str, Array]:
     Returns
     -------
     dict
-        ``mean_speed``: the mean while running, or what is exceeded for 20 min on end where that is more;
-        ``sustained_speed``: what is exceeded for more than 1 s on end or 10 % of the time, or the mean.
+        ``mean_speed``: the mean while running, or what is exceeded for 20 min uninterrupted where that is more;
+        ``sustained_speed``: what is exceeded for more than 1 s uninterrupted or 10 % of the time, or the mean.
     """
     mean = mean_running(duration, speed)
     long, short = (exceeded(duration, speed, permitted) for permitted in (_LONG, _SHORT))
     return {"mean_speed": np.maximum(mean, long), "sustained_speed": np.maximum(mean, short)}
 
 
-def asked_of_the_gearhead(manufacturer: NDArray[Any], mean_speed: Any, sustained_speed: Any) -> Any:
-    """What a continuous input speed is compared with, by the rule of each gearhead's maker."""
+def continuous_speed(manufacturer: NDArray[Any], mean_speed: Any, sustained_speed: Any) -> Any:
+    """Speed that a continuous input speed limits, by the rule of each gearhead's maker.
+
+    Parameters
+    ----------
+    manufacturer
+        Of each gearhead.
+    mean_speed, sustained_speed
+        Of the load cycle [rad/s], see :func:`lasting_speeds`.
+
+    Returns
+    -------
+    array
+        Speed at the gearhead's output [rad/s].
+    """
     return np.where(np.isin(manufacturer, _BY_THE_MEAN), mean_speed, sustained_speed)
 
 
@@ -67,6 +80,11 @@ def mean_running(duration: Array, speed: Array) -> Array:
         Of each segment [s]: (segments,) or (segments, cycles).
     speed
         At both ends of each segment, without change of sign within [rad/s]: (segments, 2), or with cycles behind.
+
+    Returns
+    -------
+    float or array
+        Mean speed [rad/s]; 0 of a cycle at rest.
     """
     running = np.where((speed != 0.0).any(axis=1), duration, 0.0)
     total = running.sum(axis=0)
@@ -82,11 +100,16 @@ def exceeded(duration: Array, speed: Array, permitted: tuple[float, float]) -> A
     duration, speed
         As :func:`mean_running` takes them.
     permitted
-        Time on end [s], and share of the cycle.
+        Uninterrupted time [s], and share of the cycle [1].
+
+    Returns
+    -------
+    array
+        Speed [rad/s], of each cycle.
 
     Examples
     --------
-    Up to 10 rad/s and down again in 20 s: above 9 rad/s for 2 s in all, above 9.5 rad/s for 1 s on end.
+    Up to 10 rad/s and down again in 20 s: above 9 rad/s for 2 s in all, above 9.5 rad/s for 1 s uninterrupted.
 
     >>> exceeded(np.array([10.0, 10.0]), np.array([[0.0, 10.0], [10.0, 0.0]]), (1.0, 0.1)).round(6).item()
     9.5
@@ -96,35 +119,35 @@ def exceeded(duration: Array, speed: Array, permitted: tuple[float, float]) -> A
     time = np.broadcast_to(duration.reshape(len(duration), -1), (len(duration), count))
     ends = np.broadcast_to(np.abs(speed).reshape(len(speed), 2, -1), (len(speed), 2, count))
     slowest, total = ends.min(axis=(0, 1)), time.sum(axis=0)
-    if permitted[1] >= 1.0 and (total <= permitted[0]).all():  # exceeded for ever or not long enough
+    if permitted[1] >= 1.0 and (total <= permitted[0]).all():  # exceeded always or not long enough
         lasts: Array = slowest.reshape(shape)
         return lasts
-    on_end, in_all = permitted[0] * (1.0 + _ROUNDING), permitted[1] * total * (1.0 + _ROUNDING)
+    longest_run, in_all = permitted[0] * (1.0 + _ROUNDING), permitted[1] * total * (1.0 + _ROUNDING)
     time, ends = _from_the_slowest(time, ends)
     levels = np.sort(np.concatenate([np.zeros((1, count)), ends[:, 0], ends[:, 1]]), axis=0)
     known, beyond = np.full(count, -1), np.full(count, len(levels) - 1)  # of levels: too long exceeded, and not
     while (beyond - known > 1).any():
         middle = (known + beyond) // 2
         runs, sums = next(_times(time, ends, levels, middle))
-        too_long = (runs.max(axis=0) > on_end) | (sums[0] > in_all)
+        too_long = (runs.max(axis=0) > longest_run) | (sums[0] > in_all)
         known, beyond = np.where(too_long, middle, known), np.where(too_long, beyond, middle)
     place = np.maximum(known, 0)
     (runs, sums), (runs_then, sums_then) = _times(time, ends, levels, place)
-    share = np.maximum(_share(runs, runs_then, np.float64(on_end)), _share(sums, sums_then, in_all))
+    share = np.maximum(_share(runs, runs_then, np.float64(longest_run)), _share(sums, sums_then, in_all))
     low, high = (levels[place + step, np.arange(count)] for step in (0, 1))
     found: Array = np.maximum(np.where(known < 0, 0.0, low + share * (high - low)), slowest).reshape(shape)
     return found
 
 
 def _from_the_slowest(time: Array, ends: Array) -> tuple[Array, Array]:
-    """The same cycles from where they are slowest, so that nothing above that lasts over their end."""
+    """The same cycles from where they are slowest, so that no run above that goes over their end."""
     flat = ends.reshape(-1, ends.shape[-1]).argmin(axis=0)
     rows = (np.arange(len(time))[:, None] + (flat + 1) // 2) % len(time)
     return np.take_along_axis(time, rows, axis=0), np.take_along_axis(ends, rows[:, None, :], axis=0)
 
 
 def _times(time: Array, ends: Array, levels: Array, place: NDArray[np.int64]) -> Iterator[tuple[Array, Array]]:
-    """Times above a level and above the next one: on end up to the end of each segment, and in all.
+    """Times above a level and above the next one: uninterrupted up to the end of each segment, and in all.
 
     Between two neighbours of all speeds at ends of segments, times above a speed are straight lines over it.
     """

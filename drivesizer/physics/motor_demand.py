@@ -59,7 +59,7 @@ class Scalars(NamedTuple):
 
     rms_torque: Figure  # N*m, while running
     peak_torque: Figure  # N*m
-    standing_torque: Figure  # N*m, largest while at rest; NaN of a cycle that never rests
+    torque_at_rest: Figure  # N*m, largest while at rest; NaN of a cycle that never rests
     load_torque: Figure  # N*m, largest at the load
     peak_speed: Figure  # rad/s
     mean_speed: Figure  # rad/s, while running; where more, what it exceeds for long
@@ -120,7 +120,7 @@ class AtGearhead:
         by_pairs = np.outer(self.scale, self.scale).reshape(6, 6, *[1] * (base.moments.ndim - 2))
         self.moments = base.moments * by_pairs  # means of products over the cycle
         self.rms_torque, self.peak_torque = one.rms_torque / ratio, one.peak_torque / ratio
-        self.standing_torque = one.standing_torque / ratio
+        self.torque_at_rest = one.torque_at_rest / ratio
         self.peak_speed, self.mean_speed = one.peak_speed * ratio, one.mean_speed * ratio
         self.sustained_speed = one.sustained_speed * ratio
         self.mean_power, self.peak_power = one.mean_power, one.peak_power
@@ -199,7 +199,7 @@ class Turning(NamedTuple):
 
 
 class Demands(NamedTuple):
-    """What each candidate's motor must do: SI columns."""
+    """Required torque and current of each candidate's motor: SI columns."""
 
     rms_torque: Array  # N*m, friction of the motor included
     rms_current: Array  # A
@@ -210,12 +210,12 @@ class Demands(NamedTuple):
     left_out: NDArray[np.bool_]  # (candidates, 6): of which coefficient a part is unknown, that is left out
 
     @property
-    def sure(self) -> NDArray[np.bool_]:
-        """False: least ones, as an inertia or friction is unknown that would ask for more."""
+    def complete(self) -> NDArray[np.bool_]:
+        """False: lower bounds, as an inertia or friction is unknown that would require more."""
         return ~_any(self.left_out)
 
     def surplus(self, k_t: Array) -> Array:
-        """What the back-EMF constant is above the torque constant, by the speed at the gearhead's output [V*s/rad]."""
+        """Back-EMF constant less torque constant, per speed at the gearhead's output [V*s/rad]."""
         found: Array = (self.back_emf - k_t) * self.total_ratio
         return found
 
@@ -318,11 +318,11 @@ def _scalars(cycle: Any, torque: Array, running: NDArray[np.bool_]) -> Scalars:
     total = time.sum(axis=0)
     power = np.abs(mean_product(torque, speed)[some])
     rests = ~running & (duration > 0.0)
-    standing = np.where(rests[:, None], np.abs(torque), -1.0).max(axis=(0, 1))
+    at_rest = np.where(rests[:, None], np.abs(torque), -1.0).max(axis=(0, 1))
     found = Scalars(
         rms_torque=rms(time, torque[some]),
         peak_torque=np.abs(torque).max(axis=(0, 1)),
-        standing_torque=np.where(standing >= 0.0, standing, np.nan),
+        torque_at_rest=np.where(at_rest >= 0.0, at_rest, np.nan),
         load_torque=np.abs(cycle.torque).max(axis=(0, 1)),
         peak_speed=np.abs(speed).max(axis=(0, 1)),
         **lasting_speeds(duration, speed),
@@ -343,13 +343,18 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
         The load cycle at the gearhead's output.
     motor, gearhead, encoder
         Figures of the candidates' parts by field name: columns. An unknown inertia of rotor or gearhead and an unknown
-        friction of the motor are left out where more of them could only ask for more RMS torque, and the demands are
-        then least ones; else they are unknown. A figure whose function is nothing over the whole cycle has no part in
-        it, and need not be known. The inertia of an encoder, thousands of times smaller than the load's, is left out.
+        friction of the motor are left out where more of them could only increase the RMS torque, and the demands are
+        then lower bounds; else they are unknown. A figure whose function is 0 over the whole cycle has no effect
+        and need not be known. The inertia of an encoder, thousands of times smaller than the load's, is left out.
+
+    Returns
+    -------
+    Demands
+        Columns over candidates.
 
     Notes
     -----
-    Friction is what ``friction`` tells, e and T_0 what ``gear_loss`` does.
+    Friction is that of ``friction``, e and T_0 are those of ``gear_loss``.
     """
     i, k_t = gearhead["ratio"], motor["torque_constant"]
     e, idle = gear_loss(gearhead)
@@ -378,29 +383,49 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
 def friction(motor: Any) -> tuple[Array, Array]:
     """Friction torque of motors at any speed [N*m], and per speed of theirs [N*m*s/rad].
 
-    The catalogue's own, where it tells both. Else what the no-load current makes: brushed motors lose k_t I_0 at any
+    The catalogue's own, where it has both. Else that of the no-load current: brushed motors lose k_t I_0 at any
     speed; of brushless ones the no-load loss is taken to rise with speed, up to k_t I_0 at the no-load speed.
+
+    Parameters
+    ----------
+    motor
+        Figures of motors by field name: columns.
+
+    Returns
+    -------
+    tuple of arrays
+        The two, of each motor [N*m], [N*m*s/rad].
     """
     loss = motor["torque_constant"] * motor["no_load_current"]
     brushed = motor["kind"] == "brushed"
-    told = ~np.isnan(motor["friction_torque"]) & ~np.isnan(motor["viscous_friction"])
-    coulomb = np.where(told, motor["friction_torque"], np.where(brushed, loss, 0.0))
-    viscous = np.where(told, motor["viscous_friction"], np.where(brushed, 0.0, loss / motor["no_load_speed"]))
+    printed = ~np.isnan(motor["friction_torque"]) & ~np.isnan(motor["viscous_friction"])
+    coulomb = np.where(printed, motor["friction_torque"], np.where(brushed, loss, 0.0))
+    viscous = np.where(printed, motor["viscous_friction"], np.where(brushed, 0.0, loss / motor["no_load_speed"]))
     return coulomb, viscous
 
 
 def gear_loss(gearhead: Any) -> tuple[Array, Array]:
-    r"""What a gearhead takes: the efficiency of what goes through it, and the torque at its input to turn it [N*m].
+    r"""Losses of a gearhead: efficiency of the transmitted torque, and torque at its input without load [N*m].
 
-    Without a no-load torque T_0 in the catalogue it is all in the efficiency e, that at continuous torque T_N. With
+    Without a no-load torque T_0 in the catalogue the efficiency e has all of it, that at continuous torque T_N. With
     one, the rest is proportional to torque, so that both make e at T_N; nothing where T_0 alone is more than that.
 
     .. math:: \frac{1}{e'} = \max\!\left(\frac{1}{e} - \frac{i\,T_0}{T_N},\ 1\right)
+
+    Parameters
+    ----------
+    gearhead
+        Figures of gearheads by field name: columns.
+
+    Returns
+    -------
+    tuple of arrays
+        Efficiency [1] and torque at the input [N*m], of each gearhead.
     """
     e, idle = gearhead["efficiency"], gearhead["no_load_torque"]
-    told = ~np.isnan(idle + gearhead["continuous_torque"])
+    known = ~np.isnan(idle + gearhead["continuous_torque"])
     share = 1 / e - gearhead["ratio"] * idle / gearhead["continuous_torque"]
-    return np.where(told, 1 / np.maximum(share, 1.0), e), np.where(told, idle, 0.0)
+    return np.where(known, 1 / np.maximum(share, 1.0), e), np.where(known, idle, 0.0)
 
 
 def peak(at: AtGearhead, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
@@ -413,14 +438,34 @@ def peak(at: AtGearhead, coefficients: Array, left_out: NDArray[np.bool_] | None
     coefficients
         Of the six functions for each candidate; NaN unknown: the peak is then unknown.
     left_out
-        Coefficients that are too small by something unknown, if any. The peak is then a least one: of the moments at
+        Coefficients of which a part is unknown, if any. The peak is then a lower bound: of the moments at
         which more of them makes it no smaller; unknown where there are none.
+
+    Returns
+    -------
+    Peak
+        Of each candidate.
     """
     return at.peak(coefficients, left_out)
 
 
 def bounded(value: Array, time: Array, left_out: NDArray[np.bool_] | None) -> Peak:
-    """A peak; unknown where something was left out and no moment is a bound."""
+    """A peak; unknown where something was left out and no moment is a bound.
+
+    Parameters
+    ----------
+    value
+        Largest absolute value of each candidate.
+    time
+        When it is met [s].
+    left_out
+        Coefficients of which a part is unknown, shape (candidates, 6).
+
+    Returns
+    -------
+    Peak
+        NaN where it is unknown.
+    """
     if left_out is None:
         return Peak(value, time)
     return Peak(np.where(_any(left_out) & ~(value > 0.0), np.nan, value), time)

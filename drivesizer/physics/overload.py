@@ -1,4 +1,4 @@
-"""How long a motor bears an overload, and the states from which one starts: cold, or settled.
+"""Permitted time of an overload, and the states from which one starts: cold, or settled.
 
 Convention: temperatures are absolute; one constant current, one constant loss at the housing (see ``heat_step``).
 Not here: a current that varies (see ``heat_cycle``).
@@ -20,7 +20,7 @@ from drivesizer.physics.thermal import TwoBodies, steady_winding_temperature
 
 __all__ = ["State", "cold", "overload_time", "steady_state"]
 
-_DOUBLINGS = 128  # of the fast time constant: 1e38 of them is for ever
+_DOUBLINGS = 128  # of the fast time constant: 1e38 of them is taken as infinite
 _NEAR = 16  # of them: housings are seldom a thousand times slower
 _GRID, _ROUNDS = 65, 9  # a time is narrowed down by 64 each round: by 2^54 in all, the digits of a float
 
@@ -33,7 +33,7 @@ class State(NamedTuple):
 
 
 def cold(ambient: float) -> State:
-    """A motor as warm as what is around it [K]."""
+    """A motor at ambient temperature [K]."""
     return State(ambient, ambient)
 
 

@@ -1,4 +1,4 @@
-r"""What one part can do, as curves: its line of torque and speed, its continuous region, what its winding bears.
+r"""Curves of one part: torque over speed at nominal voltage, continuous region, permitted current of the winding.
 
 The straight line at nominal voltage is that of the winding at the temperature of the data sheet. Its ends are the
 maker's; one that is unknown follows from
@@ -29,7 +29,7 @@ from drivesizer.physics.thermal import (
     two_bodies,
 )
 
-__all__ = ["HEAT", "Line", "PartFigures", "bears", "bears_for", "continuous_curve", "line"]
+__all__ = ["HEAT", "Line", "PartFigures", "continuous_curve", "line", "overload_times", "permitted_current"]
 
 HEAT = ("max_winding_temperature", "resistance", "thermal_resistance_winding", "thermal_resistance_housing")
 
@@ -54,7 +54,18 @@ class Line(NamedTuple):
 
 
 def line(hit: PartFigures) -> Line:
-    """No load and stall of a motor, or of an actuator's output, with a cold winding."""
+    """No load and stall of a motor, or of an actuator's output, with a cold winding.
+
+    Parameters
+    ----------
+    hit
+        The motor or actuator.
+
+    Returns
+    -------
+    Line
+        The two ends; NaN where they do not follow from the figures.
+    """
     voltage, R, k_t = hit["nominal_voltage"], hit["resistance"], hit["torque_constant"]
     if hit.section == "actuators":
         inside, own = hit["motor_torque_constant"], hit["motor_back_emf_constant"]
@@ -75,7 +86,17 @@ def line(hit: PartFigures) -> Line:
 def continuous_curve(hit: PartFigures) -> tuple[list[float], list[float]]:
     """Continuous torque [N*m] and speed [rad/s] through the maker's three points; nothing where one is unknown.
 
-    What speed costs in the iron is not left to the copper: the square of the torque falls with a power of the speed.
+    Iron losses at speed reduce the permitted copper losses: the square of the torque falls with a power of the speed.
+
+    Parameters
+    ----------
+    hit
+        The motor or actuator.
+
+    Returns
+    -------
+    tuple of lists
+        Torques [N*m] and speeds [rad/s].
     """
     if hit.section != "motors":
         return [], []
@@ -83,17 +104,29 @@ def continuous_curve(hit: PartFigures) -> tuple[list[float], list[float]]:
     if isnan(top + sum(torques)):
         return [], []
     rest, half, end = (torque**2 for torque in torques)
-    if not rest > half > end:  # no power goes through them
+    if not rest > half > end:  # no power law goes through them
         return torques, [0.0, top / 2.0, top]
     share = np.linspace(0.0, 1.0, 41)
     squares = rest - (rest - end) * share ** np.log2((rest - end) / (rest - half))
     return np.sqrt(squares).tolist(), (share * top).tolist()
 
 
-def bears(hit: PartFigures, ambient: float) -> float:
+def permitted_current(hit: PartFigures, ambient: float) -> float:
     """Continuous current in an ambient [K]: the nominal one, derated; else by heat alone, at standstill [A].
 
     NaN above the permitted ambient, and where a figure is unknown.
+
+    Parameters
+    ----------
+    hit
+        The motor or actuator.
+    ambient
+        Temperature around the motor [K].
+
+    Returns
+    -------
+    float
+        Current [A].
     """
     limit = hit["max_winding_temperature"]
     if ambient > hit["ambient_max"]:
@@ -104,11 +137,23 @@ def bears(hit: PartFigures, ambient: float) -> float:
     return float(continuous_current(resistance_25(hit), R_th1, R_th2, limit, ambient))
 
 
-def bears_for(hit: PartFigures, current: float) -> tuple[float, float]:
-    """How long the winding bears a current at standstill in 25 degC [s], from cold and from warm.
+def overload_times(hit: PartFigures, current: float) -> tuple[float, float]:
+    """Time for which the winding withstands a current at standstill in 25 degC [s], from cold and from warm.
 
     Warm is winding and housing as warm as the housing gets at the nominal point in the long run: a motor that has just
-    been at work. An actuator's loss of friction and iron is not known, so that its warmth is not.
+    been running. An actuator's loss of friction and iron is not known, so that its warmth is not.
+
+    Parameters
+    ----------
+    hit
+        The motor or actuator.
+    current
+        At standstill [A].
+
+    Returns
+    -------
+    tuple of floats
+        Times from cold and from warm [s].
     """
     bodies, limit = two_bodies(hit), hit["max_winding_temperature"]
     loss = nan

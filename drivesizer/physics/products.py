@@ -15,6 +15,20 @@ _WIDEST = 2048  # columns at a time, where these are too many
 def product(rows: Array, columns: Array) -> Array:
     """A matrix product of few figures each, ``rows @ columns``.
 
+    Parameters
+    ----------
+    rows
+        Shape (n, k).
+    columns
+        Shape (k, m).
+
+    Returns
+    -------
+    array
+        Shape (n, m).
+
+    Examples
+    --------
     >>> product(np.array([[1.0, 2.0]]), np.array([[3.0], [4.0]])).tolist()
     [[11.0]]
     """

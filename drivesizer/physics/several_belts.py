@@ -1,4 +1,4 @@
-"""A load cycle behind several belts at once: candidates in the order of their belts, each with what its own belt makes.
+"""A load cycle behind several belts at once: candidates in the order of their belts, each with its own belt.
 
 What hangs on the belt is computed belt by belt, from the same rows as for that belt alone, so that not a bit of it
 differs; whatever else there is to compute is then done for all belts in one go.
@@ -32,7 +32,7 @@ class AtGearheads(AtGearhead):
 
     @cached_property
     def parts(self) -> list[tuple[AtGearhead, slice]]:
-        """The belts that there are candidates of, and which these are."""
+        """The belts that have candidates, and the rows of these."""
         ends = np.searchsorted(self.which, np.arange(len(self.ats) + 1)).tolist()
         return [(at, slice(a, b)) for at, a, b in zip(self.ats, ends[:-1], ends[1:], strict=True) if b > a]
 
@@ -50,27 +50,32 @@ class AtGearheads(AtGearhead):
 
     @cached_property
     def turning(self) -> Turning:
-        """What friction and iron lose by: the speed of each candidate; a belt changes nothing of what is steady."""
+        """Speed of each candidate, for the losses of friction and iron; the steady pieces are those of any belt."""
         several = [at.turning for at in self.ats]
         speed, mean, square = (np.stack(same)[self.which] for same in list(zip(*several, strict=True))[:3])
         return Turning(speed, mean, square, several[0].steady)
 
 
-def behind_each(at: AtGearhead, told: Callable[..., Any], *columns: Any) -> Any:
-    """What is told of candidates behind one belt, of those behind any number of them.
+def behind_each(at: AtGearhead, compute: Callable[..., Any], *columns: Any) -> Any:
+    """A function of candidates behind one belt, applied to those behind any number of them.
 
     Parameters
     ----------
     at
         The load cycle behind their belts.
-    told
-        Of the load cycle behind one belt and columns over its candidates: columns, or records of columns.
+    compute
+        Function of the load cycle behind one belt and columns over its candidates: columns, or records of columns.
     columns
         Over all candidates: arrays, records of them, or parts.
+
+    Returns
+    -------
+    array or record of arrays
+        Columns over all candidates.
     """
     if not isinstance(at, AtGearheads):
-        return told(at, *columns)
-    return put_together([told(one, *(_some(column, rows) for column in columns)) for one, rows in at.parts])
+        return compute(at, *columns)
+    return put_together([compute(one, *(_some(column, rows) for column in columns)) for one, rows in at.parts])
 
 
 def _some(column: Any, rows: slice) -> Any:

@@ -13,18 +13,18 @@ Column = NDArray[np.float64]
 _SLACK = 1e-9  # of a window: a sample on its edge is in it, whatever rounding makes of its time
 
 
-_LEAST_BEND = 0.01  # share of the fourth moment that the times' bend must keep; below it, they stand in two bunches
+_LEAST_BEND = 0.01  # share of the fourth moment that the times' bend must keep; below it, they are in two bunches
 
 
 def local_parabola(time: Column, value: Column, window: float) -> tuple[Column, Column]:
-    """Value and slope, at each sample, of the parabola that fits best what lies around it.
+    """Value and slope, at each sample, of the parabola fitted to the samples around it.
 
     Parameters
     ----------
     time
         Rising, three or more, even or not [s].
     value
-        What was recorded.
+        The recorded quantity.
     window
         Width around each sample [s]; three samples where it holds fewer.
 

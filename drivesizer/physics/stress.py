@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.load_cycle import Figure
 from drivesizer.physics.motor_demand import DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding_temperature
 
@@ -32,12 +33,25 @@ Record = TypeVar("Record", bound=tuple[Any, ...])
 
 
 def on(record: Record, rows: Any) -> Record:
-    """A record of columns, records among them, at some of the candidates."""
+    """A record of columns, records among them, at some of the candidates.
+
+    Parameters
+    ----------
+    record
+        Columns, and records of columns.
+    rows
+        A mask, numbers or a slice.
+
+    Returns
+    -------
+    record
+        Of the same type.
+    """
     return type(record)(*(on(x, rows) if isinstance(x, tuple) else x[rows] for x in record))
 
 
 class Heat(NamedTuple):
-    """What warms a motor beside its copper, and how warm it is in the long run."""
+    """Losses of a motor beside its copper, and its mean temperature in the long run."""
 
     friction: Array  # loss at the housing per speed of the gearhead's output [W s/rad]
     iron: Array  # and per square of it [W s^2/rad^2]
@@ -46,18 +60,30 @@ class Heat(NamedTuple):
 
 
 class Stress(NamedTuple):
-    """Largest current, and the voltage from which the winding starts."""
+    """Largest current, and largest voltage while the winding is cold."""
 
     current: Peak  # A
     cold_voltage: Peak  # V, winding at the ambient's temperature
 
 
 def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
-    r"""What friction and iron lose at the housing, per speed of the gearhead's output and per square of it.
+    r"""Losses of friction and iron at the housing, per speed of the gearhead's output and per square of it.
 
     Brushed: the friction, :math:`k_t I_0 |w|` or the catalogue's own. Brushless: a loss that grows with the square of
     the speed and, with the copper's, warms the winding to its permitted temperature at the catalogue's nominal point in
     the ambient of that rating; not below 0.
+
+    Parameters
+    ----------
+    motor
+        Figures of the motors by field name: columns.
+    ratio
+        Of the gearhead [1]: a column.
+
+    Returns
+    -------
+    tuple of arrays
+        Loss per speed [W*s/rad] and per square of it [W*s^2/rad^2].
     """
     brushed = motor["kind"] == "brushed"
     rise = motor["max_winding_temperature"] - rated_ambient(motor)
@@ -71,30 +97,86 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
 
 
 def heat(
-    ambient: Array | float, at: AtGearhead, asked: Demands, motor: Any, losses: tuple[Array, Array] | None = None
+    ambient: Figure,
+    cycle_at_gearhead: AtGearhead,
+    demands: Demands,
+    motor: Any,
+    losses: tuple[Array, Array] | None = None,
 ) -> Heat:
-    """Mean temperature of the winding in the long run; with what ``housing_loss`` tells, where that is at hand."""
-    rubbing, iron = losses or housing_loss(motor, asked.total_ratio)
-    if not at.acts[SPEED]:  # nothing rubs in what stands
+    """Losses at the housing, and mean temperature of the winding in the long run.
+
+    Parameters
+    ----------
+    ambient
+        Temperature around the motors [K].
+    cycle_at_gearhead
+        The load cycle at the gearhead's output.
+    demands
+        Required torque and current of each candidate.
+    motor
+        Figures of the motors by field name: columns.
+    losses
+        What ``housing_loss`` gives, where it is at hand.
+
+    Returns
+    -------
+    Heat
+        Columns over candidates.
+    """
+    rubbing, iron = losses or housing_loss(motor, demands.total_ratio)
+    if not cycle_at_gearhead.acts[SPEED]:  # no friction at rest
         rubbing, iron = np.zeros_like(rubbing), np.zeros_like(iron)
-    mean = rubbing * at.moments[DIRECTION, SPEED] + iron * at.moments[SPEED, SPEED]
+    moments = cycle_at_gearhead.moments
+    mean = rubbing * moments[DIRECTION, SPEED] + iron * moments[SPEED, SPEED]
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     R_25 = resistance_25(motor)
-    winding = steady_winding_temperature(ambient, R_25, *R_th, asked.rms_current, mean)
+    winding = steady_winding_temperature(ambient, R_25, *R_th, demands.rms_current, mean)
     return Heat(rubbing, iron, mean, np.asarray(winding))
 
 
-def stress(ambient: Array | float, at: AtGearhead, asked: Demands, motor: Any) -> Stress:
-    """Largest current of candidates, and largest voltage while the winding is cold; warm: see ``limits_over_time``."""
+def stress(ambient: Figure, cycle_at_gearhead: AtGearhead, demands: Demands, motor: Any) -> Stress:
+    """Largest current of candidates, and largest voltage while the winding is cold; warm: see ``limits_over_time``.
+
+    Parameters
+    ----------
+    ambient
+        Temperature around the motors [K].
+    cycle_at_gearhead
+        The load cycle at the gearhead's output.
+    demands
+        Required torque and current of each candidate.
+    motor
+        Figures of the motors by field name: columns.
+
+    Returns
+    -------
+    Stress
+        Columns over candidates.
+    """
     k_t = motor["torque_constant"]
     cold = resistance_at(resistance_25(motor), ambient)
-    torque = peak(at, asked.coefficients, asked.left_out)
-    volts = peak(at, volts_of(asked, k_t, np.asarray(cold)), asked.left_out)
+    torque = peak(cycle_at_gearhead, demands.coefficients, demands.left_out)
+    volts = peak(cycle_at_gearhead, volts_of(demands, k_t, np.asarray(cold)), demands.left_out)
     return Stress(Peak(torque.value / k_t, torque.time), volts)
 
 
-def volts_of(asked: Demands, k_t: Array, resistance: Array) -> Array:
-    r"""Coefficients of the motor's voltage from the six functions, :math:`V = R I + k_e K w`."""
-    c = asked.coefficients * (resistance / k_t)[:, None]
-    c[:, SPEED] += asked.back_emf * asked.total_ratio
+def volts_of(demands: Demands, k_t: Array, resistance: Array) -> Array:
+    r"""Coefficients of the motor's voltage from the six functions, :math:`V = R I + k_e K w`.
+
+    Parameters
+    ----------
+    demands
+        Required torque and current of each candidate.
+    k_t
+        Torque constants [N*m/A].
+    resistance
+        Of the windings [ohm].
+
+    Returns
+    -------
+    array
+        Coefficients, shape (candidates, 6).
+    """
+    c = demands.coefficients * (resistance / k_t)[:, None]
+    c[:, SPEED] += demands.back_emf * demands.total_ratio
     return c

@@ -1,4 +1,4 @@
-"""How warm a winding gets in the long run, and the current that it bears.
+"""Temperature of a winding in the long run, and its permitted current.
 
 Convention: temperatures are absolute. Copper loss heats the winding; where a function takes a housing loss, that loss
 (friction of a brushed motor, iron losses) enters at the housing and warms the winding through R_th2 alone.
@@ -66,27 +66,27 @@ class TwoBodies:
 
     @property
     def known(self) -> NDArray[np.bool_]:
-        """Whether all figures are there, of each motor."""
+        """Whether all figures of each motor are known."""
         figures = np.broadcast_arrays(self.R_25, self.R_th1, self.R_th2, self.tau_w, self.tau_h)
         found: NDArray[np.bool_] = np.all([(x > 0.0) & (x < np.inf) for x in figures], axis=0)
         return found
 
 
 def data_temperature(motor: Any) -> Value:
-    """At which a motor's figures hold [K]: what its catalogue says, else 25 degC, the makers' usual rating."""
+    """Temperature at which a motor's figures hold [K]: its catalogue's, else 25 degC, the makers' usual rating."""
     stated = np.asarray(motor["data_temperature"], float)
     found: Value = np.where(np.isnan(stated), DATA_TEMPERATURE, stated)[()]
     return found
 
 
 def of_unstated_temperature(parts: Iterable[str]) -> tuple[str, ...]:
-    """What is taken for granted of motors whose catalogue does not say at which temperature their figures hold."""
+    """Assumption for motors whose catalogue does not state the temperature of their figures."""
     names = ", ".join(dict.fromkeys(parts))
     return (f"no catalogue says at which temperature the figures of {names} hold: 25 °C is assumed",) if names else ()
 
 
 def rated_ambient(motor: Any) -> Value:
-    """Around a motor that bears its nominal current for ever [K]: what the maker says, else as of its other figures."""
+    """Ambient of the continuous nominal current [K]: the maker's, else that of the motor's other figures."""
     stated = np.asarray(motor["rated_ambient"], float)
     found: Value = np.where(np.isnan(stated), data_temperature(motor), stated)[()]
     return found
@@ -99,6 +99,11 @@ def resistance_25(motor: Any) -> Value:
     ----------
     motor
         Figures by field name, one motor's or columns: ``resistance`` as printed, at ``data_temperature``.
+
+    Returns
+    -------
+    float or array
+        Resistance [ohm].
 
     Examples
     --------
@@ -118,6 +123,11 @@ def resistance_at(R_25: Value, temperature: Value) -> Value:
         At 25 degC [ohm].
     temperature
         Of the winding, :math:`T` [K].
+
+    Returns
+    -------
+    float or array
+        Resistance [ohm].
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What needs the current and voltage of each moment: power of the supply, energy with clipped return, time of overload.
+"""Figures of current and voltage over time: power of the supply, energy with clipped return, time of overload.
 
 Current and voltage are straight lines within a segment, so power is a product of two lines: its sign changes where
 one of them does, its extremes are ends or the vertex, and everything below is exact. Columns over candidates and
@@ -42,11 +42,11 @@ class Wave(NamedTuple):
 
 
 class Energy(NamedTuple):
-    """What one motor set takes from its supply and gives back, over one cycle."""
+    """Energy that one drive draws from its supply and returns, over one cycle."""
 
     drawn: Array  # J
     returned: Array  # J
-    stored: Array  # J, the most that has come back and not been drawn again
+    stored: Array  # J, the most that was returned and not drawn again
 
 
 def wave(duration: Array, functions: Array, torque: Array, volts: Array, k_t: Array) -> Wave:
@@ -62,6 +62,11 @@ def wave(duration: Array, functions: Array, torque: Array, volts: Array, k_t: Ar
         Coefficients of motor torque and of voltage for each candidate, shape (candidates, 6).
     k_t
         Torque constants [N*m/A].
+
+    Returns
+    -------
+    Wave
+        Current [A] and voltage [V] of each candidate.
     """
     flat = functions.reshape(-1, 6).T
     shape = (len(torque), len(duration), 2)
@@ -72,7 +77,7 @@ def balanced(found: Wave, surplus: Array, speed: Array) -> Wave:
     r"""The waveform whose V I is the power that windings take whose two constants differ.
 
     k_e w is the voltage, k_t I the torque, so that of the power k_e w I only k_t w I turns the motor. What they differ
-    by is lost whichever way the power goes, for no figure makes energy of nothing:
+    by is lost in either direction of power, for no figure makes energy of nothing:
 
     .. math:: P = R I^2 + k_t w I + |k_e - k_t|\,|w I| = V I + \max(0,\ 2 (k_t - k_e) w I)
 
@@ -98,7 +103,20 @@ def balanced(found: Wave, surplus: Array, speed: Array) -> Wave:
 
 
 def lost(found: Wave, surplus: Array, speed: Array) -> Array:
-    """What windings whose constants differ lose by that over the cycle [J]; figures as ``balanced`` takes them."""
+    """Energy lost over the cycle by the difference of the windings' two constants [J].
+
+    Parameters
+    ----------
+    found
+        Current and voltage over the segments.
+    surplus, speed
+        As in ``balanced``.
+
+    Returns
+    -------
+    array
+        Energy [J], of each candidate.
+    """
     duration, current, _, emf = _cut(found, surplus, speed)
     heat: Array = np.abs(duration * _work(current, emf, np.ones(1))[..., 0]).sum(axis=1)
     return heat
@@ -150,9 +168,14 @@ def energy(found: Wave, kept: Any = 1.0, *, storing: bool = True) -> Energy:
     found
         Current and voltage over the segments.
     kept
-        Share of what comes back that is stored, and drawn first: one, or one of each candidate.
+        Share of the returned energy that is stored, and drawn first: one, or one of each candidate.
     storing
-        Tell what is stored as well; else that is NaN.
+        Compute the stored energy too; else it is NaN.
+
+    Returns
+    -------
+    Energy
+        Columns over candidates [J].
     """
     I, V, dt = found.current, found.voltage, found.duration
     cuts = np.sort(np.stack([_crossing(I), _crossing(V)], axis=2), axis=2)
@@ -184,7 +207,7 @@ def _work(I: Array, V: Array, at: Array) -> Array:
 
 
 def _most_stored(steps: Array) -> Array:
-    """Largest rise of a running sum that repeats: what a store holds at most that is emptied first, step by step."""
+    """Largest rise of a periodic running sum: peak of an initially empty store."""
     twice = np.cumsum(np.concatenate([np.zeros((len(steps), 1)), steps, steps], axis=1), axis=1)
     risen = (twice - np.minimum.accumulate(twice, axis=1)).max(axis=1)
     stored: Array = np.minimum(risen, np.maximum(steps, 0.0).sum(axis=1))
@@ -192,7 +215,7 @@ def _most_stored(steps: Array) -> Array:
 
 
 def longest_above(found: Wave, limit: Array) -> Array:
-    """Longest time on end for which the absolute current is above a limit [s]; the cycle repeats.
+    """Longest uninterrupted time for which the absolute current is above a limit [s]; the cycle repeats.
 
     Parameters
     ----------
@@ -200,6 +223,11 @@ def longest_above(found: Wave, limit: Array) -> Array:
         Current over the segments.
     limit
         Of each candidate [A].
+
+    Returns
+    -------
+    array
+        Time [s], of each candidate; NaN where the limit is unknown.
     """
     above = np.zeros(len(limit))
     rows = np.flatnonzero((np.abs(found.current) > limit[:, None, None]).any((1, 2)))
@@ -211,7 +239,20 @@ def longest_above(found: Wave, limit: Array) -> Array:
 
 
 def share_above(found: Wave, limit: Array) -> Array:
-    """Share of the time for which the absolute current is above a limit [1], for each candidate's limit [A]."""
+    """Share of the time for which the absolute current is above a limit [1], for each candidate's limit [A].
+
+    Parameters
+    ----------
+    found
+        Current over the segments.
+    limit
+        Of each candidate [A].
+
+    Returns
+    -------
+    array
+        Share [1], of each candidate; NaN where the limit is unknown.
+    """
     enter, leave, whole = _below(found, limit[:, None])
     below = np.where(whole, 0.0, leave - enter).sum(axis=1)
     share: Array = 1.0 - below / found.duration.sum(axis=-1)
@@ -219,7 +260,7 @@ def share_above(found: Wave, limit: Array) -> Array:
 
 
 def longest_run(duration: Array, enter: Array, leave: Array, whole: NDArray[np.bool_]) -> Array:
-    """Longest time on end, in a cycle that repeats, that no break falls into [s].
+    """Longest uninterrupted time without a break, in a cycle that repeats [s].
 
     Parameters
     ----------
@@ -229,6 +270,11 @@ def longest_run(duration: Array, enter: Array, leave: Array, whole: NDArray[np.b
         From when until when in each segment there is a break [s], for each candidate or the same for all.
     whole
         Where a segment has none.
+
+    Returns
+    -------
+    array
+        Time [s], of each candidate.
     """
     total, start = duration.sum(axis=-1, keepdims=True), np.cumsum(duration, axis=-1) - duration
     begins = np.where(whole, -np.inf, start + leave)
@@ -237,7 +283,7 @@ def longest_run(duration: Array, enter: Array, leave: Array, whole: NDArray[np.b
     with np.errstate(invalid="ignore"):
         longest = np.where(whole, 0.0, start + enter - before).max(axis=1)
     total = total[..., 0]
-    longest = np.maximum(longest - 8 * np.spacing(total), 0.0)  # what rounding of the times may have added
+    longest = np.maximum(longest - 8 * np.spacing(total), 0.0)  # rounding of the times may have added this
     run: Array = np.where(whole.all(axis=1), total, longest)
     return run
 

@@ -86,5 +86,5 @@ def _behind(given: Problem, number: int, belt: float, sets: Candidates) -> Array
     cold = np.asarray(resistance_at(resistance_25(motor), ambient))
     turning = asked.total_ratio * (asked.coefficients @ ats[number].moments[:, SPEED])
     warm = heat(ambient, ats[number], asked, motor).winding
-    told = asked.sure & np.isfinite(warm) & np.isfinite(motor["max_winding_temperature"])
+    told = asked.complete & np.isfinite(warm) & np.isfinite(motor["max_winding_temperature"])
     return np.where(told, cold * asked.rms_current**2 + turning, np.nan)

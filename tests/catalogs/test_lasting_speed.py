@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.physics.lasting_speed import asked_of_the_gearhead, exceeded, lasting_speeds, mean_running
+from drivesizer.physics.lasting_speed import continuous_speed, exceeded, lasting_speeds, mean_running
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 
@@ -67,7 +67,7 @@ def test_makers_of_servo_gearboxes_limit_the_mean_or_what_lasts_for_20_minutes()
     assert short["mean_speed"].item() == pytest.approx((600 * 8 + 8400 * 2) / 9000)
     assert long["mean_speed"] == 8.0
     makers = np.array(["Wittenstein", "maxon", "somebody"])
-    assert asked_of_the_gearhead(makers, 2.0, 8.0).tolist() == [2.0, 8.0, 8.0]
+    assert continuous_speed(makers, 2.0, 8.0).tolist() == [2.0, 8.0, 8.0]
 
 
 @pytest.mark.parametrize("manufacturer", ["Apex Dynamics", "Harmonic Drive", "Wittenstein"])

@@ -15,7 +15,7 @@ from drivesizer import cli
 from drivesizer.catalog.lookup import find
 from drivesizer.catalog.query import Hit, open_all
 from drivesizer.output.terminal import part as terminal_part
-from drivesizer.physics.part_curves import bears, bears_for, continuous_curve, line
+from drivesizer.physics.part_curves import continuous_curve, line, overload_times, permitted_current
 from drivesizer.physics.thermal import COPPER
 
 RPM = pi / 30
@@ -181,19 +181,19 @@ def test_without_figures_there_is_no_chart(part, shown):
 
 @pytest.mark.parametrize("ambient", [25, 40, 60, 80])
 def test_the_nominal_current_is_derated_by_what_is_left_to_the_copper(part, ambient):
-    assert bears(part(), ambient + 273.15) == pytest.approx(I_N * sqrt((HOT - ambient) / (HOT - 25)))
+    assert permitted_current(part(), ambient + 273.15) == pytest.approx(I_N * sqrt((HOT - ambient) / (HOT - 25)))
 
 
 @pytest.mark.parametrize("ambient", [25, 40, 80])
 def test_without_a_nominal_current_copper_and_heat_balance(part, ambient):
-    current = bears(part(nominal_current=None), ambient + 273.15)
+    current = permitted_current(part(nominal_current=None), ambient + 273.15)
     copper = R * (1 + COPPER * (HOT - 25)) * current**2
     assert (R_TH1 + R_TH2) * copper == pytest.approx(HOT - ambient)
 
 
 def test_above_the_permitted_ambient_nothing_is_borne(part, shown):
-    assert isnan(bears(part(), 373.15))
-    assert bears(part(ambient_max=None), 373.15) == pytest.approx(I_N * sqrt(0.25))
+    assert isnan(permitted_current(part(), 373.15))
+    assert permitted_current(part(ambient_max=None), 373.15) == pytest.approx(I_N * sqrt(0.25))
     assert "not permitted" in shown(part())
     assert "not permitted" not in shown(part(ambient_max=None))
 
@@ -213,7 +213,7 @@ def test_a_single_body_follows_the_logarithm(part, times):
     feedback = COPPER * R_TH1 * R * current**2
     square = R_TH1 * R * current**2 / (1 - feedback) / (HOT - 25)
     expected = TAU_W / (1 - feedback) * log(square / (square - 1))
-    assert bears_for(part(**HEAVY), current)[0] == pytest.approx(expected, rel=1e-5)
+    assert overload_times(part(**HEAVY), current)[0] == pytest.approx(expected, rel=1e-5)
 
 
 def test_without_the_coppers_feedback_it_is_the_textbooks_law(part):
@@ -222,7 +222,7 @@ def test_without_the_coppers_feedback_it_is_the_textbooks_law(part):
     alone = sqrt(0.1 / (R_TH1 * R))
     for times in (1.5, 2.0, 3.0, 5.0):
         expected = TAU_W * log(times**2 / (times**2 - 1))
-        assert bears_for(hot, times * alone)[0] == pytest.approx(expected, rel=2e-3)
+        assert overload_times(hot, times * alone)[0] == pytest.approx(expected, rel=2e-3)
 
 
 def test_a_warm_motor_starts_from_its_housing(part):
@@ -236,16 +236,16 @@ def test_a_warm_motor_starts_from_its_housing(part):
     feedback = COPPER * R_TH1 * R * current**2
     steady = (R_TH1 * R * current**2 + housing) / (1 - feedback)
     expected = TAU_W / (1 - feedback) * log((steady - housing) / (steady - (HOT - 25)))
-    assert bears_for(part(**HEAVY), current)[1] == pytest.approx(expected, rel=1e-5)
+    assert overload_times(part(**HEAVY), current)[1] == pytest.approx(expected, rel=1e-5)
     assert housing + (steady - housing) * (1 - exp(-expected * (1 - feedback) / TAU_W)) == pytest.approx(HOT - 25)
 
 
 def test_what_is_borne_for_ever_has_no_end_and_more_is_shorter(part):
     hit = part()
-    forever = bears(part(nominal_current=None), T_25)
-    assert bears_for(hit, 0.999 * forever)[0] == float("inf")
-    assert bears_for(hit, 1.001 * forever)[0] < float("inf")
-    times = [bears_for(hit, n * I_N) for n in (1.5, 2.0, 3.0, 5.0)]
+    forever = permitted_current(part(nominal_current=None), T_25)
+    assert overload_times(hit, 0.999 * forever)[0] == float("inf")
+    assert overload_times(hit, 1.001 * forever)[0] < float("inf")
+    times = [overload_times(hit, n * I_N) for n in (1.5, 2.0, 3.0, 5.0)]
     assert times == sorted(times, reverse=True)
     assert all(warm < cold for cold, warm in times)
 

@@ -20,7 +20,7 @@ from drivesizer.control.loop_design import stated_margin
 from drivesizer.load_cases.platform_wheels import held_by_the_floor
 from drivesizer.loads.course import course
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.physics.lasting_speed import asked_of_the_gearhead, lasting_speeds
+from drivesizer.physics.lasting_speed import continuous_speed, lasting_speeds
 from drivesizer.physics.thermal import (
     DATA_TEMPERATURE,
     rated_ambient,
@@ -245,7 +245,7 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
     )
     moved = course(case.profile)
     lasting = lasting_speeds(moved.duration, moved.speed)
-    speed_demand = asked_of_the_gearhead(np.array(gearhead.manufacturer), **lasting) * case.train.motor_per_speed
+    speed_demand = continuous_speed(np.array(gearhead.manufacturer), **lasting) * case.train.motor_per_speed
     yield _check(
         at_most("gearhead_continuous_speed", speed_demand, gearhead.continuous_input_speed),
         note="of the reference: the lasting speed by the maker's rule, or the mean",

@@ -20,7 +20,7 @@ from drivesizer.output.terminal.battery import discharge_tables
 from drivesizer.output.terminal.catalog import counted, figure
 from drivesizer.output.terminal.chart import Axis, Series, chart
 from drivesizer.output.terminal.tables import bare, console, heading
-from drivesizer.physics.part_curves import HEAT, Line, bears, bears_for, continuous_curve, line
+from drivesizer.physics.part_curves import HEAT, Line, continuous_curve, line, overload_times, permitted_current
 from drivesizer.physics.thermal import DATA_TEMPERATURE, Value, data_temperature, rated_ambient
 from drivesizer.units import from_si, label, show
 
@@ -253,7 +253,7 @@ def _heat(out: Console, hit: Hit) -> None:
 
 def _ambients(hit: Hit) -> Table | None:
     """Continuous current; None where it is known at 25 degC only, which is among the figures."""
-    currents = [bears(hit, ambient) for ambient in _AMBIENTS]
+    currents = [permitted_current(hit, ambient) for ambient in _AMBIENTS]
     if all(map(isnan, currents[1:])):
         return None
     heads = [(show(ambient, "degC", "temperature"), "right") for ambient in _AMBIENTS]
@@ -266,8 +266,8 @@ def _ambients(hit: Hit) -> Table | None:
 
 def _overloads(hit: Hit) -> Table | None:
     """Overload times at a few currents; None where unknown."""
-    currents = [bears(hit, DATA_TEMPERATURE) * times for times in _OVERLOADS]
-    times = [bears_for(hit, current) for current in currents]
+    currents = [permitted_current(hit, DATA_TEMPERATURE) * times for times in _OVERLOADS]
+    times = [overload_times(hit, current) for current in currents]
     if isnan(currents[0] + times[0][0]):
         return None
     heads = [(f"{times:g} ×", "right") for times in _OVERLOADS]
@@ -281,7 +281,10 @@ def _overloads(hit: Hit) -> Table | None:
 
 def _bounds(hit: Hit) -> list[str]:
     """Notes on overload times: the warm start, and limits other than heat."""
-    most, current = _OVERLOADS[-1] * bears(hit, DATA_TEMPERATURE), hit["nominal_voltage"] / hit["resistance"]
+    most, current = (
+        _OVERLOADS[-1] * permitted_current(hit, DATA_TEMPERATURE),
+        hit["nominal_voltage"] / hit["resistance"],
+    )
     peak = hit["peak_torque"] / hit["torque_constant"]
     notes = ["warm: winding and housing at the housing's temperature at the nominal point"]
     if current < most:

@@ -41,7 +41,7 @@ class _Case:
     ) -> None:
         self.spec, self.at, self.columns = spec, at, (asked, warm, under, parts)
         self.told = (
-            two_bodies(parts.motor).known & ~np.isnan(warm.winding) & asked.sure
+            two_bodies(parts.motor).known & ~np.isnan(warm.winding) & asked.complete
         )  # whose winding the waveform tells
 
     def some(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:

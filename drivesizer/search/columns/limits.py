@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, lines
 from drivesizer.physics.belt_geometry import LEAST_IN_MESH
-from drivesizer.physics.lasting_speed import asked_of_the_gearhead
+from drivesizer.physics.lasting_speed import continuous_speed
 from drivesizer.physics.motor_demand import AtGearhead, Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.results.check_columns import NOT_ASKED, CheckColumn, at_least, at_most
@@ -67,7 +67,7 @@ def gearhead_limits(spec: RobotSpec, at: AtGearhead, gearhead: Any) -> list[Chec
     i, ambient = gearhead["ratio"], spec.environment.ambient
     torque: dict[str, Any] = {"needed": spec.margins.torque}
     speed: dict[str, Any] = {"needed": spec.margins.speed}
-    lasting = asked_of_the_gearhead(gearhead["manufacturer"], at.mean_speed, at.sustained_speed)
+    lasting = continuous_speed(gearhead["manufacturer"], at.mean_speed, at.sustained_speed)
     found = [
         at_most("gearhead_continuous_torque", at.rms_torque, gearhead["continuous_torque"], **torque),
         at_most("gearhead_intermittent_torque", at.peak_torque, gearhead["intermittent_torque"], **torque),
@@ -157,7 +157,7 @@ def _holding(spec: RobotSpec, at: AtGearhead, parts: Parts) -> list[CheckColumn]
     """Torque at rest that reaches the motor, against its friction at standstill, which catalogues do not give."""
     if not spec.needs.hold_unpowered:
         return []
-    reaches = at.standing_torque * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
+    reaches = at.torque_at_rest * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
     return [at_most("holding", reaches, np.full(reaches.shape, np.nan))]
 
 

@@ -154,12 +154,12 @@ def least(found: Pair, asked: Demands, warm: Heat, under: Stress) -> Pair:
     asked, warm, under
         What it was computed from.
     """
-    if asked.sure.all():
+    if asked.complete.all():
         return found
-    low, high = (Moments(*(np.where(asked.sure, column, np.nan) for column in side)) for side in found)
+    low, high = (Moments(*(np.where(asked.complete, column, np.nan) for column in side)) for side in found)
     cold = under.cold_voltage
     sure = {"winding": warm.winding, "voltage": cold.value, "voltage_time": cold.time}
-    filled = {name: np.where(asked.sure, getattr(low, name), column) for name, column in sure.items()}
+    filled = {name: np.where(asked.complete, getattr(low, name), column) for name, column in sure.items()}
     return low._replace(**filled), high
 
 

@@ -145,7 +145,7 @@ class _Cases(NamedTuple):
 
     def judged(self, row: NDArray[np.int64], before: list[Pair] | None) -> _Found:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
-        specs, sure = self.given.specs, [case.asked.sure for case in self.moving]
+        specs, sure = self.given.specs, [case.asked.complete for case in self.moving]
         parts = self.parts._replace(controller=Rows(self.given.catalog.controllers, row))
 
         def electrical(k: int) -> list[CheckColumn]:
@@ -204,7 +204,7 @@ def _again(
 
 def _where_known(figures: dict[str, Array], cases: Sequence[Moving]) -> dict[str, Array]:
     """The figures of sets whose current is known in every case: a least one may fail a check, but is no figure."""
-    sure = np.logical_and.reduce([case.asked.sure for case in cases])
+    sure = np.logical_and.reduce([case.asked.complete for case in cases])
     return {name: np.where(sure, column, np.nan) for name, column in figures.items()}
 
 

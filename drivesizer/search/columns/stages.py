@@ -126,7 +126,7 @@ def _moved(given: Problem, belt: float, sets: Candidates, staged: bool, margins:
     parts = Parts(motor, gearhead, Rows(given.catalog.encoders, encoder), None)
     cases = [_moving(spec, at, parts) for spec, at in zip(given.specs, ats, strict=True)]
     keep = sieve.through(
-        each(given, lambda k: doubted(moving_limits(given.specs[k], ats[k], *cases[k], parts), cases[k].asked.sure))
+        each(given, lambda k: doubted(moving_limits(given.specs[k], ats[k], *cases[k], parts), cases[k].asked.complete))
     )
     cases, parts = [on(case, keep) for case in cases], parts.on(keep)
     return _Moved(sieve, ats, cases, parts)

@@ -173,13 +173,13 @@ def _of_a_case(
     found = least(moments(spec, at, asked, warm, under, parts, energies=energies), asked, warm, under)
     moving = [c for c in moving_limits(spec, at, asked, warm, parts) if c.name != "winding_temperature"]
     electrical = [*moving, *electrical_limits(spec, at, asked, under, parts), *waveform_limits(spec, *found, parts)]
-    sets = spec.load.alike if asked.sure.all() else np.nan  # least demands are not told as if they were all
+    sets = spec.load.alike if asked.complete.all() else np.nan  # least demands are not told as if they were all
     drawn = found[0].agreed(found[1])
     return [
         *load_limits(spec, at),
         *gearhead_limits(spec, at, parts.gearhead),
         *motor_limits(spec, parts.motor),
-        *doubted(electrical, asked.sure),
+        *doubted(electrical, asked.complete),
         _controller_fits(spec, parts.controller, one),
     ], Draw(drawn.drawn * sets, drawn.returned * sets, drawn.power * sets)
 
