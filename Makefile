@@ -8,13 +8,22 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready-$(notdir $(PYTHON))
 WHEEL := build/wheel
 
-.PHONY: run test lint docs wheel bench clean
+.PHONY: run test test-all mutants lint docs wheel bench clean
 
 run: $(READY)
 	$(BIN)/drivesizer size examples/sps_robot.yaml
 
+# What guards right answers. Browsers, killed processes, the built site and every command of the pages: test-all.
+PARALLEL := --numprocesses auto --dist worksteal
+
 test: $(READY)
-	$(BIN)/pytest --numprocesses auto --dist loadfile
+	$(BIN)/pytest $(PARALLEL) -m "not slow"
+
+test-all: $(READY)
+	$(BIN)/pytest $(PARALLEL)
+
+mutants: $(READY)
+	$(BIN)/python tests/tools/mutants.py
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -1,10 +1,11 @@
-"""What all tests share: a cache folder of their own, the example spec and the shipped catalogue."""
+"""What all tests share: a cache folder of their own, the example, its sizing and the shipped catalogue."""
 
 from __future__ import annotations
 
 import os
 import shutil
-import tempfile
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,22 +13,67 @@ from typing import Any
 import pytest
 
 from drivesizer.catalog import Catalog, load
+from drivesizer.files.cache import digest_of
+from drivesizer.results.sizing import SizingResult
+from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, load_spec
 
 ROOT = Path(__file__).resolve().parent.parent
 
 
+CACHE = ROOT / ".pytest_cache" / "compiled"
+
+
 def pytest_configure(config: pytest.Config) -> None:
-    """Point the compiled catalogues to a folder of this run.
+    """Point compiled catalogues and machine code to a folder of the tests, kept between runs.
 
     A hook and not a fixture, because the doctests in the package load catalogues too. Parallel workers inherit the
-    folder of the process that started them.
+    folder of the process that started them, and find the machine code there.
     """
-    if not hasattr(config, "workerinput"):
-        folder = tempfile.mkdtemp(prefix="drivesizer-tests-")
-        os.environ["DRIVESIZER_CACHE"] = folder
-        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else each command that a test starts compiles it all
-        config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+    if hasattr(config, "workerinput"):
+        return
+    os.environ["DRIVESIZER_CACHE"] = str(CACHE)
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else each command that a test starts compiles it all
+    _drop_outdated()
+    if getattr(config.option, "numprocesses", None):
+        _compile_kernels()
+
+
+def _drop_outdated() -> None:
+    """Catalogues compiled by other sources: their names have the version and the schema in them, not our changes.
+
+    Machine code is named by its sources; the few newest are kept.
+    """
+    package = ROOT / "drivesizer"
+    sources = sorted(p for room in ("catalog", "files", "units") for p in (package / room).rglob("*.*"))
+    digest = digest_of(*(p.read_bytes() for p in sources if "__pycache__" not in p.parts))
+    stamp = CACHE / "sources.txt"
+    if not stamp.exists() or stamp.read_text(encoding="utf-8") != digest:
+        CACHE.mkdir(parents=True, exist_ok=True)
+        for old in (path for path in CACHE.iterdir() if path.is_file()):
+            old.unlink(missing_ok=True)
+        stamp.write_text(digest, encoding="utf-8")
+    kernels = sorted((CACHE / "kernels").glob("*"), key=lambda path: path.stat().st_mtime)
+    for folder in kernels[:-8]:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _compile_kernels() -> None:
+    """Both kernels before the workers begin, so that each is compiled once and not by every worker."""
+    from drivesizer.control.engine.kernel import KERNEL as DRIVE
+    from drivesizer.control.path_following.kernel import KERNEL as PLATFORM
+
+    wanted = {"validate": (DRIVE, "sps_robot.yaml"), "drive": (PLATFORM, "sps_platform.yaml")}
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-m", "drivesizer", command, str(ROOT / "examples" / spec)],
+            cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )
+        for command, (kernel, spec) in wanted.items()
+        if not kernel.kept
+    ]  # fmt: skip
+    for run in runs:
+        run.wait()  # whatever is wrong with it, a test will find
 
 
 @pytest.fixture(scope="session")
@@ -46,6 +92,12 @@ def spec(example: Path) -> RobotSpec:
 def catalog() -> Catalog:
     """The shipped maxon catalogue."""
     return load(["maxon"])
+
+
+@pytest.fixture(scope="session")
+def result(spec: RobotSpec) -> SizingResult:
+    """The sizing of the SPS robot; frozen records, so that all tests of a process share it."""
+    return size(spec)
 
 
 @pytest.fixture(scope="session")

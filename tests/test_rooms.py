@@ -132,3 +132,14 @@ def test_the_map_names_every_room_and_its_ways_lead_somewhere() -> None:
     for file, name in ways:
         text = (ROOT / file).read_text(encoding="utf-8")
         assert not name or re.search(rf"^(def|class) {name}\b", text, re.MULTILINE), (file, name)
+
+
+def test_no_test_imports_another_test() -> None:
+    """What two of them need is a helper or a fixture."""
+    tests = {path.stem for path in (ROOT / "tests").rglob("test_*.py")}
+    assert len(tests) > 100
+    for path in (ROOT / "tests").rglob("*.py"):
+        nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+        taken = {str(node.module).split(".")[-1] for node in nodes if isinstance(node, ast.ImportFrom)}
+        taken |= {alias.name.split(".")[-1] for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+        assert not taken & tests, path.name

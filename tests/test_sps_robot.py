@@ -11,11 +11,6 @@ from drivesizer.spec.robot import read_spec
 RPM = 30 / math.pi
 
 
-@pytest.fixture(scope="module")
-def result(spec, catalog):
-    return size(spec, catalog=catalog)
-
-
 def checks(found):
     return {check.name: check for check in found.checks}
 

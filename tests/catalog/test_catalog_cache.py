@@ -285,6 +285,7 @@ def _start(barrier: Any, answers: Any) -> None:
     answers.put(hashlib.sha256(repr(essence(loaded)).encode()).hexdigest())
 
 
+@pytest.mark.slow
 def test_two_processes_at_once_on_an_empty_folder(cache: Path, catalog: Catalog) -> None:
     context = multiprocessing.get_context("spawn")
     barrier, answers = context.Barrier(2), context.Queue()
@@ -333,6 +334,7 @@ load([sys.argv[1]])
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
 def test_a_process_killed_while_it_compiles_leaves_nothing_that_is_used(cache: Path, acme: Path) -> None:
     killed = subprocess.run([sys.executable, "-c", KILLED, str(acme)], env=os.environ, timeout=60)
@@ -353,6 +355,7 @@ HEAD = "catalog: 1\nmanufacturer: Acme\nsources: {s: {document: d, confidence: q
 TABLE = HEAD + "motors:\n  - {family: F, source: s, columns: [part, mass (g)], rows: %s}\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "said"),
     [

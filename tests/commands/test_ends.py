@@ -169,6 +169,7 @@ def test_whatever_fails_is_one_line_and_a_status(error, status, said, capsys, mo
     assert "Traceback" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
 @pytest.mark.parametrize("command", [["size"], ["size", "--json"], ["--help"]])
 def test_a_full_standard_output_is_one_line(folder, command):
@@ -202,6 +203,7 @@ def test_closed_streams_are_no_fault(folder):
     assert Path("a.csv").read_text().startswith("list,rank,status")
 
 
+@pytest.mark.slow
 def test_machine_code_that_cannot_be_kept_is_a_warning_and_used(tmp_path):
     from drivesizer.files.machine_code import _warn_where_not_stored
 

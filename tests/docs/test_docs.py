@@ -55,6 +55,7 @@ def test_every_block_of_a_page_has_a_language_that_is_run(page):
     assert not re.search(r"(?:^|\n\n)(?:    |\t)(?![-*\d ]).*\n", re.sub(r"(?s)```.*?```", "", text_of(page)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [p for p in PAGES if "```" in text_of(p)], ids=lambda page: page.stem)
 def test_what_a_page_shows_is_what_happens(page, tmp_path, monkeypatch, capsys):
     """In the order of the page, in one folder: commands, what they print, and Python."""
@@ -178,6 +179,7 @@ def catalogue_of_the_page():
     return next(block.text for block in blocks(CATALOGUES) if block.language == "yaml")
 
 
+@pytest.mark.slow
 def test_every_command_of_the_readme_runs(desk):
     (block,) = (block for block in blocks(README) if block.language == "sh")
     found = commands(re.sub(r"^ +#.*$", "", block.text, flags=re.MULTILINE))
@@ -188,6 +190,7 @@ def test_every_command_of_the_readme_runs(desk):
         assert said.status == 0 or "explain" in command, command  # which shows a pair that falls
 
 
+@pytest.mark.slow
 def test_every_example_of_the_help_runs(desk):
     import typer.main
 

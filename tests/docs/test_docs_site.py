@@ -56,6 +56,7 @@ def test_the_examples_of_the_hooks():
 # --- the site as a whole
 
 
+@pytest.mark.slow
 def test_nothing_comes_from_elsewhere(site):
     pages = sorted(site.glob("*.html"))
     assert len(pages) >= 23
@@ -70,6 +71,7 @@ def test_nothing_comes_from_elsewhere(site):
     assert (site / "assets" / "stix-two-math.woff").read_bytes()[:4] == b"wOFF"
 
 
+@pytest.mark.slow
 def test_every_formula_is_mathematics(site):
     for path in site.glob("*.html"):
         text = path.read_text(encoding="utf-8")
@@ -79,6 +81,7 @@ def test_every_formula_is_mathematics(site):
     assert "<merror" not in "".join(p.read_text(encoding="utf-8") for p in site.glob("*.html"))
 
 
+@pytest.mark.slow
 def test_the_project_s_own_files_are_pages(site):
     for name in ("architecture", "contributing", "changelog"):
         assert (site / f"{name}.html").exists()
@@ -87,6 +90,7 @@ def test_the_project_s_own_files_are_pages(site):
 # --- equations
 
 
+@pytest.mark.slow
 def test_every_equation_of_the_platform_is_on_the_page_with_its_units(site):
     text = (site / "equations.html").read_text(encoding="utf-8")
     seen = Loads()
@@ -102,6 +106,7 @@ def test_every_equation_of_the_platform_is_on_the_page_with_its_units(site):
     assert text.count("Fails the value check") == 5
 
 
+@pytest.mark.slow
 def test_every_equation_is_on_the_page_with_its_units(site):
     text = (site / "equations.html").read_text(encoding="utf-8")
     seen = Loads()
@@ -221,6 +226,7 @@ def test_amounts_of_the_page_are_those_of_the_tests(said):
 # --- the spec, the loads, JSON
 
 
+@pytest.mark.slow
 def test_every_field_of_a_spec_is_on_a_page(site):
     text = "".join((site / f"{name}.html").read_text(encoding="utf-8") for name in ("spec", "loads"))
     shown = set(re.findall(r"<code>(\w+)</code>", text))

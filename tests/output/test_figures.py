@@ -22,13 +22,7 @@ from drivesizer.output.report.figures.style import STYLE, named
 from drivesizer.output.report.figures.time_windows import Window, thinned, windows
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.sizing import SizingResult
-from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
-
-
-@pytest.fixture(scope="module")
-def result(spec: RobotSpec) -> SizingResult:
-    return size(spec)
 
 
 def drawn(result: SizingResult) -> dict[str, bytes]:

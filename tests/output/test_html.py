@@ -30,12 +30,7 @@ from drivesizer.output.report.html.mathematics import mathml
 from drivesizer.output.report.html.page import report_html
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
-from drivesizer.spec.robot import RobotSpec, read_spec
-
-
-@pytest.fixture(scope="module")
-def result(spec: RobotSpec) -> SizingResult:
-    return size(spec)
+from drivesizer.spec.robot import read_spec
 
 
 @pytest.fixture(scope="module")

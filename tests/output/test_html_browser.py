@@ -17,7 +17,8 @@ from drivesizer.machine.operating_field import field
 from drivesizer.output.report import write
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
-from drivesizer.spec.robot import RobotSpec
+
+pytestmark = pytest.mark.slow
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 
@@ -35,11 +36,6 @@ def browser() -> Iterator[Any]:
         made = driver.chromium.launch(executable_path=found)
         yield made
         made.close()
-
-
-@pytest.fixture(scope="module")
-def result(spec: RobotSpec) -> SizingResult:
-    return size(spec)
 
 
 @pytest.fixture(scope="module")

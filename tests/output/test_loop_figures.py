@@ -28,15 +28,8 @@ from drivesizer.output.terminal import sizing as terminal
 from drivesizer.output.terminal.loops import loops
 from drivesizer.output.thinning import extremes, on_curves
 from drivesizer.results.sizing import SizingResult
-from drivesizer.sizing import size
-from drivesizer.spec.robot import RobotSpec
 
 VELOCITY = CASCADE[1]
-
-
-@pytest.fixture(scope="module")
-def result(spec: RobotSpec) -> SizingResult:
-    return size(spec)
 
 
 @pytest.fixture(scope="module")

@@ -23,13 +23,6 @@ from drivesizer.results.drive_set import Relaxation
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
-from drivesizer.spec.robot import RobotSpec
-
-
-@pytest.fixture(scope="module")
-def result(spec: RobotSpec) -> SizingResult:
-    return size(spec)
-
 
 # -- CSV
 

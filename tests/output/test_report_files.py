@@ -84,6 +84,7 @@ def interrupted(run: subprocess.Popen[str]) -> bool:
     return False
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
 def test_an_interrupted_report_leaves_the_older_one_and_nothing_else(example, tmp_path):
     targets = [tmp_path / f"report{suffix}" for suffix in KNOWN]
@@ -98,6 +99,7 @@ def test_an_interrupted_report_leaves_the_older_one_and_nothing_else(example, tm
         assert run.wait(60) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
 def test_a_killed_report_leaves_the_older_one_and_does_not_hinder_the_next(example, tmp_path, result):
     target = tmp_path / "report.xlsx"
@@ -198,6 +200,7 @@ def test_files_of_one_report_are_all_of_one_run(at, content, tmp_path, monkeypat
     assert names(tmp_path) == ["a.csv", "b.csv"]
 
 
+@pytest.mark.slow
 def test_two_runs_at_once_do_not_meet(tmp_path):
     from threading import Thread
 

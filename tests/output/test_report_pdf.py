@@ -18,18 +18,12 @@ from drivesizer.output.report import pdf
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
-from drivesizer.spec.robot import RobotSpec
 
 SECTIONS = (
     "What was asked", "Derivation", "The vehicle and its wheels", "At the motor shaft", "Candidates", "The chosen set",
     "Checks", "Over the cycle", "Heat", "Energy", "Parts list", "Data sheets", "Closed loop",
     "The loops by linear theory", "Assumptions and unknowns", "How to repeat this", "The spec file",
 )  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def result(spec: RobotSpec) -> SizingResult:
-    return size(spec)
 
 
 @pytest.fixture(scope="module")

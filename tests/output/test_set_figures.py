@@ -20,12 +20,6 @@ from drivesizer.output.report.lines.order_list import order_list
 from drivesizer.output.report.set_behaviour import Behaviour
 from drivesizer.results.sizing import Check, SizingResult
 from drivesizer.sizing import size
-from drivesizer.spec.robot import RobotSpec
-
-
-@pytest.fixture(scope="module")
-def result(spec: RobotSpec) -> SizingResult:
-    return size(spec)
 
 
 @pytest.fixture(scope="module")

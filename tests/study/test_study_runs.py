@@ -120,6 +120,7 @@ def test_maps_are_there(whole):
 # --- the same bytes, whatever happens ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_study_that_was_killed_goes_on_and_ends_the_same(whole, tmp_path):
     """Killed without warning in the middle, one chunk damaged after that, then by two processes."""
     laid(tmp_path, MANY)
@@ -141,6 +142,7 @@ def test_a_study_that_was_killed_goes_on_and_ends_the_same(whole, tmp_path):
     assert results(tmp_path / "study") == without_maps(whole)
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_the_study_and_its_processes(tmp_path):
     laid(tmp_path, MANY)
     with subprocess.Popen(
@@ -180,6 +182,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_a_cluster_that_loses_a_worker_gives_the_same(whole, tmp_path):
     """Two workers of a Dask scheduler, one of them killed in the middle."""
     pytest.importorskip("distributed")
@@ -363,6 +366,7 @@ def test_without_dask_the_option_says_what_to_install(run, tmp_path, monkeypatch
     )
 
 
+@pytest.mark.slow
 def test_the_progress_is_for_people(tmp_path):
     """At a terminal a bar with what is done, in all, and the time left; the results on stdout stay as they are."""
     if shutil.which("script") is None:

@@ -1,0 +1,51 @@
+"""Public functions of two or more parameters say what goes in and what comes out."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import drivesizer
+
+PACKAGE = Path(drivesizer.__file__).parent
+ROOMS = sorted(p.name for p in PACKAGE.iterdir() if (p.is_dir() and p.name != "__pycache__") or p.suffix == ".py")
+ROOMS_LEFT = {
+    "catalog", "commands", "control", "files", "load_cases", "loads", "machine", "output", "physics", "platform",
+    "results", "search", "spec", "study", "units", "errors.py", "sizing.py",
+}  # fmt: skip
+
+
+def public(tree: ast.Module) -> set[str]:
+    """Names in a module's ``__all__``."""
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "__all__":
+            return {e.value for e in getattr(node.value, "elts", []) if isinstance(e, ast.Constant)}
+    return set()
+
+
+def lacking(path: Path) -> list[str]:
+    """Public functions of a module without a section Parameters, or Returns where they return something."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    offered, found = public(tree), []
+    for function in tree.body:
+        if not isinstance(function, ast.FunctionDef) or function.name not in offered:
+            continue
+        arguments = function.args
+        if len([*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]) < 2:
+            continue
+        returns = not (isinstance(function.returns, ast.Constant) and function.returns.value is None)
+        text = ast.get_docstring(function) or ""
+        sections = [s for s in ("Parameters", "Returns") if s == "Parameters" or returns]
+        absent = [s for s in sections if f"{s}\n---" not in text and not (s == "Returns" and "Yields\n---" in text)]
+        if absent:
+            found.append(f"{path.relative_to(PACKAGE)}:{function.lineno}: {function.name} lacks {', '.join(absent)}")
+    return found
+
+
+@pytest.mark.parametrize("room", [room for room in ROOMS if room not in ROOMS_LEFT])
+def test_public_functions_have_parameters_and_returns(room: str) -> None:
+    place = PACKAGE / room
+    modules = [place] if place.is_file() else sorted(place.rglob("*.py"))
+    assert not [line for path in modules for line in lacking(path)]
