@@ -2,10 +2,10 @@
 
     python tests/tools/mutants.py [--tree CHECKOUT] [--count 60] [--seed 1] [--room ROOM] [--time 600]
 
-Works on a copy of the checkout. A mutant is one change of a comparison, an arithmetic or boolean operator, a number, a
-condition or a returned value, drawn at random with a fixed seed, the same number in each room. It is killed when
-a test of its room, or of the few across rooms, fails. Compiled kernels are named by the digest of their sources, so that a mutant of
-theirs is compiled anew and not found in a cache.
+Works on a copy of the checkout. A mutant is one change of a comparison, an arithmetic or boolean operator, a number or
+a returned value, drawn at random with a fixed seed, as many in each room. It is killed when a test of its room, or of
+the few across rooms, fails. Compiled kernels are named by the digest of their sources, so that a mutant of theirs is
+compiled anew and not found in a cache.
 """
 
 from __future__ import annotations
