@@ -135,7 +135,7 @@ def _drivesizer(words: list[str], folder: Path) -> Said:
     """The command line in this process, as at a terminal of 80 columns."""
     from drivesizer.cli import main
 
-    out, told = io.StringIO(), warnings.showwarning
+    out, showwarning = io.StringIO(), warnings.showwarning
     with _at(folder), warnings.catch_warnings(), redirect_stdout(out), redirect_stderr(_Messages(out)):
         before, sys.argv = sys.argv, ["drivesizer", *words]
         try:
@@ -143,7 +143,7 @@ def _drivesizer(words: list[str], folder: Path) -> Said:
         except SystemExit as stopped:
             status = int(stopped.code or 0)
         finally:
-            sys.argv, warnings.showwarning = before, told
+            sys.argv, warnings.showwarning = before, showwarning
     return Said(out.getvalue(), status)
 
 
@@ -188,7 +188,7 @@ def shown(block: str, output: str) -> str:
 
 
 def _chunks(block: str) -> list[list[str]]:
-    """Lines between those that stand for others; the first chunk is at the start, empty where lines are left out."""
+    """Lines between ellipses; the first chunk is at the start, empty where lines are left out."""
     found: list[list[str]] = [[]]
     for line in block.splitlines():
         if line.strip() == _CUT:

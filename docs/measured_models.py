@@ -1,6 +1,6 @@
-"""What the drive model says of the measured drives, from data sheets alone; and what refinements would say.
+"""Predictions of the drive model for the measured drives, from data sheets alone, and with refinements.
 
-Predictions call the program. Refinements are fits that stand here only. The catalogue's current of a brushless motor
+Predictions call the program. Refinements are fits made here only. The catalogue's current of a brushless motor
 is that of the DC motor with the same loss and torque: sqrt(3)/2 of the amplitude in a phase (the q current).
 Symbols: w speed [rad/s], V voltage [V], I current [A], R resistance [ohm], M torque [N*m], T temperature [K],
 C heat capacity [J/K], R_th thermal resistance [K/W].
@@ -27,7 +27,7 @@ __all__ = ["DC", "Thermal", "chain", "fit_thermal", "hot", "part", "sheet_free_s
 Array = NDArray[np.float64]
 
 DC = sqrt(3.0) / 2.0  # current of the equivalent DC motor by amplitude in a phase
-NO_COOLING = 1e3  # K/W, housing to ambient: a record of 72 s does not tell it from none
+NO_COOLING = 1e3  # K/W, housing to ambient: a record of 72 s does not distinguish it from none
 
 
 @cache

@@ -69,8 +69,8 @@ def _outside(row: Row) -> bool:
 
 def _cells(row: Row) -> tuple[str, ...]:
     whose, band = source_of(row.quantity)
-    told = "" if band is None else span(np.array(band)) + (", **missed**" if _outside(row) else "")
-    return row.quantity, row.predicted, row.measured, row.error, told, whose, row.refined, row.by
+    bounds = "" if band is None else span(np.array(band)) + (", **missed**" if _outside(row) else "")
+    return row.quantity, row.predicted, row.measured, row.error, bounds, whose, row.refined, row.by
 
 
 def misses(rows: Sequence[Row]) -> str:

@@ -20,7 +20,7 @@ def equations() -> str:
 
 
 def _in_order() -> list[Equation]:
-    """As they stand in the source: a companion follows the equation that it belongs to."""
+    """In the order of the source: a companion follows its equation."""
     everything = [*EQUATIONS.values(), *COMPANIONS.values()]
     return sorted(everything, key=lambda e: e.formula.__code__.co_firstlineno)
 
@@ -36,17 +36,17 @@ def _equation(e: Equation) -> str:
 
 
 def _forms(e: Equation) -> list[str]:
-    """As printed, what the unit check says, and as computed."""
+    """The printed form, the result of the unit check, and the computed form."""
     left, computed = symbol(e.symbol), formula.computed(e)
     used = f"{left} = {expression(computed)}" if expression(computed) != left else left
     if not e.printed:
         return ["Not in the paper; as computed:", displayed(used)]
     failure = formula.printed_failure(e)
-    told = f'<span class="fails">Fails the unit check:</span> {escaped(failure)}.' if failure else "Units agree."
+    finding = f'<span class="fails">Fails the unit check:</span> {escaped(failure)}.' if failure else "Units agree."
     printed = displayed(f"{left} = {expression(e.printed, paper=True)}")
     if expression(e.printed) == expression(computed):
-        return [f"As printed and as computed. {told}", printed]
-    return [f"As printed. {told}", printed, "As computed:", displayed(used)]
+        return [f"As printed and as computed. {finding}", printed]
+    return [f"As printed. {finding}", printed, "As computed:", displayed(used)]
 
 
 def _terms(e: Equation) -> str:

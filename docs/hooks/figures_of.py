@@ -8,7 +8,7 @@ __all__ = ["closed_loop", "followed"]
 
 
 def closed_loop(root: Path) -> bytes:
-    """What ``drivesizer validate --figures`` draws of the robot of the paper."""
+    """The figure of ``drivesizer validate --figures`` for the robot of the paper."""
     from drivesizer import load_spec, size, validate
     from drivesizer.output.report.all_figures import loop_drawings
 
@@ -18,7 +18,7 @@ def closed_loop(root: Path) -> bytes:
 
 
 def followed(_: Path) -> bytes:
-    """The simulated path beside the paper's with soft speed loops, and errors along the way."""
+    """The simulated path beside the paper's with soft speed loops, and errors along the path."""
     from following_page import ran
 
     from drivesizer.control.path_following.runs import Case

@@ -1,4 +1,4 @@
-"""The loads as a page: what each asks of its shaft, its fields, and a spec to start from."""
+"""The loads as a page: torque at the shaft, fields, and a starter spec of each."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def loads() -> str:
         several.sort(key=list(MODULES).index)
     shared = [("A stage", "stage_losses"), ("Torques that are no straight lines", "torque_curved")]
     parts = [_load(name, of) for name, of in kinds.items()]
-    parts += [f"## {title}\n\n{_told_by(import_module(f'drivesizer.loads.{name}'))}" for title, name in shared]
+    parts += [f"## {title}\n\n{_docstring(import_module(f'drivesizer.loads.{name}'))}" for title, name in shared]
     return "\n\n".join(parts)
 
 
@@ -38,7 +38,7 @@ def _load(name: str, kinds: list[str]) -> str:
     module = import_module(f"drivesizer.loads.{MODULES[kinds[0]]}")
     axis = {"linear": "along a line", "rotary": "about an axis"}[AXES[kinds[0]]]
     named = " or ".join(f"`kind: {kind}`" for kind in kinds)
-    parts = [f"## {title}", f"{named} · its motion is given {axis}", _told_by(module)]
+    parts = [f"## {title}", f"{named} · its motion is given {axis}", _docstring(module)]
     parts += ["### Fields of " + " and ".join(k.replace("_", " ") for k in kinds), fields_of(model)]
     if "cylinders" in model["properties"]:
         parts += ["`cylinders` has", fields_of(SCHEMA["$defs"]["Cylinders"])]
@@ -46,14 +46,14 @@ def _load(name: str, kinds: list[str]) -> str:
     return "\n\n".join([*parts, *(_starter(kind) for kind in kinds)])
 
 
-def _told_by(module: Any) -> str:
-    """A module's own words, with its references as links on the page."""
+def _docstring(module: Any) -> str:
+    """The docstring of a module, with its references as links on the page."""
     text = as_markdown(inspect.getdoc(module) or "").replace("`stage_losses`", "[stage](#a-stage)")
     return text.replace("`torque_curved`", "[pieces](#torques-that-are-no-straight-lines)")
 
 
 def _starter(kind: str) -> str:
-    """What ``drivesizer init --kind`` writes."""
+    """The spec that ``drivesizer init --kind`` writes."""
     text = (resources.files("drivesizer.spec") / "starters" / f"{kind}.yaml").read_text(encoding="utf-8")
     assert yaml.safe_load(text)["load"]["kind"] == kind
     body = "\n".join(f"    {line}" if line else "" for line in text.rstrip().splitlines())

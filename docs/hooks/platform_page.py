@@ -1,4 +1,4 @@
-"""The platform's equations as a page, out of their declarations; what is found of the printed forms is computed."""
+"""The platform's equations as a page, from their declarations; findings on printed forms are computed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def _equation(e: MatrixEquation) -> str:
 
 
 def _forms(e: MatrixEquation) -> list[str]:
-    """As printed with what was found, and as computed where that is another form."""
+    """The printed form with its findings, and the computed form where it differs."""
     found, computed = printed_forms.finding(e), matrix_equation.computed(e)
     units = (
         f'<span class="fails">Fails the unit check:</span> {escaped(found.units)}.' if found.units else "Units agree"
@@ -35,14 +35,14 @@ def _forms(e: MatrixEquation) -> list[str]:
     as_printed = displayed(matrices.equation(left, e.printed))
     if (left, e.printed) == (e.symbol, computed):
         return [f"As printed and as computed. {units}.", as_printed]
-    told = f"{units}. {values}" if values else f"{units}, and so do the values of a sample robot."
-    return [f"As printed. {told}", as_printed, "As computed:", displayed(matrices.equation(e.symbol, computed))]
+    checked = f"{units}. {values}" if values else f"{units}, and so do the values of a sample robot."
+    return [f"As printed. {checked}", as_printed, "As computed:", displayed(matrices.equation(e.symbol, computed))]
 
 
 def _terms(e: MatrixEquation) -> str:
     rows = [(_given(e), e.result.meaning, unit(e.result))]
     rows += [(mathml(matrices.term(t.name)), t.meaning, unit(t)) for t in e.terms]
-    table = "\n".join(f"| {s} | {escaped(meaning)} | {told} |" for s, meaning, told in rows)
+    table = "\n".join(f"| {s} | {escaped(meaning)} | {of} |" for s, meaning, of in rows)
     return f"| | | unit |\n|---|---|---|\n{table}"
 
 
@@ -53,5 +53,5 @@ def _given(e: MatrixEquation) -> str:
 
 
 def unit(term: Term) -> str:
-    """The unit of a number, of each entry of a vector, or of what a matrix takes and gives."""
+    """The unit of a number, of each entry of a vector, or of a matrix (output per input)."""
     return term.unit.replace("*", "·").replace("^2", "²")

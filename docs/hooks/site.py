@@ -1,4 +1,4 @@
-"""What mkdocs asks for beside the written pages: generated parts, the project's own files, mathematics, its font."""
+"""Hooks of mkdocs beside the written pages: generated parts, the project's own files, mathematics, its font."""
 
 from __future__ import annotations
 

@@ -57,11 +57,11 @@ _LOADS = ("Cylinder", "Cylinders")  # further models of loads, which have a page
 
 def sections() -> str:
     """All sections of a spec but the loads, a heading each."""
-    told = {name for names in _SECTIONS.values() for name in names} | set(_LOADS)
+    shown = {name for names in _SECTIONS.values() for name in names} | set(_LOADS)
     loads = {reference(option) for option in SCHEMA["properties"]["load"]["oneOf"]}
-    lost = set(_DEFS) - told - loads
+    lost = set(_DEFS) - shown - loads
     if lost:
-        raise ValueError(f"no section of the page tells of {', '.join(sorted(lost))}")
+        raise ValueError(f"no section of the page shows {', '.join(sorted(lost))}")
     parts = [f"## The whole\n\n{fields_of(SCHEMA)}"]
     for heading, models in _SECTIONS.items():
         parts.append(f"## {heading}")
@@ -77,7 +77,7 @@ def _model(name: str, title: str) -> str:
 
 
 def _chosen_by(model: dict[str, Any]) -> str:
-    """What a user writes to get a model, such as ``profile: triangle``."""
+    """The entry of a spec that selects a model, such as ``profile: triangle``."""
     for key in ("profile", "kind"):
         if key in model["properties"] and "const" in model["properties"][key]:
             return f"`{key}: {model['properties'][key]['const']}`"
@@ -111,12 +111,12 @@ def _said(field: dict[str, Any]) -> str:
 
 
 def _kind_alone(text: str) -> bool:
-    """Whether a description says the kind of quantity only, which stands in its own column."""
+    """Whether a description says the kind of quantity only, which has its own column."""
     return text.endswith(" with unit") or text == "a plain number or percent"
 
 
 def _takes(field: dict[str, Any]) -> str:
-    """What a field takes, in words."""
+    """The values that a field takes, in words."""
     if "$ref" in field:
         return "a section"
     if "const" in field:
