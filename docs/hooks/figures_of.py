@@ -21,8 +21,10 @@ def followed(_: Path) -> bytes:
     """The simulated path beside the paper's with soft speed loops, and errors along the path."""
     from following_page import ran
 
-    from drivesizer.control.path_following.runs import Case
+    from drivesizer.control.path_following.runs import FollowingRun
     from drivesizer.output.report.figures.path import path_and_errors
 
     shown = {"kinematic": ("kinematic", True), "dynamic": ("dynamic", True), "dynamic, misjudged": ("dynamic", False)}
-    return path_and_errors({name: ran(Case(model, False, False, exact)) for name, (model, exact) in shown.items()})
+    return path_and_errors(
+        {name: ran(FollowingRun(model, False, False, exact)) for name, (model, exact) in shown.items()}
+    )

@@ -1,4 +1,4 @@
-"""Following as a table: what each misjudged figure of examples/sps_following.yaml alone comes to."""
+"""Path following as a table: effect of each misjudged figure of examples/sps_following.yaml alone."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from drivesizer import load_spec
 from drivesizer.control.path_following.deviation import extremes
 from drivesizer.control.path_following.following import Followed
-from drivesizer.control.path_following.runs import Case, follow_case
+from drivesizer.control.path_following.runs import FollowingRun, follow_case
 from drivesizer.load_cases.platform_drive import Driving, driving, on_the_way
 from drivesizer.platform.misjudged import EXACT, Misjudged
 from drivesizer.platform.wheels import Payload
@@ -37,13 +37,13 @@ def _example() -> Driving:
     return driving(on_the_way(load_spec(ROOT / "examples" / "sps_following.yaml"), None))
 
 
-def ran(case: Case) -> Followed:
-    """The path of the example, driven in one way."""
-    return follow_case(_example(), None, case)
+def ran(run: FollowingRun) -> Followed:
+    """The path of the example, followed in one run."""
+    return follow_case(_example(), None, run)
 
 
 def sensitivities() -> str:
-    """What each misjudged figure alone comes to, driven by the dynamic model without poses."""
+    """Effect of each misjudged figure alone, with the dynamic model and without pose feedback."""
     rows = [_HEADS, ("---",) * len(_HEADS), *(_row(name, off) for name, off in _ONE)]
     return "\n".join(f"| {' | '.join(_VALUE.sub(_TOGETHER, cell) for cell in row)} |" for row in rows)
 
@@ -51,7 +51,7 @@ def sensitivities() -> str:
 def _row(name: str, off: Misjudged) -> tuple[str, ...]:
     cells = [name]
     for integral in (True, False):
-        found = follow_case(_example(), None, Case("dynamic", integral, False, False), off)
+        found = follow_case(_example(), None, FollowingRun("dynamic", integral, False, False), off)
         by = {e.title: abs(e.value) for e in extremes(found)}
         cells += [show(by["position"], "m", "length", 3), show(by["heading"], "deg", "angle", 3)]
     return tuple(cells)

@@ -32,7 +32,7 @@ def test_the_page_of_the_paper_names_what_fails_of_the_platform():
 
 
 def test_every_budget_check_is_on_its_page():
-    told = {row[0] for name in ("battery", "budgets") for row in rows(page(name), "## What is compared")}
+    told = {row[0] for name in ("battery", "budgets") for row in rows(page(name), "## Checks")}
     assert told == {declared.title for declared in CHECKS["budget"].values()}
 
 
@@ -54,18 +54,21 @@ FURTHER = {  # of other pages
     ),
     ("platform", "a platform that coasts: 1e-9"): ("platform_dynamics", "pytest.approx(kept[0], rel=1e-9)"),
     ("platform", "while it slips: 1e-5"): ("platform_slip", "found.imbalance < 1e-5"),
-    ("platform", "arc by radii apart: 0.3 % and better"): (
+    ("platform", "arc by unequal radii: 0.3 % and better"): (
         "platform_following",
         "-0.03 / 1.03 * 2.0, rel=3e-3)",
     ),
-    ("platform", "times of planned ways: 1e-8"): (
+    ("platform", "times of planned paths: 1e-8"): (
         "platform_planner",
         "by_hand_s_curve(way, 1.2, 0.8, jerk), rel=1e-8)",
     ),
     ("battery", "-15 to +4 %, half of them within 3 %"): ("battery_pack", "assert mean.min() > -0.15"),
     ("battery", "of one battery 24 %"): ("battery_pack", '("SW12140E", -0.24, -0.16)'),
     ("battery", "0.1 µV"): ("battery", "right, abs=1e-7"),
-    ("battery", "3 h 15 min: 74 W"): ("battery_budget", "printed = 24 * 3.55 * (3 / 3.25) ** (1 / slope) * 7.0 / 7.58"),
+    ("battery", "74 W for 3 h 15 min"): (
+        "battery_budget",
+        "printed = 24 * 3.55 * (3 / 3.25) ** (1 / slope) * 7.0 / 7.58",
+    ),
 }
 
 

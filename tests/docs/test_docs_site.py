@@ -184,7 +184,7 @@ ROUTE = re.compile(
 def test_what_is_read_out_of_the_runs_is_in_the_tables():
     """Every figure of the reading is one of the table's, and what is said of them holds."""
     text = page("platform")
-    reading = text.split("How we read it:", 1)[1].split("![Path", 1)[0]
+    reading = text.split("Our reading:", 1)[1].split("![Path", 1)[0]
     figures = {m[0] for m in re.finditer(r"[\d.]+ m\b", reading)}
     at = {row[:4]: float(row[4]) for row in ROUTE.findall(text)}
     assert len(at) == 10 and len(figures) == 8 and figures <= {f"{value:g} m" for value in at.values()}
