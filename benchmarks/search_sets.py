@@ -20,8 +20,8 @@ import numpy as np
 
 from drivesizer.catalog import load
 from drivesizer.load_cases import load_cycle
+from drivesizer.machine.problem import problem
 from drivesizer.search.columns.candidates import Rows, pairs
-from drivesizer.search.columns.stages import problem
 from drivesizer.search.search import search
 from drivesizer.spec.robot import RobotSpec, load_spec
 
@@ -60,9 +60,9 @@ def rate(spec: RobotSpec, runs: int) -> tuple[float, int]:
     """Sets per second, best of some runs, and how many sets stand."""
     catalog, best = load(["maxon"]), np.inf
     for _ in range(runs):
-        asked = problem(spec, catalog)  # reads the recording and makes the load cycle, once
+        given = problem(spec, catalog)  # reads the recording and makes the load cycle, once
         start = time.perf_counter()
-        found = search(spec, catalog, top=5, objective="mass", given=asked)
+        found = search(given, top=5, objective="mass")
         best = min(best, time.perf_counter() - start)
     return found.counts.considered / best, found.counts.feasible
 
@@ -70,7 +70,7 @@ def rate(spec: RobotSpec, runs: int) -> tuple[float, int]:
 def loop_rate(spec: RobotSpec, sets: int) -> float:
     """Sets per second of the loop, over the samples of a cycle: what each set is asked for, against its limits."""
     catalog, cycle = load(["maxon"]), load_cycle(spec)
-    every = pairs(spec, catalog)
+    every = pairs(problem(spec, catalog))
     some = every.on(np.random.default_rng(2).integers(0, len(every.motor), sets))
     motor, gearhead = Rows(catalog.motors, some.motor), Rows(catalog.gearheads, some.gearhead)
     names = {
@@ -100,8 +100,8 @@ def memory(spec: Path) -> float:
     """Peak memory of a process that searches [MB]."""
     code = (
         "import sys; from drivesizer.catalog import load; from drivesizer.search.search import search;"
-        "from drivesizer.spec.robot import load_spec;"
-        "search(load_spec(sys.argv[1]), load(['maxon']), top=5, objective='mass')"
+        "from drivesizer.spec.robot import load_spec; from drivesizer.machine.problem import problem;"
+        "search(problem(load_spec(sys.argv[1]), load(['maxon'])), top=5, objective='mass')"
     )
     subprocess.run([sys.executable, "-c", code, str(spec)], check=True)
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024

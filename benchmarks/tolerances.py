@@ -51,6 +51,7 @@ def plainly(folder: Path) -> Path:
 
 def sampled(path: Path) -> None:
     """Sample in a process of its own, and print processor time and wall clock."""
+    from drivesizer.machine.problem import problem
     from drivesizer.search.search import search
     from drivesizer.search.uncertainty.options import Sampling
     from drivesizer.search.uncertainty.run import judged, subject
@@ -59,9 +60,10 @@ def sampled(path: Path) -> None:
 
     spec = load_spec(path)
     catalog = load_parts(spec)
-    found = search(spec, catalog, top=SETS, objective="mass", misses=0).evaluation
+    given = problem(spec, catalog)
+    found = search(given, top=SETS, objective="mass", misses=0).evaluation
     processor, wall = time.process_time(), time.perf_counter()
-    result = judged(spec, catalog, {row: subject(found, row) for row in range(SETS)}, Sampling(SAMPLES, 1, None))
+    result = judged(given, {row: subject(found, row) for row in range(SETS)}, Sampling(SAMPLES, 1, None))
     assert len(result.found) == SETS and result.drawn.size == SAMPLES
     print(time.process_time() - processor, time.perf_counter() - wall)
 
@@ -70,6 +72,7 @@ def one_by_one(path: Path, samples: int) -> float:
     """Processor time of the plain evaluation, one sample at a time [s each]."""
     import numpy as np
 
+    from drivesizer.machine.problem import problem
     from drivesizer.search.columns.evaluation import evaluate
     from drivesizer.search.search import search
     from drivesizer.sizing import load_parts
@@ -77,11 +80,11 @@ def one_by_one(path: Path, samples: int) -> float:
 
     spec = load_spec(path)
     catalog = load_parts(spec)
-    found = search(spec, catalog, top=1, objective="mass", misses=0).evaluation
+    found = search(problem(spec, catalog), top=1, objective="mass", misses=0).evaluation
     one = found.candidates.on(np.arange(1))
     start = time.process_time()
     for _ in range(samples):
-        evaluate(spec, catalog, one)
+        evaluate(problem(spec, catalog), one)
     return (time.process_time() - start) / samples
 
 

@@ -8,7 +8,6 @@ checks and figures. This module makes the record, with assumptions and warnings.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -21,7 +20,7 @@ from drivesizer.control.validation import Gains, Validation
 from drivesizer.control.voltage_loop_design import COMPUTING
 from drivesizer.errors import InputError
 from drivesizer.load_cases.at_shaft import asked_of
-from drivesizer.load_cases.platform_wheels import on_wheels
+from drivesizer.load_cases.platform_wheels import load_cases
 from drivesizer.load_cases.profile import SPEED
 from drivesizer.load_cases.profile import profile as named
 from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
@@ -59,9 +58,9 @@ def hardest_case(spec: RobotSpec, drive_set: DriveSet) -> str:
     Returns
     -------
     str
-        The name of the case as in ``spec.load_cases``; the first where no check decides.
+        The name of the case; the first where no check decides.
     """
-    names = [name for name, _ in on_wheels(spec).load_cases]
+    names = [name for _, name, _ in load_cases(spec)]
     met = [c for c in drive_set.every_check if c.name in _MET_BY_THE_LOOP and c.case in names]
     order = {"fail": 0, "unknown": 1, "pass": 1}
     known = [c for c in met if not math.isnan(c.margin)]
@@ -88,8 +87,7 @@ def validate(
     profile
         A name such as ``trapezoid``, a CSV file, or a profile; the spec's own motion when not given.
     load_case
-        Name of the load case to simulate, as in ``spec.load_cases``, such as that of :func:`hardest_case`; the spec
-        as it is when not given.
+        Name of the load case to simulate, such as that of :func:`hardest_case`; the first when not given.
 
     Returns
     -------
@@ -102,9 +100,9 @@ def validate(
         When the profile is wrong or too long, the catalogue lacks a figure that the simulation needs, or ``control``
         requires the impossible.
     """
-    whole = on_wheels(spec)
-    driven = whole.load_cases[0][0] if load_case is None else load_case
-    spec = dict(whole.load_cases)[driven]
+    cases = {name: case for _, name, case in load_cases(spec)}
+    driven = next(iter(cases)) if load_case is None else load_case
+    spec = cases[driven]
     if profile is not None and isinstance(spec.load, Recorded):
         what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else "a recorded load"
         raise InputError(f"--profile: {what} brings its own motion, on which its torque depends; leave the option out")
@@ -112,7 +110,7 @@ def validate(
     case = run(spec, drive_set, motion)
     found = checks(case)
     own, lacking = _own_units(case)
-    name = driven if len(whole.load_cases) > 1 else ""
+    name = driven if len(cases) > 1 else ""
     farther = () if profile is not None else starts_farther_on(name, spec)  # the spec's own motion repeats
     return Validation(
         spec=spec,
@@ -125,7 +123,7 @@ def validate(
         gains=case.controller,
         series=series(case),
         series_units=series_units(case),
-        assumptions=(*case.assumptions, *_assumptions(case), *_one_of(whole.load_cases, driven)),
+        assumptions=(*case.assumptions, *_assumptions(case), *_one_of(len(cases) - 1, driven)),
         warnings=(*_warnings(case, found), *lacking, *farther),
         controller_gains=own,
         loops=case.loops.all,
@@ -229,9 +227,8 @@ def _in_windows(case: ClosedLoop) -> list[str]:
     ]
 
 
-def _one_of(cases: Sequence[tuple[str, RobotSpec]], name: str) -> list[str]:
+def _one_of(others: int, name: str) -> list[str]:
     """The load case that is simulated, where there are several."""
-    others = len(cases) - 1
     if not others:
         return []
     left = "1 further case is" if others == 1 else f"{others} further cases are"

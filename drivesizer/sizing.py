@@ -12,21 +12,21 @@ import numpy as np
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
 from drivesizer.catalog.search_view import search_view
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.load_cases.platform_wheels import on_wheels
 from drivesizer.load_cases.requirements import requirements
-from drivesizer.load_cases.warnings import grip_warning, not_returning
+from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
+from drivesizer.machine import pulleys
 from drivesizer.machine.budgets import check_battery, of_the_platform, with_budget
 from drivesizer.physics.thermal import of_unstated_temperature
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.problem import Problem
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Explanation, SizingResult, verdict
-from drivesizer.search import pulleys
 from drivesizer.search.both_methods import with_both_methods
 from drivesizer.search.columns import paper_method
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.machine_filter import best_in_machine, on_the_front, ranked, shortfall
-from drivesizer.search.own_mass import at_its_own_mass
+from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.relaxations import changes_for, relaxations
 from drivesizer.search.search import Found, Progress
@@ -88,23 +88,22 @@ def size(
     catalog = search_view(catalog) if catalog else load_parts(spec)
     objective = objective or spec.select.objective
     picked = shortlist(spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling)
-    spec, found, short = picked.spec, picked.found, picked.short
+    problem, found, short = picked.problem, picked.found, picked.short
     fell = [*short.values(), *(drive_set(found.evaluation, row, 0, objective) for row in picked.fallen)]
-    sets = with_both_methods(spec, catalog, ranked(picked.best.values()))
-    unsure = with_both_methods(spec, catalog, ranked(picked.unsure.values(), len(sets)))
+    sets = with_both_methods(problem, ranked(picked.best.values()))
+    unsure = with_both_methods(problem, ranked(picked.unsure.values(), len(sets)))
     return SizingResult(
-        spec=spec,
-        catalog=catalog,
+        problem=problem,
         method=spec.method,
         objective=title_of(objective),
-        requirements=_requirements(found, spec, next(iter((*picked.best, *picked.unsure, *short)), 0)),
+        requirements=_requirements(found, next(iter((*picked.best, *picked.unsure, *short)), 0)),
         sets=sets,
         misses=ranked(fell[: None if sets else top], len(sets) + len(unsure)),
-        relaxations=() if found.standing or found.short else relaxations(spec, catalog),
+        relaxations=() if found.standing or found.short else relaxations(problem),
         counts=found.counts,
-        assumptions=(*_assumptions(spec), *pulleys.assumptions(spec), *_of_data(spec, (*sets, *unsure))),
-        warnings=(*picked.weighed, *_warnings(spec, sets), *shortfall(short, found.better), *catalog.replaced),
-        unrestricted=_unrestricted(spec, catalog, objective),
+        assumptions=(*_assumptions(problem.spec), *pulleys.assumptions(problem), *_of_data(spec, (*sets, *unsure))),
+        warnings=(*picked.weighed, *_warnings(problem, sets), *shortfall(short, found.better), *catalog.replaced),
+        unrestricted=_unrestricted(problem, objective),
         front=on_the_front(found, picked.weigh),
         pareto=pareto,
         unsure=unsure,
@@ -112,16 +111,17 @@ def size(
     )
 
 
-def _requirements(found: Found, spec: RobotSpec, row: int) -> tuple[Requirement, ...]:
+def _requirements(found: Found, row: int) -> tuple[Requirement, ...]:
     """What the load asks for, by the method: the load cycle's figures, or (1)-(16).
 
     The latter are with the rotor inertia of the candidate that is shown; without candidates, with none.
     """
-    if found.evaluation.asked:
-        return tuple(requirements([base.cycle for base in found.evaluation.asked.bases]))
+    problem = found.evaluation.problem
+    if problem.spec.method == "physics":
+        return tuple(requirements([case.cycle for case in problem.cases]))
     if len(found.evaluation.candidates.motor):
         return tuple(r.at(row) for r in found.evaluation.wheel.values())
-    return tuple(paper_method.vehicle(spec, 0.0).steps.values())
+    return tuple(paper_method.vehicle(problem.spec, 0.0).steps.values())
 
 
 def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
@@ -164,14 +164,15 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _warnings(spec: RobotSpec, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
+def _warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """What the method does not look at and the reader should know."""
-    said = list(dict.fromkeys(line for _, case in spec.load_cases for line in grip_warning(case)))
+    spec = problem.spec
+    said = list(dict.fromkeys(line for case in problem.cases for line in grip_warning(case.spec)))
     if spec.method == "paper":
         said.append(
             "the paper's rule does not look at heat, permissible motor speed or supply sag; the physics beside it does"
         )
-    said += not_returning(spec)
+    said += _not_returning(problem)
     if not sets:
         return tuple(said)
     best = sets[0]
@@ -188,18 +189,23 @@ def _warnings(spec: RobotSpec, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _unrestricted(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> DriveSet | None:
+def _not_returning(problem: Problem) -> list[str]:
+    """Load cases that do not return to where they started."""
+    return [line for case in problem.cases for line in starts_farther_on(case.name, case.spec)]
+
+
+def _unrestricted(problem: Problem, objective: Ranking) -> DriveSet | None:
     """The best set of the whole catalogue, where the spec names families or parts."""
-    if not spec.select.is_restricted:
+    select = problem.spec.select
+    if not select.is_restricted:
         return None
     free = {
         "motor": Choice(),
         "gearhead": Choice(),
-        "encoder": EncoderChoice(min_counts=spec.select.encoder.min_counts),
-        "controller": ControllerChoice(bus=spec.select.controller.bus),
+        "encoder": EncoderChoice(min_counts=select.encoder.min_counts),
+        "controller": ControllerChoice(bus=select.controller.bus),
     }
-    whole = spec.model_copy(update={"select": spec.select.model_copy(update=free)})
-    return best_in_machine(whole, catalog, objective)
+    return best_in_machine(problem.with_sections(select=select.model_copy(update=free)), objective)
 
 
 def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog | None = None) -> list[DriveSet]:
@@ -242,30 +248,31 @@ def explained(
         When a part number is in no catalogue, the gearhead is missing or inside something else, or no pulleys fit.
     """
     catalog = search_view(catalog) if catalog else load_parts(spec)
-    spec, _ = at_its_own_mass(spec, catalog, spec.select.objective)
-    spec = pulleys.with_pulleys(on_wheels(spec), catalog)
     check_battery(spec, catalog)
+    objective = spec.select.objective
+    problem, _ = problem_with_drive_mass(spec, catalog, objective)
     rows = _pair(catalog, motor, gearhead)
     family = str(catalog.gearheads["family"][rows[1]])
     select = spec.select.model_copy(update={"motor": Choice(part=[motor]), "gearhead": Choice(family=[family])})
-    narrowed = spec.behind(gearhead).model_copy(update={"select": select})
-    given: Candidates = candidates(narrowed, catalog, also=rows)
-    evaluation = evaluate(narrowed, catalog, given)
+    narrowed = problem.with_sections(select=select, transmission=spec.behind(gearhead).transmission)
+    given: Candidates = candidates(narrowed, also=rows)
+    evaluation = evaluate(narrowed, given)
     found = np.flatnonzero((given.motor == rows[0]) & (given.gearhead == rows[1]))
-    machine = of_the_platform(spec.whole)
-    alone = [drive_set(evaluation, int(i), n, spec.select.objective) for n, i in enumerate(found, 1)]
-    both = with_both_methods(spec, catalog, [with_budget(spec, catalog, one, machine) for one in alone])
-    sets = [replace(s, changes=changes_for(spec, catalog, s)) if verdict(s.checks) == "fail" else s for s in both]
+    machine = of_the_platform(problem.machine)
+    alone = [drive_set(evaluation, int(i), n, objective) for n, i in enumerate(found, 1)]
+    both = with_both_methods(problem, [with_budget(problem, one, machine) for one in alone])
+    sets = [replace(s, changes=changes_for(problem, s)) if verdict(s.checks) == "fail" else s for s in both]
     sampling = sampling or asked(spec)
-    told = _sampled(spec, catalog, sets, sampling) if sampling else Explanation(sets, None)
-    return told._replace(warnings=not_returning(spec))
+    told = _sampled(problem, sets, sampling) if sampling else Explanation(sets, None)
+    return told._replace(warnings=tuple(_not_returning(problem)))
 
 
-def _sampled(spec: RobotSpec, catalog: Catalog, sets: list[DriveSet], how: Sampling) -> Explanation:
+def _sampled(problem: Problem, sets: list[DriveSet], how: Sampling) -> Explanation:
     """Sets with how sure each is, one that falls at nominal figures too."""
     from drivesizer.search.uncertainty.run import judged, subject_of, told, uncertainty
 
-    sure = judged(spec, catalog, {n: subject_of(catalog, one) for n, one in enumerate(sets)}, how)
+    catalog = problem.catalog
+    sure = judged(problem, {n: subject_of(catalog, one) for n, one in enumerate(sets)}, how)
     standing = [n for n, one in enumerate(sets) if one.status != "fail"]
     return Explanation([*told(sure, catalog, dict(enumerate(sets)), standing).values()], uncertainty(sure))
 

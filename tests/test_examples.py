@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.output.export import FORMATS, export_of, files
 from drivesizer.sizing import size
@@ -34,9 +33,9 @@ def test_every_starter_finds_a_drive(name, tmp_path, catalog):
     record = export_of(spec, result.sets[0])
     for form, about in FORMATS.items():
         assert all(files(record, form, tmp_path / f"set{about.suffixes[0]}").values()), form
-    assert record.cycle.time[-1] == pytest.approx(load_cycle(result.spec).total)
+    assert record.cycle.time[-1] == pytest.approx(result.problem.cases[0].cycle.total)
     whose = [said for said in record.said if "the other wheels have their own" in said]
-    assert bool(whose) == isinstance(result.spec.load, WheelLoad)
+    assert bool(whose) == isinstance(result.problem.spec.load, WheelLoad)
 
 
 @pytest.mark.parametrize("name", sorted(p.name for p in (ROOT / "examples").glob("*.yaml") if p.name != "study.yaml"))

@@ -79,9 +79,9 @@ def validate(
 
 def _known(robot: Any, name: str | None) -> None:
     """Refuse a name that none of the spec's load cases has."""
-    from drivesizer.load_cases.platform_wheels import on_wheels
+    from drivesizer.load_cases.platform_wheels import load_cases
 
-    found = [case for case, _ in on_wheels(robot).load_cases]
+    found = [case for _, case, _ in load_cases(robot)]
     if name is not None and name not in found:
         raise InputError(f"--case: {quoted(name)} is not known; expected {', '.join(filter(None, found)) or 'none'}")
 

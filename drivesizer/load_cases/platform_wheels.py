@@ -28,23 +28,31 @@ from drivesizer.platform.wheel_cycles import wheel_cycles
 from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 
-__all__ = ["cycles_of", "dynamics_of", "ground_of", "held_by_the_floor", "limits_of", "on_wheels", "trajectory_of"]
+__all__ = ["cycles_of", "dynamics_of", "ground_of", "held_by_the_floor", "limits_of", "load_cases", "trajectory_of"]
 
 _SAME = 1e-9  # of the largest figure
 
 
-def on_wheels(spec: RobotSpec) -> RobotSpec:
-    """The spec with a load case for each driven wheel where its motion is a trajectory; as it is otherwise.
+def load_cases(spec: RobotSpec) -> tuple[tuple[int, str, RobotSpec], ...]:
+    """The load cases of a machine as they are sized: one for each driven wheel where its motion is a trajectory.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+
+    Returns
+    -------
+    tuple
+        The number of the machine's load case from 0, the name, and the spec with the load of the case.
 
     Raises
     ------
     InputError
         When a trajectory's file is wrong, limits are missing, or the wheels do not allow the motion.
     """
-    if not any(isinstance(case.motion, Track | Waypoints) for _, case in spec.load_cases):
-        return spec
-    (name, first), *others = [found for name, case in spec.load_cases for found in _wheels(name, case)]
-    return first.with_cases(name, others, of=spec)
+    every = enumerate(spec.load_cases)
+    return tuple((number, *found) for number, (name, case) in every for found in _wheels(name, case))
 
 
 def trajectory_of(spec: RobotSpec) -> Trajectory | None:
@@ -146,7 +154,7 @@ def _wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
         cycle = _with_the_worst_limits([cycles[i] for i in alike])
         own = float(rolling[driven[alike[0]]])
         load = wheel_load(cycle, case.load.driven_wheels, alike, way.length, name, own)
-        one = case.model_copy(update={"load": load, "motion": None})
+        one = case.alone(load=load, motion=None)
         yield (said if name in ("", AS_SPECIFIED) else f"{name}, {said}"), one
 
 

@@ -15,26 +15,26 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["grip_warning", "not_returning", "starts_farther_on"]
+__all__ = ["grip_warning", "starts_farther_on"]
 
 _ROUNDING = 1e-6  # of the way: a recording is no more exact
 _TURN = 2.0 * math.pi
 _STANDS = 3  # wheels at least
 
 
-def not_returning(spec: RobotSpec) -> tuple[str, ...]:
-    """A warning for each load case that does not come back to where it started.
+def starts_farther_on(name: str, spec: RobotSpec) -> tuple[str, ...]:
+    """A warning where the cycle of a load case ends elsewhere than it starts; empty where it may, or does not.
 
     Parameters
     ----------
-    spec
-        The machine with its load cases.
+    name, spec
+        The load case; without a name where there is only one.
+
+    Returns
+    -------
+    tuple
+        One sentence at most.
     """
-    return tuple(line for name, case in spec.load_cases for line in starts_farther_on(name, case))
-
-
-def starts_farther_on(name: str, spec: RobotSpec) -> tuple[str, ...]:
-    """The same of one load case, with its name; empty where it comes back, or need not."""
     off = _off(spec)
     return (_told(name, off, spec),) if off else ()
 

@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from math import isnan
-from typing import Any
 
 import numpy as np
 
@@ -18,18 +17,20 @@ from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of
-from drivesizer.load_cases.wheel import machine_cases
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_pack import pack_of
 from drivesizer.machine.energy_budget import energy_budget
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.machine.platform_budget import MechanicalBudget, mass_part, platform_part
 from drivesizer.machine.platform_checks import Standing, machine_mass
+from drivesizer.machine.supply_power import drive_power, together
 from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
+from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import verdict
 from drivesizer.spec.battery import Battery
+from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["check_battery", "drive_mass", "mass_without_drive", "of_the_platform", "with_budget"]
@@ -77,32 +78,29 @@ def _standing(case: RobotSpec, needed: float) -> Standing:
     return Standing(case.platform, case.load, dynamics_of(case), case.environment.gravity, needed, way, gains)
 
 
-def with_budget(
-    spec: RobotSpec,
-    catalog: Catalog,
-    one: DriveSet,
-    machine: MechanicalBudget | None = None,
-    bases: Sequence[Any] = (),
-) -> DriveSet:
-    """The same set with the checks of the machine that it is in; as it is where the spec has no such budget.
+def with_budget(problem: Problem, one: DriveSet, machine: MechanicalBudget | None = None) -> DriveSet:
+    """The same drive with the checks of the machine that it is in; as it is where the spec has no such budget.
 
     Parameters
     ----------
-    spec, catalog
-        What is asked for, and what there is.
+    problem
+        The machine with its load cycles, and the catalogues.
     one
-        The set as the search found it.
+        The drive as the search found it.
     machine
-        What is the same for every set, of ``of_the_platform``.
-    bases
-        The load cycle of each load case before a belt's ratio, of ``at_gearhead``, where they are at hand.
+        Room, footing and grip, which are the same for every drive, of ``of_the_platform``.
+
+    Returns
+    -------
+    DriveSet
+        Its status that of all checks.
     """
-    parts = [machine] if machine else []
+    spec, parts = problem.spec, [machine] if machine else []
     if spec.budget:
-        parts.insert(0, _mass(spec, catalog, one))
+        parts.insert(0, _mass(problem, spec.budget, one))
     checks, energy = [check for part in parts for check in part.checks], None
     if spec.battery:
-        found = _of_the_battery(spec, spec.battery, catalog, one, bases)
+        found = _of_the_battery(problem, spec.battery, one)
         checks += _worst([(name, budget.checks) for name, budget in found])
         energy = min((budget for _, budget in found), key=_lasting)
     if not checks:
@@ -117,14 +115,14 @@ def with_budget(
     )
 
 
-def _of_the_battery(
-    spec: RobotSpec, battery: Battery, catalog: Catalog, one: DriveSet, bases: Sequence[Any]
-) -> list[tuple[str, EnergyBudget]]:
-    """What the battery is asked for in each load case of the machine."""
-    cases, found = [case for _, case in spec.load_cases], []
-    for name, numbers in machine_cases((name, case.load) for name, case in spec.load_cases):
-        some, known = [cases[number] for number in numbers], [bases[number] for number in numbers if bases]
-        found.append((name, energy_budget(some[0], one, battery, spec.equipment, catalog, some, known)))
+def _of_the_battery(problem: Problem, battery: Battery, one: DriveSet) -> list[tuple[str, EnergyBudget]]:
+    """The battery's budget in each load case of the machine, by name."""
+    cases, equipment, found = problem.machine.load_cases, problem.spec.equipment, []
+    for numbers in problem.machine_cases:
+        some = [problem.cases[number] for number in numbers]
+        power = together([drive_power(case.spec, one, case.at_belt) for case in some])
+        budget = energy_budget(some[0].spec, one, battery, equipment, problem.catalog, power)
+        found.append((cases[some[0].number][0], budget))
     return found
 
 
@@ -144,11 +142,10 @@ def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
     return math.fsum(mass for mass in found if not isnan(mass))
 
 
-def _mass(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> MechanicalBudget:
-    assert spec.budget is not None
-    battery = pack_of(spec.battery, catalog).mass if spec.battery else None
-    found = machine_mass(spec.budget, one, spec.load.motors, platform=spec.platform, battery=battery)
-    load = spec.whole.load
+def _mass(problem: Problem, budget: Budget, one: DriveSet) -> MechanicalBudget:
+    spec, load = problem.spec, problem.machine.load
+    battery = pack_of(spec.battery, problem.catalog).mass if spec.battery else None
+    found = machine_mass(budget, one, spec.load.motors, platform=spec.platform, battery=battery)
     return mass_part(found, load.mass if isinstance(load, WheeledVehicle) else None)
 
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf, isnan, nan
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +26,7 @@ from drivesizer.machine.battery_checks import (
     required_autonomy,
 )
 from drivesizer.machine.battery_pack import Pack, capacity_needed, pack_of, run_time, strings_needed
-from drivesizer.machine.supply_power import DrivePower, drive_power, together
+from drivesizer.machine.supply_power import DrivePower
 from drivesizer.physics.battery import current_of_power, polarised_voltage, state_of_charge, terminal_voltage
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import Consumption, EnergyBudget
@@ -48,8 +47,7 @@ def energy_budget(
     battery: Battery,
     equipment: Sequence[Consumer],
     catalog: Catalog,
-    parts: Sequence[RobotSpec] = (),
-    bases: Sequence[Any] = (),
+    drive: DrivePower,
 ) -> EnergyBudget:
     """Consumers, autonomy and checks of a set in a machine, or in one of its load cases.
 
@@ -63,19 +61,19 @@ def energy_budget(
         What feeds it, and what else draws.
     catalog
         Where the battery's part is listed.
-    parts
-        The load cases of a platform's wheels, where each has its own; the spec is one of them.
-    bases
-        The load cycle of each before a belt's ratio, of ``at_gearhead``, where they are at hand.
+    drive
+        Power that all drives of the machine take together.
+
+    Returns
+    -------
+    EnergyBudget
+        Figures that are not known are NaN.
 
     Raises
     ------
     InputError
         When the battery's part is not listed, or a consumer's time has no mission.
     """
-    wheels = parts or (spec,)
-    known = bases or [None] * len(wheels)
-    drive = together([drive_power(one, drive_set, base) for one, base in zip(wheels, known, strict=True)])
     pack = pack_of(battery, catalog)
     consumers = (*_of_the_drive(spec, drive_set, drive), *_of_the_equipment(spec, equipment))
     power = _at_the_battery(spec, drive_set, drive, sum(c.mean for c in consumers[_DRIVE:]))

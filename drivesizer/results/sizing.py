@@ -12,6 +12,7 @@ from typing import NamedTuple
 from drivesizer.catalog import Catalog
 from drivesizer.results.check import Check, Figure, Status, verdict, worst
 from drivesizer.results.drive_set import DriveSet, Relaxation
+from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Uncertainty
 from drivesizer.results.requirement import Requirement
 from drivesizer.spec.robot import RobotSpec
@@ -34,8 +35,7 @@ class Counts:
 class SizingResult:
     """Everything that a sizing found."""
 
-    spec: RobotSpec
-    catalog: Catalog
+    problem: Problem
     method: str
     objective: str
     requirements: tuple[Requirement, ...]
@@ -50,6 +50,16 @@ class SizingResult:
     pareto: tuple[str, ...] = ()  # its objectives
     unsure: tuple[DriveSet, ...] = ()  # that stand, but not as surely as was asked for; the surest first
     uncertainty: Uncertainty | None = None  # what was uncertain, where tolerances were sampled
+
+    @property
+    def spec(self) -> RobotSpec:
+        """The machine, of the mass that it was sized for."""
+        return self.problem.machine
+
+    @property
+    def catalog(self) -> Catalog:
+        """The parts that there were to choose from."""
+        return self.problem.catalog
 
     @property
     def shown(self) -> DriveSet | None:

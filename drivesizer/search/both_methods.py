@@ -10,10 +10,10 @@ import numpy as np
 
 from drivesizer.catalog import Catalog, Table
 from drivesizer.results.drive_set import Comparison, DriveSet
+from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Check
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
-from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice
 
 __all__ = ["with_both_methods"]
@@ -33,19 +33,24 @@ _PAIRS = (
 )  # fmt: skip
 
 
-def with_both_methods(spec: RobotSpec, catalog: Catalog, sets: Sequence[DriveSet]) -> tuple[DriveSet, ...]:
-    """The same sets with the checks of the other method, and both compared.
+def with_both_methods(problem: Problem, sets: Sequence[DriveSet]) -> tuple[DriveSet, ...]:
+    """The same drives with the checks of the other method, and both compared.
 
     Parameters
     ----------
-    spec, catalog
-        What is asked for, and what there is.
+    problem
+        The machine with its load cycles, and the catalogues.
     sets
-        Sets as the search found them.
+        Drives as the search found them.
+
+    Returns
+    -------
+    tuple
+        The drives in their order; as they are where the paper does not treat the load.
     """
-    if not spec.paper_applies:
+    if not problem.spec.paper_applies:
         return tuple(sets)
-    return tuple(_with(one, _other(spec, catalog, one)) for one in sets)
+    return tuple(_with(one, _other(problem, one)) for one in sets)
 
 
 def _with(one: DriveSet, beside: tuple[Check, ...]) -> DriveSet:
@@ -56,7 +61,7 @@ def _with(one: DriveSet, beside: tuple[Check, ...]) -> DriveSet:
     return replace(one, beside=beside, comparison=compared)
 
 
-def _other(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> tuple[Check, ...]:
+def _other(problem: Problem, one: DriveSet) -> tuple[Check, ...]:
     """The other method's checks of a set.
 
     The gearhead's whole family comes along, as the paper's rule looks at the other reductions too.
@@ -65,13 +70,14 @@ def _other(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> tuple[Check, ...
         "motor": Choice(part=[one.motor.part]),
         "gearhead": Choice(family=[one.gearhead.family]),
     }
-    method = "physics" if spec.method == "paper" else "paper"
-    select = spec.select.model_copy(update=fixed)
-    narrowed = spec.model_copy(update={"select": select, "method": method})
-    catalog = _with_only(catalog, {"encoders": one.encoder, "controllers": one.controller})
+    method = "physics" if problem.spec.method == "paper" else "paper"
+    catalog = _with_only(problem.catalog, {"encoders": one.encoder, "controllers": one.controller})
+    narrowed = replace(problem, catalog=catalog).with_sections(
+        select=problem.spec.select.model_copy(update=fixed), method=method
+    )
     rows = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
-    given = candidates(narrowed, catalog, also=rows)
-    evaluation = evaluate(narrowed, catalog, given)
+    given = candidates(narrowed, also=rows)
+    evaluation = evaluate(narrowed, given)
     found = (given.motor == rows[0]) & (given.gearhead == rows[1]) & (given.belt == one.belt_ratio)
     return evaluation.checks_of(int(np.flatnonzero(found)[0]))
 

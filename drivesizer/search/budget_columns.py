@@ -7,6 +7,7 @@ is left to the set's own record (``budgets``), which has the last word: here not
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import nan
 
 import numpy as np
@@ -19,9 +20,9 @@ from drivesizer.machine.battery_pack import Pack, pack_of
 from drivesizer.machine.platform_checks import mass_columns, rest_of_machine
 from drivesizer.machine.supply_power import way_of
 from drivesizer.results.check_columns import CheckColumn
+from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.evaluation import Evaluation, by_physics
-from drivesizer.search.columns.stages import Problem
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, columns_of, feeding
 from drivesizer.spec.robot import RobotSpec
 
@@ -31,24 +32,20 @@ Array = NDArray[np.float64]
 _NEARLY = 1e-3  # of a limit: what misses it by less is judged by its record
 
 
-def surely_fallen(spec: RobotSpec, given: Problem, whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
+def surely_fallen(whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
     """Of some sets which surely fall by each budget of the machine, whatever their records say beside.
 
     Parameters
     ----------
-    spec
-        The machine.
-    given
-        The same with its load cycles.
     whole
         The sets, of which no check of the drive makes any fall.
     """
     sets, found = whole.candidates, dict[str, NDArray[np.bool_]]()
-    for check in (*_masses(spec, given.catalog, sets, whole), *_batteries(spec, given, sets, whole)):
+    for check in (*_masses(whole), *_batteries(whole)):
         with np.errstate(invalid="ignore"):
             missed = ~((1.0 + check.margin) >= (1.0 + check.needed) * (1.0 - _NEARLY))
         falls = check.failed & missed
-        if spec.select.unknown == "reject":
+        if whole.spec.select.unknown == "reject":
             falls = falls | ~(check.passed | check.failed)
         found[check.name] = found.get(check.name, False) | np.broadcast_to(falls, len(sets.motor))
     return found
@@ -57,17 +54,18 @@ def surely_fallen(spec: RobotSpec, given: Problem, whole: Evaluation) -> dict[st
 # --- mass -------------------------------------------------------------------------------------------------------------
 
 
-def _masses(spec: RobotSpec, catalog: Catalog, sets: Candidates, whole: Evaluation) -> list[CheckColumn]:
+def _masses(whole: Evaluation) -> list[CheckColumn]:
     """What is known of the machine's mass with each set."""
+    spec, catalog, sets = whole.spec, whole.catalog, whole.candidates
     if spec.budget is None:
         return []
-    parts = [Rows(catalog.motors, sets.motor)["mass"], *_beside(catalog, sets, whole), _belts(spec, sets)]
+    parts = [Rows(catalog.motors, sets.motor)["mass"], *_beside(catalog, sets, whole), _belts(whole.problem, sets)]
     each = np.stack(np.broadcast_arrays(*parts))
     battery = pack_of(spec.battery, catalog).mass if spec.battery else None
     rest = rest_of_machine(spec.budget, (), platform=spec.platform, battery=battery)
     known = spec.load.motors * np.nansum(each, axis=0) + rest.known
     lacking = np.isnan(each).any(axis=0) | bool(rest.unknown)
-    load = spec.whole.load
+    load = whole.problem.machine.load
     return mass_columns(known, lacking, spec.budget.mass, load.mass if isinstance(load, WheeledVehicle) else None)
 
 
@@ -81,11 +79,11 @@ def _beside(catalog: Catalog, sets: Candidates, whole: Evaluation) -> Iterator[A
         yield np.where(inside & (part["inside"] != "") & (rows >= 0), 0.0, part["mass"])
 
 
-def _belts(spec: RobotSpec, sets: Candidates) -> Array:
+def _belts(problem: Problem, sets: Candidates) -> Array:
     """Mass of belt and pulleys of each ratio; unknown where they are not out of the catalogues."""
     mass = np.zeros(len(sets.motor))
     for ratio in np.unique(sets.belt).tolist():
-        drive = spec.belt.drive(ratio) if spec.belt else None
+        drive = problem.belt_drive(ratio)
         bought = [part.mass for part in drive.parts.values()] if drive else [nan if ratio != 1.0 else 0.0]
         mass[sets.belt == ratio] = np.sum(bought)
     return mass
@@ -94,21 +92,22 @@ def _belts(spec: RobotSpec, sets: Candidates) -> Array:
 # --- battery ----------------------------------------------------------------------------------------------------------
 
 
-def _batteries(spec: RobotSpec, given: Problem, sets: Candidates, whole: Evaluation) -> Iterator[CheckColumn]:
+def _batteries(whole: Evaluation) -> Iterator[CheckColumn]:
     """How long the battery lasts, and what its peaks ask for, in each load case of the machine."""
-    if spec.battery is None:
+    problem, battery = whole.problem, whole.spec.battery
+    if battery is None:
         return
-    efficiency = Rows(given.catalog.controllers, whole.controller)["max_efficiency"]
-    machines = given.machines
+    efficiency = Rows(problem.catalog.controllers, whole.controller)["max_efficiency"]
+    machines = problem.machine_cases
     for numbers in machines:
-        part = given if len(machines) == 1 else _only(given, numbers)
-        at_hand = part is given and bool(whole.figures)  # the paper's method has none
-        figures = (whole if at_hand else by_physics(part, sets, True)).figures
-        case, cycle = part.specs[0], part.bases[0].cycle
+        part = replace(problem, cases=tuple(problem.cases[n] for n in numbers))
+        at_hand = len(machines) == 1 and bool(whole.figures)  # the paper's method has none
+        figures = (whole if at_hand else by_physics(part, whole.candidates, True)).figures
+        case, cycle = part.spec, part.cases[0].cycle
         drawn = figures["energy"] + case.supply.regeneration * figures["returned"]
         draw = Draw(drawn, figures["returned"], figures["power"])
         idle = draw._replace(drawn=np.zeros_like(drawn), returned=np.zeros_like(drawn))
-        feeds: Feeding = feeding(case, spec.battery, given.catalog)
+        feeds: Feeding = feeding(case, battery, problem.catalog)
         speed = np.full_like(drawn, way_of(case, cycle) / cycle.total)
         yield from columns_of(case, feeds, cycle.total, speed, [draw, *([idle] * (len(numbers) - 1))], efficiency)
         yield from _charging(case, feeds.pack, draw.returned / cycle.total, efficiency)
@@ -120,9 +119,3 @@ def _charging(case: RobotSpec, pack: Pack, returned: Array, efficiency: Array) -
     back, rest = accepted(case) * returned * loss, pack.emf(pack.start)
     least = Load(mean=nan, peak=nan, rms=nan, back=back, way=nan, charge=pack.start)
     return charging(case, pack, least._replace(highest=raised_voltage(pack, back, rest)))
-
-
-def _only(given: Problem, numbers: list[int]) -> Problem:
-    """Some of the load cases."""
-    names, specs = tuple(given.names[n] for n in numbers), tuple(given.specs[n] for n in numbers)
-    return given._replace(names=names, specs=specs, bases=tuple(given.bases[n] for n in numbers))

@@ -19,10 +19,11 @@ from drivesizer.machine.supply_power import way_of
 from drivesizer.physics.motor_demand import SPEED, demands
 from drivesizer.physics.stress import heat
 from drivesizer.physics.thermal import resistance_25, resistance_at
+from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, Rows
-from drivesizer.search.columns.stages import Problem, encoders_of
+from drivesizer.search.columns.offers import Offers, offers
+from drivesizer.search.columns.stages import encoders_of
 from drivesizer.search.uncertainty.sampled_battery import LASTING, Draw, columns_of, feeding
-from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["least_power", "surely_empty"]
 
@@ -30,58 +31,58 @@ Array = NDArray[np.float64]
 _ROUNDING = 1e-9  # of a figure
 
 
-def surely_empty(spec: RobotSpec, given: Problem, sets: Candidates) -> dict[str, NDArray[np.bool_]]:
+def surely_empty(problem: Problem, sets: Candidates) -> dict[str, NDArray[np.bool_]]:
     """Of some sets which surely fail autonomy or range of the battery; nothing where none is asked for.
 
     Parameters
     ----------
-    spec
-        The machine.
-    given
-        The same with its load cycles.
+    problem
+        The machine with its load cycles.
     sets
         Of which no check of the drive makes any fall, by physics.
     """
     found = dict[str, NDArray[np.bool_]]()
-    if spec.battery is None:
+    battery = problem.spec.battery
+    if battery is None:
         return found
-    for numbers in given.machines:
-        case, cycle = given.specs[numbers[0]], given.bases[numbers[0]].cycle
-        least = np.sum([given.specs[n].load.alike * least_power(given, n, sets) for n in numbers], axis=0)
+    for numbers in problem.machine_cases:
+        case, cycle = problem.cases[numbers[0]].spec, problem.cases[numbers[0]].cycle
+        least = np.sum([problem.cases[n].spec.load.alike * least_power(problem, n, sets) for n in numbers], axis=0)
         energy = cycle.total * (least - _ROUNDING * np.abs(least))
         draw, alone = Draw(energy, np.zeros_like(energy), np.full_like(energy, np.nan)), np.ones_like(energy)
         speed = alone * way_of(case, cycle) / cycle.total
-        feeds = feeding(case, spec.battery, given.catalog)
+        feeds = feeding(case, battery, problem.catalog)
         for check in columns_of(case, feeds, cycle.total, speed, [draw], alone):
             if check.name in LASTING:
                 found[check.name] = found.get(check.name, False) | check.failed
     return found
 
 
-def least_power(given: Problem, number: int, sets: Candidates) -> Array:
+def least_power(problem: Problem, number: int, sets: Candidates) -> Array:
     """What a motor takes at least, mean over a load case [W]; NaN where the waveform does not tell its power.
 
     Parameters
     ----------
-    given
+    problem
         The machine with its load cycles.
     number
         Of the load case.
     sets
         With that motor.
     """
-    found = np.empty(len(sets.motor))
+    found, offered = np.empty(len(sets.motor)), offers(problem)
     for belt in np.unique(sets.belt).tolist():
         rows = np.flatnonzero(sets.belt == belt)
-        found[rows] = _behind(given, number, belt, sets.on(rows))
+        found[rows] = _behind(problem, offered, number, belt, sets.on(rows))
     return found
 
 
-def _behind(given: Problem, number: int, belt: float, sets: Candidates) -> Array:
+def _behind(problem: Problem, offered: Offers, number: int, belt: float, sets: Candidates) -> Array:
     """The same of sets behind one belt."""
-    ats, ambient = [base.behind(belt) for base in given.bases], given.specs[number].environment.ambient
-    motor, gearhead = Rows(given.catalog.motors, sets.motor), Rows(given.catalog.gearheads, sets.gearhead)
-    encoder = Rows(given.catalog.encoders, encoders_of(given, ats, sets.motor, gearhead["ratio"]))
+    ats = [case.at_belt.behind(belt) for case in problem.cases]
+    catalog, ambient = problem.catalog, problem.cases[number].spec.environment.ambient
+    motor, gearhead = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
+    encoder = Rows(catalog.encoders, encoders_of(problem, offered, ats, sets.motor, gearhead["ratio"]))
     asked = demands(ats[number], motor, gearhead, encoder)
     cold = np.asarray(resistance_at(resistance_25(motor), ambient))
     turning = asked.total_ratio * (asked.coefficients @ ats[number].moments[:, SPEED])

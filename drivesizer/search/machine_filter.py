@@ -5,25 +5,22 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog
 from drivesizer.machine.budgets import of_the_platform, with_budget
 from drivesizer.machine.platform_budget import MechanicalBudget
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Check, verdict
 from drivesizer.search.budget_columns import surely_fallen
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation
-from drivesizer.search.columns.stages import Problem, problem
 from drivesizer.search.least_drawn import surely_empty
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import Evaluated, Found, Judge, Kept, search
 from drivesizer.search.set_record import drive_set
-from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
     "Weigh",
@@ -43,13 +40,13 @@ _FEWEST, _MORE, _MOST = 64, 8, 1 << 16  # at first at least, times as many each 
 Weigh = Callable[[Evaluation, int], DriveSet]  # a row of an evaluation as a record, with the machine's budgets
 
 
-def weighing(spec: RobotSpec, machine: MechanicalBudget | None, objective: Ranking) -> Weigh:
+def weighing(problem: Problem, machine: MechanicalBudget | None, objective: Ranking) -> Weigh:
     """What makes records of sets in their machine, of each but once.
 
     Parameters
     ----------
-    spec
-        The machine.
+    problem
+        The machine with its load cycles.
     machine
         What is the same for every set, of ``budgets.of_the_platform``.
     objective
@@ -61,17 +58,15 @@ def weighing(spec: RobotSpec, machine: MechanicalBudget | None, objective: Ranki
         given = sets.candidates
         key = int(given.motor[row]), int(given.gearhead[row]), float(given.belt[row])
         if key not in made or not isinstance(objective, str):  # several objectives are shares of the best shown
-            bases = sets.asked.bases if sets.asked else ()
-            made[key] = with_budget(spec, sets.catalog, drive_set(sets, row, 0, objective), machine, bases)
+            made[key] = with_budget(problem, drive_set(sets, row, 0, objective), machine)
         return made[key]
 
     return weigh
 
 
 def in_machine(
-    spec: RobotSpec,
+    problem: Problem,
     machine: MechanicalBudget | None,
-    given: Callable[[], Problem],
     weigh: Weigh,
     aside: frozenset[str] = frozenset(),
 ) -> Judge | None:
@@ -79,26 +74,25 @@ def in_machine(
 
     Parameters
     ----------
-    spec, machine
+    problem, machine
         As for ``weighing``.
-    given
-        Makes the spec's load cycles, where they are needed.
     weigh
         Of ``weighing``.
     aside
         Names of budgets that are not looked at.
     """
+    spec = problem.spec
     if not (spec.battery or spec.budget or machine):
         return None
 
     def judge(sets: Candidates, evaluated: Evaluated, wanted: int) -> Kept:
         count = len(sets.motor)
-        if machine and _falls(spec, machine.checks):
+        if machine and _falls(problem, machine.checks):
             return Kept(np.arange(0), np.arange(count), count, Counter(dict.fromkeys(_failed(machine.checks), count)))
-        early = _looked_at(surely_empty(spec, given(), sets) if spec.method == "physics" else {}, aside)
+        early = _looked_at(surely_empty(problem, sets) if spec.method == "physics" else {}, aside)
         fallen, best, by = _any_of(early, count), list[int](), Counter[str]()
         for rows in _pieces(np.flatnonzero(~fallen), _FIRST * wanted):
-            found = _of_evaluated(spec, given, weigh, aside, evaluated(rows), wanted - len(best))
+            found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best))
             fallen[rows[found.fallen]] = True
             best += rows[found.best].tolist()
             by.update(found.by)
@@ -111,20 +105,13 @@ def in_machine(
     return judge
 
 
-def _of_evaluated(
-    spec: RobotSpec,
-    given: Callable[[], Problem],
-    weigh: Weigh,
-    aside: frozenset[str],
-    sets: Evaluation,
-    wanted: int,
-) -> Kept:
+def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted: int) -> Kept:
     """Of sets in full those that stand: by columns as far as these tell, by their records in the end."""
-    surely = _looked_at(surely_fallen(spec, given(), sets) if spec.battery or spec.budget else {}, aside)
+    surely = _looked_at(surely_fallen(sets), aside)
     fallen, best, by = _any_of(surely, len(sets.candidates.motor)), list[int](), Counter[str]()
     for row in np.flatnonzero(~fallen).tolist():
         budget = tuple(check for check in weigh(sets, row).budget if check.name not in aside)
-        if _falls(spec, budget):
+        if _falls(sets.problem, budget):
             fallen[row] = True
             by.update(_failed(budget))
         else:
@@ -153,37 +140,34 @@ def _pieces(rows: NDArray[np.int64], first: int) -> Iterator[NDArray[np.int64]]:
         rows, size = rows[size:], min(_MORE * size, _MOST)
 
 
-def best_in_machine(
-    spec: RobotSpec, catalog: Catalog, objective: Ranking, aside: frozenset[str] = frozenset()
-) -> DriveSet | None:
+def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] = frozenset()) -> DriveSet | None:
     """The best set of a search of its own that stands in its machine too; None where none does.
 
     Parameters
     ----------
-    spec, catalog, objective
+    problem, objective
         As ``search`` takes them.
     aside
         Names of budgets that are not looked at.
     """
-    machine, asked = of_the_platform(spec.whole), cache(lambda: problem(spec, catalog))
-    judge = in_machine(spec, machine, asked, weighing(spec, machine, objective), aside)
-    given = asked() if spec.method == "physics" else None
-    found = search(spec, catalog, top=1, objective=objective, misses=0, given=given, judge=judge)
+    machine = of_the_platform(problem.machine)
+    judge = in_machine(problem, machine, weighing(problem, machine, objective), aside)
+    found = search(problem, top=1, objective=objective, misses=0, judge=judge)
     return drive_set(found.evaluation, 0, 1, objective) if found.standing else None
 
 
-def stands(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> bool:
+def stands(problem: Problem, one: DriveSet) -> bool:
     """Whether no budget of its machine makes a set fall, which need not have been held against them."""
-    machine = of_the_platform(spec.whole)
-    if machine and _falls(spec, machine.checks):
+    machine = of_the_platform(problem.machine)
+    if machine and _falls(problem, machine.checks):
         return False
-    return not _falls(spec, with_budget(spec, catalog, one, machine).budget)
+    return not _falls(problem, with_budget(problem, one, machine).budget)
 
 
-def _falls(spec: RobotSpec, checks: tuple[Check, ...]) -> bool:
+def _falls(problem: Problem, checks: tuple[Check, ...]) -> bool:
     """Whether a machine's checks make its set fall: one that fails, or where the spec rejects that, is unknown."""
     said = verdict(checks)
-    return said == "fail" or (said == "unknown" and spec.select.unknown != "allow")
+    return said == "fail" or (said == "unknown" and problem.spec.select.unknown != "allow")
 
 
 def _failed(checks: tuple[Check, ...]) -> set[str]:
@@ -191,7 +175,7 @@ def _failed(checks: tuple[Check, ...]) -> set[str]:
 
 
 def divided(
-    found: Found, spec: RobotSpec, weigh: Weigh, top: int, rows: Iterable[int]
+    found: Found, weigh: Weigh, top: int, rows: Iterable[int]
 ) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
     """Of some rows the best sets that stand with the machine's budgets, and the better ones that fall by those.
 
@@ -199,8 +183,6 @@ def divided(
     ----------
     found
         Of the search.
-    spec
-        The machine.
     weigh
         Of ``weighing``.
     top
@@ -212,7 +194,7 @@ def divided(
     short: dict[int, DriveSet] = {}
     for row in rows:
         one = weigh(found.evaluation, row)
-        (short if one.status == "fail" or _falls(spec, one.budget) else best)[row] = one
+        (short if one.status == "fail" or _falls(found.evaluation.problem, one.budget) else best)[row] = one
         if len(best) == top:
             break
     return best, dict(list(short.items())[:top])

@@ -1,37 +1,56 @@
-"""A machine as heavy as its own drive makes it."""
+"""The sizing problem of a machine whose mass includes that of its own drive."""
 
 from __future__ import annotations
 
 from drivesizer.catalog import Catalog
-from drivesizer.load_cases.platform_wheels import on_wheels
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.budgets import drive_mass, mass_without_drive
 from drivesizer.machine.mass_budget import settle
-from drivesizer.search import pulleys
+from drivesizer.machine.problem import problem
+from drivesizer.results.problem import Problem
 from drivesizer.search.machine_filter import best_in_machine
 from drivesizer.search.ranking import Ranking
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["at_its_own_mass"]
+__all__ = ["problem_with_drive_mass"]
 
 _SAME = 1e-9  # kg: of sets out of a catalogue one is found again, or another is heavier
 _ITERATED = frozenset({"mass_sized_for"})  # holds once the rounds have settled, and not before
 
 
-def at_its_own_mass(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> tuple[RobotSpec, tuple[str, ...]]:
-    """The spec with the mass at which its drive carries itself, and how that was found; where the spec asks for it."""
+def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> tuple[Problem, tuple[str, ...]]:
+    """The sizing problem of a machine, its mass including that of its drive where the spec wants it.
+
+    Parameters
+    ----------
+    spec
+        The machine as it was read.
+    catalog
+        Parts to choose from, prepared for the search.
+    objective
+        What ranks drives.
+
+    Returns
+    -------
+    tuple
+        The problem, and how the mass was found, in a sentence; no sentence where the drive's mass does not count.
+
+    Raises
+    ------
+    InputError
+        As ``machine.problem`` does.
+    """
     load = spec.load
     if spec.budget is None or not spec.budget.drive_counts or not isinstance(load, WheeledVehicle):
-        return spec, ()
+        return problem(spec, catalog), ()
 
     def weighing(mass: float) -> RobotSpec:
         return spec.model_copy(update={"load": load.model_copy(update={"mass": mass})})
 
     def sized(mass: float) -> tuple[float, str] | None:
-        robot = pulleys.with_pulleys(on_wheels(weighing(mass)), catalog)
-        best = best_in_machine(robot, catalog, objective, _ITERATED)
+        best = best_in_machine(problem(weighing(mass), catalog), objective, _ITERATED)
         return (drive_mass(best, load.motors), best.label) if best else None
 
     settled = settle(sized, mass_without_drive(spec, catalog), tolerance=_SAME)
     mass = settled.total if settled.carries_itself else settled.steps[-1].total
-    return weighing(mass), (f"the drive's own mass counts, as far as it is known: {settled.words}",)
+    return problem(weighing(mass), catalog), (f"the drive's own mass counts, as far as it is known: {settled.words}",)

@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drivesizer.catalog import Catalog
+from drivesizer.machine.problem import changed
 from drivesizer.results.drive_set import DriveSet, Relaxation
+from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.machine_filter import best_in_machine, stands
@@ -25,6 +26,7 @@ __all__ = ["changes_for", "relaxations"]
 _STEPS = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)  # times
 _NEAR_ENOUGH = 1.01
 _COLDEST = 100.0  # K below what is given
+Passes = Callable[[Problem], str | None]  # the label of a drive that meets all limits of a problem, if any does
 
 
 class _Figure(NamedTuple):
@@ -62,43 +64,57 @@ _FIGURES = (
 _AMBIENT = ("environment", "ambient")
 
 
-def relaxations(spec: RobotSpec, catalog: Catalog) -> tuple[Relaxation, ...]:
-    """What would let a set stand where none does, the least change first."""
-    if not len(candidates(spec, catalog).motor):
+def relaxations(problem: Problem) -> tuple[Relaxation, ...]:
+    """The changes that would let some drive pass where none does, the least change first."""
+    if not len(candidates(problem).motor):
         return ()
 
-    def best(changed: RobotSpec) -> str | None:
-        found = best_in_machine(changed, catalog, spec.select.objective)
+    def best(moved: Problem) -> str | None:
+        found = best_in_machine(moved, problem.spec.select.objective)
         return found.label if found else None
 
-    return tuple(_found(spec, best))
+    return tuple(_found(problem, best))
 
 
-def changes_for(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> tuple[Relaxation, ...]:
-    """What would let a set pass that fails, the least change first; another reduction of its family is one of them."""
+def changes_for(problem: Problem, one: DriveSet) -> tuple[Relaxation, ...]:
+    """The changes that would let a drive pass that fails, the least first; another reduction of its family among them.
+
+    Parameters
+    ----------
+    problem
+        The machine with its load cycles, and the catalogues.
+    one
+        The drive.
+
+    Returns
+    -------
+    tuple
+        Each change by itself is enough.
+    """
+    catalog = problem.catalog
     motor, gearhead = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
     only = Candidates(np.array([motor]), np.array([gearhead]), np.array([one.belt_ratio]), np.array([True]))
 
-    def passes(changed: RobotSpec) -> str | None:
-        found = evaluate(changed, catalog, only)
-        good = not found.failed[0] and stands(changed, catalog, drive_set(found, 0, 1, changed.select.objective))
+    def passes(moved: Problem) -> str | None:
+        found = evaluate(moved, only)
+        good = not found.failed[0] and stands(moved, drive_set(found, 0, 1, moved.spec.select.objective))
         return one.label if good else None
 
-    if spec.method == "paper":  # its rule looks at the other reductions of the family: those come along
-        return tuple(_other_reductions(spec, catalog, one))
-    return (*_other_reductions(spec, catalog, one), *_found(spec, passes))
+    if problem.spec.method == "paper":  # its rule looks at the other reductions of the family: those come along
+        return tuple(_other_reductions(problem, one))
+    return (*_other_reductions(problem, one), *_found(problem, passes))
 
 
-def _other_reductions(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> Iterator[Relaxation]:
+def _other_reductions(problem: Problem, one: DriveSet) -> Iterator[Relaxation]:
     """The nearest reduction of the same family that passes with the same motor and belt; not of an actuator."""
     if one.actuator:
         return
     fixed = {"motor": Choice(part=[one.motor.part]), "gearhead": Choice(family=[one.gearhead.family])}
-    narrowed = spec.model_copy(update={"select": spec.select.model_copy(update=fixed)})
-    given = candidates(narrowed, catalog)
+    narrowed, catalog = problem.with_sections(select=problem.spec.select.model_copy(update=fixed)), problem.catalog
+    given = candidates(narrowed)
     if not len(given.motor):
         return
-    failed = evaluate(narrowed, catalog, given).failed
+    failed = evaluate(narrowed, given).failed
     ratio = catalog.gearheads["ratio"][given.gearhead]
     rows = np.flatnonzero(~failed & (given.belt == one.belt_ratio))
     if len(rows):
@@ -119,34 +135,34 @@ def _other_reductions(spec: RobotSpec, catalog: Catalog, one: DriveSet) -> Itera
         )
 
 
-def _found(spec: RobotSpec, passes: Callable[[RobotSpec], str | None]) -> list[Relaxation]:
+def _found(problem: Problem, passes: Passes) -> list[Relaxation]:
     """Each figure that helps when it moves alone."""
-    found = [*_scaled(spec, passes), *_cooler(spec, passes)]
+    found = [*_scaled(problem, passes), *_cooler(problem, passes)]
     return sorted(found, key=lambda r: (r.share, r.field))
 
 
-def _scaled(spec: RobotSpec, passes: Callable[[RobotSpec], str | None]) -> Iterator[Relaxation]:
-    turns = spec.load.axis == "rotary"
+def _scaled(problem: Problem, passes: Passes) -> Iterator[Relaxation]:
+    turns = problem.spec.load.axis == "rotary"
     for figure in _FIGURES:
-        now = _value(spec, figure.path)
+        now = _value(problem.spec, figure.path)
         if not isinstance(now, float) or now == 0.0:
             continue
-        factor = _least_change(lambda f, at=figure.path: passes(_changed(spec, at, f)), figure.direction)  # type: ignore[misc]
+        factor = _least_change(lambda f, at=figure.path: passes(_changed(problem, at, f)), figure.direction)  # type: ignore[misc]
         if factor is not None:
             kind, unit = figure.rotary if turns and figure.rotary else (figure.kind, figure.unit)
             yield Relaxation(
                 field=".".join(figure.path), now=show(now, unit, kind), needed=show(now * factor, unit, kind, 3),
-                set_label=passes(_changed(spec, figure.path, factor)) or "", share=abs(factor - 1.0),
+                set_label=passes(_changed(problem, figure.path, factor)) or "", share=abs(factor - 1.0),
                 kind=kind, unit=unit, before=now, after=now * factor,
             )  # fmt: skip
 
 
-def _cooler(spec: RobotSpec, passes: Callable[[RobotSpec], str | None]) -> Iterator[Relaxation]:
+def _cooler(problem: Problem, passes: Passes) -> Iterator[Relaxation]:
     """The ambient, which moves by kelvins."""
-    now = spec.environment.ambient
+    now = problem.spec.environment.ambient
 
-    def at(fall: float) -> RobotSpec:
-        return _changed(spec, _AMBIENT, 1.0 - fall / now)
+    def at(fall: float) -> Problem:
+        return _changed(problem, _AMBIENT, 1.0 - fall / now)
 
     if not passes(at(_COLDEST)):
         return
@@ -168,14 +184,18 @@ def _value(spec: RobotSpec, path: tuple[str, ...]) -> Any:
     return found
 
 
-def _changed(spec: RobotSpec, path: tuple[str, ...], factor: float) -> RobotSpec:
-    """The spec and its cases with one figure times a factor; of the supply all voltages move together."""
-    section = getattr(spec, path[0])
+def _changed(problem: Problem, path: tuple[str, ...], factor: float) -> Problem:
+    """The problem with one figure times a factor in every load case; of the supply all voltages move together."""
     names = ("nominal", "min", "max") if path == ("supply", "nominal") else path[1:]
-    update = {name: getattr(section, name) * factor for name in names if getattr(section, name, None) is not None}
-    changed = spec.model_copy(update={path[0]: section.model_copy(update=update)})
-    changed._cases = tuple((name, _changed(case, path, factor)) for name, case in spec._cases)
-    return changed
+
+    def moved(spec: RobotSpec) -> RobotSpec:
+        section = getattr(spec, path[0])
+        if section is None:  # as the motion of a wheel on a trajectory
+            return spec.model_copy()
+        update = {name: getattr(section, name) * factor for name in names if getattr(section, name, None) is not None}
+        return spec.model_copy(update={path[0]: section.model_copy(update=update)})
+
+    return changed(problem, moved)
 
 
 def _least_change(passes: Callable[[float], Any], direction: int) -> float | None:

@@ -15,15 +15,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog
 from drivesizer.results.check_columns import CheckColumn
+from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
 from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates, candidates, joined, pairs
 from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluate
-from drivesizer.search.columns.stages import Examined, Problem, examine, problem
+from drivesizer.search.columns.stages import Examined, examine
 from drivesizer.search.ranking import COUNTED, Ranking
-from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["Evaluated", "Found", "Judge", "Kept", "search", "smallest_margin"]
@@ -70,23 +69,21 @@ class _Kept(NamedTuple):
 
 
 def search(
-    spec: RobotSpec,
-    catalog: Catalog,
+    problem: Problem,
     *,
     top: int,
     objective: Ranking,
     misses: int = 3,
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
-    given: Problem | None = None,
     judge: Judge | None = None,
 ) -> Found:
     """Search all candidates.
 
     Parameters
     ----------
-    spec, catalog
-        What is asked for, and what there is.
+    problem
+        The machine with its load cycles, and the catalogues.
     top
         How many sets to give.
     objective
@@ -97,29 +94,30 @@ def search(
         Objectives of which the front is wanted.
     progress
         Called after each chunk.
-    given
-        The spec with its load cycles, where they are at hand.
     judge
         Which of those that no check makes fall stand in the machine as well; all of them where not given.
     """
-    if spec.method == "paper":
-        return _by_the_paper(spec, catalog, top, objective, misses, pareto, judge)
-    names = {*ranking.names_of(objective), *pareto}
-    given = given or problem(spec, catalog)
-    kept, fallen, counts = _sifted(given, bool(names & _WAVEFORM), progress)
+    if problem.spec.method == "paper":
+        return _by_the_paper(problem, top, objective, misses, pareto, judge)
+    names, catalog = {*ranking.names_of(objective), *pareto}, problem.catalog
+    kept, fallen, counts = _sifted(problem, bool(names & _WAVEFORM), progress)
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
     order = ranking.order(catalog, kept.sets, *value, before=[kept.doubtful])
     stood = _stood(
-        judge, kept.sets, lambda rows: by_physics(given, kept.sets.on(rows), True), order, len(order) if pareto else top
+        judge,
+        kept.sets,
+        lambda rows: by_physics(problem, kept.sets.on(rows), True),
+        order,
+        len(order) if pareto else top,
     )
     best, short = stood.best[:top], stood.fallen[:top]
-    nearest = fallen.on(_nearest(given, fallen)[: misses if len(best) else top])
+    nearest = fallen.on(_nearest(problem, fallen)[: misses if len(best) else top])
     on_front = best[:0]
     if pareto:
         figures = {name: column[stood.best] for name, column in kept.figures.items()}
         on_front = stood.best[ranking.front(catalog, kept.sets.on(stood.best), figures, pareto)]
     extra = np.concatenate([on_front[~np.isin(on_front, best)], short])
-    shown = evaluate(spec, catalog, joined([kept.sets.on(best), nearest, kept.sets.on(extra)]), given)
+    shown = evaluate(problem, joined([kept.sets.on(best), nearest, kept.sets.on(extra)]))
     places = {int(row): n for n, row in enumerate(best)}
     places |= {int(row): len(best) + len(nearest.motor) + n for n, row in enumerate(extra)}
     front, fell = (tuple(places[int(row)] for row in rows) for rows in (on_front, short))
@@ -160,15 +158,15 @@ def _before(stood: Kept, order: NDArray[np.int64]) -> int:
     return int(np.argmax(order == stood.best[0]))  # all before it were judged
 
 
-def _nearest(given: Problem, fallen: Candidates) -> NDArray[np.int64]:
+def _nearest(problem: Problem, fallen: Candidates) -> NDArray[np.int64]:
     """Those that fell, by how far their worst check is off, then by how many they fail; by bounds, that is."""
     count = len(fallen.motor)
     if not count:
         return np.zeros(0, np.int64)
-    checks = evaluate(given.spec, given.catalog, fallen, given, exact=False).checks
+    checks = evaluate(problem, fallen, exact=False).checks
     fails = np.sum([check.failed for check in checks if not check.advice], axis=0)
     value = np.zeros(count), np.zeros(count, np.int64)
-    return ranking.order(given.catalog, fallen, *value, before=[-smallest_margin(checks), fails])
+    return ranking.order(problem.catalog, fallen, *value, before=[-smallest_margin(checks), fails])
 
 
 def smallest_margin(checks: list[CheckColumn]) -> Array:
@@ -190,13 +188,13 @@ def _on(evaluation: Evaluation, rows: NDArray[np.int64]) -> Evaluation:
     )
 
 
-def _sifted(given: Problem, exact: bool, progress: Progress | None) -> tuple[_Kept, Candidates, Counts]:
+def _sifted(problem: Problem, exact: bool, progress: Progress | None) -> tuple[_Kept, Candidates, Counts]:
     """What stands, the nearest that fell, and how many there were of each."""
-    spec, every, belts = given.spec, pairs(given.spec, given.catalog), given.spec.belt_ratios
+    every, belts = pairs(problem), problem.belt_ratios
     total, done, failed_by = len(every.motor) * len(belts), 0, Counter[str]()
     kept: list[_Kept] = []
     fallen: list[tuple[Candidates, Array]] = []
-    for one in examine(given, _chunks(every, belts), staged=True, exact=exact, margins=exact):
+    for one in examine(problem, _chunks(every, belts), staged=True, exact=exact, margins=exact):
         chunk = one.sets
         failed_by.update(one.failed_by)
         figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin}
@@ -206,7 +204,7 @@ def _sifted(given: Problem, exact: bool, progress: Progress | None) -> tuple[_Ke
         if progress:
             progress(done, total)
     standing = _joined(kept, every)
-    if spec.select.unknown == "reject":
+    if problem.spec.select.unknown == "reject":
         sure = np.flatnonzero(~standing.doubtful)
         figures = {name: column[sure] for name, column in standing.figures.items()}
         standing = _Kept(standing.sets.on(sure), standing.doubtful[sure], figures)
@@ -250,8 +248,7 @@ def _joined(kept: list[_Kept], every: Candidates) -> _Kept:
 
 
 def _by_the_paper(
-    spec: RobotSpec,
-    catalog: Catalog,
+    problem: Problem,
     top: int,
     objective: Ranking,
     misses: int,
@@ -259,7 +256,7 @@ def _by_the_paper(
     judge: Judge | None,
 ) -> Found:
     """The paper's rule over all candidates: it compares the reductions of a family, so all of them are at hand."""
-    found = evaluate(spec, catalog, candidates(spec, catalog))
+    found, catalog = evaluate(problem, candidates(problem)), problem.catalog
     margin = smallest_margin(found.checks)
     fails = np.sum([check.failed for check in found.checks], axis=0)
     figures = {"margin": margin}
@@ -269,7 +266,7 @@ def _by_the_paper(
         np.where(found.failed, -margin, 0.0),
         np.where(found.failed, fails, 0),
     ])  # fmt: skip
-    stands = ~found.failed if spec.select.unknown == "allow" else ~found.failed & ~found.unknown
+    stands = ~found.failed if problem.spec.select.unknown == "allow" else ~found.failed & ~found.unknown
     tally = {check.name: int(check.failed.sum()) for check in found.checks if check.failed.any()}
     counts = Counts(considered=len(stands), feasible=int(stands.sum()), failed_by=tally)
     standing, fell = order[stands[order]], order[~stands[order]]

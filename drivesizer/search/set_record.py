@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
+from drivesizer.machine.problem import quickest_winding
 from drivesizer.physics.motor_demand import AT_REST
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
@@ -17,7 +18,6 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Figure
 from drivesizer.search import ranking
 from drivesizer.search.columns.evaluation import Evaluation
-from drivesizer.search.columns.problem import quickest_winding
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import smallest_margin
 from drivesizer.spec.select import OBJECTIVES
@@ -27,7 +27,7 @@ __all__ = ["drive_set"]
 
 def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Ranking) -> DriveSet:
     """One row of an evaluation as a record."""
-    catalog, given, belt = evaluation.catalog, evaluation.candidates, evaluation.spec.belt
+    problem, catalog, given = evaluation.problem, evaluation.catalog, evaluation.candidates
     motor = catalog.motors.record(int(given.motor[index]))
     gearhead = catalog.gearheads.record(int(given.gearhead[index]))
     encoder, controller = int(evaluation.encoder[index]), int(evaluation.controller[index])
@@ -42,7 +42,7 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Ranking)
         controller=catalog.controllers.record(controller) if controller >= 0 else None,
         belt_ratio=float(given.belt[index]),
         belt_efficiency=evaluation.spec.belt_efficiency,
-        belt_drive=belt.drive(float(given.belt[index])) if belt else None,
+        belt_drive=problem.belt_drive(float(given.belt[index])),
         total_ratio=float(gearhead.ratio * given.belt[index]),
         mass=mass,
         mass_of=mass_of,
@@ -118,9 +118,9 @@ def _figures(evaluation: Evaluation, index: int, motor: Motor, gearhead: Gearhea
 def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:
     """How long and how often the gearhead is above its continuous torque, in the first load case that is."""
     limit = np.array([gearhead.continuous_torque])
-    for base in evaluation.asked.bases if evaluation.asked else ():
-        torque = base.functions[None, :, :, : AT_REST + 1].sum(axis=3) / evaluation.candidates.belt[index]
-        found = Wave(base.cycle.duration, torque, torque)
+    for case in evaluation.problem.cases:
+        torque = case.at_belt.functions[None, :, :, : AT_REST + 1].sum(axis=3) / evaluation.candidates.belt[index]
+        found = Wave(case.cycle.duration, torque, torque)
         longest = float(longest_above(found, limit)[0])
         if longest > 0.0:
             share = float(share_above(found, limit)[0])

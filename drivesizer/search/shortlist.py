@@ -7,24 +7,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.load_cases.platform_wheels import on_wheels
 from drivesizer.machine.budgets import check_battery, of_the_platform
-from drivesizer.machine.platform_budget import MechanicalBudget
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Uncertainty
-from drivesizer.search import pulleys
 from drivesizer.search.both_methods import with_both_methods
 from drivesizer.search.columns.controllers import offered_buses, offers
-from drivesizer.search.columns.stages import problem
 from drivesizer.search.machine_filter import Weigh, divided, in_machine, weighing
-from drivesizer.search.own_mass import at_its_own_mass
+from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.ranking import COUNTED, Ranking, names_of
 from drivesizer.search.search import Found, Progress, search
 from drivesizer.search.set_record import drive_set
@@ -41,9 +37,8 @@ __all__ = ["Shortlist", "shortlist"]
 class Shortlist:
     """Sets by their rows in what the search found."""
 
-    spec: RobotSpec  # as it was sized: wheels of a platform as load cases, pulleys known
+    problem: Problem
     found: Found
-    machine: MechanicalBudget | None  # what is the same for every set
     weigh: Weigh  # makes records of sets in their machine
     best: dict[int, DriveSet]  # that stand, in order
     top: int  # how many were asked for
@@ -54,7 +49,7 @@ class Shortlist:
     @property
     def short(self) -> dict[int, DriveSet]:
         """Sets that would stand, but for a budget of the machine: records are made when they are asked for."""
-        return divided(self.found, self.spec, self.weigh, self.top, self.found.short)[1]
+        return divided(self.found, self.weigh, self.top, self.found.short)[1]
 
     @property
     def fallen(self) -> Iterable[int]:
@@ -106,30 +101,27 @@ def shortlist(
         When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
         another method.
     """
-    spec, weighed = at_its_own_mass(spec, catalog, objective)
-    spec = pulleys.with_pulleys(on_wheels(spec), catalog)
     _known_choices(spec, catalog)
     check_battery(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})
+    problem, weighed = problem_with_drive_mass(spec, catalog, objective)
     sampling = sampling or asked(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
-    machine, asked_of = of_the_platform(spec.whole), cache(lambda: problem(spec, catalog))
-    weigh = weighing(spec, machine, objective)
-    judge = in_machine(spec, machine, asked_of, weigh)
+    machine = of_the_platform(problem.machine)
+    weigh = weighing(problem, machine, objective)
+    judge = in_machine(problem, machine, weigh)
     found = search(
-        spec, catalog, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress,
-        given=asked_of() if spec.method == "physics" else None, judge=judge,
-    )  # fmt: skip
+        problem, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress, judge=judge
+    )
     rows: Sequence[int] = range(found.standing)
-    sure = _judged(found, spec, catalog, objective, rows[:pool], sampling) if sampling and pool else None
-    best, _ = divided(found, spec, weigh, top, sure.good if sure else rows)
+    sure = _judged(found, objective, rows[:pool], sampling) if sampling and pool else None
+    best, _ = divided(found, weigh, top, sure.good if sure else rows)
     if sampling and not sure and best:
-        sure = _judged(found, spec, catalog, objective, [*best], sampling)
-    unsure = divided(found, spec, weigh, top, sure.bad)[0] if sure else {}
+        sure = _judged(found, objective, [*best], sampling)
+    unsure = divided(found, weigh, top, sure.bad)[0] if sure else {}
     return Shortlist(
-        spec=spec,
+        problem=problem,
         found=found,
-        machine=machine,
         weigh=weigh,
         best=_told(sure, catalog, best, FINALISTS, brief),
         top=top,
@@ -139,9 +131,7 @@ def shortlist(
     )
 
 
-def _judged(
-    found: Found, spec: RobotSpec, catalog: Catalog, objective: Ranking, rows: Sequence[int], how: Sampling
-) -> Judged:
+def _judged(found: Found, objective: Ranking, rows: Sequence[int], how: Sampling) -> Judged:
     """Some sets over samples, with their checks by physics whatever the method."""
     from drivesizer.search.uncertainty.run import (  # where nothing is sampled it need not load
         judged,
@@ -149,12 +139,13 @@ def _judged(
         subject_of,
     )
 
-    if spec.method == "physics":
+    problem = found.evaluation.problem
+    if problem.spec.method == "physics":
         subjects = {row: subject(found.evaluation, row) for row in rows}
     else:
-        records = with_both_methods(spec, catalog, [drive_set(found.evaluation, row, 0, objective) for row in rows])
-        subjects = {row: subject_of(catalog, one) for row, one in zip(rows, records, strict=True)}
-    return judged(spec, catalog, subjects, how)
+        records = with_both_methods(problem, [drive_set(found.evaluation, row, 0, objective) for row in rows])
+        subjects = {row: subject_of(problem.catalog, one) for row, one in zip(rows, records, strict=True)}
+    return judged(problem, subjects, how)
 
 
 def _told(

@@ -8,7 +8,7 @@ that ``drivesizer schema`` prints.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -29,7 +29,7 @@ from drivesizer.spec.sections import Case, Environment, Margins, Mission, Needs,
 from drivesizer.spec.select import Select
 from drivesizer.spec.tolerance_text import Toleranced, taken
 from drivesizer.spec.tolerances import Tolerances
-from drivesizer.spec.transmission import DIRECT, BeltStage, DirectStage, GearheadStage, Offer, Stage
+from drivesizer.spec.transmission import DIRECT, BeltStage, DirectStage, GearheadStage, Stage
 
 __all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
 
@@ -72,8 +72,6 @@ class RobotSpec(Section):
 
     _source: YamlSource | None = PrivateAttr(default=None)
     _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
-    _first: str = PrivateAttr(default=AS_SPECIFIED)  # name of the spec itself among load cases
-    _whole: RobotSpec | None = PrivateAttr(default=None)
     _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
 
     @model_validator(mode="after")
@@ -165,19 +163,7 @@ class RobotSpec(Section):
     @property
     def load_cases(self) -> tuple[tuple[str, RobotSpec], ...]:
         """The spec itself and its further cases, by name."""
-        first = self._first if self._cases or self._whole else ""
-        return ((first, self), *self._cases)
-
-    @property
-    def whole(self) -> RobotSpec:
-        """The machine as it was specified, where this is a part of it."""
-        return self._whole or self
-
-    def with_cases(self, first: str, others: Sequence[tuple[str, RobotSpec]], of: RobotSpec) -> RobotSpec:
-        """The spec as the first of several load cases of parts of a machine."""
-        made = self.model_copy()
-        made._first, made._cases, made._whole = first, tuple(others), of
-        return made
+        return ((AS_SPECIFIED if self._cases else "", self), *self._cases)
 
     @property
     def is_direct(self) -> bool:
@@ -196,7 +182,7 @@ class RobotSpec(Section):
 
     @property
     def belt_ratios(self) -> list[float]:
-        """The belt ratios to search; 1 without a belt, those that the catalogues offer for pulleys."""
+        """The belt ratios to search; 1 without a belt. Those of pulleys are out of the catalogues: see ``Problem``."""
         return self.belt.to_search if self.belt else [1.0]
 
     @property
@@ -204,18 +190,17 @@ class RobotSpec(Section):
         """Efficiency of the belt; 1 without one."""
         return self.belt.efficiency if self.belt else 1.0
 
+    def changed(self, change: Callable[[RobotSpec], RobotSpec]) -> RobotSpec:
+        """The spec and its further load cases with the same change."""
+        made = change(self)
+        made._cases = tuple((name, change(case)) for name, case in self._cases)
+        return made
+
     def alone(self, **sections: Any) -> RobotSpec:
         """The spec without further load cases, some of its sections changed."""
         made = self.model_copy(update={"cases": [], **sections})
         made._cases = ()
         return made
-
-    def with_offer(self, offer: Offer) -> RobotSpec:
-        """The spec and its cases with what the catalogues offer for the belt."""
-        stages = [s.with_offer(offer) if isinstance(s, BeltStage) else s for s in self.transmission]
-        changed = self.model_copy(update={"transmission": stages})
-        changed._cases = tuple((name, case.with_offer(offer)) for name, case in self._cases)
-        return changed
 
     @property
     def toleranced(self) -> tuple[Toleranced, ...]:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Field, model_validator
 
-from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.files.fields import (
     Force,
     Inertia,
@@ -21,7 +20,7 @@ from drivesizer.files.fields import (
     exactly_one,
 )
 
-__all__ = ["DIRECT", "BeltStage", "DirectStage", "GearheadStage", "Offer", "Pulleys", "Stage"]
+__all__ = ["DIRECT", "BeltStage", "DirectStage", "GearheadStage", "Pulleys", "Stage"]
 
 DIRECT = "direct"  # the kind of stage, and as catalogues list the lack of a gearhead
 
@@ -56,13 +55,6 @@ class Pulleys(Section):
         return self
 
 
-class Offer(NamedTuple):
-    """What catalogues offer for a stage with pulleys."""
-
-    drives: tuple[BeltDrive, ...]  # one for each ratio that is searched, by ratio
-    ratios: int  # how many there are
-
-
 class BeltStage(Section):
     """A belt between gearhead, or motor, and load: one ratio, several to search, or pulleys out of the catalogues."""
 
@@ -77,8 +69,6 @@ class BeltStage(Section):
     max_tension: Force | None = Field(default=None, description="permitted effective tension, with a known pulley")
     max_speed: Speed | None = Field(default=None, description="permitted belt speed, with a known pulley")
 
-    _offer: Offer | None = PrivateAttr(default=None)
-
     @model_validator(mode="after")
     def _one_of_each(self) -> BeltStage:
         exactly_one(self, "ratio", "ratios", "pulleys")
@@ -88,34 +78,10 @@ class BeltStage(Section):
             raise ValueError("give pulley_diameter beside max_tension and max_speed")
         return self
 
-    def with_offer(self, offer: Offer) -> BeltStage:
-        """The same stage with what the catalogues offer for it."""
-        changed = self.model_copy()
-        changed._offer = offer
-        return changed
-
-    @property
-    def offer(self) -> Offer:
-        """What the catalogues offer; nothing where the stage names its ratios, or nobody has looked yet."""
-        return self._offer or Offer((), 0)
-
     @property
     def to_search(self) -> list[float]:
-        """The ratios to search, the smallest first."""
-        if self.pulleys is not None:
-            if self._offer is None:
-                raise RuntimeError("nobody has looked for the pulleys: belt_choice.with_pulleys does")
-            return [drive.ratio for drive in self.offer.drives]
+        """The ratios that the stage names, the smallest first; those of pulleys are out of the catalogues."""
         return [self.ratio] if self.ratio is not None else sorted(set(self.ratios or []))
-
-    def drive(self, ratio: float) -> BeltDrive | None:
-        """Belt and pulleys of a ratio, where they are out of the catalogues."""
-        return next((drive for drive in self.offer.drives if drive.ratio == ratio), None)
-
-    def driven_diameter(self, ratio: float) -> float | None:
-        """Pitch diameter of the load's pulley [m], where it is known."""
-        drive = self.drive(ratio)
-        return drive.driven_diameter if drive else self.pulley_diameter
 
 
 Stage = Annotated[GearheadStage | DirectStage | BeltStage, Field(discriminator="kind")]

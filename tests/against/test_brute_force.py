@@ -16,6 +16,7 @@ import pytest
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
+from drivesizer.machine.problem import problem
 from drivesizer.physics.motor_demand import at_gearhead, demands
 from drivesizer.physics.stress import Parts, heat, stress
 from drivesizer.search.columns import limits_over_time as wave
@@ -183,7 +184,7 @@ def same(a, b):
 @pytest.mark.parametrize("name", LOADS)
 def test_every_check_of_random_sets(name, worked, catalog):
     spec, sets, mine = worked(name)
-    found = evaluate(spec, catalog, sets)
+    found = evaluate(problem(spec, catalog), sets)
     theirs = {check.name: check for check in found.checks}
     assert set(theirs) == set(mine[0][0])
     wrong = []
@@ -270,7 +271,7 @@ def test_the_ranking(name, objective, worked, catalog, monkeypatch):
     spec, sets, mine = worked(name)
     one_each = sets.on(np.flatnonzero(sets.belt == spec.belt_ratios[0]))
     monkeypatch.setattr(sys.modules[search.__module__], "pairs", lambda *_, **__: one_each)
-    found = search(spec, catalog, top=10**6, objective=objective, misses=0)
+    found = search(problem(spec, catalog), top=10**6, objective=objective, misses=0)
     expected = ranked(spec, sets, mine, objective)
     assert found.counts.considered == len(mine)
     assert found.counts.feasible == found.standing == len(expected) > 10
@@ -313,9 +314,9 @@ LOADS_AND_CASES = LOADS | {
 def test_the_search_in_stages_finds_what_all_checks_find(name, objective, folder, catalog):
     text = f"name: x\n{LOADS_AND_CASES[name]}{SELECTED[name]}\n"
     spec = read_spec(YamlSource(text, str(folder / "x.yaml")))
-    every = candidates(spec, catalog)
-    whole = evaluate(spec, catalog, every)
-    found = search(spec, catalog, top=10**6, objective=objective, misses=0)
+    every = candidates(problem(spec, catalog))
+    whole = evaluate(problem(spec, catalog), every)
+    found = search(problem(spec, catalog), top=10**6, objective=objective, misses=0)
 
     def keys(sets, rows):
         return set(zip(sets.motor[rows].tolist(), sets.gearhead[rows].tolist(), sets.belt[rows].tolist(), strict=True))
@@ -372,7 +373,7 @@ def test_resolution_at_the_load_counts_the_belt(catalog):
     spec = read_spec(
         YamlSource(f"name: x\n{text.replace('needs: {', 'needs: {resolution_at_load: 3 deg, ')}", "x.yaml")
     )
-    found = evaluate(spec, catalog, candidates(spec, catalog))
+    found = evaluate(problem(spec, catalog), candidates(problem(spec, catalog)))
     check = next(c for c in found.checks if c.name == "encoder_resolution")
     counts = catalog.encoders["counts_per_turn"][found.encoder]
     whole = catalog.gearheads["ratio"][found.candidates.gearhead] * found.candidates.belt
@@ -392,7 +393,7 @@ def test_the_winding_follows_a_torque_that_rises_slowly(tmp_path, catalog):
     (tmp_path / "cycle.csv").write_text("time,speed,torque\ns,rpm,N*m\n0,25,0\n20,25,2\n20.1,25,0\n40,25,0\n", "utf-8")
     spec = spec_of("recorded", tmp_path)
     sets = some_pairs(catalog, 60, "slow")._replace(belt=np.full(60, 0.7))
-    found = evaluate(spec, catalog, sets)
+    found = evaluate(problem(spec, catalog), sets)
     check = next(c for c in found.checks if c.name == "winding_temperature")
     ambient, seen = spec.environment.ambient, 0
     for row, (_, _, asked, pieces) in enumerate(all_by_hand(spec, catalog, sets)):

@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.machine.problem import problem
 from drivesizer.results.check_columns import at_most, between
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
@@ -87,7 +88,7 @@ def test_less_data_never_looks_better(hour, lacking):
     columns = dict(catalog.motors.columns) | {lacking: np.full(len(catalog.motors), nan)}
     blind = replace(catalog, motors=replace(catalog.motors, columns=columns))
     whole, less = (
-        {check.name: check.passed for check in evaluate(spec, given, candidates(spec, given)).checks}
+        {check.name: check.passed for check in evaluate(problem(spec, given), candidates(problem(spec, given))).checks}
         for given in (catalog, blind)
     )
     for name, passed in less.items():

@@ -15,7 +15,7 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_drive import driving, on_the_way, over_time
-from drivesizer.load_cases.platform_wheels import on_wheels
+from drivesizer.load_cases.platform_wheels import load_cases
 from drivesizer.machine.supply_power import drive_power, together
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec
@@ -57,9 +57,9 @@ def spec_of(*parts: str) -> RobotSpec:
 
 def test_straight_ahead_is_the_vehicle_s_own_load_cycle():
     vehicle = load_cycle(spec_of(VEHICLE, STRAIGHT))
-    cases = on_wheels(spec_of(VEHICLE, PLATFORM, AHEAD)).load_cases
-    assert [name for name, _ in cases] == ["wheels 1, 2, 3 and 4"]
-    cycle = load_cycle(cases[0][1])
+    cases = load_cases(spec_of(VEHICLE, PLATFORM, AHEAD))
+    assert [name for _, name, _ in cases] == ["wheels 1, 2, 3 and 4"]
+    cycle = load_cycle(cases[0][2])
     assert cycle.total == pytest.approx(vehicle.total)
     at = np.linspace(0.0, vehicle.total, 997)  # no corner among them
     for name in ("speed", "acceleration", "torque"):
@@ -86,7 +86,7 @@ def test_a_mecanum_wheel_pulls_along_its_rollers():
     """The floor sees √2 times the force of a plain wheel."""
     plain = next(o for o in load_cycle(spec_of(VEHICLE, STRAIGHT)).own if o.name == "traction")
     rolling = 0.02 * 45.0 * 9.80665 * math.cos(math.radians(2.0)) / 4
-    ((_, case),) = on_wheels(spec_of(VEHICLE, PLATFORM, AHEAD)).load_cases
+    ((_, _, case),) = load_cases(spec_of(VEHICLE, PLATFORM, AHEAD))
     (slanted,) = load_cycle(case).own
     assert slanted.demand == pytest.approx(math.sqrt(2.0) * (plain.demand - rolling), rel=1e-6)
 
@@ -233,7 +233,7 @@ def test_wheels_that_cannot_hold_a_platform_are_refused():
         "\n  layout: {kind: mecanum, wheelbase: 477 mm, track: 270 mm}", WALKER.rstrip()
     )
     with pytest.raises(InputError, match="slides"):
-        on_wheels(spec_of(text, AHEAD))
+        load_cases(spec_of(text, AHEAD))
     same = text.replace("x: 0.5 m, y: 0 m", "x: 0 m, y: 0.3 m")
     with pytest.raises(InputError, match="stand in one place"):
         spec_of(same, AHEAD)
@@ -249,7 +249,7 @@ def test_a_drive_that_carries_itself():
     result = size(spec_of(VEHICLE, PLATFORM, AHEAD, OWN), top=1)
     (best,) = result.sets
     drive = sum(row.total for row in best.masses if row.name != "structure" and row.each == row.each)
-    load = result.spec.whole.load
+    load = result.spec.load
     assert load.mass == pytest.approx(30.0 + drive, abs=1e-3)
     again = size(spec_of(VEHICLE.replace("45 kg", f"{load.mass:.9f} kg"), PLATFORM, AHEAD), top=1)
     assert again.sets[0].label == best.label
@@ -283,7 +283,7 @@ def test_explain_counts_the_machine_too():
 def test_cases_keep_their_names(tmp_path: Path):
     """A further load case of a platform is taken apart as well; grip is that of the worst."""
     text = VEHICLE + PLATFORM + TURNING + "cases: [{name: loaded, load: {mass: 60 kg}}]\n"
-    names = [name for name, _ in on_wheels(spec_of(text)).load_cases]
+    names = [name for _, name, _ in load_cases(spec_of(text))]
     assert len(names) == 8 and all(n.startswith("wheel") for n in names[:4])
     assert all(n.startswith("loaded, wheel") for n in names[4:])
     best = size(spec_of(text), top=1)
@@ -296,7 +296,7 @@ def test_the_energy_of_a_way_is_summed_over_its_wheels():
     spec = spec_of(VEHICLE, PLATFORM, TURNING)
     result = size(spec, top=1)
     (best,) = result.sets
-    parts = [case for _, case in result.spec.load_cases]
+    parts = [case.spec for case in result.problem.cases]
     power = together([drive_power(case, best) for case in parts])
     drawn, returned = (power.total * power.mean(column) for column in (power.drawn, power.returned))
     told = {f.name: f.value for f in best.figures}

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog import Catalog
+from drivesizer.machine.problem import problem
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
@@ -59,7 +60,7 @@ def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values:
     mine = ControllerChoice(part=[str(parts.controllers["part"][one.controller])])
     moved = moved.model_copy(update={"select": moved.select.model_copy(update={"controller": mine})})
     only = Candidates(np.array([one.motor]), np.array([one.gearhead]), np.array([one.belt]), np.array([True]))
-    return evaluate(moved, catalog, only), catalog
+    return evaluate(problem(moved, catalog), only), catalog
 
 
 def held_alike(plainly: Evaluation, got: dict[str, Any], row: int, size: int) -> None:

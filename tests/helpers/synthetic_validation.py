@@ -27,7 +27,7 @@ UNITS = {
 
 def synthetic_validation(result: SizingResult, *, step: float = 0.02) -> Validation:
     """A made-up closed loop with the shape of a real one: the speed lags its reference."""
-    motion, drive_set = result.spec.motion, (result.sets or result.misses)[0]
+    motion, drive_set = result.problem.spec.motion, (result.sets or result.misses)[0]
     end = 2 * motion.acceleration_time + motion.cruise_time
     time = np.arange(0.0, end + step, step)
     rise, fall = time / motion.acceleration_time, (end - time) / motion.acceleration_time
@@ -44,7 +44,7 @@ def synthetic_validation(result: SizingResult, *, step: float = 0.02) -> Validat
     heat = replace(check, name="winding", title="Winding temperature", kind="temperature", unit="degC", demand=330.0,
                    limit=nan, margin=nan, status="unknown", at_time=None, note="no limit in the catalogue")  # fmt: skip
     return Validation(
-        spec=result.spec,
+        spec=result.problem.spec,
         drive_set=drive_set,
         profile="trapezoid",
         status="pass",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.warnings import not_returning
+from drivesizer.load_cases.warnings import starts_farther_on
 from drivesizer.simulate import validate
 from drivesizer.sizing import explained, size
 from drivesizer.spec.robot import read_spec
@@ -31,9 +31,9 @@ def spec(load, motion, back=""):
     ],
 )
 def test_what_does_not_come_back_is_told(load, motion, way):
-    (said,) = not_returning(spec(load, motion))
+    (said,) = starts_farther_on("", spec(load, motion))
     assert f" {way} " in said or f" {way}°" in said
-    assert not not_returning(spec(load, motion, ", there_and_back: true"))
+    assert not starts_farther_on("", spec(load, motion, ", there_and_back: true"))
 
 
 @pytest.mark.parametrize(
@@ -45,7 +45,7 @@ def test_what_does_not_come_back_is_told(load, motion, way):
     ],
 )
 def test_what_may_go_on_says_nothing(load, motion):
-    assert not not_returning(spec(load, motion))
+    assert not starts_farther_on("", spec(load, motion))
 
 
 def test_it_is_among_the_warnings(catalog):

@@ -73,7 +73,8 @@ def budget(
     spec: RobotSpec, drive: DriveSet, listed: Catalog, others: list[Consumer] | None = None, **changed: Any
 ) -> EnergyBudget:
     battery = Battery.model_validate(FOUR | changed)
-    return energy_budget(spec, drive, battery, equipment() if others is None else others, listed)
+    rest = equipment() if others is None else others
+    return energy_budget(spec, drive, battery, rest, listed, drive_power(spec, drive))
 
 
 def check(found: EnergyBudget, name: str) -> Check:
@@ -265,7 +266,7 @@ def test_what_is_returned_charges(robot: RobotSpec, drive: DriveSet, listed: Cat
 
 def test_unknown_figures_stay_unknown(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
     battery = Battery.model_validate({"part": "NP7-12", "series": 2, "parallel": 2})
-    found = energy_budget(robot, drive, battery, equipment(), listed)
+    found = energy_budget(robot, drive, battery, equipment(), listed, drive_power(robot, drive))
     assert found.status == "unknown"
     assert found.checks[0].name == "battery_autonomy"
     assert found.checks[0].status == "unknown"

@@ -16,6 +16,7 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.loads.kinds import AXES
+from drivesizer.machine.problem import problem
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import at_gearhead, demands, peak
 from drivesizer.search.columns.candidates import Candidates
@@ -73,7 +74,7 @@ def test_every_joule_is_accounted_for(kind, tmp_path, catalog):
     spec = starter(kind, tmp_path)
     cycle, belt, e_b = load_cycle(spec), 1.6, 0.93
     segments = by_hand.segments_of(cycle)
-    found = evaluate(spec, catalog, sets_of(catalog, belt))
+    found = evaluate(problem(spec, catalog), sets_of(catalog, belt))
     share, sets = spec.supply.regeneration, spec.load.motors
     for row, (m, g) in enumerate(PAIRS):
         motor = catalog.motors.record(catalog.motors.rows[m])
@@ -186,7 +187,7 @@ def test_the_other_way_round(catalog, seed):
 
 
 def checks_of(spec, catalog, belt=1.6):
-    found = evaluate(spec, catalog, sets_of(catalog, belt))
+    found = evaluate(problem(spec, catalog), sets_of(catalog, belt))
     return {c.name: (c.demand, c.passed, c.failed) for c in found.checks}, found.figures
 
 

@@ -13,6 +13,7 @@ from synthetic_validation import labels, synthetic_validation
 
 from drivesizer.files.yaml_source import read
 from drivesizer.load_cases import load_cycle
+from drivesizer.machine.problem import problem
 from drivesizer.output.report.figures import load_and_loop
 from drivesizer.output.report.figures.field import torque_speed
 from drivesizer.output.report.figures.field_panels import panels, paper_points
@@ -29,7 +30,7 @@ def drawn(result: SizingResult) -> dict[str, bytes]:
     return {
         "profile": speed_profile(result.spec),
         "load": load_and_loop.load_over_time([("", load_cycle(result.spec))]),
-        "field": torque_speed(panels(result.spec, result.sets[0], result.requirements)),
+        "field": torque_speed(panels(result.problem, result.sets[0], result.requirements)),
         "front": trade_off(["1", "2"], ["one", "two"], [270.0, 340.0], [328.3, nan], ["mass (g)", "price (EUR)"]),
         "loop": load_and_loop.closed_loop(synthetic_validation(result)),
     }
@@ -124,7 +125,7 @@ def test_load_cases_have_names_of_their_own_and_plain_text(result, tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         cycles = load_and_loop.load_over_time([(name, load_cycle(case)) for name, case in spec.load_cases])
-        field = torque_speed(panels(spec, result.sets[0], ()))
+        field = torque_speed(panels(problem(spec, result.catalog), result.sets[0], ()))
     for svg in (cycles, field):
         ElementTree.fromstring(svg)
     assert {"as specified", "$a_1$ &lt;b> &amp; c", " _under"} <= {said.replace("&gt;", ">") for said in labels(cycles)}
@@ -138,7 +139,8 @@ def test_cases_of_other_supplies_and_ambients_have_panels_of_their_own(result, t
   - {name: weak, supply: {nominal: 20 V}}
   - {name: cold, environment: {ambient: -20 degC}}
 """
-    found = panels(table(tmp_path, next(iter(MOTIONS)), more), result.sets[0], ())
+    given = problem(table(tmp_path, next(iter(MOTIONS)), more), result.catalog)
+    found = panels(given, result.sets[0], ())
     assert [[name for _, name, _ in panel.cases] for panel in found] == [["as specified", "heavy"], ["weak"], ["cold"]]
     said = labels(torque_speed(found))
     assert {"load cycle,", "heavy", "weak", "cold"} <= said
@@ -149,7 +151,7 @@ def test_an_unknown_figure_leaves_its_line_out_and_the_rest_stands(result):
     best = result.sets[0]
     bare = replace(best, motor=replace(best.motor, nominal_torque=nan, max_winding_temperature=nan), controller=None,
                    gearhead=replace(best.gearhead, inertia=nan, intermittent_torque=nan))  # fmt: skip
-    said = labels(torque_speed(panels(result.spec, bare, result.requirements)))
+    said = labels(torque_speed(panels(result.problem, bare, result.requirements)))
     assert "22 V, winding 25 °C" in said
     assert not said & {"continuous", "continuous, nominal torque", "intermittent", "load cycle"}
 

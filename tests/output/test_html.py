@@ -285,7 +285,7 @@ def test_every_figure_has_its_place_and_every_place_its_figure(page):
 
 
 def test_the_operating_points_are_those_of_the_field_and_of_the_cycle(result):
-    (panel,) = panels(result.spec, result.sets[0], result.requirements)
+    (panel,) = panels(result.problem, result.sets[0], result.requirements)
     field, cycle = panel.cases[0][-1], load_cycle(result.spec)
     plot = field_plot(panel, [cycle.time])
     way = next(t for t in plot["data"] if t["name"] == "load cycle")
@@ -297,7 +297,7 @@ def test_the_operating_points_are_those_of_the_field_and_of_the_cycle(result):
 
 
 def test_the_continuous_field_lies_inside_the_intermittent_one_and_both_under_the_hot_line(hostile):
-    for panel in panels(hostile.spec, hostile.sets[0], hostile.requirements):
+    for panel in panels(hostile.problem, hostile.sets[0], hostile.requirements):
         field = panel.cases[0][-1]
         data = field_plot(panel, [load_cycle(case).time for _, case in hostile.spec.load_cases])["data"]
         filled = {t["name"]: np.array(t["x"]).reshape(2, -1) for t in data if t.get("fill")}

@@ -142,7 +142,7 @@ def test_pdf_says_what_was_found_and_has_the_same_bytes_each_time(result, tmp_pa
 def test_letters_of_other_scripts_and_control_characters_do_no_harm(result):
     named = result.spec.model_copy(update={"name": "測試 робот 😀 \x00\x1b[31m \u202e"})
     with blank_figures():
-        content = pdf.report_pdf(replace(result, spec=named), None)
+        content = pdf.report_pdf(replace(result, problem=replace(result.problem, machine=named)), None)
     assert "робот" in text_of(content)
     assert "\\x1b[31m" in text_of(content)
 

@@ -11,7 +11,6 @@ from pdf_pages import SHEETS, assert_within_margins
 from printed import Printed, blank_figures, printed, text_of
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_wheels import trajectory_of
 from drivesizer.output.report import html, workbook
 from drivesizer.output.report.all_figures import report_drawings
@@ -136,7 +135,7 @@ def test_the_profile_of_a_platform_is_its_own_motion(canvas, result):
 
 
 def test_each_wheel_has_a_row_of_its_torque_and_its_speed(canvas, result):
-    cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
+    cycles = [(case.name, case.cycle) for case in result.problem.cases]
     axes = canvas(wheels, wheels.wheels_over_time, cycles).axes
     assert [a.get_title(loc="left") for a in axes] == [
         f"{name}: {what}" for name, _ in cycles for what in ("torque (N·m)", "speed (rpm)")
@@ -151,7 +150,7 @@ def test_each_wheel_has_a_row_of_its_torque_and_its_speed(canvas, result):
 
 def test_a_wheel_that_rests_is_drawn_at_rest(canvas, result):
     """A long piece between many short ones keeps both of its ends."""
-    cycle = load_cycle(result.spec)
+    cycle = result.problem.cases[0].cycle
     still = [k for k in range(len(cycle.duration)) if cycle.duration[k] > 4.9 and not cycle.speed[k].any()]
     start, end = cycle.time[still[0]]
     assert end - start == pytest.approx(5.0) and not cycle.torque[still[0]].any()
@@ -168,7 +167,7 @@ def test_thinning_keeps_both_ends_of_a_step_in_time_that_can_be_seen():
 
 
 def test_more_wheels_than_rows_leave_the_rest_to_other_reports(canvas, result):
-    cycle = load_cycle(result.spec)
+    cycle = result.problem.cases[0].cycle
     most = wheels.MOST_WHEELS
     axes = canvas(wheels, wheels.wheels_over_time, [(f"wheel {n}", cycle) for n in range(most + 3)]).axes
     assert len(axes) == 2 * most
@@ -176,7 +175,7 @@ def test_more_wheels_than_rows_leave_the_rest_to_other_reports(canvas, result):
 
 def test_the_energy_of_a_way_is_the_sum_over_its_wheels(result):
     best = result.sets[0]
-    flow = Behaviour(result.spec, best).energy
+    flow = Behaviour(result.problem, best).energy
     drawn = {one.name: one.mean for one in best.energy.consumers}
     total = trajectory_of(load_spec(EXAMPLE)).total
     assert flow.drawn == pytest.approx(drawn["drive"] * total, rel=1e-6)

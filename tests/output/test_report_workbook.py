@@ -207,7 +207,7 @@ def test_no_text_is_computed_or_made_a_link(text, result):
     best = result.sets[0]
     named = replace(
         result,
-        spec=result.spec.model_copy(update={"name": text}),
+        problem=replace(result.problem, machine=result.spec.model_copy(update={"name": text})),
         warnings=(text,),
         sets=(replace(best, checks=(replace(best.checks[0], note=text, case=text), *best.checks[1:])),),
     )
@@ -233,7 +233,8 @@ def test_what_a_cell_cannot_hold_is_spelled_out_or_cut(result):
 
 
 def test_hostile_names_of_a_spec_come_through(result, tmp_path):
-    named = replace(result, spec=result.spec.model_copy(update={"name": '測試 \x00 &P &"Arial" ' + "n" * 300}))
+    machine = result.spec.model_copy(update={"name": '測試 \x00 &P &"Arial" ' + "n" * 300})
+    named = replace(result, problem=replace(result.problem, machine=machine))
     named.spec._source = YamlSource(result.spec.text, "folder/=\udcff\x01.yaml")  # a name that is no text
     (path,) = write(named, replace(loop(result), profile="\udcff.csv"), [tmp_path / "report.xlsx"])
     assert any("測試" in str(cell.value) for cell in cells(openpyxl.load_workbook(path)))

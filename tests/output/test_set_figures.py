@@ -110,7 +110,7 @@ def test_a_load_that_gives_goes_up_again_and_large_energies_have_larger_units(ca
 
 
 def test_the_bars_of_a_result_sum_to_its_figures(hoist):
-    does = Behaviour(hoist.spec, hoist.sets[0])
+    does = Behaviour(hoist.problem, hoist.sets[0])
     shown = {share.name: share.value for share in energy.shares(does.energy)}
     told = {figure.name: figure.value for figure in hoist.sets[0].figures}
     whole = shown.pop("drawn from the supply")
@@ -178,7 +178,7 @@ def test_the_best_of_the_map_is_no_better_than_the_handbook_allows(result):
 
 
 def test_current_and_voltage_are_drawn_with_the_limits_in_sight(canvas, result):
-    does = Behaviour(result.spec, result.sets[0])
+    does = Behaviour(result.problem, result.sets[0])
     figure = canvas(load_and_loop, demand.current_and_voltage, does.cycles,
                     [("nominal", 1.16), ("peak", 15.0), ("no", nan), ("none", inf)], [("usable", 18.9)])  # fmt: skip
     told = {c.name: c.demand for c in result.sets[0].beside}

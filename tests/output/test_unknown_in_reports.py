@@ -14,6 +14,7 @@ from drivesizer import cli
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.operating_field import field
+from drivesizer.machine.problem import problem
 from drivesizer.output.report.figures.field import torque_speed
 from drivesizer.output.report.figures.field_panels import Panel, paper_points
 from drivesizer.output.report.lines.sets import set_row
@@ -70,7 +71,7 @@ def test_least_figures_are_unknown_in_every_table(spec, rubs_unknown, catalog):
     figures = {f.name: f.value for f in found.figures}
     for name in ("energy", "returned", "power", "joule_heat", "peak_current", "winding_temperature"):
         assert isnan(figures[name]), name
-    does = Behaviour(spec, rubs_unknown)
+    does = Behaviour(problem(spec, catalog), rubs_unknown)
     assert does.cost == "unknown" and does.heat[0] == {"title": "Copper loss, mean", "text": "unknown", "at": ""}
 
 

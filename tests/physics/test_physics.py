@@ -17,6 +17,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.profile import trapezoid
 from drivesizer.loads.course import Profile
+from drivesizer.machine.problem import problem
 from drivesizer.output.json import documents as json_documents
 from drivesizer.physics.motor_demand import at_gearhead, demands, gear_loss, peak
 from drivesizer.search.columns.candidates import Rows, candidates
@@ -179,11 +180,11 @@ ONE = SOME.replace("CONTROLLER", "'520885'")
 def test_each_check_is_that_of_its_worst_case(catalog):
     """The cases as specs of their own, one after the other, with a controller that leaves no choice."""
     spec = spec_from(LIFT + CASES + ONE)
-    sets = candidates(spec, catalog)
-    together = {c.name: c for c in evaluate(spec, catalog, sets).checks}
+    sets = candidates(problem(spec, catalog))
+    together = {c.name: c for c in evaluate(problem(spec, catalog), sets).checks}
     names, specs = zip(*spec.load_cases, strict=True)
     specs = (spec_from(LIFT + ONE), *specs[1:])  # the first one without the others
-    alone = [{c.name: c for c in evaluate(case, catalog, sets).checks} for case in specs]
+    alone = [{c.name: c for c in evaluate(problem(case, catalog), sets).checks} for case in specs]
     assert names[1:] == ("empty", "hot", "quick", "weak")
     told = set()
     for name, check in together.items():
@@ -213,9 +214,10 @@ def test_each_check_is_that_of_its_worst_case(catalog):
 def test_the_margin_is_that_of_the_worst_case_too(catalog):
     """A rise counts from the ambient of its own case: 30 K of 100 K where it is hot, not 60 K of 130 K."""
     spec = spec_from(LIFT + "cases: [{name: hot, environment: {ambient: 55 degC}}]\n" + ONE)
-    sets = candidates(spec, catalog)
-    both = next(c for c in evaluate(spec, catalog, sets).checks if c.name == "winding_temperature")
-    hot = next(c for c in evaluate(spec.load_cases[1][1], catalog, sets).checks if c.name == "winding_temperature")
+    sets = candidates(problem(spec, catalog))
+    both = next(c for c in evaluate(problem(spec, catalog), sets).checks if c.name == "winding_temperature")
+    warm = problem(spec.load_cases[1][1], catalog)
+    hot = next(c for c in evaluate(warm, sets).checks if c.name == "winding_temperature")
     in_heat = (both.case == 1) & np.isfinite(hot.demand)
     assert in_heat.sum() > 10
     assert both.margin[in_heat] == pytest.approx(hot.margin[in_heat], rel=1e-9)
@@ -301,9 +303,9 @@ def test_margins_move_the_status_exactly_at_the_limit(margin, names, catalog):
     plain = LIFT.replace("margins: {torque: 6 %, speed: 3 %, temperature: 9 %}\n", "")
     chosen = "select: {motor: {part: 148867}, gearhead: {part: '203119'}, controller: {part: '520885'}}\n"
     spec = spec_from(plain + chosen)
-    sets = candidates(spec, catalog)
+    sets = candidates(problem(spec, catalog))
     assert len(sets.motor) == 1
-    was = {c.name: c for c in evaluate(spec, catalog, sets).checks}
+    was = {c.name: c for c in evaluate(problem(spec, catalog), sets).checks}
     seen = 0
     for name in names:
         room = float(was[name].margin[0])
@@ -312,7 +314,7 @@ def test_margins_move_the_status_exactly_at_the_limit(margin, names, catalog):
         seen += 1
         for share, passes in ((1 - 1e-9, True), (1 + 1e-9, False)):
             more = f"margins: {{{margin}: {room * share!r}}}\n"
-            check = {c.name: c for c in evaluate(spec_from(plain + more + chosen), catalog, sets).checks}[name]
+            check = {c.name: c for c in evaluate(problem(spec_from(plain + more + chosen), catalog), sets).checks}[name]
             assert bool(check.passed[0]) == passes, (name, share)
             assert bool(check.failed[0]) != passes, (name, share)
             assert check.demand == pytest.approx(was[name].demand)
@@ -357,7 +359,7 @@ def front_by_hand(columns):
      ("price", "mass")],
 )  # fmt: skip
 def test_the_front_is_what_nobody_beats(names, catalog):
-    found = search(spec_from(BOTH), catalog, top=10**6, objective="mass", misses=0, pareto=names)
+    found = search(problem(spec_from(BOTH), catalog), top=10**6, objective="mass", misses=0, pareto=names)
     figures = figures_of(found, catalog)
     columns = [figures[name].tolist() for name in names]
     expected = front_by_hand(columns)
@@ -391,7 +393,7 @@ def test_a_front_without_rejected_sets(catalog):
 def test_weighted_objectives(text, catalog):
     """Shares of the smallest value that any set has, times their weights; of a margin, the share that is used."""
     spec, parts = spec_from(BOTH), [part.split("=") for part in text.split(",")]
-    found = search(spec, catalog, top=10**6, objective=objective_of(text), misses=0)
+    found = search(problem(spec, catalog), top=10**6, objective=objective_of(text), misses=0)
     figures = figures_of(found, catalog)
     total, missing = np.zeros(found.standing), np.zeros(found.standing)
     for name, weight in parts:
@@ -406,7 +408,7 @@ def test_weighted_objectives(text, catalog):
 
 @pytest.mark.parametrize("objective", ["mass", "energy", "peak_current", "winding_temperature", "margin", "length"])
 def test_single_objectives(objective, catalog):
-    found = search(spec_from(BOTH), catalog, top=10**6, objective=objective, misses=0)
+    found = search(problem(spec_from(BOTH), catalog), top=10**6, objective=objective, misses=0)
     column = figures_of(found, catalog)[objective]
     keys = list(
         zip(
@@ -434,13 +436,13 @@ def test_the_same_bytes_twice(catalog):
 def test_what_is_unknown_of_gearhead_and_friction_may_fail_a_set_but_not_pass_it(spec, catalog):
     """Left out, an inertia or a friction that could only ask for more gives least demands."""
     physics = spec.model_copy(update={"method": "physics"})
-    rows = candidates(physics, catalog)
-    plain = {c.name: c for c in evaluate(physics, catalog, rows).checks}
+    rows = candidates(problem(physics, catalog))
+    plain = {c.name: c for c in evaluate(problem(physics, catalog), rows).checks}
     for table, figure in (("gearheads", "inertia"), ("motors", "no_load_current")):
         parts = getattr(catalog, table)
         columns = dict(parts.columns) | {figure: np.full(len(parts), np.nan)}
         blind = replace(catalog, **{table: replace(parts, columns=columns)})
-        found = {c.name: c for c in evaluate(physics, blind, rows).checks}
+        found = {c.name: c for c in evaluate(problem(physics, blind), rows).checks}
         for name in ("motor_nominal_current", "controller_peak_current"):
             assert (found[name].demand <= plain[name].demand * (1 + 1e-12)).all()
             assert (found[name].demand > 0.5 * plain[name].demand).all()

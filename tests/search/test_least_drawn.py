@@ -9,12 +9,11 @@ import pytest
 from forty_motors import MOTORS, catalogue
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.platform_wheels import on_wheels
 from drivesizer.machine.budgets import with_budget
+from drivesizer.machine.problem import problem
 from drivesizer.search import machine_filter, search
 from drivesizer.search.columns.candidates import pairs
 from drivesizer.search.columns.evaluation import by_physics
-from drivesizer.search.columns.stages import problem
 from drivesizer.search.least_drawn import least_power
 from drivesizer.search.set_record import drive_set
 from drivesizer.sizing import load_parts, size
@@ -51,9 +50,9 @@ def machine(tmp_path):
 
 def every_record(spec):
     """Each set in full with its own budget, one by one, in the order of their mass."""
-    catalog = load_parts(spec)
-    found = by_physics(problem(spec, catalog), pairs(spec, catalog), True)
-    return [with_budget(spec, catalog, drive_set(found, row, 0, "mass")) for row in range(len(found.controller))]
+    given = problem(spec, load_parts(spec))
+    found = by_physics(given, pairs(given), True)
+    return [with_budget(given, drive_set(found, row, 0, "mass")) for row in range(len(found.controller))]
 
 
 @pytest.mark.parametrize(("hours", "peak"), [(10, 50), (14, 50), (12, 9.5), (30, 50)])
@@ -63,8 +62,8 @@ def test_sets_and_counts_are_those_of_every_set_judged_by_itself(machine, monkey
         monkeypatch.setattr(module, name, value)
     monkeypatch.setattr(machine_filter, "_MORE", 2)
     spec = machine(hours, peak)
-    catalog, stand, fell, by = load_parts(spec), [], [], Counter()
-    least = least_power(problem(spec, catalog), 0, pairs(spec, catalog))
+    given, stand, fell, by = problem(spec, load_parts(spec)), [], [], Counter()
+    least = least_power(given, 0, pairs(given))
     for one, power in zip(every_record(spec), least, strict=True):
         if len(stand) == 3:
             break
@@ -87,8 +86,9 @@ def test_least_power_by_hand(machine):
     """
     spec = machine(10, 50)
     catalog = load_parts(spec)
-    sets = pairs(spec, catalog)
-    found = least_power(problem(spec, catalog), 0, sets)
+    given = problem(spec, catalog)
+    sets = pairs(given)
+    found = least_power(given, 0, sets)
     w, load, J = 1200 * math.pi / 30, 0.3 * (1200 / 1500) ** 2, 200e-4 + 900e-7
     for row in (0, 5, 39):
         rub = 0.098 * idle_current(int(catalog.motors["part"][sets.motor[row]][1:]))
@@ -103,13 +103,14 @@ def test_least_power_by_hand(machine):
 def test_no_set_draws_less_than_its_least_power(name):
     """Drawn less returned by the waveform, of all wheels of a platform; some sets give back, some run away."""
     text = (resources.files("drivesizer.spec") / "starters" / f"{name}.yaml").read_text(encoding="utf-8")
-    spec = on_wheels(read_spec(YamlSource(text, f"{name}.yaml")))
-    catalog = load_parts(spec)
-    given, every = problem(spec, catalog), pairs(spec, catalog)
+    spec = read_spec(YamlSource(text, f"{name}.yaml"))
+    given = problem(spec, load_parts(spec))
+    every = pairs(given)
     some = every.on(np.random.default_rng(4).permutation(len(every.motor))[:300])
     figures = by_physics(given, some, True).figures
-    wheels = given.machines[0]
-    least = sum(given.specs[n].load.alike * least_power(given, n, some) for n in wheels) * given.bases[0].cycle.total
+    cases = given.cases
+    least = sum(cases[n].spec.load.alike * least_power(given, n, some) for n in given.machine_cases[0])
+    least = least * cases[0].cycle.total
     drawn = figures["energy"] - (1 - spec.supply.regeneration) * figures["returned"]
     known = ~np.isnan(least)
     assert known.sum() > 50

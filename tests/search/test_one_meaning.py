@@ -12,7 +12,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json import reliability as contract
 from drivesizer.output.report.lines.reliability import _set as sure_row
 from drivesizer.results.check_columns import at_most
-from drivesizer.search.columns.stages import doubted
+from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.simulate import validate
 from drivesizer.sizing import explained
@@ -23,7 +23,7 @@ def test_a_check_that_is_unknown_has_no_margin():
     """A least demand below its limit may fail, once all of it is known: 10 of 20 A tell nothing, 30 of 20 A do."""
     column = at_most("controller_peak_current", np.array([10.0, 30.0]), np.array([20.0, 20.0]))
     assert column.margin == pytest.approx([1.0, -1 / 3])
-    (open_,) = doubted([column], np.array([False, False]))
+    (open_,) = unknown_where_doubtful([column], np.array([False, False]))
     assert math.isnan(open_.margin[0]) and open_.margin[1] == pytest.approx(-1 / 3)
     assert [open_.at(k, "physics").status for k in (0, 1)] == ["unknown", "fail"]
 

@@ -3,15 +3,16 @@
 import numpy as np
 from starters import starter
 
+from drivesizer.machine.problem import problem
 from drivesizer.search.columns.candidates import pairs
-from drivesizer.search.columns.stages import examine, problem
+from drivesizer.search.columns.stages import examine
 
 BELTS = (1.0, 1.37, 2.2)
 
 
 def test_belts_together_are_what_each_is_alone(tmp_path, catalog):
     given = problem(starter("hoist", tmp_path), catalog)
-    every = pairs(given.spec, catalog)
+    every = pairs(given)
     for staged, exact, sets in ((True, False, every), (False, True, every.on(slice(0, len(every.motor), 4001)))):
         together = list(examine(given, [(belt, sets) for belt in BELTS], staged=staged, exact=exact))
         alone = [one for belt in BELTS for one in examine(given, [(belt, sets)], staged=staged, exact=exact)]

@@ -14,8 +14,9 @@ from scipy import stats
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.energy_budget import energy_budget
+from drivesizer.machine.problem import problem
+from drivesizer.machine.supply_power import drive_power
 from drivesizer.search.columns.evaluation import Evaluation
-from drivesizer.search.columns.stages import problem
 from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_set
 from drivesizer.search.uncertainty.options import Sampling
@@ -63,7 +64,7 @@ def parts(plain: str) -> Catalog:
 
 
 def _best(spec: RobotSpec, parts: Catalog, count: int) -> Evaluation:
-    return search(spec, parts, top=count, objective="mass", misses=0).evaluation
+    return search(problem(spec, parts), top=count, objective="mass", misses=0).evaluation
 
 
 # --- closed forms ----------------------------------------------------------------------------------------------------
@@ -83,7 +84,7 @@ def test_one_normal_figure_against_one_limit(plain: str, parts: Catalog) -> None
     for seed in range(20):
         given = assumptions(spec)
         drawn = sample(given, 4096, seed)
-        result = examined(prepared(spec, given, drawn.values), parts, [one])[0].reliability
+        result = examined(prepared(problem(spec, load_parts(spec)), given, drawn.values), parts, [one])[0].reliability
         exact = 1.0 - stats.truncnorm(-4.0, 4.0).cdf(-0.2 / 0.25)
         passes = next(check.passes for check in result.checks if check.name == "supply_voltage")
         off.append(abs(passes - exact) / max(result.error, 1.0 / drawn.size))
@@ -156,7 +157,7 @@ def test_what_does_not_vary_has_no_indices() -> None:
 def test_fitted_load_cycles_are_those_that_are_computed(plain: str) -> None:
     spec = _read(plain, MOVED)
     given = assumptions(spec)
-    ready = prepared(spec, given, sample(given, 4096, 2).values)
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 4096, 2).values)
     (case,) = ready.cases
     assert case.cycles.size == 4096 and 0.0 < case.cycles.fitted <= 1e-6 and case.cycles.computed < 1500
     for row in range(0, 4096, 64):
@@ -168,7 +169,7 @@ def test_fitted_load_cycles_are_those_that_are_computed(plain: str) -> None:
 
 
 def _cycle(spec: RobotSpec, given: Any, values: Any) -> Any:
-    return problem(machine_of(spec, given, values), load_parts(spec)).bases[0].cycle
+    return problem(machine_of(spec, given, values), load_parts(spec)).cases[0].cycle
 
 
 def test_cycles_of_another_structure_are_each_computed() -> None:
@@ -176,7 +177,7 @@ def test_cycles_of_another_structure_are_each_computed() -> None:
     text = _SMALL.replace("kind: ball_screw", "kind: ball_screw, incline: 0 deg +- 30 deg, friction_coefficient: 0.1")
     spec = read_spec(YamlSource(text, "robot.yaml"))
     given = assumptions(spec)
-    ready = prepared(spec, given, sample(given, 2048, 1).values)
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 2048, 1).values)
     cycles = ready.cases[0].cycles
     assert cycles.fitted == 0.0 and cycles.size == 1024 == len(ready.values)
     for row in (0, 300, 1000, 1023):
@@ -189,7 +190,7 @@ def test_cycles_of_another_structure_are_each_computed() -> None:
 def test_figures_that_shape_nothing_leave_one_cycle() -> None:
     spec = read_spec(YamlSource(_SMALL.replace(" +- 4 kg", "").replace(" +- 0.03", ""), "robot.yaml"))
     given = assumptions(spec)
-    assert prepared(spec, given, sample(given, 512, 1).values).cases[0].cycles.size == 1
+    assert prepared(problem(spec, load_parts(spec)), given, sample(given, 512, 1).values).cases[0].cycles.size == 1
 
 
 # --- brute force -----------------------------------------------------------------------------------------------------
@@ -199,7 +200,7 @@ def test_samples_are_what_the_plain_evaluation_says(plain: str, parts: Catalog) 
     """200 samples of 100 sets, each check's demand, limit and verdict: the same to 1e-5, windings to 1e-3."""
     spec = _read(plain, MOVED)
     given = assumptions(spec)
-    ready = prepared(spec, given, sample(given, 4096, 3).values)
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 4096, 3).values)
     found = _best(spec, parts, 100)
     rng, seen = np.random.default_rng(1), 0
     (block,) = blocks(ready, parts, [1.1])
@@ -227,7 +228,7 @@ def test_a_figure_that_the_catalogue_lacks_is_unknown_in_samples_as_in_the_plain
     """Each figure of a set's parts hidden, one after the other."""
     spec = _read(plain, MOVED)
     given = assumptions(spec)
-    ready = prepared(spec, given, sample(given, 256, 3).values)
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 256, 3).values)
     one = subject(_best(spec, parts, 1), 0).rows
     table, row = parts.table(section), getattr(one, section.removesuffix("s"))
     known = [name for name, column in table.columns.items() if column.dtype.kind == "f" and column[row] == column[row]]
@@ -253,9 +254,9 @@ def _lasts(
     moved = machine_of(spec, given, values)
     assert moved.battery
     record = drive_set(plainly, 0, 1, "mass")
-    budget = {
-        check.name: check for check in energy_budget(moved, record, moved.battery, moved.equipment, catalog).checks
-    }
+    power = drive_power(moved, record)
+    found = energy_budget(moved, record, moved.battery, moved.equipment, catalog, power)
+    budget = {check.name: check for check in found.checks}
     for name in checks:
         for side in ("demand", "limit"):
             column = np.broadcast_to(getattr(got[name], side), size)
@@ -288,7 +289,7 @@ def test_a_battery_and_what_it_feeds_are_sampled_figure_by_figure(plain: str, pa
     own = f"battery: {{{BATTERIES[battery]}, usable: 0.8 +- 0.1, range: 2 km +- 0.5 km, peak_current: 60 A +- 20 A}}\n"
     spec = _read(text, {"mass: 45 kg ": "mass: 45 kg +- 3 kg "}, own + EQUIPMENT)
     given = assumptions(spec)
-    ready = prepared(spec, given, sample(given, 512, 3).values)
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 512, 3).values)
     assert not {one.name for one in unused(ready)}
     (block,) = blocks(ready, parts, [1.1])
     one = subject(_best(spec, parts, 1), 0).rows
@@ -310,7 +311,7 @@ def test_load_cases_share_what_they_do_not_replace(plain: str, parts: Catalog) -
     names = [one.name for one in given][:3]
     assert names == ["load.mass", "load.rolling_resistance", "cases[1].load.mass"]
     assert [sorted(case_paths(spec, number)) for number in (None, 0, 1)] == [[0, 1], [1, 2], [0, 1]]
-    ready = prepared(spec, given, sample(given, 512, 1).values)
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 512, 1).values)
     one = subject(_best(spec, parts, 3), 0).rows
     (block,) = blocks(ready, parts, [1.1])
     got = checks_of(parts, one, block)
@@ -320,7 +321,7 @@ def test_load_cases_share_what_they_do_not_replace(plain: str, parts: Catalog) -
         for number, (_, case) in enumerate(spec.load_cases):
             paths = case_paths(spec, number - 1 if number else None)
             moved = applied(case, {path: ready.values[row, k] - given[k].nominal for k, path in paths.items()})
-            each.append(problem(moved, parts).bases[0].behind(1.1).peak_torque)
+            each.append(problem(moved, parts).cases[0].at_belt.behind(1.1).peak_torque)
         assert torque[row] == pytest.approx(max(each), rel=1e-6)
 
 
@@ -333,7 +334,12 @@ def _told(plain: str, parts: Catalog, seed: int, processes: int) -> str:
     drawn = sample(given, 1024, seed)
     found = _best(_read(plain, {}), parts, 8)
     some = [subject(found, row) for row in range(8)]
-    return repr([one.reliability for one in examined(prepared(spec, given, drawn.values), parts, some, processes)])
+    return repr(
+        [
+            one.reliability
+            for one in examined(prepared(problem(spec, load_parts(spec)), given, drawn.values), parts, some, processes)
+        ]
+    )
 
 
 def test_the_same_seed_gives_the_same_figures_on_one_process_and_on_four(plain: str, parts: Catalog) -> None:
@@ -403,7 +409,7 @@ def test_cycles_of_few_samples_are_each_computed(plain: str) -> None:
 
     def make(values: Any) -> Any:
         calls.append(values)
-        return problem(_read(plain, {}), load_parts(_read(plain, {}))).bases[0].cycle
+        return problem(_read(plain, {}), load_parts(_read(plain, {}))).cases[0].cycle
 
     found = cycles_of(make, np.zeros(1), np.zeros((3, 1)))
     assert found.size == 3 and len(calls) == 4

@@ -25,6 +25,7 @@ from drivesizer.catalog.schema import catalog_schema
 from drivesizer.catalog.search_view import split_actuators
 from drivesizer.errors import CatalogError
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.machine.problem import problem
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.report.lines import reliability as reliability_lines
 from drivesizer.output.report.table import reliability_rows
@@ -104,15 +105,16 @@ def makers() -> Catalog:
 
 def _sampled(spec: RobotSpec, catalog: Catalog, processes: int = 1) -> tuple[Judged, dict[str, int]]:
     """All sets of a catalogue over samples, with their rows by the motor's number."""
-    found = search(spec, catalog, top=9, objective="mass", misses=0).evaluation
+    given = problem(spec, catalog)
+    found = search(given, top=9, objective="mass", misses=0).evaluation
     rows = range(len(found.candidates.motor))
-    result = judged(spec, catalog, {row: subject(found, row) for row in rows}, Sampling(4096, 1, None, processes))
+    result = judged(given, {row: subject(found, row) for row in rows}, Sampling(4096, 1, None, processes))
     return result, {str(catalog.motors["part"][found.candidates.motor[row]]): row for row in rows}
 
 
 def _needed(spec: RobotSpec, catalog: Catalog) -> float:
     """The least factor of the torque constant with which the motor's current is permitted: it falls as 1 / k_t."""
-    found = search(spec, catalog, top=1, objective="mass", misses=0).evaluation
+    found = search(problem(spec, catalog), top=1, objective="mass", misses=0).evaluation
     check = next(one for one in found.checks if one.name == "motor_nominal_current")
     return float(check.demand[0] / check.limit[0])
 

@@ -10,8 +10,8 @@ import pytest
 
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.platform_wheels import on_wheels
 from drivesizer.machine.budgets import with_budget
+from drivesizer.machine.problem import problem
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.search import search
@@ -55,32 +55,26 @@ def parts() -> Catalog:
 
 @pytest.fixture(scope="module")
 def ready() -> Prepared:
-    spec = on_wheels(_read(MOVED))
+    spec = _read(MOVED)
     given = assumptions(spec)
-    return prepared(spec, given, sample(given, 64, 1).values)
-
-
-def _best(parts: Catalog, spec: RobotSpec) -> SetRows:
-    return subject(search(spec, parts, top=1, objective="mass").evaluation, 0).rows
+    return prepared(problem(spec, load_parts(spec)), given, sample(given, 64, 1).values)
 
 
 def _plainly(ready: Prepared, parts: Catalog, one: SetRows, values: Any) -> Any:
     """One sample: the machine with its figures, taken apart into wheels anew; the checks of set and battery."""
-    whole = ready.spec.whole
-    moved = on_wheels(applied(whole, {g.given.path: v - g.nominal for g, v in zip(ready.given, values, strict=True)}))
+    machine = ready.problem.machine
+    moved = applied(machine, {g.given.path: v - g.nominal for g, v in zip(ready.given, values, strict=True)})
     mine = ControllerChoice(part=[str(parts.controllers["part"][one.controller])])
     select = moved.select.model_copy(update={"controller": mine})
-    moved = moved.with_cases(
-        moved.load_cases[0][0], [(n, c.model_copy(update={"select": select})) for n, c in moved.load_cases[1:]], moved
-    ).model_copy(update={"select": select})
+    given = problem(moved.model_copy(update={"select": select}), parts)
     only = Candidates(np.array([one.motor]), np.array([one.gearhead]), np.array([one.belt]), np.array([True]))
-    record = drive_set(evaluate(moved, parts, only), 0, 1, "mass")
-    return {check.name: check for check in with_budget(moved, parts, record).every_check}
+    record = drive_set(evaluate(given, only), 0, 1, "mass")
+    return {check.name: check for check in with_budget(given, record).every_check}
 
 
 def test_samples_are_what_the_plain_evaluation_says(ready: Prepared, parts: Catalog) -> None:
     """Every check of the drive at its worst wheel, and how long the battery lasts: the same to 1e-4."""
-    one = _best(parts, ready.spec)
+    one = subject(search(ready.problem, top=1, objective="mass").evaluation, 0).rows
     (block,) = blocks(ready, parts, [one.belt])
     got = checks_of(parts, one, block)
     assert {"battery_autonomy", "gearhead_intermittent_torque", "traction"} <= set(got)
@@ -103,10 +97,10 @@ def test_a_slope_tells_wheels_apart_that_are_alike_on_the_level() -> None:
     straight = "    - {x: 8 m, y: 3 m, heading: 0 deg, pause: 10 s}       # sideways, then loading\n"
     turn = "    - {x: 0 m, y: 0 m, heading: 180 deg}\n"
     across = {"  centre_of_mass:": "  uphill: 90 deg\n  centre_of_mass:"}
-    spec = on_wheels(_read({straight: "", turn: "", "# slope: 2 deg ": "slope: 0 deg +- 3 deg "} | across))
-    assert [case.load.alike for _, case in spec.load_cases] == [4]
-    given = assumptions(spec)
-    ready = prepared(spec, given, np.array([[0.0], [0.05]]))
+    spec = _read({straight: "", turn: "", "# slope: 2 deg ": "slope: 0 deg +- 3 deg "} | across)
+    level = problem(spec, load_parts(spec))
+    assert [case.spec.load.alike for case in level.cases] == [4]
+    ready = prepared(level, assumptions(spec), np.array([[0.0], [0.05]]))
     squares = [(case.cycles.torque**2).sum(axis=(0, 1)) for case in ready.cases]
     level, steep = ({f"{square[k]:.6g}" for square in squares} for k in (0, 1))
     assert len(squares) == 4 and len(level) == 1 and len(steep) == 4
@@ -116,10 +110,10 @@ def test_long_ways_are_sampled_less_often(monkeypatch: pytest.MonkeyPatch) -> No
     """Then each sample still has the load cycle that its values make."""
     monkeypatch.setattr(sampled_load_cycles, "_CELLS", 0)
     monkeypatch.setattr(sampled_load_cycles, "_LONGEST", 0)
-    spec = on_wheels(_read({"mass: 60 kg ": "mass: 60 kg +- 5 kg "}))
+    spec = _read({"mass: 60 kg ": "mass: 60 kg +- 5 kg "})
     given = assumptions(spec)
     drawn = sample(given, 512, 1)
-    ready = prepared(spec, given, drawn.values)
+    ready = prepared(problem(spec, load_parts(spec)), given, drawn.values)
     assert len(ready.values) == sampled_load_cycles._FEWEST == 32
     assert all(case.cycles.size == 32 for case in ready.cases)
     np.testing.assert_array_equal(ready.values.reshape(8, 4, -1), drawn.values.reshape(8, 64, -1)[:, :4])

@@ -14,6 +14,7 @@ import drivesizer
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.machine.problem import problem
 from drivesizer.search.search import search
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.prepare import blocks, prepared
@@ -61,15 +62,15 @@ def test_every_figure_of_a_starter_may_be_off(path: Path) -> None:
     result = size(spec, top=1, sampling=Sampling(32, 1, None))
     (one,) = result.sets
     assert one.reliability and 0.0 <= one.reliability.probability <= 1.0
-    if not isinstance(result.spec.load, WheelLoad) and len(spec.load_cases) == 1:
+    if not isinstance(result.problem.spec.load, WheelLoad) and len(spec.load_cases) == 1:
         _as_evaluated(spec)
 
 
 def _as_evaluated(spec: RobotSpec) -> None:
     given: Any = assumptions(spec)
     parts = load_parts(spec)
-    ready = prepared(spec, given, sample(given, 64, 3).values)
-    found, seen = search(spec, parts, top=3, objective=spec.select.objective, misses=0).evaluation, 0
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 64, 3).values)
+    found, seen = search(problem(spec, parts), top=3, objective=spec.select.objective, misses=0).evaluation, 0
     for place in range(len(found.candidates.motor)):
         one = subject(found, place).rows
         (block,) = blocks(ready, parts, [one.belt])

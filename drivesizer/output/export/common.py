@@ -24,7 +24,7 @@ from drivesizer.control.loop_design import designed
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.load_cases.at_shaft import asked_of, at_shaft, remaining_torque
-from drivesizer.load_cases.platform_wheels import on_wheels
+from drivesizer.load_cases.platform_wheels import load_cases
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.lever import Lever
 from drivesizer.machine.set_cycle import set_cycle, warming
@@ -152,7 +152,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
     Parameters
     ----------
     spec
-        The machine; of a platform on its way the first of its load cases, a wheel.
+        The machine; of a platform on its way the first of its load cases counts, a wheel.
     found
         The set.
 
@@ -161,7 +161,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
     InputError
         When a figure is unknown without which nothing moves, or ``control`` asks for what no controller can do.
     """
-    spec = on_wheels(spec)
+    (_, case, spec), *_ = load_cases(spec)
     known = found.motor.rotor_inertia > 0.0
     train, controller, said = designed(spec, found) if known else _without_rotor(spec, found)
     usable, motor = usable_in(spec.supply.lowest, found.controller), asdict(found.motor)
@@ -189,7 +189,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
         lever=lever,
         gravity=spec.environment.gravity,
         cycle=_cycle(spec, train, lever),
-        said=(*said, *_whose(spec)),
+        said=(*said, *_whose(case, spec)),
     )
 
 
@@ -201,11 +201,11 @@ def _without_rotor(spec: RobotSpec, found: DriveSet) -> tuple[DriveTrain, None, 
     return replace(train, motor_inertia=nan), None, [*said, lacking]
 
 
-def _whose(spec: RobotSpec) -> list[str]:
+def _whose(case: str, spec: RobotSpec) -> list[str]:
     """Which wheel's motion and load these are, where wheels have their own."""
     if not isinstance(spec.load, WheelLoad):
         return []
-    return [f"motion and load are those of {spec.load_cases[0][0]}; the other wheels have their own"]
+    return [f"motion and load are those of {case}; the other wheels have their own"]
 
 
 def _named(part: Any) -> str:

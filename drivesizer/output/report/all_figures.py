@@ -7,7 +7,6 @@ from math import isfinite, nan
 
 import drivesizer.output.report.figures.load_and_loop as figures
 from drivesizer.control.validation import Validation
-from drivesizer.load_cases import load_cycle
 from drivesizer.output.report.figures.battery import battery, is_known
 from drivesizer.output.report.figures.bode_and_step import bode, step
 from drivesizer.output.report.figures.field import torque_speed
@@ -55,9 +54,9 @@ def report_drawings(
         ``tornado``; ``loop``, ``bode`` and ``step``.
     """
     best = result.shown
-    cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
+    cycles = [(case.name, case.cycle) for case in result.problem.cases]
     made: dict[str, Drawing] = {}
-    over_time = wheels_over_time if first_wheel(result.spec) else figures.load_over_time
+    over_time = wheels_over_time if first_wheel(result.problem) else figures.load_over_time
     if ways_of(result.spec):
         made["way"] = lambda form: plan_view(result.spec, form)
     made["profile"] = lambda form: speed_profile(result.spec, form)
@@ -69,7 +68,7 @@ def report_drawings(
         drivers = certain.reliability.drivers
         made["tornado"] = lambda form: tornado(drivers, form=form)
     if best:
-        made |= _of_set(result, best, does or Behaviour(result.spec, best))
+        made |= _of_set(result, best, does or Behaviour(result.problem, best))
     if validation:
         made |= {"loop" if name == "closed_loop" else name: draw for name, draw in loop_drawings(validation).items()}
     return made
@@ -77,7 +76,7 @@ def report_drawings(
 
 def _of_set(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, Drawing]:
     """The figures of a set: what hangs on figures that the catalogue does not know is left out."""
-    fields = panels(result.spec, best, result.requirements)
+    fields = panels(result.problem, best, result.requirements)
     made: dict[str, Drawing] = {"margins": lambda form: margins(best.every_check, form)}
     if fields:
         made["field"] = lambda form: torque_speed(fields, form)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any
 
 from drivesizer.control.validation import Validation
-from drivesizer.load_cases import load_cycle
 from drivesizer.output.datasheet import datasheets
 from drivesizer.output.derivation import step
 from drivesizer.output.loop_table import gain, gain_rows, linear
@@ -70,18 +69,19 @@ def document(
 def _content(
     result: SizingResult, validation: Validation | None, best: DriveSet | None, does: Behaviour | None
 ) -> dict[str, Any]:
-    cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
-    fields = panels(result.spec, best, result.requirements) if best else []
+    cases = result.problem.cases
+    cycles = [(case.name, case.cycle) for case in cases]
+    fields = panels(result.problem, best, result.requirements) if best else []
     return {
         "name": result.spec.name,
         "what": machine_words(result.spec),
         "version": __version__,
         "method": result.method,
         "objective": result.objective.replace("_", " "),
-        "place": "wheel" if result.spec.whole.load.kind == "wheeled_vehicle" else "load's shaft",
+        "place": "wheel" if result.spec.load.kind == "wheeled_vehicle" else "load's shaft",
         "paper": result.method == "paper",
-        "wheel": first_wheel(result.spec),
-        "cases": [name for name, _ in result.spec.load_cases if name],
+        "wheel": first_wheel(result.problem),
+        "cases": [case.name for case in cases if case.name],
         "catalogs": [[name, digest] for name, digest in result.catalog.digests.items()],
         "file": result.spec.file.replace("\\", "/").rsplit("/", 1)[-1],
         "standing": standing(result),
@@ -132,8 +132,8 @@ def _energy_of(result: SizingResult) -> str:
     """Of what the energy of a cycle is the sum."""
     sets = result.spec.load.motors
     said = "of the one motor set" if sets == 1 else f"of all {sets} motor sets"
-    several = ", as specified" if len(result.spec.load_cases) > 1 else ""
-    return f"out of the supply, {said}" + (", each at its wheel" if first_wheel(result.spec) else several)
+    several = ", as specified" if len(result.problem.cases) > 1 else ""
+    return f"out of the supply, {said}" + (", each at its wheel" if first_wheel(result.problem) else several)
 
 
 def _spec(entered: dict[str, Any]) -> list[dict[str, Any]]:

@@ -74,7 +74,7 @@ def report_pdf(
     if paper not in PAPERS:
         raise InputError(f"paper {quoted(paper)} is not known; expected {' or '.join(PAPERS)}")
     shown = result.shown
-    does = Behaviour(result.spec, shown) if shown else None
+    does = Behaviour(result.problem, shown) if shown else None
     content = document(result, validation, does, paper, date)
     drawings = report_drawings(result, validation, does)
     drawn = {name: draw("typeset") for name, draw in drawings.items() if name not in IN_TABLES}

@@ -20,7 +20,7 @@ from drivesizer.output.report.lines.machine import first_wheel
 from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
 from drivesizer.physics.usable_voltage import usable_in
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.spec.robot import RobotSpec
+from drivesizer.results.problem import Problem
 from drivesizer.units import show
 
 __all__ = ["Behaviour"]
@@ -39,15 +39,15 @@ def _summed(cycles: Sequence[tuple[str, SetCycle]]) -> EnergyFlow:
 
 
 class Behaviour:
-    """A set over the load cycles of a spec."""
+    """A drive over the load cycles of a machine."""
 
-    def __init__(self, spec: RobotSpec, drive_set: DriveSet) -> None:
-        self.spec, self.drive_set = spec, drive_set
+    def __init__(self, problem: Problem, drive_set: DriveSet) -> None:
+        self.problem, self.spec, self.drive_set = problem, problem.spec, drive_set
 
     @cached_property
     def cycles(self) -> list[tuple[str, SetCycle]]:
         """The set over each load case, by name."""
-        return [(name, set_cycle(case, self.drive_set)) for name, case in self.spec.load_cases]
+        return [(case.name, set_cycle(case.spec, self.drive_set, case.at_belt)) for case in self.problem.cases]
 
     @property
     def specified(self) -> SetCycle:
@@ -57,7 +57,7 @@ class Behaviour:
     @cached_property
     def energy(self) -> EnergyFlow:
         """The account of the cycle as specified; of a platform on its way the sum over its wheels."""
-        return _summed(self.cycles) if first_wheel(self.spec) else energy_flow(self.specified)
+        return _summed(self.cycles) if first_wheel(self.problem) else energy_flow(self.specified)
 
     @cached_property
     def known(self) -> bool:
@@ -81,7 +81,7 @@ class Behaviour:
         """Winding and housing in the hottest case."""
         assert self.hottest is not None
         name, found = self.hottest
-        ambient = dict(self.spec.load_cases)[name].environment.ambient
+        ambient = next(case.spec for case in self.problem.cases if case.name == name).environment.ambient
         return temperatures(found, ambient, self.drive_set.motor.max_winding_temperature, form)
 
     def demand(self, form: Form) -> bytes:

@@ -38,7 +38,7 @@ def sizing(result: SizingResult, *, quiet: bool = False) -> None:
     console = tables.console()
     tables.heading(console, result.spec.name, f"method: {result.method}")
     if not quiet:
-        place = "wheel" if result.spec.whole.load.kind == "wheeled_vehicle" else "load"
+        place = "wheel" if result.spec.load.kind == "wheeled_vehicle" else "load"
         console.print(tables.requirements(result.requirements, f"Requirements at the {place}"))
     if result.sets:
         _chosen(console, result, result.sets[0], "The drive: ", quiet=quiet)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog, Table
+from drivesizer.results.problem import Problem
 from drivesizer.search.columns.controllers import selected
-from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["Candidates", "Rows", "candidates", "joined", "pairs"]
 
@@ -61,16 +61,22 @@ class Rows:
         return Rows(self.table, self.rows[rows])
 
 
-def pairs(spec: RobotSpec, catalog: Catalog, also: tuple[int, int] | None = None) -> Candidates:
-    """Every listed pair of motor and gearhead that the spec allows, without a belt; every motor where it names none.
+def pairs(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:
+    """Every listed combination of motor and gearhead that the spec allows, without a belt.
 
     Parameters
     ----------
-    spec, catalog
-        What is asked for, and what there is.
+    problem
+        The spec, and the catalogues.
     also
-        Rows of a motor and a gearhead that are looked at even when no source lists the pair.
+        Rows of a motor and a gearhead that are examined even when no source lists the combination.
+
+    Returns
+    -------
+    Candidates
+        With a belt ratio of 1.
     """
+    spec, catalog = problem.spec, problem.catalog
     left, right = _alone(catalog) if spec.is_direct else catalog.motor_gearhead[:2]
     keep = selected(catalog.motors, spec.select.motor)[left]
     keep &= selected(catalog.gearheads, spec.select.gearhead)[right]
@@ -88,8 +94,21 @@ def _alone(catalog: Catalog) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return motor, np.full(len(motor), catalog.gearheads.rows[DIRECT])
 
 
-def candidates(spec: RobotSpec, catalog: Catalog, also: tuple[int, int] | None = None) -> Candidates:
-    """Every pair of :func:`pairs` with every belt ratio of the spec."""
-    found, belts = pairs(spec, catalog, also), np.array(spec.belt_ratios)
+def candidates(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:
+    """Every combination of :func:`pairs` with every belt ratio of the problem.
+
+    Parameters
+    ----------
+    problem
+        The spec, and the catalogues.
+    also
+        As :func:`pairs` takes it.
+
+    Returns
+    -------
+    Candidates
+        A combination's belt ratios one after the other.
+    """
+    found, belts = pairs(problem, also), np.array(problem.belt_ratios)
     every = np.repeat(np.arange(len(found.motor)), len(belts))
     return found.on(every)._replace(belt=np.tile(belts, len(found.motor)))

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.results.check_columns import CheckColumn, fits
 from drivesizer.results.check_kinds import CHECKS
+from drivesizer.results.problem import Problem
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check
 from drivesizer.search.columns import paper_method
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.controllers import controllers
 from drivesizer.search.columns.encoders import counts_check, encoders_for, offered_encoders
-from drivesizer.search.columns.stages import Examined, Problem, examine, problem
+from drivesizer.search.columns.stages import Examined, examine
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["Evaluation", "by_physics", "evaluate"]
@@ -27,8 +28,7 @@ __all__ = ["Evaluation", "by_physics", "evaluate"]
 class Evaluation(NamedTuple):
     """Everything that was computed over the candidates."""
 
-    spec: RobotSpec
-    catalog: Catalog
+    problem: Problem
     candidates: Candidates
     wheel: dict[str, Requirement]  # (1)-(16), columns where they depend on the motor; by the paper's method
     shaft: dict[str, Requirement]  # (17)-(20)
@@ -36,8 +36,16 @@ class Evaluation(NamedTuple):
     encoder: NDArray[np.int64]
     controller: NDArray[np.int64]
     figures: Mapping[str, NDArray[np.float64]]  # what objectives count beside the catalogue's figures, SI
-    cases: tuple[str, ...]  # names of the load cases
-    asked: Problem | None = None  # their load cycles, by physics
+
+    @property
+    def spec(self) -> RobotSpec:
+        """The machine in its first load case."""
+        return self.problem.spec
+
+    @property
+    def catalog(self) -> Catalog:
+        """The parts."""
+        return self.problem.catalog
 
     @property
     def failed(self) -> NDArray[np.bool_]:
@@ -53,40 +61,40 @@ class Evaluation(NamedTuple):
 
     def checks_of(self, index: int) -> tuple[Check, ...]:
         """The checks of one candidate, but for those that have no limit to it."""
+        names = tuple(case.name for case in self.problem.cases)
         return tuple(
-            check.at(index, self.spec.method, cases=self.cases)
+            check.at(index, self.spec.method, cases=names)
             for check in self.checks
             if not np.isposinf(check.limit[index])
         )
 
 
-def evaluate(
-    spec: RobotSpec, catalog: Catalog, given: Candidates, asked: Problem | None = None, *, exact: bool = True
-) -> Evaluation:
+def evaluate(problem: Problem, given: Candidates, *, exact: bool = True) -> Evaluation:
     """Every candidate's checks by the spec's method; by the paper's, with its requirements.
 
     Parameters
     ----------
-    spec, catalog, given
-        What is asked for, what there is, and the candidates.
-    asked
-        The spec with its load cycles, where they are at hand.
+    problem
+        With its load cycles and catalogues.
+    given
+        The candidates.
     exact
         Compute what needs the waveform from it; else by bounds where they decide.
+
+    Returns
+    -------
+    Evaluation
+        Columns over the candidates.
     """
-    if spec.method == "physics":
-        return by_physics(asked or problem(spec, catalog), given, exact)
+    return by_physics(problem, given, exact) if problem.spec.method == "physics" else _by_the_paper(problem, given)
+
+
+def _by_the_paper(problem: Problem, given: Candidates) -> Evaluation:
+    """The rule of section 3.1.3, and the controller by the torques of (17) and (18)."""
+    spec, catalog = problem.spec, problem.catalog
     motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
     wheel = paper_method.vehicle(spec, motor["rotor_inertia"]).steps
     shaft = paper_method.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
-    return _by_the_paper(spec, catalog, given, wheel, shaft)
-
-
-def _by_the_paper(
-    spec: RobotSpec, catalog: Catalog, given: Candidates, wheel: dict[str, Requirement], shaft: dict[str, Requirement]
-) -> Evaluation:
-    """The rule of section 3.1.3, and the controller by the torques of (17) and (18)."""
-    motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
     checks = paper_method.rule(spec, wheel, shaft, motor, gearhead, given.belt)
     gear = [check for check in checks if check.name.startswith("gearhead")]
     total = gearhead["ratio"] * given.belt
@@ -98,22 +106,32 @@ def _by_the_paper(
     encoder = encoders_for(spec, offered_encoders(spec, catalog), given.motor, speed, total)
     counted = counts_check(spec, catalog, encoder)
     checks = [fits("compatibility", True, given.listed), *checks, *controller.checks, *counted]
-    return Evaluation(spec, catalog, given, wheel, shaft, checks, encoder, controller.row, {}, ("",))
+    return Evaluation(problem, given, wheel, shaft, checks, encoder, controller.row, {})
 
 
-def by_physics(asked: Problem, given: Candidates, exact: bool) -> Evaluation:
-    """Every limit against the whole load cycle."""
-    spec, catalog = asked.spec, asked.catalog
+def by_physics(problem: Problem, given: Candidates, exact: bool) -> Evaluation:
+    """Every limit against the whole load cycle, whatever the spec's method.
+
+    Parameters
+    ----------
+    problem, given, exact
+        As :func:`evaluate` takes them.
+
+    Returns
+    -------
+    Evaluation
+        Columns over the candidates.
+    """
     belts = [np.flatnonzero(given.belt == belt) for belt in np.unique(given.belt)]
     several = [(float(given.belt[rows[0]]), given.on(rows)) for rows in belts]
-    found = list(zip(belts, examine(asked, several, staged=False, exact=exact), strict=True))
+    found = list(zip(belts, examine(problem, several, staged=False, exact=exact), strict=True))
     count = len(given.motor)
     names = found[0][1].figures if found else {}
     figures = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}
     controller = _scattered([(rows, one.controller) for rows, one in found], count, np.int64)
     encoder = _scattered([(rows, one.encoder) for rows, one in found], count, np.int64)
     checks = _in_order(found, count)
-    return Evaluation(spec, catalog, given, {}, {}, checks, encoder, controller, figures, asked.names, asked)
+    return Evaluation(problem, given, {}, {}, checks, encoder, controller, figures)
 
 
 def _scattered(parts: list[tuple[NDArray[Any], NDArray[Any]]], count: int, dtype: Any = np.float64) -> NDArray[Any]:

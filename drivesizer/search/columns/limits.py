@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, lines
+from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.belt_geometry import LEAST_IN_MESH
 from drivesizer.physics.lasting_speed import continuous_speed
 from drivesizer.physics.motor_demand import AtGearhead, Demands
@@ -40,16 +41,31 @@ __all__ = [
 Array = NDArray[np.float64]
 
 
-def load_limits(spec: RobotSpec, at: AtGearhead) -> list[CheckColumn]:
-    """Limits of the load and of the belt, the same for all candidates: columns of one figure."""
+def load_limits(spec: RobotSpec, at: AtGearhead, drive: BeltDrive | None = None) -> list[CheckColumn]:
+    """Limits of the load and of the belt, the same for all candidates.
+
+    Parameters
+    ----------
+    spec
+        The load case.
+    at
+        Its load cycle at the gearhead's output.
+    drive
+        Belt and pulleys of its ratio, where they are out of the catalogues.
+
+    Returns
+    -------
+    list
+        Columns of one figure.
+    """
     grip = spec.margins.torque
     found = [at_most(own.name, own.demand, own.limit, needed=grip, time=np.array(own.time)) for own in at.cycle.own]
-    return found + _belt_limits(spec, spec.belt, at) if spec.belt else found
+    return found + _belt_limits(spec, spec.belt, at, drive) if spec.belt else found
 
 
-def _belt_limits(spec: RobotSpec, belt: BeltStage, at: AtGearhead) -> list[CheckColumn]:
+def _belt_limits(spec: RobotSpec, belt: BeltStage, at: AtGearhead, drive: BeltDrive | None) -> list[CheckColumn]:
     """Limits of the belt of this ratio, as far as its pulleys are known."""
-    found, drive, diameter = [], belt.drive(at.belt), belt.driven_diameter(at.belt)
+    found, diameter = [], drive.driven_diameter if drive else belt.pulley_diameter
     if diameter is not None and belt.max_tension is not None:
         pull = at.load_torque / (diameter / 2)
         found.append(at_most("belt_tension", pull, belt.max_tension, needed=spec.margins.torque))

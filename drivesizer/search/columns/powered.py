@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from drivesizer.physics.motor_demand import AtGearhead, Demands
 from drivesizer.physics.stress import Heat, Parts, Stress, on, stress
 from drivesizer.results.check_columns import CheckColumn
+from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Rows
 from drivesizer.search.columns.controllers import Chosen, Speeds, controllers
 from drivesizer.search.columns.decided import decided, put
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed, line_frequency
 from drivesizer.search.columns.limits_over_time import Moments, Pair, exact, least, time_above, waveform_limits
-from drivesizer.search.columns.problem import Problem, doubted, each
+from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
 
 __all__ = ["Moving", "Powered", "powered"]
 
@@ -49,14 +50,20 @@ class Powered(NamedTuple):
 
 
 def powered(
-    given: Problem, ats: Sequence[AtGearhead], cases: Sequence[Moving], parts: Parts, *, exactly: bool
+    problem: Problem,
+    offered: Offers,
+    ats: Sequence[AtGearhead],
+    cases: Sequence[Moving],
+    parts: Parts,
+    *,
+    exactly: bool,
 ) -> Powered:
     """Controllers, and every check that hangs on current, voltage and heat.
 
     Parameters
     ----------
-    given
-        The spec and its load cycles.
+    problem, offered
+        The problem with its load cycles, and its controllers.
     ats
         The load cycles behind the belts of the candidates.
     cases, parts
@@ -64,8 +71,9 @@ def powered(
     exactly
         Compute the waveform of all; else only of those that safe bounds leave undecided.
     """
-    case = _Cases(given, ats, cases, [stress(s.environment.ambient, at, c.asked, parts.motor) for s, at, c in zip(
-        given.specs, ats, cases, strict=True)], parts, exactly)  # fmt: skip
+    ambients = [case.spec.environment.ambient for case in problem.cases]
+    under = [stress(ambient, at, c.asked, parts.motor) for ambient, at, c in zip(ambients, ats, cases, strict=True)]
+    case = _Cases(problem, offered, ats, cases, under, parts, exactly)
     for_ever = np.zeros(len(parts.motor.rows), bool)
     chosen = case.controllers([u.cold_voltage.value for u in case.under], for_ever)
     row, found = chosen.row, case.judged(chosen.row, None)
@@ -78,7 +86,7 @@ def powered(
         row, found, changed = _again(case, row, found, for_ever, np.flatnonzero(again))
         if not changed.any():
             break
-    figures = _figures(given, [low.agreed(high) for low, high in found.pairs], case.under)
+    figures = _figures(problem, [low.agreed(high) for low, high in found.pairs], case.under)
     return Powered(row, [chosen.checks[0], *found.checks], _where_known(figures, cases))
 
 
@@ -116,7 +124,8 @@ class _Found(NamedTuple):
 class _Cases(NamedTuple):
     """The load cases and their candidates."""
 
-    given: Problem
+    problem: Problem
+    offered: Offers
     ats: Sequence[AtGearhead]
     moving: Sequence[Moving]
     under: Sequence[Stress]
@@ -131,36 +140,36 @@ class _Cases(NamedTuple):
 
     def controllers(self, voltage: Sequence[Array], for_ever: NDArray[np.bool_]) -> Chosen:
         """The smallest that does in the worst of all cases, with the margins that the spec asks for."""
-        spec = self.given.spec
+        spec = self.problem.spec
         more, faster = 1.0 + spec.margins.torque, 1.0 + spec.margins.speed
         rms = more * np.maximum.reduce([c.asked.rms_current for c in self.moving])
         largest = more * np.maximum.reduce([u.current.value for u in self.under])
         volts = faster * np.maximum.reduce(list(voltage))
         carried = np.where(for_ever, largest, rms)
-        motor, usable = self.parts.motor, self.given.usable
+        motor, usable = self.parts.motor, self.offered.controllers
         electrical = faster * np.maximum.reduce([electrical_speed(c.asked, motor) for c in self.moving])
         lines = faster * np.maximum.reduce([line_frequency(c.asked, self.parts.encoder) for c in self.moving])
         speeds = Speeds(electrical, lines if spec.wants_encoder else np.zeros_like(lines))
-        return controllers(spec, self.given.catalog, motor.rows, carried, largest, volts, speeds, usable)
+        return controllers(spec, self.problem.catalog, motor.rows, carried, largest, volts, speeds, usable)
 
     def judged(self, row: NDArray[np.int64], before: list[Pair] | None) -> _Found:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
-        specs, sure = self.given.specs, [case.asked.complete for case in self.moving]
-        parts = self.parts._replace(controller=Rows(self.given.catalog.controllers, row))
+        specs = [case.spec for case in self.problem.cases]
+        sure = [case.asked.complete for case in self.moving]
+        parts = self.parts._replace(controller=Rows(self.problem.catalog.controllers, row))
 
         def electrical(k: int) -> list[CheckColumn]:
-            return doubted(
-                electrical_limits(specs[k], self.ats[k], self.moving[k].asked, self.under[k], parts), sure[k]
-            )
+            checks = electrical_limits(specs[k], self.ats[k], self.moving[k].asked, self.under[k], parts)
+            return unknown_where_doubtful(checks, sure[k])
 
-        first = each(self.given, electrical)
+        first = worst_of_all(self.problem, electrical)
         dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in first if not check.advice])
         pairs = [
             least(self._pair(k, parts, dead, before[k] if before else None), *self.moving[k], self.under[k])
             for k in range(len(specs))
         ]
         limits = [waveform_limits(spec, *pair, parts) for spec, pair in zip(specs, pairs, strict=True)]
-        last = each(self.given, lambda k: doubted(limits[k], sure[k]))
+        last = worst_of_all(self.problem, lambda k: unknown_where_doubtful(limits[k], sure[k]))
         volts = [next(check for check in some if check.name == "supply_voltage") for some in limits]
         weak = ~np.logical_and.reduce([check.passed for check in volts])
         fails = np.logical_or.reduce([check.failed for check in volts])
@@ -168,7 +177,7 @@ class _Cases(NamedTuple):
 
     def _pair(self, k: int, parts: Parts, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
         """What the waveform asks in one load case."""
-        args = (self.given.specs[k], self.ats[k], *self.moving[k], self.under[k], parts)
+        args = (self.problem.cases[k].spec, self.ats[k], *self.moving[k], self.under[k], parts)
         if not self.exactly:
             return decided(*args, ~dead, before)
         if before is None:
@@ -208,10 +217,10 @@ def _where_known(figures: dict[str, Array], cases: Sequence[Moving]) -> dict[str
     return {name: np.where(sure, column, np.nan) for name, column in figures.items()}
 
 
-def _figures(given: Problem, found: Sequence[Moments], under: Sequence[Stress]) -> dict[str, Array]:
+def _figures(problem: Problem, found: Sequence[Moments], under: Sequence[Stress]) -> dict[str, Array]:
     """What objectives and records count: the first case's energy and heat, the largest current and temperature."""
-    loads, share = [spec.load for spec in given.specs], given.spec.supply.regeneration
-    machines = given.machines
+    loads, share = [case.spec.load for case in problem.cases], problem.spec.supply.regeneration
+    machines = problem.machine_cases
     power = [np.sum([loads[i].alike * found[i].power for i in wheels], 0) for wheels in machines]
     drawn, returned = (
         np.sum([loads[i].alike * getattr(found[i], name) for i in machines[0]], 0) for name in ("drawn", "returned")

@@ -18,6 +18,7 @@ from drivesizer.physics.motor_demand import AtGearhead, demands
 from drivesizer.physics.several_belts import AtGearheads, put_together
 from drivesizer.physics.stress import Parts, heat, on
 from drivesizer.results.check_columns import CheckColumn, fits
+from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.encoders import counts_check, encoders_for
 from drivesizer.search.columns.limits import (
@@ -28,12 +29,11 @@ from drivesizer.search.columns.limits import (
     shaft_limits,
     size_limits,
 )
+from drivesizer.search.columns.offers import Offers, offers, unknown_where_doubtful, worst_of_all
 from drivesizer.search.columns.powered import Moving, Powered, powered
-from drivesizer.search.columns.problem import Problem, doubted, each, problem
 from drivesizer.search.columns.survivors import Alone, Sieve
-from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Examined", "Problem", "doubted", "encoders_of", "examine", "problem"]
+__all__ = ["Examined", "encoders_of", "examine"]
 
 Array = NDArray[np.float64]
 _SHORT = 256  # pieces of a cycle, up to which several belts are looked at together
@@ -58,7 +58,7 @@ class Examined(NamedTuple):
 
 
 def examine(
-    given: Problem,
+    problem: Problem,
     several: Iterable[tuple[float, Candidates]],
     *,
     staged: bool,
@@ -71,8 +71,8 @@ def examine(
 
     Parameters
     ----------
-    given
-        The spec and its load cycles.
+    problem
+        With its load cycles.
     several
         Ratio of a belt, and candidates behind it; their own belt column is not looked at.
     staged
@@ -82,15 +82,15 @@ def examine(
     margins
         Tell the smallest margin of each.
     """
-    waiting: list[_Moved] = []
+    offered, waiting = offers(problem), list[_Moved]()
     for belt, sets in several:
-        moved = _moved(given, belt, sets, staged, margins)
+        moved = _moved(problem, offered, belt, sets, staged, margins)
         if waiting and not _together([*waiting, moved]):
-            yield from _powered(given, waiting, exact)
+            yield from _powered(problem, offered, waiting, exact)
             waiting = []
         waiting.append(moved)
     if waiting:
-        yield from _powered(given, waiting, exact)
+        yield from _powered(problem, offered, waiting, exact)
 
 
 class _Moved(NamedTuple):
@@ -109,59 +109,81 @@ def _together(waiting: Sequence[_Moved]) -> bool:
     return len(waiting) <= _BELTS and pieces <= _SHORT and pieces * count <= _CELLS
 
 
-def _moved(given: Problem, belt: float, sets: Candidates, staged: bool, margins: bool) -> _Moved:
+def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, staged: bool, margins: bool) -> _Moved:
     """The stages up to what moves."""
-    ats = [base.behind(belt) for base in given.bases]
+    spec, catalog, ats = problem.spec, problem.catalog, [case.at_belt.behind(belt) for case in problem.cases]
     sieve = Sieve(sets, staged, margins)
-    sieve.parts(_alone(given, ats, staged))
-    motor = Rows(given.catalog.motors, sets.motor[sieve.rows])
-    gearhead = Rows(given.catalog.gearheads, sets.gearhead[sieve.rows])
+    sieve.parts(_alone(problem, offered, ats, staged))
+    motor = Rows(catalog.motors, sets.motor[sieve.rows])
+    gearhead = Rows(catalog.gearheads, sets.gearhead[sieve.rows])
     listed = fits("compatibility", True, sets.listed[sieve.rows])
-    beside = [*size_limits(given.spec, motor, gearhead), *shaft_limits(given.spec, motor, gearhead)]
+    beside = [*size_limits(spec, motor, gearhead), *shaft_limits(spec, motor, gearhead)]
     keep = sieve.through([listed, *beside])
     motor, gearhead = motor.on(keep), gearhead.on(keep)
-    encoder = encoders_of(given, ats, motor.rows, gearhead["ratio"])
+    encoder = encoders_of(problem, offered, ats, motor.rows, gearhead["ratio"])
     if not staged:  # in stages each motor was judged by what there is for it
-        sieve.through(counts_check(given.spec, given.catalog, encoder))
-    parts = Parts(motor, gearhead, Rows(given.catalog.encoders, encoder), None)
-    cases = [_moving(spec, at, parts) for spec, at in zip(given.specs, ats, strict=True)]
-    keep = sieve.through(
-        each(given, lambda k: doubted(moving_limits(given.specs[k], ats[k], *cases[k], parts), cases[k].asked.complete))
-    )
+        sieve.through(counts_check(spec, catalog, encoder))
+    parts = Parts(motor, gearhead, Rows(catalog.encoders, encoder), None)
+    cases = [_moving(case, at, parts) for case, at in zip(problem.cases, ats, strict=True)]
+
+    def moving(k: int) -> list[CheckColumn]:
+        checks = moving_limits(problem.cases[k].spec, ats[k], *cases[k], parts)
+        return unknown_where_doubtful(checks, cases[k].asked.complete)
+
+    keep = sieve.through(worst_of_all(problem, moving))
     cases, parts = [on(case, keep) for case in cases], parts.on(keep)
     return _Moved(sieve, ats, cases, parts)
 
 
-def _moving(spec: RobotSpec, at: AtGearhead, parts: Parts) -> Moving:
+def _moving(case: LoadCase, at: AtGearhead, parts: Parts) -> Moving:
     asked = demands(at, parts.motor, parts.gearhead, parts.encoder)
-    return Moving(asked, heat(spec.environment.ambient, at, asked, parts.motor))
+    return Moving(asked, heat(case.spec.environment.ambient, at, asked, parts.motor))
 
 
-def encoders_of(given: Problem, ats: Sequence[AtGearhead], motor: NDArray[np.int64], ratio: Array) -> NDArray[np.int64]:
-    """An encoder for each candidate that does in the fastest of all cases."""
-    fastest = max(at.peak_speed * (1.0 + spec.margins.speed) for spec, at in zip(given.specs, ats, strict=True))
-    return encoders_for(given.spec, given.offered, motor, fastest * ratio, ratio * ats[0].belt)
+def encoders_of(
+    problem: Problem, offered: Offers, ats: Sequence[AtGearhead], motor: NDArray[np.int64], ratio: Array
+) -> NDArray[np.int64]:
+    """An encoder for each candidate that does in the fastest of all load cases.
+
+    Parameters
+    ----------
+    problem, offered
+        The problem, and its encoders.
+    ats
+        The load cycle of each case at the gearhead's output.
+    motor, ratio
+        Row of each candidate's motor, and ratio of its gearhead, shape (candidates,).
+
+    Returns
+    -------
+    ndarray
+        Row of each candidate's encoder; -1 where none is listed for its motor.
+    """
+    specs = [case.spec for case in problem.cases]
+    fastest = max(at.peak_speed * (1.0 + spec.margins.speed) for spec, at in zip(specs, ats, strict=True))
+    return encoders_for(problem.spec, offered.encoders, motor, fastest * ratio, ratio * ats[0].belt)
 
 
-def _alone(given: Problem, ats: Sequence[AtGearhead], staged: bool) -> Alone:
+def _alone(problem: Problem, offered: Offers, ats: Sequence[AtGearhead], staged: bool) -> Alone:
     """What concerns the load, a gearhead or a motor alone: once per part, not per pair.
 
     In stages that a motor has an encoder with the counts asked for is among it: of those enough, or of all, the most.
     """
-    motors, gearheads = given.catalog.motors, given.catalog.gearheads
-    counted = counts_check(given.spec, given.catalog, given.offered.last) if staged else []
+    catalog, specs = problem.catalog, [case.spec for case in problem.cases]
+    counted = counts_check(problem.spec, catalog, offered.encoders.last) if staged else []
+    drive = problem.belt_drive(ats[0].belt)
     return Alone(
-        each(given, lambda k: load_limits(given.specs[k], ats[k])),
-        each(given, lambda k: gearhead_limits(given.specs[k], ats[k], gearheads)),
-        [*each(given, lambda k: motor_limits(given.specs[k], motors)), *counted],
+        worst_of_all(problem, lambda k: load_limits(specs[k], ats[k], drive)),
+        worst_of_all(problem, lambda k: gearhead_limits(specs[k], ats[k], catalog.gearheads)),
+        [*worst_of_all(problem, lambda k: motor_limits(specs[k], catalog.motors)), *counted],
     )
 
 
-def _powered(given: Problem, moved: Sequence[_Moved], exact: bool) -> list[Examined]:
+def _powered(problem: Problem, offered: Offers, moved: Sequence[_Moved], exact: bool) -> list[Examined]:
     """Current, and what needs the waveform, with the smallest controller that does for all cases."""
     counts = [len(one.parts.motor.rows) for one in moved]
     ats, cases, parts = _joined(moved, np.repeat(np.arange(len(moved)), counts))
-    found = powered(given, ats, cases, parts, exactly=exact)
+    found = powered(problem, offered, ats, cases, parts, exactly=exact)
     if len(moved) == 1:
         return [_examined(moved[0], found)]
     ends = np.cumsum(counts).tolist()

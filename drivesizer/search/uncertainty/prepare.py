@@ -14,9 +14,10 @@ from drivesizer.files.yaml_source import Path_
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_wheels import cycles_of as wheels_of
 from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of
-from drivesizer.load_cases.wheel import WheelLoad, machine_cases, wheel_load
+from drivesizer.load_cases.wheel import WheelLoad, wheel_load
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import at_gearhead
+from drivesizer.results.problem import Problem
 from drivesizer.search.uncertainty.sampled_battery import Feeding, feeding
 from drivesizer.search.uncertainty.sampled_checks import Block
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
@@ -44,10 +45,15 @@ class _Case(NamedTuple):
 class Prepared(NamedTuple):
     """All that the sets have in common."""
 
-    spec: RobotSpec
+    problem: Problem
     given: tuple[Assumption, ...]
     values: Array  # (samples, assumptions); fewer than were drawn where load cycles are long
     cases: tuple[_Case, ...]
+
+    @property
+    def spec(self) -> RobotSpec:
+        """The machine in its first load case."""
+        return self.problem.spec
 
     @property
     def fitted(self) -> float:
@@ -60,13 +66,13 @@ class Prepared(NamedTuple):
         return sum(len(case.cycles.duration) * len(self.values) for case in self.cases)
 
 
-def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array, *, every: bool = False) -> Prepared:
-    """Samples of a spec, with their load cycles.
+def prepared(problem: Problem, given: Sequence[Assumption], values: Array, *, every: bool = False) -> Prepared:
+    """Samples of a machine, with their load cycles.
 
     Parameters
     ----------
-    spec
-        As it is sized: platforms taken apart into wheels, pulleys known.
+    problem
+        The machine with its load cases.
     given
         All that is uncertain.
     values
@@ -75,16 +81,16 @@ def prepared(spec: RobotSpec, given: Sequence[Assumption], values: Array, *, eve
         The load cycle of each by itself, and all of them; else fewer where the cycles are long.
     """
     cases = []
-    for machine, case, paths, make in _cases(spec, given):
+    for machine, case, paths, make in _cases(problem, given):
         own = sorted(paths)
         nominal = np.array([given[k].nominal for k in own])
         cycles = cycles_of(partial(_made, make, own), nominal, values[:, own], every=every)
         cases.append(_Case(machine, case, paths, cycles))
     fewest = min((case.cycles.size for case in cases if case.cycles.size > 1), default=len(values))
     if fewest == len(values):
-        return Prepared(spec, tuple(given), values, tuple(cases))
+        return Prepared(problem, tuple(given), values, tuple(cases))
     rows = first_of_each(fewest, len(values))
-    return Prepared(spec, tuple(given), values[rows], tuple(_fewer(case, fewest) for case in cases))
+    return Prepared(problem, tuple(given), values[rows], tuple(_fewer(case, fewest) for case in cases))
 
 
 def _fewer(case: _Case, samples: int) -> _Case:
@@ -102,19 +108,19 @@ def _made(make: Make, own: Sequence[int], values: Array) -> LoadCycle:
     return make(dict(zip(own, values.tolist(), strict=True)))
 
 
-def _cases(spec: RobotSpec, given: Sequence[Assumption]) -> Iterator[tuple[int, RobotSpec, dict[int, Path_], Make]]:
+def _cases(problem: Problem, given: Sequence[Assumption]) -> Iterator[tuple[int, RobotSpec, dict[int, Path_], Make]]:
     """Every load case, of a platform on its way every driven wheel, for what is off need not be the same for all.
 
     Which case of the machine it is, the spec as it is sized, the assumptions that count, and what makes the cycle.
     """
-    cases, whole = spec.load_cases, spec.whole
-    for machine, (_, numbers) in enumerate(machine_cases((name, case.load) for name, case in cases)):
+    cases, whole = problem.cases, problem.machine
+    for machine, numbers in enumerate(problem.machine_cases):
         paths = case_paths(whole, machine - 1 if machine else None)
-        case = cases[numbers[0]][1]
+        case = cases[numbers[0]].spec
         if isinstance(case.load, WheelLoad):
             every = _every_wheel(whole.load_cases[machine][1], paths, given)
             for number in numbers:
-                for one in _one_by_one(cases[number][1]):
+                for one in _one_by_one(cases[number].spec):
                     yield machine, one, paths, partial(_of_wheel, every, one)
         else:
             yield machine, case, paths, partial(_of_case, case, paths, given)
@@ -228,7 +234,13 @@ def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequ
         specs.append(spec)
         ats.append({belt: AtSamples(base, belt) for belt in belts})
     return Block(
-        len(rows), tuple(specs), tuple(ats), tuple(_feeds(one, catalog, specs)), factors, one.spec.tolerances.given
+        len(rows),
+        tuple(specs),
+        tuple(ats),
+        tuple(_feeds(one, catalog, specs)),
+        factors,
+        one.spec.tolerances.given,
+        {belt: one.problem.belt_drive(belt) for belt in belts},
     )
 
 

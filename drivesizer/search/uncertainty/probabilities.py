@@ -13,6 +13,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.results.check import Check
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.check_kinds import CHECKS
+from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Driver, Reliability, Spread
 from drivesizer.search.uncertainty.class_of_part import holding_of_a_set
 from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
@@ -188,12 +189,12 @@ def counting(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[As
     return [k for k, assumption in enumerate(given) if assumption.catalogue is None or assumption.catalogue in held]
 
 
-def at_ends(spec: RobotSpec, given: Sequence[Assumption]) -> Prepared:
+def at_ends(problem: Problem, given: Sequence[Assumption]) -> Prepared:
     """The nominal figures, then two samples an assumption, it alone off: at its 5 % and at its 95 % quantile."""
     values = np.tile([assumption.nominal for assumption in given], (1 + 2 * len(given), 1))
     for k, assumption in enumerate(given):
         values[_ends(k), k] = assumption.distribution.at(np.array([0.05, 0.95]))
-    return prepared(spec, given, values, every=True)
+    return prepared(problem, given, values, every=True)
 
 
 def _ends(k: int) -> slice:

@@ -10,6 +10,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Reliability, Uncertain, Uncertainty
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.uncertainty.class_of_part import used
@@ -19,7 +20,6 @@ from drivesizer.search.uncertainty.probabilities import Examined, Subject, at_en
 from drivesizer.search.uncertainty.sampled_checks import SetRows
 from drivesizer.search.uncertainty.sampling import Sample, sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
-from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["Judged", "judged", "subject", "subject_of", "told", "uncertainty"]
 
@@ -35,22 +35,23 @@ class Judged(NamedTuple):
     how: Sampling
 
 
-def judged(spec: RobotSpec, catalog: Catalog, subjects: Mapping[int, Subject], how: Sampling) -> Judged:
+def judged(problem: Problem, subjects: Mapping[int, Subject], how: Sampling) -> Judged:
     """How sure sets are.
 
     Parameters
     ----------
-    spec, catalog
-        The machine as it was sized, and the parts.
+    problem
+        The machine with its load cases, and the catalogues.
     subjects
         Sets that stand at nominal figures, in order, by their rows.
     how
         Samples, seed, and the confidence that is asked for.
     """
     rows = [(one.rows.motor, one.rows.gearhead) for one in subjects.values()]
-    given = assumptions(spec, used(catalog, spec.tolerances.given, rows))
-    drawn = sample(given, how.samples, how.seed, assumptions(spec))
-    ready = prepared(spec, given, drawn.values)
+    catalog, machine = problem.catalog, problem.machine
+    given = assumptions(machine, used(catalog, machine.tolerances.given, rows))
+    drawn = sample(given, how.samples, how.seed, assumptions(machine))
+    ready = prepared(problem, given, drawn.values)
     results = examined(ready, catalog, list(subjects.values()), how.processes)
     found = {row: (subject, one) for (row, subject), one in zip(subjects.items(), results, strict=True)}
     chance = {row: one.reliability.probability for row, (_, one) in found.items()}
@@ -97,7 +98,7 @@ def told(
     finalists
         Rows of those that are sampled in closed loop too.
     """
-    ends, said = at_ends(judged_.ready.spec, judged_.ready.given), {}
+    ends, said = at_ends(judged_.ready.problem, judged_.ready.given), {}
     for row, one in sets.items():
         what, found = judged_.found[row]
         matters = drivers(what, catalog, ends, judged_.drawn, found.smallest)

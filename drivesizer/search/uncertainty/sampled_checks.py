@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
+from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.catalog.tables import Table
 from drivesizer.catalog.tolerances.classes import Class
 from drivesizer.physics.back_emf import back_emf_constant
@@ -28,7 +29,7 @@ from drivesizer.search.columns.limits import (
     moving_limits,
 )
 from drivesizer.search.columns.limits_over_time import least, waveform_limits
-from drivesizer.search.columns.stages import doubted
+from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.uncertainty.class_of_part import holding
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, battery_limits
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
@@ -59,6 +60,7 @@ class Block(NamedTuple):
     feeds: tuple[tuple[Feeding, tuple[int, ...]], ...]  # batteries, each with the cases that draw from it
     factors: Mapping[Class, Array]  # of the catalogue's figures
     given: Mapping[tuple[str, str], str]  # the spec's own classes, before any other
+    belts: Mapping[float, BeltDrive | None]  # by ratio, where they are out of the catalogues
 
     def factors_of(self, catalog: Catalog, part: str, row: int) -> dict[str, Array]:
         """By what the figures of a motor or gearhead are multiplied, by class, as far as they are sampled."""
@@ -151,6 +153,7 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     draws = []
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
         checks, draw = _of_a_case(spec, ats[one.belt], parts, one, rubs, energies=bool(block.feeds))
+        checks = [*load_limits(spec, ats[one.belt], block.belts[one.belt]), *checks]
         draws.append(draw)
         for check in checks:
             told.setdefault(check.name, []).append((number, check))
@@ -176,10 +179,9 @@ def _of_a_case(
     sets = spec.load.alike if asked.complete.all() else np.nan  # least demands are not told as if they were all
     drawn = found[0].agreed(found[1])
     return [
-        *load_limits(spec, at),
         *gearhead_limits(spec, at, parts.gearhead),
         *motor_limits(spec, parts.motor),
-        *doubted(electrical, asked.complete),
+        *unknown_where_doubtful(electrical, asked.complete),
         _controller_fits(spec, parts.controller, one),
     ], Draw(drawn.drawn * sets, drawn.returned * sets, drawn.power * sets)
 

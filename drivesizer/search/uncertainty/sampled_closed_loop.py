@@ -75,7 +75,7 @@ def loop_share(
 
 def off(spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Array) -> tuple[RobotSpec, DriveSet]:
     """A machine and a set whose figures are those of one sample, of what counts for the set: each figure once."""
-    paths = case_paths(spec.whole, None)
+    paths = case_paths(spec, None)
     moved = applied(spec, {path: float(values[k]) - given[k].nominal for k, path in paths.items()})
     factors: dict[str, dict[str, float]] = {"motor": {}, "gearhead": {}}
     for k, assumption in enumerate(given):

@@ -53,9 +53,8 @@ def assumptions(spec: RobotSpec, held: Sequence[Class] | None = None) -> tuple[A
     held
         The classes that hold for the parts in question; without them, all where no maker says anything.
     """
-    whole = spec.whole
     own = [Assumption(_named(one.path), f"{_named(one.path)} {one.text}", one.value, one.distribution, given=one)
-           for one in whole.toleranced]  # fmt: skip
+           for one in spec.toleranced]  # fmt: skip
     return (*own, *(
         Assumption(one.name, f"{one.title} {one.text}", 1.0, one.factor, catalogue=one)
         for one in (classes(spec.tolerances.given) if held is None else held)

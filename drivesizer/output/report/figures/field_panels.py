@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from drivesizer import equations as eq
 from drivesizer.machine.operating_field import OperatingField, field
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.problem import Problem
 from drivesizer.results.requirement import Requirement
-from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["OperatingPoint", "Panel", "panels", "paper_points", "reach_of", "signed"]
 
@@ -36,12 +36,12 @@ class Panel:
     points: tuple[OperatingPoint, ...] = ()
 
 
-def panels(spec: RobotSpec, drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> list[Panel]:
+def panels(problem: Problem, drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> list[Panel]:
     """The field of a set's motor with the load cases in it; the paper's points too, where its method is asked for.
 
     Parameters
     ----------
-    spec
+    problem
         The machine with its load cases.
     drive_set
         The set.
@@ -49,10 +49,10 @@ def panels(spec: RobotSpec, drive_set: DriveSet, requirements: tuple[Requirement
         Of the sizing.
     """
     alike: dict[tuple[float, float], list[tuple[int, str, OperatingField]]] = {}
-    for number, (name, case) in enumerate(spec.load_cases):
-        found = field(case, drive_set)
-        alike.setdefault((found.voltage, found.ambient), []).append((number, name, found))
-    points = paper_points(drive_set, requirements) if spec.method == "paper" else ()
+    for number, case in enumerate(problem.cases):
+        found = field(case.spec, drive_set)
+        alike.setdefault((found.voltage, found.ambient), []).append((number, case.name, found))
+    points = paper_points(drive_set, requirements) if problem.spec.method == "paper" else ()
     return [Panel(cases=tuple(cases), points=points) for cases in alike.values()]
 
 

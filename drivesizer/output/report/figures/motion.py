@@ -29,7 +29,7 @@ def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
     Of a platform on its way it is that of the platform.
     """
     motion = spec.motion
-    if isinstance(spec.whole.motion, Track | Waypoints):
+    if isinstance(spec.motion, Track | Waypoints):
         return _platform(platform_motion(spec), form)
     if isinstance(motion, Trapezoid):
         return drawn(lambda figure: _phases(placed(figure)[0][0], motion, spec.load.axis), _HEIGHT, form)
@@ -68,7 +68,7 @@ def platform_motion(spec: RobotSpec) -> tuple[NDArray[np.float64], list[Moved]]:
 
     What it never does, such as going sideways, is left out; turning stands last and is always there.
     """
-    way = trajectory_of(spec.whole)
+    way = trajectory_of(spec)
     assert way is not None
     (forwards, left, turning), _ = way.in_robot()
     found = [Moved("forwards", forwards.ravel(), "speed", "m/s"), Moved("to the left", left.ravel(), "speed", "m/s")]

@@ -40,7 +40,7 @@ class Way(NamedTuple):
 def ways_of(spec: RobotSpec) -> list[Way]:
     """The trajectories of a machine's load cases, each once; none where nothing drives along one."""
     found: list[Way] = []
-    for name, case in spec.whole.load_cases:
+    for name, case in spec.load_cases:
         way = trajectory_of(case)
         if way is not None and not any(_same(way, other.trajectory) for other in found):
             found.append(Way(name, way))
@@ -53,7 +53,7 @@ def _same(a: Trajectory, b: Trajectory) -> bool:
 
 def passages_of(spec: RobotSpec) -> list[Passage]:
     """The passages that have a place in the world."""
-    platform = spec.whole.platform
+    platform = spec.platform
     return [p.record for p in platform.passages if p.x is not None] if platform else []
 
 
@@ -68,7 +68,7 @@ def plan_view(spec: RobotSpec, form: Form = "svg") -> bytes:
         Drawing, picture, or drawing for a typesetter.
     """
     ways, passages = ways_of(spec)[: len(CASES)], passages_of(spec)
-    platform = spec.whole.platform
+    platform = spec.platform
     size = platform.size.record if platform and platform.size else None
     low, high = _extent(ways, passages, size)
     across, up = high - low

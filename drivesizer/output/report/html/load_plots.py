@@ -22,7 +22,7 @@ __all__ = ["case_look", "cycle_plot", "motion_plot"]
 
 def motion_plot(spec: RobotSpec) -> Plot:
     """The speed that the spec asks for over one cycle, to scale; of a platform on its way that of the platform."""
-    if isinstance(spec.whole.motion, Track | Waypoints):
+    if isinstance(spec.motion, Track | Waypoints):
         return _platform_plot(spec)
     time, speed, (kind, unit) = speed_asked(spec)
     views = windows({"time": time, "speed_reference": speed})

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.control.validation import Validation
-from drivesizer.load_cases import load_cycle
 from drivesizer.output.report.all_figures import Drawing, report_drawings
 from drivesizer.output.report.content import document
 from drivesizer.output.report.figures.field import MOST_PANELS
@@ -65,7 +64,7 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
     from drivesizer.output.report.html.kept import packed
 
     shown = result.shown
-    does = Behaviour(result.spec, shown) if shown else None
+    does = Behaviour(result.problem, shown) if shown else None
     told = document(result, validation, does, date=date)
     content = _unbroken(with_numbers(told, result, validation))
     drawings = report_drawings(result, validation, does)
@@ -160,7 +159,7 @@ def _tiles(content: dict[str, Any]) -> list[dict[str, str]]:
 def _figures(result: SizingResult, validation: Validation | None, content: dict[str, Any]) -> dict[str, Plot]:
     """Every figure by its name, in the order of the report."""
     best = result.shown
-    cycles = [(name, load_cycle(case)) for name, case in result.spec.load_cases]
+    cycles = [(case.name, case.cycle) for case in result.problem.cases]
     sets = content["candidates"]["sets"]
     made: dict[str, Plot | None] = {
         "motion": motion_plot(result.spec),
@@ -169,7 +168,7 @@ def _figures(result: SizingResult, validation: Validation | None, content: dict[
         "sets-price": sets_plot(sets, "price", "price (EUR)"),
         "front": front_plot(result) if result.front else None,
     }
-    fields = panels(result.spec, best, result.requirements)[:MOST_PANELS] if best else []
+    fields = panels(result.problem, best, result.requirements)[:MOST_PANELS] if best else []
     times = [cycle.time for _, cycle in cycles]
     for n, panel in enumerate(fields, 1):
         made[f"field-{n}"] = field_plot(panel, times) | {"title": _conditions(panel) if len(fields) > 1 else ""}

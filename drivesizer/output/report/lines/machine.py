@@ -13,6 +13,7 @@ from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.output.report.lines.sets import figure_row
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.problem import Problem
 from drivesizer.spec.platform import Platform
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
@@ -46,9 +47,9 @@ def mass_notes(best: DriveSet) -> tuple[str, ...]:
     return tuple(dict.fromkeys(row.name for row in best.masses if isnan(row.each)))
 
 
-def first_wheel(spec: RobotSpec) -> str:
+def first_wheel(problem: Problem) -> str:
     """The load case that stands first where it is that of a wheel on a trajectory, such as ``wheel 1``; else empty."""
-    return spec.load_cases[0][0] if isinstance(spec.load, WheelLoad) else ""
+    return problem.cases[0].name if isinstance(problem.spec.load, WheelLoad) else ""
 
 
 def driven_over(v: Validation) -> str:
@@ -59,8 +60,7 @@ def driven_over(v: Validation) -> str:
 
 def machine_words(spec: RobotSpec) -> str:
     """What the machine is, in a line: a platform with its wheels and its way, else the kind of load with its mass."""
-    whole = spec.whole
-    load, platform = whole.load, whole.platform
+    load, platform = spec.load, spec.platform
     mass = show(load.mass, "kg", "mass") if hasattr(load, "mass") else ""
     if platform is None or not isinstance(load, WheeledVehicle):
         kind = load.kind.replace("_", " ").capitalize()
@@ -68,7 +68,7 @@ def machine_words(spec: RobotSpec) -> str:
         return ", ".join(filter(None, (kind, mass, sets)))
     stands = " and ".join(_wheels(platform))
     diameter = show(load.wheel_diameter, "mm", "length")
-    said = [f"Platform of {mass} on {stands}, wheel diameter {diameter}", *_size(platform), *_way(whole)]
+    said = [f"Platform of {mass} on {stands}, wheel diameter {diameter}", *_size(platform), *_way(spec)]
     return "; ".join(said)
 
 
@@ -91,7 +91,7 @@ def _size(platform: Platform) -> Iterator[str]:
         yield f"{length} × {width} × {height} mm"
 
 
-def _way(whole: RobotSpec) -> Iterator[str]:
-    way = trajectory_of(whole)
+def _way(spec: RobotSpec) -> Iterator[str]:
+    way = trajectory_of(spec)
     if way is not None:
         yield f"its way is {show(way.length, 'm', 'length')} in {show(way.total, 's', 'time')}"

@@ -16,6 +16,8 @@ from hypothesis import strategies as st
 from drivesizer import cli
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
+from drivesizer.machine import pulleys
+from drivesizer.machine.problem import problem
 from drivesizer.physics.belt_geometry import (
     belt_length,
     centre_distance,
@@ -24,7 +26,8 @@ from drivesizer.physics.belt_geometry import (
     teeth_in_mesh,
     wrap_angle,
 )
-from drivesizer.search import pulleys
+from drivesizer.search.columns.candidates import candidates
+from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec.robot import load_spec
 from drivesizer.spec.transmission import Pulleys
@@ -190,7 +193,7 @@ def shop(tmp_path, example_text):
 
 
 def offered(spec):
-    return pulleys.with_pulleys(spec, load_parts(spec)).belt.offer
+    return pulleys.belt_drives(spec, load_parts(spec))
 
 
 def by_enumeration(pulleys, belts, pitch, ratios, wish, tolerance):
@@ -264,19 +267,18 @@ def test_without_a_centre_distance_the_shortest_belt_that_a_new_drive_should_hav
 
 def test_every_case_has_the_pulleys(shop):
     spec = shop(", centre_distance: 120 mm", ("select:", "cases: [{name: ramp, load: {slope: 2 deg}}]\nselect:"))
-    spec = pulleys.with_pulleys(spec, load_parts(spec))
-    assert len(spec.load_cases) == 2
-    assert all(case.belt_ratios == spec.belt_ratios and spec.belt_ratios for _, case in spec.load_cases)
+    given = problem(spec, load_parts(spec))
+    assert len(given.cases) == 2
+    drives = [given.belt_drive(ratio) for ratio in given.belt_ratios]
+    found = evaluate(given, candidates(given).on(np.arange(len(drives))))
+    held = next(check for check in found.checks if check.name == "belt_teeth_in_mesh").limit
+    assert held.tolist() == [drive.teeth_in_mesh for drive in drives]
 
 
-def test_a_spec_that_names_its_ratios_stays_as_it_is(spec, catalog):
-    assert pulleys.with_pulleys(spec, catalog) is spec
-    assert pulleys.assumptions(spec) == ()
-
-
-def test_ratios_that_nobody_looked_for_are_no_empty_list(shop):
-    with pytest.raises(RuntimeError, match="with_pulleys"):
-        shop().belt_ratios  # noqa: B018
+def test_a_spec_that_names_its_ratios_has_no_belt_out_of_the_catalogues(spec, catalog):
+    given = problem(spec, catalog)
+    assert given.belts is None and given.belt_ratios == spec.belt_ratios == [1.1]
+    assert pulleys.assumptions(given) == ()
 
 
 @given(st.lists(st.floats(-3, 3), min_size=1, max_size=80, unique=True), st.integers(2, 70))
@@ -295,11 +297,11 @@ def test_many_ratios_are_cut_and_it_is_said(shop, tmp_path):
     rows = ", ".join(f"[Q{z}, {z}]" for z in range(21, 60))
     head, tail = FAR.split("rows: [[A15, 15], [A18, 18], [A22, 22]]")
     (tmp_path / "far.yaml").write_text(f"{head}rows: [{rows}]{tail}")
-    spec = pulleys.with_pulleys(shop(""), load_parts(shop("")))
-    drives, ratios = spec.belt.offer
-    assert len(drives) == pulleys.MOST_RATIOS == len(spec.belt_ratios) < ratios
+    given = problem(shop(""), load_parts(shop("")))
+    drives, ratios = given.belts
+    assert len(drives) == pulleys.MOST_RATIOS == len(given.belt_ratios) < ratios
     assert all(drive.teeth_in_mesh >= 6 for drive in drives)
-    said = pulleys.assumptions(spec)
+    said = pulleys.assumptions(given)
     assert any(f"{ratios} ratios" in text and "60" in text for text in said)
     assert any("0.2 p" in text for text in said)
 
@@ -346,7 +348,7 @@ def test_the_range_takes_its_ends():
     asked = Pulleys.model_validate(
         {"profile": "HTD", "pitch": "5 mm", "width": "9 mm", "ratio_min": 1.2, "ratio_max": "150 %"}
     )
-    found = {d.name for d in pulleys._offer(asked, load(["wcp"])).drives}
+    found = {d.name for d in pulleys._drives(asked, load(["wcp"])).drives}
     assert {"18:15", "36:24"} & found and {24 / 20, 36 / 24} == {asked.ratio_min, asked.ratio_max}
 
 
@@ -405,7 +407,7 @@ def test_belt_and_pulleys_are_parts_of_the_set(shop):
         assert list(found.parts)[-5:] == ["driving pulley", "belt", "driven pulley", "encoder", "controller"]
         assert found.label.endswith(f"+ belt {found.belt_drive.name}")
     assert any("torque a belt bears" in text for text in result.assumptions)
-    assert result.counts.considered % len(result.spec.belt_ratios) == 0
+    assert result.counts.considered % len(result.problem.belt_ratios) == 0
 
 
 def test_the_papers_method_takes_them_too(shop):

@@ -16,11 +16,12 @@ from drivesizer.catalog import Catalog, Table
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.errors import InputError, quoted
 from drivesizer.physics.belt_geometry import LEAST_IN_MESH, centre_distance, shortest_recommended, teeth_in_mesh
+from drivesizer.results.problem import BeltDrives, Problem
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.transmission import Offer, Pulleys
+from drivesizer.spec.transmission import Pulleys
 from drivesizer.units import show
 
-__all__ = ["MOST_RATIOS", "assumptions", "spread", "with_pulleys"]
+__all__ = ["MOST_RATIOS", "assumptions", "belt_drives", "spread"]
 
 Array = NDArray[np.float64]
 MOST_RATIOS = 60  # that are searched
@@ -45,19 +46,31 @@ class _Ways(NamedTuple):
         return _Ways(*(column[rows] for column in self))
 
 
-def with_pulleys(spec: RobotSpec, catalog: Catalog) -> RobotSpec:
-    """The spec with the belt drives that the catalogues offer for it; one that names its belt ratios as it is.
+def belt_drives(spec: RobotSpec, catalog: Catalog) -> BeltDrives | None:
+    """The belt drives that the catalogues have for a spec; None where it names its belt ratios, or has no belt.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    catalog
+        Belts and pulleys to choose from.
+
+    Returns
+    -------
+    BeltDrives | None
+        One drive for each ratio, at most ``MOST_RATIOS`` of them.
 
     Raises
     ------
     InputError
-        When no pulleys, no belt or no ratio fits: what there is.
+        When no pulleys, no belt or no ratio fits: which there are.
     """
     if spec.belt is None or spec.belt.pulleys is None:
-        return spec
+        return None
     stage = spec.transmission.index(spec.belt)
     try:
-        return spec.with_offer(_offer(spec.belt.pulleys, catalog))
+        return _drives(spec.belt.pulleys, catalog)
     except _NothingFitsError as error:
         raise InputError(f"{spec.where(('transmission', stage, 'pulleys'))}: {error}") from None
 
@@ -66,7 +79,7 @@ class _NothingFitsError(Exception):
     """There is no such part, or none that fits."""
 
 
-def _offer(asked: Pulleys, catalog: Catalog) -> Offer:
+def _drives(asked: Pulleys, catalog: Catalog) -> BeltDrives:
     """One drive for each ratio, at most as many as are searched."""
     pulleys = _taking(asked, catalog.pulleys, "pulleys")
     belts = _taking(asked, catalog.belts, "belts")
@@ -74,7 +87,7 @@ def _offer(asked: Pulleys, catalog: Catalog) -> Offer:
     best = _best_of_each_ratio(asked, ways)
     few = best if len(best.belt) <= MOST_RATIOS else _fewer(asked, best)
     drives = (_drive(catalog, pulleys, belts, few, row, asked.pitch) for row in range(len(few.belt)))
-    return Offer(tuple(drives), len(best.belt))
+    return BeltDrives(tuple(drives), len(best.belt))
 
 
 def _taking(asked: Pulleys, table: Table[Any], section: str) -> NDArray[np.int64]:
@@ -219,19 +232,20 @@ def _pulley(table: Table[Any], rows: NDArray[Any], teeth: float, maker: str) -> 
     return min(alike, key=lambda r: (table["manufacturer"][r] != maker, table["width"][r], table["part"][r]))
 
 
-def assumptions(spec: RobotSpec) -> tuple[str, ...]:
+def assumptions(given: Problem) -> tuple[str, ...]:
     """What is taken for granted of a belt out of the catalogues, as sentences."""
-    if spec.belt is None or spec.belt.pulleys is None:
+    belt = given.machine.belt
+    if belt is None or belt.pulleys is None or given.belts is None:
         return ()
     said = [
         "how much torque a belt bears is in no catalogue: "
-        + ("only max_tension is checked" if spec.belt.max_tension else "it is not checked; max_tension gives a limit"),
+        + ("only max_tension is checked" if belt.max_tension else "it is not checked; max_tension gives a limit"),
         "of each belt ratio the smallest pulleys that keep 6 teeth in mesh; their bores are not compared with the "
         "shafts, their inertia is what the spec gives for the belt",
     ]
-    if spec.belt.pulleys.centre_distance is None:
+    if belt.pulleys.centre_distance is None:
         said.append("no centre distance is given: the shortest belt from 0.2 p (z1 + z2) on is taken")
-    drives, ratios = spec.belt.offer
+    drives, ratios = given.belts
     if len(drives) < ratios:
         said.append(
             f"the pulleys give {ratios} ratios: {len(drives)} that cover the range best are searched, of those with "

@@ -1,0 +1,83 @@
+"""From a spec to the sizing problem: wheels of a platform as load cases, every load cycle, belts out of catalogues."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from drivesizer.catalog import Catalog
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.platform_wheels import load_cases
+from drivesizer.machine.pulleys import belt_drives
+from drivesizer.physics.motor_demand import CycleAtBelt, at_gearhead
+from drivesizer.results.problem import LoadCase, Problem
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["changed", "problem", "quickest_winding"]
+
+
+def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
+    """The sizing problem of a machine.
+
+    Parameters
+    ----------
+    machine
+        The spec as it was read, its mass that of the machine.
+    catalog
+        Parts to choose from, prepared for the search.
+
+    Returns
+    -------
+    Problem
+        With the load cycle of every load case.
+
+    Raises
+    ------
+    InputError
+        When no pulleys, no belt or no ratio fits, a trajectory or a recording is wrong, or a load cycle's figures leave
+        the range of numbers that can be computed with.
+    """
+    belts, quickest = belt_drives(machine, catalog), quickest_winding(catalog)
+    cases = tuple(
+        LoadCase(name=name, number=number, spec=spec, at_belt=_at_belt(spec, quickest))
+        for number, name, spec in load_cases(machine)
+    )
+    return Problem(machine=machine, catalog=catalog, cases=cases, belts=belts)
+
+
+def _at_belt(spec: RobotSpec, quickest: float) -> CycleAtBelt:
+    return at_gearhead(load_cycle(spec), spec.belt_efficiency, quickest)
+
+
+def quickest_winding(catalog: Catalog) -> float:
+    """Shortest time constant of all windings of some catalogues [s]; infinite where none is known.
+
+    Load cycles are divided as finely as that winding needs, so that all drives share one.
+    """
+    return float(np.nanmin(catalog.motors["winding_time_constant"], initial=np.inf))
+
+
+def changed(given: Problem, change: Callable[[RobotSpec], RobotSpec]) -> Problem:
+    """The problem with one figure changed in the machine and in all load cases, whose cycles are made anew.
+
+    Parameters
+    ----------
+    given
+        The problem.
+    change
+        Makes the copy of a spec with the other figure.
+
+    Returns
+    -------
+    Problem
+        Wheels of a platform keep the load of the trajectory that was planned.
+    """
+    quickest = quickest_winding(given.catalog)
+    specs = [change(case.spec) for case in given.cases]
+    cases = [
+        replace(case, spec=spec, at_belt=_at_belt(spec, quickest))
+        for case, spec in zip(given.cases, specs, strict=True)
+    ]
+    return replace(given, machine=given.machine.changed(change), cases=tuple(cases))

@@ -1,0 +1,73 @@
+"""What all load cases of a problem share: the encoders and controllers of every motor, and the worst of each check."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.results.check_columns import CheckColumn, worst_case
+from drivesizer.results.check_kinds import CHECKS
+from drivesizer.results.problem import Problem
+from drivesizer.search.columns.controllers import Usable, usable_controllers
+from drivesizer.search.columns.encoders import Offered, offered_encoders
+
+__all__ = ["Offers", "offers", "unknown_where_doubtful", "worst_of_all"]
+
+
+class Offers(NamedTuple):
+    """Encoders and controllers that a problem has for every motor of its catalogues."""
+
+    encoders: Offered
+    controllers: Usable
+
+
+def offers(problem: Problem) -> Offers:
+    """The encoders and controllers of every motor, at the supply of all load cases."""
+    spec, catalog = problem.spec, problem.catalog
+    return Offers(offered_encoders(spec, catalog), usable_controllers(spec, catalog, problem.supply))
+
+
+def unknown_where_doubtful(checks: list[CheckColumn], known: NDArray[np.bool_]) -> list[CheckColumn]:
+    """The checks; with an unknown inertia those that hang on it may fail but not pass.
+
+    Parameters
+    ----------
+    checks
+        Of candidates, by physics.
+    known
+        Whether all inertias of each candidate are known, shape (candidates,).
+
+    Returns
+    -------
+    list
+        The checks in their order.
+    """
+    if known.all():
+        return checks
+    return [replace(c, passed=c.passed & known) if CHECKS["physics"][c.name].on_inertia else c for c in checks]
+
+
+def worst_of_all(problem: Problem, checks: Callable[[int], list[CheckColumn]]) -> list[CheckColumn]:
+    """The worst case of each check.
+
+    Parameters
+    ----------
+    problem
+        With its load cases.
+    checks
+        Makes the checks of the load case of a number.
+
+    Returns
+    -------
+    list
+        Each check over the load cases that have it.
+    """
+    found: dict[str, list[tuple[int, CheckColumn]]] = {}
+    for number in range(len(problem.cases)):
+        for check in checks(number):
+            found.setdefault(check.name, []).append((number, check))
+    return [worst_case(same) for same in found.values()]
