@@ -1,7 +1,7 @@
-"""What a study varies: a field of the spec, and the values that it takes.
+"""Axes of a study: a field of the spec and its values.
 
-A value is written into the spec as text with its unit, as a person would write it there, and read by the spec's own
-strict reader. So every variant can be repeated by hand, and what a field may hold is said in one place.
+A value is written into the spec as text with its unit and read by the spec's own strict reader. So every variant can be
+repeated by hand, and the spec alone decides which values a field accepts.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ __all__ = ["Axis", "Place", "axes_of", "changed", "once", "path_of"]
 
 _STEP = re.compile(r"(\w+)((?:\[[1-9][0-9]{0,3}\])*)", re.ASCII)
 _RANGE = "e.g. {from: 30 kg, to: 60 kg, steps: 4}"
-_DIGITS = 12  # of a value inside a range: what is left of rounding is not shown
+_DIGITS = 12  # of a value inside a range, to hide rounding errors
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,28 +35,27 @@ class Axis:
     name: str  # as in a message: load.mass, transmission[2].ratio
     path: Path_
     kind: str = ""  # of its quantity; empty where it is none
-    unit: str = ""  # in which its figures are told, as the study spells it
+    unit: str = ""  # of its figures in tables, as the study spells it
     values: tuple[Any, ...] = ()  # as they go into the spec
     span: tuple[float, float] | None = None  # in that unit
 
     @property
     def head(self) -> str:
-        """Name and unit, as over a column."""
+        """Name and unit, as the head of a column."""
         return f"{self.name} ({self.unit})" if self.unit else self.name
 
     def text(self, figure: float) -> str:
         """A figure as it goes into the spec."""
         return f"{figure!r} {self.unit}".rstrip()
 
-    def told(self, value: Any) -> Any:
-        """A value as it stands in a table: a number in the axis's unit, or a text."""
+    def table_value(self, value: Any) -> Any:
+        """A value as tables show it: a number in the axis's unit, or text."""
         if not self.kind:
             return value if isinstance(value, int) and not isinstance(value, bool) else _text(value)
-        figure, unit = number(str(value))
-        return figure if unit == self.unit else float(f"{_into(value, self.kind, self.unit):.{_DIGITS}g}")
+        return _figure(value, self.kind, self.unit)
 
     def sample(self, share: float) -> Any:
-        """The value at a share of the way, 0 up to 1, through the range or the list."""
+        """The value at a share of the range or the list, 0 to below 1."""
         if self.span is None:
             return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
         low, high = self.span
@@ -71,14 +70,17 @@ def _text(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def _into(value: Any, kind: str, unit: str) -> float:
-    """A quantity in one of its kind's units."""
+def _figure(value: Any, kind: str, unit: str) -> float:
+    """A quantity in one of its kind's units; exactly as written where it has that unit."""
+    figure, own = number(str(value))
+    if own == unit:
+        return figure
     factor, offset = scale(unit, kind) if unit else (1.0, 0.0)
-    return float((to_si(value, kind) - offset) / factor)
+    return float(f"{float((to_si(value, kind) - offset) / factor):.{_DIGITS}g}")
 
 
 def axes_of(source: YamlSource, spec: YamlSource, vary: dict[str, Any], grid: bool) -> tuple[Axis, ...]:
-    """What a study's section ``vary`` says of a spec.
+    """Axes of a study's section ``vary``.
 
     Parameters
     ----------
@@ -87,101 +89,109 @@ def axes_of(source: YamlSource, spec: YamlSource, vary: dict[str, Any], grid: bo
     vary
         The section.
     grid
-        Whether a range is divided by its steps; else a Latin hypercube takes any value of it.
+        Whether a range has steps; else a Latin hypercube takes any value of it.
+
+    Returns
+    -------
+    tuple[Axis, ...]
+        In the order of the section.
 
     Raises
     ------
     InputError
-        When a field is not known, a value has no unit or one of another kind, or a list or range is none.
+        When a field is unknown, a value has no unit or one of another kind, or a list or range is malformed.
     """
     return tuple(_axis(Place(source, ("vary", name)), spec, name, given, grid) for name, given in vary.items())
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where in the study something stands."""
+    """Place in the study, for messages."""
 
     source: YamlSource
     path: Path_
 
-    def wrong(self, text: object, *further: str | int) -> InputError:
-        """What is wrong there, as an error to raise."""
+    def error(self, text: object, *further: str | int) -> InputError:
+        """Error at this place, to be raised."""
         return InputError(f"{self.source.where((*self.path, *further))}: {text}")
 
 
 def once(place: Place, given: Sequence[Any]) -> None:
-    """Refuse a list that has an entry twice."""
+    """Refuse a list that has an entry twice.
+
+    Parameters
+    ----------
+    place
+        Of the list.
+    given
+        Its entries.
+    """
     seen: set[str] = set()
     for n, value in enumerate(given):
         if repr(value) in seen:
-            raise place.wrong(f"{quoted(value)} is given twice", n)
+            raise place.error(f"{quoted(value)} is given twice", n)
         seen.add(repr(value))
 
 
 def _axis(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> Axis:
     path = path_of(name)
     if path is None:
-        raise place.wrong(f"is no field; expected one of {spec.name}, e.g. load.mass or transmission[2].ratio")
+        raise place.error(f"is no field; expected one of {spec.name}, e.g. load.mass or transmission[2].ratio")
     if path[:2] == ("select", "catalogs"):
-        raise place.wrong("expected them in the study's own list, catalogs")
-    _there(place, spec, path)
+        raise place.error("expected them in the study's own list, catalogs")
+    _refuse_unknown(place, spec, path)
     kind = _kind(path, spec.data)
     if isinstance(given, dict):
         return _range(place, Axis(name=name, path=path, kind=kind), given, grid)
     if not isinstance(given, list) or not given:
-        raise place.wrong(f"expected a list of values, e.g. [24 V, 48 V], or a range, {_RANGE}")
+        raise place.error(f"expected a list of values, e.g. [24 V, 48 V], or a range, {_RANGE}")
     for n, value in enumerate(given):
         if kind:
             _checked(place, value, kind, n)
     once(place, given)
-    if not kind or any(has_tolerance(str(value)) for value in given):  # which is told as it is written
+    if not kind or any(has_tolerance(str(value)) for value in given):  # shown as written
         return Axis(name=name, path=path, values=tuple(given))
     return Axis(name=name, path=path, kind=kind, unit=number(str(given[0]))[1], values=tuple(given))
 
 
 def _checked(place: Place, value: Any, kind: str, *further: str | int) -> float:
-    """A quantity in SI, of one with a tolerance the nominal one; or the line that says why it is none."""
+    """A quantity in SI, the nominal one where it has a tolerance; an error at its place where it is none."""
     try:
         return to_si(tolerance(value).nominal if isinstance(value, str) and has_tolerance(value) else value, kind)
     except InputError as error:
-        raise place.wrong(error, *further) from None
+        raise place.error(error, *further) from None
 
 
 def _range(place: Place, axis: Axis, given: dict[str, Any], grid: bool) -> Axis:
     known = ("from", "to", "steps") if grid else ("from", "to")
     for key in given:
         if key == "steps" and not grid:
-            raise place.wrong("a Latin hypercube divides the range itself; leave steps out", key)
+            raise place.error("a Latin hypercube divides the range itself; leave steps out", key)
         if key not in known:
-            raise place.wrong(f"unknown key; expected {', '.join(known)}{nearest(key, known)}", key)
+            raise place.error(f"unknown key; expected {', '.join(known)}{nearest(key, known)}", key)
     for key in known:
         if key not in given:
-            raise place.wrong(f"{key} is missing; expected a range, {_RANGE}")
+            raise place.error(f"{key} is missing; expected a range, {_RANGE}")
     if not axis.kind:
-        raise place.wrong("is no quantity; expected a list of values")
+        raise place.error("is no quantity; expected a list of values")
     for key in ("from", "to"):
         if has_tolerance(str(given[key])):
-            raise place.wrong(f"{quoted(given[key])} has a tolerance; expected a plain quantity, {_RANGE}", key)
+            raise place.error(f"{quoted(given[key])} has a tolerance; expected a plain quantity, {_RANGE}", key)
     low, high = (_checked(place, given[key], axis.kind, key) for key in ("from", "to"))
     if not low < high:
-        raise place.wrong(f"{quoted(given['from'])} is not below {quoted(given['to'])}; expected from below to")
+        raise place.error(f"{quoted(given['from'])} is not below {quoted(given['to'])}; expected from below to")
     unit = number(str(given["from"]))[1]
     span = number(str(given["from"]))[0], _figure(given["to"], axis.kind, unit)
     found = Axis(name=axis.name, path=axis.path, kind=axis.kind, unit=unit, span=span)
     return _stepped(place, found, given["steps"]) if grid else found
 
 
-def _figure(value: Any, kind: str, unit: str) -> float:
-    figure, own = number(str(value))
-    return figure if own == unit else float(f"{_into(value, kind, unit):.{_DIGITS}g}")
-
-
 def _stepped(place: Place, axis: Axis, steps: Any) -> Axis:
-    """The axis with the values of its steps, both ends among them."""
+    """The axis with the values of its steps, both ends included."""
     if isinstance(steps, bool) or not isinstance(steps, int) or steps < 2:
-        raise place.wrong(f"{quoted(steps)} is not a whole number from 2; both ends are steps", "steps")
+        raise place.error(f"{quoted(steps)} is not a whole number from 2; both ends are steps", "steps")
     if steps > 100_000:
-        raise place.wrong(f"{quoted(steps)} is too many; expected at most 100000", "steps")
+        raise place.error(f"{quoted(steps)} is too many; expected at most 100000", "steps")
     low, high = axis.span or (0.0, 0.0)
     figures = [float(f"{low + (high - low) * n / (steps - 1):.{_DIGITS}g}") for n in range(steps - 1)] + [high]
     values = tuple(axis.text(figure) for figure in figures)
@@ -192,7 +202,7 @@ def _stepped(place: Place, axis: Axis, steps: Any) -> Axis:
 
 
 def path_of(name: str) -> Path_ | None:
-    """A field's name as a path, None where it is no name: ``transmission[2].ratio`` counts from 1, as messages do.
+    """Path of a field's name, None where it is malformed: ``transmission[2].ratio`` counts from 1, as messages do.
 
     >>> path_of("transmission[2].ratio")
     ('transmission', 1, 'ratio')
@@ -206,20 +216,20 @@ def path_of(name: str) -> Path_ | None:
     return tuple(path)
 
 
-def _there(place: Place, spec: YamlSource, path: Path_) -> None:
-    """Refuse a field that a spec cannot have, and an entry of a list that this one has not."""
+def _refuse_unknown(place: Place, spec: YamlSource, path: Path_) -> None:
+    """Refuse a field that a spec cannot have, and an entry of a list that this spec lacks."""
     data: Any = spec.data
     for n, step in enumerate(path):
         if isinstance(step, int):
             if not isinstance(data, list) or step >= len(data):
                 found = len(data) if isinstance(data, list) else 0
-                raise place.wrong(f"{spec.name} has {found} entries there, {step + 1} is none of them")
+                raise place.error(f"entry {step + 1} does not exist; {spec.name} has {found} here")
             data = data[step]
             continue
         known = _known(path[:n], spec.data)
         if step not in known:
             hint = nearest(step, known) or (f"; expected one of {', '.join(known)}" if known else "")
-            raise place.wrong(f"{quoted(step)} is no field of {_name(path[:n]) or 'a spec'}{hint}")
+            raise place.error(f"{quoted(step)} is no field of {_name(path[:n]) or 'a spec'}{hint}")
         data = data.get(step) if isinstance(data, dict) else None
 
 
@@ -232,7 +242,7 @@ def _known(path: Path_, data: Any) -> list[str]:
 
 
 def _of_the_spec(path: Path_) -> Path_:
-    """What a load case changes is a field of the spec itself."""
+    """A load case changes fields of the spec itself."""
     return path[2:] if path[:1] == ("cases",) and len(path) > 2 else path
 
 
@@ -250,7 +260,7 @@ def _kind(path: Path_, data: Any) -> str:
 
 
 def _quantities(marks: Sequence[Any]) -> list[Quantity]:
-    """The quantities in a field's marks and type; a field of several values is none."""
+    """Quantities in a field's metadata and type; lists of values are left out."""
     found = [mark for mark in marks if isinstance(mark, Quantity)]
     for mark in marks:
         if get_origin(mark) not in (None, list, dict, tuple) or get_origin(mark) is Annotated:
@@ -259,7 +269,22 @@ def _quantities(marks: Sequence[Any]) -> list[Quantity]:
 
 
 def changed(data: Any, path: Path_, value: Any) -> Any:
-    """A spec's data with another value at a path; what is beside the path is shared and not copied."""
+    """A spec's data with another value at a path; everything else is shared, not copied.
+
+    Parameters
+    ----------
+    data
+        Of the spec, or of a part of it.
+    path
+        Of the field.
+    value
+        Its new value.
+
+    Returns
+    -------
+    dict or list
+        New along the path.
+    """
     if not path:
         return value
     step, rest = path[0], path[1:]

@@ -1,7 +1,7 @@
-"""The best sets of a variant and nothing more.
+"""The best drives of a variant.
 
-What ``drivesizer size`` finds, without what it tells beside: what would have to give, the other method, the whole
-catalogue. That costs many searches more where nothing stands, which in a study is often.
+The result of ``drivesizer size`` without relaxations, the other method and the catalogue: these take many further
+searches where no drive passes, which is frequent in a study.
 """
 
 from __future__ import annotations
@@ -22,27 +22,32 @@ __all__ = ["Best", "best"]
 
 
 class Best(NamedTuple):
-    """What a search found, in short."""
+    """Short result of a search."""
 
     sets: tuple[DriveSet, ...]  # that pass or are unknown, best first
-    nearest: DriveSet | None  # that falls, where nothing stands
+    nearest: DriveSet | None  # closest rejected, where none passes
     counts: Counts
     objective: str
 
 
 def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None, top: int = 1) -> Best:
-    """The best sets of a spec.
+    """The best drives of a spec.
 
     Parameters
     ----------
     spec
         The machine.
     catalog
-        Parts to choose from, actuators taken apart and gearheads on every shaft, as ``sizing.load_parts`` gives them.
+        Parts to choose from, as :func:`drivesizer.catalog.search_view.search_view` returns them.
     objective
         In place of the spec's.
     top
-        How many sets to give.
+        How many drives to return.
+
+    Returns
+    -------
+    Best
+        Drives that pass or are open, or the closest rejected one.
 
     Raises
     ------
@@ -52,7 +57,7 @@ def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None,
     objective = objective or spec.select.objective
     found = shortlist(spec, catalog, objective, top, misses=0, brief=True)
     evaluation = found.found.evaluation
-    fallen = (drive_set(evaluation, row, 0, objective) for row in found.fallen)
-    close = next(chain(found.unsure.values(), found.short.values(), fallen), None)
+    rejected = (drive_set(evaluation, row, 0, objective) for row in found.fallen)
+    close = next(chain(found.unsure.values(), found.short.values(), rejected), None)
     sets = ranked(found.best.values())
     return Best(sets, None if sets else close, found.found.counts, title_of(objective))

@@ -1,4 +1,4 @@
-"""Variants on the workers of a Dask scheduler: the same tasks, elsewhere."""
+"""Variants computed by the workers of a Dask scheduler."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["connected", "on_cluster"]
 
 _PATIENCE = 5.0  # s, for a scheduler to answer, and for a worker to be there
 _AHEAD = 4  # chunks for each thread of a worker that wait for it
-_GO_ON = "what is done is kept: the same command goes on"
+_RESUME = "results so far are kept: the same command resumes"
 
 
 @contextmanager
@@ -49,13 +49,13 @@ def _client(address: str) -> Any:
     """A client of the scheduler that has a worker."""
     if find_spec("distributed") is None:
         raise InputError("--scheduler needs Dask; install drivesizer[cluster]")
-    dask = import_module("distributed")  # which sets levels of its own
-    for name in ("distributed", "distributed.client", "tornado"):  # our one line says what they would say in many
+    dask = import_module("distributed")  # first, for it sets log levels
+    for name in ("distributed", "distributed.client", "tornado"):  # replaced by a one-line error
         logging.getLogger(name).setLevel(logging.CRITICAL)
     expected = "expected a Dask scheduler's address, e.g. tcp://10.0.0.5:8786"
     try:
         found = asyncio.run(asyncio.wait_for(_identity(address), _PATIENCE + 1.0))
-    except Exception as error:  # whatever answers there may answer anything
+    except Exception as error:  # an unknown server may answer anything
         raise InputError(f"--scheduler: {quoted(address)} does not answer ({_brief(error)}); {expected}") from None
     if found.get("type") != "Scheduler":
         raise InputError(f"--scheduler: {quoted(address)} is a {found.get('type', 'server')}; {expected}")
@@ -69,7 +69,7 @@ def _client(address: str) -> Any:
 
 
 async def _identity(address: str) -> dict[str, Any]:
-    """Who answers at an address."""
+    """Identity of the server at an address."""
     comm = await import_module("distributed.comm").connect(address, timeout=_PATIENCE)
     try:
         await comm.write({"op": "identity", "reply": True})
@@ -79,9 +79,9 @@ async def _identity(address: str) -> dict[str, Any]:
 
 
 def on_cluster(client: Any, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple[int, Part]]:
-    """Compute chunks on the workers of a scheduler; they come as they are done.
+    """Compute chunks on the workers of a scheduler; they are yielded in the order of completion.
 
-    A worker that is lost is made up for by the others.
+    Other workers take over the tasks of a lost one.
 
     Parameters
     ----------
@@ -90,26 +90,31 @@ def on_cluster(client: Any, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple
     plan
         The study.
     chunks
-        Which of it.
+        Numbers of the chunks to compute.
+
+    Returns
+    -------
+    Iterator
+        Pairs of chunk number and rows.
 
     Raises
     ------
     InputError
-        When the scheduler or one chunk's workers again and again are lost, or cannot compute a variant.
+        When the scheduler is lost, the workers of one chunk repeatedly, or they cannot compute a variant.
     """
-    waiting = tasks(plan, chunks)
+    pending = tasks(plan, chunks)
 
-    def given(count: int) -> dict[Any, int]:
+    def submit(count: int) -> dict[Any, int]:
         return {
             client.submit(rows_of, plan.job, variants, heads, pure=False, retries=3): chunk
-            for chunk, variants, heads in islice(waiting, count)
+            for chunk, variants, heads in islice(pending, count)
         }
 
-    running = given(_AHEAD * max(sum(client.nthreads().values()), 1))
+    running = submit(_AHEAD * max(sum(client.nthreads().values()), 1))
     done = import_module("distributed").as_completed(list(running), loop=client.loop, with_results=True)
     while running:
         future, part = _next(done, client.scheduler.address)
-        more = given(1)
+        more = submit(1)
         running |= more
         for another in more:
             done.add(another)
@@ -126,7 +131,7 @@ def _next(done: Any, address: str) -> tuple[Any, Part]:
             f"{address}: its workers cannot compute this ({_brief(error)}); install the same drivesizer there"
         ) from None
     except lost as error:
-        raise InputError(f"{address}: scheduler or workers were lost ({_brief(error)}); {_GO_ON}") from None
+        raise InputError(f"{address}: scheduler or workers were lost ({_brief(error)}); {_RESUME}") from None
     return future, part
 
 

@@ -1,6 +1,6 @@
-"""The columns of a study's table: which variant, and what was found for it.
+"""Columns of a study's table: the variant, and the drive found for it.
 
-A figure of a set becomes a column by one line in ``_SET``; by one more in ``maps.MAPS`` it is drawn as well.
+A figure of a drive becomes a column by one line in ``_DRIVE``; by one more in ``maps.MAPS`` it is drawn as well.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ __all__ = ["Column", "Form", "Row", "columns_of", "failed", "found"]
 
 Form = Literal["whole", "number", "text"]
 Row = list[Any]  # a figure that is not known is None
-_DIGITS = 12  # of a figure: what is left of rounding is not shown
+_DIGITS = 12  # of a figure, to hide rounding errors
 
 
 class Column(NamedTuple):
-    """A column: its head, what it holds, and its unit for programs that read units apart from heads."""
+    """A column: its head, its type, and its unit for programs that read units separately."""
 
     head: str
     form: Form
@@ -31,7 +31,7 @@ class Column(NamedTuple):
 
 
 class _Of(NamedTuple):
-    """A column of what was found."""
+    """A column with a figure of a drive."""
 
     column: Column
     of: Callable[[DriveSet], Any]
@@ -62,7 +62,7 @@ def _figure(name: str) -> Callable[[DriveSet], float]:
     return lambda one: next((figure.value for figure in one.figures if figure.name == name), nan)
 
 
-_SET: tuple[_Of, ...] = (
+_DRIVE: tuple[_Of, ...] = (
     _text("set", lambda one: one.label),
     _text("motor_family", lambda one: one.motor.family),
     _text("motor_part", lambda one: one.motor.part),
@@ -98,48 +98,68 @@ def columns_of(plan: Plan) -> tuple[Column, ...]:
     spec = (Column("spec", "text"),) if len(plan.names) > 1 else ()
     catalogs = (Column("catalogs", "text"),) if any(plan.catalogs) else ()
     varied = tuple(Column(axis.head, _form(axis), axis.unit) for axis in plan.job.axes)
-    told = Column("objective", "text"), Column("rank", "whole"), Column("status", "text")
-    parts = tuple(one.column for one in _SET)
-    return (Column("variant", "whole"), *spec, *varied, *catalogs, *told, *parts, *_MARGIN, *_COUNTS, *_LAST)
+    result = Column("objective", "text"), Column("rank", "whole"), Column("status", "text")
+    parts = tuple(one.column for one in _DRIVE)
+    return (Column("variant", "whole"), *spec, *varied, *catalogs, *result, *parts, *_MARGIN, *_COUNTS, *_LAST)
 
 
 def _form(axis: Any) -> Form:
     if axis.kind:
         return "number"
-    return "whole" if all(isinstance(axis.told(value), int) for value in axis.values) else "text"
+    return "whole" if all(isinstance(axis.table_value(value), int) for value in axis.values) else "text"
 
 
 def found(head: Row, best: Best) -> list[Row]:
-    """The rows of a variant: one for each set, or one that says by what the nearest fell.
+    """Rows of a variant: one for each drive, or one with the check that the closest rejected drive fails most.
 
     Parameters
     ----------
     head
-        What tells the variant.
+        Number and varied values of the variant.
     best
-        What was found for it.
+        Result of its search.
+
+    Returns
+    -------
+    list[Row]
+        Cells in the order of :func:`columns_of`.
     """
     counts = [best.counts.considered, best.counts.feasible]
     if best.sets:
         return [
-            [*head, best.objective, one.rank, one.status, *(_cell(c, of(one)) for c, of in _SET), *_tight(one),
-             *counts, "", ""]
+            [*head, best.objective, one.rank, one.status, *(_cell(c, of(one)) for c, of in _DRIVE),
+             *_smallest_margin(one), *counts, "", ""]
             for one in best.sets
         ]  # fmt: skip
     near = best.nearest
-    none = [_cell(column, nan if column.form == "number" else "") for column, _ in _SET]
-    tight = _tight(near) if near else [None, ""]
-    return [[*head, best.objective, None, "fail", *none, *tight, *counts, near.label if near else "", ""]]
+    none = [_cell(column, nan if column.form == "number" else "") for column, _ in _DRIVE]
+    margin = _smallest_margin(near) if near else [None, ""]
+    return [[*head, best.objective, None, "fail", *none, *margin, *counts, near.label if near else "", ""]]
 
 
 def failed(head: Row, objective: str, message: str) -> list[Row]:
-    """The row of a variant that is no machine, or cannot be sized."""
-    none = [_cell(column, nan if column.form == "number" else "") for column, _ in _SET]
+    """Row of a variant that is invalid or cannot be sized.
+
+    Parameters
+    ----------
+    head
+        Number and varied values of the variant.
+    objective
+        Title of the objective.
+    message
+        The error.
+
+    Returns
+    -------
+    list[Row]
+        One row with status ``error``.
+    """
+    none = [_cell(column, nan if column.form == "number" else "") for column, _ in _DRIVE]
     return [[*head, objective, None, "error", *none, None, "", None, None, "", message]]
 
 
-def _tight(one: DriveSet) -> Row:
-    """The smallest margin and its check: of a set that fails, the one that is missed by most."""
+def _smallest_margin(one: DriveSet) -> Row:
+    """The smallest margin and its check."""
     check = worst(one.deciding)
     return [_cell(_MARGIN[0], check.margin), check.name] if check else [None, ""]
 

@@ -1,4 +1,4 @@
-"""A map as a figure: panels beside each other, one scale of colours, and the sets by number below."""
+"""A map as a figure: panels side by side with one colour scale, and the list of drives by number below."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from drivesizer.output.report.figures.style import Form, drawn, placed
 from drivesizer.output.text import clean, short
+from drivesizer.study.map_legend import LINE, listed, numbered, rows_of_list
 from drivesizer.study.map_panel import Dimension, Map, Panel, Scene, panel_into, words
-from drivesizer.study.map_sets import LINE, listed, numbered, rows_of_list
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 __all__ = ["draw"]
 
-_HEIGHT, _SINGLE = 1.75, 2.7  # in, of a panel among several, and alone
+_HEIGHT, _SINGLE = 1.75, 2.7  # in, of one of several panels, and of a single one
 _WIDTH = 6.5  # in, of the figure
-_NO_SCALE = "#DDDDDD"  # of cells that all have one value
+_NO_SCALE = "#DDDDDD"  # colour of cells that all have one value
 _WORD = 0.058  # in, of a letter along an axis
 
 
@@ -33,15 +33,20 @@ def draw(
     Parameters
     ----------
     shown
-        Which figure of the best sets, or the sets.
+        The figure of the best drives that is drawn, or the drives themselves.
     panels
-        The maps that stand beside each other.
+        The maps side by side.
     across, up
-        What they are over; without the second the figure is drawn over the first.
+        Their axes; without the second the figure is drawn over the first.
     grid
         Whether the rows fill a grid; else they are points.
     form
         Of the drawing.
+
+    Returns
+    -------
+    bytes
+        The drawing.
     """
     rows = [row for panel in panels for row in panel.rows]
     numbers = numbered(rows) if shown.name == "best_set" else {}
@@ -80,18 +85,18 @@ def draw(
 
 
 def _left(up: Dimension | None) -> float:
-    """Room for the words along the axis that goes up, and for its name [in]."""
+    """Width of the labels and title of the vertical axis [in]."""
     longest = max(map(len, words(up))) if up and not up.numeric else 0
     return max(0.75, 0.4 + _WORD * longest)
 
 
 def _upright(across: Dimension, room: float) -> float:
-    """How much further down words along the axis that goes across reach where they have no room side by side [in]."""
+    """Extra height of the labels of the horizontal axis where they are turned for want of room [in]."""
     if across.numeric:
         return 0.0
-    told = words(across)
-    longest = max(map(len, told))
-    return _WORD * (longest - 1) if _WORD * (longest + 1) > room / len(told) else 0.0
+    labels = words(across)
+    longest = max(map(len, labels))
+    return _WORD * (longest - 1) if _WORD * (longest + 1) > room / len(labels) else 0.0
 
 
 def _known(shown: Map, rows: Sequence[dict[str, Any]]) -> list[float]:
@@ -100,7 +105,7 @@ def _known(shown: Map, rows: Sequence[dict[str, Any]]) -> list[float]:
 
 
 def _one_value(shown: Map, rows: Sequence[dict[str, Any]]) -> float | None:
-    """The figure, where there is only one: a scale would tell of none."""
+    """The figure where all are equal, so that no colour scale is needed."""
     known = set(_known(shown, rows))
     return known.pop() if len(known) == 1 else None
 
@@ -119,7 +124,7 @@ def _coloured(shown: Map, rows: Sequence[dict[str, Any]]) -> Any:
 
 
 def _labelled(figure: Figure, places: list[list[Axes]], scene: Scene, count: int) -> None:
-    """Names of the axes at the edges, and the title."""
+    """Axis labels at the edges, and the title."""
     columns = len(places[0])
     for n in range(count):
         axes = places[n // columns][n % columns]
@@ -127,14 +132,14 @@ def _labelled(figure: Figure, places: list[list[Axes]], scene: Scene, count: int
             axes.set_xlabel(short(clean(scene.across.head), 40))
             axes.tick_params(labelbottom=True)
         if n % columns == 0:
-            own = scene.shown.title if scene.up is None and not scene.numbers else "Set" if scene.up is None else ""
+            own = scene.shown.title if scene.up is None and not scene.numbers else "Drive" if scene.up is None else ""
             axes.set_ylabel(short(clean(scene.up.head if scene.up else own), 40))
     width, height = figure.get_size_inches()
     figure.text(0.05 / width, 1.0 - 0.04 / height, scene.shown.title, va="top", fontsize=8, fontweight="bold")
 
 
 def _scaled(figure: Figure, places: list[list[Axes]], scene: Scene) -> None:
-    """The scale of colours, beside the panels."""
+    """The colour scale beside the panels."""
     from matplotlib.cm import ScalarMappable
 
     width = figure.get_size_inches()[0]
@@ -148,16 +153,16 @@ def _scaled(figure: Figure, places: list[list[Axes]], scene: Scene) -> None:
 def _signs(
     shown: Map, rows: Sequence[dict[str, Any]], numbers: dict[str, int], same: float | None, cells: bool
 ) -> list[str]:
-    """The lines below: that there is one value alone, and what the signs mean."""
-    lines = [f"{same:.4g} wherever it is known: one value, so no scale of colours"] if same is not None else []
+    """Lines below the panels: a single value, and the meaning of signs."""
+    lines = [f"{same:.4g} wherever it is known: one value, so no colour scale"] if same is not None else []
     statuses = {row["status"] for row in rows}
     signs = []
     if "fail" in statuses:
-        signs.append("slanting lines: no set stands" if cells else "×: no set stands, or no machine")
+        signs.append("hatched: no drive passes" if cells else "×: no drive passes, or an invalid variant")
     if "error" in statuses and cells:
-        signs.append("×: not a machine")
+        signs.append("×: an invalid variant")
     if numbers and "unknown" in statuses:
         signs.append("?: a check is unknown")
     if shown.lacks and any(row[shown.lacks] for row in rows):
-        signs.append("≥: not known of all parts, so at least" if cells else "some are not known of all parts: at least")
+        signs.append("≥: not known of all parts, at least" if cells else "some are not known of all parts: at least")
     return lines + ([";  ".join(signs)] if signs else [])

@@ -1,7 +1,7 @@
-"""One map: cells of a grid, points of a sample, or a figure over one thing that varies.
+"""One map: cells of a grid, points of a sample, or a figure over one axis.
 
-The numbers stand in the cells where there is room for them; where no set stands a cell is hatched. Colours of figures
-are of one scale of brightness, and sets are numbered, so that a grey print tells the same.
+Cells show their numbers where there is room; a cell where no drive passes is hatched. Colours of figures are monotonic
+in brightness and drives are numbered, so that a grey print is readable.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.text import clean, short
-from drivesizer.study.map_sets import OTHERS, Look, look_of
+from drivesizer.study.map_legend import OTHERS, Look, look_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,12 +30,12 @@ class Map(NamedTuple):
     column: str
     title: str
     scale: float = 1.0  # from the column to what is shown
-    lacks: str = ""  # the column that says which parts a sum does not cover
-    signed: bool = False  # below zero is another thing than above
+    lacks: str = ""  # the column of parts that a sum does not cover
+    signed: bool = False  # whether the sign matters
 
 
 class Dimension(NamedTuple):
-    """Something that varies."""
+    """An axis of the study, with its values."""
 
     name: str
     head: str  # of its column
@@ -44,34 +44,44 @@ class Dimension(NamedTuple):
 
 
 class Panel(NamedTuple):
-    """A map among others: what they differ by, and its rows."""
+    """One of several maps of a figure, with its rows."""
 
     title: str
     rows: list[dict[str, Any]]
 
 
 class Scene(NamedTuple):
-    """What all panels of a figure share."""
+    """Settings that all panels of a figure share."""
 
     shown: Map
     across: Dimension
     up: Dimension | None
     grid: bool
-    colours: Any  # matplotlib's map and norm; None for sets
-    numbers: dict[str, int]  # of each set that has a line below; empty for figures
+    colours: Any  # matplotlib's map and norm; None for drives
+    numbers: dict[str, int]  # of each drive in the list below; empty for figures
 
 
 Box = tuple[float, float, float, float]  # left, width, low, height of a cell
 
 _WIDE = 6.5  # in, of a figure
 _LETTER, _TALL = 0.055, 0.11  # in, of a letter in a cell
-_HATCH = "//////"  # no set's
-_MOST_TICKS = 20  # numbers of sets along an axis
-_MOST_LINES, _MOST_TEXTS = 2500, 700  # cells of a panel with lines between them, and with numbers in them
+_HATCH = "//////"  # where no drive passes
+_MOST_TICKS = 20  # numbers of drives along an axis
+_MOST_LINES, _MOST_TEXTS = 2500, 700  # cells of a panel that has lines between cells, and numbers in them
 
 
 def panel_into(axes: Axes, scene: Scene, panel: Panel) -> None:
-    """Draw a map into its axes."""
+    """Draw a map into its axes.
+
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    scene
+        Settings of the figure.
+    panel
+        The map.
+    """
     axes.set_title(short(clean(panel.title), int(axes.get_position().width * _WIDE / _LETTER)))
     axes.grid(visible=False)
     if scene.up is None:
@@ -86,7 +96,7 @@ def panel_into(axes: Axes, scene: Scene, panel: Panel) -> None:
 
 
 def _places(one: Dimension, rows: Sequence[dict[str, Any]]) -> NDArray[np.float64]:
-    """Where rows lie along something that varies: at the number, or at the place in the list."""
+    """Positions of rows along an axis: the number, or the place in its list of values."""
     if one.numeric:
         return np.array([float(row[one.head]) for row in rows])
     place = {value: n for n, value in enumerate(one.values)}
@@ -102,10 +112,10 @@ def _cells(axes: Axes, scene: Scene, up: Dimension, rows: Sequence[dict[str, Any
     for pattern in sorted({hatch for _, hatch in faces if hatch}):
         _hatched(axes, [box for box, (_, hatch) in zip(boxes, faces, strict=True) if hatch == pattern], pattern)
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
-    told = [_text(scene, row) for row in rows] if len(rows) <= _MOST_TEXTS else []
-    whole = x[-1] - x[0], y[-1] - y[0]
-    if all(_fits(axes, text, (w / whole[0], h / whole[1])) for text, (_, w, _, h) in zip(told, boxes, strict=False)):
-        for text, (left, width, low, height), (face, hatch) in zip(told, boxes, faces, strict=False):
+    texts = [_text(scene, row) for row in rows] if len(rows) <= _MOST_TEXTS else []
+    extent = x[-1] - x[0], y[-1] - y[0]
+    if all(_fits(axes, text, (w / extent[0], h / extent[1])) for text, (_, w, _, h) in zip(texts, boxes, strict=False)):
+        for text, (left, width, low, height), (face, hatch) in zip(texts, boxes, faces, strict=False):
             put = axes.text(left + width / 2, low + height / 2, text, ha="center", va="center", fontsize=6)
             put.set_color(_ink(face))
             if hatch and text:
@@ -135,20 +145,20 @@ def _hatched(axes: Axes, boxes: Sequence[Box], pattern: str) -> None:
 
 
 def _within(edges: NDArray[np.float64], value: float) -> tuple[float, float]:
-    """Where the cell of a value begins, and how wide it is."""
+    """Lower edge and width of a value's cell."""
     n = int(np.searchsorted(edges, value)) - 1
     return float(edges[n]), float(edges[n + 1] - edges[n])
 
 
 def _edges(one: Dimension) -> NDArray[np.float64]:
-    """Between the values, half of the way to the next, and as far beyond the first and the last."""
-    at = np.sort(np.array(one.values, float)) if one.numeric else np.arange(float(len(one.values)))
-    between = (at[1:] + at[:-1]) / 2
-    return np.concatenate([[2 * at[0] - between[0]], between, [2 * at[-1] - between[-1]]])
+    """Edges of cells: midway between values, and as far beyond the first and the last."""
+    values = np.sort(np.array(one.values, float)) if one.numeric else np.arange(float(len(one.values)))
+    between = (values[1:] + values[:-1]) / 2
+    return np.concatenate([[2 * values[0] - between[0]], between, [2 * values[-1] - between[-1]]])
 
 
 def _face(scene: Scene, row: dict[str, Any]) -> tuple[Any, str]:
-    """Colour of a cell, and what is hatched over it."""
+    """Colour and hatching of a cell."""
     value = row[scene.shown.column]
     if row["status"] == "error":
         return "white", ""
@@ -177,7 +187,7 @@ def _ink(face: Any) -> str:
 
 
 def _text(scene: Scene, row: dict[str, Any]) -> str:
-    """What stands in a cell: ``≥`` before a sum that does not cover all, ``?`` behind a set with an unknown check."""
+    """Text of a cell: ``≥`` before a sum that does not cover all parts, ``?`` after a drive with an unknown check."""
     value = row[scene.shown.column]
     if row["status"] == "error":
         return "×"
@@ -190,7 +200,7 @@ def _text(scene: Scene, row: dict[str, Any]) -> str:
 
 
 def _fits(axes: Axes, text: str, share: tuple[float, float]) -> bool:
-    """Whether a text has room in a cell that takes some share of the axes across and up."""
+    """Whether a text fits a cell that takes some share of the axes' width and height."""
     box, figure = axes.get_position(), axes.get_figure(root=True)
     assert figure is not None
     width, height = figure.get_size_inches()
@@ -200,10 +210,10 @@ def _fits(axes: Axes, text: str, share: tuple[float, float]) -> bool:
 
 def _points(axes: Axes, scene: Scene, up: Dimension, rows: Sequence[dict[str, Any]]) -> None:
     x, y = _places(scene.across, rows), _places(up, rows)
-    fell = np.array([row["status"] in ("fail", "error") for row in rows])
-    axes.scatter(x[fell], y[fell], marker="x", s=9, linewidths=0.6, color="#999999")
+    failed = np.array([row["status"] in ("fail", "error") for row in rows])
+    axes.scatter(x[failed], y[failed], marker="x", s=9, linewidths=0.6, color="#999999")
     faces = [_face(scene, row)[0] for row in rows]
-    kept = [n for n in range(len(rows)) if not fell[n]]
+    kept = [n for n in range(len(rows)) if not failed[n]]
     looks = [_look(scene, rows[n]["set"]).marker if scene.numbers else "o" for n in kept]
     for marker in sorted(set(looks)):
         some = [n for n, look in zip(kept, looks, strict=True) if look == marker]
@@ -216,7 +226,7 @@ def _points(axes: Axes, scene: Scene, up: Dimension, rows: Sequence[dict[str, An
 
 
 def _line(axes: Axes, scene: Scene, rows: Sequence[dict[str, Any]]) -> None:
-    """Over one thing that varies: the figure itself, or the number of the set."""
+    """The figure, or the number of the drive, over one axis."""
     x = _places(scene.across, rows)
     if scene.numbers:
         y = np.array([float(scene.numbers.get(row["set"]) or nan) for row in rows])
@@ -228,8 +238,8 @@ def _line(axes: Axes, scene: Scene, rows: Sequence[dict[str, Any]]) -> None:
     order = np.argsort(x, kind="stable")
     style = "o" if scene.numbers or not scene.across.numeric else "o-"
     axes.plot(x[order], y[order], style, color=COLOURS["blue"], markersize=3)
-    fell = [row["status"] in ("fail", "error") for row in rows]
-    axes.plot(x[fell], np.zeros(sum(fell)), "x", color="#999999", markersize=4, clip_on=False,
+    failed = [row["status"] in ("fail", "error") for row in rows]
+    axes.plot(x[failed], np.zeros(sum(failed)), "x", color="#999999", markersize=4, clip_on=False,
               transform=axes.get_xaxis_transform())  # fmt: skip
     axes.grid(visible=True)
 
@@ -242,5 +252,5 @@ def _ticks(axis: Any, one: Dimension, grid: bool) -> None:
 
 
 def words(one: Dimension) -> list[str]:
-    """What is no number, as it stands along an axis."""
+    """Labels of an axis without numbers."""
     return [short(clean(str(value)), 16) for value in one.values]

@@ -1,7 +1,7 @@
-"""Which maps a study has, and the points that are on them.
+"""Maps of a study and their points.
 
-A map is over two of the things that vary; what varies beside them has a panel for each of its values. Of a Latin
-hypercube the other fields are left as they fall.
+A map is over two axes; the others have a panel for each combination of their values. For a Latin hypercube the other
+fields keep their sampled values.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _MOST_PANELS = 12
 
 # A column of the table as a map; one that the table lacks, or that is unknown everywhere, is left out.
 MAPS: tuple[Map, ...] = (
-    Map("best_set", "set", "Best set"),
+    Map("best_set", "set", "Best drive"),
     Map("mass", "mass_kg", "Mass of motor and gearhead (kg)", lacks="mass_lacks"),
     Map("price", "price_EUR", "Price of the parts (EUR)", lacks="price_lacks"),
     Map("smallest_margin", "smallest_margin", "Smallest margin (%)", scale=100.0, signed=True),
@@ -34,7 +34,7 @@ MAPS: tuple[Map, ...] = (
 
 
 class Chosen(NamedTuple):
-    """What the maps are over."""
+    """Axes of the maps."""
 
     across: Dimension
     up: Dimension | None
@@ -42,16 +42,28 @@ class Chosen(NamedTuple):
     grid: bool
 
 
-Points = dict[tuple[Any, ...], list[dict[str, Any]]]  # rows by the values of what varies beside
+Points = dict[tuple[Any, ...], list[dict[str, Any]]]  # rows by the values of the other axes
 
 
 def chosen(plan: Plan, names: Sequence[str]) -> Chosen | None:
-    """What maps are over: two that are named, or the first two that vary; None where nothing varies.
+    """Axes of the maps: the two named, or the first two; None where nothing varies.
+
+    Parameters
+    ----------
+    plan
+        The study.
+    names
+        Two axes by name, or none.
+
+    Returns
+    -------
+    Chosen or None
+        Axes of the maps, and those with a panel for each value.
 
     Raises
     ------
     InputError
-        When a name is nothing that the study varies.
+        When a name is no axis of the study.
     """
     grid = plan.shares is None
     there = {dimension.name: dimension for dimension in _dimensions(plan)}
@@ -70,9 +82,9 @@ def chosen(plan: Plan, names: Sequence[str]) -> Chosen | None:
 
 
 def _dimensions(plan: Plan) -> list[Dimension]:
-    """What varies, in the order of the table's columns."""
+    """Axes of the study in the order of the table's columns."""
     found = [
-        Dimension(axis.name, axis.head, tuple(axis.told(value) for value in axis.values), bool(axis.kind))
+        Dimension(axis.name, axis.head, tuple(axis.table_value(value) for value in axis.values), bool(axis.kind))
         for axis in plan.job.axes
     ]
     found += [Dimension("spec", "spec", plan.names, False), Dimension("catalogs", "catalogs", plan.catalogs, False)]
@@ -82,7 +94,22 @@ def _dimensions(plan: Plan) -> list[Dimension]:
 
 
 def points(plan: Plan, over: Chosen, chunks: Iterable[list[Row]]) -> Points:
-    """The best row of each variant by its panel, with what the maps need."""
+    """The best row of each variant by panel, with the columns that maps need.
+
+    Parameters
+    ----------
+    plan
+        The study.
+    over
+        Axes of the maps.
+    chunks
+        All rows, a chunk at a time.
+
+    Returns
+    -------
+    dict
+        Rows by the values of the other axes.
+    """
     heads = [column.head for column in columns_of(plan)]
     wanted = {over.across.head, *([over.up.head] if over.up else []), *(one.head for one in over.beside), "status"}
     wanted |= {name for one in MAPS for name in (one.column, one.lacks) if name in heads}
@@ -99,28 +126,41 @@ def points(plan: Plan, over: Chosen, chunks: Iterable[list[Row]]) -> Points:
 
 
 def drawings(over: Chosen, found: Points) -> tuple[dict[str, Drawing], list[str]]:
-    """The maps by name, and what is to be said of what is not on them."""
+    """Maps by name, and notes on panels that are not drawn.
+
+    Parameters
+    ----------
+    over
+        Axes of the maps.
+    found
+        Rows by panel.
+
+    Returns
+    -------
+    tuple
+        Functions that draw, by name, and notes.
+    """
     panels = [Panel(_title(over.beside, key), rows) for key, rows in found.items()]
-    said = []
+    notes = []
     if len(panels) > _MOST_PANELS:
-        said.append(
-            f"maps show {_MOST_PANELS} of {len(panels)} combinations of what varies beside {over.across.name}; "
-            "--map A,B names the two that they are over"
+        notes.append(
+            f"maps show {_MOST_PANELS} of {len(panels)} combinations of the other axes; "
+            "--map A,B names the two axes of the maps"
         )
     shown = panels[:_MOST_PANELS]
     made: dict[str, Drawing] = {}
     for one in MAPS:
         if any(row.get(one.column) not in (None, "") for panel in shown for row in panel.rows):
             made[one.name] = partial(draw, one, shown, over.across, over.up, over.grid)
-    return made, said
+    return made, notes
 
 
 def _title(beside: Sequence[Dimension], key: Sequence[Any]) -> str:
-    return ", ".join(_told(one, value) for one, value in zip(beside, key, strict=True))
+    return ", ".join(_panel_label(one, value) for one, value in zip(beside, key, strict=True))
 
 
-def _told(one: Dimension, value: Any) -> str:
-    """What a panel is for, in a few letters: without the section that a field stands in."""
+def _panel_label(one: Dimension, value: Any) -> str:
+    """Short label of a panel: the field without its section, and the value."""
     if one.name in ("spec", "catalogs", "objective"):
         return f"by {value}" if one.name == "objective" else str(value)
     unit = one.head.removeprefix(one.name).strip(" ()")

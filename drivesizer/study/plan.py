@@ -1,4 +1,4 @@
-"""A study as a plan: how many variants there are, and which one a number stands for.
+"""A study as a plan: the number of its variants, and the variant of each number.
 
 The last of sampled fields, catalogues and objectives changes fastest. No list of variants is ever made: a grid's
 variant follows from its number, a Latin hypercube's from its row of shares.
@@ -26,7 +26,7 @@ __all__ = ["MOST", "Job", "Plan", "Variant", "read_study"]
 
 MOST = 10_000_000  # variants of a study
 _CHUNKS = 128  # at least, where there are as many variants
-_LARGEST = 100  # variants of a chunk: what a kill costs at most, for each process
+_LARGEST = 100  # variants of a chunk: at most so many are lost by each killed process
 
 
 class Variant(NamedTuple):
@@ -41,7 +41,7 @@ class Variant(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
-    """What every process that computes variants must know: plain data, a few kilobytes."""
+    """Data that every process needs to compute variants: a few kilobytes, plain types."""
 
     specs: tuple[tuple[str, str], ...]  # path and text of each
     axes: tuple[Axis, ...]
@@ -57,45 +57,45 @@ class Plan:
     source: YamlSource
     names: tuple[str, ...]  # of the specs, as the study has them
     job: Job
-    catalogs: tuple[str, ...]  # as they are told in a table; empty: the spec's own
+    catalogs: tuple[str, ...]  # as in tables; empty: the spec's own
     shares: NDArray[np.float64] | None  # (points, axes) of a Latin hypercube, 0 up to 1; None: a grid
 
     @property
     def titles(self) -> tuple[str, ...]:
-        """The objectives as they are told in a table; empty: the spec's own."""
+        """The objectives as in tables; empty: the spec's own."""
         return tuple(title_of(objective_of(one)) if one else "" for one in self.job.objectives)
 
     @property
     def points(self) -> int:
-        """How many combinations of the varied fields, or specs."""
+        """Number of combinations of the varied fields, or of specs."""
         if self.shares is not None:
             return len(self.shares)
         return len(self.job.specs) * math.prod(len(axis.values) for axis in self.job.axes)
 
     @property
     def total(self) -> int:
-        """How many variants there are."""
+        """Number of variants."""
         return self.points * len(self.job.catalogs) * len(self.job.objectives)
 
     @property
     def chunk(self) -> int:
-        """How many variants are computed and kept together; the same whoever computes them."""
+        """Number of variants that are computed and stored together; independent of the number of processes."""
         return min(max(self.total // _CHUNKS, 1), _LARGEST)
 
     @property
     def chunks(self) -> int:
-        """How many chunks there are."""
+        """Number of chunks."""
         return -(-self.total // self.chunk)
 
     def head(self, variant: Variant) -> list[Any]:
-        """What tells a variant in the table: its number, spec, values and catalogues."""
+        """First cells of a variant's row: its number, spec, values and catalogues."""
         spec = [self.names[variant.spec]] if len(self.names) > 1 else []
-        told = [axis.told(value) for axis, value in zip(self.job.axes, variant.values, strict=True)]
+        values = [axis.table_value(value) for axis, value in zip(self.job.axes, variant.values, strict=True)]
         catalogs = [self.catalogs[variant.catalogs]] if any(self.catalogs) else []
-        return [variant.number, *spec, *told, *catalogs]
+        return [variant.number, *spec, *values, *catalogs]
 
     def size(self, chunk: int) -> int:
-        """How many variants a chunk has."""
+        """Number of variants of a chunk."""
         return min(self.chunk, self.total - chunk * self.chunk)
 
     def variants(self, chunk: int) -> list[Variant]:
@@ -104,7 +104,7 @@ class Plan:
         return [self.variant(n) for n in range(first + 1, min(first + self.chunk, self.total) + 1)]
 
     def variant(self, number: int) -> Variant:
-        """What a number stands for; numbers count from 1."""
+        """The variant of a number; numbers count from 1."""
         sizes = self.points, len(self.job.catalogs), len(self.job.objectives)
         point, catalogs, objective = _digits(number - 1, sizes)
         if self.shares is not None:
@@ -129,7 +129,7 @@ def _digits(number: int, sizes: Sequence[int]) -> list[int]:
 
 
 def read_study(path: str | Path) -> Plan:
-    """A study.yaml and the specs that it names, which count from its folder.
+    """Read a study.yaml and the specs that it names, relative to its folder.
 
     Parameters
     ----------
@@ -139,12 +139,12 @@ def read_study(path: str | Path) -> Plan:
     Returns
     -------
     Plan
-        What it asks for. Whether a variant is a machine at all is seen when it is sized.
+        The study. Whether a variant is valid is found when it is sized.
 
     Raises
     ------
     InputError
-        When a file cannot be read, or something in it is wrong: one line that says where and what.
+        When a file cannot be read, or something in it is wrong: one line with place and reason.
     """
     source = read(Path(path))
     study = schema_of(source)
@@ -175,7 +175,7 @@ def read_study(path: str | Path) -> Plan:
 
 def _spec(place: Place, name: str, folder: Path) -> YamlSource:
     if reason := missing(folder / name):
-        raise place.wrong(
+        raise place.error(
             f"{quoted(name)} cannot be read ({reason}); expected a spec, its path from the study's folder"
         )
     found = read(folder / name)
@@ -185,7 +185,7 @@ def _spec(place: Place, name: str, folder: Path) -> YamlSource:
 
 
 def _catalogs(source: YamlSource, study: StudyFile, folder: Path) -> tuple[tuple[str, ...] | None, ...]:
-    """Catalogues by name or path; files count from the study's folder."""
+    """Catalogues by name or path; files relative to the study's folder."""
     if study.catalogs is None:
         return (None,)
     once(Place(source, ("catalogs",)), study.catalogs)
@@ -201,7 +201,7 @@ def _objectives(source: YamlSource, study: StudyFile) -> None:
         try:
             titles.append(title_of(objective_of(objective)))
         except InputError as error:
-            raise Place(source, ("objectives", n)).wrong(error) from None
+            raise Place(source, ("objectives", n)).error(error) from None
     once(Place(source, ("objectives",)), titles)
 
 
@@ -219,7 +219,7 @@ def _sampled(plan: Plan, hypercube: Hypercube) -> Plan:
     count = hypercube.latin_hypercube
     _few_enough(plan, count * len(plan.job.catalogs) * len(plan.job.objectives))
     shares = np.empty((count, len(plan.job.axes)))
-    for n in range(shares.shape[1]):  # each field by chance of its own: another field beside it changes nothing
-        chance = np.random.default_rng([hypercube.seed, n])
-        shares[:, n] = (chance.permutation(count) + chance.random(count)) / count
+    for n in range(shares.shape[1]):  # each field has its own generator: further fields change nothing
+        generator = np.random.default_rng([hypercube.seed, n])
+        shares[:, n] = (generator.permutation(count) + generator.random(count)) / count
     return Plan(source=plan.source, names=plan.names, job=plan.job, catalogs=plan.catalogs, shares=shares)

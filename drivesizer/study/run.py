@@ -1,4 +1,4 @@
-"""A study from its plan to its files."""
+"""A study carried out: from its plan to its files."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from drivesizer.study.columns import Column, Row, columns_of
 from drivesizer.study.local import cores, on_processes
 from drivesizer.study.lock import locked
 from drivesizer.study.maps import MOST_POINTS, Chosen, chosen, drawings, points
-from drivesizer.study.origin import made_of, refuse_if_all_wrong
 from drivesizer.study.plan import Plan
+from drivesizer.study.provenance import made_of, refuse_if_all_invalid
 from drivesizer.study.store import Store, opened
 from drivesizer.study.table import has_parquet, write_csv, write_parquet
 from drivesizer.study.variant import Part
@@ -30,11 +30,11 @@ _OWN = {"lock", "lock.txt", "chunks", "maps", "results.csv", "results.parquet", 
 
 @dataclass
 class Outcome:
-    """What became of a study."""
+    """Outcome of a study."""
 
     written: list[Path] = field(default_factory=list)
-    variants: Counter[str] = field(default_factory=Counter)  # by the status of the best set
-    examined: int = 0  # sets
+    variants: Counter[str] = field(default_factory=Counter)  # by the status of the best drive
+    examined: int = 0  # drives
     notes: list[str] = field(default_factory=list)
 
 
@@ -55,35 +55,35 @@ def carry_out(
     plan
         The study.
     folder
-        Where to; it is made where it does not exist, its parent must.
+        Of the results; it is created where missing, its parent must exist.
     processes
-        How many of this machine; 0: one for each core.
+        Number of processes of this machine; 0: one for each core.
     scheduler
-        Address of a Dask scheduler whose workers compute in their place.
+        Address of a Dask scheduler whose workers compute instead.
     fresh
-        Throw away what is there.
+        Discard earlier results.
     maps
-        The two fields that the maps are over; none named: the first two that vary. None: no maps.
+        Names of the two axes of maps; empty: the first two. None: no maps.
     progress
         Called as variants are done.
 
     Returns
     -------
     Outcome
-        The files, and how many variants ended how.
+        The files, and the number of variants by status.
 
     Raises
     ------
     InputError
-        When something in the study is wrong, the folder holds another's results or is in use, or what computes is
-        lost. What was computed until then is kept.
+        When something in the study is wrong, the folder holds another study's results or is in use, or processes are
+        lost. Results so far are kept.
     """
     origin, outcome = made_of(plan), Outcome()
     over = None if maps is None else chosen(plan, maps)
     _usable(folder)
     if fresh or not (folder / "study.json").exists():
-        said = refuse_if_all_wrong(plan)
-        outcome.notes += [said] if said else []
+        note = refuse_if_all_invalid(plan)
+        outcome.notes += [note] if note else []
     with _workers(processes or cores(), scheduler) as compute:
         _made(folder)
         with locked(folder):
@@ -96,17 +96,17 @@ def carry_out(
 
 
 def _usable(folder: Path) -> None:
-    """Refuse a folder that cannot be made, is none, or is somebody else's."""
+    """Refuse a folder that cannot be created, is a file, or holds other files."""
     try:
-        there = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+        names = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
         if folder.exists() and not folder.is_dir():
             raise InputError(f"{folder}: is a file; expected a folder for the results, -o names another")
     except OSError as error:
         raise InputError(f"{folder}: cannot be read ({reason_of(error)})") from None
     if not folder.parent.is_dir():
         raise InputError(f"{folder}: cannot be made, there is no folder {folder.parent}")
-    foreign = sorted(there - _OWN)
-    if foreign and "study.json" not in there:
+    foreign = sorted(names - _OWN)
+    if foreign and "study.json" not in names:
         raise InputError(
             f"{folder}: holds other files, such as {foreign[0]}; expected a new or empty folder, -o names one"
         )
@@ -121,7 +121,7 @@ def _made(folder: Path) -> None:
 
 @contextmanager
 def _workers(processes: int, scheduler: str | None) -> Iterator[Compute]:
-    """What computes chunks; a scheduler is reached before anything is written."""
+    """Function that computes chunks; a scheduler is reached before anything is written."""
     if scheduler is None:
         yield lambda plan, chunks: on_processes(plan, chunks, processes)
         return
@@ -132,7 +132,7 @@ def _workers(processes: int, scheduler: str | None) -> Iterator[Compute]:
 
 
 def _compute(plan: Plan, store: Store, compute: Compute, progress: Progress | None) -> None:
-    """Compute the chunks that are missing, and keep each as it comes."""
+    """Compute the missing chunks, and store each when it is complete."""
     missing = store.missing()
     done = plan.total - sum(plan.size(chunk) for chunk in missing)
     if not missing:
@@ -159,7 +159,7 @@ def _tables(plan: Plan, store: Store, outcome: Outcome) -> None:
 
 
 def _counted(columns: Sequence[Column], store: Store, outcome: Outcome) -> Iterator[list[Row]]:
-    """All rows, counted as they pass."""
+    """All rows; variants are counted meanwhile."""
     heads = [column.head for column in columns]
     status, rank, examined = (heads.index(name) for name in ("status", "rank", "sets_examined"))
     for rows in store.every_row():

@@ -1,6 +1,6 @@
 """The schema of study.yaml.
 
-What is varied is read by ``axes``, because a field's kind of quantity is the spec's to say.
+``axes`` reads the varied fields, because the spec defines a field's kind of quantity.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ class Hypercube(Section):
     """A Latin hypercube: every field's range in as many equal parts as there are samples, one sample in each."""
 
     latin_hypercube: Annotated[int, Field(ge=1)] = Field(description="how many samples")
-    seed: Annotated[int, Field(ge=0)] = Field(default=0, description="of what chance decides; the same gives the same")
+    seed: Annotated[int, Field(ge=0)] = Field(
+        default=0, description="of the random numbers; the same seed gives the same samples"
+    )
 
 
 Sampling = Annotated[
@@ -31,7 +33,7 @@ Sampling = Annotated[
 
 
 def _several(example: str) -> BeforeValidator:
-    """A list with at least one entry; a single text is none, and what it might mean is not guessed."""
+    """A list with at least one entry; a single text is refused."""
 
     def checked(value: object) -> object:
         if not isinstance(value, list) or not value:
@@ -52,7 +54,7 @@ class StudyFile(Section):
 
     spec: str | None = Field(default=None, min_length=1, description="the robot.yaml that is varied")
     specs: Annotated[list[str], _several("[light.yaml, heavy.yaml]")] | None = Field(
-        default=None, description="several specs as they are, in its place"
+        default=None, description="several specs instead, unchanged"
     )
     vary: Annotated[dict[str, Any], BeforeValidator(_fields)] | None = Field(
         default=None, description="by field, such as load.mass: a range or a list"
@@ -64,10 +66,10 @@ class StudyFile(Section):
     objectives: Annotated[list[str], _several("[mass, price]")] | None = Field(
         default=None, description="each in place of the spec's, such as mass=2,price=1"
     )
-    top: Annotated[int, Field(ge=1, le=100)] = Field(default=1, description="how many sets of each variant")
+    top: Annotated[int, Field(ge=1, le=100)] = Field(default=1, description="how many drives of each variant")
 
     @model_validator(mode="after")
-    def _one_way(self) -> StudyFile:
+    def _one_source(self) -> StudyFile:
         exactly_one(self, "spec", "specs")
         if self.specs and self.vary:
             raise ValueError("vary: expected spec, the one that is varied, not specs")
@@ -77,7 +79,7 @@ class StudyFile(Section):
 
 
 def schema_of(source: YamlSource) -> StudyFile:
-    """What a study.yaml says, checked.
+    """The checked content of a study.yaml.
 
     Raises
     ------

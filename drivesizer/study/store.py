@@ -1,17 +1,15 @@
-"""What is known of a study so far: a manifest, and a file for each chunk of variants that is done.
+"""Stored results of a study: a manifest, and a file for each completed chunk of variants.
 
-A chunk takes its place in one step and carries the digest of its rows, so after a kill or a failure of power it is
-there as a whole or is computed again. The manifest says what the rows were made of; rows of another study are never
-mixed with these.
+A chunk is written in one step and carries the digest of its rows, so after a kill or a power failure it is complete or
+is computed again. The manifest has the digests of all inputs; rows of different studies are never mixed.
 
-    FOLDER/study.json                what the results are made of
+    FOLDER/study.json                the inputs of the results
     FOLDER/chunks/000/000012.jsonl   a head with the digest, then a row in each line
-    FOLDER/lock, lock.txt            held while a process is at work, and its name
+    FOLDER/lock, lock.txt            held by a process while it works, and its name
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,19 +18,20 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import InputError, reason_of
+from drivesizer.files.cache import digest_of
 from drivesizer.files.writing import put, remove_all
 from drivesizer.study.columns import Row
 from drivesizer.study.plan import Plan
 from drivesizer.study.variant import Part
 
-__all__ = ["FORMAT", "Store", "digest", "opened"]
+__all__ = ["FORMAT", "Store", "opened"]
 
 FORMAT = 1  # of the folder
 _MANIFEST = "study.json"
 _CHUNKS = "chunks"
 _RESULTS = ("results.csv", "results.parquet")
 _MAPS = "maps"
-_BEGIN = "--fresh begins anew, -o FOLDER keeps both"
+_FRESH = "--fresh begins anew, -o FOLDER keeps both"
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,12 +44,12 @@ class Store:
 
     @property
     def results(self) -> tuple[Path, Path]:
-        """Where the tables go: CSV and Parquet."""
+        """Paths of the tables: CSV and Parquet."""
         return self.folder / _RESULTS[0], self.folder / _RESULTS[1]
 
     @property
     def maps(self) -> Path:
-        """Where the maps go."""
+        """Folder of the maps."""
         return self.folder / _MAPS
 
     def path(self, chunk: int) -> Path:
@@ -58,35 +57,35 @@ class Store:
         return self.folder / _CHUNKS / f"{chunk // 1000:03}" / f"{chunk:06}.jsonl"
 
     def keep(self, chunk: int, part: Part) -> None:
-        """Keep the rows of a chunk.
+        """Store the rows of a chunk.
 
         Raises
         ------
         InputError
-            When they were made of something else than the rest, or cannot be written.
+            When their inputs differ from those of the study, or they cannot be written.
         """
         for name, found in part.made_of.items():
             if self.made_of.get(name, found) != found:
                 raise InputError(
-                    f"{name}: a process that computes variants has another one ({found[:12]}) than this one "
+                    f"{name}: a process that computes variants has another version ({found[:12]}) than this one "
                     f"({self.made_of[name][:12]}); expected the same everywhere"
                 )
         lines = "".join(f"{json.dumps(row, ensure_ascii=False)}\n" for row in part.rows).encode()
-        head = json.dumps({"chunk": chunk, "digest": digest(lines)}).encode()
+        head = json.dumps({"chunk": chunk, "digest": digest_of(lines)}).encode()
         path = self.path(chunk)
         path.parent.mkdir(exist_ok=True)
         put({path: head + b"\n" + lines})
 
     def _lines(self, chunk: int) -> bytes | None:
-        """The rows of a chunk as they were written, None where they are not there or not as they were."""
+        """The rows of a chunk as written; None where they are missing or damaged."""
         try:
             head, _, lines = self.path(chunk).read_bytes().partition(b"\n")
-            return lines if json.loads(head) == {"chunk": chunk, "digest": digest(lines)} else None
+            return lines if json.loads(head) == {"chunk": chunk, "digest": digest_of(lines)} else None
         except (OSError, ValueError):
             return None
 
     def missing(self) -> list[int]:
-        """The chunks that are still to be computed."""
+        """Chunks to be computed."""
         return [chunk for chunk in range(self.chunks) if self._lines(chunk) is None]
 
     def every_row(self) -> Iterator[list[Row]]:
@@ -94,31 +93,28 @@ class Store:
         for chunk in range(self.chunks):
             lines = self._lines(chunk)
             if lines is None:
-                raise InputError(f"{self.path(chunk)}: has been damaged meanwhile; the same command computes it again")
+                raise InputError(f"{self.path(chunk)}: is damaged; the same command computes it again")
             yield [json.loads(line) for line in lines.decode().split("\n")[:-1]]
 
 
-def digest(*parts: bytes) -> str:
-    """Digest of some bytes as text."""
-    mixed = hashlib.blake2b(digest_size=16)
-    for part in parts:
-        mixed.update(len(part).to_bytes(8, "big") + part)
-    return mixed.hexdigest()
-
-
 def opened(folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool = False) -> Store:
-    """A study's folder, made ready; the caller holds its lock.
+    """Prepare a study's folder; the caller holds its lock.
 
     Parameters
     ----------
     folder
-        Where to.
+        Of the results.
     plan
         The study.
     made_of
-        What the results follow from: files, catalogues and program, by name and digest or version.
+        Inputs of the results: files, catalogues and program, by name and digest or version.
     fresh
-        Throw away what is there of this or another study.
+        Discard results of this or another study.
+
+    Returns
+    -------
+    Store
+        The folder with its manifest written.
 
     Raises
     ------
@@ -131,13 +127,13 @@ def opened(folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool 
     if fresh:
         _cleared(store)
     elif before is not None and before != manifest:
-        raise InputError(f"{folder}: holds results of another study ({_difference(before, manifest)}); {_BEGIN}")
+        raise InputError(f"{folder}: holds results of another study ({_difference(before, manifest)}); {_FRESH}")
     try:
         (folder / _CHUNKS).mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({reason_of(error)})") from None
     killed = (folder / _CHUNKS).glob("*/.drivesizer-*.part"), folder.glob("results.*.part")
-    remove_all(chain(*killed))  # of a process that was killed while it wrote
+    remove_all(chain(*killed))  # of a process that was killed while writing
     if fresh or before is None:
         put({folder / _MANIFEST: (json.dumps(manifest, indent=2) + "\n").encode()})
     return store
@@ -154,7 +150,7 @@ def _manifest(path: Path) -> dict[str, Any] | None:
 
 
 def _difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
-    """What is not as it was when the results were computed."""
+    """Inputs that have changed since the results were computed."""
     made = before.get("made_of")
     if before.get("format") != now["format"] or not isinstance(made, dict):
         return f"its {_MANIFEST} is none of this version"
@@ -167,7 +163,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _cleared(store: Store) -> None:
-    """Take away what a study writes, and nothing else."""
+    """Remove the files of a study, and no others."""
     own = [*store.results, store.folder / _MANIFEST]
     own += [*(store.folder / _CHUNKS).glob("*/*.jsonl"), *store.maps.glob("*.svg"), *store.maps.glob("*.png")]
     remove_all(own)

@@ -22,7 +22,7 @@ from drivesizer.study.columns import Column, Row
 
 __all__ = ["has_parquet", "write_csv", "write_parquet"]
 
-_GROUP = 50_000  # rows of a Parquet file that are written together, at least
+_GROUP = 50_000  # least number of rows that are written together to Parquet
 
 
 def write_csv(path: Path, columns: Sequence[Column], chunks: Iterable[list[Row]]) -> None:
@@ -31,11 +31,11 @@ def write_csv(path: Path, columns: Sequence[Column], chunks: Iterable[list[Row]]
     Parameters
     ----------
     path
-        Where to.
+        Of the file.
     columns
         Its columns.
     chunks
-        Its rows, some at a time.
+        Its rows, a chunk at a time.
 
     Raises
     ------
@@ -52,12 +52,23 @@ def write_csv(path: Path, columns: Sequence[Column], chunks: Iterable[list[Row]]
 
 
 def has_parquet() -> bool:
-    """Whether pyarrow is there."""
+    """Whether pyarrow is installed."""
     return find_spec("pyarrow") is not None
 
 
 def write_parquet(path: Path, columns: Sequence[Column], chunks: Iterable[list[Row]]) -> None:
-    """Write a table as Parquet; see :func:`write_csv`."""
+    """Write a table as Parquet, with units in the metadata of its columns.
+
+    Parameters
+    ----------
+    path, columns, chunks
+        As for :func:`write_csv`.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
     pyarrow: Any = import_module("pyarrow")
     parquet: Any = import_module("pyarrow.parquet")
     types = {"whole": pyarrow.int64(), "number": pyarrow.float64(), "text": pyarrow.string()}
@@ -67,14 +78,12 @@ def write_parquet(path: Path, columns: Sequence[Column], chunks: Iterable[list[R
     ])  # fmt: skip
     with _whole(path) as stream, parquet.ParquetWriter(stream, schema, compression="zstd") as writer:
         for rows in _grouped(chunks):
-            arrays = [
-                pyarrow.array(column, field.type) for column, field in zip(_turned(rows, columns), schema, strict=True)
-            ]
+            arrays = [pyarrow.array([row[n] for row in rows], field.type) for n, field in enumerate(schema)]
             writer.write_table(pyarrow.table(arrays, schema=schema))
 
 
 def _grouped(chunks: Iterable[list[Row]]) -> Iterator[list[Row]]:
-    """Rows of several chunks together, so that a file has few groups."""
+    """Rows of several chunks together, so that a file has few row groups."""
     group: list[Row] = []
     for rows in chunks:
         group += rows
@@ -85,22 +94,18 @@ def _grouped(chunks: Iterable[list[Row]]) -> Iterator[list[Row]]:
         yield group
 
 
-def _turned(rows: Sequence[Row], columns: Sequence[Column]) -> list[list[Any]]:
-    return [[row[n] for row in rows] for n in range(len(columns))]
-
-
 @contextmanager
 def _whole(path: Path) -> Iterator[BinaryIO]:
-    """A file that takes its place when all of it is written; there may be more of it than memory holds."""
+    """Stream to a temporary file that replaces the target when complete, for content larger than memory."""
     ready(path)
     target = path.resolve()
-    half = target.with_name(f"{target.name}.part")
+    temporary = target.with_name(f"{target.name}.part")
     try:
-        half.unlink(missing_ok=True)
-        with half.open("xb") as stream:
+        temporary.unlink(missing_ok=True)
+        with temporary.open("xb") as stream:
             yield stream
-        half.replace(target)
+        temporary.replace(target)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({reason_of(error)})") from None
     finally:
-        half.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)

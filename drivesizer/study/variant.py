@@ -1,4 +1,4 @@
-"""Variants to rows: what each process of a study does. The same number gives the same rows, wherever and whenever."""
+"""Rows of variants, as each process of a study computes them. The same number always gives the same rows."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["Part", "parts_for", "rows_of", "spec_of"]
 
 
 class Part(NamedTuple):
-    """The rows of some variants, and what they were made of in the process that made them."""
+    """The rows of some variants, and the inputs of the process that computed them."""
 
     rows: list[Row]
     made_of: dict[str, str]  # program and catalogues, by version and digest
@@ -38,17 +38,29 @@ def _source(name: str, text: str) -> YamlSource:
 
 @lru_cache(maxsize=8)
 def _catalog(names: tuple[str, ...], beside: str) -> Catalog:
-    """Catalogues as the search wants them: loaded once in a process."""
+    """Catalogues for the search, loaded once in a process."""
     return search_view(load(names, beside=Path(beside)))
 
 
 def spec_of(job: Job, variant: Variant) -> RobotSpec:
-    """The spec of a variant: the file's text with other values in some fields.
+    """The spec of a variant: the file with other values in some fields.
+
+    Parameters
+    ----------
+    job
+        The study.
+    variant
+        One of its variants.
+
+    Returns
+    -------
+    RobotSpec
+        Checked as if it were a file of its own.
 
     Raises
     ------
     InputError
-        When the variant is no machine; the line is that of the field in the spec's file.
+        When the variant is invalid; the message has the field's line in the spec's file.
     """
     source = copy(_source(*job.specs[variant.spec]))
     for axis, value in zip(job.axes, variant.values, strict=True):
@@ -72,14 +84,19 @@ def rows_of(job: Job, variants: Sequence[Variant], heads: Sequence[Row]) -> Part
     job
         The study.
     variants
-        Which of its variants.
+        Variants of it.
     heads
-        What tells each in the table.
+        First cells of their rows.
+
+    Returns
+    -------
+    Part
+        Rows of all of them, in their order.
     """
     made: dict[str, str] = {"drivesizer": __version__}
     rows: list[Row] = []
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # a variant at the edge of numbers tells so by a figure that is unknown
+        warnings.simplefilter("ignore")  # figures that overflow are unknown in the table
         for variant, head in zip(variants, heads, strict=True):
             rows += _rows(job, variant, head, made)
     return Part(rows, made)
@@ -97,5 +114,5 @@ def _rows(job: Job, variant: Variant, head: Row, made: dict[str, str]) -> list[R
     except DrivesizerError as error:
         return failed(head, title, " ".join(str(error).split()))
     except (ArithmeticError, AssertionError, LookupError, TypeError, ValueError) as error:
-        # A fault of the program, not of the variant: told as such, and the hundreds after it are not lost for it.
+        # A fault of the program, not of the variant: its row says so, and the following variants are still computed.
         return failed(head, title, f"a fault of drivesizer, please report it: {type(error).__name__}: {error}"[:400])

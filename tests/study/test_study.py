@@ -20,8 +20,8 @@ from drivesizer.spec.robot import read_spec
 from drivesizer.study.axes import changed, path_of
 from drivesizer.study.best import best
 from drivesizer.study.columns import columns_of
-from drivesizer.study.origin import made_of, refuse_if_all_wrong
 from drivesizer.study.plan import MOST, read_study
+from drivesizer.study.provenance import made_of, refuse_if_all_invalid
 from drivesizer.study.variant import rows_of, spec_of
 from drivesizer.units import to_si
 
@@ -169,8 +169,8 @@ LARGE = (
         (VARY + "lod.mass: [1 kg]\n", '"lod" is no field of a spec; the nearest is load'),
         (VARY + "load.mass.x: [1 kg]\n", '"x" is no field of load.mass'),
         (VARY + "motion.amplitude: [1 deg]\n", '"amplitude" is no field of motion'),  # of another profile
-        (VARY + "transmission[3].ratio: [1]\n", "robot.yaml has 2 entries there, 3 is none of them"),
-        (VARY + "cases[1].load.mass: [1 kg]\n", "robot.yaml has 0 entries there, 1 is none of them"),
+        (VARY + "transmission[3].ratio: [1]\n", "entry 3 does not exist; robot.yaml has 2 here"),
+        (VARY + "cases[1].load.mass: [1 kg]\n", "entry 1 does not exist; robot.yaml has 0 here"),
         (VARY + "load mass: [1 kg]\n", "is no field; expected one of"),
         (VARY + "select.catalogs: [maxon]\n", "expected them in the study's own list, catalogs"),
         (VARY + "load.mass: [30 kg, 3 m]\n", '[2]: "3 m": "m" is a unit of length, not of mass; expected mass'),
@@ -327,11 +327,11 @@ def test_a_fault_of_the_program_is_told_as_one_and_does_not_end_the_study(tmp_pa
 
 
 def test_a_study_of_which_every_variant_is_wrong_does_not_begin(tmp_path):
-    with pytest.raises(InputError, match=r"all of its variants are wrong \(2\); the first: .*must be above 0 kg"):
-        refuse_if_all_wrong(planned(tmp_path, VARY + "load.mass: [-5 kg, -6 kg]\n"))
-    assert refuse_if_all_wrong(planned(tmp_path, VARY + "load.mass: [-5 kg, 6 kg]\n")) == ""
+    with pytest.raises(InputError, match=r"all of its variants are invalid \(2\); the first: .*must be above 0 kg"):
+        refuse_if_all_invalid(planned(tmp_path, VARY + "load.mass: [-5 kg, -6 kg]\n"))
+    assert refuse_if_all_invalid(planned(tmp_path, VARY + "load.mass: [-5 kg, 6 kg]\n")) == ""
     many = ", ".join(f"-{n + 1} kg" for n in range(500)) + ", 30 kg"
-    assert "variants looked at is wrong, the first" in refuse_if_all_wrong(
+    assert "variants tried is invalid, the first" in refuse_if_all_invalid(
         planned(tmp_path, VARY + f"load.mass: [{many}]\n")
     )
 

@@ -10,8 +10,8 @@ from studies import CHEAP, laid
 from drivesizer.errors import InputError
 from drivesizer.sizing import size
 from drivesizer.study.map_figure import draw
+from drivesizer.study.map_legend import OTHERS, look_of, numbered
 from drivesizer.study.map_panel import Dimension, Panel, Scene, _edges, _face, _text
-from drivesizer.study.map_sets import OTHERS, look_of, numbered
 from drivesizer.study.maps import MAPS, chosen, drawings, points
 from drivesizer.study.plan import read_study
 from drivesizer.study.variant import rows_of, spec_of
@@ -49,7 +49,7 @@ def test_a_map_of_sets_numbers_them_and_tells_what_they_are(tmp_path):
         assert seen.count(str(number)) == sum(row["set"] == name for row in found[()])
     assert seen.count("×") == 2  # of -5 kg at both speeds
     assert "load.mass (kg)" in seen and "motion.speed (m/s)" in seen
-    assert any("slanting lines: no set stands" in text and "×: not a machine" in text for text in seen)
+    assert any("hatched: no drive passes" in text and "×: an invalid variant" in text for text in seen)
 
 
 def many(sets):
@@ -76,7 +76,7 @@ def test_no_two_sets_look_alike_however_many_there_are(sets):
     assert len({(look_of(n).face, look_of(n).marker) for n in numbers.values()}) == len(numbers)
     seen = texts(draw(MAPS[0], [Panel("", rows)], across, up, True, "typeset"))
     assert all(f"{number}  {name}" in seen for name, number in numbers.items())
-    assert (f"…  {sets - 56} other sets" in seen) == (sets > 56)
+    assert (f"…  {sets - 56} other drives" in seen) == (sets > 56)
 
 
 def test_colours_of_sets_are_told_apart_by_the_colour_blind():
@@ -100,7 +100,7 @@ def test_colours_of_sets_are_told_apart_by_the_colour_blind():
 def test_one_value_has_no_scale_of_colours():
     across, up, rows = many(3)
     seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True, "typeset"))
-    assert "123.4 wherever it is known: one value, so no scale of colours" in seen
+    assert "123.4 wherever it is known: one value, so no colour scale" in seen
     assert not {"100", "120", "140"} & set(seen)  # marks of a scale
     rows[7]["price_EUR"] = 150.0
     seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True, "typeset"))
@@ -113,7 +113,7 @@ def test_figures_stand_in_the_cells_as_in_the_table(tmp_path):
     shown = [f"≥{row['price_EUR']:.3g}" for row in found[()] if row["price_EUR"] is not None]
     assert shown and all(row["price_lacks"] for row in found[()] if row["price_EUR"] is not None)
     assert sorted(text for text in seen if text.startswith("≥") and ":" not in text) == sorted(shown)
-    assert any("≥: not known of all parts, so at least" in text for text in seen)
+    assert any("≥: not known of all parts, at least" in text for text in seen)
 
 
 def test_the_same_drawing_has_the_same_bytes(tmp_path):
@@ -147,9 +147,7 @@ def test_more_panels_than_a_page_holds_are_told(tmp_path):
         tmp_path, GRID.replace("60 kg, 90 kg, -5 kg", "60 kg") + f"  load.driven_wheels: [{wheels}]\n"
     )
     made, said = drawings(over, found)
-    assert said == [
-        "maps show 12 of 13 combinations of what varies beside load.mass; --map A,B names the two that they are over"
-    ]
+    assert said == ["maps show 12 of 13 combinations of the other axes; --map A,B names the two axes of the maps"]
     assert made
 
 

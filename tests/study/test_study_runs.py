@@ -332,7 +332,7 @@ def test_wrong_studies_are_one_line_at_the_command(run, tmp_path):
     laid(tmp_path, "spec: robot.yaml\nvary: {load.mass: [-5 kg, -6 kg]}\n")
     status, _, err = run()
     assert (status, err.count("\n")) == (2, 1)
-    assert "all of its variants are wrong (2); the first: robot.yaml:" in err
+    assert "all of its variants are invalid (2); the first: robot.yaml:" in err
     laid(tmp_path, FEW)
     status, _, err = run("--map", "load.mas,motion.speed")
     assert (status, err) == (

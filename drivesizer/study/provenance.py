@@ -1,4 +1,4 @@
-"""What a study's results follow from, each by name with a digest: two runs are one study when all of it is the same."""
+"""Inputs of a study's results by name with their digests: runs with the same inputs are the same study."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ from typing import Any
 
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
+from drivesizer.files.cache import digest_of
 from drivesizer.files.text import read_bytes
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.spec.select import Select
 from drivesizer.study.columns import columns_of
 from drivesizer.study.plan import Plan
-from drivesizer.study.store import digest
 from drivesizer.study.variant import rows_of
 from drivesizer.version import __version__
 
-__all__ = ["made_of", "refuse_if_all_wrong"]
+__all__ = ["made_of", "refuse_if_all_invalid"]
 
-_LOOKED_AT = 200  # variants, to find one that is a machine
+_TRIED = 200  # variants, to find a valid one
 
 
 def made_of(plan: Plan) -> dict[str, str]:
     """Digests of the study, its specs, the files that these name, and the catalogues; the program's version.
 
-    Comments and blanks in a YAML file do not count.
+    Comments and blanks in a YAML file are ignored.
 
     Raises
     ------
@@ -36,17 +36,17 @@ def made_of(plan: Plan) -> dict[str, str]:
         When a catalogue or file cannot be read.
     """
     shares = b"" if plan.shares is None else plan.shares.tobytes()
-    found = {"drivesizer": __version__, Path(plan.source.name).name: digest(_canonical(plan.source.data), shares)}
+    found = {"drivesizer": __version__, Path(plan.source.name).name: digest_of(_canonical(plan.source.data), shares)}
     for name, (path, text) in zip(plan.names, plan.job.specs, strict=True):
         data = YamlSource(text, path).data
-        found[name] = digest(_canonical(data))
+        found[name] = digest_of(_canonical(data))
         folder = Path(path).parent
-        found |= {given: digest(read_bytes(folder / given)) for given in sorted(_files(data, folder))}
+        found |= {given: digest_of(read_bytes(folder / given)) for given in sorted(_files(data, folder))}
         for names in plan.job.catalogs:
             digests = load(names or _named(data), beside=folder).digests
             found |= {f"catalogue {catalog}": value for catalog, value in digests.items()}
     varied = {given for axis in plan.job.axes for given in _files(list(axis.values), Path(plan.job.specs[0][0]).parent)}
-    return found | {given: digest(read_bytes(Path(plan.job.specs[0][0]).parent / given)) for given in sorted(varied)}
+    return found | {given: digest_of(read_bytes(Path(plan.job.specs[0][0]).parent / given)) for given in sorted(varied)}
 
 
 def _canonical(data: Any) -> bytes:
@@ -54,7 +54,7 @@ def _canonical(data: Any) -> bytes:
 
 
 def _named(data: Any) -> list[str]:
-    """The catalogues that a spec names, as far as it says so rightly."""
+    """Catalogues that a spec names; the default ones where it has none or the field is malformed."""
     select = data.get("select")
     given = select.get("catalogs") if isinstance(select, dict) else None
     names = [given] if isinstance(given, str) else given
@@ -62,7 +62,7 @@ def _named(data: Any) -> list[str]:
 
 
 def _files(data: Any, folder: Path) -> Iterator[str]:
-    """Texts in a spec that name a file beside it, such as a recording."""
+    """Texts in a spec that name a file, such as a recording."""
     if isinstance(data, dict | list):
         for value in data.values() if isinstance(data, dict) else data:
             yield from _files(value, folder)
@@ -70,22 +70,22 @@ def _files(data: Any, folder: Path) -> Iterator[str]:
         yield data
 
 
-def refuse_if_all_wrong(plan: Plan) -> str:
-    """Size variants until one is a machine.
+def refuse_if_all_invalid(plan: Plan) -> str:
+    """Size variants until one is valid.
 
     Returns
     -------
     str
-        What to tell where none was found among many; empty when all is well.
+        A note where none of many was valid; empty where one is.
 
     Raises
     ------
     InputError
-        When every variant is wrong.
+        When every variant is invalid.
     """
     heads = [column.head for column in columns_of(plan)]
     status, error = heads.index("status"), heads.index("error")
-    few = range(1, plan.total + 1, -(-plan.total // _LOOKED_AT))
+    few = range(1, plan.total + 1, -(-plan.total // _TRIED))
     first = ""
     for number in few:
         variant = plan.variant(number)
@@ -94,5 +94,5 @@ def refuse_if_all_wrong(plan: Plan) -> str:
             return ""
         first = first or row[error]
     if len(few) == plan.total:
-        raise InputError(f"{plan.source.name}: all of its variants are wrong ({plan.total}); the first: {first}")
-    return f"each of {len(few)} variants looked at is wrong, the first: {first}"
+        raise InputError(f"{plan.source.name}: all of its variants are invalid ({plan.total}); the first: {first}")
+    return f"each of {len(few)} variants tried is invalid, the first: {first}"

@@ -1,8 +1,8 @@
-"""How sets look on a map: a number for each, a colour and a pattern or shape, and the list of them below.
+"""Look of drives on a map, number, colour and pattern or marker, and their list below it.
 
-Colours are Paul Tol's light scheme, which is made to fill cells that carry black letters and is told apart by the
-colour-blind (P. Tol, Colour Schemes, SRON/EPS/TN/09-002, figure of the light scheme). After the last colour they begin
-again, over another pattern, or of points in another shape. Grey is no set's.
+Colours are Paul Tol's light scheme, made for cells with black letters and distinguishable by the colour-blind (P. Tol,
+Colour Schemes, SRON/EPS/TN/09-002, figure of the light scheme). After the last colour they repeat with another pattern,
+points with another marker. No numbered drive is grey.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ LINE = 0.145  # in, of a line of text
 
 
 class Look(NamedTuple):
-    """Of a set's cells and points."""
+    """Look of a drive's cells and points."""
 
     face: str
     hatch: str
@@ -31,21 +31,21 @@ class Look(NamedTuple):
 
 _FACES = ("#77AADD", "#EE8866", "#EEDD88", "#FFAABB", "#99DDFF", "#44BB99", "#BBCC33", "#AAAA00")
 _PATTERNS = (("", "o"), ("....", "s"), ("xxxx", "^"), ("||||", "D"), ("----", "v"), ("oooo", "P"), ("++++", "p"))
-OTHERS = Look("#DDDDDD", "**", "h")  # sets that have no number
-_MOST = len(_FACES) * len(_PATTERNS)  # sets with a number of their own
-_SHORT = 10  # lines of one column; more stand in two
+OTHERS = Look("#DDDDDD", "**", "h")  # drives without a number
+_MOST = len(_FACES) * len(_PATTERNS)  # drives with a number of their own
+_SHORT = 10  # lines of one column; more take two
 _LETTERS = {1: 96, 2: 50}  # of a name, by columns
 _INSET, _APART = 0.75, 2.9  # in, from the left edge to the names, and from column to column
 
 
 def look_of(number: int) -> Look:
-    """How the set of a number looks; no two numbers alike."""
+    """Look of the drive with a number; different for every number."""
     n, family = (number - 1) % len(_FACES), (number - 1) // len(_FACES)
     return Look(_FACES[n], *_PATTERNS[family])
 
 
 def numbered(rows: Sequence[dict[str, Any]]) -> dict[str, int]:
-    """The sets that are best most often, numbered from 1."""
+    """The drives that are best most often, numbered from 1."""
     often = Counter(row["set"] for row in rows if row["set"])
     first = sorted(often, key=lambda name: (-often[name], name))[:_MOST]
     return {name: number for number, name in enumerate(first, 1)}
@@ -54,38 +54,51 @@ def numbered(rows: Sequence[dict[str, Any]]) -> dict[str, int]:
 def _entries(numbers: dict[str, int], others: int) -> list[tuple[str, Look]]:
     columns = 1 if len(numbers) + (others > 0) <= _SHORT else 2
     found = [(f"{n}  {short(clean(name), _LETTERS[columns])}", look_of(n)) for name, n in numbers.items()]
-    return found + ([(f"…  {others} other sets", OTHERS)] if others else [])
+    return found + ([(f"…  {others} other drives", OTHERS)] if others else [])
 
 
 def rows_of_list(numbers: dict[str, int], others: int) -> int:
-    """Lines that the list takes."""
+    """Height of the list in lines.
+
+    Parameters
+    ----------
+    numbers
+        Number of each drive that has one.
+    others
+        How many drives have none.
+
+    Returns
+    -------
+    int
+        In one or two columns.
+    """
     count = len(_entries(numbers, others))
     return count if count <= _SHORT else -(-count // 2)
 
 
 def listed(figure: Figure, numbers: dict[str, int], others: int, low: float, *, cells: bool) -> None:
-    """Put the list into a figure, down to a height above its lower edge.
+    """Draw the list into a figure.
 
     Parameters
     ----------
     figure
         The map.
     numbers
-        The sets that have one.
+        Number of each drive that has one.
     others
-        How many there are beside them.
+        How many drives have none.
     low
-        Of the last line [in].
+        Height of the last line above the figure's lower edge [in].
     cells
         Whether the map has cells; else it has points.
     """
     sample = _cell if cells else _point
     width, height = figure.get_size_inches()
     entries, lines = _entries(numbers, others), rows_of_list(numbers, others)
-    for n, (told, look) in enumerate(entries):
-        left, at = _INSET + _APART * (n // lines), low + LINE * (lines - 1 - n % lines)
-        figure.text(left / width, at / height, told, va="bottom", fontsize=6.5)
-        box = (left - 0.2) / width, at / height, 0.13 / width, 0.09 / height
+    for n, (text, look) in enumerate(entries):
+        left, base = _INSET + _APART * (n // lines), low + LINE * (lines - 1 - n % lines)
+        figure.text(left / width, base / height, text, va="bottom", fontsize=6.5)
+        box = (left - 0.2) / width, base / height, 0.13 / width, 0.09 / height
         figure.add_artist(sample(look, *box, transform=figure.transFigure))
 
 
