@@ -64,7 +64,7 @@ def test_along_and_across_by_hand():
     assert d.position == pytest.approx(np.full(len(d.time), 0.5), abs=1e-3)
     assert (d.along[0], d.across[0]) == pytest.approx((0.3, 0.4), abs=1e-3)  # heading along x
     assert (d.along[-1], d.across[-1]) == pytest.approx((0.4, -0.3), abs=1e-3)  # along y in the end
-    assert d.way[-1] == pytest.approx(1.0 + 0.5 * math.pi, rel=1e-5)
+    assert d.travel[-1] == pytest.approx(1.0 + 0.5 * math.pi, rel=1e-5)
     by = {e.title: e for e in extremes(moved)}
     assert by["heading"].value == pytest.approx(0.01, rel=0.01)
     assert (by["heading"].unit, by["position"].unit, by["slip"].unit) == ("deg", "m", "mm/s")

@@ -176,7 +176,7 @@ def test_poses_take_a_constant_bias_away():
     speeds = speed_loop(d)
     open_loop = deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds))
     found = deviation(follow(long, p, misjudged=off, contact=STIFF, speeds=speeds, poses=pose_loop(d, speeds)))
-    assert open_loop.along[9000] == pytest.approx(0.02 * found.way[9000], rel=0.01)
+    assert open_loop.along[9000] == pytest.approx(0.02 * found.travel[9000], rel=0.01)
     assert abs(found.along[11500]) < 1e-4  # at constant speed
     assert found.position.max() < 0.01
 
@@ -274,10 +274,10 @@ def test_without_a_motor(blocked):
         ({"misjudged": Misjudged(mass=-1.5)}, "platform: mass must be above 0, got -22.5"),
         ({"speeds": speed_loop(dynamics(cart()))}, "speed loop: expected gains of 4 driven wheels, got 2"),
         ({"poses": pose_loop(dynamics(cart()), speed_loop(dynamics(cart())))},
-         "pose loop: it is not for the motions that this platform allows"),
+         "pose loop: it does not fit the motions that this platform allows"),
         ({"speeds": SpeedLoop(period=1e-3, proportional=(1e6,) * 4, integral=(0.0,) * 4, limit=(math.inf,) * 4)},
-         "following: speeds run away at"),
-        ({"ground": Ground(slope=np.zeros(3))}, "following: expected one slope for all of the way"),
+         "following: speeds diverge at"),
+        ({"ground": Ground(slope=np.zeros(3))}, "following: expected one slope for the whole path"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_followed(change, said):

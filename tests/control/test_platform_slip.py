@@ -288,12 +288,12 @@ def test_compiled_or_not_the_figures_are_the_same(monkeypatch):
         ({"platform": mecanum(inertia=0.0)}, "following: wheel 1 has no inertia; give inertia or rotor_inertia"),
         ({"platform": mecanum(roller_resistance=0.7)},
          "following: the rollers of wheel 1 resist by 0.7 of the load, no less than the floor holds, 0.6"),
-        ({"ground": Ground(slope=np.zeros(3))}, "following: expected one slope for all of the way"),
+        ({"ground": Ground(slope=np.zeros(3))}, "following: expected one slope for the whole path"),
         ({"torques": np.zeros((3, 5))}, "torques of the driven wheels: expected 4 rows, got an array of shape (3, 5)"),
         ({"torques": np.zeros(4)}, "torques: expected a column for each period, got an array of shape (4,)"),
         ({"period": 0.0}, "speed loop: period must lie between 1e-05 s and 1 s, got 0.0"),
         ({"tolerance": math.nan}, "following: tolerance must lie between 0 and 1 m/s, got nan"),
-        ({"torques": np.full((4, 5), 1e300)}, "following: speeds run away at 0 s; check torques, gains and periods"),
+        ({"torques": np.full((4, 5), 1e300)}, "following: speeds diverge at 0 s; check torques, gains and periods"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_driven(change, said):

@@ -1,4 +1,4 @@
-"""Drives simulated along a task: one with its course over time, or many beside each other."""
+"""Simulation of drives along a task: one with its time series, or many in threads."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from drivesizer.control.engine.cycles import all_cycles
-from drivesizer.control.engine.figures import Simulation, course_of, figures_of
+from drivesizer.control.engine.figures import Simulation, figures_of, series_of
 from drivesizer.control.engine.kernel import compiled
 from drivesizer.control.engine.layout import ROW
 from drivesizer.control.engine.start import Run, ready
@@ -17,23 +17,28 @@ from drivesizer.control.engine.task_checks import checked
 
 __all__ = ["simulate", "simulate_many"]
 
-_MOST_STEPS = 50_000_000  # of one set: some ten seconds of computing
+_MOST_STEPS = 50_000_000  # of one drive: some ten seconds of computing
 _MOST_ROWS = 20_000
-_BLOCK = 256  # sets whose matrices are held at a time
+_BLOCK = 256  # drives whose matrices are held at a time
 _PROBLEMS = ("", "the state leaves the range of numbers: the loop is unstable", "more steps than are permitted")
 
 
 def simulate(drive: Drive, task: Task, *, rows: int = _MOST_ROWS, most_steps: int = _MOST_STEPS) -> Simulation:
-    """One set along a task, with its course over time.
+    """Simulate one drive along a task, with its time series.
 
     Parameters
     ----------
     drive, task
-        The set, and what it is asked for.
+        The drive, and the required motion and load.
     rows
-        Most rows of the series: all after corners, evenly thinned elsewhere; 0 for none.
+        Most rows of the time series: all after corners, evenly thinned elsewhere; 0 for none.
     most_steps
         Steps at which the simulation is given up.
+
+    Returns
+    -------
+    Simulation
+        Columns of one drive.
 
     Raises
     ------
@@ -46,16 +51,21 @@ def simulate(drive: Drive, task: Task, *, rows: int = _MOST_ROWS, most_steps: in
 def simulate_many(
     drives: Sequence[Drive], task: Task, *, threads: int = 2, most_steps: int = _MOST_STEPS
 ) -> Simulation:
-    """Many sets along one task; the figures do not depend on the number of threads.
+    """Simulate many drives along one task; the figures do not depend on the number of threads.
 
     Parameters
     ----------
     drives, task
-        The sets, all rigid or all flexible, and what each is asked for.
+        The drives, all rigid or all flexible, and the required motion and load.
     threads
-        That compute beside each other.
+        Number of threads.
     most_steps
         Steps at which a drive's simulation is given up.
+
+    Returns
+    -------
+    Simulation
+        Columns over the drives, without time series.
 
     Raises
     ------
@@ -69,18 +79,18 @@ def _simulate(drives: Sequence[Drive], task: Task, rows: int, most: int, threads
     checked(drives, task)
     loop = compiled()
     blocks = [drives[n : n + _BLOCK] for n in range(0, len(drives), _BLOCK)]
-    book = np.zeros((rows + 2 if rows else 0, len(ROW))), np.zeros(rows + 2, np.int8), np.array([0, 1, rows // 2, 1])
+    series = np.zeros((rows + 2 if rows else 0, len(ROW))), np.zeros(rows + 2, np.int8), np.array([0, 1, rows // 2, 1])
     found: list[Run] = []
     with ThreadPoolExecutor(threads) as pool:
         for block in blocks:  # made ready by one thread: two would wait for each other's interpreter
             runs = ready(block, task, most)
-            book[2][3] = max(book[0].shape[0] // (2 * len(runs[0].pieces)), 1)
-            list(pool.map(lambda part: [all_cycles(loop, one, task.cycles, book) for one in part],
+            series[2][3] = max(series[0].shape[0] // (2 * len(runs[0].pieces)), 1)
+            list(pool.map(lambda part: [all_cycles(loop, one, task.cycles, series) for one in part],
                           [runs[n::threads] for n in range(threads)]))  # fmt: skip
             found += runs
     return Simulation(
         figures=figures_of(found),
         problems=tuple(_PROBLEMS[run.status] for run in found),
         slopes=tuple(run.slopes for run in found),
-        series=course_of(book, task.time[0]) if rows else None,
+        series=series_of(series, task.time[0]) if rows else None,
     )

@@ -1,4 +1,7 @@
-"""Sampled controllers: voltage PID, cascade of current, velocity and position loops, counted speed."""
+"""Sampled controllers: voltage PID, cascade of current, velocity and position loops, counted speed.
+
+Arrays as in ``layout``.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +9,16 @@ import math
 
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import Array
-from drivesizer.control.engine.limits import available, permitted
+from drivesizer.control.engine.limits import available_voltage, permitted_current
 from drivesizer.control.engine.modes import matrix_of
 from drivesizer.control.engine.steps import step
-from drivesizer.control.engine.tallies import see
+from drivesizer.control.engine.tallies import keep_peak
 
-__all__ = ["ahead", "ask", "cascade", "clipped", "counted", "lag_of", "measured", "pid", "restrict", "single"]
+__all__ = ["feedforward_current"]
 
 
 def pid(p: Array, s: Array, place: int, error: float, rests: bool) -> float:
-    """A sampled PID with a filtered derivative; its integral rests while it would only drive further into a limit."""
+    """A sampled PID with a filtered derivative; its integral is frozen where it would drive further into a limit."""
     if not rests:
         s[place] += p[at.KI] * error
     change = error - s[place + 2] if s[place + 3] != 0.0 else 0.0
@@ -24,23 +27,23 @@ def pid(p: Array, s: Array, place: int, error: float, rests: bool) -> float:
     return float(p[at.KP] * error + s[place] + s[place + 1])
 
 
-def counted(p: Array, angle: float) -> float:
+def whole_counts(p: Array, angle: float) -> float:
     """An angle in whole counts."""
     return float(math.floor(angle * p[at.EDGES] / (2.0 * math.pi)))
 
 
-def lag_of(p: Array, s: Array, angle: float) -> float:
-    """The position's error; with counts whole ones, as the reference is: a motor within its count may rest."""
+def position_error(p: Array, s: Array, angle: float) -> float:
+    """Position error [rad]; with counts in whole counts, so that a motor within its count may rest."""
     if p[at.EDGES] == 0.0:
         return float(angle - s[at.X])
-    return (counted(p, angle) - counted(p, s[at.X])) * 2.0 * math.pi / float(p[at.EDGES])
+    return (whole_counts(p, angle) - whole_counts(p, s[at.X])) * 2.0 * math.pi / float(p[at.EDGES])
 
 
-def measured(p: Array, s: Array, ring: Array) -> float:
+def measured_speed(p: Array, s: Array, ring: Array) -> float:
     """Speed of the motor: exact, or the counts of the last periods over their time."""
     if p[at.EDGES] == 0.0:
         return float(s[at.W])
-    count, window = counted(p, s[at.X]), int(p[at.WINDOW])
+    count, window = whole_counts(p, s[at.X]), int(p[at.WINDOW])
     slot = int(s[at.SEEN]) % window
     speed = (count - ring[slot]) * 2.0 * math.pi / (p[at.EDGES] * p[at.H] * p[at.N_V] * window)
     ring[slot] = count
@@ -48,81 +51,94 @@ def measured(p: Array, s: Array, ring: Array) -> float:
     return float(speed)
 
 
-def ahead(p: Array, speed: float, slope: float) -> float:
-    """Current that the model asks for at a speed and its change."""
+def feedforward_current(p: Array, speed: float, slope: float) -> float:
+    """Feedforward of the current by the model's friction and inertia.
+
+    Parameters
+    ----------
+    p
+        Parameters of the drive.
+    speed, slope
+        Reference of the motor speed [rad/s] and its rate [rad/s^2].
+
+    Returns
+    -------
+    float
+        Current [A].
+    """
     sign = 1.0 if speed > 0.0 else -1.0 if speed < 0.0 else 0.0
     return float(p[at.FFV] * speed + p[at.FFF] * sign + p[at.FFA] * slope)
 
 
-def restrict(p: Array, s: Array, wanted: float) -> None:
-    """What the limit leaves of a current that is asked for."""
-    s[at.LIMIT] = permitted(p, s, p[at.H] * p[at.N_V])
-    s[at.I_DEMAND] = min(max(wanted, -s[at.LIMIT]), s[at.LIMIT])
-    s[at.I_CUT] = wanted - s[at.I_DEMAND]
+def limit_current(p: Array, s: Array, demand: float) -> None:
+    """Limit a current demand by the I2t integral."""
+    s[at.LIMIT] = permitted_current(p, s, p[at.H] * p[at.N_V])
+    s[at.I_DEMAND] = min(max(demand, -s[at.LIMIT]), s[at.LIMIT])
+    s[at.I_CUT] = demand - s[at.I_DEMAND]
 
 
-def ask(p: Array, s: Array, ring: Array, k: int, speed: float, slope: float, angle: float) -> None:
-    """The outer loops of the cascade at their samples: position, then velocity; each a period of its own late."""
+def outer_loops(p: Array, s: Array, ring: Array, k: int, speed: float, slope: float, angle: float) -> None:
+    """The outer loops of the cascade at their samples: position, then velocity; each one of its periods late."""
     n_v, n_p = int(p[at.N_V]), int(p[at.N_P])
     if k % n_v != 0:
         return
     late = p[at.DELAY] != 0.0
     if late:
-        restrict(p, s, s[at.I_NEXT])
-    w = measured(p, s, ring)
+        limit_current(p, s, s[at.I_NEXT])
+    w = measured_speed(p, s, ring)
     if n_p > 0 and k % (n_v * n_p) == 0:
-        more = p[at.PKP] * lag_of(p, s, angle)
+        more = p[at.PKP] * position_error(p, s, angle)
         s[at.W_ADD] = s[at.W_NEXT] if late else more
         s[at.W_NEXT] = more
     error = speed + s[at.W_ADD] - w
-    s[at.I_NEXT] = ahead(p, speed, slope) + pid(
+    s[at.I_NEXT] = feedforward_current(p, speed, slope) + pid(
         p, s, at.OUTER, error, s[at.I_CUT] * error > 0.0 or s[at.U_CUT] * error > 0.0
     )
     if not late:
-        restrict(p, s, s[at.I_NEXT])
+        limit_current(p, s, s[at.I_NEXT])
 
 
-def clipped(p: Array, s: Array, g: Array, wanted: float, t: float, weight: float) -> float:
-    """What the bus leaves of a voltage."""
-    see(g, at.G_U_DEMAND, wanted, t)
-    most = available(p, s[at.I], wanted)
-    u = min(max(wanted, -most), most)
-    s[at.U_CUT] = wanted - u
-    if u != wanted:
+def limited_voltage(p: Array, s: Array, g: Array, demand: float, t: float, weight: float) -> float:
+    """A voltage demand limited by the bus [V]."""
+    keep_peak(g, at.G_U_DEMAND, demand, t)
+    most = available_voltage(p, s[at.I], demand)
+    u = min(max(demand, -most), most)
+    s[at.U_CUT] = demand - u
+    if u != demand:
         g[at.G_SATURATED] += weight
     return u
 
 
-def cascade(p: Array, s: Array, g: Array, t: float, weight: float) -> float:
-    """The current loop: the voltage applied now."""
-    see(g, at.G_AHEAD, s[at.I_DEMAND] + s[at.I_CUT], t)
+def current_loop(p: Array, s: Array, g: Array, t: float, weight: float) -> float:
+    """The current loop: voltage applied from now on [V]."""
+    keep_peak(g, at.G_AHEAD, s[at.I_DEMAND] + s[at.I_CUT], t)
     if s[at.I_CUT] != 0.0:
         g[at.G_LIMITED] += weight
     error = s[at.I_DEMAND] - s[at.I]
     if not s[at.U_CUT] * error > 0.0:
         s[at.INNER] += p[at.CKI] * error
-    wanted = p[at.CKP] * error + s[at.INNER]
+    demand = p[at.CKP] * error + s[at.INNER]
     if p[at.DELAY] != 0.0 and p[at.PROMPT] == 0.0:
-        wanted, s[at.PEND] = s[at.PEND], wanted
-    return clipped(p, s, g, wanted, t, weight)
+        demand, s[at.PEND] = s[at.PEND], demand
+    return limited_voltage(p, s, g, demand, t, weight)
 
 
-def single(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z: Array, ring: Array, l: float,
+def voltage_loop(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z: Array, ring: Array, l: float,
            dl: float, t: float, speed: float, weight: float) -> float:  # fmt: skip
-    """The voltage PID: a period late, held to voltage and current, the current seen a period ahead."""
-    wanted = s[at.PEND]
-    u = clipped(p, s, g, wanted, t, weight)
+    """The voltage PID: a period late, limited in voltage and current, the current predicted over a period."""
+    demand = s[at.PEND]
+    u = limited_voltage(p, s, g, demand, t, weight)
     step(p, s, M, work, stamp, z, int(s[at.CODE]), work.shape[1] - 1, 0.0, l, dl, 1)
     n = 4 if p[at.TWO] != 0.0 else 2
     idle, per_volt = z[8], work[matrix_of(p, int(s[at.CODE])), work.shape[1] - 1, 0, n]
-    see(g, at.G_AHEAD, idle + per_volt * u, t + p[at.H])
-    s[at.LIMIT] = permitted(p, s, p[at.H])
+    keep_peak(g, at.G_AHEAD, idle + per_volt * u, t + p[at.H])
+    s[at.LIMIT] = permitted_current(p, s, p[at.H])
     if abs(idle + per_volt * u) > s[at.LIMIT]:
         g[at.G_LIMITED] += weight
-        most = available(p, s[at.I], u)
+        most = available_voltage(p, s[at.I], u)
         u = ((s[at.LIMIT] if idle + per_volt * u > 0.0 else -s[at.LIMIT]) - idle) / per_volt
         u = min(max(u, -most), most)
-    error = speed - measured(p, s, ring)
-    s[at.I_CUT] = wanted - u - s[at.U_CUT]
-    s[at.PEND] = pid(p, s, at.OUTER, error, (wanted - u) * error > 0.0)
+    error = speed - measured_speed(p, s, ring)
+    s[at.I_CUT] = demand - u - s[at.U_CUT]
+    s[at.PEND] = pid(p, s, at.OUTER, error, (demand - u) * error > 0.0)
     return u

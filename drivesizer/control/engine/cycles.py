@@ -1,6 +1,8 @@
 """Repeated cycles, long constant stretches and repeated motions: laps that are alike are added, not simulated.
 
 Laps are simulated 1, 1, 2, 4, 8 ... at a time until one ends as it began, or its sums are those of the one before.
+With ``laps`` and ``repeats`` this makes missions of hours as cheap as some cycles: the rows of missions in
+``benchmarks/closed_loop.py`` measure it.
 """
 
 from __future__ import annotations
@@ -22,18 +24,35 @@ from drivesizer.control.engine.task_pieces import Part
 
 __all__ = ["all_cycles"]
 
-_COUNTS = 8  # of the encoder, that a lag moves by without growing
-_LAGS = 0.2  # of the lag, by which it grows in a lap where the position loop does not keep up
+_COUNTS = 8  # counts of the encoder by which a lag varies without growing
+_LAGS = 0.2  # of the lag, growth in a lap beyond which the position loop does not keep up
 _NONE = np.zeros((0, len(ROW)))
 
 
-def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
-    """Simulate a drive through all cycles of its task; the course of the first goes into the book."""
+def all_cycles(loop: Any, run: Run, cycles: int, series: tuple[Any, ...]) -> Run:
+    """Simulate a drive through all cycles of its task.
+
+    Parameters
+    ----------
+    loop
+        ``sample_loop.simulate_one``, compiled or plain.
+    run
+        The drive at its start.
+    cycles
+        Number of cycles.
+    series
+        Rows of the first cycle, as in ``layout``.
+
+    Returns
+    -------
+    Run
+        The same one at its end.
+    """
     if _least_steps(run) > run.p[at.MOST]:
         run.status = at.TOO_LONG
         return run
     if run.unseen:
-        return _watched(loop, run, book)
+        return _watched(loop, run, series)
     turned = _turned(run.pieces, run.p)
     length = float(run.pieces[-1, 1]) * run.p[at.H]
 
@@ -41,7 +60,7 @@ def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
         found: Lap | None = None
         for n in range(done, done + many):
             run.s[at.TURN] = n * turned
-            found = joined(found, _cycle(loop, run, book if n == 0 else (_NONE, *book[1:])), n * length)
+            found = joined(found, _cycle(loop, run, series if n == 0 else (_NONE, *series[1:])), n * length)
             run.cycles = n + 1
             if run.status:
                 break
@@ -57,16 +76,16 @@ def all_cycles(loop: Any, run: Run, cycles: int, book: tuple[Any, ...]) -> Run:
 
 
 def _least_steps(run: Run) -> float:
-    """Steps that no short cut saves: those of a changing speed that the task does not repeat."""
+    """Steps that must be simulated: those of a changing speed that the task does not repeat."""
     once = [run.pieces[part.first : part.end] for part in run.parts if not part.rows]
     return sum(float((pieces[:, 1] - pieces[:, 0]) @ (pieces[:, 4] != 0.0)) for pieces in once)
 
 
-def _watched(loop: Any, run: Run, book: tuple[Any, ...]) -> Run:
+def _watched(loop: Any, run: Run, series: tuple[Any, ...]) -> Run:
     """Simulate a drive up to where it is recorded, and on."""
-    simulated(loop, run, run.pieces[: run.unseen], (_NONE, *book[1:]))
+    simulated(loop, run, run.pieces[: run.unseen], (_NONE, *series[1:]))
     if not run.status:
-        found = simulated(loop, run, run.pieces[run.unseen :], book)
+        found = simulated(loop, run, run.pieces[run.unseen :], series)
         run.g[:], run.time = found.g, found.time
     return run
 
@@ -78,47 +97,49 @@ def _turned(pieces: Array, p: Array) -> float:
     return float(last[5] + (last[3] + 0.5 * last[4] * since) * since - pieces[0, 5])
 
 
-def _cycle(loop: Any, run: Run, book: tuple[Any, ...]) -> Lap:
-    """One cycle, what it repeats for itself."""
+def _cycle(loop: Any, run: Run, series: tuple[Any, ...]) -> Lap:
+    """One cycle, its repeated motions each by laps."""
     found: Lap | None = None
     for part in run.parts:
         if part.rows:
-            found = joined(found, _block(loop, run, part, book))
+            found = joined(found, _block(loop, run, part, series))
         else:
-            found = joined(found, _through(loop, run, part.first, part.end, book))
+            found = joined(found, _through(loop, run, part.first, part.end, series))
         if run.status:
             break
     assert found is not None
     return replace(found, count=1)
 
 
-def _block(loop: Any, run: Run, part: Part, book: tuple[Any, ...]) -> Lap:
-    """A motion that is written out again and again, lap by lap."""
+def _block(loop: Any, run: Run, part: Part, series: tuple[Any, ...]) -> Lap:
+    """A motion that is written out repeatedly, lap by lap."""
 
     def lap(done: int, many: int) -> Lap:
         a = part.first + done * part.rows
-        return replace(_through(loop, run, a, a + many * part.rows, book), count=many)
+        return replace(_through(loop, run, a, a + many * part.rows, series), count=many)
 
     turned = _turned(run.pieces[part.first : part.first + part.rows], run.p)
     return _repeated(run, lap, (part.end - part.first) // part.rows, turned)
 
 
-def _through(loop: Any, run: Run, first: int, end: int, book: tuple[Any, ...]) -> Lap:
-    """Pieces as they come, the long constant ones for themselves."""
+def _through(loop: Any, run: Run, first: int, end: int, series: tuple[Any, ...]) -> Lap:
+    """Pieces in their order, the long constant ones each by laps."""
     found: Lap | None = None
     cuts = {first, end}
     for n in (np.flatnonzero(run.long[first:end]) + first).tolist():
         cuts |= {n, n + 1}
     for a, b in pairwise(sorted(cuts)):
         part = run.pieces[a:b]
-        found = joined(found, _stretch(loop, run, part[0], book) if run.long[a] else simulated(loop, run, part, book))
+        found = joined(
+            found, _stretch(loop, run, part[0], series) if run.long[a] else simulated(loop, run, part, series)
+        )
         if run.status:
             break
     assert found is not None
     return found
 
 
-def _stretch(loop: Any, run: Run, piece: Array, book: tuple[Any, ...]) -> Lap:
+def _stretch(loop: Any, run: Run, piece: Array, series: tuple[Any, ...]) -> Lap:
     """A long stretch at one speed and load, lap by lap."""
     first, end, length = int(piece[0]), int(piece[1]), run.lap
     laps = (end - first) // length
@@ -126,7 +147,7 @@ def _stretch(loop: Any, run: Run, piece: Array, book: tuple[Any, ...]) -> Lap:
     def between(a: int, b: int) -> Lap:
         some = piece.copy()[None]
         some[0, 0], some[0, 1], some[0, 8] = a, b, piece[8] * (a == first)
-        return simulated(loop, run, some, book)
+        return simulated(loop, run, some, series)
 
     def lap(done: int, many: int) -> Lap:
         return replace(between(first + done * length, first + (done + many) * length), count=many)
@@ -142,15 +163,15 @@ def _repeated(run: Run, simulate_laps: Callable[[int, int], Lap], laps: int, tur
     Parameters
     ----------
     run
-        The set on its way.
+        The drive in its present state.
     simulate_laps
-        Simulates laps: how many were done before, how many now.
+        Simulates laps: number of those done before, number now.
     laps
-        All of them.
+        Number of all.
     turned
         Angle of the reference over one [rad].
     period
-        Of the controller, where one state may fill all laps: if it stays, it is carried to their end [s].
+        Of the controller, of a constant stretch, which a steady state fills to its end [s]; 0: none.
     """
     total: Lap | None = None
     earlier: list[Lap] = []
@@ -181,7 +202,7 @@ def _repeated(run: Run, simulate_laps: Callable[[int, int], Lap], laps: int, tur
 
 
 def _added(run: Run, before: Array, lap: Lap, times: int, turned: float) -> Callable[[Lap | None], Lap]:
-    """Go on by laps like one; what they add, when the lap after them is known."""
+    """Advance by laps like one; what they add is known with the lap after them."""
     s, budget, heat = run.s, float(run.p[at.BUDGET]), _warmed(run, lap, times)
     grows = float(s[at.I2T] - before[at.I2T])
     s[at.I2T] = min(max(0.0, s[at.I2T] + times * grows), budget)
@@ -192,7 +213,7 @@ def _added(run: Run, before: Array, lap: Lap, times: int, turned: float) -> Call
 
 
 def _warmed(run: Run, lap: Lap, times: int) -> float:
-    """Warm a set by laps like one, the controller's voltages following the winding; heat of the copper [J]."""
+    """Warm a drive by laps like one, the controller's voltages following the winding; heat of the copper [J]."""
     s, heat = run.s, times * lap.heat
     if run.p[at.HEAT]:
         s[at.T_W], s[at.T_H], heat, _ = np.linalg.matrix_power(lap.A, times) @ (s[at.T_W], s[at.T_H], 0.0, 1.0)
@@ -205,7 +226,7 @@ def _warmed(run: Run, lap: Lap, times: int) -> float:
 
 
 def _lags(run: Run, before: Array, lap: Lap, turned: float) -> float:
-    """By what the position's error grew in a lap; none where a position loop keeps it, but for some counts [rad]."""
+    """Growth of the position error in a lap [rad]; 0 where a position loop keeps it within some counts."""
     found = float(turned - (run.s[at.X] - before[at.X]))
     counts = _COUNTS * 2.0 * math.pi / run.p[at.EDGES] if run.p[at.EDGES] else 0.0
     kept = max(counts, _LAGS * math.sqrt(lap.g[at.G_E2_X] / lap.time))
@@ -213,7 +234,7 @@ def _lags(run: Run, before: Array, lap: Lap, turned: float) -> float:
 
 
 def _turn(run: Run, angle: float) -> float:
-    """Turn the motor on, where it is counted by whole counts: those of the periods before go with it; by how much."""
+    """Turn the motor by an angle, with counts a whole number of them; the angle [rad]."""
     if run.p[at.EDGES]:
         counts = round(angle * run.p[at.EDGES] / (2.0 * math.pi))
         angle = counts * 2.0 * math.pi / run.p[at.EDGES]

@@ -13,19 +13,17 @@ from drivesizer.control.engine.laps import PEAKS
 from drivesizer.control.engine.layout import ROW, TALLY, Array
 from drivesizer.control.engine.start import Run
 
-__all__ = ["FIGURES", "Simulation", "course_of", "figures_of"]
+__all__ = ["FIGURES", "Simulation", "figures_of", "series_of"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Simulation:
-    """What came out: a column over sets per figure of ``FIGURES``; the course of a single set."""
+    """Results: a column over drives per figure of ``FIGURES``; the time series of a single drive."""
 
     figures: dict[str, Array]
-    problems: tuple[str, ...]  # of each set, empty where it ran to the end; else the figures are those until then
-    slopes: tuple[
-        Array | None, ...
-    ] = ()  # of each drive simulated alone: winding and housing at the end by the start's
-    series: dict[str, Array] | None = None  # by the names of ``places.ROW``; of the first cycle
+    problems: tuple[str, ...]  # of each drive, empty where it ran to the end; else the figures are those until then
+    slopes: tuple[Array | None, ...] = ()  # of each drive simulated alone: d(temperatures at the end)/d(start)
+    series: dict[str, Array] | None = None  # by the names of ``layout.ROW``; of the first cycle
 
 
 FIGURES = {
@@ -41,7 +39,7 @@ FIGURES = {
 
 
 def figures_of(runs: Sequence[Run]) -> dict[str, Array]:
-    """Columns over sets."""
+    """Figures as columns over drives."""
     g, s, p = (np.array([getattr(run, name) for run in runs]) for name in "gsp")
     found: dict[str, Array] = {}
     for name, place in FIGURES.items():
@@ -65,9 +63,22 @@ def figures_of(runs: Sequence[Run]) -> dict[str, Array]:
                     "steps": s[:, at.STEPS].copy()}  # fmt: skip
 
 
-def course_of(book: tuple[Any, ...], origin: float) -> dict[str, Array]:
-    """The rows that were kept, by their names; the time from an origin [s]."""
-    rows = book[0][: book[2][0]]
+def series_of(recorded: tuple[Any, ...], origin: float) -> dict[str, Array]:
+    """The recorded rows by their names.
+
+    Parameters
+    ----------
+    recorded
+        Rows, which of them are kept always, and ``size``, as in ``layout``.
+    origin
+        Time of the first sample [s].
+
+    Returns
+    -------
+    dict
+        Columns over time, SI.
+    """
+    rows = recorded[0][: recorded[2][0]]
     found = {name: rows[:, n].copy() for n, name in enumerate(ROW)}
     found["time"] += origin
     return found

@@ -1,4 +1,4 @@
-"""A simulated stretch and what it added: what was watched, and what it makes of the temperatures."""
+"""Laps: a simulated stretch with its tallies and its map of the temperatures."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _HIGHEST = [int(n) for n in (at.G_I2T, at.G_WINDING, at.G_HOUSING, at.G_V_HIGH)]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lap:
-    """What was added; of a heated set also how the temperatures went, which is affine in those at its start."""
+    """What a stretch added; with heat also the temperatures at its end, affine in those at its start."""
 
     g: Array  # tallies
     A: Array  # of winding, housing, copper heat and 1
@@ -31,19 +31,36 @@ class Lap:
     count: int = 1  # of laps of one length
 
 
-def simulated(loop: Any, run: Run, pieces: Array, book: tuple[Any, ...]) -> Lap:
-    """Simulate a drive along some pieces; what is kept of the course goes into the book."""
+def simulated(loop: Any, run: Run, pieces: Array, series: tuple[Any, ...]) -> Lap:
+    """Simulate a drive along some pieces.
+
+    Parameters
+    ----------
+    loop
+        ``sample_loop.simulate_one``, compiled or plain.
+    run
+        The drive, which is moved on.
+    pieces
+        As of ``task_pieces.pieces_of``.
+    series
+        Rows of the time series, as in ``layout``.
+
+    Returns
+    -------
+    Lap
+        What they added.
+    """
     s, g = run.s, tally()
     before = s.copy()
     s[at.WW : at.HQ + 1] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
-    run.status = int(loop(run.p, s, g, run.M, *run.scratch, pieces, run.ring, *book))
+    run.status = int(loop(run.p, s, g, run.M, *run.scratch, pieces, run.ring, *series))
     time = float(pieces[-1, 1] - pieces[0, 0]) * run.p[at.H]
     run.simulated += time
     return Lap(g, _affine(s, before), float(s[at.Q] - before[at.Q]), time, float(s[at.STEPS] - before[at.STEPS]))
 
 
 def _affine(s: Array, before: Array) -> Array:
-    """What a lap makes of winding, housing and copper heat: with its current it is affine in the temperatures."""
+    """Map of winding, housing and copper heat over a lap: for its current affine in the temperatures."""
     found = np.eye(4)
     found[:3, 0] = s[at.WW], s[at.WH], s[at.WQ]
     found[:3, 1] = s[at.HW], s[at.HH], s[at.HQ]
@@ -53,7 +70,20 @@ def _affine(s: Array, before: Array) -> Array:
 
 
 def joined(first: Lap | None, then: Lap, later: float = 0.0) -> Lap:
-    """Two laps as one, the times of the second's peaks later by so much [s]."""
+    """Two laps as one.
+
+    Parameters
+    ----------
+    first, then
+        The laps in their order; None: there is no first.
+    later
+        Added to the times of the second's peaks [s].
+
+    Returns
+    -------
+    Lap
+        Both together.
+    """
     g = then.g.copy()
     for n in PEAKS:
         g[n + 1] += later
@@ -77,7 +107,7 @@ def grown(lap: Lap, then: Lap | None, times: int, heat: float, highest: float, l
     Parameters
     ----------
     lap, then
-        As it was simulated before and after.
+        As it was simulated before and after; None: nothing after.
     times
         How often it is done.
     heat
@@ -85,9 +115,14 @@ def grown(lap: Lap, then: Lap | None, times: int, heat: float, highest: float, l
     highest
         Of the I2t integral [A^2 s].
     lags
-        By what the position's error grows in a lap, and where it does is taken to have grown so far [rad].
+        Growth of the position error in a lap [rad].
     ratio
         Turns of the motor per turn of the driven shaft.
+
+    Returns
+    -------
+    Lap
+        All of them as one.
     """
     g, time = lap.g.copy(), times * lap.time
     mean = lap.g[SUMS] / lap.time

@@ -1,7 +1,12 @@
-"""Where the figures of a motor set lie in the arrays that the compiled simulation works on.
+"""Layout of the arrays of the compiled simulation.
 
-All that a set is lies in an array of parameters, all that changes in an array of state, all that is watched in an array
-of tallies, all that is kept of the course in rows. A place is named ``places.K_T`` as a figure is named ``K_T``.
+``p`` parameters, ``s`` state and ``g`` tallies of one drive have a place for every figure, named here and read as
+``p[at.K_T]``. ``M`` holds the matrices of ``linear_modes.discretised`` by node of temperature, mode and level (the last
+is a whole period), ``work`` those at the winding's present temperature, ``stamp`` the temperatures of ``work``. ``z``
+is scratch: a step's state is in its second half. ``mind`` keeps figures of the last sample to detect a steady state.
+``ring`` holds the counts of the last velocity periods. ``rows`` is the time series; ``kept`` marks the rows that are
+never thinned out, ``size`` is (rows, stride, spare rows, samples after a corner that are kept). Units are SI; speeds
+and angles are those of the motor shaft unless marked as the load's.
 """
 
 from __future__ import annotations
@@ -18,14 +23,14 @@ Array = NDArray[np.float64]
 
 
 def _places(names: list[str]) -> Iterable[int]:
-    """Numbers of places; not Python's own integers, for which numba compiles a function once for every number."""
+    """Numbers of places; not Python integers, for which numba would compile a function once for every number."""
     found: Any = np.arange(len(names))
     places: Iterable[int] = found
     return places
 
 
 # the machine; the controller (kp, integral gain per sample, share of the derivative that is kept, derivative gain per
-# sample; current and position loop, feedforwards); limits; heat; what is small enough to be at rest
+# sample; current and position loop, feedforwards); limits; heat; tolerances of a steady state
 _PARAMETERS = """
     H R25 K_T K_E J_M F_M F_S B_M RATIO DRIVE BRAKE J_L B_L T_F T_B T_0 C DAMP GAP G_0 G_D G_B TWO
     CASCADE N_V N_P KP KI KEEP KD CKP CKI PKP FFV FFF FFA DELAY EDGES WINDOW V_0 R_S SETS DUTY DROP
@@ -42,8 +47,8 @@ PARAMETERS = _PARAMETERS.split()
 ) = _places(PARAMETERS)  # fmt: skip
 
 # machine; heat (rises over ambient, copper heat, and what a kelvin at the start makes of them); controller: pending
-# voltage, integrals with derivative, last error and its presence, current asked for now and next, what was cut; angle
-# of the reference when the cycle started
+# voltage, integrals with derivative, last error and its presence, current demand now and next, excess over the limits;
+# angle of the reference at the start of the cycle
 _STATE = """
     I W F V X Y T_W T_H Q WW WH WQ HW HH HQ CODE I2T PEND OUTER - - - INNER - - -
     I_DEMAND I_NEXT I_CUT U_CUT W_ADD W_NEXT LIMIT STEPS SQUARE RES SEEN TURN
@@ -54,7 +59,7 @@ STATE = _STATE.split()
     I_DEMAND, I_NEXT, I_CUT, U_CUT, W_ADD, W_NEXT, LIMIT, STEPS, SQUARE, RES, SEEN, TURN,
 ) = _places(STATE)  # fmt: skip
 
-# largest magnitudes with their times, then what adds up [s, A^2 s, J, (rad/s)^2 s, rad^2 s], then highest and lowest;
+# largest magnitudes with their times, then sums [s, A^2 s, J, (rad/s)^2 s, rad^2 s], then highest and lowest;
 # errors of the motor (W, X) are those at the motor, errors of the load (V, Y) those at the driven shaft
 _TALLY = """
     I T_I U_DEMAND T_U_DEMAND U T_U W T_W E_W T_E_W E_X T_E_X E_V T_E_V E_Y T_E_Y G T_G I_AHEAD T_I_AHEAD POWER T_POWER
@@ -73,7 +78,7 @@ _ROW = """
 """
 ROW = _ROW.split()
 
-FRESH = 0.01  # K by which the winding may move before its resistance is taken anew: 0.004 % of it
-STEADY = 14  # figures that are compared to see whether anything changes
+FRESH = 0.01  # K by which the winding may warm before its resistance is updated: 0.004 % of it
+STEADY = 14  # figures that are compared to detect a steady state
 VAST = 1e100  # beyond any machine, and small enough that squares stay finite
 GOOD, NOT_FINITE, TOO_LONG = 0, 1, 2

@@ -1,4 +1,4 @@
-"""A motor set by the names of ``layout``: machine, controller, limits, heat."""
+"""A drive by the names of ``layout``: drive train, controller, limits, heat."""
 
 from __future__ import annotations
 
@@ -16,21 +16,26 @@ from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
 
 __all__ = ["STILL", "STILL_WARM", "resistances", "table"]
 
-STILL, STILL_WARM = 1e-12, 1e-9  # change over a sample, of full scale, that is none; while the resistance moves
+STILL, STILL_WARM = 1e-12, 1e-9  # change over a sample that is neglected, of full scale; while the resistance changes
 _NODES, _NODE = 24, 20.0  # nodes of temperature, and K between them: the modes are met to 4e-6 of themselves
 
 
 def table(drive: Drive, top: float, most: int) -> list[float]:
-    """A set as parameters of the simulation.
+    """A drive as parameters of the simulation.
 
     Parameters
     ----------
     drive
-        The set.
+        The drive.
     top
-        Highest speed that is asked of the driven shaft [rad/s]: a scale where the voltage has no bound.
+        Highest reference speed of the driven shaft [rad/s]: a scale where the voltage has no bound.
     most
         Steps at which the simulation is given up.
+
+    Returns
+    -------
+    list
+        By the places of ``layout.PARAMETERS``.
     """
     named = parameters(drive, top, most) | controller(drive) | thermal(drive.heat)
     scale = named.get("PKP", 0.0)
@@ -39,7 +44,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
 
 
 def parameters(drive: Drive, top: float, most: int) -> dict[str, float]:
-    """A set by the names of ``layout``, its thermal figures and controller apart."""
+    """Drive train, supply and limits by the names of ``layout``."""
     m, supply, limit = drive.train, drive.supply, drive.current
     volts = supply.voltage if supply.voltage < math.inf else 2.0 * m.back_emf_constant * m.ratio * max(top, 1.0)
     full_i, full_w = volts / m.resistance, volts / m.back_emf_constant

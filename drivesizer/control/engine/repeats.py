@@ -1,4 +1,4 @@
-"""Whether laps are alike, and how many more will be: by the state, or by their sums where the state never repeats."""
+"""Detection of repeating laps, by the state or, where that never repeats, by their sums; and how long they repeat."""
 
 from __future__ import annotations
 
@@ -10,38 +10,44 @@ import numpy as np
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.laps import Lap
 from drivesizer.control.engine.layout import STATE, Array
-from drivesizer.control.engine.limits import available
+from drivesizer.control.engine.limits import available_voltage
 from drivesizer.control.engine.parameters import STILL, STILL_WARM
 from drivesizer.control.engine.start import Run
 
 __all__ = ["alike", "voltages"]
 
-_PERIODIC, _PERIODIC_WARM = 1e-7, 1e-3  # difference of a lap's end from its start, of full scale, that is none
-_ALIKE = 2e-3  # difference of the sums of laps, of themselves, that is none
+_PERIODIC, _PERIODIC_WARM = 1e-7, 1e-3  # difference of a lap's end from its start that is neglected, of full scale
+_ALIKE = 2e-3  # relative difference of the sums of laps that is neglected
 _LEAST, _LEAST_EXACT = 4, 16  # laps that are compared by their sums: with counts, and where speeds are measured exactly
 _FULL = 1e-2  # of the I2t budget, by which its integral may move over laps that are alike by their sums
 _DRIFT = 1.3, 3.0  # ratio of one change to that before, about 2, that a drift has
-_CLOSE = 2.0  # K by which a winding may move in laps that are not simulated, where its resistance changes the current
+_CLOSE = 2.0  # K by which a winding may warm in laps that are added, where its resistance changes the current
 _COMPARED = [
     STATE.index(n) for n in ("I", "W", "F", "V", "PEND", "OUTER", "INNER", "I_DEMAND", "I_NEXT", "W_ADD", "W_NEXT")
 ]
 
 
 def alike(run: Run, before: Array, lap: Lap, earlier: Sequence[Lap], turned: float, left: int, by_state: bool) -> int:
-    """How many more laps are like one.
+    """Number of further laps that are like one.
 
     Parameters
     ----------
     run, before
-        The set after a lap, and its state before.
+        The drive after a lap, and its state before.
     lap, earlier
         The lap, and those before it.
     turned
         Angle of the reference over the lap [rad].
     left
-        How many more are asked for.
+        Number of further laps of the task.
     by_state
-        Whether a lap that ends as it began is like the one before: one that is long beside what loops take to settle.
+        Whether a lap that ends as it began repeats; else its sums decide, as for a lap shorter than the loops'
+        settling.
+
+    Returns
+    -------
+    int
+        0: it is not known to repeat.
     """
     if left < 1 or run.status:
         return 0
@@ -61,8 +67,8 @@ def _repeats(run: Run, before: Array, turned: float) -> bool:
     """Whether a lap ended as it began."""
     p, s = run.p, run.s
     share = _PERIODIC_WARM / STILL_WARM if p[at.HEAT] else _PERIODIC / STILL
-    asked = p[at.TOL_I] if p[at.CASCADE] else p[at.TOL_U]
-    limits = np.array([p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], asked,
+    demand = p[at.TOL_I] if p[at.CASCADE] else p[at.TOL_U]
+    limits = np.array([p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], demand,
                        p[at.TOL_U], p[at.TOL_I], p[at.TOL_I], p[at.TOL_W], p[at.TOL_W]])  # fmt: skip
     if np.any(np.abs(_compared(p, s) - _compared(p, before)) > share * limits):
         return False
@@ -70,7 +76,7 @@ def _repeats(run: Run, before: Array, turned: float) -> bool:
 
 
 def _compared(p: Array, s: Array) -> Array:
-    """What has to repeat; voltages without the copper's drop, which goes with the temperature."""
+    """State that has to repeat; voltages without the copper's drop, which varies with the temperature."""
     free = s.copy()
     free[voltages(p)] -= s[at.RES] * s[at.I]
     return free[_COMPARED]
@@ -105,7 +111,7 @@ def _means(lap: Lap) -> tuple[Array, Array]:
 
 
 def _until_full(run: Run, before: Array, lap: Lap, share: float) -> float:
-    """How many laps the I2t integral takes until it limits the current; all that come where it is full, or never is."""
+    """Laps until the I2t integral limits the current; infinite where it is full already, or never will be."""
     p, highest, budget = run.p, lap.g[at.G_I2T], run.p[at.BUDGET]
     if budget == math.inf:
         return math.inf
@@ -116,12 +122,12 @@ def _until_full(run: Run, before: Array, lap: Lap, share: float) -> float:
     if free <= 0.0:
         return math.inf if grows <= share * budget else 0
     if grows > free + _PERIODIC * budget:
-        return 0  # it was empty on the way: the next one rises from higher
+        return 0  # it was empty meanwhile: the next one rises from higher
     return max(0, int((budget - highest) / grows) - 1)
 
 
 def _until_warm(run: Run, before: Array, lap: Lap, left: int) -> float:
-    """How many laps may go by until the winding's resistance has changed the current."""
+    """Laps until the winding's resistance has changed the current."""
     p = run.p
     integral = p[at.CKI] if p[at.CASCADE] else p[at.KI]
     if not p[at.HEAT]:
@@ -131,12 +137,12 @@ def _until_warm(run: Run, before: Array, lap: Lap, left: int) -> float:
 
 
 def _until_cut(run: Run, lap: Lap, left: int) -> int:
-    """How many laps like one go by until the warmer winding asks for more voltage than the bus has, found by halving.
+    """Laps like one until the warmer winding needs more voltage than the bus has, found by halving.
 
     The voltage rises by the resistance times the largest current; the bus has least under that current.
     """
     p, s, current = run.p, run.s, float(lap.g[at.G_I])
-    room = available(p, current, 1.0) - lap.g[at.G_U_DEMAND]
+    room = available_voltage(p, current, 1.0) - lap.g[at.G_U_DEMAND]
 
     def kept(laps: int) -> bool:
         winding = (np.linalg.matrix_power(lap.A, laps) @ (s[at.T_W], s[at.T_H], 0.0, 1.0))[0]

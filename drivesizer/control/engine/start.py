@@ -1,4 +1,4 @@
-"""Motor sets at their start: in equilibrium at the first speed, their matrices made together."""
+"""Drives at their start: in equilibrium at the first speed, their matrices computed together."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 
 import drivesizer.control.engine.layout as at
 from drivesizer.control.cascade import Cascade
-from drivesizer.control.engine.controllers import ahead
+from drivesizer.control.engine.controllers import feedforward_current
 from drivesizer.control.engine.layout import STATE, TALLY, Array
-from drivesizer.control.engine.modes import held, mode_of, resisting
+from drivesizer.control.engine.modes import holding_torque, load_torque, mode_of
 from drivesizer.control.engine.parameters import resistances, table
 from drivesizer.control.engine.task import Drive, MotorHeat, Task
 from drivesizer.control.engine.task_pieces import Flags, Part, pieces_of, stretches
@@ -34,9 +34,9 @@ def _start(p: Array, pieces: Array, heat: MotorHeat | None, ki: tuple[bool, bool
         s[at.T_W], s[at.T_H] = (0.0 if math.isnan(x) else x - heat.ambient for x in (heat.winding, heat.housing))
     s[at.RES] = p[at.R_A] + p[at.ALPHA] * s[at.T_W] if p[at.HEAT] else p[at.R25]
     s[at.CODE] = mode_of(p, i, w, s[at.F], s[at.V], l)
-    volts = s[at.RES] * i + p[at.K_E] * w  # what the integral holds is what was asked for last
+    volts = s[at.RES] * i + p[at.K_E] * w  # the integral holds the last demand
     if p[at.CASCADE]:
-        known = ahead(p, w, 0.0)
+        known = feedforward_current(p, w, 0.0)
         s[at.OUTER], s[at.INNER] = (i - known) * ki[0], volts * ki[1]
         s[at.I_NEXT], s[at.PEND] = known + s[at.OUTER], s[at.INNER]
     else:
@@ -49,14 +49,14 @@ def _equilibrium(p: Array, w: float, l: float) -> tuple[float, float]:
     k = p[at.K_T]
     if w:
         side = 1 if w > 0.0 else -1
-        T = resisting(p, side) + l + p[at.B_L] * w / p[at.RATIO]
+        T = load_torque(p, side) + l + p[at.B_L] * w / p[at.RATIO]
         share = p[at.DRIVE] if T * side > 0.0 else p[at.BRAKE]
         return float((side * p[at.F_M] + p[at.B_M] * w + T * share) / k), float(T)
     T = p[at.T_0] + l
     ends = (T, T) if p[at.TWO] else (p[at.T_F] + l, p[at.T_B] + l)
     if p[at.TWO] and p[at.T_B] <= -l <= p[at.T_F]:
         return 0.0, 0.0
-    if held(p, ends[1], -1) <= 0.0 <= held(p, ends[0], 1):
+    if holding_torque(p, ends[1], -1) <= 0.0 <= holding_torque(p, ends[0], 1):
         return 0.0, float(T)
     return float(T / (p[at.RATIO] * k)), float(T)
 
@@ -70,15 +70,15 @@ def _ring(p: Array, w: float) -> Array:
 
 @dataclass(slots=True)
 class Run:
-    """One set on its way."""
+    """One drive during its simulation."""
 
     p: Array  # parameters
     s: Array  # state
-    g: Array  # tallies, when it has come to the end
+    g: Array  # tallies, set at the end
     M: Array  # matrices
     scratch: tuple[Array, Array, Array, Array]  # matrices in use, their temperatures, a step, what is steady
     pieces: Array
-    parts: list[Part]  # of the pieces, from place to place
+    parts: list[Part]  # consecutive ranges of the pieces
     long: Flags  # which pieces are long and constant
     unseen: int  # pieces that are simulated and not recorded
     lap: int  # periods of a lap of these
@@ -91,7 +91,25 @@ class Run:
 
 
 def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
-    """Some sets at their start; their matrices are made together."""
+    """Drives at their start; their matrices are computed together.
+
+    Parameters
+    ----------
+    drives, task
+        As of ``batch.simulate_many``.
+    most
+        Steps at which a simulation is given up.
+
+    Returns
+    -------
+    list
+        One run per drive.
+
+    Raises
+    ------
+    InputError
+        When figures leave the range of numbers, or the task lies between two samples.
+    """
     top = float(np.abs(task.speed).max())
     P = np.array([table(d, top, most) for d in drives], float)
     found: dict[int, Run] = {}
@@ -114,7 +132,7 @@ def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
 
 
 def _begun(p: Array, M: Array, drive: Drive, task: Task, pieces: Array, followed: bool) -> Run:
-    """One set at its start; followed: whether what a kelvin at the start makes of the end is wanted."""
+    """One drive at its start; followed: whether derivatives by the starting temperatures are computed."""
     c = drive.controller
     ki = (c.velocity_ki != 0.0, c.current_ki != 0.0) if isinstance(c, Cascade) else (c.ki != 0.0, False)
     if not len(pieces):
@@ -129,7 +147,7 @@ def _begun(p: Array, M: Array, drive: Drive, task: Task, pieces: Array, followed
 
 
 def tally() -> Array:
-    """Tallies before anything was seen."""
+    """Tallies at the start."""
     g = np.zeros(len(TALLY))
     g[[at.G_WINDING, at.G_HOUSING]] = -math.inf
     g[at.G_V_LOW], g[at.G_V_HIGH] = math.inf, -math.inf

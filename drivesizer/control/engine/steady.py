@@ -1,4 +1,4 @@
-"""Long stretches in which nothing changes, carried in one step."""
+"""Long stretches in steady state, carried in one step; arrays as in ``layout``."""
 
 from __future__ import annotations
 
@@ -6,25 +6,25 @@ import math
 
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import Array
-from drivesizer.control.engine.limits import available, bus
-from drivesizer.control.engine.tallies import count, see, strain
+from drivesizer.control.engine.limits import available_voltage, record_bus
+from drivesizer.control.engine.tallies import add_electrical, keep_peak, record_gear_torque
 from drivesizer.control.engine.warming import heat, warm
 
-__all__ = ["carried", "hold", "regulated", "steady", "within"]
+__all__: list[str] = []  # compiled into ``kernel``
 
 
 def regulated(p: Array, s: Array) -> bool:
-    """Whether an integral keeps the current while the winding's resistance moves; else the voltage stays."""
+    """Whether an integral keeps the current while the winding's resistance changes; else the voltage stays."""
     if s[at.U_CUT] != 0.0:
         return False
     return bool(p[at.CKI] != 0.0 if p[at.CASCADE] != 0.0 else p[at.KI] != 0.0 and s[at.W] != 0.0)
 
 
-def hold(p: Array, s: Array, g: Array, u: float, l: float, t: float, duration: float) -> None:
-    """Carry a steady state on; the controller follows the winding's resistance."""
+def carry_state(p: Array, s: Array, g: Array, u: float, l: float, t: float, duration: float) -> None:
+    """Carry a steady state over a duration; the controller follows the winding's resistance."""
     R, Q0 = s[at.RES], s[at.Q]
-    count(p, s, g, s[at.I] * s[at.I] * duration, 0.0, 0.0, duration)
-    strain(p, s, g, int(s[at.CODE]), l, t, duration)
+    add_electrical(p, s, g, s[at.I] * s[at.I] * duration, 0.0, 0.0, duration)
+    record_gear_torque(p, s, g, int(s[at.CODE]), l, t, duration)
     heat(p, s, g, abs(s[at.W]) * duration, s[at.W] * s[at.W] * duration, duration)
     work = (u - R * s[at.I]) * s[at.I] * duration + (s[at.Q] - Q0)  # what turns into motion, and the copper's heat
     if work > 0.0:
@@ -36,22 +36,22 @@ def hold(p: Array, s: Array, g: Array, u: float, l: float, t: float, duration: f
     rise = (s[at.RES] - R) * s[at.I] if regulated(p, s) else 0.0
     s[at.PEND] += rise
     s[at.INNER if p[at.CASCADE] != 0.0 else at.OUTER] += rise
-    bus(p, g, (u + rise) * s[at.I], t + duration)
-    see(g, at.G_U, u + rise, t + duration)
-    see(g, at.G_U_DEMAND, u + rise + s[at.U_CUT], t + duration)
+    record_bus(p, g, (u + rise) * s[at.I], t + duration)
+    keep_peak(g, at.G_U, u + rise, t + duration)
+    keep_peak(g, at.G_U_DEMAND, u + rise + s[at.U_CUT], t + duration)
     if (u + rise) * s[at.I] > g[at.G_POWER]:
-        see(g, at.G_POWER, (u + rise) * s[at.I], t + duration)
+        keep_peak(g, at.G_POWER, (u + rise) * s[at.I], t + duration)
 
 
-def steady(p: Array, s: Array, mind: Array, lag: float) -> bool:
-    """Whether nothing changed since it was last asked."""
+def is_steady(p: Array, s: Array, mind: Array, lag: float) -> bool:
+    """Whether nothing changed since the last call."""
     now = (
         s[at.I], s[at.W], s[at.F], s[at.V], s[at.PEND], s[at.OUTER], s[at.OUTER + 1], s[at.INNER], s[at.I_DEMAND],
         s[at.I_NEXT], s[at.W_ADD], s[at.W_NEXT], lag if p[at.PKP] > 0.0 else 0.0, s[at.U_CUT],
     )  # fmt: skip
-    asked = p[at.TOL_I] if p[at.CASCADE] != 0.0 else p[at.TOL_U]
+    demand = p[at.TOL_I] if p[at.CASCADE] != 0.0 else p[at.TOL_U]
     limits = (
-        p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], asked, asked, p[at.TOL_U],
+        p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], demand, demand, p[at.TOL_U],
         p[at.TOL_I], p[at.TOL_I], p[at.TOL_W], p[at.TOL_W], p[at.TOL_X], p[at.TOL_U],
     )  # fmt: skip
     same = p[at.EDGES] == 0.0 or s[at.W] == 0.0  # counts go on
@@ -61,15 +61,14 @@ def steady(p: Array, s: Array, mind: Array, lag: float) -> bool:
     return bool(same)
 
 
-def within(p: Array, s: Array, left: int) -> int:
-    """For how many periods the bus has the voltage that the warming winding asks for; halved until it has.
+def periods_within_voltage(p: Array, s: Array, left: int) -> int:
+    """Periods for which the bus has enough voltage for the warming winding, found by halving.
 
-    The temperature is that of winding and housing under the current that stays; where hardly a kelvin is left to the
-    limit, that one is allowed.
+    Winding and housing warm under the present current; a rise of less than about a kelvin to the limit is allowed.
     """
     current = abs(s[at.I])
     u = s[at.RES] * s[at.I] + p[at.K_E] * s[at.W]
-    room = available(p, s[at.I], u) - abs(u)
+    room = available_voltage(p, s[at.I], u) - abs(u)
     rise = room / (p[at.ALPHA] * current + 1e-300)  # K
     rate = abs(s[at.RES] * current * current - (s[at.T_W] - s[at.T_H]) / p[at.R_1]) / p[at.C_W]
     least = min(at.FRESH / (rate * p[at.H] + 1e-300), 1.0 * left)
@@ -86,10 +85,10 @@ def within(p: Array, s: Array, left: int) -> int:
     return n
 
 
-def carried(p: Array, s: Array, left: int) -> int:
-    """How many periods a steady state may be carried: until the I2t integral is full, or current or voltage move."""
+def periods_to_carry(p: Array, s: Array, left: int) -> int:
+    """Periods over which a steady state is carried: until the I2t integral is full, or current or voltage change."""
     if p[at.HEAT] != 0.0 and regulated(p, s):
-        left = within(p, s, left)
+        left = periods_within_voltage(p, s, left)
     if p[at.HEAT] != 0.0 and not regulated(p, s):
         rate = abs(s[at.RES] * s[at.I] * s[at.I] - (s[at.T_W] - s[at.T_H]) / p[at.R_1]) / p[at.C_W]
         left = int(min(at.FRESH / (rate * p[at.H] + 1e-300), left))

@@ -1,20 +1,20 @@
 """One period under a held voltage: exact steps of the machine, halved where its mode changes.
 
-Symbols: as in ``linear_modes``; f twist [rad], T torque of the driven shaft [N*m].
+Arrays as in ``layout``. Symbols as in ``linear_modes``; f twist [rad], T torque of the driven shaft [N*m].
 """
 
 from __future__ import annotations
 
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import Array
-from drivesizer.control.engine.modes import matrix_of, mode_of, resisting
-from drivesizer.control.engine.tallies import count, see, square_of, strain
+from drivesizer.control.engine.modes import load_torque, matrix_of, mode_of
+from drivesizer.control.engine.tallies import add_electrical, keep_peak, record_gear_torque, square_of
 
-__all__ = ["advance", "fresh", "step", "stop", "take"]
+__all__: list[str] = []  # compiled into ``kernel``
 
 
-def fresh(p: Array, s: Array, M: Array, work: Array, stamp: Array, mode: int, level: int) -> None:
-    """Bring a mode's matrix to the winding's temperature: a cubic through four nodes."""
+def update_matrix(p: Array, s: Array, M: Array, work: Array, stamp: Array, mode: int, level: int) -> None:
+    """Interpolate a mode's matrix at the winding's temperature: a cubic through four nodes."""
     place = (s[at.T_W] - p[at.NODE_0]) / p[at.NODE_D]
     n = min(max(int(place) - 1, 0), int(p[at.NODES]) - 4)
     x = min(max(place - n, 0.0), 3.0)
@@ -31,13 +31,13 @@ def fresh(p: Array, s: Array, M: Array, work: Array, stamp: Array, mode: int, le
 
 def step(p: Array, s: Array, M: Array, work: Array, stamp: Array, z: Array, code: int, level: int, u: float, l: float,
          dl: float, rows: int) -> None:  # fmt: skip
-    """What a step makes of the state, in the second half of z: the current alone, or all rows."""
+    """State after a step, in the second half of z: the current alone, or all rows."""
     side, load = code % 3 - 1, code // 3 % 3 - 1
     mode = matrix_of(p, code)
     if p[at.HEAT] != 0.0 and not abs(s[at.T_W] - stamp[mode, level]) <= at.FRESH:
-        fresh(p, s, M, work, stamp, mode, level)
+        update_matrix(p, s, M, work, stamp, mode, level)
     m = work[mode, level]
-    i, w, friction, resistance = s[at.I], s[at.W], -side * p[at.F_M], resisting(p, load) + l
+    i, w, friction, resistance = s[at.I], s[at.W], -side * p[at.F_M], load_torque(p, load) + l
     if p[at.TWO] == 0.0:
         for r in range(rows):
             z[8 + r] = (
@@ -54,17 +54,17 @@ def step(p: Array, s: Array, M: Array, work: Array, stamp: Array, z: Array, code
     z[10] += offset
 
 
-def take(p: Array, s: Array, g: Array, z: Array, code: int, u: float, t: float, dt: float) -> None:
-    """Count a step that ends at a time, and go to its end."""
+def accept(p: Array, s: Array, g: Array, z: Array, code: int, u: float, t: float, dt: float) -> None:
+    """Record a step that ends at a time, and move the state to its end."""
     two = p[at.TWO] != 0.0
     q, x = (z[12], z[13]) if two else (z[10], z[11])
     first, last = s[at.I], z[8]
-    count(p, s, g, square_of(first, last, q, dt), u, q, dt)
-    see(g, at.G_I, last, t)
-    see(g, at.G_W, z[9], t)
+    add_electrical(p, s, g, square_of(first, last, q, dt), u, q, dt)
+    keep_peak(g, at.G_I, last, t)
+    keep_peak(g, at.G_W, z[9], t)
     power = u * (first if (first > last) == (u > 0.0) else last)
     if power > g[at.G_POWER]:
-        see(g, at.G_POWER, power, t)
+        keep_peak(g, at.G_POWER, power, t)
     if two:
         s[at.Y] += x / p[at.RATIO] - (z[10] - s[at.F])
         s[at.F], s[at.V] = z[10], z[11]
@@ -75,8 +75,8 @@ def take(p: Array, s: Array, g: Array, z: Array, code: int, u: float, t: float, 
     s[at.X] += x
 
 
-def stop(p: Array, s: Array, w: float, v: float) -> None:
-    """A reversal passes through rest, where friction may hold."""
+def stop_at_reversal(p: Array, s: Array, w: float, v: float) -> None:
+    """Pass a reversal through rest, where friction may hold."""
     if w * s[at.W] < 0.0:
         s[at.W] = 0.0
         if p[at.TWO] == 0.0:
@@ -87,7 +87,7 @@ def stop(p: Array, s: Array, w: float, v: float) -> None:
 
 def advance(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z: Array, u: float, l: float, dl: float,
             t: float) -> None:  # fmt: skip
-    """Advance one period under a held voltage and a load torque that runs straight."""
+    """Advance one period under a held voltage and a linear load torque."""
     top = work.shape[1] - 1
     left, level, unit = 1 << top, top, p[at.H] / (1 << top)
     code = int(s[at.CODE])
@@ -101,12 +101,12 @@ def advance(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z
             level -= 1
             continue
         before_w, before_v = s[at.W], s[at.V]
-        take(p, s, g, z, code, u, t + end, dt)
-        strain(p, s, g, code, l + dl * end, t + end, dt)
+        accept(p, s, g, z, code, u, t + end, dt)
+        record_gear_torque(p, s, g, code, l + dl * end, t + end, dt)
         if after != code:
-            stop(p, s, before_w, before_v)
+            stop_at_reversal(p, s, before_w, before_v)
             code = mode_of(p, s[at.I], s[at.W], s[at.F], s[at.V], l + dl * end)
-            strain(p, s, g, code, l + dl * end, t + end, 0.0)
+            record_gear_torque(p, s, g, code, l + dl * end, t + end, 0.0)
         left -= 1 << level
         s[at.STEPS] += 1.0
         level = min(level + 1, top)

@@ -1,4 +1,4 @@
-"""What is watched on the way: largest magnitudes with their times, sums, rows of the course."""
+"""Records of a simulation: largest magnitudes with times, sums, rows of the time series; arrays as in ``layout``."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import Array
 from drivesizer.control.engine.modes import gear_torque
 
-__all__ = ["count", "record", "remain", "see", "square_of", "strain", "strayed", "watch"]
+__all__: list[str] = []  # compiled into ``kernel``
 
 
-def see(g: Array, place: int, value: float, t: float) -> None:
+def keep_peak(g: Array, place: int, value: float, t: float) -> None:
     """Keep the largest magnitude and its time."""
     if abs(value) > g[place]:
         g[place], g[place + 1] = abs(value), t
@@ -23,8 +23,8 @@ def square_of(first: float, last: float, area: float, dt: float) -> float:
     return dt * (mean * mean + rise * rise / 12.0 + bend * bend / 5.0)
 
 
-def count(p: Array, s: Array, g: Array, square: float, u: float, q: float, dt: float) -> None:
-    """Add what a step took: square of the current, charge, energy."""
+def add_electrical(p: Array, s: Array, g: Array, square: float, u: float, q: float, dt: float) -> None:
+    """Add a step: square of the current, I2t integral, energy."""
     s[at.SQUARE] += square
     s[at.I2T] = max(0.0, s[at.I2T] + square - p[at.CONT2] * dt)
     g[at.G_I2T] = max(g[at.G_I2T], s[at.I2T])
@@ -35,45 +35,47 @@ def count(p: Array, s: Array, g: Array, square: float, u: float, q: float, dt: f
         g[at.G_RETURNED] -= u * q
 
 
-def strain(p: Array, s: Array, g: Array, code: int, l: float, t: float, dt: float) -> None:
-    """Watch the torque of the gearhead; its square over the time that it turns."""
+def record_gear_torque(p: Array, s: Array, g: Array, code: int, l: float, t: float, dt: float) -> None:
+    """Record the torque of the gearhead; its square over its running time."""
     torque = gear_torque(p, code, s[at.I], s[at.W], s[at.F], s[at.V], l)
-    see(g, at.G_G, torque, t)
+    keep_peak(g, at.G_G, torque, t)
     if code % 3 != 1:
         g[at.G_G_SQUARE] += torque * torque * dt
         g[at.G_RUNNING] += dt
 
 
-def watch(p: Array, s: Array, g: Array, speed: float, angle: float, u: float, t: float, weight: float) -> None:
-    """Errors of motor and load, and voltage, at a sample."""
+def record_errors(p: Array, s: Array, g: Array, speed: float, angle: float, u: float, t: float, weight: float) -> None:
+    """Record errors of motor and load, and voltage, at a sample."""
     error, lag = speed - s[at.W], angle - s[at.X]
     slow, behind = speed / p[at.RATIO] - s[at.V], angle / p[at.RATIO] - s[at.Y]
-    see(g, at.G_E_W, error, t)
-    see(g, at.G_E_X, lag, t)
-    see(g, at.G_E_V, slow, t)
-    see(g, at.G_E_Y, behind, t)
-    see(g, at.G_U, u, t)
-    strayed(g, error, lag, slow, behind, weight)
+    keep_peak(g, at.G_E_W, error, t)
+    keep_peak(g, at.G_E_X, lag, t)
+    keep_peak(g, at.G_E_V, slow, t)
+    keep_peak(g, at.G_E_Y, behind, t)
+    keep_peak(g, at.G_U, u, t)
+    add_error_squares(g, error, lag, slow, behind, weight)
 
 
-def strayed(g: Array, error: float, lag: float, slow: float, behind: float, time: float) -> None:
-    """Add squares of errors: the motor's speed and angle, the load's speed and angle."""
+def add_error_squares(g: Array, error: float, lag: float, slow: float, behind: float, time: float) -> None:
+    """Add squares of errors: speed and angle of the motor, speed and angle of the load."""
     g[at.G_E2_W] += error * error * time
     g[at.G_E2_X] += lag * lag * time
     g[at.G_E2_V] += slow * slow * time
     g[at.G_E2_Y] += behind * behind * time
 
 
-def remain(p: Array, s: Array, g: Array, error: float, lag: float, behind: float, time: float) -> None:
-    """Add what a steady stretch holds: errors, limits; behind: the load's angle."""
-    strayed(g, error, lag, error / p[at.RATIO], behind, time)
+def add_steady_errors(p: Array, s: Array, g: Array, error: float, lag: float, behind: float, time: float) -> None:
+    """Add a steady stretch: errors, and time at the limits; behind: error of the load's angle [rad]."""
+    add_error_squares(g, error, lag, error / p[at.RATIO], behind, time)
     g[at.G_SATURATED] += time if s[at.U_CUT] != 0.0 else 0.0
     g[at.G_LIMITED] += time if s[at.I_CUT] != 0.0 else 0.0
 
 
-def record(rows: Array, kept: Any, size: Any, always: bool, k: int, row: Any) -> None:
-    """Keep a row: all while few, else evenly thinned, those after a corner always (size: rows, stride, spare,
-    how many after a corner). One of the same time as the last takes its place: a stretch ends where the next begins."""
+def keep_row(rows: Array, kept: Any, size: Any, always: bool, k: int, row: Any) -> None:
+    """Keep a row: all while few, else evenly thinned, those after a corner always.
+
+    A row at the time of the last one replaces it: a stretch ends where the next begins.
+    """
     if (not always or size[2] <= 0) and k % size[1] != 0:
         return
     n = size[0]

@@ -17,14 +17,14 @@ __all__ = ["CurrentLimit", "Drive", "MotorHeat", "Resolution", "Supply", "Task"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Supply:
-    """The bus that feeds some motor sets alike, and what a controller passes on."""
+    """The bus that feeds a number of equal drives, and the controller's voltage range."""
 
     voltage: float  # V, without load
     resistance: float = 0.0  # ohm, of the source and its cables
     sets: int = 1
     max_duty: float = 1.0
     voltage_drop: float = 0.0  # V
-    raises: bool = False  # whether energy that comes back raises the bus; else a brake chopper or a battery takes it
+    raises: bool = False  # whether regenerated energy raises the bus; else a brake chopper or a battery takes it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,7 +59,7 @@ class MotorHeat:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drive:
-    """One motor set with its controller."""
+    """One drive: drive train, controller, supply, limits."""
 
     train: DriveTrain
     controller: Gains | Cascade
@@ -67,17 +67,17 @@ class Drive:
     current: CurrentLimit = CurrentLimit()
     encoder: Resolution = Resolution()
     heat: MotorHeat | None = None  # None: the winding stays at 25 degC
-    delay: bool = True  # cascade: each loop answers its sample before, a period of its own late
-    prompt: bool = False  # cascade: but for the current loop, which answers at once (see ``slower_loop``)
+    delay: bool = True  # cascade: each loop responds one of its periods late
+    prompt: bool = False  # cascade: except the current loop, which responds at once (see ``slower_loop``)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """What is asked of the driven shaft; straight lines between the corners."""
+    """Required motion and load of the driven shaft; straight lines between the corners."""
 
     time: Sequence[float] | Array  # s, strictly rising
     speed: Sequence[float] | Array  # rad/s of the driven shaft
     load_time: Sequence[float] | Array = ()  # s, strictly rising
-    load_torque: Sequence[float] | Array = ()  # N*m, added to the machine's own; beyond the corners as there
+    load_torque: Sequence[float] | Array = ()  # N*m, added to the drive train's own; constant beyond the corners
     since: float | None = None  # s; what comes before is simulated and not recorded; of one cycle
-    cycles: int = 1  # how often it is done; its length is then rounded up to whole samples of the slowest loop
+    cycles: int = 1  # number of repetitions; the length is then rounded up to whole samples of the slowest loop

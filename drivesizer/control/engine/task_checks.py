@@ -1,4 +1,4 @@
-"""What cannot be computed is refused, in one line."""
+"""Checks of a task and its drives."""
 
 from __future__ import annotations
 
@@ -23,7 +23,18 @@ _SIGNED = {"forward_torque", "backward_torque", "rest_torque"}
 
 
 def checked(drives: Sequence[Drive], task: Task) -> None:
-    """Refuse what cannot be computed with."""
+    """Refuse a task or a drive that cannot be simulated.
+
+    Parameters
+    ----------
+    drives, task
+        As of ``batch.simulate_many``.
+
+    Raises
+    ------
+    InputError
+        With the figure at fault.
+    """
     for name, times, values in (("time", task.time, task.speed), ("load_time", task.load_time, task.load_torque)):
         t, v = np.asarray(times, float), np.asarray(values, float)
         if t.ndim != 1 or t.shape != v.shape or not (np.all(np.diff(t) > 0.0) and np.isfinite((t, v)).all()):
@@ -33,7 +44,7 @@ def checked(drives: Sequence[Drive], task: Task) -> None:
     if task.since is not None and not (task.cycles == 1 and task.time[0] < task.since < task.time[-1]):
         raise InputError("task: since is to lie within a single cycle")
     if len({drive.train.flexible for drive in drives}) != 1:
-        raise InputError("expected at least one set, and all of them rigid or all flexible")
+        raise InputError("expected at least one drive, and all of them rigid or all flexible")
     for drive in drives:
         _checked_drive(drive)
 

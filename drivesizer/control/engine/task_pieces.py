@@ -1,7 +1,7 @@
 """A task as straight pieces between samples.
 
-A corner that lies between two samples is taken at the next one. A piece shorter than a sample runs, where it is not
-left out, to where reference and load are a sample later; so a jump lasts a sample at most.
+A corner between two samples takes effect at the next one. A piece shorter than a sample is left out, or ends at the
+values of reference and load a sample later, so that a jump lasts a sample at most.
 """
 
 from __future__ import annotations
@@ -35,7 +35,25 @@ class Part(NamedTuple):
 
 
 def pieces_of(task: Task, p: Array) -> Array:
-    """A task at the motor shaft: first and last sample, start [s], speed, slope, angle, load, its slope, corner."""
+    """A task as pieces between samples, at the motor shaft.
+
+    Parameters
+    ----------
+    task
+        Motion and load of the driven shaft.
+    p
+        Parameters of the drive.
+
+    Returns
+    -------
+    array
+        Rows of first and last sample, start [s], speed, its slope, angle, load, its slope, and whether at a corner.
+
+    Raises
+    ------
+    InputError
+        When the task is too long to be sampled.
+    """
     h, K, origin = p[at.H], p[at.RATIO], task.time[0]
     time, speed = np.asarray(task.time, float) - origin, np.asarray(task.speed, float) * K
     if not time[-1] / h < 2.0**53:
@@ -63,7 +81,7 @@ def pieces_of(task: Task, p: Array) -> Array:
 
 
 def _ticks(starts: Array, h: float) -> Array:
-    """The sample at which each corner is taken; corners that cannot be told apart are taken at the same one."""
+    """The sample at which each corner takes effect; corners closer than rounding share one."""
     slack = _WHOLE + _ROUNDING * starts / h
     tick = np.ceil(starts / h - slack)
     apart = np.concatenate(([True], np.diff(starts) > 2.0 * h * slack[1:]))
@@ -82,7 +100,7 @@ def _line(x: Array, corners: Array, values: Array) -> tuple[Array, Array]:
 
 
 def _angle(x: Array, time: Array, speed: Array) -> Array:
-    """Angle gone through until some moments."""
+    """Angle of the reference at some times [rad]."""
     n = np.clip(np.searchsorted(time, x, "right") - 1, 0, len(time) - 2)
     before = np.concatenate(([0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2.0)))[n]
     return np.asarray(before + (x - time[n]) * (speed[n] + _line(x, time, speed)[0]) / 2.0)
@@ -94,7 +112,18 @@ def _whole(p: Array) -> float:
 
 
 def stretches(pieces: Array, p: Array) -> tuple[list[Part], Flags, int]:
-    """A task's pieces from place to place, what repeats alone; which are long and constant; periods of their laps."""
+    """Ranges of a task's pieces: repeated motions, and the rest.
+
+    Parameters
+    ----------
+    pieces, p
+        As of ``pieces_of``.
+
+    Returns
+    -------
+    tuple
+        The ranges in their order, which pieces are long and constant, and periods of a lap of these.
+    """
     lap = int(np.ceil(_LAP / _whole(p)) * _whole(p))
     constant = (pieces[:, 4] == 0.0) & (pieces[:, 7] == 0.0) & (pieces[:, 1] - pieces[:, 0] >= _LAPS * lap)
     found, done = [], 0

@@ -1,15 +1,15 @@
-"""Temperatures of winding and housing."""
+"""Temperatures of winding and housing; arrays as in ``layout``."""
 
 from __future__ import annotations
 
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import Array
 
-__all__ = ["heat", "warm"]
+__all__: list[str] = []  # compiled into ``kernel``
 
 
 def warm(p: Array, s: Array, place: int, I2: float, loss: float, R: float, dt: float) -> None:
-    """Heat winding and housing by a mean square current (Runge-Kutta, to 1e-8 of the rise); heat of the copper."""
+    """Integrate both temperatures and the copper heat at a mean square current (Runge-Kutta, to 1e-8 of the rise)."""
     rate = (1.0 / p[at.R_1] + p[at.ALPHA] * I2) / p[at.C_W] + (1.0 / p[at.R_1] + 1.0 / p[at.R_2]) / p[at.C_H]
     n = int(min(max(20.0 * rate * dt, 1.0), p[at.MOST])) if rate * dt < 1e9 else 1
     h = dt / n
@@ -29,7 +29,7 @@ def warm(p: Array, s: Array, place: int, I2: float, loss: float, R: float, dt: f
 
 
 def heat(p: Array, s: Array, g: Array, turned: float, swept: float, dt: float) -> None:
-    """Temperatures after a period, or a long stretch at one speed; turned: by what angle, swept: integral of w^2 dt."""
+    """Temperatures after a period, or a long stretch at one speed; turned: angle [rad], swept: integral of w^2 dt."""
     I2 = s[at.SQUARE] / dt
     s[at.SQUARE] = 0.0
     if p[at.HEAT] == 0.0:

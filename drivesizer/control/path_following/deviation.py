@@ -1,11 +1,7 @@
-r"""How far a platform is from where it should be, and what a misjudged figure alone comes to.
+"""Deviation of a platform from its desired posture.
 
-Position and heading are compared at the same time. Along and across are by the direction of the desired motion; at
-rest, the last one.
-
-Laws, open-loop and without slip. Radii that are 1 + e of what is believed: the way is longer by e of it. Wheels apart
-by 1 + e of what is believed: every turn is smaller by e/(1 + e) of it. Radii of 1 + e on the right of a differential
-drive of track b and of 1 - e on its left: a straight line becomes an arc of curvature 2 e / b.
+Position and heading are compared at the same time. Along and across are relative to the direction of the desired
+motion; at rest, the last one.
 """
 
 from __future__ import annotations
@@ -22,10 +18,10 @@ __all__ = ["Deviation", "Extreme", "deviation", "extremes"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Deviation:
-    """True against desired at k instants."""
+    """Actual less desired posture at k instants."""
 
     time: Array  # (k,) s
-    way: Array  # (k,) m, of the desired path
+    travel: Array  # (k,) m, along the desired path
     turned: Array  # (k,) rad, desired, all turns added up
     position: Array  # (k,) m, distance
     along: Array  # (k,) m, above 0: ahead
@@ -35,30 +31,35 @@ class Deviation:
 
 @dataclass(frozen=True, slots=True)
 class Extreme:
-    """A largest value, in size, and where it is."""
+    """A largest magnitude, with its time and place."""
 
     title: str
     value: float  # SI
     kind: str
     unit: str  # of the trade
     time: float  # s
-    way: float  # m
+    travel: float  # m, along the desired path
 
 
 def deviation(f: Followed) -> Deviation:
-    """How far a platform is from where it should be.
+    """Deviation of a platform from its desired posture.
 
     Parameters
     ----------
     f
-        What it did.
+        The simulated motion.
+
+    Returns
+    -------
+    Deviation
+        At the instants of the motion.
     """
     wanted, off = f.planned.posture, f.posture - f.planned.posture
     steps = np.abs(np.diff(wanted[2], prepend=wanted[2, 0]))
-    way = np.cumsum(np.hypot(*np.diff(wanted[:2], axis=1, prepend=wanted[:2, :1])))
+    travel = np.cumsum(np.hypot(*np.diff(wanted[:2], axis=1, prepend=wanted[:2, :1])))
     x, y = _direction(f.planned.velocity)
     along, across = x * off[0] + y * off[1], x * off[1] - y * off[0]
-    return Deviation(f.planned.time, way, np.cumsum(steps), np.hypot(off[0], off[1]), along, across, off[2])
+    return Deviation(f.planned.time, travel, np.cumsum(steps), np.hypot(off[0], off[1]), along, across, off[2])
 
 
 def _direction(velocity: Array) -> Array:
@@ -73,12 +74,17 @@ def _direction(velocity: Array) -> Array:
 
 
 def extremes(f: Followed) -> tuple[Extreme, ...]:
-    """Largest deviations, slip, torque and use of the floor, with when and where they are.
+    """Largest deviations, slip, torque and use of the grip, with their times and places.
 
     Parameters
     ----------
     f
-        What a platform did.
+        The simulated motion.
+
+    Returns
+    -------
+    tuple
+        In the order in which outputs print them.
     """
     d = deviation(f)
     used = np.divide(f.traction, f.friction * f.load, out=np.zeros_like(f.load), where=f.load > 0.0)
@@ -98,4 +104,4 @@ def _extreme(title: str, values: Array, kind: str, unit: str, d: Deviation) -> E
     """The largest value in size; of all wheels where there are more."""
     worst = values if values.ndim == 1 else values[np.abs(values).argmax(axis=0), np.arange(values.shape[1])]
     k = int(np.abs(worst).argmax())
-    return Extreme(title, float(worst[k]), kind, unit, float(d.time[k]), float(d.way[k]))
+    return Extreme(title, float(worst[k]), kind, unit, float(d.time[k]), float(d.travel[k]))

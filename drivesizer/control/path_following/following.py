@@ -1,13 +1,13 @@
-r"""A platform that follows a trajectory: planner, robot model, wheel controllers, and the platform as it is.
+r"""Simulation of a platform that follows a trajectory: planner, robot model, wheel controllers, actual platform.
 
 The robot model turns the trajectory into wheel speeds, (32), and when it is the dynamic one into torques as well,
 (49)-(59), that are fed forward; the kinematic one leaves torque to the speed loops. Poses are fed back where a pose
-loop is given; else the platform runs open-loop on what its wheels are told. What is driven is a rigid body with three
-freedoms on wheels that turn and slip (see ``slip``), with all that the model misjudges. Wheel loads follow the forces
-at the floor in every instant.
+loop is given; else the platform runs open-loop on its wheels' reference speeds. The plant is a rigid body with three
+degrees of freedom on wheels that turn and slip (see ``slip``), with the figures that the model misjudges. Wheel loads
+follow the forces at the floor at every instant.
 
-Assumed: current loops are ideal, encoders and poses exact; a torque answers the sample of one period before; rollers
-have no inertia and no gaps; the floor is flat; wheels, where they stand on it, take loads alike (see ``standing``).
+Assumed: current loops are ideal, encoders and poses exact; a torque responds to the sample of one period before;
+rollers have no inertia and no gaps; the floor is flat; wheels are equally stiff (see ``platform.contact_loads``).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ Model = Literal["kinematic", "dynamic"]
 
 _MOST = 1_000_000  # samples
 _TOLERANCE = 1e-5  # m/s, of a step in time
-_WITHIN = 0.3  # of the speeds in which friction turns round: a coarser step could jump over them, to and fro
+_WITHIN = 0.3  # of the speeds in which friction reverses: a coarser step could oscillate across them
 _FED = 1.5  # periods from a sample to the middle of the period in which its torque acts
 
 
@@ -60,7 +60,7 @@ class Planned:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Followed:
-    """What a platform did at k instants, N wheels; torques and limits of wheels without a motor are 0."""
+    """Motion of a platform at k instants, N wheels; torques and limits of wheels without a motor are 0."""
 
     planned: Planned
     posture: Array  # (3, k), in the world: m, m, rad
@@ -70,7 +70,7 @@ class Followed:
     slip: Array  # (N, k) m/s
     load: Array  # (N, k) N
     traction: Array  # (N, k) N, size of the force on the floor
-    limited: Array  # (N,): share of the samples at which the controller stood at its limit
+    limited: Array  # (N,): share of the samples at which the controller was at its limit
     work: Array  # (k,) J, done by motors and weight
     lost: Array  # (4, k) J: by slip, wheels' and rollers' resistance, casters
     kinetic: Array  # (k,) J
@@ -78,22 +78,27 @@ class Followed:
 
     @property
     def imbalance(self) -> float:
-        """Work less losses and gain of kinetic energy, at worst, over all that was turned over [1]."""
+        """Largest error of the energy balance, over the largest of work and kinetic energy [1]."""
         rest = self.work - self.lost.sum(axis=0) - (self.kinetic - self.kinetic[0])
         return float(np.abs(rest).max() / max(np.abs(self.work).max(), self.kinetic.max(), 1e-300))
 
 
 def sampled(trajectory: Trajectory, time: Any) -> Planned:
-    """A trajectory at instants; before its start and after its end it stands.
+    """A trajectory at instants; at rest before its start and after its end.
 
-    Velocity and acceleration run straight within a piece, the posture as a cubic by its ends and their velocities.
+    Velocity and acceleration are linear within a piece, the posture a cubic by its ends and their velocities.
 
     Parameters
     ----------
     trajectory
         Pieces of time.
     time
-        Instants [s].
+        Instants [s], shape (k,).
+
+    Returns
+    -------
+    Planned
+        At those instants.
     """
     ends = np.concatenate([[0.0], np.cumsum(trajectory.duration)])
     t = np.clip(np.asarray(time, dtype=float), 0.0, ends[-1])
@@ -119,26 +124,31 @@ def follow(
     ground: Ground = LEVEL,
     tolerance: float = _TOLERANCE,
 ) -> Followed:
-    """Drive a platform along a trajectory.
+    """Simulate a platform along a trajectory.
 
     Parameters
     ----------
     trajectory
-        What the planner wants; the platform starts on it, at its velocity.
+        Of the planner; the platform starts on it, at its velocity.
     platform
-        As the robot model believes it.
+        As the robot model knows it.
     model
         Kinematic: wheel speeds. Dynamic: torques fed forward as well.
     misjudged
-        What the platform is, against that.
+        Figures of the actual platform that differ.
     contact
         Floor and wheels.
     speeds, poses
-        Controllers; speed loops of 1 ms without a limit where none are given, and no pose feedback.
+        Controllers; by default speed loops of 1 ms without a limit, and no pose feedback.
     ground
-        The floor; one slope for all of the way.
+        The floor; one slope for the whole path.
     tolerance
         Of a step in time [m/s].
+
+    Returns
+    -------
+    Followed
+        At the samples of the speed loops.
 
     Raises
     ------
@@ -175,7 +185,7 @@ def drive(
     ground: Ground = LEVEL,
     tolerance: float = _TOLERANCE,
 ) -> Followed:
-    """Drive a platform by given torques; no controller acts. With torques of 0 it coasts.
+    """Simulate a platform under given torques, without controllers; with torques of 0 it coasts.
 
     Parameters
     ----------
@@ -186,16 +196,16 @@ def drive(
     period
         For which each is held [s].
     velocity, heading
-        In the robot's frame [m/s, m/s, rad/s], and in the world [rad], at the start.
+        At the start: in the robot's frame [m/s, m/s, rad/s], and in the world [rad].
     speeds
-        Of all wheels at the start [rad/s]; those that do not slip where not given.
+        Of all wheels at the start [rad/s]; by default those without slip.
     contact, ground, tolerance
         As in ``follow``.
 
     Returns
     -------
     Followed
-        At k + 1 instants; what was planned is to stand at the start.
+        At k + 1 instants; planned is to rest at the start.
     """
     d = dynamics(platform)
     given = columns(torques, len(d.kinematics.driven), "torques of the driven wheels")
@@ -217,7 +227,7 @@ def drive(
 
 
 def _fits(d: Dynamics, speeds: SpeedLoop, poses: PoseLoop | None) -> None:
-    """Controllers are those of this platform."""
+    """Refuse controllers of another platform."""
     n = len(d.kinematics.driven)
     if len(speeds.proportional) != n:
         raise InputError(f"speed loop: expected gains of {n} driven wheels, got {len(speeds.proportional)}")
@@ -226,7 +236,7 @@ def _fits(d: Dynamics, speeds: SpeedLoop, poses: PoseLoop | None) -> None:
     if poses.period < speeds.period:
         raise InputError(f"pose loop: period {poses.period:g} s is shorter than {speeds.period:g} s of the speed loops")
     if not (is_unicycle(d.kinematics) if poses.unicycle else d.kinematics.mobility == 3):
-        raise InputError("pose loop: it is not for the motions that this platform allows")
+        raise InputError("pose loop: it does not fit the motions that this platform allows")
 
 
 def _count(total: float, period: float) -> int:
@@ -238,7 +248,7 @@ def _count(total: float, period: float) -> int:
 
 
 def _torques(d: Dynamics, plan: Planned, ground: Ground) -> Array:
-    """What the dynamic model feeds forward [N*m], shape (n, k)."""
+    """Feedforward of the dynamic model [N*m], shape (n, k)."""
     S = d.kinematics.motions
     allowed = S @ np.linalg.pinv(S)  # between the ends of a piece a held wheel would slide by rounding
     eta, rate = (map_columns(allowed, found) for found in plan.in_robot())
@@ -267,7 +277,7 @@ def _simulate(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: P
         np.zeros((7, len(start))), np.zeros(9 + 2 * n), rows, floor, applied, limited,
     )  # fmt: skip
     if done < count:
-        raise InputError(f"following: speeds run away at {plan.time[done]:.6g} s; check torques, gains and periods")
+        raise InputError(f"following: speeds diverge at {plan.time[done]:.6g} s; check torques, gains and periods")
     y = rows.T
     velocity, turned = y[3:6], y[6 : 6 + n]
     kinetic = (np.einsum("ik,ij,jk->k", velocity, a.M, velocity) + a.W[:, at.J] @ turned**2) / 2.0

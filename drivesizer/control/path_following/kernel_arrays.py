@@ -34,7 +34,19 @@ class Arrays:
 
 
 def arrays(platform: Platform, misjudged: Misjudged, contact: Contact, ground: Ground) -> Arrays:
-    """A platform, as it is, and its floor.
+    """The actual platform and its floor as arrays.
+
+    Parameters
+    ----------
+    platform, misjudged
+        The actual platform, and its misjudged figures.
+    contact, ground
+        Contact of wheels and floor, and the floor.
+
+    Returns
+    -------
+    Arrays
+        As in ``kernel_layout``.
 
     Raises
     ------
@@ -42,9 +54,9 @@ def arrays(platform: Platform, misjudged: Misjudged, contact: Contact, ground: G
         When a wheel that turns has no inertia, rollers resist more than the floor holds, or the floor is not one slope.
     """
     if np.ndim(ground.slope) or np.ndim(ground.uphill):
-        raise InputError("following: expected one slope for all of the way")
+        raise InputError("following: expected one slope for the whole path")
     p, n = platform, len(platform.wheels)
-    N0, S = _standing(p, ground)
+    N0, S = _resting_loads(p, ground)
     strength = of_each(misjudged.motor, n, "misjudged motor")
     W, K = np.zeros((n, at.COLUMNS)), np.zeros((len(p.casters), at.CASTER_COLUMNS))
     for i, w in enumerate(p.wheels):
@@ -68,7 +80,7 @@ def _wheel(w: Wheel, number: int, contact: Contact) -> tuple[float, ...]:
     if not w.held and not w.roller_resistance < contact.friction:
         raise InputError(
             f"following: the rollers of wheel {number + 1} resist by {w.roller_resistance:g} of the load, "
-            f"no less than the floor holds, {contact.friction:g}"
+            f"no less than the floor's friction, {contact.friction:g}"
         )
     along = w.heading + w.roller_angle
     c, s = math.cos(along), math.sin(along)
@@ -78,8 +90,8 @@ def _wheel(w: Wheel, number: int, contact: Contact) -> tuple[float, ...]:
     return *rows, *turns, *resists, float(w.held), _KINDS[w.drive]
 
 
-def _standing(p: Platform, ground: Ground) -> tuple[Array, Array]:
-    """Loads without a force at the floor [N], and what takes off each a force ahead and to the left at 1 m [1/m]."""
+def _resting_loads(p: Platform, ground: Ground) -> tuple[Array, Array]:
+    """Loads without a force at the floor [N], and their decrease by forces ahead and to the left at 1 m [1/m]."""
     pull = ground.gravity * math.sin(ground.slope)
     upward = pull * math.cos(ground.uphill), pull * math.sin(ground.uphill)
     free = (-upward[0], -upward[1])  # sliding down freely: the floor holds nothing
@@ -93,7 +105,20 @@ def _standing(p: Platform, ground: Ground) -> tuple[Array, Array]:
 
 
 def first_state(a: Arrays, posture: Array, velocity: Array) -> Array:
-    """The state of a platform that rolls without slip."""
+    """The state of a platform that rolls without slip.
+
+    Parameters
+    ----------
+    a
+        The platform.
+    posture, velocity
+        In the world [m, m, rad], and in the robot's frame [m/s, m/s, rad/s].
+
+    Returns
+    -------
+    array
+        Posture, velocity, wheel speeds, work and losses.
+    """
     W = a.W
     turning = W[:, at.AX : at.AT + 1] @ velocity / W[:, at.RA] * (W[:, at.KIND] != 2.0)
     return np.concatenate([posture, velocity, turning, np.zeros(at.TALLIES)])

@@ -2,9 +2,9 @@ r"""Forces on a platform that moves while its wheels turn and slip; slip s of a 
 
 .. math:: s = a η - r \cos γ\, \dot ϕ, \quad ρ = b η + r \sin γ\, \dot ϕ,
 
-a along the roller's axis, b across it. A force F along a row does -F times that row to platform and wheel alike, so
-that what is lost is exactly F s. All forces are in proportion to the load, and the loads follow from the forces: with
-the height h of the centre of mass N = N_0 - h (S · ΣF), two linear equations.
+a along the roller's axis, b across it. A force F along a row acts as -F times that row on platform and wheel alike,
+so that the loss is exactly F s. Arrays as in ``kernel_layout``. All forces are in proportion to the load, and the loads
+follow from the forces: with the height h of the centre of mass N = N_0 - h (S · ΣF), two linear equations.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import drivesizer.control.path_following.kernel_layout as at
 from drivesizer.control.path_following.kernel_layout import Array
 from drivesizer.control.path_following.slip import grip, grip_slope
 
-__all__ = ["casters", "forces", "gripping", "grips", "loads", "rolling", "wheel_forces"]
+__all__: list[str] = []  # compiled into ``kernel``
 
 
-def rolling(W: Array, B: Array, w: Array, i: int, most: float, x: float) -> None:
-    """A wheel with rollers: grips along their axis, and they resist across; forces over the load."""
+def roller_forces(W: Array, B: Array, w: Array, i: int, most: float, x: float) -> None:
+    """A wheel with rollers: grip along their axis, their resistance across; forces over the load."""
     c = W[i, at.CR]
     along = math.sqrt(most * most - c * c)  # of the friction circle
     reach = B[at.SLIP_SPEED] + B[at.CREEP] * x
@@ -30,8 +30,8 @@ def rolling(W: Array, B: Array, w: Array, i: int, most: float, x: float) -> None
     w[i, at.DBB] = c * (1.0 - turning * turning) / B[at.TURNROUND]
 
 
-def gripping(B: Array, w: Array, i: int, most: float, x: float) -> None:
-    """A wheel without rollers: one friction circle for both ways."""
+def tyre_forces(B: Array, w: Array, i: int, most: float, x: float) -> None:
+    """A wheel without rollers: one friction circle for both directions."""
     reach = B[at.SLIP_SPEED] + B[at.CREEP] * x
     a, b = w[i, at.SLIP], w[i, at.RHO]
     size = math.sqrt(a * a + b * b)
@@ -44,8 +44,8 @@ def gripping(B: Array, w: Array, i: int, most: float, x: float) -> None:
     w[i, at.DBB] = share + (slope - share) * b * b
 
 
-def grips(W: Array, B: Array, y: Array, w: Array) -> None:
-    """What each wheel passes on over its load, at a state."""
+def contact_forces(W: Array, B: Array, y: Array, w: Array) -> None:
+    """Forces of each wheel over its load, at a state."""
     u, v, turn = y[at.POSE], y[at.POSE + 1], y[at.POSE + 2]
     for i in range(W.shape[0]):
         speed = y[at.POSE + 3 + i]
@@ -53,13 +53,13 @@ def grips(W: Array, B: Array, y: Array, w: Array) -> None:
         w[i, at.RHO] = W[i, at.BX] * u + W[i, at.BY] * v + W[i, at.BT] * turn + W[i, at.RB] * speed
         x = abs(W[i, at.R] * speed)
         if W[i, at.HELD] != 0.0:
-            gripping(B, w, i, B[at.FRICTION], x)
+            tyre_forces(B, w, i, B[at.FRICTION], x)
         else:
-            rolling(W, B, w, i, B[at.FRICTION], x)
+            roller_forces(W, B, w, i, B[at.FRICTION], x)
 
 
-def casters(K: Array, B: Array, y: Array) -> None:
-    """What each caster resists over its load."""
+def caster_forces(K: Array, B: Array, y: Array) -> None:
+    """Resistance of each caster over its load."""
     for j in range(K.shape[0]):
         u = y[at.POSE] - K[j, at.CASTER_Y] * y[at.POSE + 2]
         v = y[at.POSE + 1] + K[j, at.CASTER_X] * y[at.POSE + 2]
@@ -70,8 +70,8 @@ def casters(K: Array, B: Array, y: Array) -> None:
         K[j, at.CASTER_FX], K[j, at.CASTER_FY], K[j, at.CASTER_K] = -k * u, -k * v, k
 
 
-def loads(W: Array, K: Array, B: Array, w: Array) -> None:
-    """What wheels and casters carry while those forces act; a caster's figures are multiplied by it."""
+def wheel_loads(W: Array, K: Array, B: Array, w: Array) -> None:
+    """Loads of wheels and casters under those forces; a caster's figures are multiplied by its load."""
     n, h = W.shape[0], B[at.HEIGHT]
     xx, xy, yx, yy, x, y = 1.0, 0.0, 0.0, 1.0, 0.0, 0.0
     for i in range(n + K.shape[0]):
@@ -95,7 +95,7 @@ def loads(W: Array, K: Array, B: Array, w: Array) -> None:
 
 
 def wheel_forces(W: Array, B: Array, y: Array, w: Array, torque: Array, f: Array, power: Array) -> None:
-    """Add what the wheels do to the platform, the first three of f, and to themselves; powers and losses."""
+    """Add the wheels' forces on the platform, the first three of f, and on themselves; powers and losses."""
     for i in range(W.shape[0]):
         load, speed = w[i, at.LOAD], y[at.POSE + 3 + i]
         a, b = load * w[i, at.FA], load * w[i, at.FB]
@@ -116,9 +116,9 @@ def wheel_forces(W: Array, B: Array, y: Array, w: Array, torque: Array, f: Array
 
 def forces(W: Array, K: Array, B: Array, C: Array, y: Array, torque: Array, w: Array, f: Array, power: Array) -> None:
     """Generalised forces f on velocity and wheel speeds at a state; powers of motors and weight, losses [W]."""
-    grips(W, B, y, w)
-    casters(K, B, y)
-    loads(W, K, B, w)
+    contact_forces(W, B, y, w)
+    caster_forces(K, B, y)
+    wheel_loads(W, K, B, w)
     for k in range(at.TALLIES):
         power[k] = 0.0
     u, v, turn = y[at.POSE], y[at.POSE + 1], y[at.POSE + 2]

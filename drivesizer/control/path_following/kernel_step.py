@@ -3,9 +3,9 @@ r"""One step in time: linearly implicit, of order 2, its length by an embedded e
 .. math:: (M - γ h J) k_1 = Q(y), \quad (M - γ h J) k_2 = Q(y + h k_1) - 2 M k_1, \quad
           y' = y + \tfrac h2 (3 k_1 + k_2)
 
-is of order 2 whatever J is and, with γ = 1 - 1/√2, L-stable [1]_: tyres as stiff as one likes do not shorten the step.
-J holds what grips and what resists; each wheel meets the platform only, so the equations are an arrow that closes on
-three. Posture and energies take the same step with J = 0, which is Heun's.
+is of order 2 whatever J is and, with γ = 1 - 1/√2, L-stable [1]_: stiff tyres do not shorten the step. J has the
+slopes of grip and resistance; wheels couple with the platform only, so the equations have arrow form and reduce to
+three. Posture and energies take the same step with J = 0, which is Heun's. Arrays as in ``kernel_layout``.
 
 .. [1] J. G. Verwer, E. J. Spee, J. G. Blom, W. Hundsdorfer, "A second-order Rosenbrock method applied to photochemical
    dispersion problems", SIAM Journal on Scientific Computing 20 (1999) 1456-1480.
@@ -19,7 +19,7 @@ import drivesizer.control.path_following.kernel_layout as at
 from drivesizer.control.path_following.kernel_forces import forces
 from drivesizer.control.path_following.kernel_layout import Array
 
-__all__ = ["advance", "arrow", "assemble", "close", "moved", "off", "once", "solve"]
+__all__: list[str] = []  # compiled into ``kernel``
 
 
 def assemble(W: Array, K: Array, M: Array, w: Array, A: Array, h: float) -> None:
@@ -47,8 +47,8 @@ def assemble(W: Array, K: Array, M: Array, w: Array, A: Array, h: float) -> None
         A[0, 2], A[2, 0], A[1, 2], A[2, 1] = A[0, 2] - k * y, A[2, 0] - k * y, A[1, 2] + k * x, A[2, 1] + k * x
 
 
-def close(W: Array, w: Array, A: Array) -> None:
-    """Take the wheels out of the platform's equations, and factor what is left: A = L Lᵀ, L in its lower half."""
+def factorise(W: Array, w: Array, A: Array) -> None:
+    """Eliminate the wheels from the platform's equations, and factorise the rest: A = L Lᵀ, L in its lower half."""
     for i in range(W.shape[0]):
         for r in range(3):
             for c in range(3):
@@ -81,22 +81,22 @@ def solve(W: Array, w: Array, A: Array, f: Array) -> None:
         f[3 + i] = (f[3 + i] - side) / w[i, at.BOTTOM]
 
 
-def arrow(W: Array, M: Array, k: Array, f: Array) -> None:
-    """Take 2 M k from forces."""
+def subtract_inertia(W: Array, M: Array, k: Array, f: Array) -> None:
+    """Subtract 2 M k from forces."""
     for r in range(3):
         f[r] -= 2.0 * (M[r, 0] * k[0] + M[r, 1] * k[1] + M[r, 2] * k[2])
     for i in range(W.shape[0]):
         f[3 + i] -= 2.0 * W[i, at.J] * k[3 + i]
 
 
-def moved(y: Array, rate: Array) -> None:
+def posture_rate(y: Array, rate: Array) -> None:
     """Rate of the posture at a state."""
     c, s = math.cos(y[2]), math.sin(y[2])
     rate[0], rate[1] = c * y[at.POSE] - s * y[at.POSE + 1], s * y[at.POSE] + c * y[at.POSE + 1]
     rate[2] = y[at.POSE + 2]
 
 
-def off(W: Array, k1: Array, k2: Array, h: float, lever: float) -> float:
+def embedded_error(W: Array, k1: Array, k2: Array, h: float, lever: float) -> float:
     """The embedded error, of first order: largest of all speeds [m/s]."""
     worst = 0.0
     for r in range(3 + W.shape[0]):
@@ -107,23 +107,23 @@ def off(W: Array, k1: Array, k2: Array, h: float, lever: float) -> float:
     return worst
 
 
-def once(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: Array, h: float, lever: float, w: Array,
-         A: Array, s: Array) -> float:  # fmt: skip
+def try_step(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: Array, h: float, lever: float,
+             w: Array, A: Array, s: Array) -> float:  # fmt: skip
     """Try a step of length h; the state after it in the last row of s, and its error [m/s]."""
     n = 3 + W.shape[0]
     k1, k2, p1, p2, m1, m2, z = s[0], s[1], s[2], s[3], s[4], s[5], s[6]
     forces(W, K, B, C, y, torque, w, k1, p1)
-    moved(y, m1)
+    posture_rate(y, m1)
     assemble(W, K, M, w, A, h)
-    close(W, w, A)
+    factorise(W, w, A)
     solve(W, w, A, k1)
     for r in range(3):
         z[r] = y[r] + h * m1[r]
     for r in range(n):
         z[3 + r] = y[3 + r] + h * k1[r]
     forces(W, K, B, C, z, torque, w, k2, p2)
-    moved(z, m2)
-    arrow(W, M, k1, k2)
+    posture_rate(z, m2)
+    subtract_inertia(W, M, k1, k2)
     solve(W, w, A, k2)
     for r in range(3):
         z[r] = y[r] + 0.5 * h * (m1[r] + m2[r])
@@ -131,17 +131,17 @@ def once(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: Arr
         z[3 + r] = y[3 + r] + h * (1.5 * k1[r] + 0.5 * k2[r])
     for r in range(at.TALLIES):
         z[3 + n + r] = y[3 + n + r] + 0.5 * h * (p1[r] + p2[r])
-    return off(W, k1, k2, h, lever)
+    return embedded_error(W, k1, k2, h, lever)
 
 
 def advance(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: Array, period: float, reach: float,
             lever: float, tolerance: float, w: Array, A: Array, s: Array) -> float:  # fmt: skip
-    """Advance one period under held torques; the step to try next [s], 0 where speeds run away."""
+    """Advance one period under held torques; the step to try next [s], 0 where speeds diverge."""
     left, h = period, min(reach, period)
     while left > 0.0:
         last = h >= left * (1.0 - 1e-9)
         step = left if last else h
-        error = once(W, K, B, C, M, y, torque, step, lever, w, A, s)
+        error = try_step(W, K, B, C, M, y, torque, step, lever, w, A, s)
         if not error < 1e9:
             if step < 1e-9 * period:
                 return 0.0

@@ -1,8 +1,8 @@
-r"""Controllers of a platform: a speed loop for each driven wheel, and one that feeds the pose back.
+r"""Controllers of a platform: a speed loop for each driven wheel, and a pose loop.
 
 Speed loops are PI on the wheel, with the torque (current) limit. Their gain is that of the symmetrical optimum [1]_ for
-the least inertia that a wheel meets, its own and its rotor's: it slips, or lifts off. Their integral is so slow that
-with the most that it meets, its share of the platform, both poles are real and equal [2]_: :math:`k_i = k_p^2 / 4 J`.
+the least inertia of a wheel, its own and its rotor's, as when it slips or lifts off. Their integral is so slow that
+with the largest inertia, with its share of the platform, both poles are real and equal [2]_: :math:`k_i = k_p^2 / 4 J`.
 
 The pose is held at a slower period. Where the wheels allow all motions, each error in the robot's frame is an
 integrator behind the lag :math:`T = J/k_p + 1.5\,T_{pose}` and gets a PI by the symmetrical optimum with a = 3, whose
@@ -55,13 +55,13 @@ class SpeedLoop:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PoseLoop:
-    """Pose feedback: of three freedoms by k_p and k_i, of a unicycle by k_p, k_i (along) and a distance."""
+    """Pose feedback: of three degrees of freedom by k_p and k_i, of a unicycle by k_p, k_i (along) and a distance."""
 
     period: float  # s, between two poses
     proportional: float  # 1/s
     integral: float  # 1/s^2
     unicycle: bool = False
-    distance: float = math.inf  # m, of a unicycle: a lateral error y dies out with the way s as (1 + s/d) exp(-s/d)
+    distance: float = math.inf  # m, of a unicycle: a lateral error y decays with the distance s as (1 + s/d) exp(-s/d)
 
     def __post_init__(self) -> None:
         _checked_period("pose loop", self.period)
@@ -79,9 +79,9 @@ def _checked_period(what: str, period: float) -> None:
 
 
 def inertias(d: Dynamics) -> tuple[tuple[float, ...], float]:
-    """Least inertia of each driven wheel, its own and its rotor's, and the most that one meets [kg*m^2].
+    """Least inertia of each driven wheel, its own and its rotor's, and the largest of any [kg*m^2].
 
-    The most is the largest eigenvalue of (57): of four mecanum wheels, r² m / 4 and its own where no turning has more.
+    The latter is the largest eigenvalue of (57): of four mecanum wheels r² m / 4 and its own, unless turning has more.
     """
     own = tuple(d.platform.wheels[i].inertia + d.platform.wheels[i].rotor_inertia for i in d.kinematics.driven)
     return own, float(np.linalg.eigvals(wheel_space(d)[0]).real.max())
@@ -90,18 +90,23 @@ def inertias(d: Dynamics) -> tuple[tuple[float, ...], float]:
 def speed_loop(
     d: Dynamics, *, period: float = 1e-3, limit: float | Sequence[float] = math.inf, integral: bool = True
 ) -> SpeedLoop:
-    """Speed controllers for what the robot model believes.
+    """Speed controllers designed for the robot model.
 
     Parameters
     ----------
     d
-        The platform as believed.
+        The platform as the model knows it.
     period
         Of the controllers [s].
     limit
-        Most torque at the wheel [N*m], of all or of each driven wheel.
+        Largest torque at the wheel [N*m], of all or of each driven wheel.
     integral
-        Whether they are PI; plain proportional ones otherwise.
+        Whether they are PI; proportional otherwise.
+
+    Returns
+    -------
+    SpeedLoop
+        Gains of each driven wheel.
 
     Raises
     ------
@@ -122,13 +127,18 @@ def pose_loop(d: Dynamics, inner: SpeedLoop, *, period: float = 0.05, speed: flo
     Parameters
     ----------
     d
-        The platform as believed.
+        The platform as the model knows it.
     inner
         Its speed loops.
     period
         Between two poses [s].
     speed
         Of travel [m/s], for a platform that only moves ahead and turns.
+
+    Returns
+    -------
+    PoseLoop
+        For three degrees of freedom, or for a unicycle.
 
     Raises
     ------

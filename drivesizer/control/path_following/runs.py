@@ -1,4 +1,4 @@
-"""A spec's platform with its motor sets, driven along its way by each robot model."""
+"""Simulations of a spec's platform and its drives along its path, with each robot model."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ __all__ = ["FollowingRun", "assumed", "drawn", "follow_all", "follow_case"]
 
 
 class FollowingRun(NamedTuple):
-    """One way to drive a platform along its way."""
+    """Robot model and controllers of one simulation."""
 
     model: Model
     integral: bool  # speed loops PI, or plain P
@@ -35,7 +35,7 @@ class FollowingRun(NamedTuple):
 
     @property
     def words(self) -> tuple[str, str, str, str]:
-        """Robot model, speed loops, poses, and what the model knows."""
+        """Robot model, speed loops, poses, and knowledge of the model."""
         loop, poses = "PI" if self.integral else "P", "fed back" if self.poses else "open loop"
         return self.model, loop, poses, "all" if self.exact else "not all"
 
@@ -48,29 +48,33 @@ _COMPARED = (
 
 
 def follow_all(found: Driving, chosen: DriveSet | None) -> dict[str, Followed]:
-    """The runs by name: kinematic and dynamic model, open-loop, and the dynamic one with poses fed back where it can.
+    """The runs by name: kinematic and dynamic model, open-loop, and the dynamic one with pose feedback where possible.
 
-    Where the spec compares, both models with either loop as well, with and without what is misjudged.
+    Where the spec compares, also both models with P and PI loops, with and without misjudged figures.
 
     Parameters
     ----------
     found
-        The platform on its way.
+        The platform on its path.
     chosen
-        Whose rotors turn with the wheels and whose torque is the limit, where the spec gives neither; without a set
-        there are none.
+        The drive whose rotor inertia and torque limit count where the spec gives neither; None: no inertia, no limit.
+
+    Returns
+    -------
+    dict
+        Simulated motions.
 
     Raises
     ------
     InputError
-        When the platform tips over on its way, the wheels have no inertia, or a figure cannot be computed with.
+        When the platform tips over on its path, the wheels have no inertia, or a figure cannot be computed with.
     """
     _upright(found)
     return {name: follow_case(found, chosen, case) for name, case in _cases(found).items()}
 
 
 def _upright(found: Driving) -> None:
-    """Refuse a way on which the platform tips over: contact is simulated on wheels that stand."""
+    """Refuse a path on which the platform tips over: contact is simulated for wheels on the floor."""
     d, section = dynamics_of(found.spec), _section(found)
     if not section.height_known:
         return
@@ -78,13 +82,13 @@ def _upright(found: Driving) -> None:
     if least.value < 0.0:
         raise InputError(
             f"{found.spec.where(('platform', 'centre_of_mass'))}: the platform tips over at "
-            f"{show(least.time, 's', 'time')} of its way, {show(-least.value, 'mm', 'length')} beyond its wheels; "
+            f"{show(least.time, 's', 'time')} of its path, {show(-least.value, 'mm', 'length')} beyond its wheels; "
             "expected one that can be followed: a lower centre of mass, or smaller platform.limits"
         )
 
 
 def _cases(found: Driving) -> dict[str, FollowingRun]:
-    """What is driven, by name."""
+    """Models and controllers of the runs, by name."""
     given, k = _section(found).following, dynamics_of(found.spec).kinematics
     steered = k.mobility == 3 or is_unicycle(k)
     if given.compare:
@@ -98,16 +102,21 @@ def _cases(found: Driving) -> dict[str, FollowingRun]:
 def follow_case(
     found: Driving, chosen: DriveSet | None, case: FollowingRun, misjudged: Misjudged | None = None
 ) -> Followed:
-    """One run; parameters of ``follow_all``.
+    """Simulate one run.
 
     Parameters
     ----------
     found, chosen
-        The platform on its way, and its motor sets.
+        The platform on its path, and its drive, as of ``follow_all``.
     case
-        How it is driven.
+        Robot model and controllers.
     misjudged
-        What the model does not know; that of the spec where not given.
+        Figures that the model misjudges; those of the spec when not given.
+
+    Returns
+    -------
+    Followed
+        The simulated motion.
     """
     section = _section(found)
     d = dynamics_of(found.spec, _rotor(section.following, chosen))
@@ -146,7 +155,7 @@ def _floor(found: Driving) -> Contact:
 
 
 def _speeds(d: Dynamics, given: Following, chosen: DriveSet | None, integral: bool) -> SpeedLoop:
-    """The speed loops: as designed, with the gains that the spec gives."""
+    """The speed loops: designed, with the gains that the spec gives."""
     limit = _strongest(chosen) if given.torque_limit is None else given.torque_limit
     made = speed_loop(d, period=given.period, limit=limit, integral=integral)
     if given.speed_gain is not None:
@@ -157,7 +166,7 @@ def _speeds(d: Dynamics, given: Following, chosen: DriveSet | None, integral: bo
 
 
 def _rotor(given: Following, chosen: DriveSet | None) -> float:
-    """Inertia of a motor set at its wheel [kg*m^2]: given, or as far as it is known."""
+    """Inertia of a drive at its wheel [kg*m^2]: given, or as far as it is known."""
     if given.rotor_inertia is not None:
         return given.rotor_inertia
     if chosen is None:
@@ -167,7 +176,7 @@ def _rotor(given: Following, chosen: DriveSet | None) -> float:
 
 
 def _strongest(chosen: DriveSet | None) -> float:
-    """Largest torque of a motor set at its wheel [N*m]: at the controller's peak current, by gearhead and belt."""
+    """Largest torque of a drive at its wheel [N*m]: at the controller's peak current, by gearhead and belt."""
     if chosen is None or chosen.controller is None:
         return inf
     at_motor = chosen.controller.peak_current * chosen.motor.torque_constant
@@ -181,7 +190,7 @@ def _fastest(found: Driving) -> float:
 
 
 def assumed(found: Driving) -> tuple[str, ...]:
-    """What the runs rest on, as sentences."""
+    """Assumptions of the runs, as sentences."""
     given = _section(found).following
     period, poses = (show(value, "ms", "time") for value in (given.period, given.pose_period))
     slip = show(given.slip_speed, "mm/s", "speed") + (

@@ -1,14 +1,14 @@
-r"""What a wheel passes on to the floor, by how fast it slips.
+r"""Traction of a wheel by its slip speed.
 
 Traction grows in proportion to slip speed s and runs smoothly into the friction coefficient,
 
 .. math:: F = -μ N \tanh\frac{|s|}{s_0 + c\,|v|} \frac{s}{|s|},
 
 the hyperbolic tangent of [1]_ for dry friction. A wheel with rollers grips along the roller's axis only, as in [2]_,
-who model an omnidirectional robot with slip; one that is held grips both ways, and the two share one friction circle.
-:math:`s_0` is where the straight line through 0 would meet μN. c adds what a tyre adds that rolls at v: its slip at a
-force is then a share of the way, not of the time, and μN/c is its slip stiffness [3]_.
-Nothing sticks: what stands on a slope creeps by force over stiffness.
+who model an omnidirectional robot with slip; one without rollers grips along and across, within one friction circle.
+:math:`s_0` is where the straight line through 0 would meet μN. c is that of a tyre that rolls at v: its slip at a
+force is then a share of the travelled distance, not of the time, and μN/c is its slip stiffness [3]_.
+There is no stiction: a platform at rest on a slope creeps by force over stiffness.
 
 .. [1] S. Andersson, A. Söderberg, S. Björklund, "Friction models for sliding dry, boundary and mixed lubricated
    contacts", Tribology International 40 (2007) 580-587.
@@ -24,27 +24,27 @@ from dataclasses import dataclass, fields
 
 from drivesizer.errors import InputError
 
-__all__ = ["Contact", "grip", "grip_slope", "stiffness"]
+__all__ = ["Contact", "grip", "grip_slope"]
 
 _LARGEST = 1e9  # of any figure, in SI
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
-    """Floor and wheels; the figures of rubber or polyurethane on a smooth hard floor where none are given."""
+    """Contact of wheels and floor; defaults are those of rubber or polyurethane on a smooth hard floor."""
 
     friction: float = 0.6  # μ [1]
     slip_speed: float = 0.01  # m/s, s_0
     creep: float = 0.0  # c [1]: slip over rolling speed at which the straight line meets μN
-    turnround: float = 1e-3  # m/s, in which dry friction of axles, rollers and casters turns round
+    turnround: float = 1e-3  # m/s, in which dry friction of axles, rollers and casters reverses
 
     def __post_init__(self) -> None:
         for f in fields(self):
             value = getattr(self, f.name)
             least = 0.0 if f.name == "creep" else 1e-12
             if not least <= value < _LARGEST:  # written so that NaN fails too
-                said = "0 or more" if f.name == "creep" else "above 0"
-                raise InputError(f"contact: {f.name} must be {said} and below {_LARGEST:g}, got {value!r}")
+                bound = "0 or more" if f.name == "creep" else "above 0"
+                raise InputError(f"contact: {f.name} must be {bound} and below {_LARGEST:g}, got {value!r}")
 
 
 def grip(x: float) -> float:
@@ -55,23 +55,3 @@ def grip(x: float) -> float:
 def grip_slope(share: float) -> float:
     """Rate of change of ``grip`` where it has a value."""
     return 1.0 - share * share
-
-
-def stiffness(contact: Contact, load: float, rolling: float = 0.0) -> float:
-    """Traction over slip speed, of little slip [N*s/m].
-
-    Parameters
-    ----------
-    contact
-        Floor and wheels.
-    load
-        What the wheel carries [N].
-    rolling
-        Speed at which it rolls [m/s].
-
-    Examples
-    --------
-    >>> stiffness(Contact(friction=0.5, slip_speed=0.01), 100.0)
-    5000.0
-    """
-    return contact.friction * load / (contact.slip_speed + contact.creep * abs(rolling))

@@ -43,7 +43,13 @@ def _measured(found: Driving) -> list[dict[str, Any]]:
 def _run(run: Followed) -> dict[str, Any]:
     """Largest deviations of a run."""
     largest = [
-        {"title": e.title, "si": number(e.value), "si_unit": KINDS[e.kind].si, "at_time_s": e.time, "at_way_m": e.way}
+        {
+            "title": e.title,
+            "si": number(e.value),
+            "si_unit": KINDS[e.kind].si,
+            "at_time_s": e.time,
+            "at_way_m": e.travel,
+        }
         for e in extremes(run)
     ]
     return {"largest": largest, "time_at_torque_limit": number(float(run.limited.max()))}

@@ -87,7 +87,7 @@ def _over_way(axes: Axes, runs: Mapping[str, Followed], column: str, title: str)
     for layer, ((_, run), (colour, dashes)) in enumerate(zip(runs.items(), _LOOKS, strict=False)):
         d = deviation(run)
         values = np.degrees(d.heading) if column == "heading" else d.position
-        rows = thinned(d.way, values, Window("", 0.0, float(d.way[-1])))
-        axes.plot(d.way[rows], values[rows], color=COLOURS[colour], linestyle=dashes, zorder=_above(layer))
+        rows = thinned(d.travel, values, Window("", 0.0, float(d.travel[-1])))
+        axes.plot(d.travel[rows], values[rows], color=COLOURS[colour], linestyle=dashes, zorder=_above(layer))
     axes.axhline(0.0, color="black", linewidth=0.6)
-    axes.set(xlim=(0.0, float(d.way[-1]) or 1.0), ylabel=title)
+    axes.set(xlim=(0.0, float(d.travel[-1]) or 1.0), ylabel=title)
