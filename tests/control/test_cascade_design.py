@@ -111,7 +111,7 @@ def test_symmetrical_optimum(a):
 
 
 @pytest.mark.parametrize("damping", [0.4, math.sqrt(0.5), 1.3])
-def test_pole_placement_and_the_bandwidth_it_is_asked_for(damping):
+def test_pole_placement_and_its_required_bandwidth(damping):
     w, b = natural_frequency(12.0, damping), 2e-5
     kp, ki = pole_placement(J, K_T, w, damping, b)
     placed = control.feedback((kp + ki / S) * K_T / (J * S + b), 1).poles()
@@ -289,7 +289,7 @@ def test_margins_are_those_of_an_independent_continuous_model(wanted):
 
 
 def test_margins_are_control_s():
-    """On the same sampled loop python-control finds the same, by its own way."""
+    """On the same sampled loop python-control finds the same by its own method."""
     loop_ = velocity_open_loop(TRAIN, modes(TRAIN)[Regime.FORWARD_DRIVING], designed(bandwidth=40.0))
     found = loop_of("velocity", loop_)
     w = np.geomspace(50.0, math.pi / loop_.dt * 0.9999, 3000)
@@ -309,7 +309,7 @@ def test_placed_poles_are_there_in_the_sampled_loop():
     w = natural_frequency(4.0, 0.8)
     wanted = np.exp((-0.8 + 1j * math.sqrt(1 - 0.64)) * w * EPOS4.velocity)
     nearest = min(loop.poles, key=lambda p: abs(p - wanted))
-    assert abs(nearest - wanted) < 0.03 * abs(1 - wanted)  # of the way from the pole to 1: 3 % of the frequency
+    assert abs(nearest - wanted) < 0.03 * abs(1 - wanted)  # of the distance from the pole to 1: 3 % of the frequency
     assert loop.bandwidth == pytest.approx(4.0, rel=0.03)
 
 
@@ -361,7 +361,7 @@ def test_a_stiff_shaft_is_a_rigid_one():
     assert stiff.rigid_bandwidth == pytest.approx(rigid.velocity.bandwidth)
 
 
-def test_resonance_near_the_bandwidth_is_told_and_its_cure_is_one():
+def test_resonance_near_the_bandwidth_is_reported_and_its_cure_is_one():
     cascade, shaft = designed(bandwidth=20.0), Shaft(stiffness=500.0)
     loops = analyse(TRAIN, cascade, shaft)
     (said,) = resonance_warning(loops, shaft)

@@ -42,8 +42,8 @@ def chosen(spec, catalog):
 
 def controlled(spec, plant=None, **control_):
     rate = control_.pop("rate", None)
-    asked = control_ | ({"rate": f"{rate} Hz"} if rate else {})
-    return spec.model_copy(update={"control": Control(**asked), "plant": plant or Plant()})
+    demands = control_ | ({"rate": f"{rate} Hz"} if rate else {})
+    return spec.model_copy(update={"control": Control(**demands), "plant": plant or Plant()})
 
 
 def discrete(train, inertia, period):
@@ -118,7 +118,7 @@ def test_the_simulation_of_a_counted_pi(spec, chosen):
 
 
 def noise(spec, chosen, period, counts, gains):
-    """Voltage that a simulation at a steady speed asks for, from top to bottom [V]."""
+    """Voltage demand of a simulation at a steady speed, from top to bottom [V]."""
     train, _ = drive_train(spec, chosen, period)
     edges = Resolution(edges=counts.edges, periods=max(gains.counted_over, 1))
     drive = Drive(train=train, controller=gains, supply=Supply(voltage=1e4), encoder=edges)
@@ -129,7 +129,7 @@ def noise(spec, chosen, period, counts, gains):
 
 @pytest.mark.parametrize("rate", [100.0, 1000.0, 5360.0])
 def test_one_count_is_answered_with_little(spec, chosen, rate):
-    """Counts of n periods are whole: 2 pi/(E n T) k_p each; the rule for exact speeds asks for far more."""
+    """Counts of n periods are whole: 2 pi/(E n T) k_p each; the rule for exact speeds gives far more."""
     bare, period = controlled(spec), 1.0 / rate
     train, _ = drive_train(bare, chosen, period)
     counts = Counts(EDGES, 0.1 * VOLTS)
@@ -150,8 +150,8 @@ def test_counts_are_the_rule_where_there_is_an_encoder(spec, chosen):
     assert named["phase_margin"].status == named["tracking_error"].status == "pass"
     volts = named["supply_voltage"]  # counts drive no limit; how warm an RE 25 gets is in no catalogue
     assert volts.demand < volts.limit and volts.status == "unknown"
-    told = " ".join(proof.assumptions)
-    assert "counted by the encoder" in told
+    reported = " ".join(proof.assumptions)
+    assert "counted by the encoder" in reported
     blind = validate(controlled(spec), replace(chosen, encoder=replace(chosen.encoder, counts_per_turn=math.nan)))
     assert blind.gains.counted_over == 0 and "resolution is unknown: speed is measured" in " ".join(blind.assumptions)
 
@@ -165,7 +165,7 @@ def test_gains_that_counts_drive_into_the_limits_fail(spec, chosen):
     assert named["supply_voltage"].demand > loud.kp * 2 * math.pi / (EDGES * 4e-4) > 20.0
 
 
-def test_a_loop_runs_at_the_rate_that_is_asked_for(spec, chosen):
+def test_a_loop_runs_at_the_required_rate(spec, chosen):
     _, gains, _ = designed(controlled(spec, rate=1000.0), chosen)
     assert gains.period == 1e-3
     _, cascade, _ = designed(controlled(spec, rate=1000.0, structure="cascade", position={}), chosen)
@@ -225,13 +225,13 @@ def test_gains_for_ros2_control_are_stable_at_the_rate_that_the_file_states(spec
     train = made.train
     lightest = train.load_inertia + train.motor_inertia * train.ratio**2 * train.efficiency
     p, i = law["p"] * T / lightest, law["i"] * T / lightest
-    # states: speed, sum of errors times T, torque under way as acceleration times T
+    # states: speed, sum of errors times T, torque as it moves as acceleration times T
     A = np.array([[1.0, 0.0, 1.0], [-T, 1.0, 0.0], [-p - i * T, i, 0.0]])
     assert np.abs(np.linalg.eigvals(A)).max() < 1.0
     assert pytest.approx(1.0 / (rate or 2500.0)) == T
 
 
-def test_resonance_is_told_of_gains_that_are_given(spec, chosen):
+def test_resonance_is_reported_for_given_gains(spec, chosen):
     soft = controlled(spec, Plant(model="two_mass", stiffness="60 N*m/rad"), kp=0.5, ki=5.0)
     proof = validate(soft, chosen)
     assert any("swings against" in said for said in proof.warnings)

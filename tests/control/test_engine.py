@@ -84,7 +84,7 @@ def test_coasting_stops_when_friction_has_taken_the_speed():
     run = simulate(
         Drive(train=m, controller=gains(), supply=Supply(voltage=1e-6)), Task(time=(0.0, 0.5), speed=(40.0, 40.0))
     )
-    # braking all the way: the load's inertia pushes back through the gears
+    # braking throughout: the load's inertia pushes back through the gears
     share = m.efficiency / m.ratio
     J = m.motor_inertia + m.load_inertia * share / m.ratio
     when = 40.0 * m.ratio * J / (5e-3 + 0.05 * share)
@@ -205,7 +205,7 @@ def test_bus_sags_by_its_resistance():
     bus = u / 0.9 + 1.0
     assert i == pytest.approx(u / 2.32, rel=1e-6)  # the rotor is locked
     assert bus == pytest.approx(24.0 - 0.3 * 4 * u * i / bus, rel=1e-6)
-    # on the way there the current grows within a period, which the limit does not see
+    # meanwhile the current grows within a period, which the limit does not see
     assert figure(run, "bus_lowest") == pytest.approx(bus, rel=0.02)
 
 

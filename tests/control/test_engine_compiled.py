@@ -26,15 +26,15 @@ def test_an_unwritable_folder_keeps_nothing(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path / "file" / "below"))
     assert of_the_drive.KERNEL.folder("1.0") is None
-    told = []
+    compiled_with = []
 
     def njit(**options):
-        told.append(options)
+        compiled_with.append(options)
         return lambda function: function
 
     loop = translated(of_the_drive.KERNEL, njit, keep=False)
-    assert not any(options.get("cache") for options in told)
-    assert len(told) > 30
+    assert not any(options.get("cache") for options in compiled_with)
+    assert len(compiled_with) > 30
     # in their own space of names the functions find each other
     drive = Drive(train=machine(friction=1e-3), controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
     task = Task(time=(0.0, 0.02, 0.04), speed=(0.0, 10.0, 0.0))

@@ -14,7 +14,7 @@ from drivesizer.control.engine import Drive, MotorHeat, Supply, Task, simulate
 from drivesizer.physics.overload import State, steady_state
 from drivesizer.physics.thermal import TwoBodies
 
-# --- energy that comes back
+# --- regenerated energy
 
 
 def pulled(supply, **more):
@@ -169,8 +169,8 @@ def gap_by_steps(m, c, task, n, parts):
         turns = w / K - v
         T = m.stiffness * (f - math.copysign(half, f)) + m.damping * turns if abs(f) > half else 0.0
         T = T if T * f > 0.0 else 0.0
-        way = 1.0 if w > 0.0 else -1.0
-        push = k * i - way * m.friction - T * (drives if T * way > 0.0 else brakes)
+        direction = 1.0 if w > 0.0 else -1.0
+        push = k * i - direction * m.friction - T * (drives if T * direction > 0.0 else brakes)
         slows = weight + m.load_viscous * v
         return (
             (u - m.resistance * i - k_e * w) / m.inductance,
@@ -186,7 +186,7 @@ def gap_by_steps(m, c, task, n, parts):
         d = rate(*(p + dt * q for p, q in zip(x, c, strict=True)), u)
         return [p + dt / 6 * (q + 2 * r + 2 * s + t) for p, q, r, s, t in zip(x, a, b, c, d, strict=True)]
 
-    x, angle, gone, more, asked = [i, w, T / m.stiffness + half, w / K], 0.0, 0.0, 0.0, i
+    x, angle, gone, more, reference = [i, w, T / m.stiffness + half, w / K], 0.0, 0.0, 0.0, i
     outer, inner, before, found = i, m.resistance * i + k_e * w, w, []
     pending, following, later = inner, i, 0.0  # what each loop answers its sample before
     for step in range(n):
@@ -198,9 +198,9 @@ def gap_by_steps(m, c, task, n, parts):
                 more, later = later, c.position_kp * (angle - gone)
             error = speed + more - x[1]
             outer += c.velocity_ki * c.velocity_period * error
-            asked, following = following, c.velocity_kp * error + outer
-        inner += c.current_ki * h * (asked - x[0])
-        u, pending = pending, c.current_kp * (asked - x[0]) + inner
+            reference, following = following, c.velocity_kp * error + outer
+        inner += c.current_ki * h * (reference - x[0])
+        u, pending = pending, c.current_kp * (reference - x[0]) + inner
         for _ in range(parts):
             w = x[1]
             x = runge(x, u)

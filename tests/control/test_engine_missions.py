@@ -72,7 +72,7 @@ def test_the_current_s_integral_grows_through_cycles_that_are_added(change, monk
     added, simulated = simulate(drive, CYCLE), all_simulated(monkeypatch, drive, CYCLE)
     square = figure(simulated, "rms_current") ** 2
     assert figure(simulated, "time_at_current_limit") == 0.0
-    rises = (square - 1.2**2) * figure(simulated, "time")  # it never comes to zero on the way
+    rises = (square - 1.2**2) * figure(simulated, "time")  # it never comes to zero meanwhile
     assert rises > 300.0
     assert figure(simulated, "i2t_highest") > rises
     assert figure(added, "i2t_highest") == pytest.approx(figure(simulated, "i2t_highest"), rel=5e-3)

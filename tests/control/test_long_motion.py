@@ -26,16 +26,16 @@ PEAKS = (
 
 
 @pytest.mark.parametrize("encoder", [Resolution(), Resolution(edges=2000, periods=4)], ids=["exact", "counted"])
-def test_a_slower_current_loop_and_its_windows_bound_what_all_of_it_simulated_asks(encoder):
+def test_a_slower_current_loop_and_its_windows_bound_the_full_simulation(encoder):
     drive = replace(DRIVE, encoder=encoder)
     full, found = simulate(drive, TASK, rows=0), simulate_long(drive, TASK, 2000)
     assert figure(found.out, "steps") < 0.15 * figure(full, "steps")
     watched = sum(b - a for a, b in found.windows)
     assert len(found.windows) > 5 and watched < 60.0
     for name in (*PEAKS, "rms_current", "rms_gear_torque_running"):
-        told, whole = figure(found.out, name), figure(full, name)
-        assert told == pytest.approx(whole, rel=0.08 if encoder.edges else 0.02), name
-        assert told * found.allowed[name] >= whole * (1 - 1e-3), name
+        reported, whole = figure(found.out, name), figure(full, name)
+        assert reported == pytest.approx(whole, rel=0.08 if encoder.edges else 0.02), name
+        assert reported * found.allowed[name] >= whole * (1 - 1e-3), name
         assert 1.0 <= found.allowed[name] < 1.25, name
     for name in ("winding", "housing"):
         assert figure(found.out, name) - 298.15 == pytest.approx(figure(full, name) - 298.15, rel=0.01)
@@ -68,7 +68,7 @@ def test_cycles_of_a_long_motion_have_their_windows_in_the_first():
 
 
 def test_what_comes_before_a_part_is_watched_is_not_seen():
-    """A jump at the start asks for much; from a second later on the drive is steady."""
+    """A jump at the start demands much; from a second later on the drive is steady."""
     task = Task(time=(0.0, 0.02, 3.0), speed=(0.0, 30.0, 30.0))
     whole, later = simulate(DRIVE, task), simulate(DRIVE, replace(task, since=1.0))
     assert figure(whole, "speed_error") > 10.0

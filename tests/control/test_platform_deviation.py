@@ -1,4 +1,4 @@
-"""The way that is wanted, and how it is told what a platform made of it."""
+"""The desired path, and the record of a platform's deviation from it."""
 
 import math
 from dataclasses import replace
@@ -19,18 +19,18 @@ from drivesizer.output.report.figures.path import path_and_errors
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.spec.robot import load_spec
 
-# --- the way that is wanted -------------------------------------------------------------------------------------------
+# --- the desired path ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("way", [CURVED, AHEAD], ids=["turning", "unicycle"])
-def test_a_route_is_the_integral_of_its_velocity(way):
-    step = way.duration * (way.velocity[..., 0] + way.velocity[..., 1]) / 2.0
-    assert way.posture[..., 1] - way.posture[..., 0] == pytest.approx(step, abs=2e-6)
-    assert way.posture[:, 1:, 0] == pytest.approx(way.posture[:, :-1, 1], abs=1e-9)
-    assert way.velocity[:, 1:, 0] == pytest.approx(way.velocity[:, :-1, 1], abs=1e-9)
-    change = way.duration * (way.acceleration[..., 0] + way.acceleration[..., 1]) / 2.0
-    assert way.velocity[..., 1] - way.velocity[..., 0] == pytest.approx(change, abs=3e-5)
-    assert way.velocity[:, [0, -1], [0, 1]] == pytest.approx(np.zeros((3, 2)), abs=1e-12)
+@pytest.mark.parametrize("path", [CURVED, AHEAD], ids=["turning", "unicycle"])
+def test_a_route_is_the_integral_of_its_velocity(path):
+    step = path.duration * (path.velocity[..., 0] + path.velocity[..., 1]) / 2.0
+    assert path.posture[..., 1] - path.posture[..., 0] == pytest.approx(step, abs=2e-6)
+    assert path.posture[:, 1:, 0] == pytest.approx(path.posture[:, :-1, 1], abs=1e-9)
+    assert path.velocity[:, 1:, 0] == pytest.approx(path.velocity[:, :-1, 1], abs=1e-9)
+    change = path.duration * (path.acceleration[..., 0] + path.acceleration[..., 1]) / 2.0
+    assert path.velocity[..., 1] - path.velocity[..., 0] == pytest.approx(change, abs=3e-5)
+    assert path.velocity[:, [0, -1], [0, 1]] == pytest.approx(np.zeros((3, 2)), abs=1e-12)
 
 
 def test_where_a_route_ends():
@@ -54,7 +54,7 @@ def test_a_trajectory_between_its_ends():
     assert found.acceleration[0] == pytest.approx([0.0, 1.0, 1.0, 1.0, 1.0, 0.0])
 
 
-# --- how it is told ---------------------------------------------------------------------------------------------------
+# --- the record -------------------------------------------------------------------------------------------------------
 
 
 def test_along_and_across_by_hand():
@@ -91,7 +91,7 @@ def test_figure_13_of_the_paper_is_in_the_examples(example):
     assert example.trajectory.posture[2, -1, 1] == pytest.approx(1.5 - 2.0 + 1.0, abs=1e-6)
 
 
-def test_every_way_to_drive_it(example):
+def test_every_model_and_controller(example):
     """Feed-forward halves what soft loops lag by at least; an integral finds it itself; misjudged radii are in all."""
     runs = follow_all(example, None)
     assert len(runs) == 10 and all(run.imbalance < 1e-5 for run in runs.values())

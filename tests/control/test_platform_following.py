@@ -33,12 +33,12 @@ def worst(found):
 # --- no errors --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("p", "way"), [(robot(), CURVED), (cart(), AHEAD)], ids=["mecanum", "differential"])
-def test_the_kinematic_model_s_error_is_of_second_order_in_the_period(p, way):
+@pytest.mark.parametrize(("p", "path"), [(robot(), CURVED), (cart(), AHEAD)], ids=["mecanum", "differential"])
+def test_the_kinematic_model_s_error_is_of_second_order_in_the_period(p, path):
     """What the speed loops lag by is J a / k_i, and k_i goes with 1/T²."""
     errors = [
         worst(
-            follow(way, p, model="kinematic", contact=STIFF, speeds=speed_loop(dynamics(p), period=T), tolerance=1e-7)
+            follow(path, p, model="kinematic", contact=STIFF, speeds=speed_loop(dynamics(p), period=T), tolerance=1e-7)
         )
         for T in (4e-3, 2e-3, 1e-3)
     ]
@@ -49,9 +49,9 @@ def test_the_kinematic_model_s_error_is_of_second_order_in_the_period(p, way):
 
 @pytest.mark.parametrize("p", [robot(), cart(), replace(robot(rolling_resistance=0.02), x=0.05, y=-0.02, height=0.2)])
 def test_the_dynamic_model_without_errors_leaves_next_to_none(p):
-    way = CURVED if len(p.wheels) == 4 else AHEAD
-    found = follow(way, p, contact=replace(STIFF, turnround=1e-5), tolerance=1e-7)
-    kinematic = follow(way, p, model="kinematic", contact=STIFF, tolerance=1e-7)
+    path = CURVED if len(p.wheels) == 4 else AHEAD
+    found = follow(path, p, contact=replace(STIFF, turnround=1e-5), tolerance=1e-7)
+    kinematic = follow(path, p, model="kinematic", contact=STIFF, tolerance=1e-7)
     assert worst(found).max() < 1e-4 < worst(kinematic).max()
     assert found.limited.max() == 0.0
 
@@ -95,7 +95,7 @@ INERTIA_OF_TURNING = 2.34 / 4.0 * (RADIUS / LEVER) ** 2 + 0.01 + WHEEL
 @pytest.mark.parametrize("model", ["kinematic", "dynamic"])
 @pytest.mark.parametrize("error", [0.01, -0.02])
 @pytest.mark.parametrize("p", [robot(), cart()], ids=["mecanum", "differential"])
-def test_all_radii_off_lengthen_the_way(p, error, model):
+def test_all_radii_off_lengthen_the_path(p, error, model):
     found, without = (
         deviation(follow(STRAIGHT, p, model=model, misjudged=Misjudged(radius=e), contact=STIFF)) for e in (error, 0.0)
     )
@@ -202,7 +202,7 @@ def test_poses_take_an_error_of_direction_away():
 
 
 def test_a_unicycle_s_lateral_error():
-    """Radii apart bend the way by δ at speed v; the law holds it where v y / d² = δ, so y = -2 e d² / b."""
+    """Radii apart bend the path by δ at speed v; the law holds it where v y / d² = δ, so y = -2 e d² / b."""
     p, long = cart(), route([(20.0, 0.0)], speed=1.0, acceleration=1.0)
     d = dynamics(p)
     speeds = speed_loop(d)
@@ -218,7 +218,7 @@ def test_a_unicycle_s_lateral_error():
 # --- limits -----------------------------------------------------------------------------------------------------------
 
 
-def test_a_torque_limit_that_is_hit_is_told():
+def test_a_torque_limit_that_is_reached_is_reported():
     p = robot(rolling_resistance=0.02)
     d = dynamics(p)
     hard = route([(3.0, 0.0)], speed=1.5, acceleration=2.0)

@@ -63,8 +63,9 @@ def record_state(W: Array, y: Array, torque: Array, w: Array, row: Array, floor:
 
 
 def follow_one(W: Array, K: Array, B: Array, C: Array, M: Array, G: Array, E: Array, P: Array, wanted: Array,
-               eta: Array, fed: Array, y: Array, torque: Array, period: float, lever: float, tolerance: float, w: Array, A: Array,
-               s: Array, z: Array, rows: Array, floor: Array, applied: Array, limited: Array) -> int:  # fmt: skip
+               eta: Array, fed: Array, y: Array, torque: Array, period: float, lever: float, tolerance: float,
+               w: Array, A: Array, s: Array, z: Array, rows: Array, floor: Array, applied: Array,
+               limited: Array) -> int:  # fmt: skip
     """Simulate all samples.
 
     Parameters
