@@ -19,7 +19,7 @@ from drivesizer import load_spec
 from drivesizer.control.path_following import following, kernel_loop
 from drivesizer.control.path_following.following import Followed, Model
 from drivesizer.control.path_following.runs import Case, follow_case
-from drivesizer.load_cases.platform_drive import Driving, driving, on_the_way
+from drivesizer.load_cases.platform_drive import Driving, driving, with_trajectory
 from drivesizer.platform.trajectory import Trajectory
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "sps_following.yaml"
@@ -49,7 +49,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--pieces", type=int, default=50, help="of the way, in plain Python")
     options = parser.parse_args()
-    way = driving(on_the_way(load_spec(EXAMPLE), None))
+    way = driving(with_trajectory(load_spec(EXAMPLE), None))
     first, found = timed(lambda: driven(way, "kinematic"), 1)
     print(f"{'first call, machine code made or read':40}{first:10.2f} s")
     for model in ("kinematic", "dynamic"):

@@ -19,7 +19,7 @@ from drivesizer.control.loop_warnings import loop_warnings, resolution_warning, 
 from drivesizer.control.validation import Gains, Validation
 from drivesizer.control.voltage_loop_design import COMPUTING
 from drivesizer.errors import InputError
-from drivesizer.load_cases.at_shaft import asked_of
+from drivesizer.load_cases.at_shaft import motion_of
 from drivesizer.load_cases.platform_wheels import load_cases
 from drivesizer.load_cases.profile import SPEED
 from drivesizer.load_cases.profile import profile as named
@@ -106,7 +106,7 @@ def validate(
     if profile is not None and isinstance(spec.load, Recorded):
         what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else "a recorded load"
         raise InputError(f"--profile: {what} brings its own motion, on which its torque depends; leave the option out")
-    motion = asked_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
+    motion = motion_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
     case = run(spec, drive_set, motion)
     found = checks(case)
     own, lacking = _own_units(case)

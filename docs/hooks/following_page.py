@@ -10,7 +10,7 @@ from drivesizer import load_spec
 from drivesizer.control.path_following.deviation import extremes
 from drivesizer.control.path_following.following import Followed
 from drivesizer.control.path_following.runs import FollowingRun, follow_case
-from drivesizer.load_cases.platform_drive import Driving, driving, on_the_way
+from drivesizer.load_cases.platform_drive import Driving, driving, with_trajectory
 from drivesizer.platform.misjudged import EXACT, Misjudged
 from drivesizer.platform.wheels import Payload
 from drivesizer.units import show
@@ -34,7 +34,7 @@ _ONE: tuple[tuple[str, Misjudged], ...] = (
 
 @cache
 def _example() -> Driving:
-    return driving(on_the_way(load_spec(ROOT / "examples" / "sps_following.yaml"), None))
+    return driving(with_trajectory(load_spec(ROOT / "examples" / "sps_following.yaml"), None))
 
 
 def ran(run: FollowingRun) -> Followed:

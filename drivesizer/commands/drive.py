@@ -33,14 +33,14 @@ def drive(
     catalogs: More = None,
 ) -> None:
     """Drive a platform along a trajectory: requirements at each wheel, and the checks of a drive."""
-    from drivesizer.load_cases.platform_drive import driving, on_the_way
+    from drivesizer.load_cases.platform_drive import driving, with_trajectory
     from drivesizer.output.report import accept
 
     if drawings and not follow:
         raise InputError("--figures: it draws what --follow simulates; expected both, or none")
     robot = load(spec, catalogs)
     accept([], tables=[csv] if csv else [])
-    on_path = on_the_way(robot, trajectory, failed or ())
+    on_path = with_trajectory(robot, trajectory, failed or ())
     found = driving(on_path)
     one = _on_the_path(robot, on_path, chosen)
     if csv:

@@ -23,7 +23,7 @@ __all__ = ["load_cycle", "of_course"]
 
 
 def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
-    """What the driven shaft of one motor set is asked for.
+    """Load cycle at the driven shaft of one drive.
 
     Parameters
     ----------
@@ -31,6 +31,11 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
         The machine.
     profile
         Its motion; the spec's own when not given.
+
+    Returns
+    -------
+    LoadCycle
+        Speed, acceleration and torque of the shaft over one cycle, the belt's inertia included.
 
     Raises
     ------
@@ -58,7 +63,7 @@ def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:
 
 
 def of_course(spec: RobotSpec, course: Course) -> LoadCycle:
-    """The load cycle at the driven shaft of one motor set, of a load that is no recording, without the belt's inertia.
+    """The load cycle at the driven shaft of one drive, of any load but a recording, without the belt's inertia.
 
     Parameters
     ----------
@@ -66,6 +71,11 @@ def of_course(spec: RobotSpec, course: Course) -> LoadCycle:
         The machine.
     course
         How its load moves.
+
+    Returns
+    -------
+    LoadCycle
+        Of the load alone.
 
     Raises
     ------

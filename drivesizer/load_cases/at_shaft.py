@@ -1,14 +1,14 @@
-r"""What a load is to a shaft that turns freely: for the closed loop, where nobody knows beforehand how it will turn.
+r"""The load as inertia and torques at the shaft, for the closed loop, where the motion is not known beforehand.
 
-A load cycle says what torque a motion takes; in closed loop the motion is what comes out. So the load is taken apart
-into what depends on the shaft alone and what is left over time:
+A load cycle says what torque a motion takes; in closed loop the motion is the result. So the load is split into
+a part that depends on the shaft alone and a remainder over time:
 
 .. math:: T = J \dot w + T_{dir} + T_r(t)
 
 J is the inertia at the shaft. T_dir are three constants, at the start of the motion: creeping forward, creeping
-backward and at rest; between the latter two friction holds. They are asked of the load's own function, so that no
-formula stands here again. T_r is what the cycle asks beyond both where the load is on its way, such as the changing
-weight of a swinging arm, wind, or losses of a screw's acceleration; it acts at its time, whatever the drive does.
+backward and at rest; between the latter two friction holds. They come from the load's own torque
+law, so that no formula is repeated here. T_r is the torque of the cycle beyond both, such as the changing weight of a
+swinging arm, wind, or losses of a screw's acceleration; it acts at its time, whatever the drive does.
 Convention: as in ``load_cycle``; torque is positive when it resists forward motion.
 """
 
@@ -30,17 +30,17 @@ from drivesizer.loads.recorded import Recorded
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["AtShaft", "asked_of", "at_shaft", "remaining_torque"]
+__all__ = ["AtShaft", "at_shaft", "motion_of", "remaining_torque"]
 
 _CREEP = 1e-9  # m/s or rad/s: no drag to speak of, and a direction
 _NOTHING = 1e-12  # of the largest torque: what rounding leaves
 
 
 class AtShaft(NamedTuple):
-    """A load seen from the driven shaft of one motor set."""
+    """A load as seen from the driven shaft of one drive."""
 
     inertia: float  # kg*m^2
-    radius: float  # m, way of the load per angle of the shaft; 1 where it turns with it
+    radius: float  # m, travel of the load per angle of the shaft; 1 where it turns with it
     forward_torque: float  # N*m that resists when it creeps forward
     backward_torque: float  # N*m, the same backward: below the forward one by friction
     rest_torque: float  # N*m without friction: weight
@@ -48,7 +48,7 @@ class AtShaft(NamedTuple):
 
 @np.errstate(all="ignore")  # what leaves the range of numbers is refused with the drive train
 def at_shaft(spec: RobotSpec) -> AtShaft:
-    """The load of a spec as a shaft feels it.
+    """Inertia and torques of a spec's load at the shaft.
 
     Raises
     ------
@@ -83,8 +83,8 @@ def _backward(spec: RobotSpec) -> float:
         return 0.0  # friction outweighs the load: its rope hangs slack and pulls with nothing
 
 
-def asked_of(spec: RobotSpec) -> Profile:
-    """The motion that a spec asks for; that of the shaft where the load is a recording.
+def motion_of(spec: RobotSpec) -> Profile:
+    """The motion profile of a spec; that of the shaft where the load is a recording.
 
     Raises
     ------
@@ -100,12 +100,12 @@ def asked_of(spec: RobotSpec) -> Profile:
 
 
 def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArray[np.float64]:
-    """What a motion takes beyond inertia and the constants of its direction.
+    """Torque of a motion beyond inertia and the constants of its direction.
 
     Parameters
     ----------
     spec, profile, shaft
-        The machine, its motion, and what its load is to a freely turning shaft.
+        The machine, its motion, and its load of ``at_shaft``.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""A platform driven along a trajectory: what each wheel is asked for, and whether a chosen set does it."""
+"""A platform driven along a trajectory: the requirements at each of its wheels."""
 
 from __future__ import annotations
 
@@ -23,34 +23,34 @@ from drivesizer.results.requirement import Requirement
 from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Driving", "Wheel", "driving", "on_the_way", "over_time"]
+__all__ = ["Driving", "Wheel", "driving", "over_time", "with_trajectory"]
 
 Array = NDArray[np.float64]
 
 
 class Wheel(NamedTuple):
-    """A driven wheel on the way."""
+    """A driven wheel along the trajectory."""
 
     number: int
     cycle: LoadCycle
-    asked: tuple[Requirement, ...]
+    requirements: tuple[Requirement, ...]
 
     @property
     def grip(self) -> OwnLimit | None:
-        """What it puts on the floor where that is most beside what the floor holds."""
+        """Its force on the floor where that is largest beside the grip."""
         return next(iter(self.cycle.own), None)
 
 
 @dataclass(frozen=True, slots=True)
 class Driving:
-    """A platform on its way."""
+    """A platform along its trajectory."""
 
     spec: RobotSpec  # whose motion the trajectory is
     trajectory: Trajectory
     wheels: tuple[Wheel, ...]
 
 
-def on_the_way(spec: RobotSpec, file: Path | None, failed: Sequence[int] = ()) -> RobotSpec:
+def with_trajectory(spec: RobotSpec, file: Path | None, failed: Sequence[int] = ()) -> RobotSpec:
     """The spec with a trajectory as its motion, in one load case.
 
     Parameters
@@ -62,6 +62,11 @@ def on_the_way(spec: RobotSpec, file: Path | None, failed: Sequence[int] = ()) -
     failed
         Wheels whose motor has failed, by number; those of the spec when none is given.
 
+    Returns
+    -------
+    RobotSpec
+        The machine with that motion, and no other load case.
+
     Raises
     ------
     InputError
@@ -71,7 +76,7 @@ def on_the_way(spec: RobotSpec, file: Path | None, failed: Sequence[int] = ()) -
         raise InputError(f"{spec.where(())}: no section platform; expected one, e.g. platform: {{layout: ...}}")
     if file is None and not isinstance(spec.motion, Track | Waypoints):
         raise InputError(
-            "TRAJECTORY.CSV is missing and the spec's motion is none; expected e.g. drivesizer drive robot.yaml way.csv"
+            "TRAJECTORY.CSV is missing and the spec's motion is none; expected e.g. drivesizer drive robot.yaml a.csv"
         )
     if file is not None and (reason := missing(file)):
         raise InputError(f"{file}: cannot be read ({reason})")
@@ -94,25 +99,25 @@ def _beside(spec: RobotSpec, file: Path) -> str:
 
 
 def driving(spec: RobotSpec) -> Driving:
-    """What each wheel of a platform is asked for on its way.
+    """Load cycle and requirements of each wheel of a platform along its trajectory.
 
     Parameters
     ----------
     spec
-        Of ``on_the_way``.
+        Of ``with_trajectory``.
 
     Raises
     ------
     InputError
         When the trajectory is wrong, or the wheels do not allow it.
     """
-    d, way = dynamics_of(spec), trajectory_of(spec)
-    assert way is not None
+    d, trajectory = dynamics_of(spec), trajectory_of(spec)
+    assert trajectory is not None
     wheels = (
         Wheel(place + 1, cycle, tuple(requirements([cycle])))
-        for place, cycle in zip(d.kinematics.driven, cycles_of(spec, d, way), strict=True)
+        for place, cycle in zip(d.kinematics.driven, cycles_of(spec, d, trajectory), strict=True)
     )
-    return Driving(spec, way, tuple(wheels))
+    return Driving(spec, trajectory, tuple(wheels))
 
 
 def over_time(found: Driving) -> dict[str, tuple[Array, str, str]]:
@@ -120,14 +125,14 @@ def over_time(found: Driving) -> dict[str, tuple[Array, str, str]]:
 
     Torques are those of the load at the wheel's shaft; where one jumps there are two rows of one time.
     """
-    d, way = dynamics_of(found.spec), found.trajectory
-    seen = motion(d, way, ground_of(found.spec))
+    d, trajectory = dynamics_of(found.spec), found.trajectory
+    seen = motion(d, trajectory, ground_of(found.spec))
     ends = np.cumsum(seen.duration)
     time = np.stack([np.append(0.0, ends[:-1]), ends], axis=1)
     E = d.kinematics.E[list(d.kinematics.driven)]
     torque = wheel_torques(d, seen.eta, seen.eta_dot, theta=seen.facing, ground=seen.ground, towards=seen.towards,
                            rotors=False)  # fmt: skip
-    columns = dict(_columns(time, way.at(time.reshape(-1)), seen.eta, map_columns(E, seen.eta), torque, found))
+    columns = dict(_columns(time, trajectory.at(time.reshape(-1)), seen.eta, map_columns(E, seen.eta), torque, found))
     keep = _different(np.array([column for column, *_ in columns.values()]))
     return {name: (column[keep], kind, unit) for name, (column, kind, unit) in columns.items()}
 

@@ -21,9 +21,14 @@ def platform_of(section: Platform, load: WheeledVehicle, rotor_inertia: float = 
     section
         Where wheels and mass are.
     load
-        Mass, wheel diameter, rolling resistance and inertia of a wheel. A wheel without motor set is taken as one with.
+        Mass, wheel diameter, rolling resistance and inertia of a wheel. A wheel without a drive is taken as one with.
     rotor_inertia
-        Of a motor set at its wheel, K² (J_m + J_g) [kg*m^2].
+        Of a drive's rotors at its wheel, K² (J_m + J_g) [kg*m^2].
+
+    Returns
+    -------
+    wheels.Platform
+        Wheels, casters, mass, inertia and centre of mass, with payloads and failed motors.
 
     Raises
     ------
@@ -80,13 +85,29 @@ def box_inertia(section: Platform, mass: float) -> float:
         With its size.
     mass
         Of the box [kg].
+
+    Returns
+    -------
+    float
+        Inertia [kg*m^2].
     """
     assert section.size is not None
     return mass * (section.size.length**2 + section.size.width**2) / 12.0
 
 
 def platform_assumptions(section: Platform, load: WheeledVehicle) -> tuple[str, ...]:
-    """What is taken of the platform where the spec does not say it, as sentences."""
+    """Assumptions about the platform where the spec gives no figure, as sentences.
+
+    Parameters
+    ----------
+    section, load
+        The spec's platform, and the vehicle that it belongs to.
+
+    Returns
+    -------
+    tuple of str
+        One sentence each; empty where everything is given.
+    """
     found = []
     if section.inertia is None:
         inertia = show(box_inertia(section, _own_mass(section, load)), "kg*m^2", "inertia")
@@ -94,7 +115,7 @@ def platform_assumptions(section: Platform, load: WheeledVehicle) -> tuple[str, 
     if not section.height_known:
         found.append("The height of the centre of mass is not given: wheels are taken to carry what they do at rest.")
     if any(not place.driven for place in section.places):
-        found.append("A wheel without motor set has the inertia of one with.")
+        found.append("A wheel without a drive has the inertia of one with.")
     if any(c.rolling_resistance is None for c in section.casters):
         found.append("Casters roll as hard as the wheels.")
     return tuple(found)

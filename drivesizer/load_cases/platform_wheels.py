@@ -1,6 +1,6 @@
-"""A platform on its trajectory as load cases: one for each driven wheel, those that are asked for the same as one.
+"""A platform on its trajectory as load cases: one for each driven wheel, wheels with equal load cycles as one.
 
-A set is sized for all of them: for the worst wheel. What the supply and the battery give is shared by all wheels; the
+A drive is sized for all of them: for the worst wheel. What the supply and the battery give is shared by all wheels; the
 checks of the supply take every wheel as the one of the case, the battery's add up what each draws.
 """
 
@@ -56,7 +56,7 @@ def load_cases(spec: RobotSpec) -> tuple[tuple[int, str, RobotSpec], ...]:
 
 
 def trajectory_of(spec: RobotSpec) -> Trajectory | None:
-    """How the platform moves, where the spec's motion is a trajectory.
+    """The trajectory of the platform; None where the spec's motion is none.
 
     Raises
     ------
@@ -73,13 +73,13 @@ def trajectory_of(spec: RobotSpec) -> Trajectory | None:
             where = spec.where(("platform", "limits"))
             raise InputError(f"{where}: expected speed and acceleration to plan the waypoints with, e.g. speed: 1 m/s")
         points = [Waypoint(x=p.x, y=p.y, heading=p.heading, pause=p.pause) for p in motion.waypoints]
-        with _told_at(spec, "motion", "waypoints"):
+        with _located(spec, "motion", "waypoints"):
             return plan(points, limits)
     return None
 
 
 @contextmanager
-def _told_at(spec: RobotSpec, *path: str | int) -> Iterator[None]:
+def _located(spec: RobotSpec, *path: str | int) -> Iterator[None]:
     """Say of what is wrong inside where the spec has it."""
     try:
         yield
@@ -103,10 +103,15 @@ def dynamics_of(spec: RobotSpec, rotor_inertia: float = 0.0) -> Dynamics:
     spec
         With a platform.
     rotor_inertia
-        Of a motor set at its wheel [kg*m^2].
+        Of a drive's rotors at its wheel [kg*m^2].
+
+    Returns
+    -------
+    Dynamics
+        With the kinematics of its wheels.
     """
     assert spec.platform is not None and isinstance(spec.load, WheeledVehicle)
-    with _told_at(spec, "platform"):
+    with _located(spec, "platform"):
         return dynamics(platform_of(spec.platform, spec.load, rotor_inertia))
 
 
@@ -122,9 +127,14 @@ def held_by_the_floor(spec: RobotSpec, force: float) -> float:
     Parameters
     ----------
     spec
-        The vehicle, with or without a platform; its slope is along its way.
+        The vehicle, with or without a platform; its slope is along its path.
     force
         With which each driven wheel pushes or brakes [N]: what it does to the floor moves the weight to and fro.
+
+    Returns
+    -------
+    float
+        Of the driven wheel that carries least [N]; NaN where coefficient or height is unknown.
     """
     load, section, g = spec.load, spec.platform, spec.environment.gravity
     assert isinstance(load, WheeledVehicle)
@@ -145,20 +155,20 @@ def _wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
     if not isinstance(case.motion, Track | Waypoints):
         yield name, case
         return
-    d, way = dynamics_of(case), trajectory_of(case)
-    assert way is not None and isinstance(case.load, WheeledVehicle)
-    cycles, driven = cycles_of(case, d, way), d.kinematics.driven
+    d, trajectory = dynamics_of(case), trajectory_of(case)
+    assert trajectory is not None and isinstance(case.load, WheeledVehicle)
+    cycles, driven = cycles_of(case, d, trajectory), d.kinematics.driven
     rolling = own_rolling(d, contact_loads(d.platform, ground=Ground(gravity=case.environment.gravity)))
     for alike in sorted(_groups(cycles), key=lambda group: -rms(cycles[group[0]].duration, cycles[group[0]].torque)):
-        said = _listed([driven[i] + 1 for i in alike])
+        wheels = _listed([driven[i] + 1 for i in alike])
         cycle = _with_the_worst_limits([cycles[i] for i in alike])
         own = float(rolling[driven[alike[0]]])
-        load = wheel_load(cycle, case.load.driven_wheels, alike, way.length, name, own)
+        load = wheel_load(cycle, case.load.driven_wheels, alike, trajectory.length, name, own)
         one = case.alone(load=load, motion=None)
-        yield (said if name in ("", AS_SPECIFIED) else f"{name}, {said}"), one
+        yield (wheels if name in ("", AS_SPECIFIED) else f"{name}, {wheels}"), one
 
 
-def cycles_of(case: RobotSpec, d: Dynamics, way: Trajectory) -> tuple[LoadCycle, ...]:
+def cycles_of(case: RobotSpec, d: Dynamics, trajectory: Trajectory) -> tuple[LoadCycle, ...]:
     """The load cycle of each driven wheel of a platform on its trajectory, with the grip that it needs.
 
     What takes load off a wheel is a matter of the machine, whatever drives it: see ``budgets``.
@@ -167,20 +177,25 @@ def cycles_of(case: RobotSpec, d: Dynamics, way: Trajectory) -> tuple[LoadCycle,
     ----------
     case
         The machine, or one of its load cases.
-    d, way
+    d, trajectory
         Its ``dynamics_of`` and its ``trajectory_of``.
+
+    Returns
+    -------
+    tuple of LoadCycle
+        In the order of the driven wheels; each with its own limit of traction.
     """
     load = case.load
     assert isinstance(load, WheeledVehicle)
     known = case.platform is not None and case.platform.height_known  # else nobody knows what a wheel carries
     friction = load.friction_coefficient if known else None
-    with _told_at(case, "motion"):
-        found = wheel_cycles(d, way, ground_of(case), friction=friction)
+    with _located(case, "motion"):
+        found = wheel_cycles(d, trajectory, ground_of(case), friction=friction)
     return tuple(replace(cycle, own=tuple(own for own in cycle.own if own.name == "traction")) for cycle in found)
 
 
 def _groups(cycles: Sequence[LoadCycle]) -> list[list[int]]:
-    """Wheels that are asked for the same, whichever way they turn."""
+    """Wheels with equal load cycles, in either direction of turning."""
     found: list[list[int]] = []
     for i, cycle in enumerate(cycles):
         group = next((g for g in found if _alike(cycles[g[0]], cycle)), None)

@@ -1,4 +1,4 @@
-r"""Speed profiles: what the load is asked to do over one cycle, as breakpoints with straight lines between.
+r"""Speed profiles: the required motion of the load over one cycle, as breakpoints with straight lines between.
 
 A profile comes from the spec's motion or from a recorded CSV file. Speeds may be negative (the machine reverses).
 Symbols: t time [s], v speed of the load [m/s, or rad/s where it turns], T_j time of a jerk phase [s].
@@ -48,7 +48,7 @@ _Ramp = list[tuple[float, float, float]]
 
 
 def trapezoid(motion: Trapezoid) -> Profile:
-    """Accelerate, cruise, decelerate, rest; and the same back, where asked for.
+    """Accelerate, cruise, decelerate, rest; and the same back with ``there_and_back``.
 
     >>> trapezoid(Trapezoid(speed="1.5 m/s", acceleration_time="2 s", cruise_time="3 s", rest_time="1 s")).time
     (0.0, 2.0, 5.0, 7.0, 8.0)
@@ -83,10 +83,10 @@ def segments(motion: Segments) -> Profile:
 
 
 def s_curve(motion: SCurve) -> Profile:
-    """The fastest way from rest to rest within limits of speed, acceleration and jerk; and back, where asked for.
+    """The fastest motion from rest to rest within limits of speed, acceleration and jerk; and back, if specified.
 
-    >>> asked = {"distance": "2 m", "speed": "1 m/s", "acceleration": "2 m/s^2", "jerk": "10 m/s^3"}
-    >>> s_curve(SCurve(profile="s_curve", **asked)).duration
+    >>> limits = {"distance": "2 m", "speed": "1 m/s", "acceleration": "2 m/s^2", "jerk": "10 m/s^3"}
+    >>> s_curve(SCurve(profile="s_curve", **limits)).duration
     2.7
     """
     try:
@@ -112,7 +112,7 @@ def _rounded(motion: Trapezoid) -> Profile:
 def harmonic(motion: Harmonic) -> Profile:
     """One period of a sine, from one end; speed and acceleration meet their peaks at breakpoints.
 
-    The way between the ends is short by 5e-5 of it (a chord lies below its arc); over the period it is 0.
+    The travel between the ends is short by 5e-5 of it (a chord lies below its arc); over the period it is 0.
     """
     omega, n = 2 * math.pi / motion.period, _QUARTER
     rising = [math.sin(math.pi / 2 * k / n) for k in range(n)]
@@ -151,7 +151,7 @@ def _straight(name: str, legs: Sequence[_Leg], there_and_back: bool = False) -> 
 
 
 def _curve(rising: _Ramp, cruise: float, down: _Ramp, motion: SCurve | Trapezoid, field: str) -> Profile:
-    """A ramp, a cruise, a ramp seen from its end, a rest; the way back where it is asked for."""
+    """A ramp, a cruise, a ramp seen from its end, a rest; the return if specified."""
     falling = down[::-1]
     start = rising[-1][0] + cruise
     points = rising + [(start + (falling[0][0] - t), v, -a) for t, v, a in falling[start == rising[-1][0] :]]
@@ -220,6 +220,11 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
         The kind of the spec's motion, such as ``trapezoid``; ``s-curve`` also for a trapezoid, which then
         has rounded ramps; or a file that ends in ``.csv``.
 
+    Returns
+    -------
+    Profile
+        Speed of the load over one cycle.
+
     Raises
     ------
     InputError
@@ -240,7 +245,7 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
 
 
 def from_csv(path: str | Path, kind: str = "speed") -> Profile:
-    """A recorded profile: a file with the columns time and speed, see :func:`recording.columns`.
+    """A recorded profile: a file with the columns time and speed, see :func:`drivesizer.files.csv_columns.columns`.
 
     Parameters
     ----------
@@ -248,6 +253,11 @@ def from_csv(path: str | Path, kind: str = "speed") -> Profile:
         The file.
     kind
         ``speed``, or ``rotary_speed`` of a load that turns.
+
+    Returns
+    -------
+    Profile
+        Breakpoints as recorded.
     """
     found = columns(Path(path), {"time": "time", "speed": kind})
     return Profile(str(path), tuple(found["time"].tolist()), tuple(found["speed"].tolist()))

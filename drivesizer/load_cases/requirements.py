@@ -1,4 +1,4 @@
-"""What a load that the paper does not treat asks for: the paper's quantities, by its names, from the load cycle."""
+"""Requirements of loads that the paper does not treat: its quantities, by its names, from the load cycle."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SPEED, _TORQUE, _POWER = ("rotary_speed", "rpm"), ("torque", "N*m"), ("power", 
 
 
 def requirements(cycles: Sequence[LoadCycle]) -> list[Requirement]:
-    """Figures of the load at the driven shaft of one motor set, in the worst of its load cases' cycles."""
+    """Figures of the load at the driven shaft of one drive, in the worst of its load cases' cycles."""
     found = [_figures(cycle) for cycle in cycles]
     rows = []
     for name, (title, symbol, (kind, unit)) in _NAMES.items():

@@ -1,6 +1,6 @@
 """Warnings of load cases: a motion that does not end where it started, driven wheels that cannot stand alone.
 
-A cycle repeats for ever. A vehicle, a conveyor, a fan, a flywheel and an indexing table may go on from wherever they
+A cycle repeats. A vehicle, a conveyor, a fan, a flywheel and an indexing table may go on from wherever they
 are; an arm, a hoist, a screw, a rack and a table that gravity pulls round may not: each further cycle would start
 farther on, the arm of a crane over its own base, and what is sized for is the first cycle alone.
 """
@@ -17,7 +17,7 @@ from drivesizer.units import show
 
 __all__ = ["grip_warning", "starts_farther_on"]
 
-_ROUNDING = 1e-6  # of the way: a recording is no more exact
+_ROUNDING = 1e-6  # of the distance: a recording is no more exact
 _TURN = 2.0 * math.pi
 _STANDS = 3  # wheels at least
 
@@ -36,15 +36,15 @@ def starts_farther_on(name: str, spec: RobotSpec) -> tuple[str, ...]:
         One sentence at most.
     """
     off = _off(spec)
-    return (_told(name, off, spec),) if off else ()
+    return (_sentence(name, off, spec),) if off else ()
 
 
-def _told(name: str, off: float, spec: RobotSpec) -> str:
-    way = show(abs(off), "deg", "angle", 3) if spec.load.axis == "rotary" else show(abs(off), "mm", "length", 3)
+def _sentence(name: str, off: float, spec: RobotSpec) -> str:
+    distance = show(abs(off), "deg", "angle", 3) if spec.load.axis == "rotary" else show(abs(off), "mm", "length", 3)
     of = f" of load case {name}" if name else ""
     side = "beyond" if off > 0.0 else "short of"
     return (
-        f"the motion{of} ends {way} {side} where it starts, and the cycle repeats: bring it back "
+        f"the motion{of} ends {distance} {side} where it starts, and the cycle repeats: bring it back "
         "(there_and_back: true), or every cycle starts farther on than the one that is sized for"
     )
 
@@ -57,15 +57,15 @@ def _off(spec: RobotSpec) -> float:
     if not load.has_end and not pulled:
         return 0.0
     moved = course(profile_of(spec))
-    way = moved.duration * moved.speed.mean(axis=1)
-    off = float(way.sum())
+    travel = moved.duration * moved.speed.mean(axis=1)
+    off = float(travel.sum())
     if lever is not None:  # a whole turn brings it back
         off -= _TURN * round(off / _TURN)
-    return off if abs(off) > _ROUNDING * float(abs(way).sum()) else 0.0
+    return off if abs(off) > _ROUNDING * float(abs(travel).sum()) else 0.0
 
 
 def grip_warning(spec: RobotSpec) -> tuple[str, ...]:
-    """That casters may carry, where traction takes the driven wheels to carry all; nothing where that is clear."""
+    """A warning where traction takes few driven wheels to carry all of the weight."""
     load = spec.load
     if not isinstance(load, WheeledVehicle) or spec.platform or load.friction_coefficient is None:
         return ()

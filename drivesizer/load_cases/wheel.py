@@ -1,4 +1,4 @@
-"""One driven wheel of a platform on its trajectory, as the load of a motor set: computed where others are recorded."""
+"""One driven wheel of a platform on its trajectory, as the load of a drive: computed, not recorded."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ __all__ = ["WheelLoad", "machine_cases", "wheel_load"]
 
 
 class WheelLoad(Recorded):
-    """What is asked of a wheel, or of several alike."""
+    """The load cycle of a wheel, or of several with equal load cycles."""
 
     _cycle: LoadCycle = PrivateAttr()
     _numbers: tuple[int, ...] = PrivateAttr(default=())
-    _way: float = PrivateAttr(default=0.0)
+    _distance: float = PrivateAttr(default=0.0)
     _of: str = PrivateAttr(default="")
     _rolling: float = PrivateAttr(default=0.0)
 
     @property
     def cycle(self) -> LoadCycle:
-        """What its shaft is asked for."""
+        """Of its shaft."""
         return self._cycle
 
     @property
     def alike(self) -> int:
-        """How many of the platform's wheels are asked for this."""
+        """Number of wheels with this load cycle."""
         return len(self._numbers)
 
     @property
@@ -38,9 +38,9 @@ class WheelLoad(Recorded):
         return self._numbers
 
     @property
-    def way(self) -> float:
+    def distance(self) -> float:
         """How far the platform goes in the cycle [m]."""
-        return self._way
+        return self._distance
 
     @property
     def of(self) -> str:
@@ -49,33 +49,40 @@ class WheelLoad(Recorded):
 
     @property
     def rolling_torque(self) -> float:
-        """That the wheel itself takes to roll on, on a level floor, either way [N*m]."""
+        """That the wheel itself takes to roll on a level floor, in either direction [N*m]."""
         return self._rolling
 
     @property
     def shaft_inertia(self) -> float:
-        """Of all that one motor set moves, at the wheel's shaft [kg*m^2]."""
+        """Of all that one drive moves, at the wheel's shaft [kg*m^2]."""
         return self._cycle.inertia
 
 
-def wheel_load(cycle: LoadCycle, wheels: int, numbers: Iterable[int], way: float, of: str, rolling: float) -> WheelLoad:
+def wheel_load(
+    cycle: LoadCycle, wheels: int, numbers: Iterable[int], distance: float, of: str, rolling: float
+) -> WheelLoad:
     """The load of one wheel, or of several alike.
 
     Parameters
     ----------
     cycle
-        What its shaft is asked for.
+        Of its shaft.
     wheels
         Driven wheels of the platform.
     numbers
-        Which of them are asked for this, from 0.
-    way, of
+        Which of them have this load cycle, from 0.
+    distance, of
         How far the platform goes in the cycle [m], and the load case that this is.
     rolling
         Torque that the wheel itself takes to roll on, on a level floor [N*m].
+
+    Returns
+    -------
+    WheelLoad
+        A load of kind recorded that has its cycle already.
     """
     made = WheelLoad.model_construct(kind="recorded", file=cycle.name, motors=wheels, smoothing=0.0, inertia=0.0)
-    made._cycle, made._numbers, made._way, made._of, made._rolling = cycle, tuple(numbers), way, of, rolling
+    made._cycle, made._numbers, made._distance, made._of, made._rolling = cycle, tuple(numbers), distance, of, rolling
     return made
 
 

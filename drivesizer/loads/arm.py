@@ -6,9 +6,9 @@ r"""A joint that swings an arm against gravity.
 of gravity. J about the joint is given, or m l² as if all of the mass were in its centre, which is the least it can be.
 How fine the weight's torque is followed: ``torque_curved``.
 
-Worked example: a uniform arm of 70 cm and 4.0 kg with 3.0 kg in the hand, together 7.0 kg at 0.50 m, asks the shoulder
-for 7.0 · 9.8 · 0.50 = 34 N·m level and 24 N·m at 45° below (Knight, Physics for Scientists and Engineers, rotation of a
-rigid body, exercise on the athlete with a steel ball).
+Worked example: a uniform arm of 70 cm and 4.0 kg with 3.0 kg in the hand, together 7.0 kg at 0.50 m, loads the
+shoulder with 7.0 · 9.8 · 0.50 = 34 N·m level and 24 N·m at 45° below (Knight, Physics for Scientists and Engineers,
+rotation of a rigid body, exercise on the athlete with a steel ball).
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Arm(SharedLoad):
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def arm(load: Arm, gravity: float, course: Course) -> LoadCycle:
-    """The load cycle at the joint, for one motor set.
+    """Load cycle at the joint.
 
     Parameters
     ----------
@@ -66,6 +66,11 @@ def arm(load: Arm, gravity: float, course: Course) -> LoadCycle:
         Acceleration of free fall [m/s^2].
     course
         How the joint turns, upward positive.
+
+    Returns
+    -------
+    LoadCycle
+        At the joint of one drive: speed [rad/s], torque [N*m], per segment its two ends.
 
     Raises
     ------

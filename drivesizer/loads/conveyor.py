@@ -57,7 +57,7 @@ class Conveyor(SharedLoad):
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def conveyor(load: Conveyor, gravity: float, course: Course) -> LoadCycle:
-    """The load cycle at the driven drum of one motor set.
+    """Load cycle at the driven drum.
 
     Parameters
     ----------
@@ -67,6 +67,11 @@ def conveyor(load: Conveyor, gravity: float, course: Course) -> LoadCycle:
         Acceleration of free fall [m/s^2].
     course
         How the belt moves.
+
+    Returns
+    -------
+    LoadCycle
+        At the driven drum of one drive: speed [rad/s], torque [N*m], per segment its two ends.
 
     Raises
     ------

@@ -39,7 +39,7 @@ class Profile:
 
     @property
     def distance(self) -> float:
-        """Way along the profile, there minus back [m or rad]."""
+        """Displacement over the profile [m or rad]."""
         return fsum((t1 - t0) * (v0 + v1) / 2 for t0, t1, v0, v1 in self.pieces())
 
     def pieces(self) -> Iterator[tuple[float, float, float, float]]:
@@ -83,17 +83,17 @@ class Course:
         place = np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
         start = place * shares[owner]
         end = np.where(place + 1 == pieces[owner], 1.0, (place + 1) * shares[owner])
-        at = np.stack([start, end], axis=1)
+        share = np.stack([start, end], axis=1)
         left = {name: getattr(self, name)[owner, :1] for name in ("position", "speed", "acceleration")}
         rise = {name: getattr(self, name)[owner, 1:] - left[name] for name in ("speed", "acceleration")}
         duration = self.duration[owner]
-        way = duration[:, None] * (left["speed"] * at + rise["speed"] * at**2 / 2)
+        travel = duration[:, None] * (left["speed"] * share + rise["speed"] * share**2 / 2)
         return Course(
             self.name,
             duration * (end - start),
-            left["position"] + way,
-            left["speed"] + rise["speed"] * at,
-            left["acceleration"] + rise["acceleration"] * at,
+            left["position"] + travel,
+            left["speed"] + rise["speed"] * share,
+            left["acceleration"] + rise["acceleration"] * share,
         )
 
     def cycle(
@@ -106,7 +106,7 @@ class Course:
         torque
             That the load takes at the shaft, its inertia included, at both ends of each segment [N*m].
         radius
-            Way of the load per angle of the shaft [m]; 1 where the load turns with it.
+            Travel of the load per angle of the shaft [m]; 1 where the load turns with it.
         inertia
             Of all that moves, seen at the shaft [kg*m^2].
         own
@@ -130,6 +130,6 @@ def course(profile: Profile) -> Course:
     else:
         slope = np.array(profile.acceleration)
         acceleration = np.stack([slope[:-1], slope[1:]], axis=1)
-    way = np.cumsum(duration * ends.mean(axis=1))
-    position = np.stack([np.concatenate([[0.0], way[:-1]]), way], axis=1)
+    travel = np.cumsum(duration * ends.mean(axis=1))
+    position = np.stack([np.concatenate([[0.0], travel[:-1]]), travel], axis=1)
     return Course(profile.name, duration, position, ends, acceleration).split()

@@ -9,7 +9,7 @@ than some 10 000 pieces (``torque_curved``).
 
 Worked examples: a fan takes 6.3 hp at a flow of 15 800 and 12.778 hp at 20 000 cubic feet a minute, flow as speed
 (Calculated Industries, Sheet Metal/HVAC Pro Calc, user's guide, fan law 3). A flywheel of 5.0 kg·m² at 60 rad/s comes
-to rest in 5.0 minutes by a friction of 1.0 N·m: on that ramp its shaft is asked for nothing (H. C. Verma, Concepts of
+to rest in 5.0 minutes by a friction of 1.0 N·m: on that ramp its shaft takes no torque (H. C. Verma, Concepts of
 Physics, rotational mechanics).
 """
 
@@ -53,7 +53,7 @@ class Fan(SharedLoad):
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def fan(load: Fan, gravity: float, course: Course) -> LoadCycle:
-    """The load cycle at the shaft of fan, pump or flywheel, for one motor set.
+    """Load cycle at the shaft of a fan, pump or flywheel.
 
     Parameters
     ----------
@@ -63,6 +63,11 @@ def fan(load: Fan, gravity: float, course: Course) -> LoadCycle:
         Acceleration of free fall [m/s^2].
     course
         How it turns.
+
+    Returns
+    -------
+    LoadCycle
+        At the shaft of one drive: speed [rad/s], torque [N*m], per segment its two ends.
 
     Raises
     ------

@@ -4,9 +4,8 @@ r"""A hoist, seen from its rope drum.
 
 lifts the load; upward is forward. With n falls the rope runs n times as fast and pulls with an n-th of F, so that the
 load moves by r/n per angle of the drum. The counterweight hangs against the load with as many falls (as a lift is roped
-2:1 on both sides), and both share one rope efficiency, which takes the unbalanced force: lifting divides by it, what
-comes back when lowering is multiplied by it (``stage_losses``). At rest the unbalanced weight remains, for motor or
-brake.
+2:1 on both sides), and both share one rope efficiency, which takes the unbalanced force: lifting divides by it,
+lowering multiplies by it (``stage_losses``). At rest the unbalanced weight remains, for motor or brake.
 A rope cannot push: a motion that would let it go slack is refused.
 
 Worked example: a cab of 1200 kg and a counterweight of 950 kg that rise 54 m in 3.0 min need
@@ -48,7 +47,7 @@ class Hoist(SharedLoad):
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def hoist(load: Hoist, gravity: float, course: Course) -> LoadCycle:
-    """The load cycle at the drum of one motor set.
+    """Load cycle at the drum.
 
     Parameters
     ----------
@@ -58,6 +57,11 @@ def hoist(load: Hoist, gravity: float, course: Course) -> LoadCycle:
         Acceleration of free fall [m/s^2].
     course
         How the load moves, upward positive.
+
+    Returns
+    -------
+    LoadCycle
+        At the drum of one drive: speed [rad/s], torque [N*m], per segment its two ends.
 
     Raises
     ------

@@ -27,12 +27,12 @@ class LoadModel(Section):
 
 
 class SharedLoad(LoadModel):
-    """A load that one motor set moves, or several alike."""
+    """A load that one drive moves, or several that share it equally."""
 
     kind: str
-    motors: Count = Field(default=1, description="motor sets that share the load alike; all figures are of the whole")
+    motors: Count = Field(default=1, description="drives that share the load equally; all figures are of the whole")
 
     @property
     def alike(self) -> int:
-        """How many motor sets are asked for what the load cycle says: all."""
+        """Number of drives that the load cycle applies to: all."""
         return self.motors

@@ -5,7 +5,7 @@ r"""A rack that a pinion moves, or a carriage that runs along a rack, seen from 
 at the pitch radius, through the efficiency of the toothing in either direction of power, and the inertia of pinion and
 shaft (``stage_losses``). Friction is nothing at rest.
 
-Worked examples: 820 kg along a level way in 1 s to 2 m/s, μ 0.1: 820 · 9.81 · 0.1 + 820 · 2 = 2.44 kN at the toothing;
+Worked examples: 820 kg on the level in 1 s to 2 m/s, μ 0.1: 820 · 9.81 · 0.1 + 820 · 2 = 2.44 kN at the toothing;
 300 kg upward in 0.27 s to 1.08 m/s: 300 · 9.81 + 300 · 4 = 4.1 kN (Atlanta Drive Systems, rack and pinion drives,
 calculation and selection).
 """
@@ -44,7 +44,7 @@ class RackPinion(SharedLoad):
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def rack_pinion(load: RackPinion, gravity: float, course: Course) -> LoadCycle:
-    """The load cycle at the pinion of one motor set.
+    """Load cycle at the pinion.
 
     Parameters
     ----------
@@ -54,6 +54,11 @@ def rack_pinion(load: RackPinion, gravity: float, course: Course) -> LoadCycle:
         Acceleration of free fall [m/s^2].
     course
         How it moves.
+
+    Returns
+    -------
+    LoadCycle
+        At the pinion of one drive: speed [rad/s], torque [N*m], per segment its two ends.
 
     Raises
     ------

@@ -2,7 +2,7 @@ r"""A recording of speed or position and of torque as the load: segments between
 
 .. math:: T = \frac{T_{rec} + J a}{N}
 
-a is the slope of the speed over each segment, N the motor sets that share the shaft. Speed and slope come from local
+a is the slope of the speed over each segment, N the drives that share the shaft. Speed and slope come from local
 parabolas, least squares through all samples within half the smoothing W of each sample and through three at least
 (none of its own at an end: the three nearest). So no difference is taken of differences of two samples.
 
@@ -58,12 +58,12 @@ class Recorded(SharedLoad):
 
     @property
     def shaft_inertia(self) -> float:
-        """Of what one motor set moves, as far as it is known, at the shaft [kg*m^2]."""
+        """Inertia that one drive moves, as far as it is known, at the shaft [kg*m^2]."""
         return self.inertia / self.motors
 
 
 def recorded(load: Recorded, path: Path) -> LoadCycle:
-    """The load cycle of a recording.
+    """Load cycle of a recording.
 
     Parameters
     ----------
@@ -71,6 +71,11 @@ def recorded(load: Recorded, path: Path) -> LoadCycle:
         The recording's fields.
     path
         The file that they name, from the folder of the spec.
+
+    Returns
+    -------
+    LoadCycle
+        At the shaft of one drive: a segment between each two samples.
 
     Raises
     ------
@@ -80,7 +85,7 @@ def recorded(load: Recorded, path: Path) -> LoadCycle:
         When the file is wrong, nothing moves in it, or a figure leaves the range of numbers that can be computed with.
     """
     found = columns(path, *_FORMS)
-    with np.errstate(all="ignore"):  # a figure beyond numbers is told by the load cycle
+    with np.errstate(all="ignore"):  # the load cycle refuses what is not finite
         speed = _speed(path, found, load.smoothing)
         duration = np.diff(found["time"])
         ends, torque = (np.stack([c[:-1], c[1:]], axis=1) for c in (speed, found["torque"]))

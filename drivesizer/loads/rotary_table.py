@@ -65,7 +65,7 @@ class RotaryTable(SharedLoad):
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def rotary_table(load: RotaryTable, gravity: float, course: Course) -> LoadCycle:
-    """The load cycle at the table's axis, for one motor set.
+    """Load cycle at the table's axis.
 
     Parameters
     ----------
@@ -75,6 +75,11 @@ def rotary_table(load: RotaryTable, gravity: float, course: Course) -> LoadCycle
         Acceleration of free fall [m/s^2].
     course
         How it turns.
+
+    Returns
+    -------
+    LoadCycle
+        At the table's axis of one drive: speed [rad/s], torque [N*m], per segment its two ends.
 
     Raises
     ------

@@ -8,8 +8,8 @@ and on top of either the drag of a preloaded nut and the inertia of the screw. e
 the same torque is lost in either direction. With e_b below 0 the screw is self-locking: the slide cannot turn it, and
 to lower a load the motor has to drive too, with a torque of :math:`|F| r |e_b|`; e_b is taken as it stands, not as 0.
 For a square thread e = tan λ / tan(λ + ρ) and e_b = tan(λ - ρ) / tan λ, lead angle λ and angle of friction ρ; there
-2 - 1/e makes lowering on a self-locking screw a few per cent too heavy. At rest the screw is asked for F r, a
-self-locking one for nothing.
+2 - 1/e makes lowering on a self-locking screw a few per cent too heavy. At rest the screw holds F r, a
+self-locking one nothing.
 
 Worked examples: 20 kN on a lead of 10 mm at 70 % efficiency: 20 000 · 0.010 / (2π · 0.7) = 45.5 N·m
 (engineeringprep.com, problem 516). A slide of 40 kg, μ 0.05, lead 15 mm, e = 0.9, with a nut preloaded by a third of
@@ -56,7 +56,7 @@ class Screw(SharedLoad):
     has_end: ClassVar[bool] = True
     kind: Literal["lead_screw", "ball_screw"]
     mass: Mass = Field(description="of the slide and what is on it")
-    lead: Length = Field(description="way per turn")
+    lead: Length = Field(description="travel per turn")
     efficiency: Share = Field(description="of screw and nut when it drives the slide")
     back_efficiency: BackEfficiency | None = Field(
         default=None, description="when the slide drives it; 2 - 1/efficiency where not given, below 0 is self-locking"
@@ -71,7 +71,7 @@ class Screw(SharedLoad):
 
 @np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def screw(load: Screw, gravity: float, course: Course) -> LoadCycle:
-    """The load cycle at the screw of one motor set.
+    """Load cycle at the screw.
 
     Parameters
     ----------
@@ -81,6 +81,11 @@ def screw(load: Screw, gravity: float, course: Course) -> LoadCycle:
         Acceleration of free fall [m/s^2].
     course
         How the slide moves.
+
+    Returns
+    -------
+    LoadCycle
+        At the screw of one drive: speed [rad/s], torque [N*m], per segment its two ends.
 
     Raises
     ------

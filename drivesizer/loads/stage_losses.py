@@ -62,6 +62,11 @@ def force_along(course: Course, load: OnIncline, gravity: float, moved: float) -
         Acceleration of free fall [m/s^2].
     moved
         What rubs and is accelerated, the load's mass among it [kg].
+
+    Returns
+    -------
+    array
+        Force at both ends of each segment [N], shape (segments, 2).
     """
     friction = load.friction_coefficient * moved * gravity * math.cos(load.incline) + load.friction_force
     climb = load.mass * gravity * math.sin(load.incline)
@@ -79,7 +84,7 @@ def through_stage(
     motors: int,
     drag: float = 0.0,
 ) -> LoadCycle:
-    """The load cycle at the shaft of one motor set.
+    """Load cycle at the shaft, with the losses of a stage.
 
     Parameters
     ----------
@@ -88,7 +93,7 @@ def through_stage(
     force
         That moves it against all that resists, its inertia included, at both ends of each segment [N].
     radius
-        Way of the load per angle of the shaft [m].
+        Travel of the load per angle of the shaft [m].
     efficiency
         Of the stage when the shaft drives the load and when the load drives the shaft; the latter below 0 where the
         shaft has to drive even then.
@@ -97,9 +102,14 @@ def through_stage(
     turning
         Inertia of what turns with the shaft [kg*m^2].
     motors
-        How many motor sets share all this alike.
+        Number of drives that share the load equally.
     drag
         Torque against the motion at the shaft, whatever the force [N*m].
+
+    Returns
+    -------
+    LoadCycle
+        At the shaft of one drive, cut where the direction of power changes.
     """
     forward, backward = efficiency
     ideal = course.cycle(force * radius, radius)

@@ -4,7 +4,7 @@ Weight on a lever: :math:`T = M \cos(φ_0 + φ)`. A chord over the time Δt is o
 :math:`M (ω^2 + |α|) Δt^2 / 8`; pieces with :math:`\sqrt{ω^2 + |α|} \, Δt \le` half a degree keep that to 1e-5 of M.
 No cycle is cut into more than some 10 000 pieces: beyond 13 turns they grow longer and the error with their square, to
 4e-3 of M at 10 degrees (some 270 turns); a cycle of more turns than that is refused. A lever that turns level to within
-1e-5 rad, which is nearer than files that round 90 degrees to 1.5708 rad tell, feels no weight.
+1e-5 rad, nearer than files that round 90 degrees to 1.5708 rad, feels no weight.
 """
 
 from __future__ import annotations
@@ -47,6 +47,11 @@ def weight_on_lever(lever: Lever, gravity: float, course: Course) -> tuple[Cours
         Acceleration of free fall [m/s^2].
     course
         How the lever turns.
+
+    Returns
+    -------
+    tuple
+        The course in finer segments, and the torque of the weight at both ends of each [N*m], shape (segments, 2).
 
     Raises
     ------

@@ -77,12 +77,12 @@ class Cylinders(Section):
 
 
 class WheeledVehicle(LoadModel):
-    """A vehicle on driven wheels, each with its own motor set."""
+    """A vehicle on driven wheels, each with its own drive."""
 
     axis: ClassVar[Axis] = "linear"
     kind: Literal["wheeled_vehicle"]
     mass: Mass = Field(description="whole vehicle, payload included")
-    driven_wheels: Count = Field(description="wheels with a motor set")
+    driven_wheels: Count = Field(description="wheels with a drive")
     wheel_diameter: Length
     rolling_resistance: Coefficient | None = Field(default=None, description="C_rr; or give sinkage")
     sinkage: Thickness | None = Field(default=None, description="sinking depth z of (4); or give rolling_resistance")
@@ -90,7 +90,7 @@ class WheeledVehicle(LoadModel):
     driven_share: Share | None = Field(
         default=None,
         description="of the weight that the driven wheels carry, for traction; all of it where not given. Casters and "
-        "other wheels carry the rest. A platform tells it by its places",
+        "other wheels carry the rest. A platform has it by the places of its wheels",
     )
     slope: Slope = default("0 deg", description="uphill positive")
     drag_area: Area = default("0 m^2", description="drag coefficient times frontal area")
@@ -109,17 +109,17 @@ class WheeledVehicle(LoadModel):
 
     @property
     def motors(self) -> int:
-        """How many motor sets share the load."""
+        """Number of drives that share the load."""
         return self.driven_wheels
 
     @property
     def alike(self) -> int:
-        """How many motor sets are asked for what the load cycle says: all."""
+        """Number of drives that the load cycle applies to: all."""
         return self.driven_wheels
 
 
 def wheeled_vehicle(load: WheeledVehicle, gravity: float, course: Course) -> LoadCycle:
-    """The load cycle at one driven wheel.
+    """Load cycle at one driven wheel.
 
     Parameters
     ----------
@@ -129,6 +129,11 @@ def wheeled_vehicle(load: WheeledVehicle, gravity: float, course: Course) -> Loa
         Acceleration of free fall [m/s^2].
     course
         How it moves.
+
+    Returns
+    -------
+    LoadCycle
+        At the driven wheel of one drive: speed [rad/s], torque [N*m], per segment its two ends.
 
     Raises
     ------
@@ -190,6 +195,11 @@ def held_by_a_wheel(load: WheeledVehicle, gravity: float) -> float:
         The vehicle; where its driven wheels stand is not known.
     gravity
         Acceleration of free fall [m/s^2].
+
+    Returns
+    -------
+    float
+        Largest force along the floor [N]; NaN without a coefficient of friction.
     """
     friction = math.nan if load.friction_coefficient is None else load.friction_coefficient
     share = 1.0 if load.driven_share is None else load.driven_share

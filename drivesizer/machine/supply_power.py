@@ -86,7 +86,7 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> Drive
 def way_of(spec: RobotSpec, cycle: LoadCycle) -> float:
     """How far a vehicle goes in a cycle [m]."""
     if isinstance(spec.load, WheelLoad):
-        return spec.load.way
+        return spec.load.distance
     if not isinstance(spec.load, WheeledVehicle):
         return nan
     return cycle.radius * float(np.abs(cycle.speed).mean(axis=1) @ cycle.duration)

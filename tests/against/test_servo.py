@@ -21,7 +21,7 @@ from drivesizer.control.drive_train import Regime, modes
 from drivesizer.control.validation import Validation
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.at_shaft import asked_of
+from drivesizer.load_cases.at_shaft import motion_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
@@ -264,7 +264,7 @@ def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_betwee
     spec = spec_of()
     one = chosen(spec)
     one = replace(one, motor=replace(one.motor, winding_time_constant=math.nan))
-    case, motor = closed_loop_run.run(spec, one, asked_of(spec)), one.motor
+    case, motor = closed_loop_run.run(spec, one, motion_of(spec)), one.motor
     assert not case.periodic and spec.supply.resistance is None
     current, R = float(case.out.figures["current"][0]), case.train.resistance
     R_th, heat = motor.thermal_resistance_winding + motor.thermal_resistance_housing, R * current**2

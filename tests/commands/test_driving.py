@@ -14,7 +14,7 @@ from drivesizer.control.path_following.runs import follow_all
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.platform_drive import driving, on_the_way, over_time
+from drivesizer.load_cases.platform_drive import driving, over_time, with_trajectory
 from drivesizer.load_cases.platform_wheels import load_cases
 from drivesizer.machine.supply_power import drive_power, together
 from drivesizer.sizing import explain, size
@@ -95,12 +95,12 @@ def test_sideways_and_diagonal():
     """Sideways all wheels turn as fast as ahead; on the diagonal two turn √2 times as fast and two stand."""
     level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg")
     aside = driving(
-        on_the_way(
+        with_trajectory(
             spec_of(level, PLATFORM, way("x: 0 m, y: 0 m, heading: 0 deg", "x: 0 m, y: 5 m, heading: 0 deg")), None
         )
     )
     slant = driving(
-        on_the_way(
+        with_trajectory(
             spec_of(level, PLATFORM, way("x: 0 m, y: 0 m, heading: 0 deg", "x: 5 m, y: 5 m, heading: 0 deg")), None
         )
     )
@@ -121,7 +121,7 @@ TURNING = way(
 def test_work_over_the_way_is_what_the_wheels_roll_off():
     """From rest to rest on a level floor no energy is left: all work goes into rolling, C_rr N r |ω| at each wheel."""
     level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg")
-    found = driving(on_the_way(spec_of(level, PLATFORM, TURNING), None))
+    found = driving(with_trajectory(spec_of(level, PLATFORM, TURNING), None))
     work = rolled = 0.0
     for wheel in found.wheels:
         c = wheel.cycle
@@ -138,7 +138,7 @@ def test_work_over_the_way_is_what_the_wheels_roll_off():
 
 
 def test_columns_over_time():
-    found = driving(on_the_way(spec_of(VEHICLE, PLATFORM, TURNING), None))
+    found = driving(with_trajectory(spec_of(VEHICLE, PLATFORM, TURNING), None))
     columns = over_time(found)
     time, heading = columns["time"][0], columns["heading"][0]
     assert (np.diff(time) >= 0.0).all() and time[-1] == pytest.approx(found.trajectory.total)
@@ -312,7 +312,7 @@ def test_three_motors_of_four_still_drive_the_way():
     """Straight on without wheel 2: t1 + t3 = t4 for no force aside, t1 + t4 = t3 for no moment: by the rear axle."""
     level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg").replace("rolling_resistance: 0.02", "rolling_resistance: 0")
     spec = spec_of(level, PLATFORM, AHEAD)
-    whole, left = (driving(on_the_way(spec, None, failed)) for failed in ((), (2,)))
+    whole, left = (driving(with_trajectory(spec, None, failed)) for failed in ((), (2,)))
     assert [w.number for w in left.wheels] == [1, 3, 4]
     most = {w.number: float(np.abs(w.cycle.torque).max()) for w in left.wheels}
     usual = float(np.abs(whole.wheels[0].cycle.torque).max())
@@ -339,7 +339,7 @@ def test_a_load_case_with_a_failed_motor_is_sized_for():
 )
 def test_what_cannot_be_driven_any_more(failed, told):
     with pytest.raises(InputError, match=told):
-        driving(on_the_way(spec_of(VEHICLE, PLATFORM, TURNING), None, failed))
+        driving(with_trajectory(spec_of(VEHICLE, PLATFORM, TURNING), None, failed))
 
 
 def test_omni_wheels_that_all_roll_ahead_hold_no_platform():
@@ -368,7 +368,7 @@ def test_the_spec_says_how_soft_the_loops_are(folder):
     soft = "  following: {speed_loop: P, speed_gain: 2 N*m*s/rad, slip_speed: 0.1 mm/s}\n"
     lag = 0.02 * 45.0 * 9.80665 * 0.0762 / 4 / 2.0 * 0.0762 * 12.0
     for more, behind in ((soft, lag), (soft.replace("P,", "PI,"), 0.0)):
-        found = driving(on_the_way(spec_of(level, PLATFORM, more, AHEAD), None))
+        found = driving(with_trajectory(spec_of(level, PLATFORM, more, AHEAD), None))
         assert found.trajectory.total == pytest.approx(12.0)
         run = follow_all(found, None)["kinematic model"]
         assert run.planned.posture[0, -1] - run.posture[0, -1] == pytest.approx(behind, rel=0.02, abs=lag / 10)

@@ -13,7 +13,7 @@ from drivesizer.control.path_following.deviation import deviation, extremes
 from drivesizer.control.path_following.following import follow, sampled
 from drivesizer.control.path_following.runs import drawn, follow_all
 from drivesizer.errors import InputError
-from drivesizer.load_cases.platform_drive import driving, on_the_way
+from drivesizer.load_cases.platform_drive import driving, with_trajectory
 from drivesizer.load_cases.platform_record import platform_of
 from drivesizer.output.report.figures.path import path_and_errors
 from drivesizer.platform.trajectory import Trajectory
@@ -75,7 +75,7 @@ EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "sps_following.yaml
 
 @pytest.fixture(scope="module")
 def example():
-    return driving(on_the_way(load_spec(EXAMPLE), None))
+    return driving(with_trajectory(load_spec(EXAMPLE), None))
 
 
 def test_figure_13_of_the_paper_is_in_the_examples(example):

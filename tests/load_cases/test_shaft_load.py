@@ -12,7 +12,7 @@ import pytest
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.at_shaft import asked_of, at_shaft, remaining_torque
+from drivesizer.load_cases.at_shaft import at_shaft, motion_of, remaining_torque
 from drivesizer.loads.course import Profile
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain, size
@@ -67,7 +67,7 @@ def test_a_rope_that_friction_would_slacken_pulls_with_nothing():
 def test_an_arm_s_weight_comes_with_its_angle():
     load = "{kind: arm, mass: 6 kg, length: 0.4 m, start_angle: 10 deg, friction_torque: 0.7 N*m}"
     spec = spec_of(f"load: {load}\n{TURN}")
-    shaft, profile = at_shaft(spec), asked_of(spec)
+    shaft, profile = at_shaft(spec), motion_of(spec)
     moment, start = 6.0 * G * 0.4, math.radians(10.0)
     assert shaft.rest_torque == pytest.approx(moment * math.cos(start))
     assert (shaft.forward_torque - shaft.backward_torque) / 2 == pytest.approx(0.7)
@@ -91,7 +91,7 @@ def test_a_fan_s_drag_comes_with_its_speed():
     spec = spec_of(f"load: {load}\n{FAN}")
     shaft = at_shaft(spec)
     assert (shaft.forward_torque, shaft.rest_torque) == pytest.approx((0.05, 0.0), abs=1e-12)
-    time, torque = remaining_torque(spec, asked_of(spec), shaft).T
+    time, torque = remaining_torque(spec, motion_of(spec), shaft).T
     assert np.interp([1.0, 2.0, 6.0, 14.5], time, torque) == pytest.approx([0.05, 0.2, 0.8, 0.0], abs=2e-5)
 
 
@@ -112,7 +112,7 @@ KINDS = [
 @pytest.mark.parametrize("kind", KINDS)
 def test_taken_apart_and_put_together_again_it_is_the_load_cycle(kind):
     spec = starter(kind)
-    shaft, profile, cycle = at_shaft(spec), asked_of(spec), load_cycle(spec)
+    shaft, profile, cycle = at_shaft(spec), motion_of(spec), load_cycle(spec)
     left = remaining_torque(spec, profile, shaft)
     middle = cycle.time.mean(axis=1)
     speed, torque, slope = (getattr(cycle, name).mean(axis=1) for name in ("speed", "torque", "acceleration"))
@@ -141,9 +141,9 @@ def test_the_closed_loop_takes_what_the_load_cycle_asks(kind, name):
     assert proof.series_units["speed"] == shown
     assert {c.name: c.status for c in proof.checks}["tracking_error"] == "pass"
     if kind == "arm":
-        said = next(said for said in proof.assumptions if "an arm's weight" in said)
-        told = float(re.search(r"([\d.]+)% of its largest off", said)[1]) / 100.0
-        assert weight_off(proof.series) <= told + 5e-5 and told < 0.01
+        sentence = next(one for one in proof.assumptions if "an arm's largest weight torque" in one)
+        stated = float(re.search(r"error of up to ([\d.]+)% of", sentence)[1]) / 100.0
+        assert weight_off(proof.series) <= stated + 5e-5 and stated < 0.01
 
 
 def weight_off(series):
@@ -161,7 +161,7 @@ def test_a_recorded_load_is_driven_along_its_own_motion(tmp_path):
     (tmp_path / "cycle.csv").write_text(f"time,speed,torque\ns,rad/s,N*m\n{rows}\n", encoding="utf-8")
     text = HEAD + "load: {kind: recorded, file: cycle.csv, inertia: 0.01 kg*m^2}\n"
     spec = read_spec(YamlSource(text, str(tmp_path / "load.yaml")))
-    asked, shaft = asked_of(spec), at_shaft(spec)
+    asked, shaft = motion_of(spec), at_shaft(spec)
     assert asked.top_speed == pytest.approx(8.0)
     left = remaining_torque(spec, asked, shaft)
     assert np.interp(time, *left.T) == pytest.approx(torque, abs=1e-6)

@@ -11,7 +11,7 @@ from drivesizer.control.closed_loop.run import run
 from drivesizer.control.closed_loop.set_up import prepared
 from drivesizer.control.engine import simulate
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.at_shaft import asked_of
+from drivesizer.load_cases.at_shaft import motion_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.uncertainty import sampled_closed_loop
 from drivesizer.search.uncertainty.options import Sampling
@@ -41,10 +41,10 @@ def arm() -> tuple[RobotSpec, DriveSet]:
 def test_a_batch_is_what_each_machine_does_alone(arm: tuple[RobotSpec, DriveSet]) -> None:
     spec, one = arm
     given = assumptions(spec)
-    nominal = run(spec, one, asked_of(spec))
+    nominal = run(spec, one, motion_of(spec))
     machines = [sampled_closed_loop.off(spec, one, given, values) for values in sample(given, 64, 5).values[:4]]
     assert len({machine[0].load.mass for machine in machines}) == 4  # type: ignore[union-attr]
-    made = [prepared(*machine, asked_of(machine[0]), nominal.controller) for machine in machines]
+    made = [prepared(*machine, motion_of(machine[0]), nominal.controller) for machine in machines]
     for ours, each in zip(sampled_closed_loop._simulated(made), made, strict=True):
         alone = simulate(each.drive, each.task, rows=0)
         for name in ("speed_error", "current", "rms_current", "gear_torque"):
@@ -54,7 +54,7 @@ def test_a_batch_is_what_each_machine_does_alone(arm: tuple[RobotSpec, DriveSet]
 def test_at_nominal_figures_the_checks_are_those_of_validation(arm: tuple[RobotSpec, DriveSet]) -> None:
     spec, one = arm
     given = assumptions(spec)
-    nominal = run(spec, one, asked_of(spec))
+    nominal = run(spec, one, motion_of(spec))
     (found,) = sampled_closed_loop._judged(
         nominal, [sampled_closed_loop.off(spec, one, given, np.array([a.nominal for a in given]))]
     )
@@ -73,7 +73,7 @@ def test_the_share_is_that_of_what_fails(arm: tuple[RobotSpec, DriveSet]) -> Non
     text = ARM.replace("nominal: 24 V", "nominal: 24 V, min: uniform(1 V; 24 V)")
     low = read_spec(YamlSource(text, "arm.yaml"))
     uncertain = assumptions(low)
-    asked = run(spec, one, asked_of(spec)).required("voltage_demand")
+    asked = run(spec, one, motion_of(spec)).required("voltage_demand")
     assert one.controller
     needed = asked / one.controller.max_duty + one.controller.voltage_drop
     values = sample(uncertain, 64, 1).values

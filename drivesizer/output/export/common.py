@@ -23,7 +23,7 @@ from drivesizer.control.drive_train import DriveTrain, drive_train, within_reach
 from drivesizer.control.loop_design import designed
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
-from drivesizer.load_cases.at_shaft import asked_of, at_shaft, remaining_torque
+from drivesizer.load_cases.at_shaft import at_shaft, motion_of, remaining_torque
 from drivesizer.load_cases.platform_wheels import load_cases
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.lever import Lever
@@ -237,7 +237,7 @@ def _lever(spec: RobotSpec) -> Lever | None:
 
 def _cycle(spec: RobotSpec, train: DriveTrain, lever: Lever | None) -> Cycle:
     """What is asked, and what the load takes over time: of a lever nothing, its weight goes with its angle."""
-    asked = asked_of(spec)
+    asked = motion_of(spec)
     within_reach(train, asked)
     left = np.empty((0, 2)) if lever else remaining_torque(spec, asked, at_shaft(spec))
     return Cycle(

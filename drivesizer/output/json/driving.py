@@ -59,7 +59,7 @@ def _wheel(wheel: Wheel) -> dict[str, Any]:
     grip = wheel.grip
     return {
         "number": wheel.number,
-        "requirements": {r.name: requirement(r) for r in wheel.asked},
+        "requirements": {r.name: requirement(r) for r in wheel.requirements},
         "force_on_the_floor_N": number(grip.demand) if grip else None,
         "grip_N": number(grip.limit) if grip else None,
         "at_time_s": number(grip.time) if grip else None,

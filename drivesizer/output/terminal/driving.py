@@ -100,7 +100,7 @@ def _wheels(found: Driving) -> Table:
     heads = [(head, "right") for _, head in _OF_A_WHEEL]
     table = tables.bare(("wheel", "right"), *heads, ("friction needed", "right"), title="Requirements at the wheels")
     for wheel in found.wheels:
-        required = {r.name: r.text for r in wheel.asked}
+        required = {r.name: r.text for r in wheel.requirements}
         table.add_row(str(wheel.number), *(required[name] for name, _ in _OF_A_WHEEL), _friction(wheel.grip, found))
     return table
 

@@ -137,7 +137,7 @@ def _one_by_one(case: RobotSpec) -> Iterator[RobotSpec]:
     load = case.load
     assert isinstance(load, WheelLoad)
     for number in load.numbers:
-        alone = wheel_load(load.cycle, load.motors, [number], load.way, load.of, load.rolling_torque)
+        alone = wheel_load(load.cycle, load.motors, [number], load.distance, load.of, load.rolling_torque)
         yield case.model_copy(update={"load": alone})
 
 
@@ -146,7 +146,7 @@ def _of_wheel(every: Wheels, case: RobotSpec, at: Mapping[int, float]) -> LoadCy
     load = case.load
     assert isinstance(load, WheelLoad)
     cycle = every(tuple(at[k] for k in sorted(at)))[load.numbers[0]]
-    moved = wheel_load(cycle, load.motors, load.numbers, load.way, load.of, load.rolling_torque)
+    moved = wheel_load(cycle, load.motors, load.numbers, load.distance, load.of, load.rolling_torque)
     return load_cycle(case.model_copy(update={"load": moved}))
 
 

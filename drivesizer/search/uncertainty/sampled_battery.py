@@ -122,4 +122,4 @@ def columns_of(
 
 def _travel(spec: Any, at: AtSamples) -> Any:
     """Distance that the machine travels in a cycle [m]."""
-    return spec.load.way if isinstance(spec.load, WheelLoad) else at.cycle.travel
+    return spec.load.distance if isinstance(spec.load, WheelLoad) else at.cycle.travel

@@ -20,7 +20,7 @@ from drivesizer.control.closed_loop.run import ClosedLoop, as_warm, run, without
 from drivesizer.control.closed_loop.set_up import Prepared, prepared
 from drivesizer.control.engine import Simulation, Task, simulate_many
 from drivesizer.errors import InputError
-from drivesizer.load_cases.at_shaft import asked_of
+from drivesizer.load_cases.at_shaft import motion_of
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.course import Profile
 from drivesizer.physics.back_emf import back_emf_constant
@@ -60,7 +60,7 @@ def loop_share(
     """
     if isinstance(spec.load, WheelLoad):
         return None
-    asked = asked_of(spec)
+    asked = motion_of(spec)
     nominal = run(spec, one, asked)
     each = max(samples // REPLICATES, 1)
     rows = (np.arange(REPLICATES)[:, None] * (len(values) // REPLICATES) + np.arange(each)).reshape(-1)
@@ -130,7 +130,7 @@ def _freed(one: Prepared, out: Simulation, nominal: ClosedLoop) -> Simulation:
 
 
 def _asked(nominal: ClosedLoop, spec: RobotSpec) -> Profile:
-    return nominal.profile if spec.motion == nominal.spec.motion else asked_of(spec)
+    return nominal.profile if spec.motion == nominal.spec.motion else motion_of(spec)
 
 
 def _simulated(made: Sequence[Prepared]) -> list[Simulation]:
