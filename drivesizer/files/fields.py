@@ -1,7 +1,8 @@
 """Types of a spec's fields: text with a unit in, SI float out, inside its range.
 
 Every quantity is read by the strict reader of ``units``. A motion is given in the terms of its load: along a line or
-about an axis. Which of the two it is comes with the validation (``context``), so that the line of a wrong unit is told.
+about an axis. Which of the two comes with the validation (``context``), so that an error has the line of the wrong
+unit.
 """
 
 from __future__ import annotations

@@ -73,7 +73,7 @@ def _objective(
     """What it is ranked by, as it is shown: the margin itself, not what makes less of it better."""
     if objective == "margin":
         least = float(smallest_margin(evaluation.checks)[index])
-        return (math.nan if math.isinf(least) else least), (OBJECTIVES[objective].told,)
+        return (math.nan if math.isinf(least) else least), (OBJECTIVES[objective].note,)
     if not isinstance(objective, str):
         figures = dict(evaluation.figures) | {"margin": smallest_margin(evaluation.checks)}
         value, missing = ranking.values(evaluation.catalog, evaluation.candidates, figures, objective)
@@ -84,7 +84,7 @@ def _objective(
     declared = OBJECTIVES[objective]
     if declared.over:
         return _summed({"motor": motor, "gearhead": gearhead}, declared.figure, declared.over)
-    return float(evaluation.figures[objective][index]), (declared.told,)
+    return float(evaluation.figures[objective][index]), (declared.note,)
 
 
 _TABLE = (

@@ -1,4 +1,4 @@
-"""What a spec says of its battery and of what else draws from it."""
+"""Sections of a spec on its battery and on further consumers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Count = Annotated[int, Field(ge=1, le=10_000)]
 
 
 class Run(Section):
-    """One line of a discharge table: what is held, and how long it lasts."""
+    """One line of a discharge table: a constant current or power, and how long it lasts."""
 
     current: Current | None = None
     power: Power | None = None
@@ -57,7 +57,7 @@ class OpenCircuit(Section):
 
 
 class Polarisation(Section):
-    """What adds to the resistance of a cell or block as a current goes on: one RC pair."""
+    """Polarisation of a cell or block under lasting current: one RC pair."""
 
     resistance: Resistance
     time_constant: Duration
@@ -67,8 +67,8 @@ class Battery(Section):
     """Cells or blocks in series and parallel: a part of a catalogue, its own figures, or both. Figures are of one."""
 
     part: str | None = Field(default=None, min_length=1, description="cell or block of a catalogue")
-    series: Count = Field(default=1, description="cells or blocks one behind the other")
-    parallel: Count = Field(default=1, description="strings side by side")
+    series: Count = Field(default=1, description="cells or blocks in series")
+    parallel: Count = Field(default=1, description="parallel strings")
     chemistry: Literal["lead-acid", "Li-ion", "LiFePO4"] | None = None
     nominal_voltage: Voltage | None = None
     charge_voltage: Voltage | None = None
@@ -106,7 +106,7 @@ class Battery(Section):
 
 
 class Consumer(Section):
-    """Something beside the drive that draws from the battery."""
+    """Consumer beside the drive that draws from the battery."""
 
     name: str = Field(min_length=1, max_length=60)
     power: Power = Field(description="of one, while it is on")
@@ -115,10 +115,10 @@ class Consumer(Section):
     time: Duration | None = Field(default=None, description="for which it is on in the mission, instead of duty")
     peak_power: Power | None = Field(default=None, description="of one; its power where not given")
     efficiency: Share = Field(default=1, description="of the converter that supplies it")
-    assumed: bool = Field(default=False, description="whether its figures are a guess, to be told as one")
+    assumed: bool = Field(default=False, description="whether its figures are assumed, and reported so")
 
     @model_validator(mode="after")
-    def _one_way(self) -> Consumer:
+    def _consistent(self) -> Consumer:
         if self.duty is not None and self.time is not None:
             raise ValueError("give duty or time, not both")
         if self.peak_power is not None and self.peak_power < self.power:

@@ -1,4 +1,4 @@
-"""What a spec may say of the closed loop: the controller's structure and gains, and how the machine is modelled."""
+"""Sections of a spec on the closed loop: the controller's structure and gains, and the model of the machine."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class CurrentLoop(Section):
 
 
 class VelocityLoop(Section):
-    """Gains of the velocity loop, or what they are designed for."""
+    """Gains of the velocity loop, or targets of their design."""
 
     kp: Gain | None = Field(default=None, description="proportional gain [A per rad/s at the motor]")
     ki: Gain | None = Field(default=None, description="integral gain [A per rad]")
@@ -33,11 +33,11 @@ class VelocityLoop(Section):
 class PositionLoop(Section):
     """The position loop; without this section there is none."""
 
-    kp: Gain | None = Field(default=None, description="speed asked for per angle that is missing [1/s]")
+    kp: Gain | None = Field(default=None, description="speed demand per position error [1/s]")
 
 
 class Feedforward(Section):
-    """What goes to the current beside the velocity loop; from the model where not given, 0 for none."""
+    """Current added to the velocity loop's; from the model where not given, 0 for none."""
 
     velocity: Gain | None = Field(default=None, description="[A per rad/s at the motor]")
     friction: Gain | None = Field(default=None, description="[A] in the direction of the speed")
@@ -85,7 +85,7 @@ class Control(Section):
 
 
 class Plant(Section):
-    """How the closed loop models the machine; rigid where nothing is said."""
+    """Model of the machine in closed loop; rigid where not given."""
 
     model: Literal["rigid", "two_mass"] = Field(default="rigid", description="two_mass: motor, shaft, load")
     stiffness: Stiffness | None = Field(default=None, description="of the shaft, seen at the load; else the belt's")

@@ -1,4 +1,4 @@
-"""What a spec says of how its platform is controlled on a way, and of what was measured there."""
+"""Sections of a spec on path following: controllers, floor and measured errors."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Name = Annotated[str, Field(min_length=1, max_length=60)]
 
 
 class Measured(Section):
-    """Largest errors of a real robot on the way, to be printed beside those that are simulated."""
+    """Largest errors measured with a real robot on the path, printed beside the simulated ones."""
 
     name: Name
     position: Length
@@ -35,7 +35,7 @@ class Measured(Section):
 
 
 class Following(Section):
-    """Controllers, floor and what is compared, for `drivesizer drive --follow`."""
+    """Controllers, floor and comparisons for `drivesizer drive --follow`."""
 
     speed_loop: Literal["PI", "P"] = Field(default="PI", description="of each driven wheel")
     speed_gain: Damping | None = Field(default=None, description="at a wheel; designed where not given")
@@ -46,7 +46,7 @@ class Following(Section):
         default=None, description="at a wheel; that at the controller's peak current where not given"
     )
     rotor_inertia: Inertia | None = Field(
-        default=None, description="of motor and gearhead at a wheel; that of the drive set where not given"
+        default=None, description="of motor and gearhead at a wheel; that of the drive where not given"
     )
     slip_speed: Speed = default("10 mm/s", description="at which a wheel's slip would meet the grip, at rest")
     creep: Coefficient = Field(default=0, description="what rolling adds to it, as a share of the rolling speed")

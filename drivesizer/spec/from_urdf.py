@@ -1,12 +1,12 @@
-r"""A spec to start from, out of a URDF: a vehicle by its wheels, or an arm by one joint.
+r"""A first spec from a URDF: a vehicle by its wheels, or an arm by one joint.
 
 Wheels are continuous joints with a limit whose link has a cylinder about the joint's axis, or a sphere. Any other
 machine is taken as an arm that one revolute joint swings, all joints beyond it at 0:
 
 .. math:: m = \sum m_n, \qquad J = \sum \left( a^T I_n a + m_n |a \times (r_n - p)|^2 \right)
 
-a axis and p place of the joint, r_n centre of mass and I_n inertia of each link that it carries. What a URDF does not
-say (times of the motion, friction, supply) is in the text with a remark.
+a axis and p place of the joint, r_n centre of mass and I_n inertia of each link that it carries. What a URDF lacks
+(times of the motion, friction, supply) is marked in the text.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ Array = NDArray[np.float64]
 _ALIKE = 0.01  # share by which wheels that are driven alike may differ
 _PARALLEL = 0.99  # of the axes of a wheel and of its cylinder
 _CENTRED = 1e-5  # m, of a centre of mass that lies on the axis
-_MOST_REACH = 20.0  # s, that a joint without an end is turned for
+_MOST_REACH = 20.0  # s of motion of a joint without limits
 
 
 class Carried(NamedTuple):
-    """All that a joint carries, the joints beyond it at 0."""
+    """Mass properties of all that a joint carries, the joints beyond it at 0."""
 
     mass: float  # kg
     lever: float  # m, from the joint's axis to the centre of mass
@@ -48,6 +48,11 @@ def spec_of(path: Path, joint: str | None = None) -> str:
         The URDF.
     joint
         A joint to take as an arm's; without it wheels, else the only revolute joint that has limits.
+
+    Returns
+    -------
+    str
+        YAML with comments.
 
     Raises
     ------
@@ -92,8 +97,8 @@ def _limits(robot: Robot, joint: Joint) -> tuple[float, float]:
 def _vehicle(robot: Robot, wheels: list[tuple[Joint, float]]) -> str:
     joints, radii = [joint for joint, _ in wheels], [radius for _, radius in wheels]
     if max(radii) - min(radii) > _ALIKE * max(radii):
-        told = ", ".join(f"{joint.name} {radius:g} m" for joint, radius in wheels)
-        raise InputError(f"{robot.file}: driven wheels of one size are expected, found radii {told}"[:300])
+        sizes = ", ".join(f"{joint.name} {radius:g} m" for joint, radius in wheels)
+        raise InputError(f"{robot.file}: driven wheels of one size are expected, found radii {sizes}"[:300])
     efforts, speeds = zip(*(_limits(robot, joint) for joint in joints), strict=True)
     mass = sum(link.mass for link in robot.links.values())
     inertia = max(carried(robot, joint).inertia for joint in joints)
@@ -109,7 +114,7 @@ def _vehicle(robot: Robot, wheels: list[tuple[Joint, float]]) -> str:
 
 
 def _chosen(robot: Robot, name: str | None) -> Joint:
-    """The joint that is taken as an arm's."""
+    """The joint of the arm."""
     if name is not None:
         if name not in robot.joints:
             raise InputError(f"--joint: {quoted(name)} is not in {robot.file}{nearest(name, robot.joints)}")
@@ -144,14 +149,27 @@ def _arm(robot: Robot, joint: Joint) -> str:
 
 
 def carried(robot: Robot, joint: Joint) -> Carried:
-    """Mass, lever, inertia and tilt of what a joint moves."""
+    """Mass, lever, inertia and tilt of the links that a joint moves.
+
+    Parameters
+    ----------
+    robot
+        Links and joints.
+    joint
+        The joint that moves them.
+
+    Returns
+    -------
+    Carried
+        In SI.
+    """
     places = _places(robot)
     place, turn = places[joint.child]
     axis = turn @ joint.axis
     mass, moment, inertia = 0.0, np.zeros(3), 0.0
     for name in _beyond(robot, joint.child):
-        link, (at, turned) = robot.links[name], places[name]
-        arm = at + turned @ link.centre - place
+        link, (position, turned) = robot.links[name], places[name]
+        arm = position + turned @ link.centre - place
         off = np.cross(axis, arm)
         mass, moment = mass + link.mass, moment + link.mass * arm
         inertia += float(axis @ turned @ link.inertia @ turned.T @ axis) + link.mass * float(off @ off)
@@ -166,10 +184,10 @@ def _places(robot: Robot) -> dict[str, tuple[Array, Array]]:
         name: (np.zeros(3), np.eye(3)) for name in robot.links if name not in above
     }
     for name in above:
-        chain, at = [], name
-        while at not in found:
-            chain.append(above[at])
-            at = above[at].parent
+        chain, link = [], name
+        while link not in found:
+            chain.append(above[link])
+            link = above[link].parent
         for joint in reversed(chain):
             place, turn = found[joint.parent]
             found[joint.child] = place + turn @ joint.place, turn @ joint.turn
@@ -177,7 +195,7 @@ def _places(robot: Robot) -> dict[str, tuple[Array, Array]]:
 
 
 def _beyond(robot: Robot, name: str) -> list[str]:
-    """A link and all that hang on it."""
+    """A link and all links beyond it."""
     found = [name]
     for link in found:
         found += [joint.child for joint in robot.joints.values() if joint.parent == link]
@@ -191,9 +209,9 @@ def _shown(value: float) -> str:
     return f"{value:.6g}"
 
 
-def _yaml(said: str) -> str:
+def _yaml(text: str) -> str:
     """A user's name inside a comment: on one line and printable."""
-    return quoted(said)[1:-1]
+    return quoted(text)[1:-1]
 
 
 def _name(robot: Robot) -> str:
@@ -262,7 +280,7 @@ _ARM = (
     + _TURNING
     + _TAIL
 )
-_TABLE = (  # what is balanced about its axis feels no gravity
+_TABLE = (  # a balanced load has no torque of gravity
     _HEAD
     + """load:
   kind: rotary_table

@@ -1,7 +1,6 @@
-"""What pydantic found wrong with a spec, as one line for the engineer who wrote it.
+"""Validation errors of a spec as one line: ``file:line: field: found; expected, example``.
 
-Form: ``file:line: field: found; expected, example``. The first fault in the file is told; how many more there
-are stands at the end.
+The first error in the file is reported, with the number of the others at the end.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from drivesizer.units import KINDS, noun
 
 __all__ = ["explained", "known_keys", "models_at"]
 
-# messages of validators that say themselves what was found
+# beginnings of validators' messages that state what was found
 _ALONE = (
     '"',
     "give",
@@ -42,19 +41,24 @@ def explained(
     Parameters
     ----------
     error
-        What pydantic raised.
+        As pydantic raised it.
     source
         The file that was validated.
     model
         The model it was validated against, for the known keys.
     data
-        What was validated, where it is not the file's data as a whole.
+        The validated data, where it is not all of the file's.
     at
-        Path to the part of the file that data was changed by: a load case.
+        Path to the part of the file that changed the data: a load case.
+
+    Returns
+    -------
+    str
+        The message, without a line break.
     """
     data = source.data if data is None else data
     faults = [(_path(dict(fault), data), dict(fault)) for fault in error.errors(include_url=False)]
-    # A misspelt key also leaves the right one missing: the misspelling is what to tell.
+    # A misspelt key also leaves the right one missing: the misspelling is reported.
     faults.sort(key=lambda pair: (pair[1]["type"] != "extra_forbidden", source.line(pair[0]) or 0))
     path, fault = faults[0]
     more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
@@ -63,7 +67,7 @@ def explained(
 
 
 def _changed(data: Any, at: Path_, path: Path_) -> bool:
-    """Whether the part of the file at a path holds the field that another path leads to."""
+    """Whether the part of the file at one path has the field of another path."""
     for step in at:
         data = data[step]
     return bool(at) and bool(path) and path[0] in data
@@ -80,7 +84,7 @@ def _path(fault: dict[str, Any], data: Any) -> Path_:
             if not absent:
                 continue
         path.append(step)
-    if fault["type"] == "value_error" and not path:  # what several fields do together names one of them
+    if fault["type"] == "value_error" and not path:  # an error of several fields names one of them
         named = str(fault["ctx"]["error"]).partition(":")[0]
         path = [named] if isinstance(data, dict) and named in data else []
     if fault["type"] == "union_tag_invalid":
@@ -127,7 +131,7 @@ def _brief(value: Any) -> Any:
 
 
 def _example(model: type[BaseModel], path: Path_, data: Any) -> str:
-    """What belongs into a missing field."""
+    """Example for a missing field."""
     owners = models_at(model, path[:-1], data)
     field = next((m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields), None)
     kinds = [part.kind for part in (field.metadata if field else []) if hasattr(part, "kind")]
@@ -149,12 +153,42 @@ def _some(model: type[BaseModel], path: Path_) -> str:
 
 
 def known_keys(model: type[BaseModel], path: Path_, data: Any) -> list[str]:
-    """The fields that are known at a path."""
+    """Names of the fields at a path.
+
+    Parameters
+    ----------
+    model
+        Model of the file.
+    path
+        Keys and indices from the top of the document.
+    data
+        The file's data; None where unknown.
+
+    Returns
+    -------
+    list[str]
+        In the order of the models.
+    """
     return list(dict.fromkeys(name for m in models_at(model, path, data) for name in m.model_fields))
 
 
 def models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[BaseModel]]:
-    """The models that may stand at a path; `kind` or `profile` decides between them."""
+    """Models of a path; `kind` or `profile` decides between them.
+
+    Parameters
+    ----------
+    model
+        Model of the file.
+    path
+        Keys and indices from the top of the document.
+    data
+        The file's data; None where unknown.
+
+    Returns
+    -------
+    list[type[BaseModel]]
+        More than one where the data does not decide.
+    """
     models: list[type[BaseModel]] = [model]
     for step in path:
         try:
@@ -170,7 +204,7 @@ def models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[BaseM
 
 
 def _is_named(model: type[BaseModel], data: dict[str, Any]) -> bool:
-    """Whether the field that tells models apart, kind or profile, names this one."""
+    """Whether the field that selects a model, kind or profile, names this one."""
     named = {key: model.model_fields[key] for key in ("kind", "profile") if key in model.model_fields}
     return any(data.get(key, field.default) in get_args(field.annotation) for key, field in named.items())
 

@@ -1,4 +1,4 @@
-"""What a spec says of a platform that is not quite as its robot model believes."""
+"""Section of a spec on errors of the robot model of a platform."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class UnknownPayload(Section):
 
 
 class Unknown(Section):
-    """How the platform differs from what its robot model believes, for following: true against believed."""
+    """Differences of the true platform from its robot model, for path following."""
 
     radius: Off | Each = Field(default=0, description="share by which wheels are larger, of all or of each")
     lever: Off = Field(default=0, description="share by which the wheels stand farther out")
@@ -42,9 +42,9 @@ class Unknown(Section):
     def record(self) -> Misjudged:
         """The same as a plain record, as the simulation takes it."""
         given = {name: getattr(self, name) for name in type(self).model_fields if name != "payload"}
-        told: dict[str, Any] = {
+        errors: dict[str, Any] = {
             name: tuple(value) if isinstance(value, list) else value for name, value in given.items()
         }
         carried = self.payload
         load = Payload(mass=carried.mass, x=carried.x, y=carried.y, height=carried.height) if carried else None
-        return Misjudged(**told, payload=load)
+        return Misjudged(**errors, payload=load)

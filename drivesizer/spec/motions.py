@@ -1,4 +1,4 @@
-"""The motions that a spec may ask for: one cycle, repeated, along a line or about an axis as the load moves."""
+"""Motions of a spec: one cycle, repeated, linear or rotary as the load is."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ __all__ = [
 
 class _Repeated(Section):
     rest_time: Pause = default("0 s", description="standing still at the end of the cycle")
-    there_and_back: bool = Field(default=False, description="the same back again, each way with its rest")
+    there_and_back: bool = Field(default=False, description="the same motion back, each with its rest")
 
 
 class Trapezoid(_Repeated):
@@ -51,7 +51,7 @@ class Trapezoid(_Repeated):
 
 
 class Triangle(_Repeated):
-    """Accelerate half the way, decelerate the other half, rest."""
+    """Accelerate over half the distance, decelerate over the other half, rest."""
 
     profile: Literal["triangle"]
     distance: Distance
@@ -72,7 +72,7 @@ class Harmonic(Section):
     """To and fro in a sine: position = -amplitude cos(2 pi t / period)."""
 
     profile: Literal["harmonic"]
-    amplitude: Distance = Field(description="half the way from end to end")
+    amplitude: Distance = Field(description="half the travel from end to end")
     period: Duration
 
 
@@ -107,7 +107,7 @@ class Csv(Section):
 
 
 class Track(Section):
-    """A way of the whole platform out of a file: each driven wheel's cycle follows from it."""
+    """A trajectory of the platform from a file: each driven wheel's load cycle follows from it."""
 
     profile: Literal["trajectory"] = "trajectory"
     trajectory: str = Field(
@@ -117,23 +117,23 @@ class Track(Section):
 
 
 class Waypoint(Section):
-    """Where the platform stands for a moment, or for a pause."""
+    """A posture at which the platform stops, with or without a pause."""
 
     x: Place
     y: Place
-    heading: Bearing | None = Field(default=None, description="along the way where not given")
+    heading: Bearing | None = Field(default=None, description="along the path where not given")
     pause: Pause = default("0 s")
 
 
 class Waypoints(Section):
-    """A way of the whole platform from point to point, as fast as the platform's limits allow."""
+    """A path of the platform from point to point, as fast as the platform's limits allow."""
 
     profile: Literal["waypoints"] = "waypoints"
     waypoints: Annotated[list[Waypoint], Field(min_length=2, max_length=10_000)]
 
 
 def _named(motion: Any) -> Any:
-    """A motion that names no profile is what it names first, else a trapezoid."""
+    """Add the profile of a motion that names none: by its field trajectory or waypoints, else a trapezoid."""
     if not isinstance(motion, dict):
         return motion
     own = next((key for key in ("trajectory", "waypoints") if key in motion), "trapezoid")

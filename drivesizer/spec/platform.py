@@ -1,4 +1,4 @@
-"""What a spec says of its platform, of the passages it must fit through, and of what it may weigh.
+"""Sections of a spec on its platform, the passages it must fit through, and its mass budget.
 
 Places are in the robot's frame: x forward, y to the left, the reference point at the origin; those of passages are in
 the world.
@@ -97,14 +97,14 @@ class PassageSection(Section):
     name: Name
     width: Length = Field(description="between the jambs")
     height: Length | None = Field(default=None, description="open above where not given")
-    depth: Thickness = default("0 mm", description="along the way through; 0 is a thin wall")
+    depth: Thickness = default("0 mm", description="in the direction of passage; 0 is a thin wall")
     heading_error: Small = default("0 deg", description="with which the robot must still fit")
     aside: Thickness = default("0 mm", description="by which it may run beside the middle")
     turns: bool = Field(default=False, description="whether it turns on the spot there")
     corner: Length | None = Field(default=None, description="width of a corridor at right angles into which it turns")
     x: Place | None = Field(default=None, description="of its middle in the world, for a trajectory")
     y: Place | None = None
-    direction: Bearing = default("0 deg", description="of the way through, in the world")
+    direction: Bearing = default("0 deg", description="of passage, in the world")
 
     @model_validator(mode="after")
     def _somewhere(self) -> PassageSection:
@@ -201,7 +201,7 @@ class Platform(Section):
 
     @property
     def height_known(self) -> bool:
-        """Whether it is said how high all of the mass is."""
+        """Whether the height of all masses is given."""
         return self.centre_of_mass.height is not None and all(p.height is not None for p in self.payloads)
 
 
@@ -214,13 +214,13 @@ class Item(Section):
 
 
 class Budget(Section):
-    """What the machine may weigh, and what it weighs beside the drive's parts and the payloads."""
+    """Permitted mass of the machine, and masses beside the drive's parts and the payloads."""
 
-    mass: Mass | None = Field(default=None, description="that all together may have")
+    mass: Mass | None = Field(default=None, description="permitted total")
     structure: Mass | None = Field(default=None, description="frame, wheels, covers; unknown where not given")
     others: Annotated[list[Item], Field(max_length=1000)] = Field(default_factory=list, description="equipment")
     drive_counts: bool = Field(
-        default=False, description="whether the mass that is moved follows from the budget, with the drive's own in it"
+        default=False, description="whether the moved mass follows from the budget, including the drive's own"
     )
 
     @model_validator(mode="after")

@@ -56,18 +56,18 @@ class RobotSpec(Section):
     environment: Environment = Field(default_factory=Environment)
     needs: Needs = Field(default_factory=Needs)
     mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
-    battery: Battery | None = Field(default=None, description="what feeds the machine; without it only the supply")
+    battery: Battery | None = Field(default=None, description="that feeds the machine; only the supply where not given")
     equipment: Annotated[list[Consumer], Field(max_length=100)] = Field(
-        default_factory=list, description="what else draws from the battery"
+        default_factory=list, description="further consumers on the battery"
     )
     platform: Platform | None = Field(default=None, description="of a wheeled vehicle: wheels, mass, room, limits")
-    budget: Budget | None = Field(default=None, description="what the machine may weigh")
+    budget: Budget | None = Field(default=None, description="of the machine's mass")
     control: Control = Field(default_factory=Control)
     plant: Plant = Field(default_factory=Plant)
     select: Select = Field(default_factory=Select)
     tolerances: Tolerances = Field(default_factory=Tolerances)
     cases: Annotated[list[Case], Field(max_length=100)] = Field(
-        default_factory=list, description="further load cases; a set must pass all"
+        default_factory=list, description="further load cases; a drive must pass all"
     )
 
     _source: YamlSource | None = PrivateAttr(default=None)
@@ -120,7 +120,7 @@ class RobotSpec(Section):
                 f"platform: {driven} of its wheels are driven; expected as many as load.driven_wheels, {wanted}"
             )
         if self.load.driven_share is not None:
-            raise ValueError("load.driven_share: the platform's places tell what each wheel carries; leave it out")
+            raise ValueError("load.driven_share: each wheel's share follows from the platform; leave it out")
         if not sum(payload.mass for payload in self.platform.payloads) < self.load.mass:
             raise ValueError("platform: expected payloads that leave some of load.mass, which includes them")
         return self
@@ -151,13 +151,13 @@ class RobotSpec(Section):
 
     @property
     def wants_encoder(self) -> bool:
-        """Whether counts, a resolution, a family or a part of an encoder are asked for; else it is a proposal."""
+        """Whether counts, resolution, family or part of an encoder are required; else the encoder is a proposal."""
         needs, choice = self.needs, self.select.encoder
         return any((needs.encoder_counts, needs.resolution_at_load, choice.min_counts, choice.family, choice.part))
 
     @property
     def accepts_all(self) -> bool:
-        """Whether all that comes back leaves the bus: it is stored, or lost in a battery or a brake resistor."""
+        """Whether all regenerated energy leaves the bus: stored, or lost in a battery or a brake resistor."""
         return (self.supply.accepts or ("all" if self.battery else "share")) == "all"
 
     @property
@@ -167,7 +167,7 @@ class RobotSpec(Section):
 
     @property
     def is_direct(self) -> bool:
-        """Whether there is to be no gearhead."""
+        """Whether the transmission is without a gearhead."""
         return self.transmission[0].kind == DIRECT
 
     def behind(self, gearhead: str) -> RobotSpec:
@@ -228,7 +228,7 @@ class RobotSpec(Section):
 
 
 def read_spec(source: YamlSource) -> RobotSpec:
-    """A spec from YAML that was read already.
+    """A spec from YAML source.
 
     Raises
     ------
@@ -240,7 +240,7 @@ def read_spec(source: YamlSource) -> RobotSpec:
     data, toleranced = taken(source)
     spec = _read(source, data)
     spec._toleranced = toleranced
-    for one in toleranced:  # a tolerance must not lead where the figure itself may not be
+    for one in toleranced:  # both ends must be values that the field may have
         for end, value in (("lowest", one.distribution.low), ("highest", one.distribution.high)):
             _reached(source, data, one, end, value)
     return spec
@@ -253,7 +253,7 @@ def _read(source: YamlSource, data: dict[str, Any]) -> RobotSpec:
 
 
 def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str, value: float) -> None:
-    """Refuse a tolerance of which an end is no value that the figure may have."""
+    """Refuse a tolerance with an end outside the range of the field."""
     changed = deepcopy(data)
     place: Any = changed
     for step in one.path[:-1]:
@@ -262,9 +262,9 @@ def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str
     try:
         _read(source, changed)
     except InputError as error:
-        told = re.sub(r'^\S+:\d+: (\S+: )?("[^"]*" )?', "", str(error))
-        said = f"{quoted(one.text)} is {one.shown(value)} at its {end}: {told}"
-        raise InputError(f"{source.where(one.path)}: {said}") from None
+        reason = re.sub(r'^\S+:\d+: (\S+: )?("[^"]*" )?', "", str(error))
+        text = f"{quoted(one.text)} is {one.shown(value)} at its {end}: {reason}"
+        raise InputError(f"{source.where(one.path)}: {text}") from None
 
 
 def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> RobotSpec:
@@ -278,7 +278,7 @@ def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> Robo
 
 
 def _case(source: YamlSource, whole: dict[str, Any], number: int) -> RobotSpec:
-    """The spec as one of its cases changes it, read as a spec of its own."""
+    """The spec changed by one of its cases, validated as a spec of its own."""
     case, data = whole["cases"][number], deepcopy(whole)
     del data["cases"]
     for section in _VARIED:
@@ -294,6 +294,6 @@ def load_spec(path: str | Path) -> RobotSpec:
     Raises
     ------
     InputError
-        When the file cannot be read or something in it is wrong: one line that says where and what.
+        When the file cannot be read or something in it is wrong: one line with place and reason.
     """
     return read_spec(read(Path(path)))

@@ -50,9 +50,11 @@ class Supply(Section):
     min: Voltage | None = Field(default=None, description="lowest voltage; nominal where not given")
     max: Voltage | None = Field(default=None, description="highest voltage; nominal where not given")
     resistance: Resistance | None = Field(default=None, description="of source and cables, in the closed loop")
-    current: Current | None = Field(default=None, description="what the supply can give to all motor sets")
-    power: Power | None = Field(default=None, description="what the supply can give to all motor sets")
-    regeneration: Part = Field(default=0, description="share of returned energy that is stored and had again; 0 none")
+    current: Current | None = Field(default=None, description="that the supply can deliver to all drives")
+    power: Power | None = Field(default=None, description="that the supply can deliver to all drives")
+    regeneration: Part = Field(
+        default=0, description="share of regenerated energy that is stored and used again; 0 none"
+    )
     accepts: Literal["all", "share"] | None = Field(
         default=None,
         description="all: the rest of it is lost as heat, in a battery or a brake resistor, as where a section battery "
@@ -85,7 +87,7 @@ class Environment(Section):
 
 
 class Margins(Section):
-    """How much every limit must exceed what is asked, by physics; the paper has its own factors."""
+    """Margins by which every limit must exceed the demand, by physics; the paper has its own factors."""
 
     torque: Allowance = Field(default=0, description="of gearhead torques, motor and controller currents, traction")
     speed: Allowance = Field(default=0, description="of motor, gearhead and encoder speeds, and of voltage")
@@ -93,13 +95,13 @@ class Margins(Section):
 
 
 class Mission(Section):
-    """What is done with the motion, for the closed loop."""
+    """Use of the motion, for the closed loop."""
 
     duration: Duration = Field(description="for which the cycle is repeated, rounded up to whole cycles")
 
 
 class Needs(Section):
-    """What the drive must offer beyond moving the load."""
+    """Requirements on the drive beyond moving the load."""
 
     encoder_counts: Annotated[int, Field(ge=1)] | None = Field(default=None, description="counts per motor turn")
     backlash_at_load: Angle | None = Field(default=None, description="lost motion of the gearhead, seen at the load")
@@ -118,7 +120,7 @@ class Needs(Section):
 
 
 class Case(Section):
-    """What differs in another load case; everything else is as the spec says."""
+    """Changes of a further load case; everything else is as in the spec."""
 
     name: str = Field(min_length=1, max_length=60)
     load: dict[str, Any] = Field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Which parts a spec allows, and what makes one set better than another to it."""
+"""Section of a spec on permitted parts and the objective of the ranking."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class ObjectiveKind:
-    """What sets can be ranked by: a sum of catalogue figures, or a figure that the load cycle makes."""
+    """An objective of ranking: a sum of catalogue figures, or a figure of the load cycle."""
 
     title: str
     kind: str  # of quantity
     unit: str  # of the trade
     figure: str = ""  # of the parts, that is summed; none: what ``search.columns.powered`` computes under this name
     over: tuple[str, ...] = ()  # motor, gearhead: the parts that it is summed over
-    told: str = ""  # beside a value that is no sum: of what it is
+    note: str = ""  # beside a value that is no sum: its meaning
     more_is_better: bool = False
-    by_waveform: bool = False  # bounds from moments and extremes do not tell it, only the current of each moment
+    by_waveform: bool = False  # needs the current over time, not moments and extremes alone
 
 
 _WHOLE = ("motor", "gearhead")
@@ -41,17 +41,17 @@ OBJECTIVES: dict[str, ObjectiveKind] = {
     "price": ObjectiveKind("price", "price", "EUR", "price", _WHOLE),
     "length": ObjectiveKind("length", "length", "mm", "length", _WHOLE),
     "power": ObjectiveKind("assigned power", "power", "W", "assigned_power", ("motor",)),
-    "energy": ObjectiveKind("energy per cycle", "energy", "J", told="all motor sets, per cycle", by_waveform=True),
+    "energy": ObjectiveKind("energy per cycle", "energy", "J", note="all drives, per cycle", by_waveform=True),
     "joule_heat": ObjectiveKind(
-        "heat of the winding", "power", "W", told="of the motor's winding, mean", by_waveform=True
+        "heat of the winding", "power", "W", note="of the motor's winding, mean", by_waveform=True
     ),
-    "peak_current": ObjectiveKind("peak current", "current", "A", told="the motor's, in the worst case"),
+    "peak_current": ObjectiveKind("peak current", "current", "A", note="the motor's, in the worst case"),
     "winding_temperature": ObjectiveKind(
-        "winding temperature", "temperature", "degC", told="peak over the periodic cycle, in the worst case",
+        "winding temperature", "temperature", "degC", note="peak over the periodic cycle, in the worst case",
         by_waveform=True,
     ),
     "margin": ObjectiveKind(
-        "smallest margin", "dimensionless", "%", told="smallest margin of all checks", more_is_better=True,
+        "smallest margin", "dimensionless", "%", note="smallest margin of all checks", more_is_better=True,
         by_waveform=True,
     ),
 }  # fmt: skip
@@ -83,14 +83,14 @@ else:
 
 
 class Weighted(Section):
-    """One of several objectives: its weight counts shares of the smallest value that any set has."""
+    """One of several objectives, weighted relative to the smallest value of all drives."""
 
     objective: Objective
     weight: Ratio
 
 
 class Select(Section):
-    """Which parts may be chosen, and what makes one set better than another."""
+    """Permitted parts, and the objective of the ranking."""
 
     catalogs: Names = Field(default=["maxon"])
     motor: Choice = Field(default_factory=Choice)
@@ -98,7 +98,7 @@ class Select(Section):
     encoder: EncoderChoice = Field(default_factory=EncoderChoice)
     controller: ControllerChoice = Field(default_factory=ControllerChoice)
     objective: Objective | Annotated[list[Weighted], Field(min_length=1, max_length=8)] = "mass"
-    unknown: Literal["allow", "reject"] = Field(default="allow", description="sets with a check that is unknown")
+    unknown: Literal["allow", "reject"] = Field(default="allow", description="drives with a check that is unknown")
 
     @property
     def is_restricted(self) -> bool:

@@ -1,4 +1,4 @@
-"""Figures with a tolerance, as an engineer writes them.
+"""Reader of figures with a tolerance.
 
 ===================================  ==================================================================
 ``45 kg +- 3 kg``, ``45 kg ± 5 %``   any value between, uniform; per cent are of the figure
@@ -36,8 +36,8 @@ _NAMES = {"name", "file", "part", "trajectory", "chemistry", "profile", "family"
 class Toleranced(NamedTuple):
     """A figure of the spec that carries a tolerance."""
 
-    path: Path_  # where it stands in the file
-    text: str  # as it is written there
+    path: Path_  # in the file
+    text: str  # as written there
     nominal: str  # the figure alone, as a text
     value: float  # nominal, SI
     distribution: Distribution  # SI
@@ -45,11 +45,11 @@ class Toleranced(NamedTuple):
     unit: str  # a listed one, in which it is shown
 
     def shown(self, value: float) -> str:
-        """A value of it as it is printed."""
+        """A value with its unit, for output."""
         return show(value, self.unit, self.kind)
 
     def as_text(self, value: float) -> str:
-        """A value of it as a spec would have it."""
+        """A value as a spec has it."""
         return f"{value!r} {KINDS[self.kind].si}".removesuffix(" 1")
 
 
@@ -59,19 +59,19 @@ class _Figure(NamedTuple):
 
 
 def has_tolerance(text: str) -> bool:
-    """Whether a text is written as a figure with a tolerance."""
+    """Whether a text has the form of a figure with a tolerance."""
     return any(pattern.fullmatch(text.strip()) for pattern in (_ENDS, _SHAPE)) or (
         _WIDTH.fullmatch(text.strip()) is not None and text.strip()[:1] in "+-.0123456789"
     )
 
 
 def taken(source: YamlSource) -> tuple[Any, tuple[Toleranced, ...]]:
-    """The data of a spec with nominal values only, and the figures that carry tolerances.
+    """Split a spec's data into nominal values and the figures with tolerances.
 
     Raises
     ------
     InputError
-        One line with file, line and field, where a tolerance makes no sense.
+        One line with file, line and field, where a tolerance is malformed.
     """
     places = [(path, text) for path, text in _texts(source.data, ()) if has_tolerance(text)]
     if not places:
@@ -112,6 +112,11 @@ def tolerance(text: str, path: Path_ = ()) -> Toleranced:
         As the table above has it.
     path
         Where it stands.
+
+    Returns
+    -------
+    Toleranced
+        With the distribution in SI.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The section ``tolerances`` of a spec: how many samples, how sure, and how far catalogue figures may be off."""
+"""Section ``tolerances`` of a spec: required confidence, samples, and tolerances of catalogue figures."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drivesizer.files.fields import Section, Share
 
 __all__ = ["FEWEST", "MOST", "GearheadTolerances", "MotorTolerances", "Tolerances"]
 
-FEWEST, MOST = 64, 1_000_000  # samples of a set
+FEWEST, MOST = 64, 1_000_000  # samples of a drive
 
 
 def _readable(text: object) -> object:
@@ -42,12 +42,12 @@ class GearheadTolerances(Section):
 
 
 class Tolerances(Section):
-    """How sure a drive must be, and how that is sampled."""
+    """Required confidence, and its sampling."""
 
     confidence: Share | None = Field(default=None, description="probability that no check fails, at least")
-    samples: Annotated[int, Field(ge=FEWEST, le=MOST)] = Field(default=8192, description="of each set")
+    samples: Annotated[int, Field(ge=FEWEST, le=MOST)] = Field(default=8192, description="of each drive")
     loop_samples: Annotated[int, Field(ge=0, le=10_000)] = Field(
-        default=64, description="of the best sets in closed loop, where a confidence is asked for; 0 for none"
+        default=64, description="of the best drives in closed loop, where a confidence is required; 0 for none"
     )
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = Field(default=1, description="the same seed, the same figures")
     motor: MotorTolerances = Field(default_factory=MotorTolerances)
@@ -55,7 +55,7 @@ class Tolerances(Section):
 
     @property
     def given(self) -> dict[tuple[str, str], str]:
-        """What stands in place of default classes, by part and figure."""
+        """Tolerances in place of the default classes, by part and figure."""
         parts = {"motor": self.motor, "gearhead": self.gearhead}
         return {
             (part, figure): text

@@ -22,7 +22,7 @@ from drivesizer.files.fields import (
 
 __all__ = ["DIRECT", "BeltStage", "DirectStage", "GearheadStage", "Pulleys", "Stage"]
 
-DIRECT = "direct"  # the kind of stage, and as catalogues list the lack of a gearhead
+DIRECT = "direct"  # the kind of stage, and the name of direct drive in catalogues
 
 
 class GearheadStage(Section):
@@ -65,7 +65,9 @@ class BeltStage(Section):
     efficiency: Share = Field(description="in either direction of power")
     inertia: Inertia = default("0 kg*m^2", description="of belt and pulleys, seen at the load's shaft")
     stiffness: Stiffness | None = Field(default=None, description="of the belt, seen at the load's shaft")
-    pulley_diameter: Length | None = Field(default=None, description="of the load's pulley; teeth tell it with pulleys")
+    pulley_diameter: Length | None = Field(
+        default=None, description="of the load's pulley; with pulleys it follows from the teeth"
+    )
     max_tension: Force | None = Field(default=None, description="permitted effective tension, with a known pulley")
     max_speed: Speed | None = Field(default=None, description="permitted belt speed, with a known pulley")
 
@@ -73,7 +75,7 @@ class BeltStage(Section):
     def _one_of_each(self) -> BeltStage:
         exactly_one(self, "ratio", "ratios", "pulleys")
         if self.pulleys is not None and self.pulley_diameter is not None:
-            raise ValueError("give pulleys or pulley_diameter, not both: the pulleys' teeth tell their diameters")
+            raise ValueError("give pulleys or pulley_diameter, not both: diameters of pulleys follow from their teeth")
         if self.pulleys is None and self.pulley_diameter is None and (self.max_tension or self.max_speed):
             raise ValueError("give pulley_diameter beside max_tension and max_speed")
         return self

@@ -1,8 +1,7 @@
-"""A URDF file as links and joints: what has mass and size, and what joins it.
+"""Reader of URDF files: links with mass and size, and joints.
 
-The XML is read by expat with everything refused that reaches beyond the file or makes it grow: no document type, so no
-entities; bounded size and depth. Convention of URDF: lengths in m, angles in rad, roll, pitch and yaw about the fixed
-axes; inertia about the centre of mass.
+expat parses the XML; document types, and so entities, are refused, size and depth are bounded. Convention of URDF:
+lengths in m, angles in rad, roll, pitch and yaw about the fixed axes; inertia about the centre of mass.
 """
 
 from __future__ import annotations
@@ -38,11 +37,11 @@ class Node:
     children: list[Node] = field(default_factory=list)
 
     def all(self, tag: str) -> Iterator[Node]:
-        """The elements of a name right below."""
+        """Children of a tag."""
         return (child for child in self.children if child.tag == tag)
 
     def first(self, tag: str) -> Node | None:
-        """The first of them, None without any."""
+        """First child of a tag; None without any."""
         return next(self.all(tag), None)
 
 
@@ -59,7 +58,7 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """What joins two links; limits NaN where the file has none."""
+    """Joint of two links; limits are NaN where the file has none."""
 
     name: str
     kind: str
@@ -108,7 +107,7 @@ def read_urdf(path: Path) -> Robot:
 
 
 def _tree(raw: bytes, path: Path) -> Node:
-    """The elements of a file; what is text between them is left out."""
+    """Elements of a file, without text between them."""
     top, open_, count = Node("", 0, {}), [], 0
     open_.append(top)
     parser = expat.ParserCreate()
@@ -132,8 +131,8 @@ def _tree(raw: bytes, path: Path) -> Node:
     except (expat.ExpatError, ValueError, LookupError) as error:
         if isinstance(error, InputError):
             raise
-        line, said = getattr(error, "lineno", 1), expat.ErrorString(getattr(error, "code", 0)) or "unknown encoding"
-        raise InputError(f"{path}:{line}: this is no XML ({said})") from None
+        line, reason = getattr(error, "lineno", 1), expat.ErrorString(getattr(error, "code", 0)) or "unknown encoding"
+        raise InputError(f"{path}:{line}: this is no XML ({reason})") from None
     return top.children[0]
 
 
@@ -147,16 +146,16 @@ def _named(found: list[tuple[Node, Link]] | list[tuple[Node, Joint]], what: str,
 
 
 def _a_tree(joints: dict[str, Joint], path: Path) -> None:
-    """Refuse a link with two parents, and links that hang on themselves."""
+    """Refuse a link with two parents, and closed chains."""
     above: dict[str, str] = {}
     for joint in joints.values():
         if joint.child in above:
             raise InputError(f"{path}:{joint.line}: link {quoted(joint.child)} hangs on two joints")
         above[joint.child] = joint.parent
     for joint in joints.values():
-        at, steps = joint.parent, 0
-        while at in above and steps <= len(above):
-            at, steps = above[at], steps + 1
+        link, steps = joint.parent, 0
+        while link in above and steps <= len(above):
+            link, steps = above[link], steps + 1
         if steps > len(above):
             raise InputError(f"{path}:{joint.line}: joint {quoted(joint.name)} is part of a ring; expected a tree")
 
@@ -196,7 +195,7 @@ def _inertia(inertial: Node, name: str, path: Path) -> Array:
 
 
 def _radii(link: Node, path: Path) -> Iterator[tuple[float, Array]]:
-    """Of cylinders (axis z of their own) and spheres, what touches before what is seen."""
+    """Radii of cylinders about their axis z and of spheres; collision shapes before visual ones."""
     for part in (*link.all("collision"), *link.all("visual")):
         shape = part.first("geometry")
         for kind in ("cylinder", "sphere") if shape else ():
@@ -241,7 +240,7 @@ def _origin(node: Node, path: Path) -> tuple[Array, Array]:
 
 
 def rotation(rpy: Array) -> Array:
-    """The turn of roll, pitch and yaw [rad] about fixed axes, as a matrix."""
+    """Rotation matrix of roll, pitch and yaw [rad] about fixed axes."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
     return np.array([
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],

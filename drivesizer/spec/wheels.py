@@ -1,4 +1,4 @@
-"""The wheels of a platform as a spec tells them: one by one, or by a layout.
+"""Section of a spec on the wheels of a platform: one by one, or by a layout.
 
 A wheel is placed by x and y, or by the columns of the paper's Table 1. All places are in the robot's frame: x forward,
 y to the left, the reference point at the origin.
@@ -21,7 +21,7 @@ Kind = Literal["mecanum", "omni", "fixed"]
 
 
 class WheelPlace(Section):
-    """One wheel: where it stands, how it rolls, whether it has a motor set."""
+    """One wheel: its place, its direction of rolling, and whether it is driven."""
 
     kind: Kind = Field(description="fixed: no rollers, held sideways; also one that is steered to an angle")
     x: Place | None = Field(default=None, description="of the contact point; or give distance and alpha")
@@ -115,7 +115,7 @@ Layout = Annotated[Mecanum | Differential | Omni, Field(discriminator="kind")]
 
 
 class CasterPlace(Section):
-    """A wheel that carries and follows."""
+    """A caster."""
 
     x: Place
     y: Place

@@ -223,7 +223,7 @@ def _refuse_unknown(place: Place, spec: YamlSource, path: Path_) -> None:
         if isinstance(step, int):
             if not isinstance(data, list) or step >= len(data):
                 found = len(data) if isinstance(data, list) else 0
-                raise place.error(f"entry {step + 1} does not exist; {spec.name} has {found} here")
+                raise place.error(f"entry {step + 1} does not exist, there are {found} in {spec.name}")
             data = data[step]
             continue
         known = _known(path[:n], spec.data)

@@ -169,8 +169,8 @@ LARGE = (
         (VARY + "lod.mass: [1 kg]\n", '"lod" is no field of a spec; the nearest is load'),
         (VARY + "load.mass.x: [1 kg]\n", '"x" is no field of load.mass'),
         (VARY + "motion.amplitude: [1 deg]\n", '"amplitude" is no field of motion'),  # of another profile
-        (VARY + "transmission[3].ratio: [1]\n", "entry 3 does not exist; robot.yaml has 2 here"),
-        (VARY + "cases[1].load.mass: [1 kg]\n", "entry 1 does not exist; robot.yaml has 0 here"),
+        (VARY + "transmission[3].ratio: [1]\n", "entry 3 does not exist, there are 2 in"),
+        (VARY + "cases[1].load.mass: [1 kg]\n", "entry 1 does not exist, there are 0 in"),
         (VARY + "load mass: [1 kg]\n", "is no field; expected one of"),
         (VARY + "select.catalogs: [maxon]\n", "expected them in the study's own list, catalogs"),
         (VARY + "load.mass: [30 kg, 3 m]\n", '[2]: "3 m": "m" is a unit of length, not of mass; expected mass'),
