@@ -1,4 +1,4 @@
-"""Values as cells of a table for other programs: no text that a spreadsheet computes, none that it cannot hold."""
+"""Values as cells of a table for other programs: no text that a spreadsheet would compute or cannot hold."""
 
 from __future__ import annotations
 
@@ -14,19 +14,24 @@ LONGEST = 32767  # letters that a cell of a spreadsheet holds
 # A spreadsheet computes a cell that begins so; some read the wide letters of East Asia alike. One that separates by
 # semicolon or tab, or does not know the quotes of a field, finds the start of a cell inside a text as well.
 _FORMULA = re.compile(r"^(?=[\t\n]| *[=+\-@＝＋－＠])|(?<=[;\t\n])(?= *[=+\-@＝＋－＠])")
-_HIDDEN = {"Cc", "Cs", "Cn"}  # control characters, halves of letters, what is no letter at all
-_TURNING = {*"\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"}  # show a text in another order than it has
+_HIDDEN = {"Cc", "Cs", "Cn"}  # control characters, surrogates, unassigned
+_TURNING = {*"\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"}  # change the displayed order of a text
 
 
 def visible(text: str, longest: int = LONGEST) -> str:
-    """A text with all that no reader could see spelled out, and cut where no cell would hold it.
+    """A text with invisible characters spelled out, cut to the length of a cell.
 
     Parameters
     ----------
     text
-        Of a spec, a catalogue or our own.
+        Any text.
     longest
-        Letters that are kept.
+        Characters that are kept.
+
+    Returns
+    -------
+    str
+        The text of a cell.
 
     Examples
     --------
@@ -43,7 +48,7 @@ def _hides(letter: str) -> bool:
 
 
 def csv_cell(value: Any) -> Any:
-    """A value as a cell of a CSV: a number stays one, unknown is empty, a text is nothing that would be computed.
+    """A value as a cell of a CSV: numbers unchanged, unknown empty, text never computed.
 
     >>> csv_cell(-2.5), csv_cell(math.nan), csv_cell("=1+1"), csv_cell("-1;=1+1")
     (-2.5, '', "'=1+1", "'-1;'=1+1")

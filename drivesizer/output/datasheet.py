@@ -1,4 +1,4 @@
-"""Parts as the report prints them: every known figure, how sure it is, and where it comes from."""
+"""Parts as data sheets: every known figure, its confidence and its source."""
 
 from __future__ import annotations
 
@@ -14,25 +14,52 @@ _NAMES = {"part", "family", "manufacturer"}  # in the heading already
 
 
 def datasheets(drive_set: DriveSet, catalog: Catalog) -> list[dict[str, Any]]:
-    """The known figures of each part of a set, those that are not quoted from a maker's document marked."""
+    """The known figures of each part of a drive, marked where not quoted from the maker.
+
+    Parameters
+    ----------
+    drive_set
+        The drive.
+    catalog
+        The catalogue of its parts.
+
+    Returns
+    -------
+    list of dict
+        A data sheet for each part, as of :func:`datasheet`.
+    """
     parts = {(section_of(part), part.part): part for part in drive_set.parts.values() if part is not None}  # each once
     return [datasheet(section, part, catalog) for (section, _), part in parts.items()]
 
 
 def datasheet(section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
-    """The known figures of one part, as its section's record."""
+    """The known figures of one part.
+
+    Parameters
+    ----------
+    section
+        Kind of part, as "motors".
+    part
+        Its record.
+    catalog
+        The catalogue that it is from.
+
+    Returns
+    -------
+    dict
+        Heading, rows of name, text and mark, source and notes.
+    """
     table = catalog.table(section)
     row = table.rows[part.part]
     source = catalog.sources[table.source[row]]
-    sure = catalog.confidence(section, row)
+    confidence = catalog.confidence(section, row)
+    names = [name for name in columns_of(section) if name in confidence and name not in _NAMES]
     return {
         "role": one_of(section),
         "part": part.part,
         "family": part.family,
         "maker": part.manufacturer,
-        "rows": [
-            _row(part, name, section, sure) for name in columns_of(section) if name in sure and name not in _NAMES
-        ],
+        "rows": [_row(part, name, section, confidence) for name in names],
         "source": ", ".join(text for text in (source.document, source.date) if text),
         "confidence": source.confidence,
         "url": source.url,
@@ -40,13 +67,13 @@ def datasheet(section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
     }
 
 
-def _row(part: Any, name: str, section: str, sure: dict[str, str]) -> dict[str, str]:
+def _row(part: Any, name: str, section: str, confidence: dict[str, str]) -> dict[str, str]:
     column, value = columns_of(section)[name], getattr(part, name)
     if column.kind.startswith("price") and value == value:
         text = f"{value:.2f} {column.unit}"  # to the cent, as money is
     else:
         text = value if column.kind == "text" else show(value, column.unit, column.kind, 6)
-    mark = "" if sure[name] == "quoted" else sure[name]
+    mark = "" if confidence[name] == "quoted" else confidence[name]
     return {"name": name.replace("_", " "), "text": text, "mark": mark}
 
 

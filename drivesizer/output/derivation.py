@@ -1,8 +1,8 @@
-"""Every requirement as mathematics: the printed form, the computed form, the numbers put in, the result.
+"""Requirements as mathematics: printed form, computed form, with numbers, result.
 
 The mathematics is typst source made of our own declarations and of numbers; no text of a spec or a catalogue
-enters it. ``python -m drivesizer.output.derivation > printed_failures.json`` tells anew which printed forms fail the
-unit check.
+enters it. ``python -m drivesizer.output.derivation > printed_failures.json`` renews the list of printed
+forms that fail the unit check.
 """
 
 from __future__ import annotations
@@ -66,6 +66,22 @@ def symbol(text: str) -> str:
 def quantity(value: float, unit: str, kind: str) -> str:
     """An SI value in a unit of its kind, as typst mathematics.
 
+    Parameters
+    ----------
+    value
+        In SI.
+    unit
+        The unit to show.
+    kind
+        Kind of quantity.
+
+    Returns
+    -------
+    str
+        Typst source.
+
+    Examples
+    --------
     >>> quantity(1.08e-6, "kg*m^2", "inertia")
     '1.08 dot 10^(-6) thin "kg·m²"'
     """
@@ -135,7 +151,7 @@ def _put_in(r: Requirement, expression: str) -> str:
 
 
 def _raised(expression: str) -> set[str]:
-    """Names that stand under an exponent: with its unit, such a figure needs brackets."""
+    """Names with an exponent: with its unit, such a figure needs brackets."""
     powers = (
         node.left
         for node in ast.walk(ast.parse(expression))

@@ -1,4 +1,4 @@
-"""A declared equation as people read it: text for the terminal, typst mathematics for the report.
+"""A declared equation as text for the terminal and typst mathematics for the report.
 
 The computed form is read from the function's own return expression, so that what is shown is what runs; the
 printed form is an expression in the declaration. Both are small Python expressions; one table of operators
@@ -58,7 +58,20 @@ def computed(declared: Equation) -> str:
 
 
 def symbol_text(name: str, *, paper: bool = False) -> str:
-    """A symbol for the terminal: ``M_rms_m`` -> ``M_rms/m``, ``eta_gear`` -> ``η_g`` (the paper's: ``η``)."""
+    """A symbol for the terminal.
+
+    Parameters
+    ----------
+    name
+        Of a term, as ``M_rms_m`` or ``eta_gear``.
+    paper
+        Whether with the paper's letters.
+
+    Returns
+    -------
+    str
+        As ``M_rms/m`` or ``η_g`` (the paper's: ``η``).
+    """
     name = (_PAPER if paper else {}).get(name) or _NAMES.get(name, name)
     head, _, tail = name.partition("_")
     tail = re.sub(r"_(m0?)$", r"/\1", tail)
@@ -67,7 +80,20 @@ def symbol_text(name: str, *, paper: bool = False) -> str:
 
 
 def symbol_typst(name: str, *, paper: bool = False) -> str:
-    """A symbol in typst mathematics: ``M_rms_m`` -> ``M_"rms/m"``."""
+    """A symbol in typst mathematics.
+
+    Parameters
+    ----------
+    name
+        Of a term, as ``M_rms_m``.
+    paper
+        Whether with the paper's letters.
+
+    Returns
+    -------
+    str
+        As ``M_"rms/m"``.
+    """
     head, _, tail = symbol_text(name, paper=paper).partition("_")
     head = {"υ": "upsilon", **{v: k for k, v in _GREEK.items()}}.get(head, f'"{head}"' if len(head) > 1 else head)
     return f'{head}_"{tail}"' if tail else head
@@ -76,6 +102,20 @@ def symbol_typst(name: str, *, paper: bool = False) -> str:
 def text(expression: str, *, paper: bool = False) -> str:
     """An expression on one line of text.
 
+    Parameters
+    ----------
+    expression
+        Python source of a formula.
+    paper
+        Whether with the paper's letters.
+
+    Returns
+    -------
+    str
+        The text.
+
+    Examples
+    --------
     >>> text("60 * V_nom / (pi * d * eta_speed)", paper=True)
     '60 V_nom / (π d η)'
     """
@@ -93,8 +133,24 @@ def text(expression: str, *, paper: bool = False) -> str:
 
 
 def typst(expression: str, *, paper: bool = False, values: dict[str, str] | None = None) -> str:
-    """An expression in typst mathematics; with values, the numbers put in.
+    """An expression in typst mathematics.
 
+    Parameters
+    ----------
+    expression
+        Python source of a formula.
+    paper
+        Whether with the paper's letters.
+    values
+        Typst source of each name's value, in place of its symbol.
+
+    Returns
+    -------
+    str
+        Typst source.
+
+    Examples
+    --------
     >>> typst("V_nom / t_acc")
     '(V_"nom") / (t_"acc")'
     """

@@ -1,6 +1,6 @@
-"""The parts of a set: as the report shows them, and as the list by which they are bought.
+"""The parts of a drive: as the report shows them, and as a list for ordering.
 
-What no catalogue says is left open here: an order number that its file made up, a price, a cable.
+What no catalogue gives is left open: an order number, a price, a cable.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class PartLine:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Total:
-    """What the lines of a list come to, as far as that is known."""
+    """A total of a parts list, as far as known."""
 
     name: str  # mass, price
     value: float  # kg, or in the currency
@@ -55,21 +55,26 @@ class Total:
     lacks: tuple[str, ...]  # roles that it leaves out, unknown
 
 
-def parts_list(found: DriveSet, catalog: Catalog, motor_sets: int) -> list[PartLine]:
-    """What a machine's drives are bought as: a line for each part of a set.
+def parts_list(found: DriveSet, catalog: Catalog, drives: int) -> list[PartLine]:
+    """The parts list of a machine: a line for each part of a drive.
 
     Parameters
     ----------
     found
-        The set; a role of which no part is known has a line as well, and so has a belt known by its ratio.
+        The drive; a role without a known part has a line as well, and so has a belt known by its ratio.
     catalog
-        Where its parts are from.
-    motor_sets
-        How many sets the machine has: one part of each role for each of them.
+        The catalogue of its parts.
+    drives
+        Number of drives of the machine.
+
+    Returns
+    -------
+    list of PartLine
+        In the order of the roles.
     """
-    lines = [_line(role, part, catalog, motor_sets) for role, part in found.parts.items()]
+    lines = [_line(role, part, catalog, drives) for role, part in found.parts.items()]
     if _bare_belt(found):
-        lines.insert(_behind_gearhead(found), PartLine(role="belt", said=_ratio(found), quantity=motor_sets))
+        lines.insert(_behind_gearhead(found), PartLine(role="belt", said=_ratio(found), quantity=drives))
     return lines
 
 
@@ -94,29 +99,42 @@ def _number(catalog: Catalog, part: Any) -> str:
 
 
 def ordered_as(part: str, order_number: str) -> str:
-    """A part as a buyer reads it: its order number, or its name and that no order number is known."""
+    """A part for ordering: its order number, or its name and that no order number is known.
+
+    Parameters
+    ----------
+    part
+        Its name in the catalogue.
+    order_number
+        The maker's; empty where unknown.
+
+    Returns
+    -------
+    str
+        The text.
+    """
     return f"{part}, {_MADE_UP}" if part and not order_number else part
 
 
-_MADE_UP = "no order number known"  # so a catalogue says that the name of a part is its own
+_MADE_UP = "no order number known"  # so a catalogue marks a part whose name is not the maker's
 _OF_BUYING = {"part", "mass", "price", "price_5", "price_20", "list_price"}
 _PRICES = (("price_20", 20), ("price_5", 5), ("price", 1), ("list_price", 1))  # field, and from how many pieces
 
 
 def _remarks(catalog: Catalog, part: Any) -> list[Note]:
-    """Notes on the part as a whole, or on what a buyer asks for."""
+    """Notes on the part as a whole, or on figures for ordering."""
     notes = catalog.notes_on(section_of(part), part.part)
     return [note for note in notes if not note.fields or _OF_BUYING & set(note.fields)]
 
 
 def _said_of(note: Note) -> str:
-    """A note with the figures that it is on, as far as they are a buyer's."""
+    """A note with the figures that it concerns, as far as they are for ordering."""
     on = ", ".join(name.replace("_", " ") for name in note.fields if name in _OF_BUYING)
     return f"{on}: {note.text}" if on else note.text
 
 
 def _priced(part: Any, quantity: int, known: dict[str, Source]) -> dict[str, Any]:
-    """The price that holds for so many pieces, with its source; nothing where none is known."""
+    """The price for a quantity, with its source; empty where none is known."""
     for name, pieces in _PRICES:
         if quantity >= pieces and name in known:
             source, unit = known[name], columns_of(section_of(part))[name].unit
@@ -132,6 +150,11 @@ def totals(lines: Sequence[PartLine]) -> list[Total]:
     ----------
     lines
         Of :func:`parts_list`.
+
+    Returns
+    -------
+    list of Total
+        Mass [kg], then prices.
     """
     found = [_total("mass", "kg", {line.role: line.quantity * line.mass for line in lines})]
     for currency in dict.fromkeys(line.currency for line in lines if line.currency):
@@ -147,7 +170,20 @@ def _total(name: str, unit: str, values: dict[str, float]) -> Total:
 
 
 def parts(found: DriveSet, catalog: Catalog) -> list[dict[str, str]]:
-    """A row for each part, and one for a belt of which only the ratio is known."""
+    """A row for each part, and one for a belt of which only the ratio is known.
+
+    Parameters
+    ----------
+    found
+        The drive.
+    catalog
+        The catalogue of its parts.
+
+    Returns
+    -------
+    list of dict
+        Role, family, part and words of each.
+    """
     rows = [_row(role, part, found, catalog) for role, part in found.parts.items()]
     if _bare_belt(found):
         rows.insert(_behind_gearhead(found), {"role": "Belt", "family": "", "part": "", "said": _ratio(found)})

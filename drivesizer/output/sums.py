@@ -1,4 +1,4 @@
-"""Figures of a set that more than one report prints: sums over its parts, and what it has of an objective."""
+"""Sums over the parts of a drive, for several kinds of report."""
 
 from __future__ import annotations
 
@@ -17,12 +17,25 @@ def price_of(drive_set: DriveSet) -> tuple[float, tuple[str, ...]]:
 
 
 def unknown_of(drive_set: DriveSet, known: tuple[str, ...]) -> tuple[str, ...]:
-    """The parts of a set that a sum does not cover."""
+    """The parts of a drive that a sum does not cover.
+
+    Parameters
+    ----------
+    drive_set
+        The drive.
+    known
+        Roles that the sum covers.
+
+    Returns
+    -------
+    tuple of str
+        The other roles.
+    """
     return tuple(name for name in drive_set.parts if name not in known)
 
 
 def not_in_mass(drive_set: DriveSet) -> tuple[str, ...]:
-    """What the mass of motor and gearhead leaves out, in words: with its figure where a data sheet has one."""
+    """The parts that the mass of motor and gearhead excludes, with their masses where known."""
     left = {name: drive_set.parts[name] for name in unknown_of(drive_set, drive_set.mass_of)}
     masses = {name: getattr(part, "mass", nan) for name, part in left.items()}
     return tuple(f"{name} {'not known' if isnan(m) else show(m, 'g', 'mass')}" for name, m in masses.items())

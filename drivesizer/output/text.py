@@ -1,7 +1,7 @@
 """Texts of the PDF report: cleaned, cut, and made breakable.
 
-Text of a spec or a catalogue is printed as it stands, letter for letter. Only what no reader could see, or what
-would run out of its column, is changed here.
+Text of a spec or a catalogue is printed letter for letter; only invisible characters, and words too long for a column,
+are changed.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from drivesizer.output.derivation import MATHEMATICS
 __all__ = ["clean", "cleaned", "margin", "minus", "short", "use"]
 
 _BREAK = "\u200b"  # zero width space: a line may end here
-_LONG = 40  # letters of a word that fit a line of text; narrower columns are minded by the template
+_LONG = 40  # characters of a word that fit a line of text; the template handles narrower columns
 
 
 def clean(text: str) -> str:
@@ -47,6 +47,20 @@ _RAW = {*MATHEMATICS, "svg"}  # made by us
 def short(text: str, longest: int = 60) -> str:
     """A text for a line that must not wrap.
 
+    Parameters
+    ----------
+    text
+        Any text.
+    longest
+        Characters to keep.
+
+    Returns
+    -------
+    str
+        The text, cut with an ellipsis.
+
+    Examples
+    --------
     >>> short("a long name", 8)
     'a long …'
     """

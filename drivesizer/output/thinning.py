@@ -1,4 +1,4 @@
-"""Fewer points of a long record or curve: what a figure or another program needs of it, its peaks among them."""
+"""Thinning of long records and curves that keeps their peaks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,12 @@ def extremes(values: NDArray[np.float64], most: int) -> NDArray[np.int64]:
     values
         A column; NaN counts as 0.
     most
-        How many to keep, the ends not counted.
+        Number to keep, without the ends.
+
+    Returns
+    -------
+    ndarray
+        Rising indices.
 
     Examples
     --------
@@ -40,7 +45,12 @@ def on_curves(columns: tuple[NDArray[np.float64], ...], most: int) -> NDArray[np
     columns
         Curves over the same points.
     most
-        How many points to keep at most: half of them evenly, the others at the extremes.
+        Largest number to keep: half of them evenly, the others at the extremes.
+
+    Returns
+    -------
+    ndarray
+        Rising indices.
     """
     count = len(columns[0])
     if count <= most:

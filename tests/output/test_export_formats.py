@@ -207,7 +207,7 @@ def remarks(raw):
 def test_a_file_says_which_limit_it_has_and_why(make, export):
     said = " ".join(remarks(make(export)))
     assert "effort is the peak torque, 3.344 N*m (gearhead, intermittent torque)" in said
-    assert f"bears {export.limits.continuous_torque.value:.5g} N*m (motor, nominal current)" in said
+    assert f"continuous torque, {export.limits.continuous_torque.value:.5g} N*m (motor, nominal current)" in said
     assert "unknown: motor, permissible speed" in said and "weight" not in said
 
 

@@ -1,6 +1,6 @@
-"""A sized set as a file that a simulator or a robot's software reads: one module per format.
+"""A sized drive as a file for a simulator or a robot's software: one module per format.
 
-``common`` has the figures that all of them need, seen from the driven shaft; nothing is computed twice.
+``common`` has the figures that all formats need, seen from the driven shaft.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["FORMATS", "Export", "Format", "accept", "export_of", "files", "write
 
 
 class Format(NamedTuple):
-    """A format: what it is, the module that makes it, the suffixes that its file may have."""
+    """A format: its name, its module, and the suffixes of its file."""
 
     said: str
     module: str
@@ -36,7 +36,14 @@ FORMATS = {
 
 
 def accept(form: str, path: Path) -> None:
-    """Refuse a format that is not known, or a target that cannot work, before time is spent.
+    """Refuse an unknown format or an impossible target, before time is spent.
+
+    Parameters
+    ----------
+    form
+        Name of a format.
+    path
+        The file to write.
 
     Raises
     ------
@@ -52,12 +59,26 @@ def accept(form: str, path: Path) -> None:
 
 
 def files(of: Export, form: str, path: Path) -> dict[Path, bytes]:
-    """The files of a format, by path: one, and of ros2_control also the controllers' parameters beside it.
+    """The files of a format: one, and for ros2_control also the controllers' parameters beside it.
+
+    Parameters
+    ----------
+    of
+        The drive.
+    form
+        Name of a format.
+    path
+        The file.
+
+    Returns
+    -------
+    dict of Path to bytes
+        Content by path.
 
     Raises
     ------
     InputError
-        When the format asks for a figure that is unknown, or a library that is not installed.
+        When the format needs a figure that is unknown, or a library that is not installed.
     """
     module = import_module(f"drivesizer.output.export.{FORMATS[form].module}")
     render: Callable[[Export], bytes] = module.render
@@ -69,6 +90,21 @@ def files(of: Export, form: str, path: Path) -> dict[Path, bytes]:
 
 
 def write(of: Export, form: str, path: Path) -> list[Path]:
-    """Write a set to a file of a format, whole or not at all; the paths."""
+    """Write a drive to a file of a format, whole or not at all.
+
+    Parameters
+    ----------
+    of
+        The drive.
+    form
+        Name of a format.
+    path
+        The file.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+    """
     accept(form, path)
     return put(files(of, form, path))

@@ -1,6 +1,6 @@
-r"""The figures of a set that every format needs, as one record.
+r"""The figures of a drive that every format needs, as one record.
 
-All of it is one motor set and its share of the load, seen from the driven shaft: a joint that turns by its angle.
+It holds one drive and its share of the load, seen from the driven shaft: a joint that turns by its angle.
 Convention: as in ``plant``; a torque of the load is positive when it resists forward motion.
 
 A gear's efficiency is in no format. Seen at the driven shaft with gears that drive, a motor torque M is K e M, and
@@ -42,40 +42,40 @@ __all__ = ["Cycle", "Export", "export_of"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cycle:
-    """What is asked of the driven shaft over one cycle, piecewise linear."""
+    """Motion and load of the driven shaft over one cycle, piecewise linear."""
 
     time: tuple[float, ...]  # s
     speed: tuple[float, ...]  # rad/s
     load_time: tuple[float, ...]  # s
-    load_torque: tuple[float, ...]  # N*m, what the load takes beyond inertia, friction and a weight on its lever
+    load_torque: tuple[float, ...]  # N*m, of the load beyond inertia, friction and a weight on its lever
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Export:
-    """One motor set, its controller and its share of the load; SI, NaN unknown."""
+    """One drive, its controller and its share of the load; SI, NaN unknown."""
 
     name: str  # of the machine
-    label: str  # of the set
+    label: str  # of the drive
     program: str
     parts: dict[str, str]  # by role: maker, family and part
     motor_sets: int  # of the machine
     train: DriveTrain
     inductance_known: bool
     controller: Gains | Cascade | None  # None: it cannot be designed, for the rotor's inertia is unknown
-    voltage: float  # V, what the motor can get at the lowest supply voltage
+    voltage: float  # V, available to the motor at the lowest supply voltage
     voltage_known: bool  # else it is the lowest supply voltage
     peak_current: float  # A, of the controller
     continuous_current: float
     limits: Limits
     heat: TwoBodies | None  # None: a figure is unknown
-    housing: float  # K, mean over the cycle repeated for ever; NaN unknown
-    rotor_loss: tuple[float, float]  # N*m and N*m*s/rad, what warms the housing; 0 where unknown
+    housing: float  # K, mean in periodic steady state; NaN unknown
+    rotor_loss: tuple[float, float]  # N*m and N*m*s/rad, losses that heat the housing; 0 where unknown
     ambient: float  # K
     elastic: bool  # the spec has two masses
-    lever: Lever | None  # this motor set's share of a load that gravity turns
+    lever: Lever | None  # this drive's share of a load that gravity turns
     gravity: float  # m/s^2
     cycle: Cycle
-    said: tuple[str, ...]  # what was assumed on the way
+    said: tuple[str, ...]  # assumptions
 
     @property
     def friction(self) -> float:
@@ -85,7 +85,7 @@ class Export:
 
     @property
     def load_friction(self) -> float:
-        """Dry friction of the load [N*m]: half of what forward and backward differ by."""
+        """Dry friction of the load [N*m]: half the difference of forward and backward."""
         return (self.train.forward_torque - self.train.backward_torque) / 2
 
     @property
@@ -147,19 +147,24 @@ class Export:
 
 
 def export_of(spec: RobotSpec, found: DriveSet) -> Export:
-    """The record of a set that a sizing found.
+    """The record of a drive that a sizing found.
 
     Parameters
     ----------
     spec
-        The machine; of a platform on its way the first of its load cases counts, a wheel.
+        The machine; of a platform the first of its load cases, a wheel.
     found
-        The set.
+        The drive.
+
+    Returns
+    -------
+    Export
+        SI, seen from the driven shaft.
 
     Raises
     ------
     InputError
-        When a figure is unknown without which nothing moves, or ``control`` asks for what no controller can do.
+        When a figure is unknown that every format needs, or ``control`` requires what no controller can do.
     """
     (_, case, spec), *_ = load_cases(spec)
     known = found.motor.rotor_inertia > 0.0
@@ -194,7 +199,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
 
 
 def _without_rotor(spec: RobotSpec, found: DriveSet) -> tuple[DriveTrain, None, list[str]]:
-    """The machine of a set whose rotor's inertia is unknown; no controller can be designed for it."""
+    """The drive train where the rotor's inertia is unknown; no controller can be designed for it."""
     any_rotor = replace(found, motor=replace(found.motor, rotor_inertia=1.0))
     train, said = drive_train(spec, any_rotor, 1e-3)
     lacking = "the rotor's inertia is unknown and left out; no controller is designed"
@@ -202,7 +207,7 @@ def _without_rotor(spec: RobotSpec, found: DriveSet) -> tuple[DriveTrain, None, 
 
 
 def _whose(case: str, spec: RobotSpec) -> list[str]:
-    """Which wheel's motion and load these are, where wheels have their own."""
+    """The wheel whose motion and load these are, where wheels have their own."""
     if not isinstance(spec.load, WheelLoad):
         return []
     return [f"motion and load are those of {case}; the other wheels have their own"]
@@ -219,7 +224,7 @@ def _loss(motor: dict[str, Any]) -> tuple[float, float]:
 
 
 def _housing(spec: RobotSpec, found: DriveSet, bodies: TwoBodies) -> float:
-    """Mean temperature of the housing where the cycle repeats for ever [K]; NaN where it is unknown or runs away."""
+    """Mean temperature of the housing in periodic steady state [K]; NaN where unknown or with thermal runaway."""
     cycle = set_cycle(spec, found)
     if not (bodies.known and cycle.known):
         return nan
@@ -228,7 +233,7 @@ def _housing(spec: RobotSpec, found: DriveSet, bodies: TwoBodies) -> float:
 
 
 def _lever(spec: RobotSpec) -> Lever | None:
-    """One motor set's share of a lever that feels its weight."""
+    """One drive's share of a lever with weight."""
     lever = spec.load.lever
     if lever is None or lever.moment(spec.environment.gravity) == 0.0:
         return None
@@ -236,13 +241,13 @@ def _lever(spec: RobotSpec) -> Lever | None:
 
 
 def _cycle(spec: RobotSpec, train: DriveTrain, lever: Lever | None) -> Cycle:
-    """What is asked, and what the load takes over time: of a lever nothing, its weight goes with its angle."""
-    asked = motion_of(spec)
-    within_reach(train, asked)
-    left = np.empty((0, 2)) if lever else remaining_torque(spec, asked, at_shaft(spec))
+    """Motion, and torque of the load over time: none of a lever, whose weight depends on its angle."""
+    motion = motion_of(spec)
+    within_reach(train, motion)
+    left = np.empty((0, 2)) if lever else remaining_torque(spec, motion, at_shaft(spec))
     return Cycle(
-        time=asked.time,
-        speed=tuple((np.array(asked.speed) / train.radius).tolist()),
+        time=motion.time,
+        speed=tuple((np.array(motion.speed) / train.radius).tolist()),
         load_time=tuple(left[:, 0].tolist()),
         load_torque=tuple(left[:, 1].tolist()),
     )

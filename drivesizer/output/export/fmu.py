@@ -29,7 +29,7 @@ from drivesizer.output.export.markup import document, text
 
 __all__ = ["parameters", "render"]
 
-_DATE = (1980, 1, 1, 0, 0, 0)  # the first that a zip can tell
+_DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip file can hold
 _DIGITS = 16  # of the digest in a name: 64 bits
 _SPACE = uuid.UUID("9c4b7d1e-1a44-5d0e-8a1b-2f0f3a6f5b10")  # of GUIDs of this program
 _UNITS: dict[str, dict[str, str]] = {
@@ -150,7 +150,7 @@ def _packed(files: dict[str, bytes]) -> bytes:
 
 
 def _at_first(described: Element) -> None:
-    """What is computed before the first step: all outputs; the format asks for the list."""
+    """What is computed before the first step: all outputs; the format requires the list."""
     structure = described.find("ModelStructure")
     assert structure is not None
     outputs = [unknown.attrib for unknown in structure.iter("Unknown")]

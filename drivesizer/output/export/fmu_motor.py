@@ -1,4 +1,4 @@
-r"""A motor set and its load as a simulator of its own: nothing but Python's library, so that an FMU can carry it.
+r"""A drive and its load as a simulator of its own, with Python's library only, as an FMU needs.
 
 .. math:: L \dot i = u - R i - k_e w, \quad
           \left(J_m + s \frac{J_l}{K}\right) \dot w = k i - M_f\,\mathrm{sgn}\,w - b w - s T(\mathrm{sgn}\,w)
@@ -31,7 +31,7 @@ FIGURES = {  # parameters: unit and meaning
     "rest_torque": ("N.m", "of the load without friction: weight"),
     "lever_torque": ("N.m", "of a weight on a lever that lies level; the three above have it at the shaft's angle 0"),
     "lever_angle": ("rad", "of the lever above the level line at the shaft's angle 0"),
-    "radius": ("m", "way of the load per angle of the driven shaft; 1 where it turns with it"),
+    "radius": ("m", "travel of the load per angle of the driven shaft; 1 where it turns with it"),
     "ambient": ("K", "temperature around the motor"),
     "winding_to_housing": ("K/W", "thermal resistance; 0: the winding stays at 25 degC"),
     "housing_to_ambient": ("K/W", "thermal resistance"),
@@ -106,53 +106,53 @@ class Drive:
         return self.shaft_speed * self.radius
 
     def advance(self, seconds: float) -> None:
-        """March under the inputs as they are, held."""
+        """Simulate with the inputs held."""
         count = min(_MOST, max(1, math.ceil(seconds / (_PART * self._shortest()))))
         for _ in range(count):
             self._step(seconds / count)
 
     def _hot(self) -> float:
-        """Resistance of the winding as warm as it is [ohm]."""
+        """Resistance of the winding at its temperature [ohm]."""
         if not self.winding_to_housing > 0.0:
             return self.resistance
         return self.resistance * (1.0 + _COPPER * (self.winding_temperature - _DATA))
 
     def _shortest(self) -> float:
-        """Shortest time constant: electrical, or of the rotor with what braking leaves of the load [s]."""
+        """Shortest time constant [s]: electrical, or mechanical with the load's inertia while braking."""
         R, k = self._hot(), self.torque_constant
         inertia = self.motor_inertia + self.load_inertia * self.efficiency / self.ratio**2
         mechanical = R * inertia / (k * self.back_emf_constant + R * self.motor_viscous)
         return min(self.inductance / R, mechanical) if self.inductance > 0.0 else mechanical
 
     def _step(self, h: float) -> None:
-        way = self._way()
-        i, w, angle = self._moved(h, way)
-        if w * way < 0.0:  # it comes to rest within the step: up to there, and the rest from standstill
-            share = self._stops(h, way)
-            i, _, angle = self._moved(share, way)
+        direction = self._direction()
+        i, w, angle = self._moved(h, direction)
+        if w * direction < 0.0:  # it comes to rest within the step: up to there, and the rest from standstill
+            share = self._stops(h, direction)
+            i, _, angle = self._moved(share, direction)
             self._settle(i, 0.0, angle, share)
-            way = self._way()
-            i, w, angle = self._moved(h - share, way)
+            direction = self._direction()
+            i, w, angle = self._moved(h - share, direction)
             h -= share
-            w = w if w * way >= 0.0 else 0.0
+            w = w if w * direction >= 0.0 else 0.0
         self._settle(i, w, angle, h)
 
-    def _stops(self, h: float, way: int) -> float:
-        """When the speed reaches 0, by halving."""
+    def _stops(self, h: float, direction: int) -> float:
+        """Time at which the speed reaches 0, by bisection."""
         low, high = 0.0, h
         for _ in range(_ROUNDS):
             middle = 0.5 * (low + high)
-            low, high = (low, middle) if self._moved(middle, way)[1] * way < 0.0 else (middle, high)
+            low, high = (low, middle) if self._moved(middle, direction)[1] * direction < 0.0 else (middle, high)
         return low
 
-    def _way(self) -> int:
+    def _direction(self) -> int:
         """Direction of motion for the next step: 1, -1, or 0 where friction holds."""
         w = self.motor_speed
         if w:
             return 1 if w > 0.0 else -1
-        for way in (1, -1):
-            if self._acceleration(self._flowing(self.current, 0.0), 0.0, self.shaft_angle, way) * way > 0.0:
-                return way
+        for direction in (1, -1):
+            if self._acceleration(self._flowing(self.current, 0.0), 0.0, self.shaft_angle, direction) * direction > 0.0:
+                return direction
         return 0
 
     def _flowing(self, i: float, w: float) -> float:
@@ -164,36 +164,36 @@ class Drive:
         return min(max(i, -most), most) if most > 0.0 else i
 
     def _lifted(self, angle: float) -> float:
-        """What the lever's weight has changed by since the shaft's angle 0 [N*m]."""
+        """Change of the lever's weight torque since the shaft's angle 0 [N*m]."""
         if not self.lever_torque:
             return 0.0
         return self.lever_torque * (math.cos(self.lever_angle + angle) - math.cos(self.lever_angle))
 
-    def _acceleration(self, i: float, w: float, angle: float, way: int) -> float:
+    def _acceleration(self, i: float, w: float, angle: float, direction: int) -> float:
         """Of the motor [rad/s^2], moving forward (1) or backward (-1)."""
         K, e = self.ratio, self.efficiency
-        motor = self.torque_constant * i - self.motor_friction * way - self.motor_viscous * w
-        load = (self.forward_torque if way > 0 else self.backward_torque) + self.load_torque + self._lifted(angle)
+        motor = self.torque_constant * i - self.motor_friction * direction - self.motor_viscous * w
+        load = (self.forward_torque if direction > 0 else self.backward_torque) + self.load_torque + self._lifted(angle)
         through = self.load_inertia * motor / K + self.motor_inertia * load  # has the sign of what the gears transmit
-        share = (1.0 / e if through * way > 0.0 else e) / K
+        share = (1.0 / e if through * direction > 0.0 else e) / K
         return (motor - share * load) / (self.motor_inertia + share * self.load_inertia / K)
 
-    def _rates(self, i: float, w: float, angle: float, way: int) -> tuple[float, float]:
+    def _rates(self, i: float, w: float, angle: float, direction: int) -> tuple[float, float]:
         flows, slope = self._cut(self._flowing(i, w)), 0.0
         if self.inductance > 0.0:
             slope = (self.voltage - self._hot() * flows - self.back_emf_constant * w) / self.inductance
             if self.most_current > 0.0 and abs(i) >= self.most_current and slope * i > 0.0:
                 slope = 0.0  # the controller holds it there
-        return slope, self._acceleration(flows, w, angle, way) if way else 0.0
+        return slope, self._acceleration(flows, w, angle, direction) if direction else 0.0
 
-    def _moved(self, h: float, way: int) -> tuple[float, float, float]:
+    def _moved(self, h: float, direction: int) -> tuple[float, float, float]:
         """Current, speed and angle of the shaft after a step."""
-        i, w = self.current, self.motor_speed if way else 0.0
+        i, w = self.current, self.motor_speed if direction else 0.0
         angle, turn = self.shaft_angle, h / self.ratio
-        a = self._rates(i, w, angle, way)
-        b = self._rates(i + 0.5 * h * a[0], w + 0.5 * h * a[1], angle + 0.5 * turn * w, way)
-        c = self._rates(i + 0.5 * h * b[0], w + 0.5 * h * b[1], angle + 0.5 * turn * (w + 0.5 * h * a[1]), way)
-        d = self._rates(i + h * c[0], w + h * c[1], angle + turn * (w + 0.5 * h * b[1]), way)
+        a = self._rates(i, w, angle, direction)
+        b = self._rates(i + 0.5 * h * a[0], w + 0.5 * h * a[1], angle + 0.5 * turn * w, direction)
+        c = self._rates(i + 0.5 * h * b[0], w + 0.5 * h * b[1], angle + 0.5 * turn * (w + 0.5 * h * a[1]), direction)
+        d = self._rates(i + h * c[0], w + h * c[1], angle + turn * (w + 0.5 * h * b[1]), direction)
         di, dw = (h / 6.0 * (a[n] + 2.0 * b[n] + 2.0 * c[n] + d[n]) for n in (0, 1))
         turned = h * w + h * h / 6.0 * (a[1] + b[1] + c[1])
         return i + di, w + dw, angle + turned / self.ratio

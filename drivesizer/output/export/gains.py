@@ -38,7 +38,7 @@ class TorqueLaw(NamedTuple):
 
 
 def torque_law(of: Export) -> TorqueLaw:
-    """The controller of a set as one law."""
+    """The controller of a drive as one law."""
     c, k, R = of.designed, of.train.torque_constant, of.train.resistance
     if isinstance(c, Cascade):
         p, q, v = c.velocity_kp, c.velocity_ki, c.position_kp

@@ -1,4 +1,4 @@
-"""What the formats with one joint and its limits say alike: the link behind it, the limits chosen, and why."""
+"""Shared by the formats with one joint and its limits: link, limits and their remarks."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ from drivesizer.output.export.limits import Limit
 from drivesizer.output.export.link import Link
 from drivesizer.output.export.markup import brief, number, remark, vector
 
-__all__ = ["BASE", "JOINT", "LINK", "inertial", "limited", "remarks"]
+__all__ = ["BASE", "JOINT", "LINK", "inertial", "limited", "one_of", "remarks"]
 
 BASE, LINK, JOINT = "base", "load", "shaft"
 
 
 def remarks(of: Export) -> list[str]:
-    """What a reader of the file must know, as sentences."""
+    """Remarks on the file, as sentences."""
     train, least = of.train, of.limits
-    way = f"; the load goes {brief(train.radius)} m per rad of it" if train.radius != 1.0 else ""
+    travel = f"; the load travels {brief(train.radius)} m per rad of it" if train.radius != 1.0 else ""
     said = [
         f"{of.label}; {of.program}. SI: kg, m, s, N, N*m, rad.",
-        f"One of {of.motor_sets} motor sets. The joint is the driven shaft{way}. Reduction {brief(train.ratio)}.",
-        f"effort is the peak torque, {_told(least.peak_torque, 'N*m')}: a simulator cuts at every instant, and the "
-        "accelerations that the set was sized for take more than it bears for ever. Watch the RMS yourself: for ever "
-        f"it bears {_told(least.continuous_torque, 'N*m')}.",
+        f"{one_of(of)}The joint is the driven shaft{travel}. Total ratio {brief(train.ratio)}.",
+        f"effort is the peak torque, {_shown(least.peak_torque, 'N*m')}: a simulator cuts at every instant, and the "
+        "accelerations of the cycle need more than the continuous torque. Check the RMS of other cycles against the "
+        f"continuous torque, {_shown(least.continuous_torque, 'N*m')}.",
         f"velocity is that at no load and the lowest supply voltage or what the parts permit for a short time, "
-        f"{_told(least.peak_speed, 'rad/s')}; for ever {_told(least.continuous_speed, 'rad/s')}. At that speed the "
+        f"{_shown(least.peak_speed, 'rad/s')}; continuous {_shown(least.continuous_speed, 'rad/s')}. At that speed the "
         "motor has no torque left: the corner of the two limits is not reached.",
         f"Gears: effort counts behind them, driving at an efficiency of {brief(train.efficiency)}. Braking, they help.",
         f"inertia, all seen at the shaft: load {brief(train.load_inertia)}, and rotor with gearhead input "
         f"{_rotor(of)}.",
-        *(f"Taken for granted: {line}." for line in of.said),
+        *(f"Assumed: {line}." for line in of.said),
     ]  # fmt: skip
     if of.constant_weight:
         said.append(f"Left out: a torque of {brief(of.constant_weight)} N*m against forward motion, the load's weight.")
@@ -45,13 +45,18 @@ def remarks(of: Export) -> list[str]:
     return said
 
 
+def one_of(of: Export) -> str:
+    """The sentence that the file is one of several drives; empty for one."""
+    return f"One of {of.motor_sets} drives. " if of.motor_sets > 1 else ""
+
+
 def _rotor(of: Export) -> str:
     if of.reflected_inertia == of.reflected_inertia:
         return f"{brief(of.reflected_inertia)} kg*m^2, for which the format has no place of its own"
     return "UNKNOWN and left out: what accelerates here needs less torque than the drive does"
 
 
-def _told(limit: Limit, unit: str) -> str:
+def _shown(limit: Limit, unit: str) -> str:
     if not limit.by:
         return "unknown"
     unknown = f"; unknown: {', '.join(limit.unknown)}" if limit.unknown else ""
@@ -65,7 +70,17 @@ def limited(of: Export) -> dict[str, str]:
 
 
 def inertial(parent: Element, found: Link, *, nested: bool) -> None:
-    """Mass, centre and inertia of a link; as attributes, or each in an element of its own."""
+    """Add mass, centre and inertia of a link.
+
+    Parameters
+    ----------
+    parent
+        Element of the link.
+    found
+        The link.
+    nested
+        Each figure in an element of its own, else as attributes.
+    """
     remark(parent, found.said)
     element, about = SubElement(parent, "inertial"), number(found.inertia)
     moments = {"ixx": about, "ixy": "0", "ixz": "0", "iyy": about, "iyz": "0", "izz": about}

@@ -45,12 +45,12 @@ _ELECTRICAL = {"voltage": "V", "peak_current": "A", "continuous_current": "A"}
 
 
 def render(of: Export) -> bytes:
-    """The file of a set."""
+    """The file of a drive."""
     return (as_text(document(of)) + "\n").encode("utf-8", "backslashreplace")
 
 
 def document(of: Export) -> dict[str, Any]:
-    """The figures of a set as plain data."""
+    """The figures of a drive as plain data."""
     return {
         "schema_version": SCHEMA_VERSION,
         "program": of.program,

@@ -1,9 +1,9 @@
-r"""What a set can give at the driven shaft: torque and speed, at their peak and for ever, and what sets each limit.
+r"""Limits of a drive at the driven shaft: peak and continuous torque and speed, with the limiting part.
 
 .. math:: T = K e\, k_t I \;\text{(motor, controller)}, \qquad T = i_b e_b\, T_g \;\text{(gearhead)}, \qquad w = w_m / K
 
-A torque is that of the motor's magnets behind gears that drive; friction is no part of it, since every simulator takes
-the friction of a joint away by itself. K whole reduction, e efficiency of gearhead and belt, b of the belt alone.
+A torque is that of the motor's magnets behind gears that drive, without friction, since every simulator subtracts
+the friction of a joint by itself. K total ratio, e efficiency of gearhead and belt, b of the belt alone.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ class Limit(NamedTuple):
     """The least of several limits."""
 
     value: float  # SI; NaN where none is known
-    by: str  # what sets it
-    unknown: tuple[str, ...]  # limits that the catalogue does not tell
+    by: str  # the limiting part and figure
+    unknown: tuple[str, ...]  # limits that are not in the catalogue
 
 
 class Limits(NamedTuple):
-    """What a set can give at the driven shaft of one motor set."""
+    """Limits of one drive at its driven shaft."""
 
     peak_torque: Limit  # N*m
     continuous_torque: Limit  # N*m
@@ -39,28 +39,33 @@ class Limits(NamedTuple):
 
 
 def limits(spec: RobotSpec, found: DriveSet, train: DriveTrain, voltage: float) -> Limits:
-    """Torque and speed at the driven shaft that a set bears.
+    """Peak and continuous torque and speed at the driven shaft.
 
     Parameters
     ----------
     spec, found, train
-        The machine, the set, and the drive train that they make.
+        The machine, the drive, and the drive train of both.
     voltage
-        What the controller can give the motor [V].
+        Available to the motor [V].
+
+    Returns
+    -------
+    Limits
+        SI.
     """
     per_ampere = train.torque_constant * train.ratio * train.efficiency
     behind = train.belt_ratio * train.belt_efficiency
     peak = {name: current * per_ampere for name, current in _peak_currents(found, train, voltage).items()}
-    lasting = {name: current * per_ampere for name, current in _continuous_currents(spec, found).items()}
+    continuous = {name: current * per_ampere for name, current in _continuous_currents(spec, found).items()}
     if found.gearhead.part != "direct":
         peak["gearhead, intermittent torque"] = found.gearhead.intermittent_torque * behind
-        lasting["gearhead, continuous torque"] = found.gearhead.continuous_torque * behind
+        continuous["gearhead, continuous torque"] = found.gearhead.continuous_torque * behind
     fastest = _speeds(found, train, voltage)
-    for_ever = fastest | {"gearhead, continuous input speed": found.gearhead.continuous_input_speed}
+    continuous_speeds = fastest | {"gearhead, continuous input speed": found.gearhead.continuous_input_speed}
     return Limits(
         _least(peak),
-        _least(lasting),
-        *(_least({n: w / train.ratio for n, w in of.items()}) for of in (fastest, for_ever)),
+        _least(continuous),
+        *(_least({n: w / train.ratio for n, w in of.items()}) for of in (fastest, continuous_speeds)),
     )
 
 
@@ -86,7 +91,7 @@ def _continuous_currents(spec: RobotSpec, found: DriveSet) -> dict[str, float]:
 
 
 def _speeds(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, float]:
-    """Highest speeds of the motor [rad/s]; the gears' idle friction is counted in that at no load."""
+    """Highest speeds of the motor [rad/s]; that at no load includes the gears' idle friction."""
     k, k_e, R = train.torque_constant, train.back_emf_constant, train.resistance
     motor, controller = found.motor, found.controller
     named = {

@@ -1,11 +1,12 @@
-r"""The link that a motor set moves: its axis, its mass and where that is, in a world whose z points up.
+r"""The link that a drive moves: axis, mass and centre of mass, in a world whose z points up.
 
 A load that gravity turns is a mass on its lever, so that the simulator's own gravity makes the torque
 
 .. math:: M \cos(\varphi_0 + \varphi), \qquad M = m g l s
 
-s is what the tilt of the axis leaves of the weight. The lever's level line lies along x; the axis is level but for its
-tilt, and turning forward raises the lever. Every other load turns about z, and its mass does not count.
+s is the share of the weight that acts across the tilted axis. The lever's level line lies
+along x; the axis is level but for its tilt, and turning forward raises the lever. Every other load turns about z, and
+its mass does not count.
 """
 
 from __future__ import annotations
@@ -29,18 +30,23 @@ class Link(NamedTuple):
     centre: Vector  # m, of mass, from the axis
     mass: float  # kg
     inertia: float  # kg*m^2 about its centre of mass, in every direction
-    said: str  # what a reader must know of it
+    said: str  # remark
 
 
 def link_of(of: Export, inertia: float) -> Link:
-    """The link of a set.
+    """The link of a drive.
 
     Parameters
     ----------
     of
-        The set.
+        The drive.
     inertia
-        All that the link is to have about the axis [kg*m^2].
+        Of the link about the axis [kg*m^2].
+
+    Returns
+    -------
+    Link
+        Axis, centre, mass and inertia.
     """
     lever = of.lever
     if lever is None:
@@ -49,7 +55,7 @@ def link_of(of: Export, inertia: float) -> Link:
     axis, up = _across(lever.share)
     along, high = lever.length * cos(lever.start), lever.length * sin(lever.start)
     about_centre = inertia - lever.mass * lever.length**2
-    said = "One motor set's share of the mass, where it is when the cycle starts: gravity makes its torque."
+    said = "One drive's share of the mass, at its position at the start of the cycle: gravity makes its torque."
     centre = (along, high * up[1], high * up[2])
     return Link(axis, centre, lever.mass, max(about_centre, LEAST_INERTIA), said)
 

@@ -1,4 +1,4 @@
-"""XML as every format here writes it: a tree with remarks, figures to twelve digits, names that are never markup."""
+"""XML of the formats: a tree with remarks, figures to twelve digits, escaped names."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def brief(value: float) -> str:
 
 
 def text(said: str) -> str:
-    r"""A user's text without what no XML may hold, each such sign as its code.
+    r"""A text with characters that XML forbids as their codes.
 
     >>> text("a\x00b")
     'a\\x00b'
@@ -40,8 +40,22 @@ def text(said: str) -> str:
 
 
 def identifier(said: str, otherwise: str = "drive") -> str:
-    """A text as a name that simulators take: letters, digits and underscores.
+    """A text as a name that simulators accept: letters, digits and underscores.
 
+    Parameters
+    ----------
+    said
+        Any text.
+    otherwise
+        The name where nothing is left of it.
+
+    Returns
+    -------
+    str
+        The name.
+
+    Examples
+    --------
     >>> identifier("SPS surveillance robot")
     'SPS_surveillance_robot'
     """

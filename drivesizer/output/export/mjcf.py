@@ -1,18 +1,18 @@
-"""MJCF: the set as MuJoCo's DC motor on a shaft that carries the load, and the designed controller on its board.
+"""MJCF: the drive as MuJoCo's DC motor on a shaft with the load, and the designed controller.
 
-MuJoCo 3.12 or later: there the motor's controller got its inputs. Inputs of the file, set at every step: angle, speed
-and torque ahead of the motor; torque of the load beyond friction, inertia and weight.
+MuJoCo 3.12 or later, the first whose DC motor has controller inputs. Inputs of the file, set at every step: reference
+angle, reference speed and feedforward torque of the motor; torque of the load beyond friction, inertia and weight.
 
-What MuJoCo has not is a gear's efficiency: that a load T takes T/e of a drive that drives, and e T of one that brakes.
+MuJoCo has no gear efficiency: a load T requires T/e while it is driven, and e T while it drives the motor.
 
-- A weight W takes either, by the way it goes, as (1/e + e)/2 of it and a dry friction of (1/e - e)/2 of it. On a lever,
-  where W goes with the angle, that friction is one of a plumb line (a tendon) from the mass to a point far above, whose
-  arm about the axis is that of the weight.
-- Inertia and friction of the load, and ctrl[3], take 1/e, as a drive feels them that drives. Where they brake the file
-  takes more current than the drive, by up to 1/e^2; ``ctrl`` has a place for what is missing, and the remarks its rule.
+- A weight W requires either, by the direction of motion, modelled as (1/e + e)/2 of it and a dry friction of
+  (1/e - e)/2 of it. On a lever, where W depends on the angle, that friction is one of a plumb line (a tendon)
+  from the mass to a point far above, whose arm about the axis is that of the weight.
+- Inertia and friction of the load, and ctrl[3], count with 1/e, as while driven. While they brake, the file takes more
+  current than the drive, by up to 1/e^2; ``ctrl`` has an input for the correction, and the remarks its rule.
 
-Of the two bodies of heat MuJoCo has the winding, on a housing that is as warm as it is in the mean when the cycle has
-repeated for ever. That is right for cycles that are short beside the housing's time constant.
+Of the two thermal bodies MuJoCo has the winding, on a housing at its mean temperature in periodic steady state. That
+holds for cycles that are short compared with the housing's time constant.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from xml.etree.ElementTree import Element, SubElement
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.output.export.common import Export
 from drivesizer.output.export.gains import TorqueLaw, lacking, torque_law
+from drivesizer.output.export.joint import one_of
 from drivesizer.output.export.link import LEAST_INERTIA, Link, Vector, far_above, link_of
 from drivesizer.output.export.markup import brief, document, number, remark, text, vector
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
@@ -34,11 +35,11 @@ _PER_PERIOD = 4  # steps in a period of the velocity loop: MuJoCo's is of first 
 _HARD = "0.9999 0.9999 0.001 0.5 2"  # its dry friction is a constraint, this is as hard as it gets
 _MOST_POINTS = 2000  # of the cycle in the file
 _ZERO_CELSIUS = 273.15
-_SHOWN = {"mass": "0", "contype": "0", "conaffinity": "0"}  # of a shape that is only looked at
+_SHOWN = {"mass": "0", "contype": "0", "conaffinity": "0"}  # of a shape that is for display only
 
 
 def render(of: Export) -> bytes:
-    """The file of a set."""
+    """The file of a drive."""
     law = torque_law(of)
     root = Element("mujoco", model=text(of.name))
     remark(root, f"{of.label}; {of.program}. SI: m, kg, s, N, N*m, rad, A, V.", *_remarks(of, law))
@@ -58,29 +59,29 @@ def render(of: Export) -> bytes:
 
 def _remarks(of: Export, law: TorqueLaw) -> list[str]:
     said = [
-        f"One of {of.motor_sets} motor sets. The joint is the driven shaft; the load goes {brief(of.train.radius)} m "
-        "per rad of it." if of.train.radius != 1.0 else f"One of {of.motor_sets} motor sets. The joint is the load's.",
-        f"ctrl, at every step: [0] angle [rad] and [1] speed w [rad/s] asked of the motor, {number(of.train.ratio)} "
-        f"times those of the shaft; [2] torque ahead [N*m], {_ahead(law)}; [3] torque of the load [N*m] beyond the "
-        "rest.",
+        f"{one_of(of)}The joint is the driven shaft; the load travels {brief(of.train.radius)} m "
+        "per rad of it." if of.train.radius != 1.0 else f"{one_of(of)}The joint is the load's.",
+        "ctrl, at every step: reference [0] angle [rad] and [1] speed w [rad/s] of the motor, "
+        f"{number(of.train.ratio)} times those of the shaft; [2] feedforward torque [N*m], {_ahead(law)}; "
+        "[3] torque of the load [N*m] beyond inertia, friction and weight.",
         'On plain voltage: input="voltage" in place of input and controller; then ctrl is [0] voltage, [1] load.',
-        *_gears_told(of),
-        "Controller: the designed one is sampled, answers a period late, and its integral rests at a limit; this one "
-        "is continuous and its integral does not rest.",
+        *_gear_remarks(of),
+        "Controller: the designed one is sampled, acts one period late, and stops its integral at a limit; this one "
+        "is continuous without anti-windup.",
         *(f"Controller: {line}." for line in lacking(of)),
         "act: the current [A], the last; before it the winding's rise over the ambient [K], where its heat is known.",
-        *_unlike_told(of.train),
+        *_constants_remarks(of.train),
         "A current beyond its limit is cut as torque; the winding's own current goes on.",
-        *(f"Taken for granted: {line}." for line in of.said),
+        *(f"Assumed: {line}." for line in of.said),
     ]  # fmt: skip
     if of.elastic:
         said.append("The spec's elastic shaft is left out: motor and load are one body here.")
-    said.append(_heat_told(of))
+    said.append(_heat_remark(of))
     return said
 
 
-def _unlike_told(train: DriveTrain) -> list[str]:
-    """What becomes of two constants that differ."""
+def _constants_remarks(train: DriveTrain) -> list[str]:
+    """Remark on different torque and back-EMF constants."""
     s = _unlike(train)
     if s == 1.0:
         return []
@@ -91,19 +92,19 @@ def _unlike_told(train: DriveTrain) -> list[str]:
     ]
 
 
-def _gears_told(of: Export) -> list[str]:
-    """What becomes of the gears' efficiency."""
+def _gear_remarks(of: Export) -> list[str]:
+    """Remarks on the efficiency of the gears."""
     e = of.train.efficiency
     weight = f"{brief(of.moment)} cos({brief(of.lever.start)} + angle) + " if of.lever else ""
     return [
-        f"MuJoCo has no efficiency of gears, here e = {brief(e)}: a load T takes T/e where the drive drives it and e T "
-        "where it drives the motor. The weight W of the load takes both, by the way it goes, here as (1/e + e)/2 of it "
-        "and a dry friction; inertia and friction of the load take 1/e. Where those two brake, the current of this "
-        f"file is too large: by up to 1/e^2, {brief(1.0 / e**2)}, in the gears' part of it.",
-        "To mend that, add to ctrl[3] at every step e (x(T) - x(W)) - (T - W): x(T) is T/e where T and the speed have "
-        "one sign, and e T where not; W is "
-        f"{weight}{brief(of.constant_weight)} N*m; T is what the gears transmit at that moment, "
-        f"W + {number(of.train.load_inertia)} qacc + {number(of.load_friction)} sign(qvel) + your own load, by the "
+        f"MuJoCo has no efficiency of gears, here e = {brief(e)}: a load T requires T/e where the drive drives it and "
+        "e T where it drives the motor. The weight W of the load has both, by the direction of motion, here as "
+        "(1/e + e)/2 of it and a dry friction; inertia and friction of the load have 1/e. Where those two brake, the "
+        f"current of this file is too large: by up to 1/e^2, {brief(1.0 / e**2)}, in the gears' part of it.",
+        "To correct this, add to ctrl[3] at every step e (x(T) - x(W)) - (T - W): x(T) is T/e where T and the speed "
+        "have one sign, and e T where not; W is "
+        f"{weight}{brief(of.constant_weight)} N*m; T is the torque of the gears at that instant, "
+        f"W + {number(of.train.load_inertia)} qacc + {number(of.load_friction)} sign(qvel) + any further load, by the "
         "shaft's qacc and qvel of the step before.",
     ]
 
@@ -114,29 +115,29 @@ def _ahead(law: TorqueLaw) -> str:
     return " + ".join(f"{number(gain)} {what}" for gain, what in terms if gain) or "0"
 
 
-def _heat_told(of: Export) -> str:
+def _heat_remark(of: Export) -> str:
     if of.heat is None:
         return "Thermal: a figure of the motor is unknown; the winding stays at 25 degC."
     if isnan(of.housing):
-        return "Thermal: the winding, on a housing that stays at the ambient temperature: what warms it is unknown."
+        return "Thermal: the winding, on a housing that stays at the ambient temperature: its losses are unknown."
     return (
         "Thermal: MuJoCo has one body, the winding. It starts on, and its ambient is, a housing of "
-        f"{brief(_celsius(of.housing))} degC, the mean when this cycle has repeated for ever, what friction and iron "
-        f"lose included; from cold it is {brief(_celsius(of.ambient))} degC (thermal, last figure) and slowly rises."
+        f"{brief(_celsius(of.housing))} degC, the mean in periodic steady state of this cycle, with losses of friction "
+        f"and iron; from cold it is {brief(_celsius(of.ambient))} degC (thermal, last figure) and slowly rises."
     )
 
 
 def _world(root: Element, of: Export) -> None:
     """A body that turns with the driven shaft."""
-    train, (mean, half) = of.train, _either_way(of)
+    train, (mean, half) = of.train, _by_direction(of)
     lost = 1.0 / train.efficiency - 1.0
     world = SubElement(root, "worldbody")
     body = SubElement(world, "body", name="load")
     found = link_of(of, train.load_inertia)
     friction = of.load_friction * (1.0 + lost) + half * abs(of.constant_weight) + train.friction * train.ratio
-    more = (mean - 1.0) * of.lever.mass if of.lever else 0.0  # kg, what the gears make of the weight beyond it
+    more = (mean - 1.0) * of.lever.mass if of.lever else 0.0  # kg, added to the weight by the gears
     armature = train.load_inertia * lost - (more * of.lever.length**2 if of.lever else 0.0)
-    remark(body, "The body is as it is: armature, and the mass of gears_loss, are what the gears add to it.")
+    remark(body, "The body is the load's own: armature, and the mass of gears_loss, are what the gears add to it.")
     turns = {"name": SHAFT, "type": "hinge", "axis": vector(found.axis), "frictionloss": number(friction)}
     SubElement(body, "joint", turns | {"armature": number(armature)} | _hard(of))
     remark(body, found.said)
@@ -170,8 +171,8 @@ def _plumb(root: Element, ends: dict[str, tuple[Element, Vector]], friction: flo
         SubElement(line, "site", site=name)
 
 
-def _either_way(of: Export) -> tuple[float, float]:
-    """Mean, and half the difference, of what a load takes driven and driving: (1/e + e)/2 and (1/e - e)/2."""
+def _by_direction(of: Export) -> tuple[float, float]:
+    """Mean, and half the difference, of the factors of a load driven and driving: (1/e + e)/2 and (1/e - e)/2."""
     e = of.train.efficiency
     return (1.0 / e + e) / 2.0, (1.0 / e - e) / 2.0
 
@@ -200,11 +201,11 @@ def _actuators(root: Element, of: Export, law: TorqueLaw) -> None:
     SubElement(actuator, "dcmotor", figures)
     remark(
         actuator,
-        "What the load asks for, positive against forward motion: weight that is the same everywhere, and ctrl[3].",
+        "Torque of the load, positive against forward motion: weight that is the same everywhere, and ctrl[3].",
     )
     grown = 1.0 / train.efficiency
     SubElement(actuator, "general", name=LOAD, joint=SHAFT, gaintype="fixed", gainprm=number(-grown),
-               biastype="affine", biasprm=f"{number(0.0 - of.constant_weight * _either_way(of)[0])} 0 0")  # fmt: skip
+               biastype="affine", biasprm=f"{number(0.0 - of.constant_weight * _by_direction(of)[0])} 0 0")  # fmt: skip
 
 
 def _thermal(of: Export) -> str:
@@ -229,7 +230,7 @@ def _celsius(kelvin: float) -> float:
 
 
 def _cycle(root: Element, of: Export) -> None:
-    """The cycle that is asked for, so that the file is all that it takes to drive it."""
+    """Add the required cycle, so that the file is complete."""
     cycle, custom = of.cycle, SubElement(root, "custom")
     columns = {"cycle_time": cycle.time, "cycle_speed": cycle.speed}
     if cycle.load_time:

@@ -9,10 +9,10 @@ With feedforward its output is p (w_r - w) + i \int (w_r - w) + f w_r. Its clamp
 carry the effort and what feedforward takes away: they are the joint's effort and f times its velocity.
 
 Names of parameters by version of ros2_controllers, as its pid_controller/src/pid_controller.yaml declares them (tags
-2.54.0, 4.42.1, 5.17.0, 6.9.0); those that a version does not declare it passes over:
+2.54.0, 4.42.1, 5.17.0, 6.9.0); a version ignores those that it does not declare:
 
-- u_clamp_max, u_clamp_min, antiwindup_strategy: from 4.27 (Jazzy) and 5.2 on. Before, as in all 2.x (Humble), the
-  integral alone is held, by i_clamp_max and i_clamp_min, whose default there, 0, leaves none of it.
+- u_clamp_max, u_clamp_min, antiwindup_strategy: from 4.27 (Jazzy) and 5.2 on. Before, as in all 2.x (Humble), only
+  the integral is limited, by i_clamp_max and i_clamp_min, whose default there is 0.
 - enable_feedforward: 4.x and 5.0, off by default. From 5.1 on feedforward is always on; in 2.x it takes a call of the
   service set_feedforward_control.
 
@@ -69,7 +69,7 @@ def controllers(of: Export) -> bytes:
     Raises
     ------
     InputError
-        When the gains ask for an angle: a position loop has no place in a velocity controller.
+        When there is a position loop, which a velocity controller cannot have.
     """
     law, train = torque_law(of), of.train
     if law.ki:
@@ -77,7 +77,7 @@ def controllers(of: Export) -> bytes:
     at_shaft = train.ratio**2 * train.efficiency
     most, feedforward = of.limits.peak_torque.value, law.per_speed * at_shaft
     held = most + abs(feedforward) * of.limits.peak_speed.value
-    said = [of.label, of.program, *lacking(of), *_REMARKS, *_rates_told(of)]
+    said = [of.label, of.program, *lacking(of), *_REMARKS, *_rate_remarks(of)]
     if law.per_acceleration or law.per_direction:
         said.append("feedforward of acceleration and friction is left out")
     head = "".join(f"# {_line(line)}\n" for line in said)
@@ -93,7 +93,7 @@ def _rate(of: Export) -> int:
     return max(1, round(1.0 / of.period))
 
 
-def _rates_told(of: Export) -> list[str]:
+def _rate_remarks(of: Export) -> list[str]:
     designed = 1.0 / of.period
     said = [
         f"p and i belong to a loop at {designed:.6g} Hz: where the controller manager does not run at update_rate they "
@@ -117,9 +117,9 @@ def _yaml(value: float) -> str:
 _NEAR = 1e-6  # of a rate: what is no whole number
 _REMARKS = (
     "u_clamp_max, u_clamp_min and antiwindup_strategy are of ros2_controllers 4.27 and 5.2 or later; older ones, "
-    "such as Humble's 2.x, pass over them and hold the integral by i_clamp_max and i_clamp_min",
+    "such as Humble's 2.x, ignore them and limit the integral by i_clamp_max and i_clamp_min",
     "enable_feedforward is of 4.x and 5.0; later feedforward is always on; 2.x: the service set_feedforward_control",
-    "the clamps hold what p and i make: the joint's effort, and what feedforward takes from it at the joint's velocity",
+    "the clamps limit p and i: the joint's effort, and the feedforward at the joint's velocity",
 )
 _PARAMETERS = """controller_manager:
   ros__parameters:

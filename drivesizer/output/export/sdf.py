@@ -1,4 +1,4 @@
-"""SDFormat 1.7, for Gazebo: one joint with the limits, friction and inertia that the set has at the load."""
+"""SDFormat 1.7, for Gazebo: one joint with the limits, friction and inertia of the drive at the load."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ VERSION = "1.7"  # the first with parent="world"; read by every Gazebo since
 
 
 def render(of: Export) -> bytes:
-    """The file of a set."""
+    """The file of a drive."""
     root = Element("sdf", version=VERSION)
     remark(root, *remarks(of), "SDFormat has no transmission: the reduction is in the figures alone.")
     model = SubElement(root, "model", name=identifier(of.name))
@@ -40,6 +40,6 @@ def _axis(joint: Element, of: Export, moved: Link) -> None:
     for name, value in {"lower": "-1e16", "upper": "1e16", **limited(of)}.items():
         SubElement(limit, name).text = value
     dynamics = SubElement(axis, "dynamics")
-    springs = {"spring_reference": 0.0, "spring_stiffness": 0.0}  # the format asks for them
+    springs = {"spring_reference": 0.0, "spring_stiffness": 0.0}  # required by the format
     for name, figure in {"damping": of.damping, "friction": of.friction, **springs}.items():
         SubElement(dynamics, name).text = number(figure)

@@ -1,6 +1,6 @@
-"""URDF: one joint with the limits, friction and inertia that the set has at the load, and its transmission.
+"""URDF: one joint with the limits, friction and inertia of the drive at the load, and its transmission.
 
-URDF asks for effort and velocity together: an unknown one cannot be written, and is refused.
+URDF requires both effort and velocity: an unknown one is refused.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ __all__ = ["render", "robot"]
 
 
 def render(of: Export) -> bytes:
-    """The file of a set."""
+    """The file of a drive."""
     root = robot(of)
     _transmission(root, of)
     return document(root)

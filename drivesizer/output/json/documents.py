@@ -1,4 +1,4 @@
-"""``--json``: the document that other programs rely on. null where a figure is unknown, never NaN."""
+"""``--json``: documents for other programs. null where a figure is unknown, never NaN."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SCHEMA_VERSION = 1
 
 
 def as_text(document: dict[str, Any]) -> str:
-    """A document as JSON text; what is unknown or without end is null."""
+    """A document as JSON text; unknown or unbounded figures are null."""
     return json.dumps(_known(document), allow_nan=False, ensure_ascii=False, indent=2)
 
 
@@ -38,7 +38,7 @@ def _known(value: Any) -> Any:
 
 
 def requirement(r: Requirement) -> dict[str, Any]:
-    """A requirement of the contract."""
+    """A requirement."""
     return {
         "symbol": r.symbol,
         "equation": r.equation,
@@ -95,7 +95,7 @@ def _result(checks: tuple[Check, ...]) -> dict[str, Any]:
 
 
 def _belt(found: DriveSet) -> dict[str, Any]:
-    """Ratio and efficiency; pulleys and belt, null where they are not out of the catalogues."""
+    """Ratio and efficiency; pulleys and belt, null where they are not from a catalogue."""
     drive = found.belt_drive
     return {
         "ratio": found.belt_ratio,
@@ -108,7 +108,7 @@ def _belt(found: DriveSet) -> dict[str, Any]:
 
 
 def drive_set(found: DriveSet) -> dict[str, Any]:
-    """One set of the contract."""
+    """One drive."""
     return {
         "rank": found.rank,
         "status": found.status,
@@ -138,12 +138,12 @@ def drive_set(found: DriveSet) -> dict[str, Any]:
 
 
 def _mass(row: MassRow) -> dict[str, Any]:
-    """A line of what the machine weighs."""
+    """A line of the masses of the machine."""
     return {"name": row.name, "number": row.number, "each_kg": number(row.each), "total_kg": number(row.total)}
 
 
 def _energy(budget: EnergyBudget) -> dict[str, Any]:
-    """What draws from the battery and what comes of it; null is unknown, and without end where nothing is drawn."""
+    """Consumers and figures of the battery; null is unknown, or unbounded where nothing is drawn."""
     return {
         "battery": budget.battery,
         "consumers": [

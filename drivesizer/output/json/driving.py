@@ -1,4 +1,4 @@
-"""The JSON document of a platform on its way."""
+"""The JSON document of a platform on its path."""
 
 from __future__ import annotations
 
@@ -18,7 +18,22 @@ __all__ = ["driving"]
 
 
 def driving(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]) -> dict[str, Any]:
-    """The document of ``drivesizer drive --json``."""
+    """The document of ``drivesizer drive --json``.
+
+    Parameters
+    ----------
+    found
+        The platform on its path.
+    chosen
+        The drive; None without one.
+    runs
+        Simulated path following, by name.
+
+    Returns
+    -------
+    dict
+        Plain data.
+    """
     return {
         "schema_version": SCHEMA_VERSION,
         "drivesizer": __version__,
@@ -34,10 +49,10 @@ def driving(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed
 
 
 def _measured(found: Driving) -> list[dict[str, Any]]:
-    """Errors that the spec says were measured on the way."""
+    """Measured errors that the spec states."""
     section = found.spec.platform
-    told = section.following.measured if section else []
-    return [{"name": one.name, "position_m": one.position, "heading_rad": one.heading} for one in told]
+    measured = section.following.measured if section else []
+    return [{"name": one.name, "position_m": one.position, "heading_rad": one.heading} for one in measured]
 
 
 def _run(run: Followed) -> dict[str, Any]:

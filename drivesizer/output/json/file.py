@@ -1,7 +1,7 @@
 """JSON: the document of ``drivesizer size --json`` with parts list and closed loop in it, for other programs.
 
 null where a figure is unknown, never NaN; figures are SI where the key names no other unit. The schema is in
-``json_schema``.
+``schema``.
 """
 
 from __future__ import annotations
@@ -24,9 +24,24 @@ MOST_SAMPLES = 2000  # of the time series: finer than a screen
 
 
 def render(result: SizingResult, validation: Validation | None, path: Path) -> dict[Path, bytes]:
-    """The file of a JSON report."""
+    """The file of a JSON report.
+
+    Parameters
+    ----------
+    result
+        The sizing.
+    validation
+        The closed loop, where it was simulated.
+    path
+        The file.
+
+    Returns
+    -------
+    dict of Path to bytes
+        Content by path.
+    """
     text = as_text(document(result, validation)) + "\n"
-    return {path: text.encode("utf-8", "backslashreplace")}  # half a letter, as a spec may have one, becomes \udxxx
+    return {path: text.encode("utf-8", "backslashreplace")}  # a lone surrogate, which a spec may have, becomes \udxxx
 
 
 def document(result: SizingResult, proof: Validation | None) -> dict[str, Any]:
@@ -35,13 +50,18 @@ def document(result: SizingResult, proof: Validation | None) -> dict[str, Any]:
     Parameters
     ----------
     result
-        What the sizing found.
+        The sizing.
     proof
         The closed loop, where it was simulated; null in the document where it was not.
+
+    Returns
+    -------
+    dict
+        Plain data.
     """
-    bought = parts_list(result.sets[0], result.catalog, result.spec.load.motors) if result.sets else []
-    driven = validation(proof) | {"series": _series(proof)} if proof else None
-    return sizing(result) | {"parts_list": [_line(line) for line in bought], "validation": driven}
+    parts = parts_list(result.sets[0], result.catalog, result.spec.load.motors) if result.sets else []
+    simulated = validation(proof) | {"series": _series(proof)} if proof else None
+    return sizing(result) | {"parts_list": [_line(line) for line in parts], "validation": simulated}
 
 
 def _line(line: PartLine) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""A loop in the JSON document: what linear theory says of it, with its curves."""
+"""A loop in the JSON document: linear analysis with its curves."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["loop_document", "number"]
 
 
 def number(value: float) -> float | None:
-    """A figure as JSON has it: None where it is unknown or without end."""
+    """A figure as JSON has it: None where it is unknown or unbounded."""
     return float(value) if isfinite(value) else None
 
 
@@ -60,7 +60,7 @@ def _bode(bode: Bode) -> dict[str, Any]:
 
 
 def _step(loop: Loop) -> dict[str, Any] | None:
-    """The answer to a unit step until it has long settled, thinned as the curves are; null of an unstable loop."""
+    """Response to a unit step until it has settled, thinned as the curves are; None of an unstable loop."""
     if not len(loop.step):
         return None
     rows = on_curves((loop.step[: settled(loop)],), _MOST_POINTS)

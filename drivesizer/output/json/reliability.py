@@ -1,4 +1,4 @@
-"""How sure a set is, in the JSON document; null where a figure is unknown or there is none."""
+"""Probabilities in the JSON document; null where a figure is unknown or there is none."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["reliability", "uncertainty"]
 
 
 def reliability(found: Reliability | None) -> dict[str, Any] | None:
-    """What samples say of a set."""
+    """Probabilities and quantiles of a sampled drive."""
     if found is None:
         return None
     return {
@@ -66,7 +66,7 @@ def _loop(found: LoopShare | None) -> dict[str, Any] | None:
 
 
 def uncertainty(found: Uncertainty | None) -> dict[str, Any] | None:
-    """What was uncertain, and how it was sampled."""
+    """Uncertain figures, and the sampling."""
     if found is None:
         return None
     return {

@@ -1,7 +1,7 @@
-"""JSON Schema of the JSON report, for programs that read it; that of a part is made of the catalogue's own columns.
+"""JSON Schema of the JSON report; that of a part is made from the catalogue's columns.
 
 The document of ``drivesizer size --json`` is the same without ``parts_list`` and ``validation``, that of
-``drivesizer validate --json`` is what stands under ``validation`` here, without ``series``.
+``drivesizer validate --json`` is what ``validation`` has here, without ``series``.
 """
 
 from __future__ import annotations
