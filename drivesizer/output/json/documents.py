@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, fields
+from collections.abc import Mapping
+from dataclasses import fields
 from math import isfinite
-from typing import Any
+from typing import TYPE_CHECKING, Any, Final
 
 from drivesizer.catalog import Actuator, Belt, Controller, Encoder, Gearhead, Motor, Pulley
 from drivesizer.control.validation import Validation
@@ -19,12 +20,15 @@ from drivesizer.results.sizing import Check, Explanation, Figure, SizingResult, 
 from drivesizer.units import KINDS, from_si
 from drivesizer.version import __version__
 
+if TYPE_CHECKING:
+    from drivesizer.output.json import schema
+
 __all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "explanation", "requirement", "sizing", "validation"]
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION: Final = 1
 
 
-def as_text(document: dict[str, Any]) -> str:
+def as_text(document: Mapping[str, Any]) -> str:
     """A document as JSON text; unknown or unbounded figures are null."""
     return json.dumps(_known(document), allow_nan=False, ensure_ascii=False, indent=2)
 
@@ -37,7 +41,7 @@ def _known(value: Any) -> Any:
     return [_known(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
-def requirement(r: Requirement) -> dict[str, Any]:
+def requirement(r: Requirement) -> schema.Requirement:
     """A requirement."""
     return {
         "symbol": r.symbol,
@@ -50,15 +54,13 @@ def requirement(r: Requirement) -> dict[str, Any]:
     }
 
 
-def _part(part: Actuator | Motor | Gearhead | Belt | Pulley | Encoder | Controller | None) -> dict[str, Any] | None:
+def _part(part: Actuator | Motor | Gearhead | Belt | Pulley | Encoder | Controller) -> dict[str, Any]:
     """A part with all its figures in SI."""
-    if part is None:
-        return None
     values = {f.name: getattr(part, f.name) for f in fields(part)}
     return {k: number(v) if isinstance(v, float) else (v or None) for k, v in values.items()}
 
 
-def _check(check: Check) -> dict[str, Any]:
+def _check(check: Check) -> schema.Check:
     def shown(value: float) -> float | None:
         return number(from_si(value, check.unit, check.kind)) if isfinite(value) else None
 
@@ -78,12 +80,19 @@ def _check(check: Check) -> dict[str, Any]:
     }
 
 
-def _relaxation(r: Relaxation) -> dict[str, Any]:
-    si = {"si_now": r.before, "si_needed": r.after, "si_unit": KINDS[r.kind].si}
-    return {"field": r.field, "now": r.now, "needed": r.needed, "set": r.set_label} | si
+def _relaxation(r: Relaxation) -> schema.Relaxation:
+    return {
+        "field": r.field,
+        "now": r.now,
+        "needed": r.needed,
+        "set": r.set_label,
+        "si_now": r.before,
+        "si_needed": r.after,
+        "si_unit": KINDS[r.kind].si,
+    }
 
 
-def _result(checks: tuple[Check, ...]) -> dict[str, Any]:
+def _result(checks: tuple[Check, ...]) -> schema.Result:
     tightest = worst(checks)
     return {
         "status": verdict(checks),
@@ -94,7 +103,7 @@ def _result(checks: tuple[Check, ...]) -> dict[str, Any]:
     }
 
 
-def _belt(found: DriveSet) -> dict[str, Any]:
+def _belt(found: DriveSet) -> schema.Belt:
     """Ratio and efficiency; pulleys and belt, null where they are not from a catalogue."""
     drive = found.belt_drive
     return {
@@ -107,17 +116,17 @@ def _belt(found: DriveSet) -> dict[str, Any]:
     }
 
 
-def drive_set(found: DriveSet) -> dict[str, Any]:
+def drive_set(found: DriveSet) -> schema.Set:
     """One drive."""
     return {
         "rank": found.rank,
         "status": found.status,
-        "actuator": _part(found.actuator),
+        "actuator": _part(found.actuator) if found.actuator else None,
         "motor": _part(found.motor),
         "gearhead": _part(found.gearhead),
         "belt": _belt(found),
-        "encoder": _part(found.encoder),
-        "controller": _part(found.controller),
+        "encoder": _part(found.encoder) if found.encoder else None,
+        "controller": _part(found.controller) if found.controller else None,
         "total_ratio": found.total_ratio,
         "mass_kg": number(found.mass),
         "mass_of": list(found.mass_of),
@@ -129,7 +138,7 @@ def drive_set(found: DriveSet) -> dict[str, Any]:
             checks[0].method: _result(checks) for checks in (found.checks, found.beside, found.budget) if checks
         },
         "checks": [_check(check) for check in found.every_check],
-        "machine": [{"name": f.name, "title": f.title} | _figure(f) for f in found.machine],
+        "machine": [{"name": f.name, "title": f.title, **_figure(f)} for f in found.machine],
         "masses": [_mass(row) for row in found.masses],
         "energy": _energy(found.energy) if found.energy else None,
         "changes": [_relaxation(r) for r in found.changes],
@@ -137,12 +146,12 @@ def drive_set(found: DriveSet) -> dict[str, Any]:
     }
 
 
-def _mass(row: MassRow) -> dict[str, Any]:
+def _mass(row: MassRow) -> schema.Mass:
     """A line of the masses of the machine."""
     return {"name": row.name, "number": row.number, "each_kg": number(row.each), "total_kg": number(row.total)}
 
 
-def _energy(budget: EnergyBudget) -> dict[str, Any]:
+def _energy(budget: EnergyBudget) -> schema.Energy:
     """Consumers and figures of the battery; null is unknown, or unbounded where nothing is drawn."""
     return {
         "battery": budget.battery,
@@ -162,7 +171,7 @@ def _energy(budget: EnergyBudget) -> dict[str, Any]:
     }
 
 
-def sizing(result: SizingResult) -> dict[str, Any]:
+def sizing(result: SizingResult) -> schema.Sizing:
     """The document of ``drivesizer size --json``."""
     method = result.method
     return {
@@ -203,12 +212,12 @@ def explanation(found: Explanation) -> dict[str, Any]:
     }
 
 
-def _figure(figure: Figure) -> dict[str, Any]:
+def _figure(figure: Figure) -> schema.Figure:
     shown = number(from_si(figure.value, figure.unit, figure.kind)) if isfinite(figure.value) else None
     return {"value": shown, "unit": figure.unit, "si": number(figure.value), "at_time_s": figure.at_time}
 
 
-def validation(proof: Validation) -> dict[str, Any]:
+def validation(proof: Validation) -> schema.Proof:
     """The document of ``drivesizer validate --json``."""
     gains = proof.gains
     return {
@@ -220,7 +229,10 @@ def validation(proof: Validation) -> dict[str, Any]:
         "status": proof.status,
         "set": drive_set(proof.drive_set),
         "gains": {f.name: getattr(gains, f.name) for f in fields(gains)},
-        "controller_gains": [asdict(gain) for gain in proof.controller_gains],
+        "controller_gains": [
+            {"place": gain.place, "name": gain.name, "value": gain.value, "unit": gain.unit}
+            for gain in proof.controller_gains
+        ],
         "figures": {figure.name: _figure(figure) for figure in proof.figures},
         "checks": [_check(check) for check in proof.checks],
         "loops": [loop_document(loop) for loop in proof.loops],

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.json.documents import as_text, sizing, validation
@@ -17,6 +17,9 @@ from drivesizer.output.parts import PartLine, parts_list
 from drivesizer.output.thinning import on_curves
 from drivesizer.results.sizing import SizingResult
 from drivesizer.units import KINDS
+
+if TYPE_CHECKING:
+    from drivesizer.output.json import schema
 
 __all__ = ["MOST_SAMPLES", "document", "render"]
 
@@ -44,7 +47,7 @@ def render(result: SizingResult, validation: Validation | None, path: Path) -> d
     return {path: text.encode("utf-8", "backslashreplace")}  # a lone surrogate, which a spec may have, becomes \udxxx
 
 
-def document(result: SizingResult, proof: Validation | None) -> dict[str, Any]:
+def document(result: SizingResult, proof: Validation | None) -> schema.Report:
     """Sizing, parts list and closed loop as one document.
 
     Parameters
@@ -60,12 +63,13 @@ def document(result: SizingResult, proof: Validation | None) -> dict[str, Any]:
         Plain data.
     """
     parts = parts_list(result.sets[0], result.catalog, result.spec.load.motors) if result.sets else []
-    simulated = validation(proof) | {"series": _series(proof)} if proof else None
-    return sizing(result) | {"parts_list": [_line(line) for line in parts], "validation": simulated}
+    simulated: schema.Validation | None = {**validation(proof), "series": _series(proof)} if proof else None
+    return {**sizing(result), "parts_list": [_line(line) for line in parts], "validation": simulated}
 
 
-def _line(line: PartLine) -> dict[str, Any]:
-    return {_KEYS.get(name, name): _known(value) for name, value in asdict(line).items()}
+def _line(line: PartLine) -> schema.Line:
+    found = {_KEYS.get(name, name): _known(value) for name, value in asdict(line).items()}
+    return cast("schema.Line", found)
 
 
 _KEYS = {"said": "is", "mass": "mass_kg", "pieces": "price_from_pieces", "confidence": "part_confidence",
@@ -78,7 +82,7 @@ def _known(value: Any) -> Any:
     return None if value == "" else value
 
 
-def _series(proof: Validation) -> dict[str, Any]:
+def _series(proof: Validation) -> schema.Series:
     """Columns over time in SI; ``thinned_from`` says how many samples were recorded."""
     rows = on_curves(tuple(proof.series.values()), MOST_SAMPLES)
     return {

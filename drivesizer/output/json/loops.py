@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from math import isfinite
-from typing import Any
+from typing import TYPE_CHECKING, cast
 
 from drivesizer.control.loop_records import Bode, Loop
 from drivesizer.output.loop_table import settled
 from drivesizer.output.thinning import on_curves
+
+if TYPE_CHECKING:
+    from drivesizer.output.json import schema
 
 __all__ = ["loop_document", "number"]
 
@@ -33,9 +36,9 @@ _LOOP = (  # key of the document, attribute of a loop; SI, the unit in the key
 _MOST_POINTS = 200  # of a curve
 
 
-def loop_document(loop: Loop) -> dict[str, Any]:
+def loop_document(loop: Loop) -> schema.Loop:
     """A loop with its poles in the z plane as [re, im]; null where a figure does not exist."""
-    return {
+    found = {
         "name": loop.name,
         "direction": loop.direction or None,
         "stable": loop.stable,
@@ -44,9 +47,10 @@ def loop_document(loop: Loop) -> dict[str, Any]:
         "bode": _bode(loop.bode),
         "step": _step(loop),
     }
+    return cast("schema.Loop", found)
 
 
-def _bode(bode: Bode) -> dict[str, Any]:
+def _bode(bode: Bode) -> schema.Bode:
     """Curves over the frequency; ``thinned_from`` says how many points were computed, peaks are kept."""
     rows = on_curves((bode.open_magnitude, bode.closed_magnitude), _MOST_POINTS)
     columns = {
@@ -56,10 +60,11 @@ def _bode(bode: Bode) -> dict[str, Any]:
         "closed_magnitude": bode.closed_magnitude,
         "closed_phase_rad": bode.closed_phase,
     }
-    return {"thinned_from": len(bode.frequency)} | {k: [number(x) for x in v[rows]] for k, v in columns.items()}
+    thinned = {k: [number(x) for x in v[rows]] for k, v in columns.items()}
+    return cast("schema.Bode", {"thinned_from": len(bode.frequency), **thinned})
 
 
-def _step(loop: Loop) -> dict[str, Any] | None:
+def _step(loop: Loop) -> schema.Step | None:
     """Response to a unit step until it has settled, thinned as the curves are; None of an unstable loop."""
     if not len(loop.step):
         return None

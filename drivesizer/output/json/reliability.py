@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from drivesizer.output.json.loops import number
 from drivesizer.results.reliability import Driver, LoopShare, Reliability, Spread, Uncertainty
 
+if TYPE_CHECKING:
+    from drivesizer.output.json import schema
+
 __all__ = ["reliability", "uncertainty"]
 
 
-def reliability(found: Reliability | None) -> dict[str, Any] | None:
+def reliability(found: Reliability | None) -> schema.Reliability | None:
     """Probabilities and quantiles of a sampled drive."""
     if found is None:
         return None
@@ -28,11 +31,11 @@ def reliability(found: Reliability | None) -> dict[str, Any] | None:
     }
 
 
-def _margins(low: float, middle: float, high: float) -> dict[str, Any]:
+def _margins(low: float, middle: float, high: float) -> schema.Margins:
     return {"p5": number(low), "p50": number(middle), "p95": number(high)}
 
 
-def _spread(one: Spread) -> dict[str, Any]:
+def _spread(one: Spread) -> schema.Spread:
     return {
         "name": one.name,
         "passes": one.passes,
@@ -42,7 +45,7 @@ def _spread(one: Spread) -> dict[str, Any]:
     }
 
 
-def _driver(one: Driver) -> dict[str, Any]:
+def _driver(one: Driver) -> schema.Driver:
     return {
         "name": one.name,
         "share_of_variance": one.share,
@@ -52,7 +55,7 @@ def _driver(one: Driver) -> dict[str, Any]:
     }
 
 
-def _loop(found: LoopShare | None) -> dict[str, Any] | None:
+def _loop(found: LoopShare | None) -> schema.LoopShare | None:
     if found is None:
         return None
     return {
@@ -65,7 +68,7 @@ def _loop(found: LoopShare | None) -> dict[str, Any] | None:
     }
 
 
-def uncertainty(found: Uncertainty | None) -> dict[str, Any] | None:
+def uncertainty(found: Uncertainty | None) -> schema.Uncertainty | None:
     """Uncertain figures, and the sampling."""
     if found is None:
         return None

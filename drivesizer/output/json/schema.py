@@ -1,196 +1,175 @@
-"""JSON Schema of the JSON report; that of a part is made from the catalogue's columns.
+"""Records of the JSON documents, and the JSON Schema that is generated from them; that of a part from its columns.
 
-The document of ``drivesizer size --json`` is the same without ``parts_list`` and ``validation``, that of
-``drivesizer validate --json`` is what ``validation`` has here, without ``series``.
+null where a figure is unknown; SI where neither the key nor a ``unit`` beside it names another unit. The document of
+``drivesizer size --json`` is a report without ``parts_list`` and ``validation``, that of ``drivesizer validate --json``
+is ``validation`` without ``series``.
 """
 
+# ruff: noqa: UP013 - several fields to a line, as in a table
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any, Literal, NamedTuple
 
-from drivesizer.catalog import PARTS, columns_of
+from pydantic import ConfigDict, Field, TypeAdapter
+from pydantic.json_schema import GenerateJsonSchema
+from typing_extensions import TypedDict
+
+from drivesizer.catalog import columns_of
 from drivesizer.catalog.tables import CONFIDENCE
-from drivesizer.output.json.documents import SCHEMA_VERSION
 from drivesizer.units import KINDS
 
 __all__ = ["report_schema"]
 
-_Schema = dict[str, Any]
-_NUMBER: _Schema = {"type": ["number", "null"], "description": "null: unknown"}
-_TEXT: _Schema = {"type": ["string", "null"]}
-_STRING: _Schema = {"type": "string"}
-_FLOAT: _Schema = {"type": "number"}
-_COUNT: _Schema = {"type": "integer", "minimum": 0}
-_STATUS: _Schema = {"enum": ["pass", "fail", "unknown"]}
-_WORDS: _Schema = {"type": "array", "items": _STRING}
-_OPEN: _Schema = {"type": "object"}
 
+class _PartOf(NamedTuple):
+    """A part of a section: every column, in SI."""
 
-def report_schema() -> _Schema:
-    """The JSON Schema of ``drivesizer report -o report.json``."""
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "drivesizer report",
-        **_all_of(
-            schema_version={"const": SCHEMA_VERSION}, drivesizer=_STRING, catalogs=_named(_STRING), spec=_OPEN,
-            method={"enum": ["paper", "physics"]}, objective=_STRING, requirements=_named(_to("requirement")),
-            sets=_list(_to("set")), misses=_list(_to("set")), relaxations=_list(_to("relaxation")),
-            pareto=_all_of(objectives=_WORDS, sets=_list(_to("set"))), unrestricted=_or_null(_to("set")),
-            unsure=_list(_to("set")), uncertainty=_or_null(_uncertainty()),
-            counts=_all_of(considered=_COUNT, feasible=_COUNT, failed_by=_named(_COUNT), judged=_COUNT,
-                           failed_by_budget=_named(_COUNT)), assumptions=_WORDS,
-            warnings=_WORDS, parts_list=_list(_to("line")), validation=_or_null(_to("validation")),
-        ),
-        "$defs": _definitions(),
-    }  # fmt: skip
+    section: str
 
-
-def _definitions() -> dict[str, _Schema]:
-    return {
-        "requirement": _REQUIREMENT,
-        "check": _CHECK,
-        "relaxation": _RELAXATION,
-        "figure": _all_of(**_FIGURE),
-        "set": _set(),
-        "line": _LINE,
-        "loop": _loop(),
-        "validation": _validation(),
-        **{section: _part(section) for section in PARTS},
-    }
-
-
-def _all_of(**properties: _Schema) -> _Schema:
-    """An object that has all of these and nothing else."""
-    return {
-        "type": "object",
-        "properties": properties,
-        "required": list(properties),
-        "additionalProperties": False,
-    }
-
-
-def _to(name: str) -> _Schema:
-    return {"$ref": f"#/$defs/{name}"}
-
-
-def _list(of: _Schema) -> _Schema:
-    return {"type": "array", "items": of}
-
-
-def _named(of: _Schema) -> _Schema:
-    return {"type": "object", "additionalProperties": of}
-
-
-def _or_null(of: _Schema) -> _Schema:
-    return {"anyOf": [of, {"type": "null"}]}
-
-
-def _part(section: str) -> _Schema:
-    """A part: every column of its section, in SI."""
-    return _all_of(
-        **{
-            name: _TEXT
+    def __get_pydantic_json_schema__(self, _: Any, __: Any) -> dict[str, Any]:
+        fields = {
+            name: {"type": ["string", "null"]}
             if column.kind == "text"
-            else _NUMBER | {"description": f"{KINDS[column.kind].si}; null: unknown"}
-            for name, column in columns_of(section).items()
+            else {"type": ["number", "null"], "description": f"{KINDS[column.kind].si}; null: unknown"}
+            for name, column in columns_of(self.section).items()
         }
-    )
+        return {"type": "object", "properties": fields, "required": [*fields], "additionalProperties": False}
 
 
-_REQUIREMENT = _all_of(
-    symbol=_STRING, equation={"type": ["integer", "null"]}, value=_NUMBER, unit=_STRING, si=_NUMBER, title=_STRING,
-    note=_STRING,
-)  # fmt: skip
-_CHECK = _all_of(
-    name=_STRING, method=_STRING, case=_TEXT, demand=_NUMBER, limit=_NUMBER, unit=_STRING, margin=_NUMBER,
-    needed_margin=_FLOAT, status=_STATUS, advice={"type": "boolean"}, at_time_s=_NUMBER,
-    note=_STRING,
-)  # fmt: skip
-_RELAXATION = _all_of(
-    field=_STRING, now=_STRING, needed=_STRING, set=_STRING, si_now=_FLOAT, si_needed=_FLOAT, si_unit=_STRING
-)
-_RESULT = _all_of(
-    status=_STATUS, smallest_margin=_NUMBER, tightest_check=_TEXT, failed=_WORDS, unknown=_WORDS
-)  # of one method
-_FIGURE = {"value": _NUMBER, "unit": _STRING, "si": _NUMBER, "at_time_s": _NUMBER}
-_CONFIDENCE = {"enum": [*CONFIDENCE, None]}
-_LINE = _all_of(
-    role=_STRING, maker=_TEXT, family=_TEXT, part=_TEXT,
-    order_number=_TEXT | {"description": "null: the catalogue knows none, `part` is its own name"},
-    **{"is": _TEXT}, quantity=_COUNT | {"description": "of the whole machine"}, mass_kg=_NUMBER,
-    price=_NUMBER | {"description": "of one, in the currency; null: unknown"}, currency=_TEXT,
-    price_from_pieces={"type": ["integer", "null"]}, price_date=_TEXT, price_source=_TEXT,
-    price_confidence=_CONFIDENCE, part_source=_TEXT, part_source_date=_TEXT, part_confidence=_CONFIDENCE, url=_TEXT,
-    note=_TEXT,
-)  # fmt: skip
+Number = Annotated[float | None, Field(description="null: unknown")]
+Count = Annotated[int, Field(ge=0)]
+Text = str | None
+Status = Literal["pass", "fail", "unknown"]
+Confidence = Annotated[str | None, Field(json_schema_extra={"enum": [*CONFIDENCE, None]})]
+Version = Literal[1]
+Method = Annotated[str, Field(json_schema_extra={"enum": ["paper", "physics"]})]
+
+Requirement = TypedDict("Requirement", {
+    "symbol": str, "equation": int | None, "value": Number, "unit": str, "si": Number, "title": str, "note": str,
+})  # fmt: skip
+Check = TypedDict("Check", {
+    "name": str, "method": str, "case": Text, "demand": Number, "limit": Number, "unit": str, "margin": Number,
+    "needed_margin": float, "status": Status, "advice": bool, "at_time_s": Number, "note": str,
+})  # fmt: skip
+Relaxation = TypedDict("Relaxation", {
+    "field": str, "now": str, "needed": str, "set": str, "si_now": float, "si_needed": float, "si_unit": str,
+})  # fmt: skip
+Result = TypedDict("Result", {
+    "status": Status, "smallest_margin": Number, "tightest_check": Text, "failed": list[str], "unknown": list[str],
+})  # fmt: skip
+Figure = TypedDict("Figure", {"value": Number, "unit": str, "si": Number, "at_time_s": Number})
+MachineFigure = TypedDict("MachineFigure", {
+    "name": str, "title": str, "value": Number, "unit": str, "si": Number, "at_time_s": Number,
+})  # fmt: skip
+Line = TypedDict("Line", {
+    "role": str, "maker": Text, "family": Text, "part": Text,
+    "order_number": Annotated[Text, Field(description="null: the catalogue knows none, `part` is its own name")],
+    "is": Text, "quantity": Annotated[Count, Field(description="of the whole machine")], "mass_kg": Number,
+    "price": Annotated[float | None, Field(description="of one, in the currency; null: unknown")], "currency": Text,
+    "price_from_pieces": int | None, "price_date": Text, "price_source": Text, "price_confidence": Confidence,
+    "part_source": Text, "part_source_date": Text, "part_confidence": Confidence, "url": Text, "note": Text,
+})  # fmt: skip
+Pulley = Annotated[dict[str, Any], _PartOf("pulleys")]
+Pulleys = TypedDict("Pulleys", {"driving": Pulley, "driven": Pulley})
+Belt = TypedDict("Belt", {
+    "ratio": float, "efficiency": float, "pulleys": Pulleys | None,
+    "part": Annotated[dict[str, Any], _PartOf("belts")] | None, "centre_distance_m": Number, "teeth_in_mesh": Number,
+})  # fmt: skip
+Mass = TypedDict("Mass", {"name": str, "number": Count, "each_kg": Number, "total_kg": Number})
+Consumer = TypedDict("Consumer", {
+    "name": str, "number": Count, "mean_W": Number, "peak_W": Number, "share_of_time": Number, "assumed": bool,
+})  # fmt: skip
+Energy = TypedDict("Energy", {
+    "battery": str, "consumers": list[Consumer], "figures": dict[str, Figure], "assumptions": list[str],
+})  # fmt: skip
+Margins = TypedDict("Margins", {"p5": Number, "p50": Number, "p95": Number})
+End = TypedDict("End", {"value": str, "smallest_margin": Number})
+Spread = TypedDict("Spread", {"name": str, "passes": float, "fails": float, "weakest": float, "margin": Margins})
+Driver = TypedDict("Driver", {
+    "name": str, "share_of_variance": float, "rank_correlation": float, "at_p5": End, "at_p95": End,
+})  # fmt: skip
+LoopShare = TypedDict("LoopShare", {
+    "samples": Count, "probability": Number, "none_fails": float, "error_95": float, "weakest_check": str,
+    "unknown": list[str],
+})  # fmt: skip
+Reliability = TypedDict("Reliability", {
+    "probability": Number, "none_fails": float, "error_95": float, "weakest_check": str, "unknown": list[str],
+    "smallest_margin": Margins, "checks": list[Spread], "drivers": list[Driver], "closed_loop": LoopShare | None,
+    "closed_loop_refused": Text,
+})  # fmt: skip
+Set = TypedDict("Set", {
+    "rank": Count, "status": Status, "actuator": Annotated[dict[str, Any], _PartOf("actuators")] | None,
+    "motor": Annotated[dict[str, Any], _PartOf("motors")],
+    "gearhead": Annotated[dict[str, Any], _PartOf("gearheads")], "belt": Belt,
+    "encoder": Annotated[dict[str, Any], _PartOf("encoders")] | None,
+    "controller": Annotated[dict[str, Any], _PartOf("controllers")] | None, "total_ratio": float, "mass_kg": Number,
+    "mass_of": list[str], "objective": Number, "objective_of": list[str], "requirements": dict[str, Requirement],
+    "figures": dict[str, Figure], "results": dict[str, Result], "checks": list[Check],
+    "machine": list[MachineFigure], "masses": list[Mass], "energy": Energy | None, "changes": list[Relaxation],
+    "reliability": Reliability | None,
+})  # fmt: skip
+Assumption = TypedDict("Assumption", {"name": str, "tolerance": str, "source": str})
+Uncertainty = TypedDict("Uncertainty", {
+    "samples": Count, "seed": Count, "confidence": Number, "sets_sampled": Count, "sets_that_reach_it": Count,
+    "assumptions": list[Assumption], "notes": list[str],
+})  # fmt: skip
+Column = list[Number]
+Bode = TypedDict("Bode", {
+    "thinned_from": Count, "frequency_Hz": Column, "open_magnitude": Column, "open_phase_rad": Column,
+    "closed_magnitude": Column, "closed_phase_rad": Column,
+})  # fmt: skip
+Step = TypedDict("Step", {"thinned_from": Count, "time_s": Column, "response": Column})
+Loop = TypedDict("Loop", {
+    "name": str, "direction": Text, "stable": bool, "period_s": Number, "pole_radius": Number, "gain_margin": Number,
+    "gain_reduction": Number, "phase_margin_rad": Number, "crossover_Hz": Number, "sensitivity": Number,
+    "bandwidth_Hz": Number, "rise_time_s": Number, "overshoot": Number, "settling_time_s": Number,
+    "poles": list[Annotated[Column, Field(min_length=2, max_length=2)]], "bode": Bode, "step": Step | None,
+})  # fmt: skip
+ControllerGain = TypedDict("ControllerGain", {"place": str, "name": str, "value": int, "unit": str})
+Series = TypedDict("Series", {"thinned_from": Count, "units": dict[str, str], "columns": dict[str, Column]})
+Proof = TypedDict("Proof", {
+    "schema_version": Version, "drivesizer": str, "spec": dict[str, Any], "case": Text, "profile": str,
+    "status": Status, "set": Set, "gains": dict[str, Any], "controller_gains": list[ControllerGain],
+    "figures": dict[str, Figure], "checks": list[Check], "loops": list[Loop], "assumptions": list[str],
+    "warnings": list[str],
+})  # fmt: skip
+Pareto = TypedDict("Pareto", {"objectives": list[str], "sets": list[Set]})
+Counts = TypedDict("Counts", {
+    "considered": Count, "feasible": Count, "failed_by": dict[str, Count], "judged": Count,
+    "failed_by_budget": dict[str, Count],
+})  # fmt: skip
+Sizing = TypedDict("Sizing", {
+    "schema_version": Version, "drivesizer": str, "catalogs": dict[str, str], "spec": dict[str, Any],
+    "method": Method, "objective": str, "requirements": dict[str, Requirement],
+    "sets": list[Set], "misses": list[Set], "relaxations": list[Relaxation], "pareto": Pareto,
+    "unrestricted": Set | None, "unsure": list[Set], "uncertainty": Uncertainty | None, "counts": Counts,
+    "assumptions": list[str], "warnings": list[str],
+})  # fmt: skip
 
 
-def _set() -> _Schema:
-    pulleys = _all_of(driving=_to("pulleys"), driven=_to("pulleys"))
-    belt = _all_of(ratio=_FLOAT, efficiency=_FLOAT, pulleys=_or_null(pulleys), part=_or_null(_to("belts")),
-                   centre_distance_m=_NUMBER, teeth_in_mesh=_NUMBER)  # fmt: skip
-    return _all_of(
-        rank=_COUNT, status=_STATUS, actuator=_or_null(_to("actuators")), motor=_to("motors"),
-        gearhead=_to("gearheads"), belt=belt, encoder=_or_null(_to("encoders")),
-        controller=_or_null(_to("controllers")), total_ratio=_FLOAT, mass_kg=_NUMBER, mass_of=_WORDS,
-        objective=_NUMBER, objective_of=_WORDS, requirements=_named(_to("requirement")),
-        figures=_named(_to("figure")), results=_named(_RESULT), checks=_list(_to("check")),
-        machine=_list(_all_of(name=_STRING, title=_STRING, **_FIGURE)),
-        masses=_list(_all_of(name=_STRING, number=_COUNT, each_kg=_NUMBER, total_kg=_NUMBER)),
-        energy=_or_null(_energy()), changes=_list(_to("relaxation")),
-        reliability=_or_null(_reliability()),
-    )  # fmt: skip
+class Validation(Proof):
+    """The closed loop of a report."""
+
+    series: Series
 
 
-def _energy() -> _Schema:
-    consumer = _all_of(name=_STRING, number=_COUNT, mean_W=_NUMBER, peak_W=_NUMBER, share_of_time=_NUMBER,
-                       assumed={"type": "boolean"})  # fmt: skip
-    return _all_of(battery=_STRING, consumers=_list(consumer), figures=_named(_to("figure")), assumptions=_WORDS)
+class Report(Sizing):
+    """``drivesizer report -o report.json``."""
+
+    parts_list: list[Line]
+    validation: Validation | None
 
 
-def _uncertainty() -> _Schema:
-    assumption = _all_of(name=_STRING, tolerance=_STRING, source=_STRING)
-    return _all_of(samples=_COUNT, seed=_COUNT, confidence=_NUMBER, sets_sampled=_COUNT, sets_that_reach_it=_COUNT,
-                   assumptions=_list(assumption), notes=_WORDS)  # fmt: skip
+class _Generator(GenerateJsonSchema):
+    """Schemas without the titles that only repeat their keys."""
+
+    def field_title_should_be_set(self, schema: Any) -> bool:
+        return False
 
 
-def _reliability() -> _Schema:
-    margin = _all_of(p5=_NUMBER, p50=_NUMBER, p95=_NUMBER)
-    end = _all_of(value=_STRING, smallest_margin=_NUMBER)
-    check = _all_of(name=_STRING, passes=_FLOAT, fails=_FLOAT, weakest=_FLOAT, margin=margin)
-    driver = _all_of(name=_STRING, share_of_variance=_FLOAT, rank_correlation=_FLOAT, at_p5=end, at_p95=end)
-    loop = _all_of(
-        samples=_COUNT, probability=_NUMBER, none_fails=_FLOAT, error_95=_FLOAT, weakest_check=_STRING, unknown=_WORDS
-    )
-    return _all_of(
-        probability=_NUMBER, none_fails=_FLOAT, error_95=_FLOAT, weakest_check=_STRING, unknown=_WORDS,
-        smallest_margin=margin,
-        checks=_list(check), drivers=_list(driver), closed_loop=_or_null(loop), closed_loop_refused=_or_null(_STRING),
-    )  # fmt: skip
-
-
-def _curve(**columns: _Schema) -> _Schema:
-    return _all_of(thinned_from=_COUNT, **columns)
-
-
-def _loop() -> _Schema:
-    numbers = _list(_NUMBER)
-    bode = ("frequency_Hz", "open_magnitude", "open_phase_rad", "closed_magnitude", "closed_phase_rad")
-    figures = ("period_s", "pole_radius", "gain_margin", "gain_reduction", "phase_margin_rad", "crossover_Hz",
-               "sensitivity", "bandwidth_Hz", "rise_time_s", "overshoot", "settling_time_s")  # fmt: skip
-    return _all_of(
-        name=_STRING, direction=_TEXT, stable={"type": "boolean"}, **dict.fromkeys(figures, _NUMBER),
-        poles=_list(numbers | {"minItems": 2, "maxItems": 2}), bode=_curve(**dict.fromkeys(bode, numbers)),
-        step=_or_null(_curve(time_s=numbers, response=numbers)),
-    )  # fmt: skip
-
-
-def _validation() -> _Schema:
-    gain = _all_of(place=_STRING, name=_STRING, value={"type": "integer"}, unit=_STRING)
-    series = _curve(units=_named(_STRING), columns=_named(_list(_NUMBER)))
-    return _all_of(
-        schema_version={"const": SCHEMA_VERSION}, drivesizer=_STRING, spec=_OPEN, case=_TEXT, profile=_STRING,
-        status=_STATUS,
-        set=_to("set"), gains=_OPEN, controller_gains=_list(gain), figures=_named(_to("figure")),
-        checks=_list(_to("check")), loops=_list(_to("loop")), assumptions=_WORDS, warnings=_WORDS, series=series,
-    )  # fmt: skip
+def report_schema() -> dict[str, Any]:
+    """The JSON Schema of ``drivesizer report -o report.json``."""
+    every = TypeAdapter(list[Report], config=ConfigDict(extra="forbid")).json_schema(schema_generator=_Generator)
+    report: dict[str, Any] = every["$defs"].pop("Report")
+    dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "drivesizer report"}
+    return report | dialect | {"$defs": every["$defs"]}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from drivesizer.control.validation import Validation
@@ -37,17 +38,17 @@ def with_numbers(content: dict[str, Any], result: SizingResult, validation: Vali
         found |= {part: [next(checks) for _ in content[part]] for part in _CHECKS}
         found["motor_steps"] = _requirements(content["motor_steps"], told["requirements"])
     if validation is not None:
-        told = json_documents.validation(validation)
-        found["loop"] = content["loop"] | {"checks": _joined(content["loop"]["checks"], told["checks"])}
+        proof = json_documents.validation(validation)
+        found["loop"] = content["loop"] | {"checks": _joined(content["loop"]["checks"], proof["checks"])}
     return found
 
 
-def _joined(texts: list[dict[str, Any]], numbers: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _joined(texts: list[dict[str, Any]], numbers: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     return [text | {"exact": exact} for text, exact in zip(texts, numbers, strict=True)]
 
 
-def _requirements(texts: list[dict[str, Any]], numbers: dict[str, dict[str, Any]]) -> list[dict[str, Any]]:
-    return _joined(texts, [{"name": name} | exact for name, exact in numbers.items()])
+def _requirements(texts: list[dict[str, Any]], numbers: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
+    return _joined(texts, [{"name": name, **exact} for name, exact in numbers.items()])
 
 
 def _sets(texts: list[dict[str, Any]], result: SizingResult) -> list[dict[str, Any]]:
@@ -55,7 +56,8 @@ def _sets(texts: list[dict[str, Any]], result: SizingResult) -> list[dict[str, A
     made = []
     for text, found in zip(texts, (*result.sets, *result.misses), strict=True):
         told = json_documents.drive_set(found)
-        margin = told["results"].get(result.method, {}).get("smallest_margin")
+        of_method = told["results"].get(result.method)
+        margin = of_method["smallest_margin"] if of_method else None
         exact = {
             "ratio": told["total_ratio"],
             "mass": None if told["mass_kg"] is None else float(from_si(told["mass_kg"], "g", "mass")),
