@@ -54,7 +54,7 @@ def sampled(path: Path) -> None:
     from drivesizer.machine.problem import problem
     from drivesizer.search.search import search
     from drivesizer.search.uncertainty.options import Sampling
-    from drivesizer.search.uncertainty.run import judged, subject
+    from drivesizer.search.uncertainty.run import sample_drives, subject
     from drivesizer.sizing import load_parts
     from drivesizer.spec.robot import load_spec
 
@@ -63,7 +63,7 @@ def sampled(path: Path) -> None:
     given = problem(spec, catalog)
     found = search(given, top=SETS, objective="mass", misses=0).evaluation
     processor, wall = time.process_time(), time.perf_counter()
-    result = judged(given, {row: subject(found, row) for row in range(SETS)}, Sampling(SAMPLES, 1, None))
+    result = sample_drives(given, {row: subject(found, row) for row in range(SETS)}, Sampling(SAMPLES, 1, None))
     assert len(result.found) == SETS and result.drawn.size == SAMPLES
     print(time.process_time() - processor, time.perf_counter() - wall)
 

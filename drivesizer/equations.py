@@ -129,7 +129,7 @@ def rolling_resistance_coefficient(z: Value, d: Value) -> Value:
 
 @equation(5, "M_nom/m", "torque", "N*m", printed="M_nom / N")
 def nominal_torque_per_motor(M_nom: Value, N: Value) -> Value:
-    """Nominal torque per motor set.
+    """Nominal torque per drive.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def acceleration(V_nom: Value, t_acc: Value) -> Value:
 def nominal_power_per_motor(
     PF: Value, m_R: Value, V_nom: Value, a: Value, g: Value, theta: Value, kappa: Value, N: Value
 ) -> Value:
-    """Nominal power per motor set.
+    """Nominal power per drive.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def nominal_power_per_motor(
 
     Returns
     -------
-    P_nom_m: nominal power of one motor set [W]
+    P_nom_m: nominal power of one drive [W]
     """
     return PF * m_R * V_nom * (a + g * np.sin(theta)) / (2 * np.pi * kappa * N)
 
@@ -196,7 +196,7 @@ def nominal_power_per_motor(
 def mechanical_power_per_motor(
     PF: Value, F_nom: Value, m_R: Value, a: Value, V_nom: Value, kappa: Value, N: Value
 ) -> Value:
-    """Mechanical power per motor set at the end of the acceleration.
+    """Mechanical power per drive at the end of the acceleration.
 
     Parameters
     ----------
@@ -291,7 +291,7 @@ def rotor_inertia_at_wheel(J_m: Value, K: Value) -> Value:
     Parameters
     ----------
     J_m: inertia of a rotor, at the motor shaft [kg*m^2]
-    K: whole reduction, motor to wheel [1]
+    K: total ratio, motor to wheel [1]
 
     Returns
     -------
@@ -327,7 +327,7 @@ def maximum_torque(M_nom: Value, M_acc: Value) -> Value:
     "larger by magnitude and is what gearhead, motor and controller are compared with.",
 )  # fmt: skip
 def maximum_torque_per_motor(M_max: Value, N: Value) -> Value:
-    """Maximum torque per motor set.
+    """Maximum torque per drive.
 
     Parameters
     ----------
@@ -362,7 +362,7 @@ def deceleration_torque(M_nom: Value, M_acc: Value) -> Value:
     note="Not in the paper; downhill in place of M_max/m of (11), which is less by magnitude there.",
 )  # fmt: skip
 def braking_torque_per_motor(M_dec: Value, N: Value) -> Value:
-    """Largest torque per motor set downhill, while it brakes.
+    """Largest torque per drive downhill, while it brakes.
 
     Parameters
     ----------
@@ -431,7 +431,7 @@ def rms_torque(
 
 @equation(14, "M_rms/m", "torque", "N*m", printed="M_rms / N")
 def rms_torque_per_motor(M_rms: Value, N: Value) -> Value:
-    """RMS torque per motor set.
+    """RMS torque per drive.
 
     Parameters
     ----------
@@ -452,7 +452,7 @@ def rms_torque_per_motor(M_rms: Value, N: Value) -> Value:
     "with nothing.",
 )  # fmt: skip
 def maximum_power_per_motor(M_max_m: Value, n_nom: Value) -> Value:
-    """Maximum power per motor set.
+    """Maximum power per drive.
 
     Parameters
     ----------
@@ -461,7 +461,7 @@ def maximum_power_per_motor(M_max_m: Value, n_nom: Value) -> Value:
 
     Returns
     -------
-    P_max_m: maximum power of one motor set [W]
+    P_max_m: maximum power of one drive [W]
     """
     return M_max_m * n_nom
 
@@ -494,7 +494,7 @@ def rms_speed(n_nom: Value, t_acc: Value, t_nom: Value, t_dec: Value, t_rest: Va
     note="Numerical-value equation. The product of two RMS values bounds the mean power; it is not the RMS of power.",
 )  # fmt: skip
 def rms_power_per_motor(M_rms_m: Value, n_rms: Value) -> Value:
-    """RMS power per motor set.
+    """RMS power per drive.
 
     Parameters
     ----------
@@ -575,7 +575,7 @@ def speed_constant(V_0: Value, U: Value) -> Value:
     printed="V_nom + tau * M_max_m0",
     printed_units={"V_nom": "m/s"},
     note="Printed with V_nom, a velocity is added to a rotary speed. The term is the motor's speed at nominal "
-    "velocity: n_nom times the whole reduction. Downhill a braking torque in place of M_max lowers it; the larger "
+    "velocity: n_nom times the total ratio. Downhill a braking torque in place of M_max lowers it; the larger "
     "magnitude is compared.",
 )  # fmt: skip
 def no_load_speed(n_nom: Value, K: Value, tau: Value, M_max_m0: Value) -> Value:
@@ -584,7 +584,7 @@ def no_load_speed(n_nom: Value, K: Value, tau: Value, M_max_m0: Value) -> Value:
     Parameters
     ----------
     n_nom: wheel speed at nominal velocity [rad/s]
-    K: whole reduction, motor to wheel [1]
+    K: total ratio, motor to wheel [1]
     tau: speed/torque gradient of the motor [rad/s/(N*m)]
     M_max_m0: maximum torque at the motor shaft [N*m]
 

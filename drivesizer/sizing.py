@@ -32,7 +32,7 @@ from drivesizer.search.relaxations import changes_for, relaxations
 from drivesizer.search.search import Found, Progress
 from drivesizer.search.set_record import drive_set
 from drivesizer.search.shortlist import shortlist
-from drivesizer.search.uncertainty.options import Sampling, asked
+from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, ControllerChoice, EncoderChoice
 from drivesizer.units import show
@@ -262,19 +262,20 @@ def explained(
     alone = [drive_set(evaluation, int(i), n, objective) for n, i in enumerate(found, 1)]
     both = with_both_methods(problem, [with_budget(problem, one, machine) for one in alone])
     sets = [replace(s, changes=changes_for(problem, s)) if verdict(s.checks) == "fail" else s for s in both]
-    sampling = sampling or asked(spec)
-    told = _sampled(problem, sets, sampling) if sampling else Explanation(sets, None)
-    return told._replace(warnings=tuple(_not_returning(problem)))
+    sampling = sampling or sampling_of(spec)
+    explained = _sampled(problem, sets, sampling) if sampling else Explanation(sets, None)
+    return explained._replace(warnings=tuple(_not_returning(problem)))
 
 
 def _sampled(problem: Problem, sets: list[DriveSet], how: Sampling) -> Explanation:
-    """Sets with how sure each is, one that falls at nominal figures too."""
-    from drivesizer.search.uncertainty.run import judged, subject_of, told, uncertainty
+    """Drives with the reliability of each, also of one that fails at nominal figures."""
+    from drivesizer.search.uncertainty.run import sample_drives, subject_of, uncertainty, with_reliability
 
     catalog = problem.catalog
-    sure = judged(problem, {n: subject_of(catalog, one) for n, one in enumerate(sets)}, how)
+    sampled = sample_drives(problem, {n: subject_of(catalog, one) for n, one in enumerate(sets)}, how)
     standing = [n for n, one in enumerate(sets) if one.status != "fail"]
-    return Explanation([*told(sure, catalog, dict(enumerate(sets)), standing).values()], uncertainty(sure))
+    reliable = with_reliability(sampled, catalog, dict(enumerate(sets)), standing)
+    return Explanation([*reliable.values()], uncertainty(sampled))
 
 
 def _pair(catalog: Catalog, motor: str, gearhead: str) -> tuple[int, int]:

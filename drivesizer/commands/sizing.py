@@ -46,12 +46,12 @@ def size(
 ) -> None:
     """Find the drive: requirements, the best drives, and why the others fail."""
     from drivesizer.output.report import accept, write, write_sets
-    from drivesizer.search.uncertainty.options import asked
+    from drivesizer.search.uncertainty.options import sampling_of
     from drivesizer.sizing import size as sized
 
     robot = load(spec, catalogs)
     accept([pdf] if pdf else [], tables=[csv] if csv else [])
-    sampling = asked(robot, confidence, samples, seed, processes, loop_samples)
+    sampling = sampling_of(robot, confidence, samples, seed, processes, loop_samples)
     with progress() as advance:
         result = sized(
             robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=advance, sampling=sampling
@@ -116,12 +116,12 @@ def report(
 ) -> None:
     """Write the report: .pdf, .html, .xlsx, .csv or .json, several at once."""
     from drivesizer.output.report import accept, write, write_figures
-    from drivesizer.search.uncertainty.options import asked
+    from drivesizer.search.uncertainty.options import sampling_of
     from drivesizer.sizing import size as sized
 
     robot = load(spec, catalogs)
     accept(output)
-    sampling = asked(robot, confidence, samples, seed, processes, loop_samples)
+    sampling = sampling_of(robot, confidence, samples, seed, processes, loop_samples)
     with progress() as advance:
         result = sized(
             robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=advance, sampling=sampling
@@ -148,11 +148,11 @@ def explain(
     catalogs: More = None,
 ) -> None:
     """Show why one combination of motor and gearhead passes or fails, check by check."""
-    from drivesizer.search.uncertainty.options import asked
+    from drivesizer.search.uncertainty.options import sampling_of
     from drivesizer.sizing import explained, load_parts
 
     robot = load(spec, catalogs)
-    sampling = asked(robot, samples=samples, seed=seed, loop=loop_samples)
+    sampling = sampling_of(robot, samples=samples, seed=seed, loop=loop_samples)
     catalog = load_parts(robot)
     found = explained(robot, motor, gearhead, catalog=catalog, sampling=sampling)
     if json:

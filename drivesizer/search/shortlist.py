@@ -24,11 +24,11 @@ from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.ranking import COUNTED, Ranking, names_of
 from drivesizer.search.search import Found, Progress, search
 from drivesizer.search.set_record import drive_set
-from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, asked
+from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
 
 if TYPE_CHECKING:
-    from drivesizer.search.uncertainty.run import Judged
+    from drivesizer.search.uncertainty.run import SampledDrives
 
 __all__ = ["Shortlist", "shortlist"]
 
@@ -105,7 +105,7 @@ def shortlist(
     check_battery(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})
     problem, weighed = problem_with_drive_mass(spec, catalog, objective)
-    sampling = sampling or asked(spec)
+    sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
     machine = of_the_platform(problem.machine)
     weigh = weighing(problem, machine, objective)
@@ -114,27 +114,27 @@ def shortlist(
         problem, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress, judge=judge
     )
     rows: Sequence[int] = range(found.standing)
-    sure = _judged(found, objective, rows[:pool], sampling) if sampling and pool else None
-    best, _ = divided(found, weigh, top, sure.good if sure else rows)
-    if sampling and not sure and best:
-        sure = _judged(found, objective, [*best], sampling)
-    unsure = divided(found, weigh, top, sure.bad)[0] if sure else {}
+    sampled = _sampled(found, objective, rows[:pool], sampling) if sampling and pool else None
+    best, _ = divided(found, weigh, top, sampled.good if sampled else rows)
+    if sampling and not sampled and best:
+        sampled = _sampled(found, objective, [*best], sampling)
+    unsure = divided(found, weigh, top, sampled.bad)[0] if sampled else {}
     return Shortlist(
         problem=problem,
         found=found,
         weigh=weigh,
-        best=_told(sure, catalog, best, FINALISTS, brief),
+        best=_with_reliability(sampled, catalog, best, FINALISTS, brief),
         top=top,
-        unsure=_told(sure, catalog, unsure, 0, brief),
-        uncertainty=_uncertainty(sure),
+        unsure=_with_reliability(sampled, catalog, unsure, 0, brief),
+        uncertainty=_uncertainty(sampled),
         weighed=weighed,
     )
 
 
-def _judged(found: Found, objective: Ranking, rows: Sequence[int], how: Sampling) -> Judged:
-    """Some sets over samples, with their checks by physics whatever the method."""
+def _sampled(found: Found, objective: Ranking, rows: Sequence[int], how: Sampling) -> SampledDrives:
+    """Some drives over samples, with their checks by physics whatever the method."""
     from drivesizer.search.uncertainty.run import (  # where nothing is sampled it need not load
-        judged,
+        sample_drives,
         subject,
         subject_of,
     )
@@ -145,29 +145,29 @@ def _judged(found: Found, objective: Ranking, rows: Sequence[int], how: Sampling
     else:
         records = with_both_methods(problem, [drive_set(found.evaluation, row, 0, objective) for row in rows])
         subjects = {row: subject_of(problem.catalog, one) for row, one in zip(rows, records, strict=True)}
-    return judged(problem, subjects, how)
+    return sample_drives(problem, subjects, how)
 
 
-def _told(
-    sure: Judged | None, catalog: Catalog, sets: dict[int, DriveSet], finalists: int, brief: bool
+def _with_reliability(
+    sampled: SampledDrives | None, catalog: Catalog, sets: dict[int, DriveSet], finalists: int, brief: bool
 ) -> dict[int, DriveSet]:
-    """Sets with how sure they are, the first of them in closed loop as well."""
-    if sure is None:
+    """Drives with their reliability, the first of them in closed loop as well."""
+    if sampled is None:
         return sets
-    from drivesizer.search.uncertainty.run import told
+    from drivesizer.search.uncertainty.run import with_reliability
 
     if brief:
-        return {row: replace(one, reliability=sure.found[row][1].reliability) for row, one in sets.items()}
-    return told(sure, catalog, sets, [*sets][:finalists])
+        return {row: replace(one, reliability=sampled.found[row][1].reliability) for row, one in sets.items()}
+    return with_reliability(sampled, catalog, sets, [*sets][:finalists])
 
 
-def _uncertainty(sure: Judged | None) -> Uncertainty | None:
-    """What all sets have in common."""
-    if sure is None:
+def _uncertainty(sampled: SampledDrives | None) -> Uncertainty | None:
+    """Assumptions and samples, which all drives have in common."""
+    if sampled is None:
         return None
     from drivesizer.search.uncertainty.run import uncertainty
 
-    return uncertainty(sure)
+    return uncertainty(sampled)
 
 
 def _known_to(spec: RobotSpec, names: set[str]) -> None:

@@ -89,17 +89,17 @@ def test_one_normal_figure_against_one_limit(plain: str, parts: Catalog) -> None
         passes = next(check.passes for check in result.checks if check.name == "supply_voltage")
         off.append(abs(passes - exact) / max(result.error, 1.0 / drawn.size))
         assert passes == pytest.approx(exact, abs=1e-3)
-    assert np.mean(np.array(off) <= 1.0) >= 0.8  # the error that is told covers 95 % of them, in the long run
+    assert np.mean(np.array(off) <= 1.0) >= 0.8  # the reported error covers 95 % of them, in the long run
 
 
-def test_the_error_that_is_told_covers_what_it_says() -> None:
+def test_the_reported_error_covers_its_share() -> None:
     """A share that is known, of points in a square under a circle: 95 % of the intervals should hold it."""
     given = assumptions(read_spec(YamlSource(_SMALL, "robot.yaml")))[:2]
     inside = []
     for seed in range(60):
         cube = sample(given, 2048, seed).cube
-        told = mean_and_error(np.square(cube).sum(axis=1) < 1.0)
-        inside.append(abs(told.value - np.pi / 4) <= told.error)
+        estimate = mean_and_error(np.square(cube).sum(axis=1) < 1.0)
+        inside.append(abs(estimate.value - np.pi / 4) <= estimate.error)
     assert 0.85 <= np.mean(inside) <= 1.0
 
 
@@ -112,8 +112,8 @@ supply: {nominal: 24 V}
 
 
 def test_where_all_samples_agree_the_rule_of_three_tells_the_error() -> None:
-    told = mean_and_error(np.ones(3000, bool)[: 3000 // REPLICATES * REPLICATES])
-    assert told.value == 1.0 and told.error == pytest.approx(0.001)
+    estimate = mean_and_error(np.ones(3000, bool)[: 3000 // REPLICATES * REPLICATES])
+    assert estimate.value == 1.0 and estimate.error == pytest.approx(0.001)
 
 
 def test_first_order_indices_of_a_linear_model() -> None:
@@ -328,7 +328,7 @@ def test_load_cases_share_what_they_do_not_replace(plain: str, parts: Catalog) -
 # --- the same each time ----------------------------------------------------------------------------------------------
 
 
-def _told(plain: str, parts: Catalog, seed: int, processes: int) -> str:
+def _document(plain: str, parts: Catalog, seed: int, processes: int) -> str:
     spec = _read(plain, MOVED)
     given = assumptions(spec)
     drawn = sample(given, 1024, seed)
@@ -343,21 +343,21 @@ def _told(plain: str, parts: Catalog, seed: int, processes: int) -> str:
 
 
 def test_the_same_seed_gives_the_same_figures_on_one_process_and_on_four(plain: str, parts: Catalog) -> None:
-    first = _told(plain, parts, 1, 1)
-    assert first == _told(plain, parts, 1, 4) == _told(plain, parts, 1, 1)
-    assert first != _told(plain, parts, 2, 1)
+    first = _document(plain, parts, 1, 1)
+    assert first == _document(plain, parts, 1, 4) == _document(plain, parts, 1, 1)
+    assert first != _document(plain, parts, 2, 1)
 
 
 def test_blocks_do_not_change_the_figures(plain: str, parts: Catalog, monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = _told(plain, parts, 1, 1)
+    whole = _document(plain, parts, 1, 1)
     monkeypatch.setattr("drivesizer.search.uncertainty.prepare._ROWS", 100)
-    assert _told(plain, parts, 1, 1) == whole
+    assert _document(plain, parts, 1, 1) == whole
 
 
 # --- from the spec to the result -------------------------------------------------------------------------------------
 
 
-def test_confidence_filters_and_the_rest_is_told(plain: str, parts: Catalog) -> None:
+def test_confidence_filters_and_the_rest_is_reported(plain: str, parts: Catalog) -> None:
     narrow = "select: {motor: {family: [DCX 22 S, RE 30]}, objective: mass}\n"
     spec = _read(plain, {key: MOVED[key] for key in ("mass: 45 kg ", "rolling_resistance: 0.02 ")}, narrow)
     free = size(spec, top=4, sampling=Sampling(1024, 1, None))
@@ -387,7 +387,7 @@ def test_the_papers_sets_are_sampled_by_physics(example_text: str) -> None:
     assert result.uncertainty and any("the paper's factors do not enter" in note for note in result.uncertainty.notes)
 
 
-def test_a_tolerance_that_changes_nothing_is_told(plain: str) -> None:
+def test_a_tolerance_without_effect_is_reported(plain: str) -> None:
     spec = _read(plain, {"  max_charge_current: 2.1 A": "  max_charge_current: 2.1 A +- 0.1 A"})
     result = size(spec, top=1, sampling=Sampling(256, 1, None))
     assert result.uncertainty and any("battery.max_charge_current" in note for note in result.uncertainty.notes)

@@ -42,7 +42,7 @@ def test_a_batch_is_what_each_machine_does_alone(arm: tuple[RobotSpec, DriveSet]
     spec, one = arm
     given = assumptions(spec)
     nominal = run(spec, one, motion_of(spec))
-    machines = [sampled_closed_loop.off(spec, one, given, values) for values in sample(given, 64, 5).values[:4]]
+    machines = [sampled_closed_loop.deviating(spec, one, given, values) for values in sample(given, 64, 5).values[:4]]
     assert len({machine[0].load.mass for machine in machines}) == 4  # type: ignore[union-attr]
     made = [prepared(*machine, motion_of(machine[0]), nominal.controller) for machine in machines]
     for ours, each in zip(sampled_closed_loop._simulated(made), made, strict=True):
@@ -55,8 +55,8 @@ def test_at_nominal_figures_the_checks_are_those_of_validation(arm: tuple[RobotS
     spec, one = arm
     given = assumptions(spec)
     nominal = run(spec, one, motion_of(spec))
-    (found,) = sampled_closed_loop._judged(
-        nominal, [sampled_closed_loop.off(spec, one, given, np.array([a.nominal for a in given]))]
+    (found,) = sampled_closed_loop._checked(
+        nominal, [sampled_closed_loop.deviating(spec, one, given, np.array([a.nominal for a in given]))]
     )
     want = [check for check in checks(nominal) if check.name != "winding_temperature"]
     for mine, theirs in zip(found, want, strict=True):
@@ -89,7 +89,7 @@ def test_factors_reach_the_parts(arm: tuple[RobotSpec, DriveSet]) -> None:
     values = np.array([a.nominal for a in given])
     names = [a.name for a in given]
     values[names.index("motor.torque_constant")], values[names.index("gearhead.efficiency")] = 1.1, 1.5
-    _, other = sampled_closed_loop.off(spec, one, given, values)
+    _, other = sampled_closed_loop.deviating(spec, one, given, values)
     assert other.motor.torque_constant == pytest.approx(1.1 * one.motor.torque_constant)
     assert other.motor.no_load_current * other.motor.torque_constant == pytest.approx(
         one.motor.no_load_current * one.motor.torque_constant

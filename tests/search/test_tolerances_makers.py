@@ -34,7 +34,7 @@ from drivesizer.search.search import search
 from drivesizer.search.uncertainty import sampled_closed_loop
 from drivesizer.search.uncertainty.class_of_part import holding, used
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.search.uncertainty.run import Judged, judged, subject, told, uncertainty
+from drivesizer.search.uncertainty.run import SampledDrives, sample_drives, subject, uncertainty, with_reliability
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import assumptions
 from drivesizer.sizing import size
@@ -103,12 +103,12 @@ def makers() -> Catalog:
     return joined([_maker("Acme", ACME, 320), _maker("Bolt", BOLT, 330), _maker("Coil", "", 340)])
 
 
-def _sampled(spec: RobotSpec, catalog: Catalog, processes: int = 1) -> tuple[Judged, dict[str, int]]:
+def _sampled(spec: RobotSpec, catalog: Catalog, processes: int = 1) -> tuple[SampledDrives, dict[str, int]]:
     """All sets of a catalogue over samples, with their rows by the motor's number."""
     given = problem(spec, catalog)
     found = search(given, top=9, objective="mass", misses=0).evaluation
     rows = range(len(found.candidates.motor))
-    result = judged(given, {row: subject(found, row) for row in rows}, Sampling(4096, 1, None, processes))
+    result = sample_drives(given, {row: subject(found, row) for row in rows}, Sampling(4096, 1, None, processes))
     return result, {str(catalog.motors["part"][found.candidates.motor[row]]): row for row in rows}
 
 
@@ -119,7 +119,7 @@ def _needed(spec: RobotSpec, catalog: Catalog) -> float:
     return float(check.demand[0] / check.limit[0])
 
 
-def _chance(result: Judged, row: int) -> float:
+def _chance(result: SampledDrives, row: int) -> float:
     return result.found[row][1].reliability.probability
 
 
@@ -186,13 +186,13 @@ def test_a_maker_that_takes_its_figures_as_printed_has_no_class() -> None:
     assert result.ready.given == () and _chance(result, row["Acme-1"]) == 1.0
 
 
-def test_a_set_is_told_what_counts_for_it(makers: Catalog) -> None:
+def test_only_figures_that_count_for_a_drive_are_reported(makers: Catalog) -> None:
     result, row = _sampled(_spec(), makers)
     sets = {"Acme-1": "motor.torque_constant (Acme)", "Coil-1": "motor.torque_constant"}
     best = size(_spec(), top=3, catalog=makers, sampling=Sampling(4096, 1, None)).sets
     for part, name in sets.items():
         one = next(each for each in best if each.motor.part == part)
-        for found in (one.reliability, told(result, makers, {row[part]: one})[row[part]].reliability):
+        for found in (one.reliability, with_reliability(result, makers, {row[part]: one})[row[part]].reliability):
             assert found and [driver.name for driver in found.drivers] == [name]
     drivers = {one.motor.part: one.reliability.drivers[0] for one in best if one.reliability}
     assert drivers["Acme-1"].low == "-4.5 %" and drivers["Coil-1"].low == "-9 %"
@@ -260,14 +260,14 @@ def test_the_closed_loop_takes_the_same_factor(makers: Catalog, monkeypatch: pyt
     }
     assert all(one.reliability and one.reliability.loop for one in sizing.sets)
     for one, given, values in seen.values():
-        _, other = sampled_closed_loop.off(sizing.spec, one, given, values[5])
+        _, other = sampled_closed_loop.deviating(sizing.spec, one, given, values[5])
         assert other.motor.torque_constant / one.motor.torque_constant == pytest.approx(values[5, 0])
         assert other.motor.resistance == one.motor.resistance
     assert {one.reliability.no_loop for one in sizing.sets if one.reliability} == {""}
     one, given, values = seen["Acme-1"]
     both = [*given, *seen["Bolt-1"][1]]
     with pytest.raises(AssertionError, match=r"motor.torque_constant \(Bolt\): of another maker's part"):
-        sampled_closed_loop.off(sizing.spec, one, both, np.array([1.0, 1.0]))
+        sampled_closed_loop.deviating(sizing.spec, one, both, np.array([1.0, 1.0]))
 
 
 # --- gearheads, actuators, families ----------------------------------------------------------------------------------

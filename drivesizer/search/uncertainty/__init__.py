@@ -1,4 +1,4 @@
-"""How sure a drive is: figures with tolerances, and how probable it is that every check passes all the same."""
+"""Reliability of a drive: figures with tolerances, and the probability that every check passes."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Which class holds for a part's figure: the spec's, else its maker's, else the default one.
+"""Tolerance class of a part's figure: the spec's, else its maker's, else the default one.
 
-Sets of several makers are compared in one sizing, so a class may be of one maker's parts alone.
+Drives of several makers are compared in one sizing, so a class may be of one maker's parts alone.
 """
 
 from __future__ import annotations
@@ -18,16 +18,21 @@ Given = Mapping[tuple[str, str], str]
 
 
 def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class, ...]:
-    """The classes of one part's figures, one a figure; none of a gearhead that is not there.
+    """The classes of one part's figures, one a figure; none without a gearhead.
 
     Parameters
     ----------
     catalog
-        The parts, and what their makers say.
+        The parts, and the tolerances that their makers state.
     given
-        What a spec puts in place of any other, by part and figure.
+        Classes of the spec, in place of any other, by part and figure.
     part, row
-        motor or gearhead, and its row.
+        ``motor`` or ``gearhead``, and its row.
+
+    Returns
+    -------
+    tuple of Class
+        In the order of the figures.
     """
     table = catalog.table(_SECTIONS[part])
     if row < 0 or table["part"][row] == DIRECT:
@@ -44,14 +49,27 @@ def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class,
 
 def _of_a_maker(catalog: Catalog, one: MakerTolerance) -> Class:
     source = catalog.sources[one.source]
-    sure = "" if source.confidence == "quoted" else source.confidence
+    certainty = "" if source.confidence == "quoted" else source.confidence
     date = "" if source.date in source.document else source.date
-    why = ", ".join(text for text in (f"{one.maker}: {source.document}", date, sure) if text)
+    why = ", ".join(text for text in (f"{one.maker}: {source.document}", date, certainty) if text)
     return class_of(one.part, one.figure, one.tolerance, why, owner_of(catalog.tolerances, one))
 
 
 def holding_of_a_set(catalog: Catalog, given: Given, motor: int, gearhead: int) -> tuple[Class, ...]:
-    """The classes of the figures of a motor and its gearhead, by their rows."""
+    """The classes of the figures of a motor and its gearhead, by their rows.
+
+    Parameters
+    ----------
+    catalog, given
+        As in ``holding``.
+    motor, gearhead
+        Their rows.
+
+    Returns
+    -------
+    tuple of Class
+        Those of the motor first.
+    """
     return holding(catalog, given, "motor", motor) + holding(catalog, given, "gearhead", gearhead)
 
 
@@ -59,6 +77,18 @@ def used(catalog: Catalog, given: Given, rows: Iterable[tuple[int, int]]) -> tup
     """The classes that hold for any of some motors and gearheads, each once, in a fixed order.
 
     The order is that of the figures, the default class of each first, then the makers' by name.
+
+    Parameters
+    ----------
+    catalog, given
+        As in ``holding``.
+    rows
+        Rows of motors and gearheads.
+
+    Returns
+    -------
+    tuple of Class
+        Each once.
     """
     found = {one for pair in dict.fromkeys(rows) for one in holding_of_a_set(catalog, given, *pair)}
     order = {key: place for place, key in enumerate(CLASSES)}

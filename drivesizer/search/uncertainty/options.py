@@ -1,4 +1,4 @@
-"""How a spec, and options before it, want sets to be sampled."""
+"""Options of sampling: those of a spec, and of the command line before it."""
 
 from __future__ import annotations
 
@@ -8,28 +8,46 @@ from drivesizer.errors import InputError
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.tolerances import FEWEST, MOST
 
-__all__ = ["FINALISTS", "POOL", "Sampling", "asked"]
+__all__ = ["FINALISTS", "POOL", "Sampling", "sampling_of"]
 
-FINALISTS = 3  # sets that go through the closed loop
-POOL = 100  # of the best sets are sampled where a confidence is asked for
+FINALISTS = 3  # drives that are simulated in closed loop
+POOL = 100  # best drives that are sampled where a confidence is required
 
 
 class Sampling(NamedTuple):
-    """How sets are sampled."""
+    """Options of sampling."""
 
     samples: int
     seed: int
-    confidence: float | None  # None: all are told, none falls
+    confidence: float | None  # required; None: all are reported, none is rejected
     processes: int = 1
-    loop: int = 0  # samples of the best sets in closed loop
+    loop: int = 0  # samples of the best drives in closed loop
 
 
-def asked(
+def sampling_of(
     spec: RobotSpec, confidence: float | None = None, samples: int | None = None, seed: int | None = None,
     processes: int = 1,
     loop: int | None = None,
 ) -> Sampling | None:  # fmt: skip
-    """How a spec, and options before it, want sets to be sampled; None where neither has tolerances in mind.
+    """Options of sampling of a spec, and options before it; None where neither mentions tolerances.
+
+    Parameters
+    ----------
+    spec
+        The spec with its tolerances.
+    confidence
+        Required probability that all checks pass, 0 to 1 [1].
+    samples, seed
+        Number of samples, and seed of their scrambling.
+    processes
+        Number of processes that share the drives.
+    loop
+        Samples of the best drives in closed loop.
+
+    Returns
+    -------
+    Sampling or None
+        The options.
 
     Raises
     ------
@@ -48,11 +66,11 @@ def asked(
         raise InputError(f"--loop-samples {loop} is out of range; expected 0 to 10000")
     if seed is not None and not 0 <= seed < 2**32:
         raise InputError(f"--seed {seed} is out of range; expected 0 to {2**32 - 1}")
-    wanted_of_all = given.confidence if confidence is None else confidence
+    required = given.confidence if confidence is None else confidence
     return Sampling(
         given.samples if samples is None else samples,
         given.seed if seed is None else seed,
-        wanted_of_all,
+        required,
         processes,
-        loop if loop is not None else 0 if wanted_of_all is None else given.loop_samples,
+        loop if loop is not None else 0 if required is None else given.loop_samples,
     )

@@ -1,4 +1,4 @@
-"""Samples made ready: each load case with columns in place of figures, and the load cycles of all samples."""
+"""Preparation of samples: each load case with columns in place of figures, and the load cycles of all samples."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class _Case(NamedTuple):
 
 
 class Prepared(NamedTuple):
-    """All that the sets have in common."""
+    """The samples, which all drives have in common."""
 
     problem: Problem
     given: tuple[Assumption, ...]
@@ -74,11 +74,16 @@ def prepared(problem: Problem, given: Sequence[Assumption], values: Array, *, ev
     problem
         The machine with its load cases.
     given
-        All that is uncertain.
+        The uncertain figures.
     values
         (samples, assumptions) [SI].
     every
-        The load cycle of each by itself, and all of them; else fewer where the cycles are long.
+        Compute the load cycle of each by itself, and all of them; else fewer where the cycles are long.
+
+    Returns
+    -------
+    Prepared
+        The samples; fewer where the load cycles are long.
     """
     cases = []
     for machine, case, paths, make in _cases(problem, given):
@@ -109,7 +114,7 @@ def _made(make: Make, own: Sequence[int], values: Array) -> LoadCycle:
 
 
 def _cases(problem: Problem, given: Sequence[Assumption]) -> Iterator[tuple[int, RobotSpec, dict[int, Path_], Make]]:
-    """Every load case, of a platform on its way every driven wheel, for what is off need not be the same for all.
+    """Every load case, of a platform on its path every driven wheel, since deviations need not be the same for all.
 
     Which case of the machine it is, the spec as it is sized, the assumptions that count, and what makes the cycle.
     """
@@ -158,21 +163,21 @@ def _every_wheel(part: RobotSpec, paths: dict[int, Path_], given: Sequence[Assum
     @cache
     def every(values: tuple[float, ...]) -> tuple[LoadCycle, ...]:
         moved = applied(part, _moves(paths, dict(zip(sorted(paths), values, strict=True)), given))
-        way = trajectory_of(moved) if moving else nominal
-        assert way is not None
-        return wheels_of(moved, dynamics_of(moved), way)
+        trajectory = trajectory_of(moved) if moving else nominal
+        assert trajectory is not None
+        return wheels_of(moved, dynamics_of(moved), trajectory)
 
     return every
 
 
 def _moves(paths: Mapping[int, Path_], values: Mapping[int, float], given: Sequence[Assumption]) -> dict[Path_, float]:
-    """By how much figures move, by their place."""
+    """Differences from nominal figures, by their place."""
     moved = {paths[k]: value - given[k].nominal for k, value in values.items() if k in paths}
     return {path: difference for path, difference in moved.items() if difference}
 
 
 def unused(one: Prepared) -> list[Assumption]:
-    """Figures of the spec whose tolerance counts in no check that is sampled."""
+    """Figures of the spec whose tolerance has no effect on a sampled check."""
     idle = []
     for k, given in enumerate(one.given):
         if given.given is None:
@@ -195,7 +200,7 @@ _COLUMNS = {
 
 
 def _has_column(path: Path_) -> bool:
-    """Whether a figure is one that checks ask for beside the load cycle."""
+    """Whether a figure enters checks beside the load cycle."""
     field = path[1] if path[0] == "battery" else path[-1]
     return str(field) in _COLUMNS.get(str(path[0]), set()) or (path[0] == "transmission" and field in _BELT)
 
@@ -204,7 +209,7 @@ _BELT = {"efficiency", "stiffness", "max_tension", "max_speed"}
 
 
 def _shapes(case: _Case, k: int, one: Prepared) -> bool:
-    """Whether a figure is one of the load, its motion, or what else shapes a cycle."""
+    """Whether a figure is one that shapes the load cycle."""
     return case.cycles.size > 1 and case.paths[k][0] in ("load", "motion", "environment", "transmission", "platform")
 
 
@@ -212,7 +217,22 @@ def _shapes(case: _Case, k: int, one: Prepared) -> bool:
 
 
 def blocks(one: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[Block]:
-    """The samples, some at a time, ready for sets with any of some belt ratios."""
+    """The samples in blocks, ready for drives with any of some belt ratios.
+
+    Parameters
+    ----------
+    one
+        The samples.
+    catalog
+        The parts.
+    belts
+        Belt ratios of the drives [1].
+
+    Returns
+    -------
+    iterator of Block
+        Consecutive samples.
+    """
     longest = max(len(case.cycles.duration) for case in one.cases)
     size = int(np.clip(_CELLS // longest, 64, _ROWS))
     for first in range(0, len(one.values), size):
@@ -264,6 +284,6 @@ def _some(cycles: Cycles, rows: NDArray[np.int64]) -> Cycles:
 
 
 def _with_columns(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> RobotSpec:
-    """A load case as limits see it: columns in place of the figures that they ask for."""
-    asked = {k: path for k, path in case.paths.items() if _has_column(path)}
-    return applied(case.spec, {path: one.values[rows, k] - one.given[k].nominal for k, path in asked.items()})
+    """A load case with columns in place of the figures that enter checks."""
+    columns = {k: path for k, path in case.paths.items() if _has_column(path)}
+    return applied(case.spec, {path: one.values[rows, k] - one.given[k].nominal for k, path in columns.items()})

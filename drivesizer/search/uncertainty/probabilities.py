@@ -1,4 +1,4 @@
-"""Drive sets over samples: how probable it is that all checks pass, by what they fall, and what matters most."""
+"""Drives over samples: probability that all checks pass, the checks that fail, and the assumptions that matter most."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ __all__ = ["Examined", "Subject", "at_ends", "counting", "drivers", "examined"]
 
 Array = NDArray[np.float64]
 _QUANTILES = (0.05, 0.5, 0.95)
-_KEPT = 1_000_000  # segments times samples that are kept at hand for all sets
-_TOGETHER = 8  # sets whose samples are held at a time
+_KEPT = 1_000_000  # segments times samples that are kept in memory for all drives
+_TOGETHER = 8  # drives whose samples are held at a time
 
 
 class Subject(NamedTuple):
-    """A set that is sampled, with its checks at nominal figures."""
+    """A drive that is sampled, with its checks at nominal figures."""
 
     rows: SetRows
     nominal: tuple[Check, ...]
 
 
 class Examined(NamedTuple):
-    """What the samples of a set gave."""
+    """Result of the samples of a drive."""
 
     reliability: Reliability
     smallest: Array  # margin of each sample, over all checks that have one
@@ -56,18 +56,23 @@ class _Over(NamedTuple):
 
 
 def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Examined]:
-    """Sets over all samples.
+    """Checks of drives over all samples.
 
     Parameters
     ----------
     given
-        The samples, made ready.
+        The samples.
     catalog
         The parts.
     subjects
-        The sets.
+        The drives.
     processes
-        That share the sets; the figures are the same with any number.
+        Number of processes that share the drives; the figures are the same with any number.
+
+    Returns
+    -------
+    list of Examined
+        One a drive.
     """
     if processes > 1 and len(subjects) > 1:
         return _shared(given, catalog, subjects, processes)
@@ -85,7 +90,7 @@ def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], pro
 
 
 def _shared(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int) -> list[Examined]:
-    """The same by several processes, each with some of the sets."""
+    """The same by several processes, each with some of the drives."""
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
@@ -97,7 +102,7 @@ def _shared(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], proc
 
 
 def _over(check: CheckColumn, count: int) -> _Over:
-    """What is kept of a check; one figure where all samples have the same."""
+    """Figures that are kept of a check; one figure where all samples have the same."""
     margin = check.margin
     tight = np.where(np.isnan(margin) | (check.by_choice & check.passed), np.inf, margin)
     return _Over(*(_as_many(x, count) for x in (check.passed, check.failed, margin, tight)))
@@ -115,7 +120,7 @@ def _constant(check: Check, count: int) -> _Over:
 
 
 def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
-    """What the samples of a set amount to."""
+    """Reliability of a drive from its samples."""
     joined = (
         parts[0] if len(parts) == 1 else {name: _one_after_the_other([p[name] for p in parts]) for name in parts[0]}
     )
@@ -180,17 +185,45 @@ def _quantiles(values: Array) -> tuple[float, float, float]:
     return float(below[low]), float(halves[middle]), float(above[high - middle])
 
 
-# --- what matters
+# --- sensitivity
 
 
 def counting(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption]) -> list[int]:
-    """Which assumptions count for a set, by their number: the spec's, and the classes that hold for its parts."""
+    """Numbers of the assumptions that count for a drive: the spec's, and the classes that hold for its parts.
+
+    Parameters
+    ----------
+    one, catalog
+        The drive, and the parts.
+    spec
+        The machine.
+    given
+        The assumptions.
+
+    Returns
+    -------
+    list of int
+        In their order.
+    """
     held = holding_of_a_set(catalog, spec.tolerances.given, one.rows.motor, one.rows.gearhead)
     return [k for k, assumption in enumerate(given) if assumption.catalogue is None or assumption.catalogue in held]
 
 
 def at_ends(problem: Problem, given: Sequence[Assumption]) -> Prepared:
-    """The nominal figures, then two samples an assumption, it alone off: at its 5 % and at its 95 % quantile."""
+    """The nominal figures, then two samples an assumption, it alone varied: at its 5 % and at its 95 % quantile.
+
+    Parameters
+    ----------
+    problem
+        The machine with its load cases.
+    given
+        The assumptions.
+
+    Returns
+    -------
+    Prepared
+        1 + 2 n samples of n assumptions.
+    """
     values = np.tile([assumption.nominal for assumption in given], (1 + 2 * len(given), 1))
     for k, assumption in enumerate(given):
         values[_ends(k), k] = assumption.distribution.at(np.array([0.05, 0.95]))
@@ -198,23 +231,28 @@ def at_ends(problem: Problem, given: Sequence[Assumption]) -> Prepared:
 
 
 def _ends(k: int) -> slice:
-    """The rows in which the assumption of that number is off."""
+    """The rows in which the assumption of that number is varied."""
     return slice(1 + 2 * k, 3 + 2 * k)
 
 
 def drivers(one: Subject, catalog: Catalog, ends: Prepared, sample: Sample, smallest: Array) -> tuple[Driver, ...]:
-    """What each assumption that counts does to the smallest margin of a set, the one that matters most first.
+    """Effect of each assumption on the smallest margin of a drive, the largest first.
 
     Parameters
     ----------
     one, catalog
-        The set, and the parts.
+        The drive, and the parts.
     ends
-        The machine with one assumption off at a time.
+        The machine with one assumption varied at a time.
     sample
         The samples.
     smallest
-        Margin of each.
+        Smallest margin of each [1].
+
+    Returns
+    -------
+    tuple of Driver
+        One an assumption that counts.
     """
     known, own = np.isfinite(smallest), counting(one, catalog, ends.spec, ends.given)
     if not own:
@@ -239,7 +277,7 @@ def _driver(ends: Prepared, k: int, share: float, sign: float, margins: Array) -
 
 
 def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
-    """The smallest margin of a set in each sample; what no sample changes is as at nominal figures."""
+    """Smallest margin of a drive in each sample; checks that no sample changes are at nominal figures."""
     parts = []
     for block in blocks(given, catalog, [one.rows.belt]):
         tight = {check.name: np.asarray(_tightness(check)) for check in one.nominal}

@@ -1,4 +1,4 @@
-"""From a sizing's sets to how sure each is: what is uncertain, samples, the sets over them, what matters most."""
+"""Reliability of a sizing's drives: uncertain figures, samples, checks of the drives over them, sensitivities."""
 
 from __future__ import annotations
 
@@ -21,31 +21,36 @@ from drivesizer.search.uncertainty.sampled_checks import SetRows
 from drivesizer.search.uncertainty.sampling import Sample, sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
 
-__all__ = ["Judged", "judged", "subject", "subject_of", "told", "uncertainty"]
+__all__ = ["SampledDrives", "sample_drives", "subject", "subject_of", "uncertainty", "with_reliability"]
 
 
-class Judged(NamedTuple):
-    """Sets over samples, by their rows in what the search found."""
+class SampledDrives(NamedTuple):
+    """Drives over samples, by their rows in the result of the search."""
 
-    good: list[int]  # in their order; where a confidence is asked for, those that reach it
-    bad: list[int]  # that do not, the surest first
+    good: list[int]  # in their order; with a required confidence those that reach it
+    bad: list[int]  # that do not, the most reliable first
     found: dict[int, tuple[Subject, Examined]]
     ready: Prepared
     drawn: Sample
     how: Sampling
 
 
-def judged(problem: Problem, subjects: Mapping[int, Subject], how: Sampling) -> Judged:
-    """How sure sets are.
+def sample_drives(problem: Problem, subjects: Mapping[int, Subject], how: Sampling) -> SampledDrives:
+    """Reliability of drives.
 
     Parameters
     ----------
     problem
         The machine with its load cases, and the catalogues.
     subjects
-        Sets that stand at nominal figures, in order, by their rows.
+        Drives that meet all limits at nominal figures, in order, by their rows.
     how
-        Samples, seed, and the confidence that is asked for.
+        Samples, seed, and the required confidence.
+
+    Returns
+    -------
+    SampledDrives
+        The drives with their samples.
     """
     rows = [(one.rows.motor, one.rows.gearhead) for one in subjects.values()]
     catalog, machine = problem.catalog, problem.machine
@@ -57,11 +62,24 @@ def judged(problem: Problem, subjects: Mapping[int, Subject], how: Sampling) -> 
     chance = {row: one.reliability.probability for row, (_, one) in found.items()}
     good = [row for row in found if how.confidence is None or chance[row] >= how.confidence]
     bad = sorted((row for row in found if row not in good), key=lambda row: -chance[row])
-    return Judged(good, bad, found, ready, drawn._replace(values=ready.values), how)
+    return SampledDrives(good, bad, found, ready, drawn._replace(values=ready.values), how)
 
 
 def subject(evaluation: Evaluation, row: int) -> Subject:
-    """A set of what a search by physics found."""
+    """A drive that a search by physics found.
+
+    Parameters
+    ----------
+    evaluation
+        Result of the search.
+    row
+        Of the drive in it.
+
+    Returns
+    -------
+    Subject
+        The drive, ready to be sampled.
+    """
     given = evaluation.candidates
     rows = SetRows(
         int(given.motor[row]), int(given.gearhead[row]), int(evaluation.encoder[row]), int(evaluation.controller[row]),
@@ -71,7 +89,20 @@ def subject(evaluation: Evaluation, row: int) -> Subject:
 
 
 def subject_of(catalog: Catalog, one: DriveSet) -> Subject:
-    """A set as a record, with its checks by physics among those of either method."""
+    """A drive by its record, with its checks by physics among those of either method.
+
+    Parameters
+    ----------
+    catalog
+        The parts.
+    one
+        The drive.
+
+    Returns
+    -------
+    Subject
+        The drive, ready to be sampled.
+    """
     rows = SetRows(
         catalog.motors.rows[one.motor.part],
         catalog.gearheads.rows[one.gearhead.part],
@@ -82,48 +113,56 @@ def subject_of(catalog: Catalog, one: DriveSet) -> Subject:
     return Subject(rows, tuple(check for check in (*one.checks, *one.beside) if check.method == "physics"))
 
 
-def told(
-    judged_: Judged, catalog: Catalog, sets: Mapping[int, DriveSet], finalists: Collection[int] = ()
+def with_reliability(
+    sampled: SampledDrives, catalog: Catalog, sets: Mapping[int, DriveSet], finalists: Collection[int] = ()
 ) -> dict[int, DriveSet]:
-    """Sets with how sure they are, and what matters most for each.
+    """Drives with their reliability, and the sensitivities of each.
 
     Parameters
     ----------
-    judged_
-        What was sampled.
+    sampled
+        The sampled drives.
     catalog
         The parts.
     sets
         By their rows.
     finalists
         Rows of those that are sampled in closed loop too.
+
+    Returns
+    -------
+    dict
+        The drives by their rows.
     """
-    ends, said = at_ends(judged_.ready.problem, judged_.ready.given), {}
+    ends, described = at_ends(sampled.ready.problem, sampled.ready.given), {}
     for row, one in sets.items():
-        what, found = judged_.found[row]
-        matters = drivers(what, catalog, ends, judged_.drawn, found.smallest)
-        told_ = replace(found.reliability, drivers=matters)
-        looped = row in finalists and judged_.how.loop > 0
-        said[row] = replace(one, reliability=_in_the_loop(judged_, catalog, what, one, told_) if looped else told_)
-    return said
+        examined_, found = sampled.found[row]
+        matters = drivers(examined_, catalog, ends, sampled.drawn, found.smallest)
+        reliability = replace(found.reliability, drivers=matters)
+        if row in finalists and sampled.how.loop > 0:
+            reliability = _in_the_loop(sampled, catalog, examined_, one, reliability)
+        described[row] = replace(one, reliability=reliability)
+    return described
 
 
-def _in_the_loop(judged_: Judged, catalog: Catalog, what: Subject, one: DriveSet, found: Reliability) -> Reliability:
+def _in_the_loop(
+    sampled: SampledDrives, catalog: Catalog, examined_: Subject, one: DriveSet, found: Reliability
+) -> Reliability:
     """With the share of samples that pass in closed loop, or why there is none: the model may lack a figure."""
     from drivesizer.search.uncertainty.sampled_closed_loop import loop_share
 
-    ready = judged_.ready
-    own = counting(what, catalog, ready.spec, ready.given)
-    values = judged_.drawn.values[:, own]
+    ready = sampled.ready
+    own = counting(examined_, catalog, ready.spec, ready.given)
+    values = sampled.drawn.values[:, own]
     try:
-        share = loop_share(ready.spec, one, [ready.given[k] for k in own], values, judged_.how.loop)
+        share = loop_share(ready.spec, one, [ready.given[k] for k in own], values, sampled.how.loop)
     except InputError as error:
         return replace(found, no_loop=str(error))
     return replace(found, loop=share)
 
 
-def uncertainty(one: Judged) -> Uncertainty:
-    """What all sets have in common."""
+def uncertainty(one: SampledDrives) -> Uncertainty:
+    """Assumptions and samples, which all drives have in common."""
     return Uncertainty(
         assumptions=tuple(_uncertain(given) for given in one.ready.given),
         samples=one.drawn.size,
@@ -142,24 +181,24 @@ def _uncertain(one: Assumption) -> Uncertain:
 
 
 def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
-    """What the probabilities rest on."""
-    said = [
-        "limits are the catalogue's, as printed; encoder and controller are those of the nominal set; all motor sets "
-        "of the machine are off alike",
+    """Notes on the basis of the probabilities."""
+    notes = [
+        "limits are the catalogue's, as printed; encoder and controller are those of the nominal drive; all drives "
+        "of the machine deviate alike",
         "the probability is that no check of the physics fails, nor the battery's autonomy, range, peak and voltage; "
         "other budgets of the machine are at nominal figures",
     ]
     if ready.spec.method == "paper":
-        said.append("the paper's factors do not enter: the checks that are sampled are the physics beside it")
+        notes.append("the paper's factors do not enter: the sampled checks are those of the physics beside it")
     if ready.fitted > 1e-12:
-        said.append(f"load cycles of the samples are fitted to {ready.fitted:.0e} of their largest value")
+        notes.append(f"load cycles of the samples are fitted to {ready.fitted:.0e} of their largest value")
     if len(ready.values) < how.samples:
-        said.append(f"each sample's load cycle is computed by itself: {len(ready.values)} samples, not {how.samples}")
+        notes.append(f"each sample's load cycle is computed by itself: {len(ready.values)} samples, not {how.samples}")
     if isinstance(ready.spec.load, WheelLoad):
-        said.append("on its way a platform is not sampled in closed loop; peaks and voltage of its battery are nominal")
+        notes.append("platforms on a path are not sampled in closed loop; peaks and voltage of the battery are nominal")
     idle = [one.name for one in unused(ready)]
     if idle:
-        said.append(f"no check that is sampled asks for {', '.join(idle)}: that tolerance changes nothing here")
+        notes.append(f"no sampled check depends on {', '.join(idle)}: that tolerance has no effect here")
     if how.confidence is not None and examined_ >= POOL:
-        said.append(f"the best {POOL} sets that stand at nominal figures were sampled, no others")
-    return tuple(said)
+        notes.append(f"only the best {POOL} drives that meet all limits at nominal figures were sampled")
+    return tuple(notes)

@@ -1,8 +1,8 @@
-"""How long the battery lasts, sample by sample, and what it is asked for at most: autonomy, range, peak, voltage.
+"""Autonomy, range, peak power and voltage of the battery, sample by sample.
 
 As ``energy_budget`` has it for one set: the drive draws by its load cycle, the equipment by its share of the time, the
-run time is that of the mean power. Not here: continuous current, what comes back (current and voltage of charging), and
-what polarisation takes of a voltage.
+run time is that of the mean power. Not here: continuous current, current and voltage of charging, and
+the voltage of polarisation.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ SAMPLED = (*LASTING, *_PEAKS, *_VOLTAGES)
 
 
 class Feeding(NamedTuple):
-    """A battery and what else draws from it, of samples."""
+    """A battery and the equipment that draws from it, of samples."""
 
     pack: Pack
     charge: Any  # of the battery over its nominal one
@@ -46,7 +46,7 @@ class Feeding(NamedTuple):
 
 
 class Draw(NamedTuple):
-    """What the motor sets of a load case draw and give back over a cycle, together [J], and at most [W]."""
+    """Energy that the drives of a load case draw and return over a cycle, together [J], and their peak power [W]."""
 
     drawn: Array
     returned: Array
@@ -64,6 +64,11 @@ def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
         Its battery at nominal figures.
     catalog
         Where the battery's part is listed.
+
+    Returns
+    -------
+    Feeding
+        The battery and its equipment.
     """
     given = spec.battery
     assert given is not None
@@ -90,10 +95,15 @@ def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Dra
     at
         The load cycles.
     draws
-        Of the load case; of a platform on its way of each wheel. Their peaks need not fall together, so those of
-        several are not judged.
+        Of the load case; of a platform on its path of each wheel. Their peaks need not coincide, so those of
+        several are not checked.
     parts
-        The set's.
+        Of the drive.
+
+    Returns
+    -------
+    list of CheckColumn
+        Columns over the samples.
     """
     total = at.cycle.total
     speed = _travel(spec, at) / total if feeds.travels else np.full_like(total, nan)
@@ -103,21 +113,38 @@ def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Dra
 def columns_of(
     spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequence[Draw], efficiency: Any
 ) -> list[CheckColumn]:
-    """The same of a cycle's length [s], its mean speed [m/s], and the controllers' greatest efficiency."""
+    """Autonomy, range, peak and voltage, from figures of the cycle.
+
+    Parameters
+    ----------
+    spec, feeds, draws
+        As in ``battery_limits``.
+    total
+        Length of the cycle [s].
+    speed
+        Mean speed of the machine [m/s].
+    efficiency
+        Greatest efficiency of the controllers [1].
+
+    Returns
+    -------
+    list of CheckColumn
+        Columns over the samples.
+    """
     share, loss = spec.supply.regeneration, np.where(np.isnan(efficiency), 1.0, efficiency)
     drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
     mean = (drawn / loss - share * returned * loss) / total + feeds.mean
-    full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # as so many strings side by side
-    required, way = required_autonomy(spec, spec.battery), spec.battery.range
-    required = np.fmax(required, nan if way is None else way / speed)
+    full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # of so many parallel strings
+    required, distance = required_autonomy(spec, spec.battery), spec.battery.range
+    required = np.fmax(required, nan if distance is None else distance / speed)
     drawn_share = np.where(np.isnan(required), feeds.pack.available, required / full)
     left = feeds.pack.start - np.minimum(drawn_share, feeds.pack.available)
     peak = np.maximum(draws[0].peak, 0.0) / loss + feeds.peak
     emf, resistance = feeds.pack.emf(left), feeds.pack.resistance
     lowest = terminal_voltage(current_of_power(peak, emf, resistance), emf, resistance)
     load = Load(mean=mean, peak=peak, rms=nan, back=nan, way=speed, full=full, charge=left, lowest=lowest)
-    judged = LASTING if len(draws) > 1 else (*LASTING, *_PEAKS, *(() if feeds.pack.polarisation else _VOLTAGES))
-    return [check for check in battery_columns(spec, spec.battery, feeds.pack, load) if check.name in judged]
+    checked = LASTING if len(draws) > 1 else (*LASTING, *_PEAKS, *(() if feeds.pack.polarisation else _VOLTAGES))
+    return [check for check in battery_columns(spec, spec.battery, feeds.pack, load) if check.name in checked]
 
 
 def _travel(spec: Any, at: AtSamples) -> Any:

@@ -1,8 +1,8 @@
-"""One drive set against every limit, sample by sample: the column code of the search with samples as columns.
+"""One drive against every limit, sample by sample: the column code of the search with samples as columns.
 
-What the search takes for many sets over one load cycle is taken here for one set over many: the parts' figures times
-their factors, the spec's figures as columns, the load cycle of each sample. Encoder and controller stay those of the
-nominal set, for they are bought once.
+The search has many drives over one load cycle, here is one drive over many: the parts' figures times
+their factors, the spec's figures as columns, the load cycle of each sample. Encoder and controller are those of the
+nominal drive, since they are bought once.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _WHOLE = ("ratio", "inertia", "no_load_current", "friction_torque", "viscous_fri
 
 
 class SetRows(NamedTuple):
-    """The parts of a set, as rows of the catalogue's tables; -1 where there is none."""
+    """The parts of a drive, as rows of the catalogue's tables; -1 where there is none."""
 
     motor: int
     gearhead: int
@@ -52,7 +52,7 @@ class SetRows(NamedTuple):
 
 
 class Block(NamedTuple):
-    """Some of the samples, ready for any set: a load case each."""
+    """Some of the samples, ready for any drive: a load case each."""
 
     size: int
     specs: tuple[Any, ...]  # with columns
@@ -63,7 +63,7 @@ class Block(NamedTuple):
     belts: Mapping[float, BeltDrive | None]  # by ratio, where they are out of the catalogues
 
     def factors_of(self, catalog: Catalog, part: str, row: int) -> dict[str, Array]:
-        """By what the figures of a motor or gearhead are multiplied, by class, as far as they are sampled."""
+        """Factors of the figures of a motor or gearhead that are sampled, by figure."""
         held = holding(catalog, self.given, part, row)
         return {one.figure: self.factors[one] for one in held if one in self.factors}
 
@@ -89,28 +89,46 @@ class _Figures:
 
 
 def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
-    """By what each figure of a motor is multiplied; heat capacities stay what they are.
+    """Factors of a motor's figures; heat capacities are not sampled.
 
-    Torque and voltage constant have one factor: what is off is the magnets' flux, which both are made of. What they
-    differ by, saturation and losses, is the type's and no tolerance of the single motor.
+    Torque and voltage constant have one factor: both deviate with the magnets' flux. Their difference, by saturation
+    and losses, belongs to the type and is no tolerance of the single motor.
 
     Parameters
     ----------
     given
         Factors by class, as far as they are sampled: columns or single ones.
+
+    Returns
+    -------
+    dict
+        Factor by the name of the figure in the catalogue [1].
     """
-    rubs, heats, k = (given.get(name, 1.0) for name in ("friction", "thermal_resistance", "torque_constant"))
+    friction, cooling, k = (given.get(name, 1.0) for name in ("friction", "thermal_resistance", "torque_constant"))
     return {
         "resistance": given.get("resistance", 1.0), "torque_constant": k, "back_emf_constant": k,
         "rotor_inertia": given.get("rotor_inertia", 1.0),
-        "no_load_current": rubs / k, "friction_torque": rubs, "viscous_friction": rubs,
-        "thermal_resistance_winding": heats, "thermal_resistance_housing": heats,
-        "winding_time_constant": heats, "motor_time_constant": heats,
+        "no_load_current": friction / k, "friction_torque": friction, "viscous_friction": friction,
+        "thermal_resistance_winding": cooling, "thermal_resistance_housing": cooling,
+        "winding_time_constant": cooling, "motor_time_constant": cooling,
     }  # fmt: skip
 
 
 def with_losses(efficiency: Any, factor: Any) -> Any:
-    """An efficiency whose losses per torque passed on, 1/e - 1, are so many times as large; it never leaves 0 to 1."""
+    """Efficiency with losses per transmitted torque, 1/e - 1, times a factor; it stays within 0 to 1.
+
+    Parameters
+    ----------
+    efficiency
+        Nominal [1].
+    factor
+        Of the losses [1].
+
+    Returns
+    -------
+    float or array
+        Efficiency [1].
+    """
     return 1.0 / (1.0 + (1.0 / efficiency - 1.0) * factor)
 
 
@@ -141,62 +159,77 @@ def _gearhead(catalog: Catalog, row: int, block: Block) -> _Figures:
 
 
 def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
-    """Every check that samples may change, by name: columns over the samples, the worst of all load cases."""
+    """Every check that samples may change, by name: columns over the samples, the worst of all load cases.
+
+    Parameters
+    ----------
+    catalog
+        The parts.
+    one
+        Rows of the drive's parts.
+    block
+        The samples.
+
+    Returns
+    -------
+    dict of CheckColumn
+        By name: columns over the samples.
+    """
     factors = block.factors_of(catalog, "motor", one.motor)
     motor, gearhead = _motor(catalog, one.motor, block, factors), _gearhead(catalog, one.gearhead, block)
     parts = Parts(
         motor, gearhead, _Figures(catalog.encoders, one.encoder, block.size, {}),
         _Figures(catalog.controllers, one.controller, block.size, {}),
     )  # fmt: skip
-    rubs = factors.get("friction", 1.0)
-    told: dict[str, list[tuple[int, CheckColumn]]] = {}
+    friction = factors.get("friction", 1.0)
+    by_name: dict[str, list[tuple[int, CheckColumn]]] = {}
     draws = []
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
-        checks, draw = _of_a_case(spec, ats[one.belt], parts, one, rubs, energies=bool(block.feeds))
+        checks, draw = _of_a_case(spec, ats[one.belt], parts, one, friction, energies=bool(block.feeds))
         checks = [*load_limits(spec, ats[one.belt], block.belts[one.belt]), *checks]
         draws.append(draw)
         for check in checks:
-            told.setdefault(check.name, []).append((number, check))
+            by_name.setdefault(check.name, []).append((number, check))
     for feeds, numbers in block.feeds:
         first = numbers[0]
         together = [draws[number] for number in numbers]
         for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], together, parts):
-            told.setdefault(check.name, []).append((first, check))
-    return {name: worst_case(same) for name, same in told.items()}
+            by_name.setdefault(check.name, []).append((first, check))
+    return {name: worst_case(same) for name, same in by_name.items()}
 
 
 def _of_a_case(
-    spec: Any, at: AtSamples, parts: Parts, one: SetRows, rubs: Array | float, *, energies: bool
+    spec: Any, at: AtSamples, parts: Parts, one: SetRows, friction: Array | float, *, energies: bool
 ) -> tuple[list[CheckColumn], Draw]:
-    """The checks of one load case, and what its motor sets draw."""
-    asked = demands(at, parts.motor, parts.gearhead, parts.encoder)
-    at.keep(asked.coefficients)
-    warm = heat(spec.environment.ambient, at, asked, parts.motor, _losses(parts.motor, asked, rubs))
-    under = stress(spec.environment.ambient, at, asked, parts.motor)
-    found = least(moments(spec, at, asked, warm, under, parts, energies=energies), asked, warm, under)
-    moving = [c for c in moving_limits(spec, at, asked, warm, parts) if c.name != "winding_temperature"]
-    electrical = [*moving, *electrical_limits(spec, at, asked, under, parts), *waveform_limits(spec, *found, parts)]
-    sets = spec.load.alike if asked.complete.all() else np.nan  # least demands are not told as if they were all
+    """The checks of one load case, and the energy that its drives draw."""
+    required = demands(at, parts.motor, parts.gearhead, parts.encoder)
+    at.keep(required.coefficients)
+    warmth = heat(spec.environment.ambient, at, required, parts.motor, _losses(parts.motor, required, friction))
+    peaks = stress(spec.environment.ambient, at, required, parts.motor)
+    found = least(moments(spec, at, required, warmth, peaks, parts, energies=energies), required, warmth, peaks)
+    moving = [c for c in moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
+    electrical = [*moving, *electrical_limits(spec, at, required, peaks, parts), *waveform_limits(spec, *found, parts)]
+    sets = spec.load.alike if required.complete.all() else np.nan  # lower bounds are not energies
     drawn = found[0].agreed(found[1])
     return [
         *gearhead_limits(spec, at, parts.gearhead),
         *motor_limits(spec, parts.motor),
-        *unknown_where_doubtful(electrical, asked.complete),
+        *unknown_where_doubtful(electrical, required.complete),
         _controller_fits(spec, parts.controller, one),
     ], Draw(drawn.drawn * sets, drawn.returned * sets, drawn.power * sets)
 
 
-def _losses(motor: _Figures, asked: Demands, rubs: Array | float) -> tuple[Array, Array]:
-    """What warms the housing; the iron of a brushless motor is calibrated by its printed figures, then off alike."""
-    rubbing, growing = housing_loss(motor, asked.total_ratio)
+def _losses(motor: _Figures, required: Demands, friction: Array | float) -> tuple[Array, Array]:
+    """Losses at the housing; in the iron of a brushless motor by its printed figures, times the factor of friction."""
+    rubbing, growing = housing_loss(motor, required.total_ratio)
     if motor.nominal("kind")[0] == "brushed":
         return rubbing, growing
     printed = _Figures(motor.table, motor.row, motor.count, {})
-    return rubbing, housing_loss(printed, asked.total_ratio)[1] * rubs
+    return rubbing, housing_loss(printed, required.total_ratio)[1] * friction
 
 
 def _controller_fits(spec: Any, controller: Any, one: SetRows) -> CheckColumn:
-    """Whether the chosen controller takes the supply's voltages."""
+    """Whether the chosen controller permits the supply's voltages."""
     lowest, highest = np.asarray(spec.supply.lowest), np.asarray(spec.supply.highest)
     good = (controller["supply_min"] <= lowest) & (controller["supply_max"] >= highest) & (one.controller >= 0)
     known = one.controller < 0 or ~np.isnan(controller["supply_min"] + controller["supply_max"])

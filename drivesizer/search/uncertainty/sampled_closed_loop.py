@@ -1,8 +1,8 @@
-"""A set in closed loop over samples: gains designed at nominal figures, machines that are off, marched side by side.
+"""A drive in closed loop over samples: gains designed at nominal figures, machines that deviate from them.
 
-Samples that are asked for the same, as a vehicle's of any mass and friction are, march as one batch. Linear theory's
-loops are those at nominal figures, and the winding's temperature is left to the sampled physics, which knows the cycle
-repeated for ever.
+Samples with the same motion, as a vehicle's of any mass and friction have, are simulated as one batch. Linear theory's
+loops are those at nominal figures, and the winding's temperature is left to the sampled physics, which has it in
+periodic steady state.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["loop_share", "off"]
+__all__ = ["deviating", "loop_share"]
 
 Array = NDArray[np.float64]
 _LEFT = ("winding_temperature",)  # to the physics
@@ -42,29 +42,33 @@ _LOST = "the loop does not come to an end"
 def loop_share(
     spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Array, samples: int
 ) -> LoopShare | None:
-    """Share of samples in which no check of the closed loop fails; None of the wheels of a platform on its way.
+    """Share of samples in which no check of the closed loop fails; None of the wheels of a platform on its path.
 
     Parameters
     ----------
     spec, one
-        The machine as it was sized, its own load case, and the set.
+        The machine as it was sized, its own load case, and the drive.
     given, values
-        What is uncertain of this set, and the samples of it, replicate after replicate.
+        The uncertain figures of this drive, and their samples, replicate after replicate.
     samples
-        How many of them at most.
+        Largest number of them.
+
+    Returns
+    -------
+    LoopShare or None
+        Share of the samples that pass, with its error.
 
     Raises
     ------
     InputError
-        When the nominal set cannot be driven in closed loop.
+        When the nominal drive cannot be simulated in closed loop.
     """
     if isinstance(spec.load, WheelLoad):
         return None
-    asked = motion_of(spec)
-    nominal = run(spec, one, asked)
+    nominal = run(spec, one, motion_of(spec))
     each = max(samples // REPLICATES, 1)
     rows = (np.arange(REPLICATES)[:, None] * (len(values) // REPLICATES) + np.arange(each)).reshape(-1)
-    found = _judged(nominal, [off(spec, one, given, values[row]) for row in rows])
+    found = _checked(nominal, [deviating(spec, one, given, values[row]) for row in rows])
     share = mean_and_error(np.array([not any(check.status == "fail" for check in several) for several in found]))
     unknown = (check.title for several in found for check in several if check.status == "unknown" and not check.advice)
     return LoopShare(
@@ -73,8 +77,23 @@ def loop_share(
     )  # fmt: skip
 
 
-def off(spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Array) -> tuple[RobotSpec, DriveSet]:
-    """A machine and a set whose figures are those of one sample, of what counts for the set: each figure once."""
+def deviating(spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Array) -> tuple[RobotSpec, DriveSet]:
+    """Machine and drive with the figures of one sample.
+
+    Parameters
+    ----------
+    spec, one
+        The nominal machine and drive.
+    given
+        The uncertain figures that count for the drive, each once.
+    values
+        Of one sample [SI].
+
+    Returns
+    -------
+    tuple of RobotSpec and DriveSet
+        With these figures.
+    """
     paths = case_paths(spec, None)
     moved = applied(spec, {path: float(values[k]) - given[k].nominal for k, path in paths.items()})
     factors: dict[str, dict[str, float]] = {"motor": {}, "gearhead": {}}
@@ -97,14 +116,14 @@ def _times(part: Any, factors: Mapping[str, float]) -> dict[str, Any]:
     return {name: getattr(part, name) * factor for name, factor in factors.items()}
 
 
-def _judged(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveSet]]) -> list[tuple[Check, ...]]:
+def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveSet]]) -> list[tuple[Check, ...]]:
     """The checks of each machine, with the nominal one's controller."""
-    profiles = [_asked(nominal, spec) for spec, _ in machines]
-    made = [prepared(*machine, asked, nominal.controller) for machine, asked in zip(machines, profiles, strict=True)]
-    marched, warm = _simulated(made), _warm(made, nominal)
+    profiles = [_motion(nominal, spec) for spec, _ in machines]
+    made = [prepared(*machine, motion, nominal.controller) for machine, motion in zip(machines, profiles, strict=True)]
+    simulated, warm = _simulated(made), _warm(made, nominal)
     return [
-        _checks(nominal, machine, asked, one, (out, cycle))
-        for machine, asked, one, out, cycle in zip(machines, profiles, made, marched, warm, strict=True)
+        _checks(nominal, machine, motion, one, (out, cycle))
+        for machine, motion, one, out, cycle in zip(machines, profiles, made, simulated, warm, strict=True)
     ]
 
 
@@ -122,14 +141,14 @@ def _warm(made: Sequence[Prepared], nominal: ClosedLoop) -> list[tuple[Simulatio
 
 
 def _freed(one: Prepared, out: Simulation, nominal: ClosedLoop) -> Simulation:
-    """The same without limits; with them where a machine cannot be marched without."""
+    """The same without limits; with them where a machine cannot be simulated without."""
     try:
         return without_limits(one.drive, one.task, out, nominal.loops)
     except InputError:
         return out
 
 
-def _asked(nominal: ClosedLoop, spec: RobotSpec) -> Profile:
+def _motion(nominal: ClosedLoop, spec: RobotSpec) -> Profile:
     return nominal.profile if spec.motion == nominal.spec.motion else motion_of(spec)
 
 
@@ -150,15 +169,15 @@ def _simulated(made: Sequence[Prepared]) -> list[Simulation]:
 
 
 def _checks(
-    nominal: ClosedLoop, machine: tuple[RobotSpec, DriveSet], asked: Profile, made: Prepared,
-    marched: tuple[Simulation, tuple[Simulation, ...]],
+    nominal: ClosedLoop, machine: tuple[RobotSpec, DriveSet], motion: Profile, made: Prepared,
+    simulated: tuple[Simulation, tuple[Simulation, ...]],
 ) -> tuple[Check, ...]:  # fmt: skip
-    """Demand against limit of one sample, from its march from cold and those of its periodic steady state."""
-    out, warm = marched
+    """Demand against limit of one sample, simulated from cold and in periodic steady state."""
+    out, warm = simulated
     if out.problems[0]:
         return (replace(checks(nominal)[0], status="fail", title=_LOST),)
     case = ClosedLoop(
-        *machine, asked, made.train, made.controller, made.shaft, nominal.loops, made.usable_voltage, made.task,
+        *machine, motion, made.train, made.controller, made.shaft, nominal.loops, made.usable_voltage, made.task,
         out, _freed(made, out, nominal), {}, made.assumptions, steady_cycle=warm,
     )  # fmt: skip
     return tuple(check for check in checks(case) if check.name not in _LEFT)

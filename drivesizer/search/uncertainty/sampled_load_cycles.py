@@ -1,4 +1,4 @@
-r"""The load cycles of many samples at once, from the load cycles of a few.
+r"""Load cycles of many samples at once, fitted to the load cycles of a few.
 
 Few figures shape a load cycle, and they do so smoothly: torque is linear in a mass, a time of acceleration enters by
 its inverse, a slope by its sine. So durations, speeds, accelerations and torques of a cycle's segments are fitted by
@@ -7,7 +7,8 @@ is held against cycles that it did not see, corners of the range among them, and
 10⁻⁶ of the largest value.
 
 Where it does not, because a cycle's segments are others in another corner, or there are too many of them, the cycles of
-the first samples are computed each by itself: then there are fewer samples.
+the first samples are computed each by itself: then there are fewer samples. Without the fit the 10 000 samples of
+``benchmarks/tolerances.py`` take 10.7 s of processor time instead of 3.9 s, ten sizings instead of three.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class Cycles(NamedTuple):
     own: tuple[OwnLimit, ...]  # the load's own limits: columns
     like: LoadCycle  # the nominal one
     fitted: float  # largest error of the fit, of the largest value; 0: each computed
-    computed: int  # how many cycles that took
+    computed: int  # number of cycles that were computed for it
 
     @property
     def size(self) -> int:
@@ -83,10 +84,14 @@ def cycles_of(make: Make, nominal: Array, values: Array, *, every: bool = False)
     nominal
         Those figures.
     values
-        (samples, figures), replicate after replicate. The cycles that come are as many; or 1, where no figure shapes
-        it; or those of the first samples of each replicate.
+        Of the samples, shape (samples, figures), replicate after replicate.
     every
-        Each by itself, and all of them: what is no sample of replicates.
+        Compute each by itself, and all of them: for values that are no replicates.
+
+    Returns
+    -------
+    Cycles
+        As many as samples; or 1, where no figure shapes it; or those of the first samples of each replicate.
     """
     like = make(nominal)
     if every or len(values) <= _FEW:
@@ -126,7 +131,7 @@ def _of_own(one: OwnLimit) -> tuple[float, float]:
 
 
 def _structure(cycle: LoadCycle) -> tuple[int, bytes]:
-    """What a fit takes to be the same everywhere: the number of segments, where they rest and which way they turn."""
+    """What a fit takes to be the same everywhere: the number of segments, where they rest and their directions."""
     return len(cycle.duration), np.sign(cycle.speed.mean(axis=1)).tobytes()
 
 

@@ -1,7 +1,7 @@
-"""Samples of all that is uncertain: quasi-random, several times over, so that their own error can be told.
+"""Quasi-random samples of all uncertain figures, in replicates that give the error of sampling.
 
 A scrambled Sobol sequence fills the cube of all assumptions more evenly than chance; it is scrambled anew for each
-of 8 replicates. What the replicates disagree on is the error of sampling (Owen 1998; Lemieux, *Monte Carlo and
+of 8 replicates. The spread of the replicates is the error of sampling (Owen 1998; Lemieux, *Monte Carlo and
 Quasi-Monte Carlo Sampling*, 2009, section 6.2).
 """
 
@@ -31,7 +31,7 @@ class Sample(NamedTuple):
 
     @property
     def size(self) -> int:
-        """How many samples."""
+        """Number of samples."""
         return len(self.values)
 
 
@@ -50,12 +50,17 @@ def sample(given: Sequence[Assumption], samples: int, seed: int, drawn: Sequence
     given
         The assumptions.
     samples
-        How many at least; rounded up to a multiple of the replicates.
+        Least number; rounded up to a multiple of the replicates.
     seed
         Of the scrambling.
     drawn
-        What is drawn for, where that is not what is given: so the same seed gives the same machines, whichever parts
-        are compared. Each of the given takes the column of the one that it shares it with.
+        Assumptions of the columns that are drawn, where these are others: so the same seed gives the same machines,
+        whichever parts are compared. Each of the given takes the column that it shares.
+
+    Returns
+    -------
+    Sample
+        Points of the cube, and values [SI].
     """
     columns = [one.column for one in drawn or given]
     each = -(-samples // REPLICATES)
@@ -67,12 +72,17 @@ def sample(given: Sequence[Assumption], samples: int, seed: int, drawn: Sequence
 
 
 def first_of_each(samples: int, size: int) -> NDArray[np.int64]:
-    """The rows of the first samples of every replicate: together as many as asked for, of all samples.
+    """Rows of the first samples of every replicate.
 
     Parameters
     ----------
     samples, size
-        How many, multiples of the replicates both, and how many there are.
+        Number of rows, and of all samples: multiples of the replicates both.
+
+    Returns
+    -------
+    array
+        Rows, replicate after replicate.
     """
     each = np.arange(REPLICATES)[:, None] * (size // REPLICATES) + np.arange(samples // REPLICATES)
     return each.reshape(-1)
@@ -89,13 +99,18 @@ def mean_and_error(hits: NDArray[np.bool_]) -> Share:
 
     .. math:: \pm t_{0.975, R-1} \sqrt{\frac{1}{R (R-1)} \sum_r (p_r - p)^2}
 
-    Where all samples say the same the replicates cannot tell; then 3/n, for that many samples miss what is rarer with
+    Where all samples agree the replicates give no error; then 3/n, since so many samples miss a rarer event with
     a probability of 5 % (the rule of three).
 
     Parameters
     ----------
     hits
         Of each sample, replicate after replicate.
+
+    Returns
+    -------
+    Share
+        The share and its error [1].
     """
     each = hits.reshape(REPLICATES, -1).mean(axis=1)
     error = _STUDENT * float(np.std(each, ddof=1)) / np.sqrt(REPLICATES)

@@ -1,11 +1,11 @@
-r"""Which assumptions matter: first-order Sobol indices and rank correlations, from samples that are at hand.
+r"""Sensitivity to assumptions: first-order Sobol indices and rank correlations, from given samples.
 
 The first-order index of an input is the share of the output's variance that it makes alone,
 
 .. math:: S_k = \mathrm{Var}(E[y | x_k]) / \mathrm{Var}(y)
 
-Sorted by the input, the output's conditional mean is what its lowest cosines make (Plischke 2010, there with sines and
-cosines). What noise alone would put into so many cosines is taken off (Tissot and Prieur 2012).
+Sorted by the input, the output's conditional mean is approximated by its lowest cosines (Plischke 2010, there with
+sines and cosines). The share of noise alone in so many cosines is subtracted (Tissot and Prieur 2012).
 
 References
 ----------
@@ -36,6 +36,11 @@ def first_order(inputs: Array, output: Array) -> Array:
     output
         Of each sample.
 
+    Returns
+    -------
+    array
+        Index of each input [1].
+
     Examples
     --------
     >>> from scipy.stats import qmc
@@ -58,7 +63,20 @@ def first_order(inputs: Array, output: Array) -> Array:
 
 
 def rank_correlations(inputs: Array, output: Array) -> Array:
-    """Spearman's rank correlation of each input with the output [1]; 0 where the output does not vary."""
+    """Spearman's rank correlation of each input with the output [1]; 0 where the output does not vary.
+
+    Parameters
+    ----------
+    inputs
+        Shape (samples, inputs).
+    output
+        Of each sample.
+
+    Returns
+    -------
+    array
+        Correlation of each input, -1 to 1 [1].
+    """
     y = _ranks(output[:, None])[:, 0]
     x = _ranks(inputs)
     size = np.sqrt((x * x).sum(axis=0) * (y @ y))

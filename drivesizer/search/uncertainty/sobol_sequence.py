@@ -1,7 +1,6 @@
 """Scrambled Sobol points, kept in the cache folder once they are drawn.
 
-SciPy's statistics take about as long to load as a whole sizing takes, and the same points are asked for again and
-again.
+SciPy's statistics take about as long to load as a whole sizing takes, and the same points are needed repeatedly.
 """
 
 from __future__ import annotations
@@ -33,6 +32,11 @@ def sobol(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> NDArray[n
         Of two.
     seeds
         Of the scrambling.
+
+    Returns
+    -------
+    array
+        Points, shape (seeds times 2 to the power, figures).
     """
     digest = digest_of(metadata.version("scipy").encode(), repr((figures, power, [*map(tuple, seeds)])).encode())
     path = folder() / f"sobol{int(digest[:4], 16) % _PLACES}-{digest}.npy"
@@ -47,6 +51,6 @@ def sobol(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> NDArray[n
     if found.nbytes <= _LARGEST:
         buffer = io.BytesIO()
         np.save(buffer, found)
-        with suppress(OSError):  # a folder that cannot be written was told when the catalogue was not kept
+        with suppress(OSError):  # a folder without write access was reported when the catalogue was not kept
             keep(path, buffer.getvalue())
     return found

@@ -1,8 +1,8 @@
-"""What is uncertain about a machine and its drive: every figure with a tolerance, in a fixed order.
+"""Uncertain figures of a machine and its drive: every figure with a tolerance, in a fixed order.
 
-First the spec's figures, in the order of the file, then the classes of the catalogue's figures. All motor sets of a
-machine are taken to be off alike, and so are all sets that are compared: one sample is one machine. Where makers say
-different things of a figure, a sample is off by the same share of what each allows.
+First the spec's figures, in the order of the file, then the classes of the catalogue's figures. All drives of a
+machine are taken to deviate alike, and so are all drives that are compared: one sample is one machine. Where makers
+state different tolerances of a figure, a sample deviates by the same share of each.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from drivesizer.spec.tolerance_text import Toleranced
 
 __all__ = ["Assumption", "applied", "assumptions", "case_paths"]
 
-_VARIED = ("load", "motion", "supply", "environment")  # what a load case may put in place of the spec's
+_VARIED = ("load", "motion", "supply", "environment")  # sections that a load case may replace
 
 
 class Assumption(NamedTuple):
@@ -33,11 +33,11 @@ class Assumption(NamedTuple):
 
     @property
     def column(self) -> str:
-        """What it shares with the same figure of other makers: the place in a sample."""
+        """Name that it shares with the same figure of other makers: its column in a sample."""
         return f"{self.catalogue.part}.{self.catalogue.figure}" if self.catalogue else self.name
 
     def shown(self, value: float) -> str:
-        """A value of it as it is printed."""
+        """A value of it as text."""
         if self.given:
             return self.given.shown(value)
         return f"{100.0 * (value - 1.0):+.3g} %"
@@ -49,9 +49,14 @@ def assumptions(spec: RobotSpec, held: Sequence[Class] | None = None) -> tuple[A
     Parameters
     ----------
     spec
-        As it was read: its tolerances count, and the classes that it puts in place of the default ones.
+        As it was read, with its tolerances and its own classes.
     held
-        The classes that hold for the parts in question; without them, all where no maker says anything.
+        The classes that hold for the parts in question; without them the default ones of all figures.
+
+    Returns
+    -------
+    tuple of Assumption
+        The spec's first.
     """
     own = [Assumption(_named(one.path), f"{_named(one.path)} {one.text}", one.value, one.distribution, given=one)
            for one in spec.toleranced]  # fmt: skip
@@ -68,7 +73,7 @@ def _named(path: Path_) -> str:
 
 
 def case_paths(spec: RobotSpec, number: int | None) -> dict[int, Path_]:
-    """Which of the spec's tolerances count in a load case, by their number, and where they stand there.
+    """The spec's tolerances that count in a load case, by their number, with their places there.
 
     Parameters
     ----------
@@ -76,6 +81,11 @@ def case_paths(spec: RobotSpec, number: int | None) -> dict[int, Path_]:
         As it was read.
     number
         Of the further case; None the spec itself.
+
+    Returns
+    -------
+    dict
+        Place in the load case by the number of the tolerance.
     """
     if number is None:
         return {k: one.path for k, one in enumerate(spec.toleranced) if one.path[0] != "cases"}
@@ -98,7 +108,20 @@ def _replaced(case: Mapping[str, Any], path: Path_) -> bool:
 
 
 def applied(spec: RobotSpec, changes: Mapping[Path_, Any]) -> RobotSpec:
-    """A spec with some figures moved by differences from their nominal values [SI], figures or columns; unchecked."""
+    """A spec with some figures moved by differences from their nominal values [SI], figures or columns; unchecked.
+
+    Parameters
+    ----------
+    spec
+        At nominal figures.
+    changes
+        Differences by place [SI]: figures or columns.
+
+    Returns
+    -------
+    RobotSpec
+        The spec with these figures.
+    """
     changed: Any = spec
     for path, difference in changes.items():
         changed = _moved(changed, path, difference)
