@@ -1,4 +1,4 @@
-"""How long all shipped catalogues take to load: out of its YAML (cold), and out of the compiled files (warm)."""
+"""Time to load all shipped catalogues: from YAML (cold), and from the compiled files (warm)."""
 
 from __future__ import annotations
 

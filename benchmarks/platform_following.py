@@ -1,7 +1,7 @@
 """A platform along some 90 m in periods of 1 ms, four wheels that slip: as machine code, and as plain Python.
 
-Route and robot are those of the example; the kinematic model has nothing to work out beforehand, the dynamic one all
-torques. Plain Python is timed on the first part of the way.
+Route and robot are those of the example; the kinematic model needs no preparation, the dynamic one all
+torques. Plain Python is timed on the first part of the path.
 """
 
 from __future__ import annotations
@@ -39,23 +39,23 @@ def driven(found: Driving, model: Model) -> Followed:
 
 
 def beginning(found: Driving, pieces: int) -> Driving:
-    way = found.trajectory
-    parts = (way.posture[:, :pieces], way.velocity[:, :pieces], way.acceleration[:, :pieces])
-    return replace(found, trajectory=Trajectory(way.duration[:pieces], *parts))
+    path = found.trajectory
+    parts = (path.posture[:, :pieces], path.velocity[:, :pieces], path.acceleration[:, :pieces])
+    return replace(found, trajectory=Trajectory(path.duration[:pieces], *parts))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=5)
-    parser.add_argument("--pieces", type=int, default=50, help="of the way, in plain Python")
+    parser.add_argument("--pieces", type=int, default=50, help="of the path, in plain Python")
     options = parser.parse_args()
-    way = driving(with_trajectory(load_spec(EXAMPLE), None))
-    first, found = timed(lambda: driven(way, "kinematic"), 1)
+    route = driving(with_trajectory(load_spec(EXAMPLE), None))
+    first, found = timed(lambda: driven(route, "kinematic"), 1)
     print(f"{'first call, machine code made or read':40}{first:10.2f} s")
     for model in ("kinematic", "dynamic"):
-        seconds, found = timed(lambda model=model: driven(way, model), options.runs)
+        seconds, found = timed(lambda model=model: driven(route, model), options.runs)
         print(f"{f'{model} model, {len(found.planned.time):,} periods':40}{seconds:10.2f} s    goal: well under 1 s")
-    part = beginning(way, options.pieces)
+    part = beginning(route, options.pieces)
     fast, mine = timed(lambda: driven(part, "kinematic"), options.runs)
     following.compiled = lambda: kernel_loop.follow_one
     slow, plain = timed(lambda: driven(part, "kinematic"), 1)

@@ -49,10 +49,10 @@ def main() -> None:
         for _ in range(runs):
             for name, command in commands.items():
                 taken[name].append(seconds(command))
-    tell(taken, runs)
+    print_times(taken, runs)
 
 
-def tell(taken: dict[str, list[Taken]], runs: int) -> None:
+def print_times(taken: dict[str, list[Taken]], runs: int) -> None:
     heads = ("wall best", "median", "CPU best", "median")
     print(f"{'report, ' + str(runs) + ' runs':24}" + "".join(f"{head:>12}" for head in heads))
     found = {

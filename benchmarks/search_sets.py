@@ -1,9 +1,9 @@
-"""How many sets per second the search examines, every check on, on one core: in ratios of one run.
+"""Drives per second that the search examines with every check, on one core: in ratios of one run.
 
-The SPS robot over the whole catalogue, with as many belt ratios as asked for: once on its own cycle of three segments,
-once on a recording of it with 36 000 noisy samples. The baseline is what one writes first: a loop over the sets, NumPy
-over the samples of each, for torques, currents, voltages cold and hot and power; it knows neither the periodic heat nor
-the choice of encoder and controller. Memory is that of a process of its own.
+The SPS robot over the whole catalogue with several belt ratios: once on its own cycle of three segments, once on a
+recording of it with 36 000 noisy samples. The baseline is a plain loop over the drives, NumPy over the samples of
+each, for torques, currents, voltages cold and hot and power, without the periodic heat and the choice of encoder and
+controller. Memory is that of a process of its own.
 """
 
 from __future__ import annotations
@@ -57,21 +57,21 @@ def recording(spec: RobotSpec, path: Path, samples: int = 36_000) -> None:
 
 
 def rate(spec: RobotSpec, runs: int) -> tuple[float, int]:
-    """Sets per second, best of some runs, and how many sets stand."""
+    """Drives per second, best of some runs, and the number of drives that pass."""
     catalog, best = load(["maxon"]), np.inf
     for _ in range(runs):
-        given = problem(spec, catalog)  # reads the recording and makes the load cycle, once
+        one = problem(spec, catalog)  # reads the recording and makes the load cycle, once
         start = time.perf_counter()
-        found = search(given, top=5, objective="mass")
+        found = search(one, top=5, objective="mass")
         best = min(best, time.perf_counter() - start)
     return found.counts.considered / best, found.counts.feasible
 
 
-def loop_rate(spec: RobotSpec, sets: int) -> float:
-    """Sets per second of the loop, over the samples of a cycle: what each set is asked for, against its limits."""
+def loop_rate(spec: RobotSpec, drives: int) -> float:
+    """Drives per second of the loop over the samples of a cycle: demands of each drive against its limits."""
     catalog, cycle = load(["maxon"]), load_cycle(spec)
     every = pairs(problem(spec, catalog))
-    some = every.on(np.random.default_rng(2).integers(0, len(every.motor), sets))
+    some = every.on(np.random.default_rng(2).integers(0, len(every.motor), drives))
     motor, gearhead = Rows(catalog.motors, some.motor), Rows(catalog.gearheads, some.gearhead)
     names = {
         "motor": ("torque_constant", "no_load_current", "resistance", "rotor_inertia", "thermal_resistance_winding",
@@ -93,7 +93,7 @@ def loop_rate(spec: RobotSpec, sets: int) -> float:
         volts = R * current + k_t * K * w, hot * current + k_t * K * w
         power = (volts[1] * current).max()
         _ = gear, rms < 5.0, np.abs(current).max() < 15.0, max(np.abs(v).max() for v in volts) < 18.9, power < 120.0
-    return sets / (time.perf_counter() - start)
+    return drives / (time.perf_counter() - start)
 
 
 def memory(spec: Path) -> float:
@@ -109,22 +109,22 @@ def memory(spec: Path) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--belts", type=int, default=17, help="belt ratios, times 59 946 pairs")
+    parser.add_argument("--belts", type=int, default=17, help="belt ratios, times 59 946 combinations")
     parser.add_argument("--runs", type=int, default=3)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         short_path, long_path = written(Path(folder), options.belts)
         short, long = load_spec(short_path), load_spec(long_path)
-        (fast, standing), (slow, same) = rate(short, options.runs), rate(long, options.runs)
+        (fast, passing), (slow, same) = rate(short, options.runs), rate(long, options.runs)
         loops = loop_rate(short, 2000), loop_rate(long, 200)
         megabytes = memory(short_path)
     print(f"{'':28}{'3 segments':>14}{'36 000 samples':>16}")
-    print(f"{'sets per second':28}{fast:14,.0f}{slow:16,.0f}   goal: 5,000,000")
-    print(f"{'sets that stand':28}{standing:14,}{same:16,}")
-    print(f"{'loop, sets per second':28}{loops[0]:14,.0f}{loops[1]:16,.0f}")
+    print(f"{'drives per second':28}{fast:14,.0f}{slow:16,.0f}   goal: 5,000,000")
+    print(f"{'drives that pass':28}{passing:14,}{same:16,}")
+    print(f"{'loop, drives per second':28}{loops[0]:14,.0f}{loops[1]:16,.0f}")
     print(f"{'search / loop':28}{fast / loops[0]:14,.0f}{slow / loops[1]:16,.0f}   goal: 200")
     print(f"{'long / short, time':28}{fast / slow:14.2f}{'':16}   goal: 1.2")
-    print(f"{'peak memory':28}{megabytes:11,.0f} MB{'':16}   goal: 400 MB at a million sets")
+    print(f"{'peak memory':28}{megabytes:11,.0f} MB{'':16}   goal: 400 MB at a million drives")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""What every benchmark of whole processes starts them with: caches of their own, which the first start fills.
+"""Environment of benchmarks of whole processes: caches of their own, filled by the first start.
 
-Python keeps its compiled modules there too, whatever the surroundings say: installed packages have theirs from the
-installer, a checkout's would be compiled anew at every start.
+Python keeps its compiled modules there too: installed packages have theirs from the installer, those of a checkout
+would be compiled at every start.
 """
 
 from __future__ import annotations

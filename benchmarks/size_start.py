@@ -1,7 +1,7 @@
 """How long `drivesizer size` takes from the shell, beside `import control` on the same machine in the same minute.
 
-Whole processes, taken in turns so that a busy moment hits both; the compiled catalogue and
-modules are there (second start).
+Whole processes, taken in turns so that a busy moment hits both; catalogue and modules are
+compiled (second start).
 """
 
 from __future__ import annotations

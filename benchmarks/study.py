@@ -22,7 +22,7 @@ PROGRAM = [sys.executable, "-m", "drivesizer"]
 def seconds(words: list[str], folder: Path) -> float:
     start = time.perf_counter()
     done = subprocess.run([*PROGRAM, *words], cwd=folder, capture_output=True, encoding="utf-8", check=False)
-    if done.returncode > 1:  # 1: nothing stands
+    if done.returncode > 1:  # 1: no drive passes
         raise SystemExit(done.stderr)
     return time.perf_counter() - start
 

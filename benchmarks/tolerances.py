@@ -1,10 +1,10 @@
-"""How long 10 000 samples of the 100 best sets take, beside one whole `drivesizer size` of the same machine.
+"""Time of 10 000 samples of the 100 best drives, beside one whole `drivesizer size` of the same machine.
 
 The SPS robot by physics over the whole catalogue, with tolerances of mass, rolling resistance, supply and ambient and
-with the default classes of the catalogue's figures. Sampling is all of it in a process that has sized already: points
+with the default classes of the catalogue's figures. Sampling is measured in a process that has sized already: points
 drawn or, from the second time on, taken from the cache, load cycles, every check of every sample, statistics. Both in
-turns on the same machine in the same minutes, as processor time and wall clock; the closed loop apart. Beside it the
-plain evaluation, one sample of one set at a time.
+turns on the same machine in the same minutes, as processor time and wall clock; without the closed loop. Beside it the
+plain evaluation, one sample of one drive at a time.
 """
 
 from __future__ import annotations
@@ -110,14 +110,14 @@ def main() -> None:
         size, taken = [], []
         for _ in range(options.runs):
             size.append(process(whole)[:2])
-            told = process([sys.executable, __file__, "--sample", str(path)])[2]
-            taken.append(tuple(map(float, told.split())))
+            printed = process([sys.executable, __file__, "--sample", str(path)])[2]
+            taken.append(tuple(map(float, printed.split())))
         each = one_by_one(path, 30)
     both = [(min(column) for column in zip(*times, strict=True)) for times in (size, taken)]
     (size_cpu, size_wall), (cpu, wall) = (tuple(one) for one in both)
     print(f"{'':40}{'processor':>12}{'wall clock':>12}")
     print(f"{'drivesizer size, whole process':40}{size_cpu:10.2f} s{size_wall:10.2f} s")
-    print(f"{f'{SAMPLES:,} samples of {SETS} sets':40}{cpu:10.2f} s{wall:10.2f} s")
+    print(f"{f'{SAMPLES:,} samples of {SETS} drives':40}{cpu:10.2f} s{wall:10.2f} s")
     first_cpu, first_wall = taken[0]
     print(f"{'the first time, with the sampler loaded':40}{first_cpu:10.2f} s{first_wall:10.2f} s")
     print(f"{'samples / size':40}{cpu / size_cpu:12.2f}{wall / size_wall:12.2f}   goal: at most 3")

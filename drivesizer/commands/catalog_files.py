@@ -25,23 +25,26 @@ Section = Annotated[str | None, typer.Argument(metavar="SECTION", help="motors, 
 
 
 def open_named(names: list[str] | None) -> dict[str, Catalog]:
-    """The catalogues that an option names, all that ship when none."""
+    """Catalogues that an option names; all shipped ones without it."""
     from drivesizer.catalog.query import open_all
 
     return open_all(names or ())
 
 
 def print_document(document: dict[str, Any]) -> None:
-    """Print one JSON document, with the head that all have."""
-    from drivesizer.output.json import documents as json_documents
+    """Print one JSON document with its head."""
+    typer.echo(_text(document))
 
-    typer.echo(
-        json_documents.as_text({"schema_version": json_documents.SCHEMA_VERSION, "drivesizer": __version__} | document)
-    )
+
+def _text(document: dict[str, Any]) -> str:
+    """A JSON document with its head: schema and program version."""
+    from drivesizer.output.json.documents import SCHEMA_VERSION, as_text
+
+    return as_text({"schema_version": SCHEMA_VERSION, "drivesizer": __version__} | document)
 
 
 def known(section: str) -> str:
-    """A section's name, if it is one."""
+    """Refuse the name of an unknown section; else return it."""
     from drivesizer.catalog import PARTS
 
     if section not in PARTS:
@@ -49,22 +52,24 @@ def known(section: str) -> str:
     return section
 
 
-def _put(path: Path, content: bytes) -> None:
-    from drivesizer.files.writing import put, ready
-
-    ready(path)
-    put({path: content})
-
-
 def write_csv(path: Path, hits: list[Hit]) -> None:
-    """Write the parts of one section to a CSV file; nothing without parts."""
+    """Write the parts of one section to a CSV file; nothing without parts.
+
+    Parameters
+    ----------
+    path
+        Of the CSV file.
+    hits
+        The parts.
+    """
     from drivesizer.catalog.exchange.exporting import as_csv
+    from drivesizer.files.writing import put
 
     sections = list(dict.fromkeys(hit.section for hit in hits))
     if len(sections) > 1:
         raise InputError(f"{path}: a CSV file holds one section, found {', '.join(sections)}; name one")
     if sections:
-        _put(path, as_csv(sections[0], hits))
+        put({path: as_csv(sections[0], hits)})
 
 
 def export(
@@ -82,10 +87,9 @@ def export(
         write_csv(output, hits)
     elif output.suffix == ".json":
         from drivesizer.catalog.exchange.exporting import as_document
-        from drivesizer.output.json import documents as json_documents
+        from drivesizer.files.writing import put
 
-        head = {"schema_version": json_documents.SCHEMA_VERSION, "drivesizer": __version__}
-        _put(output, (json_documents.as_text(head | as_document(shelf, hits)) + "\n").encode())
+        put({output: f"{_text(as_document(shelf, hits))}\n".encode()})
     else:
         raise InputError(f"{output}: the suffix {quoted(output.suffix)} is not known; expected .csv or .json")
     typer.echo(f"{output}: {len(hits)} parts")

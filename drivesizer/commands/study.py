@@ -11,10 +11,10 @@ from typing import Annotated, Any
 import typer
 
 from drivesizer.commands.common import print_notes
+from drivesizer.commands.ends import STOPPED
 
 __all__ = ["study"]
 
-_STOPPED = 130  # exit status after Ctrl-C, as shells have it
 _ORDER = ("pass", "unknown", "fail", "error")
 
 
@@ -49,7 +49,7 @@ def study(
             )  # fmt: skip
     except KeyboardInterrupt:
         typer.echo(f"drivesizer: {target}: stopped; results so far are kept, and the same command resumes", err=True)
-        raise typer.Exit(_STOPPED) from None
+        raise typer.Exit(STOPPED) from None
     status = ", ".join(f"{found.variants[name]} {name}" for name in _ORDER if found.variants[name])
     typer.echo(f"{plan.total} variants: {status}; {found.examined} drives examined")
     for written in found.written:
