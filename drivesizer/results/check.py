@@ -26,16 +26,16 @@ class Check:
     kind: str
     unit: str
     margin: float  # NaN where there is none
-    needed: float = 0.0  # the margin that the spec asks for
+    needed: float = 0.0  # the margin that the spec requires
     status: Status
     at_time: float | None = None  # s, of the worst moment
     by_choice: bool = False  # the smallest sufficient part was taken: its margin says nothing of the load
-    advice: bool = False  # of a part that nobody asked for: told, but nothing stands or falls by it
+    advice: bool = False  # informational: of a part that is not required; no drive fails on it
     note: str = ""
 
     @property
-    def tells(self) -> bool:
-        """Whether its margin tells of the load: not where it is unknown, passed by choice or mere advice."""
+    def is_comparable(self) -> bool:
+        """Whether its margin depends on the load: not where it is unknown, of a selected part or informational."""
         return not (isnan(self.margin) or (self.by_choice and self.status == "pass") or self.advice)
 
     def shown(self, figure: float) -> str:
@@ -61,7 +61,7 @@ class Figure:
 
 
 def verdict(checks: tuple[Check, ...]) -> Status:
-    """What checks amount to: one that fails fails all, one that is unknown leaves all unknown; advice does neither."""
+    """The status of all checks together: fail if one fails, else unknown if one is; informational ones do not count."""
     found = {check.status for check in checks if not check.advice}
     return "fail" if "fail" in found else "unknown" if "unknown" in found else "pass"
 
@@ -69,6 +69,6 @@ def verdict(checks: tuple[Check, ...]) -> Status:
 def worst(checks: tuple[Check, ...]) -> Check | None:
     """The check with the smallest margin, None when no check has one.
 
-    Those that do not tell of the load are left out.
+    Those whose margin does not depend on the load are left out.
     """
-    return min((c for c in checks if c.tells), default=None, key=lambda check: check.margin)
+    return min((c for c in checks if c.is_comparable), default=None, key=lambda check: check.margin)

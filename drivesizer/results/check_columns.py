@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from drivesizer.results.check import Check, Status
 from drivesizer.results.check_kinds import CHECKS, refuse_undeclared
 
-__all__ = ["NOT_ASKED", "CheckColumn", "at_least", "at_most", "between", "fits", "worst_case"]
+__all__ = ["PROPOSAL", "CheckColumn", "at_least", "at_most", "between", "fits", "worst_case"]
 
 _COLUMNS = ("demand", "limit", "passed", "failed", "time", "case")  # what a check has of each candidate
 
@@ -33,9 +33,9 @@ class CheckColumn:
     passed: NDArray[np.bool_]
     failed: NDArray[np.bool_]
     zero: float | NDArray[np.float64] = 0.0  # from where the margin counts; NaN where there is none
-    needed: float = 0.0  # margin that the spec asks for
+    needed: float = 0.0  # margin that the spec requires
     by_choice: bool = False
-    advice: bool = False  # of what nobody asked for: told, but a set neither stands nor falls nor ranks by it
+    advice: bool = False  # informational: of what is not required; no drive fails or ranks by it
     time: NDArray[np.float64] | None = None  # s, of the worst moment
     case: NDArray[np.int64] | None = None  # the load case that is worst, by number
     note: str = ""
@@ -46,7 +46,7 @@ class CheckColumn:
 
     @property
     def margin(self) -> NDArray[np.float64]:
-        """Share by which the limit exceeds the demand; NaN where unknown, without demand or without end.
+        """Share by which the limit exceeds the demand; NaN where unknown, without demand or infinite.
 
         What neither passes nor fails has none, whatever its figures: they may be least ones.
         """
@@ -57,7 +57,7 @@ class CheckColumn:
 
     @property
     def tightness(self) -> NDArray[np.float64]:
-        """The margin as far as it tells of the load; infinite where unknown, without demand, by choice or advice."""
+        """The margin where it depends on the load; infinite where unknown, idle, selected or informational."""
         margin = self.margin
         return np.where(np.isnan(margin) | (self.by_choice & self.passed) | self.advice, np.inf, margin)
 
@@ -145,7 +145,7 @@ def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
         demand=demand,
         limit=limit,
         passed=(above <= limit) | idle,
-        failed=((above > limit) | (demand == np.inf)) & ~idle,  # what grows without end passes no limit, known or not
+        failed=((above > limit) | (demand == np.inf)) & ~idle,  # an unbounded demand passes no limit, known or not
         **more,
     )
 
@@ -153,8 +153,22 @@ def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
 def at_most(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
     """A demand that must not exceed a limit; margin = limit/demand - 1.
 
-    ``more``: ``needed`` is the margin that must be there, ``zero`` from where it counts, ``time`` of the worst moment.
+    Parameters
+    ----------
+    name
+        Declared in ``check_kinds``.
+    demand, limit
+        In SI: a figure or a column of all candidates.
+    more
+        Further fields of the column: ``needed``, ``zero``, ``time``, ``advice``.
 
+    Returns
+    -------
+    CheckColumn
+        Of the candidates.
+
+    Examples
+    --------
     >>> at_most("motor_power", 10.0, 20.0).margin.item()
     1.0
     """
@@ -164,13 +178,39 @@ def at_most(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
 def at_least(name: str, required: Any, actual: Any, **more: Any) -> CheckColumn:
     """A minimum that must be reached; margin = actual/required - 1.
 
-    ``by_choice`` marks what the search keeps as small as it may be, so that its margin says nothing of the load.
+    Parameters
+    ----------
+    name
+        Declared in ``check_kinds``.
+    required, actual
+        In SI: a figure or a column of all candidates.
+    more
+        Further fields; ``by_choice`` marks what the search keeps as small as it may be, so that its margin says nothing
+        of the load.
+
+    Returns
+    -------
+    CheckColumn
+        Of the candidates.
     """
     return _column(name, required, actual, **more)
 
 
 def fits(name: str, good: Any, known: Any) -> CheckColumn:
-    """A condition that is met or not, without figures."""
+    """A condition that is met or not, without figures.
+
+    Parameters
+    ----------
+    name
+        Declared in ``check_kinds``.
+    good, known
+        Whether the condition is met, and whether that is known.
+
+    Returns
+    -------
+    CheckColumn
+        Without demand, limit and margin.
+    """
     good, known = np.asarray(good, bool), np.asarray(known, bool)
     passed, failed = good & known, ~good & known
     nothing = np.full(passed.shape, nan)
@@ -180,8 +220,20 @@ def fits(name: str, good: Any, known: Any) -> CheckColumn:
 def between(low: CheckColumn, high: CheckColumn) -> CheckColumn:
     """A check of whose demand only bounds are known: it passes where the higher does and fails where the lower does.
 
-    Shown is the bound that decides; where neither does, what is asked at least.
+    Shown is the bound that decides; where neither does, the lower demand.
 
+    Parameters
+    ----------
+    low, high
+        The check with the lower bound of its demand, and with the higher one.
+
+    Returns
+    -------
+    CheckColumn
+        Unknown where the bounds do not decide.
+
+    Examples
+    --------
     >>> volts = [at_most("supply_voltage", np.array(bound), 5.2) for bound in (5.0, 6.1)]
     >>> found = between(*volts)
     >>> found.passed.item(), found.failed.item(), found.demand.item()
@@ -208,8 +260,8 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
         return checks[0] if found[0][0] == 0 else replace(checks[0], case=np.full(checks[0].passed.shape, found[0][0]))
     shape = np.broadcast_shapes(*(c.passed.shape for c in checks))
     margin = np.stack([np.broadcast_to(np.nan_to_num(c.margin, nan=np.inf), shape) for c in checks])
-    standing = np.stack([np.broadcast_to(np.where(c.failed, 0, np.where(c.passed, 2, 1)), shape) for c in checks])
-    worst = np.lexsort((margin, standing), axis=0)[:1]
+    order = np.stack([np.broadcast_to(np.where(c.failed, 0, np.where(c.passed, 2, 1)), shape) for c in checks])
+    worst = np.lexsort((margin, order), axis=0)[:1]
 
     def picked(name: str) -> NDArray[Any] | None:
         columns = [getattr(c, name) for c in checks]
@@ -224,7 +276,7 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     return replace(checks[0], **columns, case=numbers[worst[0]])  # type: ignore[arg-type]
 
 
-NOT_ASKED: dict[str, Any] = {  # of an encoder that is a proposal
+PROPOSAL: dict[str, Any] = {  # of an encoder that is a proposal
     "advice": True,
-    "note": "no encoder is asked for: a set does not stand, fall or rank by it",
+    "note": "no encoder is required: informational, no drive fails or ranks by it",
 }

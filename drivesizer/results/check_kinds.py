@@ -1,4 +1,4 @@
-"""Every check there is, declared once: what it is called, in which unit it is told, which figures it rests on.
+"""Every check there is, declared once: its title, its unit, the figures that it rests on.
 
 One table per method, in the order in which people read them; search, terminal, reports, tolerances and closed loop read
 them here, and a column of any other name is refused. A name may stand under several methods.
@@ -98,8 +98,8 @@ _PHYSICS = {
     "controller_speed": CheckKind(
         "Controller electrical speed", *_SPEED, (*_RATIO, "motor.pole_pairs", "controller.max_speed_sine")
     ),
-    "supply_current": CheckKind("Supply current, all motor sets", *_AMPS, _DRAWN, on_inertia=True),
-    "supply_power": CheckKind("Supply power, all motor sets", *_WATT, _DRAWN, on_inertia=True),
+    "supply_current": CheckKind("Supply current, all drives", *_AMPS, _DRAWN, on_inertia=True),
+    "supply_power": CheckKind("Supply power, all drives", *_WATT, _DRAWN, on_inertia=True),
     "bus_voltage": CheckKind("Bus voltage, energy returned", *_VOLTS, (*_DRAWN, "controller.supply_max")),
     "encoder_counts": CheckKind("Encoder counts per turn", rests_on=("COUNTS",)),
     "encoder_speed": CheckKind("Encoder speed", *_SPEED, (*_RATIO, "encoder.max_speed")),
@@ -154,7 +154,7 @@ _PAPER = {
 }  # fmt: skip
 
 _FED = (*_DRAWN, "controller.max_efficiency")  # all that hangs on the power which the drive draws
-_BUDGET = {  # of the machine with a set in it
+_BUDGET = {  # of the machine with a drive in it
     "mass": CheckKind("Mass of the machine", "mass", "kg"),
     "mass_sized_for": CheckKind("Mass that the drive is sized for", "mass", "kg"),
     "passage_width": CheckKind("Width of a passage", *_MM),
@@ -166,7 +166,7 @@ _BUDGET = {  # of the machine with a set in it
     "lift_off": CheckKind("Acceleration and slope before a wheel lifts off", *_GAIN),
     "tipping": CheckKind("Acceleration and slope before it tips over", *_GAIN),
     "wheel_unloading": CheckKind("Load taken off a wheel, along the trajectory", *_SHARE),
-    "tipping_motion": CheckKind("Way to the tipping edge, along the trajectory", *_SHARE),
+    "tipping_motion": CheckKind("Distance to the tipping edge, along the trajectory", *_SHARE),
     "grip_slope": CheckKind("Slope that the floor's grip holds", *_DEG),
     "grip_acceleration": CheckKind("Acceleration that the floor transmits", *_GAIN),
     "grip_motion": CheckKind("Friction needed, along the trajectory"),
@@ -178,13 +178,13 @@ _BUDGET = {  # of the machine with a set in it
     "battery_charge_voltage": CheckKind("Battery voltage while charging", *_VOLTS),
     "battery_overcharge": CheckKind("Battery voltage at the return, end of charge", *_VOLTS, _FED),
     "battery_return_voltage": CheckKind("Battery voltage at the return, highest supply", *_VOLTS, _FED),
-    "battery_room": CheckKind("Charge that comes back, room for it", "charge", "A*h", _FED),
+    "battery_room": CheckKind("Regenerated charge, room for it", "charge", "A*h", _FED),
     "battery_continuous_current": CheckKind("Battery continuous current (RMS)", *_AMPS, _FED),
     "battery_peak_current": CheckKind("Battery peak current", *_AMPS, _FED),
     "battery_charge_current": CheckKind("Battery charge current, energy returned", *_AMPS, _FED),
 }
 
-_CLOSED_LOOP = {  # of one set that was simulated: what it lacks is told by the checks of the set
+_CLOSED_LOOP = {  # of one drive that was simulated: missing figures are among the checks of the drive
     "stability": CheckKind("Stability of the linear loops"),
     "phase_margin": CheckKind("Phase margin", *_DEG),
     "tracking_error": CheckKind("Tracking error", "speed", "m/s", rotary=_SPEED),
@@ -193,7 +193,7 @@ _CLOSED_LOOP = {  # of one set that was simulated: what it lacks is told by the 
     "controller_peak_current": CheckKind("Controller peak current", *_AMPS),
     "controller_i2t": CheckKind("I²t of the peak current", *_SHARE),
     "controller_continuous_current": CheckKind("Controller continuous current (RMS)", *_AMPS),
-    "supply_current": CheckKind("Supply current, all sets", *_AMPS),
+    "supply_current": CheckKind("Supply current, all drives", *_AMPS),
     "motor_nominal_current": CheckKind("Motor nominal current (RMS)", *_AMPS),
     "winding_temperature": CheckKind("Winding temperature", *_CELSIUS),
     "gearhead_continuous_torque": CheckKind("Gearhead continuous torque (RMS)", *_NM),

@@ -1,4 +1,4 @@
-"""What draws from a battery and how long it lasts, as records."""
+"""Consumers of a battery and how long it lasts, as records."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Consumption(NamedTuple):
 
     name: str
     number: int
-    mean: float  # W at the battery, over the whole time; negative for what comes back
+    mean: float  # W at the battery, over the whole time; negative where energy is regenerated
     peak: float  # W
     duty: float  # share of the time; NaN where it does not apply
     assumed: bool  # its figures are a guess of the spec
@@ -28,7 +28,7 @@ class Consumption(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnergyBudget:
-    """Consumers, battery, and what comes of them; NaN is unknown."""
+    """Consumers, battery, and the time and range that follow; NaN is unknown."""
 
     battery: str  # its name
     start: float  # share of its charge at the start

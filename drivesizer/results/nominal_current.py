@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float, needed: float = 0.0) -> CheckColumn:
     """The RMS current against the nominal one in an ambient.
 
-    Colder than the rating, with an unknown permitted temperature, the motor bears more by an unknown amount: up to the
-    nominal current it passes, and what is above is unknown.
+    Colder than the rating, with an unknown permitted temperature, the motor withstands more by an unknown amount: up
+    to the nominal current it passes, and what is above is unknown.
 
     Parameters
     ----------
@@ -31,6 +31,11 @@ def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float
         Temperature around the motor [K].
     needed
         Margin that must be there.
+
+    Returns
+    -------
+    CheckColumn
+        Of the candidates; unknown where an unknown permitted temperature decides.
     """
     T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)
     limit = np.asarray(motor["nominal_current"] * current_derating(ambient, T_max, rated))

@@ -1,4 +1,4 @@
-"""What a set has of each objective that sets can be ranked by."""
+"""Figures of a drive for each objective."""
 
 from __future__ import annotations
 
@@ -12,7 +12,20 @@ __all__ = ["objective_figure"]
 
 
 def objective_figure(drive_set: DriveSet, objective: str) -> Figure:
-    """What a set has of an objective, whether it was ranked by it or not; NaN where that is unknown."""
+    """The figure of a drive for an objective, ranked by it or not.
+
+    Parameters
+    ----------
+    drive_set
+        The drive.
+    objective
+        One of ``OBJECTIVES``.
+
+    Returns
+    -------
+    Figure
+        In SI; NaN where it is unknown.
+    """
     shown = OBJECTIVES[objective]
     value = _of(drive_set, objective)
     return Figure(name=objective, title=shown.title, value=value, kind=shown.kind, unit=shown.unit)

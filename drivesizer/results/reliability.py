@@ -1,4 +1,4 @@
-"""What sampling found, as plain records: how sure a set is, what limits it, and which assumptions matter most."""
+"""Results of sampling, as plain records: probability, limiting checks and the assumptions that matter most."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Spread:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Driver:
-    """One assumption, and what it does to the smallest margin of a set."""
+    """One assumption, and what it does to the smallest margin of a drive."""
 
     name: str
     title: str
@@ -37,7 +37,7 @@ class Driver:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopShare:
-    """The same set in closed loop."""
+    """The same drive in closed loop."""
 
     samples: int
     probability: float  # share of samples in which no check of the loop fails
@@ -53,11 +53,11 @@ class LoopShare:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reliability:
-    """How sure a set is."""
+    """Probability that a drive passes, with its spread."""
 
     probability: float  # share of samples in which no check fails
     error: float  # of sampling, 95 % to both sides
-    unknown: tuple[str, ...]  # titles of checks that no sample can tell
+    unknown: tuple[str, ...]  # titles of checks that no sample decides
     weakest: str  # title of the check that fails most often, else of the tightest one
     low: float  # smallest margin that 95 % of samples exceed
     middle: float
@@ -68,7 +68,7 @@ class Reliability:
     no_loop: str = ""  # why it was not put through the closed loop although that was wanted
 
     def reaches(self, confidence: float) -> bool:
-        """Whether it is as sure as that."""
+        """Whether the probability is at least that."""
         return self.probability >= confidence
 
     @property
@@ -94,12 +94,12 @@ class Uncertain:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Uncertainty:
-    """What all sets of a sizing have in common."""
+    """Assumptions and samples that all drives of a sizing have in common."""
 
     assumptions: tuple[Uncertain, ...]
     samples: int
     seed: int
-    confidence: float | None  # asked for
-    examined: int  # sets that were sampled
-    reached: int  # of them as sure as was asked for
+    confidence: float | None  # required
+    examined: int  # drives that were sampled
+    reached: int  # of them with the required confidence
     notes: tuple[str, ...]

@@ -16,7 +16,7 @@ __all__ = ["Requirement"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Requirement:
-    """A quantity that the load asks for, with the equation and the numbers it came from."""
+    """A quantity that the load requires, with the equation and the numbers it came from."""
 
     name: str
     title: str

@@ -1,4 +1,4 @@
-"""What a sizing gives: requirements, drive sets and their checks, as plain records.
+"""Results of a sizing: requirements, drives and their checks, as plain records.
 
 Terminal, JSON, CSV and reports all print these records and compute nothing of their own. Figures are SI
 floats; each carries its kind and the unit of the trade it is shown in. NaN is *unknown*.
@@ -22,13 +22,13 @@ __all__ = ["Check", "Counts", "Explanation", "Figure", "SizingResult", "Status",
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Counts:
-    """How many sets were looked at, how many stand, and how many fell by which check."""
+    """How many drives were considered, how many meet all limits, and how many failed on which check."""
 
     considered: int
     feasible: int
     failed_by: dict[str, int]
-    judged: int = 0  # of those that no check of the drive makes fall, the best that were held against the machine
-    failed_by_budget: dict[str, int] = field(default_factory=dict)  # of these, how many fell by which budget
+    judged: int = 0  # of those that meet all limits of the drive, the best that were checked in the machine
+    failed_by_budget: dict[str, int] = field(default_factory=dict)  # of these, how many failed on which budget
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,15 +40,15 @@ class SizingResult:
     objective: str
     requirements: tuple[Requirement, ...]
     sets: tuple[DriveSet, ...]  # that pass or are unknown, best first
-    misses: tuple[DriveSet, ...]  # the nearest that fall, where fewer stand than were asked for
+    misses: tuple[DriveSet, ...]  # the closest rejected, where fewer meet all limits than were requested
     relaxations: tuple[Relaxation, ...]
     counts: Counts
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     unrestricted: DriveSet | None = None  # what the whole catalogue would give, where the spec restricts it
-    front: tuple[DriveSet, ...] = ()  # the Pareto front, where one was asked for
+    front: tuple[DriveSet, ...] = ()  # the Pareto front, where one was requested
     pareto: tuple[str, ...] = ()  # its objectives
-    unsure: tuple[DriveSet, ...] = ()  # that stand, but not as surely as was asked for; the surest first
+    unsure: tuple[DriveSet, ...] = ()  # that pass with less than the required confidence; the most probable first
     uncertainty: Uncertainty | None = None  # what was uncertain, where tolerances were sampled
 
     @property
@@ -63,12 +63,12 @@ class SizingResult:
 
     @property
     def shown(self) -> DriveSet | None:
-        """The set that is told in full: the best, else the surest, else the nearest miss; None without any."""
+        """The drive that is reported in full: the best, else the most probable, else the closest rejected; or None."""
         return next(iter((*self.sets, *self.unsure, *self.misses)), None)
 
 
 class Explanation(NamedTuple):
-    """What was found of one pair of motor and gearhead."""
+    """Results of one combination of motor and gearhead."""
 
     sets: list[DriveSet]  # with every belt ratio
     uncertainty: Uncertainty | None  # what was uncertain, where tolerances were sampled

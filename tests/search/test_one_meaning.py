@@ -52,7 +52,7 @@ def test_samples_in_closed_loop_do_not_say_so_either(pair):
     named and says unknown."""
     found = pair.sets[0].reliability
     assert found.loop.probability > 0.0 and set(found.loop.unknown) == {
-        "Motor permissible speed", "Motor voltage", "Supply current, all sets"
+        "Motor permissible speed", "Motor voltage", "Supply current, all drives"
     }  # fmt: skip
     assert math.isnan(found.loop.passing)
     written = contract.reliability(found)["closed_loop"]

@@ -122,7 +122,7 @@ motion: {profile: trapezoid, speed: 1.5 m/s, acceleration_time: 0.2 s, cruise_ti
 
 
 def test_samples_wait_for_what_has_a_part_alone(shop):
-    titles = {"Motor voltage, cold and hot", "Winding temperature, peak", "Supply power, all motor sets"}
+    titles = {"Motor voltage, cold and hot", "Winding temperature, peak", "Supply power, all drives"}
     for name, waits in (("level", False), ("shaped", True)):
         spec = shop / f"{name}.yaml"
         spec.write_text(spec.read_text(encoding="utf-8") + "tolerances: {samples: 256}\n", encoding="utf-8")

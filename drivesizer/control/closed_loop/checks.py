@@ -29,7 +29,7 @@ from drivesizer.physics.thermal import (
     steady_winding_temperature,
     two_bodies,
 )
-from drivesizer.results.check_columns import NOT_ASKED, CheckColumn, at_least, at_most, between, fits
+from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, between, fits
 from drivesizer.results.nominal_current import nominal_current_limit
 from drivesizer.results.sizing import Check
 
@@ -260,7 +260,7 @@ def _speed(case: ClosedLoop) -> Iterator[Check]:
     """The motor's speed, and the counting frequencies of encoder and controller."""
     motor, encoder, controller = case.drive_set.motor, case.drive_set.encoder or Encoder(), _controller(case)
     when, per_turn = case.figure("speed_time"), encoder.lines / (2 * math.pi)
-    encoder_check = {} if case.spec.wants_encoder else NOT_ASKED
+    encoder_check = {} if case.spec.wants_encoder else PROPOSAL
 
     def limited(name: str, factor: float, limit: float, **more: Any) -> CheckColumn:
         return _most(case, "speed", lambda x: at_most(name, x * factor, limit, **more))

@@ -20,7 +20,7 @@ from drivesizer.physics.belt_geometry import LEAST_IN_MESH
 from drivesizer.physics.lasting_speed import continuous_speed
 from drivesizer.physics.motor_demand import AtGearhead, Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
-from drivesizer.results.check_columns import NOT_ASKED, CheckColumn, at_least, at_most
+from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
 from drivesizer.results.nominal_current import nominal_current_limit
 from drivesizer.search.columns.encoders import angle_per_edge
 from drivesizer.spec.robot import RobotSpec
@@ -214,7 +214,7 @@ def line_frequency(asked: Demands, encoder: Any) -> Array:
 def _counting(spec: RobotSpec, belt: float, asked: Demands, parts: Parts) -> list[CheckColumn]:
     """Encoder by speed and frequency, its own and the controller's, and by resolution."""
     encoder = parts.encoder
-    speed: dict[str, Any] = {"needed": spec.margins.speed} | ({} if spec.wants_encoder else NOT_ASKED)
+    speed: dict[str, Any] = {"needed": spec.margins.speed} | ({} if spec.wants_encoder else PROPOSAL)
     counted = line_frequency(asked, encoder)
     rates = encoder["max_frequency"], parts.controller["max_encoder_frequency"]
     rate = _lower(*rates, counted * (1.0 + spec.margins.speed))

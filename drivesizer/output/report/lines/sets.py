@@ -49,7 +49,7 @@ def _tight(s: DriveSet, failed: list[Check]) -> dict[str, str]:
 
 def _tightest(s: DriveSet) -> list[Check]:
     """Checks with a margin, the smallest first; what was kept small by choice says nothing and is left out."""
-    return sorted((c for c in s.deciding if c.tells), key=lambda c: c.margin)
+    return sorted((c for c in s.deciding if c.is_comparable), key=lambda c: c.margin)
 
 
 def check_row(c: Check) -> dict[str, Any]:

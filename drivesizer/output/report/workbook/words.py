@@ -102,7 +102,7 @@ _CURRENCIES = {KINDS[kind].si for kind in KINDS if kind.startswith("price")}
 def _tightest(best: DriveSet) -> list[Check]:
     """What fails without a figure, then the smallest margins; what was kept small by choice says nothing."""
     bare = [c for c in best.deciding if c.status == "fail" and isnan(c.margin)]
-    return [*bare, *sorted((c for c in best.deciding if c.tells), key=lambda c: c.margin)][:5]
+    return [*bare, *sorted((c for c in best.deciding if c.is_comparable), key=lambda c: c.margin)][:5]
 
 
 def _tight(c: Check) -> Row:
