@@ -40,13 +40,13 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def _drop_outdated() -> None:
-    """Catalogues compiled by other sources: their names have the version and the schema in them, not our changes.
+    """Remove what other sources of the package made: names of compiled catalogues have its version in them, not an edit.
 
-    Machine code is named by its sources; the few newest are kept.
+    Machine code is named by its own sources; the few newest are kept.
     """
     package = ROOT / "drivesizer"
-    sources = sorted(p for room in ("catalog", "files", "units") for p in (package / room).rglob("*.*"))
-    digest = digest_of(*(p.read_bytes() for p in sources if "__pycache__" not in p.parts))
+    sources = sorted(path for path in package.rglob("*.*") if "__pycache__" not in path.parts)
+    digest = digest_of(*(path.read_bytes() for path in sources))
     stamp = CACHE / "sources.txt"
     if not stamp.exists() or stamp.read_text(encoding="utf-8") != digest:
         CACHE.mkdir(parents=True, exist_ok=True)

@@ -105,7 +105,7 @@ def tests_of(tree: Path, room: str) -> list[str]:
 
 def killed(tree: Path, room: str, limit: float) -> bool:
     """Whether a test fails; a mutant that runs beyond the time is killed too."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-o", "addopts=", "-W", "error"]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-o", "addopts="]
     if "slow:" in (tree / "pyproject.toml").read_text(encoding="utf-8"):
         command += ["-m", "not slow"]
     surroundings = os.environ | {"PYTHONPATH": str(tree), "HYPOTHESIS_STORAGE_DIRECTORY": str(tree / ".hypothesis")}
