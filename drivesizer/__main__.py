@@ -12,12 +12,12 @@ _STOPPED = 130  # exit status after Ctrl-C, as shells have it
 
 def main() -> None:
     """Import the command line and run it; until it is there nothing is open that an interruption could spoil."""
-    asked = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # not where a shell lets it be ignored
-    if asked:
+    interruptible = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # unless a shell ignores it
+    if interruptible:
         signal.signal(signal.SIGINT, lambda *_: os._exit(_STOPPED))
     from drivesizer.cli import main as run
 
-    if asked:
+    if interruptible:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     run()
 

@@ -56,6 +56,20 @@ class CatalogError(DrivesizerError, ValueError):
 def quoted(found: object, longest: int = 60) -> str:
     """The user's own text as it goes into a message: on one line, printable, cut when long.
 
+    Parameters
+    ----------
+    found
+        What the user wrote.
+    longest
+        Characters that are shown.
+
+    Returns
+    -------
+    str
+        The text between quotation marks.
+
+    Examples
+    --------
     >>> quoted("3,5 mm")
     '"3,5 mm"'
     """
@@ -82,6 +96,22 @@ def reason_of(error: Exception) -> str:
 def nearest(name: str, known: Iterable[str], most: int = 3) -> str:
     """A hint at what a misspelt name may have meant, to stand at the end of a message; empty where nothing is near.
 
+    Parameters
+    ----------
+    name
+        The misspelt name.
+    known
+        Names that there are.
+    most
+        Names that are shown.
+
+    Returns
+    -------
+    str
+        The hint with its leading semicolon, or an empty text.
+
+    Examples
+    --------
     >>> nearest("EPOS5", ["EPOS4", "GP 26 A"])
     '; the nearest is EPOS4'
     """

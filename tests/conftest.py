@@ -40,9 +40,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def _drop_outdated() -> None:
-    """Remove what other sources of the package made: names of compiled catalogues have its version in them, not an edit.
+    """Remove what other sources of the package made: the name of a compiled catalogue has its version in it.
 
-    Machine code is named by its own sources; the few newest are kept.
+    Edits change no version. Machine code is named by its own sources; the few newest are kept.
     """
     package = ROOT / "drivesizer"
     sources = sorted(path for path in package.rglob("*.*") if "__pycache__" not in path.parts)

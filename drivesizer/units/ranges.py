@@ -1,7 +1,7 @@
 """What figures of machines can be: for each kind of quantity the range that a user's figure must lie in.
 
 A rotor of 5e-324 kg·m² or a torque of 1e300 N·m is a slip of the pen, and behind the door it ends in a division by
-zero or in a number without end. The ranges reach some powers of ten beyond what is built, from watch motors to ship
+zero or in a unbounded number. The ranges reach some powers of ten beyond what is built, from watch motors to ship
 drives, so that no real figure is refused; products of figures inside them stay in the range of floats.
 """
 
@@ -69,6 +69,19 @@ AT_MOST = {"efficiency": 1.0, "max_efficiency": 1.0, "max_duty": 1.0, "direction
 def outside(values: Any, kind: str) -> Any:
     """Whether an SI figure of a kind (a float, or an array of them) lies outside its range; 0 and the unknown do not.
 
+    Parameters
+    ----------
+    values
+        The figure, or an array of them [SI].
+    kind
+        A key of :data:`RANGES`.
+
+    Returns
+    -------
+    bool or array of bool, in the shape of ``values``.
+
+    Examples
+    --------
     >>> [outside(figure, "inertia") for figure in (0.0, 5e-324, 1e-5, 1e300)]
     [False, True, False, True]
     """

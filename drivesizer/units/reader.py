@@ -124,6 +124,11 @@ def to_si(text: object, kind: str) -> float:
     kind
         A key of :data:`KINDS`.
 
+    Returns
+    -------
+    float
+        The quantity [SI unit of the kind].
+
     Raises
     ------
     InputError
@@ -171,11 +176,25 @@ def possible(kind: str) -> str:
 def scale(unit: str, kind: str) -> tuple[float, float]:
     """Factor and offset that bring numbers in a listed unit to SI: ``si = number * factor + offset``.
 
+    Parameters
+    ----------
+    unit
+        A spelling of a unit, such as ``gcm2``.
+    kind
+        A key of :data:`KINDS`.
+
+    Returns
+    -------
+    tuple of float
+        Factor and offset [SI].
+
     Raises
     ------
     InputError
         When the unit is not one of the kind's.
 
+    Examples
+    --------
     >>> scale("gcm2", "inertia")
     (1e-07, 0.0)
     """
@@ -206,6 +225,21 @@ def noun(kind: str) -> str:
 def from_si(value: Any, unit: str, kind: str) -> Any:
     """An SI value (float or array) in one of the units listed for its kind.
 
+    Parameters
+    ----------
+    value
+        Figure or array [SI].
+    unit
+        A unit as the kind lists it.
+    kind
+        A key of :data:`KINDS`.
+
+    Returns
+    -------
+    float or array, in that unit.
+
+    Examples
+    --------
     >>> from_si(1.0, "rpm", "rotary_speed")
     9.549296585513721
     """
@@ -225,6 +259,22 @@ def label(unit: str) -> str:
 def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
     """An SI value as text in a unit of the trade, or ``unknown``.
 
+    Parameters
+    ----------
+    value
+        Figure [SI]; NaN where unknown.
+    unit, kind
+        As for :func:`from_si`.
+    digits
+        Significant digits.
+
+    Returns
+    -------
+    str
+        Number and unit as printed.
+
+    Examples
+    --------
     >>> show(0.0263, "mN*m", "torque")
     '26.3 mN·m'
     """

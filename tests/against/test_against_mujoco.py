@@ -92,7 +92,7 @@ def load_of(spec):
     }  # fmt: skip
 
 
-def driven(train, controller, time, speed, **more):
+def driven(train, controller, time, speed, /, **more):
     """A simulation along speeds of the robot [m/s]; nothing is left out of its series."""
     drive = Drive(**{"train": train, "controller": controller, "supply": SUPPLY, "current": PEAK} | more)
     return simulate(drive, task_of(train, time, speed), rows=60_000).series
