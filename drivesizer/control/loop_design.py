@@ -21,7 +21,7 @@ from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import design
 from drivesizer.errors import InputError
 from drivesizer.physics.counted_speed import MOST_PERIODS, Counts, answer
-from drivesizer.physics.usable_voltage import usable_in
+from drivesizer.physics.supply_voltage import usable_in
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show

@@ -32,6 +32,7 @@ from drivesizer.physics.motor_demand import (
     friction,
 )
 from drivesizer.physics.stress import heat, housing_loss, volts_of
+from drivesizer.physics.supply_voltage import usable_voltage
 from drivesizer.physics.thermal import (
     continuous_current,
     current_derating,
@@ -39,7 +40,6 @@ from drivesizer.physics.thermal import (
     resistance_25,
     resistance_at,
 )
-from drivesizer.physics.usable_voltage import usable_voltage
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show

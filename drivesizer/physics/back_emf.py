@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ELECTRONICS", "back_emf_constant", "with_electronics"]
+__all__ = ["ELECTRONICS", "back_emf_constant"]
 
 Array = NDArray[np.float64]
 
@@ -46,13 +46,8 @@ def back_emf_constant(motor: Any) -> Array:
     lost = np.asarray(motor["resistance"] * motor["no_load_current"])
     with np.errstate(divide="ignore", invalid="ignore"):
         idle = np.where(np.isnan(lost), np.fmin(k_t, voltage / no_load), (voltage - lost) / no_load)
-        likely = (idle > k_t / _OTHER) & (idle < k_t * _OTHER) & np.logical_not(with_electronics(motor))
+        likely = (idle > k_t / _OTHER) & (idle < k_t * _OTHER) & (np.asarray(motor["commutation"]) != ELECTRONICS)
         own = np.asarray(motor["back_emf_constant"])
         printed = np.where(np.isnan(own), np.divide(1.0, motor["speed_constant"]), own)
         found = np.where(np.isnan(printed), np.where(likely, idle, k_t), printed)
         return np.where(np.abs(found / k_t - 1.0) < _SAME, k_t, found)
-
-
-def with_electronics(motor: Any) -> NDArray[np.bool_]:
-    """Whether motors have their controller inside."""
-    return np.asarray(motor["commutation"] == ELECTRONICS)

@@ -11,7 +11,18 @@ from drivesizer.physics.load_cycle import Figure
 from drivesizer.physics.motor_demand import DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding_temperature
 
-__all__ = ["Heat", "Parts", "Record", "Stress", "heat", "housing_loss", "on", "stress", "volts_of"]
+__all__ = [
+    "Heat",
+    "Parts",
+    "Record",
+    "Stress",
+    "heat",
+    "housing_loss",
+    "on",
+    "stress",
+    "temperature_at_most",
+    "volts_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -158,6 +169,33 @@ def stress(ambient: Figure, cycle_at_gearhead: AtGearhead, demands: Demands, mot
     torque = peak(cycle_at_gearhead, demands.coefficients, demands.left_out)
     volts = peak(cycle_at_gearhead, volts_of(demands, k_t, np.asarray(cold)), demands.left_out)
     return Stress(Peak(torque.value / k_t, torque.time), volts)
+
+
+def temperature_at_most(
+    ambient: Figure, cycle_at_gearhead: AtGearhead, heat: Heat, stress: Stress, motor: Any
+) -> Array:
+    """Temperature that no winding exceeds: in the long run at the largest current and loss all the time [K].
+
+    Parameters
+    ----------
+    ambient
+        Temperature around the motors [K].
+    cycle_at_gearhead
+        The load cycle at the gearhead's output.
+    heat, stress
+        Losses and largest current of each candidate.
+    motor
+        Figures of the motors by field name: columns.
+
+    Returns
+    -------
+    array
+        Temperature of each candidate [K]; infinite at thermal runaway, NaN where a figure is unknown.
+    """
+    fast = cycle_at_gearhead.peak_speed
+    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    loss = heat.friction * fast + heat.iron * fast**2
+    return np.asarray(steady_winding_temperature(ambient, resistance_25(motor), *R_th, stress.current.value, loss))
 
 
 def volts_of(demands: Demands, k_t: Array, resistance: Array) -> Array:

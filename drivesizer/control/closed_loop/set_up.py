@@ -21,8 +21,8 @@ from drivesizer.errors import InputError
 from drivesizer.load_cases.at_shaft import at_shaft, remaining_torque
 from drivesizer.loads.course import Profile
 from drivesizer.physics.stress import housing_loss
+from drivesizer.physics.supply_voltage import usable_in
 from drivesizer.physics.thermal import TwoBodies, two_bodies
-from drivesizer.physics.usable_voltage import usable_in
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 

@@ -31,8 +31,8 @@ from drivesizer.machine.set_cycle import set_cycle, warming
 from drivesizer.output.export.limits import Limits, limits
 from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.stress import housing_loss
+from drivesizer.physics.supply_voltage import usable_in
 from drivesizer.physics.thermal import TwoBodies, two_bodies
-from drivesizer.physics.usable_voltage import usable_in
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.version import __version__

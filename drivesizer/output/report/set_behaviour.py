@@ -17,8 +17,8 @@ from drivesizer.output.report.figures.energy import energy_bars, energy_unit
 from drivesizer.output.report.figures.heat import temperatures
 from drivesizer.output.report.figures.style import CASES, Form
 from drivesizer.output.report.lines.machine import first_wheel
+from drivesizer.physics.supply_voltage import usable_in
 from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
-from drivesizer.physics.usable_voltage import usable_in
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.units import show

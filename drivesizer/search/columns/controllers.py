@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table
-from drivesizer.physics.usable_voltage import usable_voltage
+from drivesizer.physics.supply_voltage import usable_voltage
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.motor_demand import AtGearhead, Demands, Peak
 from drivesizer.physics.several_belts import behind_each
-from drivesizer.physics.stress import Heat, Parts, Stress, on
-from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding_temperature
-from drivesizer.physics.usable_voltage import most_voltage
+from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
+from drivesizer.physics.supply_voltage import bus_voltage, least_capacitance, usable_voltage
+from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, longest_above, mean_square, wave
 from drivesizer.physics.winding_course import current_and_winding
 from drivesizer.results.check_columns import CheckColumn, at_most, between
@@ -36,15 +36,12 @@ __all__ = [
     "least",
     "time_above",
     "waveform_limits",
-    "while_at_most",
 ]
 
 Array = NDArray[np.float64]
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
-_FASTEST_CHOPPING = 100e3  # Hz, of controllers for small motors
 _STAYS = "unknown: where it goes: give supply.capacitance, or supply.accepts: all of a battery or a brake resistor"
 _HELD = "at the supply's highest voltage: the battery, which takes what comes back, is held to it"
-_RIPPLE = 0.1  # of the supply's voltage, at most
 
 
 class Moments(NamedTuple):
@@ -119,7 +116,9 @@ def _pair(
     some, cold = Wave(flows.duration, flows.current[rows], flows.voltage[rows]), np.full((len(rows), 1, 1), ambient)
     winding, turning = (R_25[rows], cold, cold[..., 0]), (surplus[rows], speed if speed.ndim == 2 else speed[rows])
     low = _moments(spec, at.on(rows), some, winding, turning, on(under, rows), parts.on(rows), what)
-    return between_bounds(high, low, rows, warm.winding, while_at_most(spec, at, warm, under, motor))
+    return between_bounds(
+        high, low, rows, warm.winding, temperature_at_most(spec.environment.ambient, at, warm, under, motor)
+    )
 
 
 def between_bounds(high: Moments, cold: Moments, rows: Any, mean: Array, steady: Array) -> Pair:
@@ -163,22 +162,12 @@ def least(found: Pair, asked: Demands, warm: Heat, under: Stress) -> Pair:
     return low._replace(**filled), high
 
 
-def while_at_most(spec: RobotSpec, at: AtGearhead, warm: Heat, under: Stress, motor: Any) -> Array:
-    """Temperature that no winding exceeds: in the long run at the largest current and loss all the time [K]."""
-    fast = at.peak_speed
-    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
-    loss = warm.friction * fast + warm.iron * fast**2
-    R_25 = resistance_25(motor)
-    found = steady_winding_temperature(spec.environment.ambient, R_25, *R_th, under.current.value, loss)
-    return np.asarray(found)
-
-
 def hottest(spec: RobotSpec, at: AtGearhead, warm: Heat, under: Stress, motor: Any) -> Array:
     """Temperature that a winding of unknown heat does not exceed, or must not: what is asked then is a safe bound [K].
 
     NaN where neither is known.
     """
-    found = while_at_most(spec, at, warm, under, motor)
+    found = temperature_at_most(spec.environment.ambient, at, warm, under, motor)
     bound: Array = np.fmin(np.where(np.isfinite(found), found, np.nan), motor["max_winding_temperature"])
     return bound
 
@@ -261,8 +250,8 @@ def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) 
 def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
     supply, sets, controller = spec.supply, spec.load.motors, parts.controller
     torque, speed, power = spec.margins.torque, spec.margins.speed, found.power * sets
-    asked, bus = found.voltage * (1.0 + speed), _bus_voltage(spec, found, controller)
-    usable = most_voltage(supply.lowest, controller["max_duty"], controller["voltage_drop"], asked)
+    bus = _bus_voltage(spec, found, controller)
+    usable = _usable_voltage(spec, controller, found.voltage * (1.0 + speed))
     held = _HELD if spec.battery and spec.accepts_all else ""
     checks = [
         winding_limit(spec, found.winding, parts.motor, found.winding_time),
@@ -286,23 +275,25 @@ def kept_on_the_bus(spec: Any) -> Any:
 
 
 def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
-    r"""Highest voltage of the bus: what its capacitance makes of the energy that the supply does not accept [V].
+    """Highest voltage of the bus, with the energy that the supply does not accept in its capacitance [V].
 
     Where the supply accepts all, it stays at its highest: a battery is held to that at the largest return, with the
-    charge of the start (``energy_checks``).
-
-    Where the capacitance is unknown it is taken as no less than the controller's own: a power stage that chops its
-    continuous current I at a frequency f holds the ripple of its supply U within a share s by
-    :math:`C \ge I D (1 - D) / (f s U)`, at half duty :math:`I / (4 f s U)` (STMicroelectronics, data sheet A6902D,
-    equation (14), without the capacitor's resistance). That no stage chops faster than 100 kHz with more ripple than
-    a tenth is an assumption. That bound passes what even so little bears, such as 1 mJ; what it does not is unknown.
+    charge of the start (``energy_checks``). An unknown capacitance is at least that of the controller: a voltage that
+    passes with so little is certain, one that does not is unknown.
     """
     supply = spec.supply
     if supply.capacitance is not None:
-        raised: Array = np.sqrt(supply.highest**2 + 2.0 * found.stored * spec.load.motors / supply.capacitance)
+        raised: Array = bus_voltage(supply.highest, found.stored * spec.load.motors, supply.capacitance)
         return raised
-    least = controller["continuous_current"] / (4.0 * _FASTEST_CHOPPING * _RIPPLE * supply.highest)
+    least = least_capacitance(controller["continuous_current"], supply.highest)
     with np.errstate(divide="ignore", invalid="ignore"):
-        bound = np.sqrt(supply.highest**2 + 2.0 * found.stored / least)  # each controller bears its own motor's return
+        bound = bus_voltage(supply.highest, found.stored, least)  # each controller stores its own motor's return
     bound = np.where(found.stored == 0.0, supply.highest, bound)
     return np.where((bound <= controller["supply_max"]) | (found.stored == 0.0), bound, np.nan)
+
+
+def _usable_voltage(spec: RobotSpec, controller: Any, required: Array) -> Array:
+    """The usable voltage; where it is unknown, the supply's own for those that require more than that, and so fail."""
+    lowest = spec.supply.lowest
+    usable = usable_voltage(lowest, controller["max_duty"], controller["voltage_drop"])
+    return np.where(np.isnan(usable) & (required > lowest), lowest, usable)

@@ -18,10 +18,10 @@ from drivesizer.physics.heat_bounds import Blocks, Bracket, blocks, bracket
 from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bounds
 from drivesizer.physics.motor_demand import DIRECTION, SPEED, AtGearhead, Demands, peak
 from drivesizer.physics.products import product
-from drivesizer.physics.stress import Heat, Parts, Stress, volts_of
+from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.physics.waveform import longest_run
-from drivesizer.search.columns.limits_over_time import Moments, Pair, hottest, kept_on_the_bus, while_at_most
+from drivesizer.search.columns.limits_over_time import Moments, Pair, hottest, kept_on_the_bus
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["above_bounds", "bounds", "closer", "most_cold_power"]
@@ -200,8 +200,8 @@ def winding_limits(
         warm.mean, loss_peak,
     )  # fmt: skip
     without = np.isnan(motor["winding_time_constant"]) | np.isnan(motor["motor_time_constant"])
-    low, high = (np.where(without, x, bound) for x, bound in zip(
-        (warm.winding, while_at_most(spec, at, warm, under, motor)), found, strict=True))  # fmt: skip
+    most = temperature_at_most(spec.environment.ambient, at, warm, under, motor)
+    low, high = (np.where(without, x, bound) for x, bound in zip((warm.winding, most), found, strict=True))
     return low, high
 
 

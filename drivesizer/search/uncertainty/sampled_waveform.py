@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from drivesizer.physics.heat_cycle_columns import each_figure
 from drivesizer.physics.load_cycle import mean_product
 from drivesizer.physics.motor_demand import Demands, piece_counts, places
-from drivesizer.physics.stress import Heat, Parts, Stress, on
+from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
 from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, longest_above, mean_square
 from drivesizer.physics.winding_course import winding_rises
@@ -24,7 +24,6 @@ from drivesizer.search.columns.limits_over_time import (
     between_bounds,
     hottest,
     kept_on_the_bus,
-    while_at_most,
 )
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 
@@ -79,7 +78,9 @@ def moments(
     if (stress.current.value > limit).any():
         duration = np.broadcast_to(cycles_at_gearhead.cycle.duration, (len(current), count))
         above = longest_above(_wave(duration, current, current), limit)
-    steady = np.broadcast_to(while_at_most(spec, cycles_at_gearhead, heat, stress, parts.motor), (count,))
+    steady = np.broadcast_to(
+        temperature_at_most(spec.environment.ambient, cycles_at_gearhead, heat, stress, parts.motor), (count,)
+    )
     mean, cold = np.broadcast_to(heat.winding, (count,)), stress.cold_voltage.value
     return _bounded([one._replace(above=above, voltage=np.maximum(one.voltage, cold)) for one in sides], mean, steady)
 
