@@ -19,7 +19,7 @@ from drivesizer.output.report.figures.style import Form
 from drivesizer.output.report.figures.tornado import swings, tornado
 from drivesizer.output.report.figures.wheels import wheels_over_time
 from drivesizer.output.report.lines.machine import first_wheel
-from drivesizer.output.report.lines.reliability import judged
+from drivesizer.output.report.lines.reliability import reported
 from drivesizer.output.report.set_behaviour import Behaviour
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.objectives import objective_figure
@@ -63,7 +63,7 @@ def report_drawings(
     made["cycle"] = lambda form: over_time(cycles, form)
     if len(result.front) > 1:
         made["front"] = lambda form: _trade_off(result, form)
-    certain = judged(result)
+    certain = reported(result)
     if certain and certain.reliability and swings(certain.reliability.drivers):
         drivers = certain.reliability.drivers
         made["tornado"] = lambda form: tornado(drivers, form=form)

@@ -1,189 +1,76 @@
-"""The content of a report as plain data: what is printed, in its order; the figures are in ``drawings``.
-
-Nothing is computed here but texts. Strings of it are printed as strings, so that no text of a spec or a catalogue is
-ever read as markup.
-"""
+"""What a report is about: what was found, what the reported drive does over the cycles, and its figures."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from functools import cached_property
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.datasheet import datasheets
-from drivesizer.output.derivation import step
-from drivesizer.output.loop_table import gain, gain_rows, linear
-from drivesizer.output.parts import parts_list
-from drivesizer.output.report.figures import load_and_loop
-from drivesizer.output.report.figures.field import MOST_PANELS
-from drivesizer.output.report.figures.field_panels import panels
-from drivesizer.output.report.figures.time_windows import windows
-from drivesizer.output.report.lines.battery import battery_rows
-from drivesizer.output.report.lines.candidates import candidates, front
-from drivesizer.output.report.lines.figures_behind_checks import marked_figures, unknown_figures
-from drivesizer.output.report.lines.machine import driven_over, first_wheel, machine_rows, machine_words
-from drivesizer.output.report.lines.order_list import order_list
-from drivesizer.output.report.lines.reliability import standing, sure
-from drivesizer.output.report.lines.sets import check_row, compared, figure_row, moves, set_row
+from drivesizer.output.parts import PartLine, parts_list
+from drivesizer.output.report.all_figures import Drawing, report_drawings
+from drivesizer.output.report.lines.machine import first_wheel
+from drivesizer.output.report.lines.reliability import outcome
 from drivesizer.output.report.set_behaviour import Behaviour
-from drivesizer.output.text import cleaned, margin, short
+from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.sizing import SizingResult, worst
-from drivesizer.units import show
-from drivesizer.version import __version__
+from drivesizer.results.sizing import SizingResult
 
-__all__ = ["document"]
+__all__ = ["Content"]
 
 
-def document(
-    result: SizingResult,
-    validation: Validation | None,
-    does: Behaviour | None,
-    paper: str = "a4",
-    date: str | None = None,
-) -> dict[str, Any]:
-    """Everything that a report prints.
+@dataclass(frozen=True)
+class Content:
+    """A sizing and its closed loop; each part that takes time is computed once, when it is used."""
 
-    Parameters
-    ----------
-    result
-        What the sizing found.
-    validation
-        The closed loop, where it was simulated.
-    does
-        What the set that is shown does over the cycles; None without a set.
-    paper
-        Format of the sheets.
-    date
-        Printed where it is given.
-    """
-    best = result.shown
-    return {
-        **cleaned(_content(result, validation, best, does)),
-        "sheet": paper,
-        "date": cleaned(short(date or "", 40)),
-        "header": cleaned(short(result.spec.name)),
-        "spec_lines": cleaned(result.spec.text.splitlines()),
-    }
+    result: SizingResult
+    validation: Validation | None = None
 
+    @property
+    def drive(self) -> DriveSet | None:
+        """The drive that is reported: the best, else the most probable, else the closest rejected one."""
+        return self.result.shown
 
-def _content(
-    result: SizingResult, validation: Validation | None, best: DriveSet | None, does: Behaviour | None
-) -> dict[str, Any]:
-    cases = result.problem.cases
-    cycles = [(case.name, case.cycle) for case in cases]
-    fields = panels(result.problem, best, result.requirements) if best else []
-    return {
-        "name": result.spec.name,
-        "what": machine_words(result.spec),
-        "version": __version__,
-        "method": result.method,
-        "objective": result.objective.replace("_", " "),
-        "place": "wheel" if result.spec.load.kind == "wheeled_vehicle" else "load's shaft",
-        "paper": result.method == "paper",
-        "wheel": first_wheel(result.problem),
-        "cases": [case.name for case in cases if case.name],
-        "catalogs": [[name, digest] for name, digest in result.catalog.digests.items()],
-        "file": result.spec.file.replace("\\", "/").rsplit("/", 1)[-1],
-        "standing": standing(result),
-        "found": bool(result.sets),
-        "status": result.sets[0].status if result.sets else "fail",
-        "motor_sets": result.spec.load.motors,
-        **_of_set(best, does, result),
-        "regeneration": show(result.spec.supply.regeneration, "%", "dimensionless"),
-        "spec": _spec(result.spec.entered),
-        "load_steps": [step(r) | {"text": r.text} for r in result.requirements],
-        "candidates": candidates(result),
-        "front": front(result) if result.front else None,
-        "sure": sure(result),
-        "hidden_fields": len(fields[MOST_PANELS:]),
-        "cut": len(load_and_loop.stretches(cycles)) > 1,
-        "loop": _loop(validation) if validation else None,
-        "assumptions": list(result.assumptions),
-        "warnings": list(result.warnings),
-    }
+    @property
+    def outcome(self) -> str:
+        """``found``, ``unsure`` where no drive reaches the required probability, or ``missed``."""
+        return outcome(self.result)
 
+    @cached_property
+    def behaviour(self) -> Behaviour | None:
+        """What the reported drive does over the load cycles."""
+        return Behaviour(self.result.problem, self.drive) if self.drive else None
 
-def _of_set(best: DriveSet | None, does: Behaviour | None, result: SizingResult) -> dict[str, Any]:
-    if best is None or does is None:
-        return {"best": None, "motor_steps": []}
-    catalog = result.catalog
-    return {
-        "best": set_row(best, catalog) | {"energy": does.cost, "energy_of": _energy_of(result)},
-        "heat": does.heat,
-        "heat_lacks": does.heat_lacks,
-        "hottest": does.hottest[0] if does.hottest and len(does.cycles) > 1 else "",
-        **order_list(parts_list(best, catalog, result.spec.load.motors)),
-        "unknown": unknown_figures(best),
-        "marked": marked_figures(best, catalog),
-        "motor_steps": [step(r) for r in best.requirements],
-        "datasheets": datasheets(best, catalog),
-        "checks": [check_row(c) for c in best.checks],
-        "beside": [check_row(c) for c in best.beside],
-        "comparison": [compared(pair) for pair in best.comparison],
-        "budget": [check_row(c) for c in best.budget],
-        **machine_rows(best),
-        "battery": battery_rows(best),
-        "does": [figure_row(f) for f in best.figures],
-        "changes": moves(best.changes),
-    }
+    @cached_property
+    def drawings(self) -> dict[str, Drawing]:
+        """Every figure by name."""
+        return report_drawings(self.result, self.validation, self.behaviour)
 
+    @cached_property
+    def cycles(self) -> list[tuple[str, LoadCycle]]:
+        """The load cycle of each case by name."""
+        return [(case.name, case.cycle) for case in self.result.problem.cases]
 
-def _energy_of(result: SizingResult) -> str:
-    """Of what the energy of a cycle is the sum."""
-    sets = result.spec.load.motors
-    said = "of the one motor set" if sets == 1 else f"of all {sets} motor sets"
-    several = ", as specified" if len(result.problem.cases) > 1 else ""
-    return f"out of the supply, {said}" + (", each at its wheel" if first_wheel(result.problem) else several)
+    @cached_property
+    def wheel(self) -> str:
+        """The worst wheel of a platform, such as ``wheel 1``; empty for other machines."""
+        return first_wheel(self.result.problem)
 
+    @property
+    def cases(self) -> list[str]:
+        """The names of the load cases; none where there is one without a name."""
+        return [case.name for case in self.result.problem.cases if case.name]
 
-def _spec(entered: dict[str, Any]) -> list[dict[str, Any]]:
-    """The spec as it was entered, by section; what stands at the top level goes into one of its own."""
-    top = [[key, _scalar(value)] for key, value in entered.items() if not isinstance(value, dict | list)]
-    sections = [{"title": key.replace("_", " "), "rows": _flat(value)} for key, value in entered.items()
-                if isinstance(value, dict | list)]  # fmt: skip
-    return [section for section in ({"title": "general", "rows": top}, *sections) if section["rows"]]
+    @property
+    def shaft(self) -> str:
+        """Where the load is given."""
+        return "wheel" if self.result.spec.load.kind == "wheeled_vehicle" else "load's shaft"
 
+    @property
+    def motors(self) -> int:
+        """How many drives of this kind the machine has."""
+        return self.result.spec.load.motors
 
-def _flat(value: Any, path: tuple[str, ...] = ()) -> list[list[str]]:
-    if isinstance(value, dict):
-        return [row for key, entry in value.items() for row in _flat(entry, (*path, str(key)))]
-    if isinstance(value, list) and any(isinstance(entry, dict) for entry in value):
-        return [row for n, entry in enumerate(value, 1) for row in _listed(entry, path, n)]
-    shown = ", ".join(_scalar(entry) for entry in value) if isinstance(value, list) else _scalar(value)
-    return [[" › ".join(path), shown]]
-
-
-def _listed(entry: Any, path: tuple[str, ...], number: int) -> list[list[str]]:
-    """An entry of a list: in one row under its name where it has one and holds no more than figures."""
-    if not isinstance(entry, dict) or "name" not in entry or any(isinstance(v, dict | list) for v in entry.values()):
-        return _flat(entry, (*path, str(number)))
-    said = [f"{key.replace('_', ' ')} {_scalar(value)}" for key, value in entry.items() if key != "name"]
-    return [[" › ".join((*path, _scalar(entry["name"]))), ", ".join(said)]]
-
-
-def _scalar(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return "" if value is None else str(value)
-
-
-def _loop(v: Validation) -> dict[str, Any]:
-    tight = worst(v.checks)
-    return {
-        "tightest": f"{tight.title} {margin(tight.margin)}" if tight else "",
-        "unknown": ", ".join(c.title for c in v.checks if c.status == "unknown"),
-        "label": v.drive_set.label,
-        "profile": driven_over(v),
-        "status": v.status,
-        "checks": [check_row(c) for c in v.checks],
-        "figures": [figure_row(f) for f in v.figures],
-        "shown": [title for _, title in load_and_loop.closed_loop_rows(v)],
-        "cut": len(windows(v.series)) > 1,
-        "linear": linear(v.loops),
-        "gains": [[row.title, gain(row)] for row in gain_rows(v.gains)],
-        "own_gains": [[g.place, g.name, f"{g.value} {g.unit}"] for g in v.controller_gains],
-        "rule": v.gains.rule,
-        "source": v.gains.source,
-        "assumptions": list(v.assumptions),
-        "warnings": list(v.warnings),
-    }
+    @cached_property
+    def bought(self) -> list[PartLine]:
+        """The parts list of the best drive; a rejected one is not bought."""
+        return parts_list(self.result.sets[0], self.result.catalog, self.motors) if self.result.sets else []

@@ -1,4 +1,4 @@
-"""PDF: the template filled with the document's data and set by typst.
+"""PDF: the sections of a report, set by typst.
 
 typst and matplotlib are imported when a PDF is made. The same input gives the same bytes: fonts come with the two
 libraries, and the file carries no date.
@@ -13,9 +13,9 @@ from typing import Any
 
 from drivesizer.control.validation import Validation
 from drivesizer.errors import DrivesizerError, InputError, quoted
-from drivesizer.output.report.all_figures import IN_TABLES, report_drawings
-from drivesizer.output.report.content import document
-from drivesizer.output.report.set_behaviour import Behaviour
+from drivesizer.output.report.all_figures import IN_TABLES
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.document import document
 from drivesizer.results.sizing import SizingResult
 
 __all__ = ["PAPERS", "ReportError", "fonts", "render", "report_pdf"]
@@ -28,23 +28,25 @@ class ReportError(DrivesizerError):
 
 
 PAPERS = ("a4", "us-letter")
-_SOURCE = (
-    "page",
-    "summary",
-    "asked",
-    "candidates",
-    "tolerances",
-    "chosen",
-    "machine",
-    "loop",
-    "closing",
-)  # files of one source, in order
+_SOURCE = ("page", "fragments", "blocks", "report")  # files of one source, in order
 
 
 def render(
     result: SizingResult, validation: Validation | None, path: Path, *, paper: str = "a4", date: str | None = None
 ) -> dict[Path, bytes]:
-    """The file of a PDF report; see :func:`report_pdf`."""
+    """The file of a PDF report; see :func:`report_pdf`.
+
+    Parameters
+    ----------
+    result, validation, paper, date
+        As there.
+    path
+        Where to.
+
+    Returns
+    -------
+    dict[Path, bytes]
+    """
     return {path: report_pdf(result, validation, paper=paper, date=date)}
 
 
@@ -56,13 +58,17 @@ def report_pdf(
     Parameters
     ----------
     result
-        What the sizing found; without a set, the nearest misses are reported.
+        The sizing; without a drive that passes, the closest rejected ones are reported.
     validation
         The closed loop, where it was simulated.
     paper
         Format of the sheets: ``a4`` or ``us-letter``.
     date
         Printed on every page as it is given; without it there is none.
+
+    Returns
+    -------
+    bytes
 
     Raises
     ------
@@ -73,13 +79,11 @@ def report_pdf(
     """
     if paper not in PAPERS:
         raise InputError(f"paper {quoted(paper)} is not known; expected {' or '.join(PAPERS)}")
-    shown = result.shown
-    does = Behaviour(result.problem, shown) if shown else None
-    content = document(result, validation, does, paper, date)
-    drawings = report_drawings(result, validation, does)
-    drawn = {name: draw("typeset") for name, draw in drawings.items() if name not in IN_TABLES}
-    content["figures"] = {name: {"svg": svg.decode()} for name, svg in drawn.items()}
-    return _set(json.dumps(content, ensure_ascii=False, allow_nan=False))
+    content = Content(result, validation)
+    drawn = {name: draw("typeset") for name, draw in content.drawings.items() if name not in IN_TABLES}
+    figures = {name: {"svg": svg.decode()} for name, svg in drawn.items()}
+    filled = document(content, date) | {"sheet": paper, "figures": figures}
+    return _set(json.dumps(filled, ensure_ascii=False, allow_nan=False))
 
 
 def _set(data: str) -> bytes:

@@ -1,7 +1,7 @@
-"""HTML: the template filled with the document's data, with style, script and figures inside, in one file.
+"""HTML: the sections of a report with style, script and figures inside, in one file.
 
-The file asks for nothing from anywhere, and its own policy forbids it to: only the two scripts whose digests it names
-may run. Texts of a spec or a catalogue are escaped wherever they stand. The same input gives the same bytes.
+The file loads nothing from anywhere, and its own policy forbids it to: only the two scripts whose digests it names
+may run. Texts of a spec or a catalogue are escaped everywhere. The same input gives the same bytes.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.report.all_figures import Drawing, report_drawings
-from drivesizer.output.report.content import document
+from drivesizer.output.report.all_figures import Drawing
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.document import document
 from drivesizer.output.report.figures.field import MOST_PANELS
 from drivesizer.output.report.figures.field_panels import Panel, panels
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.html.battery_plots import charge_plot, consumers_plot
 from drivesizer.output.report.html.candidate_plots import front_plot, sets_plot
 from drivesizer.output.report.html.curves import Plot
-from drivesizer.output.report.html.exact import with_numbers
 from drivesizer.output.report.html.field_plot import field_plot
 from drivesizer.output.report.html.load_plots import cycle_plot, motion_plot
 from drivesizer.output.report.html.loop_plots import bode_plot, closed_loop_plot, step_plots
 from drivesizer.output.report.html.mathematics import mathml
-from drivesizer.output.report.set_behaviour import Behaviour
+from drivesizer.output.report.sections.candidates import candidate_numbers
 from drivesizer.results.sizing import SizingResult
 from drivesizer.units import show
 
@@ -52,7 +52,7 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
     Parameters
     ----------
     result
-        What the sizing found; without a set, the nearest misses are reported.
+        The sizing; without a drive that passes, the closest rejected ones are reported.
     validation
         The closed loop, where it was simulated.
     date
@@ -63,23 +63,17 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
 
     from drivesizer.output.report.html.kept import packed
 
-    shown = result.shown
-    does = Behaviour(result.problem, shown) if shown else None
-    told = document(result, validation, does, date=date)
-    content = _unbroken(with_numbers(told, result, validation))
-    drawings = report_drawings(result, validation, does)
-    math = mathml(_mathematics(content))
+    content = Content(result, validation)
+    doc = _unbroken(document(content, date))
     library, script = get_plotlyjs(), _text("page.js")
-    filled = _template(math).render(
-        doc=content,
-        best=content["best"],
-        tiles=_tiles(content),
-        figures=_figures(result, validation, content),
-        pictures={name: _picture(drawings[name]) for name in _STILL if name in drawings},
+    filled = _template(mathml(_mathematics(doc["sections"]))).render(
+        doc=doc,
+        figures=_figures(content),
+        pictures={name: _picture(content.drawings[name]) for name in _STILL if name in content.drawings},
         colours=COLOURS,
         style=Markup(_text("style.css")),  # noqa: S704 - our own file
         script=Markup(script),  # noqa: S704 - our own file
-        # Packed, 2 MB in place of 4.8: a page goes through the mail, and text and tables are there before the figures.
+        # Packed, 2 MB in place of 4.8: a page is sent by mail, and text and tables are there before the figures.
         library=base64.b64encode(packed(library)).decode(),
         digests=[_digest(script), _digest(library)],
     )
@@ -109,10 +103,19 @@ def _unbroken(value: Any) -> Any:
     return value.replace(_BREAK, "") if isinstance(value, str) else value
 
 
-def _mathematics(content: dict[str, Any]) -> Iterator[str]:
-    for step in (*content["load_steps"], *content["motor_steps"]):
-        yield from (step[name] for name in ("symbol", "symbol_value", "printed", "used"))
+def _mathematics(value: Any) -> Iterator[str]:
+    """Mathematics anywhere in the sections: marks in a text, and steps of the derivation."""
+    if isinstance(value, list):
+        for entry in value:
+            yield from _mathematics(entry)
+    elif isinstance(value, dict) and value.get("kind") == "equation":
+        step = value["step"]
+        yield from (step[name] for name in ("symbol_value", "printed", "used"))
         yield f"{step['numbers']} = {step['result']}" if step["numbers"] else ""
+    elif isinstance(value, dict) and value.get("kind") == "math":
+        yield value["symbol"]
+    elif isinstance(value, dict):
+        yield from _mathematics([*value.values()])
 
 
 def _template(math: Any) -> Any:
@@ -129,7 +132,6 @@ def _template(math: Any) -> Any:
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "ensure_ascii": False, "separators": (",", ":")}
     environment.filters["math"] = lambda source: Markup(math[source])  # noqa: S704 - set by typst from our own source
     environment.filters["noted"] = _noted
-    environment.filters["slug"] = lambda text: re.sub(r"\W+", "-", text).strip("-").lower()
     return environment.get_template("page.html")
 
 
@@ -141,35 +143,19 @@ def _noted(text: str) -> Any:
     return Markup(re.sub(symbol, r"<var>\1</var><sub>\2</sub>", str(escape(text))))  # noqa: S704 - escaped before
 
 
-def _tiles(content: dict[str, Any]) -> list[dict[str, str]]:
-    """What a reader wants first: tightest margin, mass, price, energy, reduction."""
-    told = content["best"]
-    if told is None:
-        return []
-    tiles = [
-        ("smallest margin", told["tight"]["margin"], told["tight"]["title"]),
-        ("mass of one set", told["mass"], told["mass_of"]),
-        ("price of one set", told["price"], told["price_of"]),
-        ("energy of a cycle", told["energy"], told["energy_of"]),
-        ("whole reduction", told["total_ratio"], "motor turns per turn of the " + content["place"]),
-    ]
-    return [dict(zip(("name", "value", "more"), tile, strict=True)) for tile in tiles]
-
-
-def _figures(result: SizingResult, validation: Validation | None, content: dict[str, Any]) -> dict[str, Plot]:
-    """Every figure by its name, in the order of the report."""
-    best = result.shown
-    cycles = [(case.name, case.cycle) for case in result.problem.cases]
-    sets = content["candidates"]["sets"]
+def _figures(content: Content) -> dict[str, Plot]:
+    """The figures that can be moved by name, in the order of the report; those of one kind are numbered."""
+    result, validation, best = content.result, content.validation, content.drive
+    drives = candidate_numbers(content)
     made: dict[str, Plot | None] = {
-        "motion": motion_plot(result.spec),
-        "cycle": cycle_plot(cycles),
-        "sets-margin": sets_plot(sets, "percent", "smallest margin (%)"),
-        "sets-price": sets_plot(sets, "price", "price (EUR)"),
+        "profile": motion_plot(result.spec),
+        "cycle": cycle_plot(content.cycles),
+        "sets-margin": sets_plot(drives, "percent", "smallest margin (%)"),
+        "sets-price": sets_plot(drives, "price", "price (EUR)"),
         "front": front_plot(result) if result.front else None,
     }
     fields = panels(result.problem, best, result.requirements)[:MOST_PANELS] if best else []
-    times = [cycle.time for _, cycle in cycles]
+    times = [cycle.time for _, cycle in content.cycles]
     for n, panel in enumerate(fields, 1):
         made[f"field-{n}"] = field_plot(panel, times) | {"title": _conditions(panel) if len(fields) > 1 else ""}
     budget = best.energy if best else None
@@ -185,5 +171,4 @@ def _figures(result: SizingResult, validation: Validation | None, content: dict[
 
 def _conditions(panel: Panel) -> str:
     lines = panel.cases[0][-1]
-    given = show(lines.voltage, "V", "voltage"), show(lines.ambient, "degC", "temperature")
-    return f"{given[0]} usable, ambient {given[1]}"
+    return f"{show(lines.voltage, 'V', 'voltage')} usable, ambient {show(lines.ambient, 'degC', 'temperature')}"

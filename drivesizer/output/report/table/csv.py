@@ -17,32 +17,17 @@ from numpy.typing import NDArray
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.cells import csv_cell
-from drivesizer.output.parts import PartLine, parts_list, totals
+from drivesizer.output.parts import PartLine
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.sections import SECTIONS
+from drivesizer.output.report.sections.section import rows_of
 from drivesizer.output.report.table.reliability_rows import (
     QUANTILES,
     chance_columns,
     chances,
     every_list,
-    less_sure_row,
-    reliability_rows,
-    sampling_rows,
 )
-from drivesizer.output.report.table.rows import (
-    COLUMNS,
-    Row,
-    battery_rows,
-    change_row,
-    check_row,
-    closed_loop_rows,
-    count_rows,
-    figure_row,
-    front_rows,
-    machine_rows,
-    part_rows,
-    requirement_row,
-    set_rows,
-    total_rows,
-)
+from drivesizer.output.report.table.rows import COLUMNS, Row
 from drivesizer.output.sums import price_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult, worst
@@ -55,15 +40,10 @@ def render(result: SizingResult, validation: Validation | None, path: Path) -> d
     """The files of a CSV report: the table, and beside it the parts list and the time series when there are such."""
     files = {path: report_csv(result, validation)}
     if result.sets:
-        files[path.with_name(f"{path.stem}-parts{path.suffix}")] = parts_csv(_bought(result))
+        files[path.with_name(f"{path.stem}-parts{path.suffix}")] = parts_csv(Content(result).bought)
     if validation is not None:
         files[path.with_name(f"{path.stem}-timeseries{path.suffix}")] = timeseries_csv(validation)
     return files
-
-
-def _bought(result: SizingResult) -> list[PartLine]:
-    """The parts list of the best set; a set that falls is not bought."""
-    return parts_list(result.sets[0], result.catalog, result.spec.load.motors) if result.sets else []
 
 
 def report_csv(result: SizingResult, validation: Validation | None) -> bytes:
@@ -71,35 +51,21 @@ def report_csv(result: SizingResult, validation: Validation | None) -> bytes:
 
     One figure in a row.
     """
-    rows = (row for part in _sections(result, validation) for row in part)
     columns = COLUMNS if result.uncertainty is None else (*COLUMNS, *QUANTILES)
-    return _encoded(columns, ([row.get(column, "") for column in columns] for row in rows))
+    return _encoded(columns, ([row.get(column, "") for column in columns] for row in _rows(result, validation)))
 
 
-def _sections(result: SizingResult, validation: Validation | None) -> Iterator[Iterable[Row]]:
-    yield (requirement_row(r) for r in result.requirements)
-    yield count_rows(result)
-    yield sampling_rows(result)
-    for where, drive_set in every_list(result, front=False):
-        rank = {"set_rank": drive_set.rank}
-        if where == "unsure":
-            yield [less_sure_row(result) | rank]
-        yield ({**row, **rank} for row in set_rows(drive_set, result.objective))
-        yield ({**row, **rank} for row in reliability_rows(drive_set))
-        yield ({**requirement_row(r), **rank} for r in drive_set.requirements)
-        yield ({**figure_row("figure", f), **rank} for f in drive_set.figures)
-        yield ({**check_row("check", c), **rank} for c in drive_set.every_check)
-        yield ({**row, **rank} for row in machine_rows(drive_set))
-        yield ({**row, **rank} for row in battery_rows(drive_set))
-        yield ({**change_row(r), **rank} for r in drive_set.changes)
-    yield (change_row(r) for r in result.relaxations)
-    for drive_set in result.front:
-        yield ({**row, "set_rank": drive_set.rank} for row in front_rows(drive_set, result.pareto))
-    bought = _bought(result)
-    yield ({**row, "set_rank": 1} for line in bought for row in part_rows(line))
-    yield ({**row, "set_rank": 1} for row in total_rows(totals(bought)))
-    if validation is not None:
-        yield closed_loop_rows(validation)
+def _rows(result: SizingResult, validation: Validation | None) -> Iterator[Row]:
+    """Rows of every section: before the drives, of each drive with its rank, and after them."""
+    content = Content(result, validation)
+    found = [rows_of(section, content) for section in SECTIONS]
+    for one in found:
+        yield from one.before(content)
+    for where, drive in every_list(result, front=False):
+        for one in found:
+            yield from (row | {"set_rank": drive.rank} for row in one.of_drive(content, where, drive))
+    for one in found:
+        yield from one.after(content)
 
 
 _PARTS = (  # head, attribute of a line

@@ -1,25 +1,38 @@
-"""XLSX: the report as a workbook, a sheet for each subject."""
+"""XLSX: the report as a workbook, sheets of every section.
+
+May import: ``sections``.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.parts import parts_list
-from drivesizer.output.report.workbook import tables as tables
-from drivesizer.output.report.workbook import words as words
-from drivesizer.output.report.workbook.reliability import of_tolerances
-from drivesizer.output.report.workbook.sheet import Sheet
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.sections import SECTIONS
+from drivesizer.output.report.sections.appendix import about
+from drivesizer.output.report.sections.section import sheets_of
+from drivesizer.output.report.sections.sheet import Sheet
 from drivesizer.output.report.workbook.writer import written
 from drivesizer.results.sizing import SizingResult
 
-__all__ = ["MOST_SAMPLES", "render", "sheets"]
-
-MOST_SAMPLES = 50_000  # of the time series: what a spreadsheet opens at once; the CSV report has all
+__all__ = ["render", "sheets"]
 
 
 def render(result: SizingResult, validation: Validation | None, path: Path) -> dict[Path, bytes]:
-    """The file of an XLSX report."""
+    """The file of an XLSX report.
+
+    Parameters
+    ----------
+    result, validation
+        The sizing, and the closed loop where it was simulated.
+    path
+        Where to.
+
+    Returns
+    -------
+    dict[Path, bytes]
+    """
     return {path: written(sheets(result, validation))}
 
 
@@ -29,16 +42,14 @@ def sheets(result: SizingResult, validation: Validation | None) -> list[Sheet]:
     Parameters
     ----------
     result
-        What the sizing found; without a set, the parts list is empty, and the surest set or the nearest miss is told.
+        The sizing; without a drive that passes the parts list is empty, and the closest rejected drive is reported.
     validation
         The closed loop, where it was simulated.
+
+    Returns
+    -------
+    list[Sheet]
     """
-    bought = parts_list(result.sets[0], result.catalog, result.spec.load.motors) if result.sets else []
-    found = [
-        words.summary(result, validation, bought), tables.requirements(result), tables.candidates(result),
-        tables.checks(result), *of_tolerances(result), words.chosen_set(result), tables.machine(result),
-        tables.battery(result),
-        tables.parts(bought), tables.closed_loop(validation), tables.time_series(validation, MOST_SAMPLES),
-        words.spec(result),
-    ]  # fmt: skip
-    return [*found, words.about(result, [f"{sheet.name}: {sheet.note}" for sheet in found if sheet.note])]
+    content = Content(result, validation)
+    found = [sheet for section in SECTIONS for sheet in sheets_of(section, content)]
+    return [*found, about(content, found)]

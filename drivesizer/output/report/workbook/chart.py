@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from drivesizer.output.report.figures.style import COLOURS
-from drivesizer.output.report.workbook.sheet import Column, Sheet
+from drivesizer.output.report.sections.sheet import Column, Sheet
 
 __all__ = ["draw"]
 

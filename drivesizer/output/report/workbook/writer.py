@@ -14,9 +14,9 @@ from typing import Any
 
 from drivesizer.output.cells import visible
 from drivesizer.output.probability import likely
+from drivesizer.output.report.sections.sheet import Cell, Column, Sheet
 from drivesizer.output.report.table.rows import Row
 from drivesizer.output.report.workbook.chart import draw
-from drivesizer.output.report.workbook.sheet import Column, Sheet, Told
 from drivesizer.units import label
 
 __all__ = ["MOST_ROWS", "share", "shown", "written"]
@@ -55,13 +55,13 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "head": {**_HEAD, "align": "left", "indent": 1},
     "right head": {**_HEAD, "align": "right"},
     "part": {"bold": True, "indent": 1, "font_color": _ACCENT, "bottom": 1, "bottom_color": _ACCENT},
-    "said": {"italic": True, "indent": 1, "font_color": _SOFT, "valign": "vcenter"},
+    "note": {"italic": True, "indent": 1, "font_color": _SOFT, "valign": "vcenter"},
     "text": {"text_wrap": True, **_LEFT},
     "line": _LEFT,
     "code": {"font_name": "Consolas", "font_size": 10},
     "unit": {"font_color": _SOFT, **_LEFT},
     "number": {"valign": "top"},
-    "unsure": {"font_color": _ALARM, "italic": True, **_LEFT},
+    "unquoted": {"font_color": _ALARM, "italic": True, **_LEFT},
     "pass": {"bg_color": "#DDF0E6", "font_color": "#00613F", **_MIDDLE},
     "fail": {"bg_color": _ALARM, "font_color": "white", "bold": True, **_MIDDLE},
     "unknown": {"bg_color": "#EBEBEB", "font_color": "#404040", "italic": True, **_MIDDLE},
@@ -107,7 +107,7 @@ def _write(page: Any, sheet: Sheet, rows: Sequence[Row], pen: _Pen) -> None:
         page.write_string(0, place, visible(column.head), pen("right head" if _counts(column, rows) else "head"))
         page.set_column(place, place, width + 2.5)
     if note:
-        page.write_string(0, len(sheet.columns), visible(note), pen("said"))
+        page.write_string(0, len(sheet.columns), visible(note), pen("note"))
     for number, row in enumerate(rows, 1):
         lines = _write_row(page, number, sheet.columns, widths, row, pen)
         if lines > 1:
@@ -122,12 +122,12 @@ _ONE_LINE = ("code", "line")
 
 def _write_row(page: Any, number: int, columns: Sequence[Column], widths: Sequence[float], row: Row, pen: _Pen) -> int:
     """One row; how many lines of text it takes."""
-    if set(row) <= {"part", "told"}:
+    if set(row) <= {"part", "across"}:
         return _write_across(page, number, widths, row, pen)
     lines = 1
     for place, column in enumerate(columns):
         value = row.get(column.key)
-        form, value = (value.form, value.value) if isinstance(value, Told) else (column.form, value)
+        form, value = (value.form, value.value) if isinstance(value, Cell) else (column.form, value)
         _write_cell(page, number, place, value, form, pen)
         if isinstance(value, str) and form not in _ONE_LINE:
             lines = max(lines, _lines(value, widths[place]))
@@ -142,7 +142,7 @@ def _write_across(page: Any, number: int, widths: Sequence[float], row: Row, pen
     return min(_lines(text, sum(widths)), _MOST_LINES)
 
 
-_ACROSS = {"part": "part", "told": "text"}
+_ACROSS = {"part": "part", "across": "text"}
 _MOST_LINES = 25  # a row may be 409 points high
 
 
@@ -173,15 +173,15 @@ def _endless(value: float) -> str:
 def _look(text: str, form: str) -> str:
     if form == "status" and text in ("pass", "fail", "unknown"):
         return text
-    if form == "sure" and text not in ("quoted", "computed"):
-        return "unsure"
+    if form == "confidence" and text not in ("quoted", "computed"):
+        return "unquoted"
     return form if form in ("code", "line", "unit") else "text"
 
 
 def _counts(column: Column, rows: Sequence[Row]) -> bool:
     """Whether a column holds a number at all: its head stands to the right then, as numbers do."""
     values = (row.get(column.key) for row in rows)
-    return any(isinstance(value, float | int | Told) for value in values)
+    return any(isinstance(value, float | int | Cell) for value in values)
 
 
 def _width(column: Column, rows: Sequence[Row]) -> int:

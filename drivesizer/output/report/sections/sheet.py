@@ -1,4 +1,4 @@
-"""A sheet of a workbook as plain data: columns, rows, and what is said of them."""
+"""A sheet of a workbook as plain data: columns, rows, and a note."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from drivesizer.output.report.table.rows import Row
 from drivesizer.units import label
 
-__all__ = ["Column", "Sheet", "Told", "headed"]
+__all__ = ["Cell", "Column", "Sheet", "headed"]
 
 
 class Column(NamedTuple):
@@ -16,11 +16,11 @@ class Column(NamedTuple):
 
     head: str
     key: str
-    form: str = ""  # of ``workbook``; empty: a number with as many decimals as it has at four digits
+    form: str = ""  # of ``workbook.writer``; empty: a number with as many decimals as it has at four digits
     widest: int = 44  # letters; what is longer wraps
 
 
-class Told(NamedTuple):
+class Cell(NamedTuple):
     """A cell in another form than its column's."""
 
     value: Any
@@ -31,7 +31,7 @@ class Told(NamedTuple):
 class Sheet:
     """A sheet: a head, and rows by the keys of its columns.
 
-    A row of the key ``part`` alone heads those below it, one of ``told`` alone is a text over all columns.
+    A row of the key ``part`` alone heads those below it, one of ``across`` alone is a text over all columns.
     """
 
     name: str
@@ -44,8 +44,20 @@ class Sheet:
 
 
 def headed(title: str, unit: str) -> str:
-    """A head with its unit.
+    """The head of a column with its unit.
 
+    Parameters
+    ----------
+    title, unit
+        What the column holds, and the unit as a spec spells it.
+
+    Returns
+    -------
+    str
+        Both; the title alone of a pure number.
+
+    Examples
+    --------
     >>> headed("Energy per cycle", "J"), headed("Teeth", "1")
     ('Energy per cycle (J)', 'Teeth')
     """

@@ -1,0 +1,45 @@
+"""The sections of a report as plain data for the templates of PDF and HTML.
+
+Its texts are printed as strings, so that no text of a spec or a catalogue is ever read as markup.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.lines.machine import machine_words
+from drivesizer.output.report.sections import SECTIONS
+from drivesizer.output.report.sections.blocks import as_data
+from drivesizer.output.text import cleaned, short
+from drivesizer.version import __version__
+
+__all__ = ["document"]
+
+
+def document(content: Content, date: str | None = None) -> dict[str, Any]:
+    """Everything that a report prints but its figures.
+
+    Parameters
+    ----------
+    content
+        What the report is about.
+    date
+        Printed where it is given.
+
+    Returns
+    -------
+    dict
+        Lists, dicts and texts; ``sections`` in their order, those without blocks left out.
+    """
+    result = content.result
+    printed = [(section, [*section.blocks(content)]) for section in SECTIONS]
+    sections = [
+        {"name": section.name, "title": section.headed(content), "level": section.level, "new_page": section.new_page,
+         "appendix": section.appendix, "blocks": as_data(blocks)} for section, blocks in printed if blocks
+    ]  # fmt: skip
+    made: dict[str, Any] = cleaned({
+        "name": result.spec.name, "header": short(result.spec.name), "machine": machine_words(result.spec),
+        "version": __version__, "date": short(date or "", 40), "found": bool(result.sets), "sections": sections,
+    })  # fmt: skip
+    return made

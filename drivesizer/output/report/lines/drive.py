@@ -1,0 +1,97 @@
+"""A drive, its checks and its figures as rows of text."""
+
+from __future__ import annotations
+
+import re
+from math import isnan
+from typing import Any
+
+from drivesizer.catalog import Catalog
+from drivesizer.output.json.loops import number
+from drivesizer.output.parts import parts
+from drivesizer.output.sums import not_in_mass, price_of, unknown_of
+from drivesizer.output.text import margin, use
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import Check, Figure
+from drivesizer.spec.robot import AS_SPECIFIED
+from drivesizer.units import from_si, show
+
+__all__ = ["case_of", "check_row", "drive_row", "figure_row", "tightest_checks"]
+
+
+def drive_row(best: DriveSet, catalog: Catalog) -> dict[str, Any]:
+    """The summary of a drive.
+
+    Parameters
+    ----------
+    best
+        The drive.
+    catalog
+        The catalogue of its parts.
+
+    Returns
+    -------
+    dict
+        Texts: ``label``, ``parts``, ``total_ratio``, ``mass`` and ``price`` with the parts that they cover and lack,
+        and ``tight``, the smallest margin.
+    """
+    price, price_over = price_of(best)
+    return {
+        "label": best.label,
+        "parts": parts(best, catalog),
+        "total_ratio": f"{best.total_ratio:.4g}",
+        "mass": show(best.mass, "g", "mass"),
+        "mass_of": " + ".join(best.mass_of),
+        "mass_lacks": ", ".join(not_in_mass(best)),
+        "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
+        "price_of": " + ".join(price_over),
+        "price_lacks": ", ".join(f"{name} not known" for name in unknown_of(best, price_over)),
+        "tight": _tight(next(iter(tightest_checks(best)), None)),
+    }
+
+
+def _tight(check: Check | None) -> dict[str, str]:
+    """The one margin of the summary; a condition that fails has none."""
+    if check is None:
+        return {"margin": "unknown", "title": ""}
+    if isnan(check.margin):
+        return {"margin": "none", "title": f"{check.title}: not met"}
+    return {"margin": margin(check.margin), "title": check.title}
+
+
+def tightest_checks(drive: DriveSet) -> list[Check]:
+    """Five checks: conditions that fail, then the smallest margins; those kept small by selection are left out."""
+    failed = [c for c in drive.deciding if c.status == "fail" and isnan(c.margin)]
+    return [*failed, *sorted((c for c in drive.deciding if c.is_comparable), key=lambda c: c.margin)][:5]
+
+
+def check_row(c: Check) -> dict[str, Any]:
+    """A check: texts of its demand, limit and margin, the share of the limit that it uses, and the exact numbers."""
+    bare = isnan(c.demand) and isnan(c.limit)  # a condition without figures
+    return {
+        "title": c.title,
+        "case": "" if bare or c.case == AS_SPECIFIED else case_of(c),
+        "demand": "" if bare else c.shown(c.demand),
+        "limit": "" if bare else c.shown(c.limit),
+        "margin": margin(c.margin),
+        "needed": margin(c.needed) if c.needed and not isnan(c.margin) else "",
+        "use": use(c.margin),
+        "allowed": use(c.needed),
+        "status": c.status,
+        "at": "" if c.at_time is None else f"{c.at_time:.4g} s",
+        "note": c.note
+        or ("selected to be so: not a measure of the load" if c.by_choice and c.status == "pass" else ""),
+        "exact": {"name": c.name, "unit": c.unit, "margin": number(c.margin)}
+        | {name: number(from_si(x, c.unit, c.kind)) for name, x in (("demand", c.demand), ("limit", c.limit))},
+    }
+
+
+def case_of(c: Check) -> str:
+    """The load case in which a check is worst; a wheel and a passage are named without "case"."""
+    alone = not c.case or c.name.startswith("passage_") or re.match(r"wheels? \d", c.case)
+    return c.case if alone else f"case {c.case}"
+
+
+def figure_row(f: Figure) -> dict[str, str]:
+    """A figure that has no limit."""
+    return {"title": f.title, "text": f.text, "at": "" if f.at_time is None else f"{f.at_time:.4g} s"}

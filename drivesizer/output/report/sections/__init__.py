@@ -1,0 +1,46 @@
+"""The sections of a report in their order: the one list that PDF, HTML, XLSX and CSV print.
+
+A new section is a function from the content to blocks, a ``Section`` made of it, and its place below.
+May import: what output may; no kind of report but the rows in ``table``.
+"""
+
+from __future__ import annotations
+
+from drivesizer.output.report.sections.appendix import REPEAT, SPEC_FILE
+from drivesizer.output.report.sections.assumptions import ASSUMPTIONS
+from drivesizer.output.report.sections.candidates import CANDIDATES
+from drivesizer.output.report.sections.changes import CHANGES
+from drivesizer.output.report.sections.checks import CHECKS, DRIVE
+from drivesizer.output.report.sections.cycle import CYCLE, ENERGY, HEAT
+from drivesizer.output.report.sections.derivation import DERIVATION
+from drivesizer.output.report.sections.loop import LINEAR_LOOPS, LOOP
+from drivesizer.output.report.sections.machine import BATTERY, MACHINE
+from drivesizer.output.report.sections.parts import DATA_SHEETS, PARTS
+from drivesizer.output.report.sections.reliability import RELIABILITY
+from drivesizer.output.report.sections.specification import SPECIFICATION
+from drivesizer.output.report.sections.summary import SUMMARY
+
+__all__ = ["SECTIONS"]
+
+SECTIONS = (
+    SUMMARY,
+    SPECIFICATION,
+    DERIVATION,
+    CANDIDATES,
+    RELIABILITY,
+    DRIVE,
+    CHECKS,
+    CYCLE,
+    HEAT,
+    ENERGY,
+    PARTS,
+    DATA_SHEETS,
+    MACHINE,
+    BATTERY,
+    CHANGES,
+    LOOP,
+    LINEAR_LOOPS,
+    ASSUMPTIONS,
+    REPEAT,
+    SPEC_FILE,
+)

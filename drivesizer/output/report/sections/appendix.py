@@ -1,0 +1,93 @@
+"""The appendix: what made the report out of what, and the spec file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.sections.blocks import Block, Code, Column, Fragment, Row, Table
+from drivesizer.output.report.sections.section import NO_ROWS, Section, nothing
+from drivesizer.output.report.sections.sheet import Column as SheetColumn
+from drivesizer.output.report.sections.sheet import Sheet
+from drivesizer.output.report.sections.specification import file_name
+from drivesizer.output.report.sections.summary import texts
+from drivesizer.version import __version__
+
+__all__ = ["REPEAT", "SPEC_FILE", "about"]
+
+_FEW = 4  # catalogues in the table
+
+
+def _repeat(content: Content) -> Iterator[Block]:
+    digests = [*content.result.catalog.digests.items()]
+    rows = [Row(("drivesizer", __version__)), Row(("method", content.result.method)),
+            Row(("objective", content.result.objective.replace("_", " ")))]  # fmt: skip
+    few = digests if len(digests) <= _FEW else []
+    rows += [Row((f"catalogue {name}, digest", (Code(digest),))) for name, digest in few]
+    yield Table("", (Column("", "name"), Column("", width=1.0)), rows, look="figures")
+    if len(digests) > _FEW:
+        yield Fragment("digests", [list(one) for one in digests])
+
+
+REPEAT = Section(
+    name="repeat", title="How to repeat this", blocks=_repeat, appendix=True, sheets=nothing, csv=NO_ROWS
+)  # fmt: skip
+
+
+def _file(content: Content) -> Iterator[Block]:
+    lines = content.result.spec.text.splitlines()
+    if lines:
+        yield Fragment("file", lines)
+
+
+def _sheet(content: Content) -> list[Sheet]:
+    """The spec file line by line, comments included; without a file the fields as they were entered."""
+    import yaml
+
+    spec = content.result.spec
+    text = spec.text or yaml.safe_dump(spec.entered, allow_unicode=True, sort_keys=False)
+    rows = [{"line": number, "text": line} for number, line in enumerate(text.splitlines(), 1)]
+    columns = (SheetColumn("line", "line", "count"), SheetColumn(file_name(content) or "spec", "text", "code", 110))
+    return [Sheet(name="Spec", columns=columns, rows=rows, filtered=False)]
+
+
+SPEC_FILE = Section(
+    name="file", title="The spec file", blocks=_file, appendix=True, sheets=_sheet, csv=NO_ROWS
+)  # fmt: skip
+
+
+_MEANING = (
+    ("pass, fail, unknown", "a check with an unknown figure is unknown: it neither passes nor fails"),
+    ("empty cell", "the figure is unknown; never zero"),
+    ("numbers", "with all their digits, shown with four; the unit is beside or in the head"),
+    ("SI value", "the same figure in the unit of the SI"),
+    ("margin", "limit over demand less 1; of a required minimum what there is over what is required less 1"),
+    ("quoted", "from the maker's own document"),
+    ("secondary", "copied by others"),
+    ("derived", "computed or inferred"),
+    ("recalled", "from memory: to be checked before anything is built"),
+)
+
+
+def about(content: Content, sheets: Sequence[Sheet]) -> Sheet:
+    """The last sheet of a workbook: versions, digests, the meaning of its words, and notes on the other sheets.
+
+    Parameters
+    ----------
+    content
+        What the report is about.
+    sheets
+        The others.
+
+    Returns
+    -------
+    Sheet
+    """
+    result = content.result
+    rows = [{"title": "drivesizer", "note": __version__}]
+    rows += [{"title": f"catalogue {name}, digest", "note": digest} for name, digest in result.catalog.digests.items()]
+    rows += [{"title": "method", "note": result.method}, {"title": "objective", "note": result.objective}]
+    rows += [{"part": "Words"}, *({"title": word, "note": meaning} for word, meaning in _MEANING)]
+    rows += texts("Sheets", [f"{sheet.name}: {sheet.note}" for sheet in sheets if sheet.note])
+    columns = (SheetColumn("About this file", "title"), SheetColumn("meaning", "note", "", 110))
+    return Sheet(name="About", columns=columns, rows=rows, filtered=False)

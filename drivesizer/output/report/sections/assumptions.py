@@ -1,0 +1,40 @@
+"""Assumptions and warnings, and the figures that are unknown or not from a document."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.lines.figures_behind_checks import marked_figures, unknown_figures
+from drivesizer.output.report.sections.blocks import Block, Bullets, Column, Mark, Row, Strong, Table, Words
+from drivesizer.output.report.sections.section import NO_ROWS, Section, nothing
+
+__all__ = ["ASSUMPTIONS"]
+
+
+def _blocks(content: Content) -> Iterator[Block]:
+    result, best = content.result, content.drive
+    if result.assumptions:
+        yield Bullets("Assumptions of the sizing:", list(result.assumptions))
+    if result.warnings:
+        yield Bullets((Strong("Warnings:"),), list(result.warnings), "alarm")
+    if best is None:
+        return
+    unknown = [Row((title, lacks)) for title, lacks in unknown_figures(best)]
+    yield Table(f"Unknown checks{', and the figures that they lack' if unknown else ': none'}",
+                (Column("check", "name"), Column("not known", width=1.0)), unknown, "unknown")  # fmt: skip
+    marked = [
+        Row((name, value, (Mark(mark),), checks)) for name, value, mark, checks in marked_figures(best, result.catalog)
+    ]
+    if not marked:
+        yield Words("No check rests on a figure that is derived or recalled.")
+        return
+    columns = (Column("figure", "name"), Column("value", "number"), Column("is", "mark"),
+               Column("checks that rest on it", "small", 1.0, merged=True))  # fmt: skip
+    yield Table("Figures that a check rests on and that are not from a document: to be confirmed before anything is "
+                "built", columns, marked, "marked")  # fmt: skip
+
+
+ASSUMPTIONS = Section(
+    name="assumptions", title="Assumptions and unknowns", blocks=_blocks, sheets=nothing, csv=NO_ROWS
+)  # fmt: skip

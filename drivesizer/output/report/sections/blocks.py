@@ -1,0 +1,265 @@
+"""What a section of a report is made of: paragraphs, lists, tables, checks, figures and equations, as plain records.
+
+A text is a string, or a tuple of strings and of the marks below it. PDF and HTML have one renderer for each kind of
+block (``typst/blocks.typ``, ``html/blocks.html``), by the name of its class in lower case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+from drivesizer.units import KINDS, from_si, show
+
+__all__ = [
+    "Block", "Bullets", "Checks", "Code", "Column", "Equation", "Facts", "Fragment", "Heading", "Mark", "Math",
+    "Number", "Pair", "Picture", "Row", "Status", "Strong", "Table", "TableLink", "Text", "Tiles", "Verdict", "Words",
+    "as_data", "quantity", "text_of",
+]  # fmt: skip
+
+
+# -- marks in a text
+
+
+@dataclass(frozen=True, slots=True)
+class Strong:
+    """Bold letters."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Code:
+    """Letters of one width, such as a file name."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """``pass``, ``fail`` or ``unknown`` in its colour."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """The confidence of a figure that is not quoted, such as ``derived``; nothing where it is empty."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Math:
+    """Typst mathematics, of our own declarations and of numbers only."""
+
+    symbol: str
+
+
+@dataclass(frozen=True, slots=True)
+class TableLink:
+    """A reference to the table of that name."""
+
+    name: str
+
+
+Inline = Strong | Code | Status | Mark | Math | TableLink
+Text = str | tuple[str | Inline, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A cell with a number: as it is printed, and as other programs read it."""
+
+    text: str
+    value: float | None  # None: unknown
+    unit: str = "1"
+    si_value: float | None = None
+    si_unit: str = "1"
+
+
+def quantity(value: float, unit: str, kind: str) -> Number:
+    """A cell with a physical quantity.
+
+    Parameters
+    ----------
+    value
+        In SI; NaN is unknown.
+    unit
+        The unit in which it is printed.
+    kind
+        The kind of quantity, such as ``torque``.
+
+    Returns
+    -------
+    Number
+        With its text, its value in ``unit`` and in SI.
+
+    Examples
+    --------
+    >>> quantity(0.25, "mN*m", "torque").text
+    '250.0 mN·m'
+    """
+    known = value == value
+    return Number(
+        text=show(value, unit, kind), value=float(from_si(value, unit, kind)) if known else None, unit=unit,
+        si_value=value if known else None, si_unit=KINDS[kind].si,
+    )  # fmt: skip
+
+
+# -- blocks
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """A paragraph."""
+
+    text: Text
+    look: str = ""  # "note": small and grey; "alarm": in the colour of what fails
+
+
+@dataclass(frozen=True, slots=True)
+class Bullets:
+    """A sentence, and below it a list."""
+
+    intro: Text
+    items: Sequence[str]
+    look: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """A heading inside a section, one level below its title."""
+
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of a table: its head, the form of its cells, and its width as a share; 0 is as wide as needed."""
+
+    head: str
+    form: str = "text"  # text, name, number, strong, small, status, mark, code, math or share
+    width: float = 0.0
+    merged: bool = False  # equal cells below one another are one, on paper
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A row of a table: its cells, and what programs that read the page find at it."""
+
+    cells: Sequence[Any]  # Text or Number
+    data: dict[str, str] | None = None
+    status: str = ""
+    total: bool = False  # a sum, in bold letters
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table with its caption."""
+
+    caption: Text
+    columns: Sequence[Column]
+    rows: Sequence[Row]
+    name: str = ""
+    look: str = "wide"  # class on the page
+    dense: bool = False  # smaller letters on paper
+    sortable: bool = False  # on the page, by a click on a head
+    halves: bool = False  # two columns of rows beside each other on paper
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """Names and figures without a limit, each with the moment at which it is reached."""
+
+    caption: Text
+    rows: Sequence[dict[str, Any]]  # title, text, at
+    name: str = ""
+    halves: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Checks:
+    """Checks with their limits, margins and bars."""
+
+    caption: Text
+    rows: Sequence[dict[str, Any]]  # of ``rows.check_row``
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A figure; left out by a report that has none of that name."""
+
+    name: str
+    caption: Text
+    alt: str
+    about: str = ""  # a sentence that points at it, without its subject, where figures float
+    on_page: Text = ""  # the caption of a figure that can be moved and zoomed, where it differs
+    place: str = ""  # "bottom" of the page, on paper
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Blocks beside each other, where there is room."""
+
+    left: Sequence[Any]
+    right: Sequence[Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Equation:
+    """A step of the derivation: printed form, computed form, numbers put in."""
+
+    step: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """The outcome in a few paragraphs."""
+
+    found: bool
+    paragraphs: Sequence[Text]
+
+
+@dataclass(frozen=True, slots=True)
+class Tiles:
+    """A few figures in large letters: name, value, note."""
+
+    rows: Sequence[tuple[str, str, str]]
+
+
+@dataclass(frozen=True, slots=True)
+class Fragment:
+    """A piece that PDF and HTML each set in their own way: ``spec``, ``datasheets``, ``digests`` or ``file``."""
+
+    name: str
+    rows: Sequence[Any]
+
+
+Block = (
+    Words | Bullets | Heading | Table | Facts | Checks | Picture | Pair | Equation | Verdict | Tiles | Fragment
+)  # fmt: skip
+
+
+def as_data(value: Any) -> Any:
+    """Blocks as lists and dicts, each with its ``kind``, for the templates."""
+    if is_dataclass(value) and not isinstance(value, type):
+        kind = type(value).__name__.lower()
+        return {"kind": kind} | {field.name: as_data(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, dict):
+        return {key: as_data(entry) for key, entry in value.items()}
+    return [as_data(entry) for entry in value] if isinstance(value, list | tuple) else value
+
+
+def text_of(text: Text | Number) -> str:
+    """A text without its marks.
+
+    >>> text_of(("passes on ", Strong("all"), " checks"))
+    'passes on all checks'
+    """
+    if isinstance(text, Number):
+        return text.text
+    parts = (text,) if isinstance(text, str) else text
+    return "".join(part if isinstance(part, str) else getattr(part, "text", "") for part in parts)

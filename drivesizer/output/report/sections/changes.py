@@ -1,0 +1,48 @@
+"""What would have to change in the spec for a rejected drive to pass."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.sections.blocks import Block, Column, Row, Table
+from drivesizer.output.report.sections.section import CsvRows, Section, nothing
+from drivesizer.output.report.table.rows import change_row
+from drivesizer.results.drive_set import Relaxation
+
+__all__ = ["CHANGES", "changes_table"]
+
+
+def changes_table(caption: str, changes: Sequence[Relaxation]) -> Table:
+    """Fields of the spec as they are and as they would have to be.
+
+    Parameters
+    ----------
+    caption
+        Of the table.
+    changes
+        Each enough by itself.
+
+    Returns
+    -------
+    Table
+    """
+    columns = (
+        Column("field"),
+        Column("now", "number"),
+        Column("needed", "number"),
+        Column("drive that passes", width=1.0),
+    )
+    rows = [Row((r.field.replace("_", " ").replace(".", " › "), r.now, r.needed, r.set_label)) for r in changes]
+    return Table(caption, columns, rows)
+
+
+def _blocks(content: Content) -> Iterator[Block]:
+    if content.drive and content.drive.changes and not content.result.sets:
+        yield changes_table("Changes after which this drive passes, one figure at a time", content.drive.changes)
+
+
+CHANGES = Section(
+    name="changes", title="What would let it pass", level=2, blocks=_blocks, sheets=nothing,
+    csv=CsvRows(of_drive=lambda content, _, drive: map(change_row, drive.changes)),
+)  # fmt: skip

@@ -1,0 +1,80 @@
+"""The checks of the reported drive by both methods, and the figures without a limit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.lines.drive import check_row
+from drivesizer.output.report.sections.blocks import Block, Checks, Column, Row, Status, Table, Words
+from drivesizer.output.report.sections.section import NO_ROWS, CsvRows, Section, nothing
+from drivesizer.output.report.sections.sheet import Column as SheetColumn
+from drivesizer.output.report.sections.sheet import Sheet
+from drivesizer.output.report.sections.sheets import LIMITS, RANK, ranked
+from drivesizer.output.report.table import rows as table
+from drivesizer.results.drive_set import Comparison, DriveSet
+
+__all__ = ["CHECKS", "DRIVE"]
+
+
+_TITLES = {
+    "found": "The selected drive",
+    "unsure": "The most probable drive",
+    "missed": "The closest rejected drive",
+}
+
+
+def _intro(content: Content) -> Iterator[Block]:
+    if content.drive:
+        yield Words((f"{content.drive.label}: ", Status(content.drive.status)))
+
+
+DRIVE = Section(
+    name="drive", title=lambda content: _TITLES[content.outcome], blocks=_intro, sheets=nothing, csv=NO_ROWS
+)
+
+
+def _blocks(content: Content) -> Iterator[Block]:
+    best = content.drive
+    if best is None:
+        return
+    worst = "; each in its worst load case, the one as specified where none is named" if content.cases else ""
+    worst = "; each at its worst wheel" if content.wheel else worst
+    yield Checks(
+        f"All checks of {best.label}{worst}. The bar is the used share of the limit, the long tick 100 %, a "
+        "short one where the margin begins that the spec requires",
+        [*map(check_row, best.checks)],
+        "checks",
+    )
+    if best.beside:
+        physics = "The same drive by physics: the whole load cycle, no factors of the paper"
+        paper = "The same drive by the method of the paper"
+        yield Checks(physics if content.result.method == "paper" else paper, [*map(check_row, best.beside)], "beside")
+        columns = (Column("demand", "name"), Column("paper", "number"), Column("", "status"),
+                   Column("physics", "number"), Column("", "status"),
+                   Column("why they differ", "small", 1.0))  # fmt: skip
+        rows = [_compared(one) for one in best.comparison]
+        yield Table("Both methods where they check the same limit", columns, rows)
+
+
+def _compared(pair: Comparison) -> Row:
+    """A limit by both methods."""
+    cells = [(c.shown(c.demand), (Status(c.status),)) for c in (pair.paper, pair.physics)]
+    return Row((pair.paper.title, *cells[0], *cells[1], pair.why))
+
+
+def _sheet(content: Content) -> list[Sheet]:
+    """Every check of every drive, by both methods."""
+    columns = (RANK, SheetColumn("check", "title"), SheetColumn("method", "method"), SheetColumn("load case", "case"),
+               *LIMITS)  # fmt: skip
+    rows = ranked(content, lambda drive: (table.check_row("check", c) for c in drive.every_check))
+    return [Sheet(name="Checks", columns=columns, rows=list(rows), still=2)]
+
+
+def _of_drive(_: Content, __: str, drive: DriveSet) -> Iterator[table.Row]:
+    yield from map(table.requirement_row, drive.requirements)
+    yield from (table.figure_row("figure", f) for f in drive.figures)
+    yield from (table.check_row("check", c) for c in drive.every_check)
+
+
+CHECKS = Section(name="checks", title="Checks", level=2, blocks=_blocks, sheets=_sheet, csv=CsvRows(of_drive=_of_drive))

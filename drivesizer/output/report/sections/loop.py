@@ -1,0 +1,149 @@
+"""The closed loop: its checks, figures and gains, its loops by linear theory, and the time series."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from drivesizer.control.validation import Validation
+from drivesizer.output.loop_table import gain, gain_rows, linear
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
+from drivesizer.output.report.figures.time_windows import windows
+from drivesizer.output.report.lines.drive import check_row, figure_row
+from drivesizer.output.report.lines.machine import driven_over
+from drivesizer.output.report.sections.blocks import (
+    Block,
+    Bullets,
+    Checks,
+    Code,
+    Column,
+    Facts,
+    Pair,
+    Picture,
+    Row,
+    Status,
+    Strong,
+    Table,
+    Words,
+)
+from drivesizer.output.report.sections.section import NO_ROWS, CsvRows, Section, nothing
+from drivesizer.output.report.sections.sheet import Column as SheetColumn
+from drivesizer.output.report.sections.sheet import Sheet, headed
+from drivesizer.output.report.sections.sheets import LIMITS
+from drivesizer.output.report.table import rows as table
+from drivesizer.output.thinning import on_curves
+from drivesizer.units import from_si
+
+__all__ = ["LINEAR_LOOPS", "LOOP", "MOST_SAMPLES"]
+
+MOST_SAMPLES = 50_000  # of the time series: what a spreadsheet opens at once; the CSV report has all
+
+
+def _blocks(content: Content) -> Iterator[Block]:
+    v = content.validation
+    if v is None:
+        return
+    yield Words((f"{v.drive_set.label} over {driven_over(v)}: ", Status(v.status)))
+    if v.checks:
+        yield Checks("Checks of the closed loop", [*map(check_row, v.checks)], "loop-checks")
+    *first, last = [title for _, title in closed_loop_rows(v)]
+    shown = f"In closed loop: {', '.join(first)} and {last}." if first else f"In closed loop: {last}."
+    cut = " Stretches in which the reference does not change are left out." if len(windows(v.series)) > 1 else ""
+    yield Picture("loop", shown + cut, "closed loop over time", about="shows it over time.",
+                  on_page=f"{shown} All diagrams share the axis of time.")  # fmt: skip
+    gains = [Row((row.title, gain(row))) for row in gain_rows(v.gains)]
+    columns = Column("gain", "name", 1.0), Column("value", "number")
+    yield Pair([Facts("Figures of the closed loop", [*map(figure_row, v.figures)])],
+               [Table("Gains of the controller", columns, gains, look="figures"),
+                Words(f"Rule of the gains: {v.gains.rule}. Source: {v.gains.source}.", "note")])  # fmt: skip
+    if v.controller_gains:
+        columns3 = Column("object", "code"), Column("gain", "name", 1.0), Column("value", "number")
+        own = [Row(((Code(g.place),), g.name, f"{g.value} {g.unit}")) for g in v.controller_gains]
+        yield Table("The same gains as they are written into the controller", columns3, own)
+    if v.assumptions:
+        yield Bullets("Assumptions of the simulation:", list(v.assumptions))
+    if v.warnings:
+        yield Bullets("Warnings of the simulation:", list(v.warnings))
+
+
+def _sheets(content: Content) -> Iterator[Sheet]:
+    """Checks, figures, gains and linear loops of the closed loop; and its time series."""
+    v = content.validation
+    columns = (SheetColumn("of", "section"), SheetColumn("figure", "title"), SheetColumn("direction or case", "case"),
+               *LIMITS)  # fmt: skip
+    if v is None:
+        yield Sheet(
+            name="Closed loop", columns=columns, rows=[], note="no drive meets all limits: nothing was simulated"
+        )
+        yield Sheet(
+            name="Time series", columns=(SheetColumn("time (s)", "time"),), rows=[], note="nothing was simulated"
+        )
+        return
+    rows = list(table.closed_loop_rows(v))
+    yield Sheet(name="Closed loop", columns=columns, rows=rows, note=f"over {driven_over(v)}", still=2)
+    yield _time_series(v)
+
+
+def _time_series(v: Validation) -> Sheet:
+    """The closed loop over time; of a longer record samples evenly, with the peaks of every column."""
+    units = v.series_units
+    columns = {name: from_si(x, units[name][1], units[name][0]) for name, x in v.series.items()}
+    count = len(columns["time"])
+    kept = on_curves(tuple(columns.values()), MOST_SAMPLES)
+    note = f"{len(kept)} of {count} samples, evenly and with the peaks of every column" if len(kept) < count else ""
+    heads = tuple(SheetColumn(headed(name.replace("_", " "), units[name][1]), name, "sample") for name in columns)
+    rows = zip(*(values[kept].tolist() for values in columns.values()), strict=True)
+    return Sheet(name="Time series", columns=heads, note=note, still=1, filtered=False, drawn=_DRAWN,
+                 rows=[dict(zip(columns, row, strict=True)) for row in rows])  # fmt: skip
+
+
+_DRAWN = ("speed_reference", "speed", "current")
+
+
+def _csv(content: Content) -> Iterator[table.Row]:
+    if content.validation:
+        yield from table.closed_loop_rows(content.validation)
+
+
+LOOP = Section(name="loop", title="Closed loop", blocks=_blocks, sheets=_sheets, csv=CsvRows(after=_csv))
+
+
+# -- linear theory
+
+
+def _linear(content: Content) -> Iterator[Block]:
+    loops = content.validation.loops if content.validation else ()
+    if not loops:
+        return
+    found = linear(loops)
+    directed, unstable = found["directed"], found["unstable"]
+    of_power = (", power flowing in the direction that is nearer to instability; margins and bandwidth are the least "
+                "of both directions") if directed else ""  # fmt: skip
+    yield Words(f"Sampled loops without their limits{of_power}. A loop is stable while all its poles lie inside 1.")
+    rows = []
+    for row in found["rows"]:
+        name = row["name"] if row["stable"] else (f"{row['name']} ", Strong("unstable"))
+        rows.append(Row((name, *row["cells"])))
+    columns = Column("loop", "name", 1.0), *(Column(head, "number") for head in found["heads"])
+    yield Table("The loops, from the inside out; gain margin as a factor", columns, rows, "loops", "loops", dense=True)
+    other = (
+        "Where the other direction of power has the lesser bandwidth or margin, the mark of the bandwidth is beside "
+    )
+    other += "the curve"
+    line = other + " and the line is longer than the margin that is given." if directed else ""
+    none = " An unstable loop has no margins." if unstable else ""
+    ends = "and the bandwidth, 3 dB below rest. Each curve ends at the Nyquist frequency of its loop. "
+    yield Picture(
+        "bode", "Frequency response. Marked are the crossover, the phase margin there (a thick line from the phase to "
+        f"−180°) {ends}{line}{none}", "Bode diagram of the loops", about="is the frequency response.",
+        on_page="Frequency response. Marked are the crossover, with the phase margin to −180°, "
+        f"{ends}{other + '.' if directed else ''}{none}")  # fmt: skip
+    band = "The grey band is 2 % to either side of the end, the dashed line the settling time."
+    yield Picture("step", f"Response of each loop to a step of its reference. {band}", "step responses of the loops",
+                  about="is the response to a step.",
+                  on_page=f"Response of each stable loop to a step of its reference. {band}")  # fmt: skip
+
+
+LINEAR_LOOPS = Section(
+    name="linear", title="The loops by linear theory", level=2, blocks=_linear, sheets=nothing, csv=NO_ROWS
+)

@@ -1,0 +1,137 @@
+"""The machine with the drive: its budgets, its masses and figures, and its battery."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import isnan
+
+from drivesizer.output.energy_table import consumer_rows
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.lines.drive import check_row, figure_row
+from drivesizer.output.report.sections.blocks import (
+    Block,
+    Bullets,
+    Checks,
+    Column,
+    Facts,
+    Number,
+    Pair,
+    Picture,
+    Row,
+    Table,
+    Words,
+    quantity,
+)
+from drivesizer.output.report.sections.section import CsvRows, Section
+from drivesizer.output.report.sections.sheet import Column as SheetColumn
+from drivesizer.output.report.sections.sheet import Sheet
+from drivesizer.output.report.sections.sheets import RANK, STATUS, VALUES, ranked
+from drivesizer.output.report.table.rows import battery_rows, machine_rows
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.energy import EnergyBudget
+
+__all__ = ["BATTERY", "MACHINE", "unknown_consumers", "unknown_masses"]
+
+_OF_MASSES = ("mass_known", "mass_left")  # figures that belong below the masses that they sum
+
+
+def _blocks(content: Content) -> Iterator[Block]:
+    best = content.drive
+    if best is None or not best.budget:
+        return
+    cases = "; each in its worst load case" if content.cases else ""
+    yield Checks(f"The machine's budgets, which more than the choice of the motor decides{cases}",
+                 [*map(check_row, best.budget)], "budget")  # fmt: skip
+    others = [figure_row(f) for f in best.machine if f.name not in _OF_MASSES]
+    figures = [Facts("Figures of the machine without a limit", others)] if others else []
+    if best.masses:
+        yield Pair([*_masses(best)], figures)
+    else:
+        yield from figures
+
+
+def _masses(best: DriveSet) -> Iterator[Block]:
+    rows = [Row((one.name, f"{one.number} ×" if one.number > 1 else "",
+                 quantity(one.each, "kg", "mass") if one.number > 1 else "", quantity(one.total, "kg", "mass")))
+            for one in best.masses]  # fmt: skip
+    sums = [Row((f.title, "", "", f.text), total=True) for f in best.machine if f.name in _OF_MASSES]
+    columns = Column("part", "name", 1.0), Column("", "number"), Column("each", "number"), Column("together", "number")
+    yield Table("Masses of the machine", columns, [*rows, *sums], "masses", "figures")
+    lacks = ", ".join(unknown_masses(best))
+    if lacks:
+        yield Words(f"Not known and not in the sum: {lacks}.", "note")
+
+
+def unknown_masses(best: DriveSet) -> tuple[str, ...]:
+    """Parts of the machine whose mass is unknown and in no sum."""
+    return tuple(dict.fromkeys(one.name for one in best.masses if isnan(one.each)))
+
+
+def _sheet(content: Content) -> list[Sheet]:
+    """Masses of the machine with every drive, and its figures without a limit."""
+    columns = (
+        RANK, SheetColumn("of", "section"), SheetColumn("what", "title"), SheetColumn("how many", "how_many", "count"),
+        SheetColumn("mass of one (kg)", "each"), *VALUES, SheetColumn("at (s)", "at_time_s"), STATUS,
+    )  # fmt: skip
+    rows = list(ranked(content, machine_rows))
+    note = "masses of all pieces together, and figures without a limit; those with one are in Checks"
+    return [Sheet(name="Machine", columns=columns, rows=rows, still=3,
+                  note=note if rows else "the spec has neither budget nor platform")]  # fmt: skip
+
+
+MACHINE = Section(
+    name="machine", title="The machine with this drive", blocks=_blocks, sheets=_sheet,
+    csv=CsvRows(of_drive=lambda content, _, drive: machine_rows(drive)),
+)  # fmt: skip
+
+
+# -- battery
+
+
+def _battery(content: Content) -> Iterator[Block]:
+    budget = content.drive.energy if content.drive else None
+    if budget is None:
+        return
+    lacks = " Unknown consumers are not counted." if unknown_consumers(budget) else ""
+    mean = f"Mean power that the consumers draw from the battery ({budget.battery}).{lacks}"
+    charge = "The charge that is left over time, from full."
+    yield Picture("battery", f"{mean} {charge}", "consumers, and the battery's charge over time",
+                  about="shows the consumers and the battery's charge over time.", place="here")  # fmt: skip
+    yield Pair([Picture("consumers", mean, "consumers of the battery, mean power")],
+               [Picture("charge", charge, "charge of the battery over time")])  # fmt: skip
+    yield Pair([_consumers(budget)], [Facts("The battery", [*map(figure_row, budget.figures)])])
+    yield Bullets("Assumptions of the energy budget:", list(budget.assumptions))
+
+
+def unknown_consumers(budget: EnergyBudget) -> tuple[str, ...]:
+    """Consumers whose power is unknown and in no sum."""
+    return tuple(one.name for one in budget.consumers if isnan(one.mean))
+
+
+def _consumers(budget: EnergyBudget) -> Table:
+    *consumers, together = consumer_rows(budget)
+    rows = [*consumers, together._replace(said="of the known ones" if unknown_consumers(budget) else "")]
+    timed = any(row.duty for row in consumers)
+    columns = [Column("consumer", "name", 1.0), Column("", "number"), Column("mean", "number"),
+               Column("peak", "number"), *([Column("on", "number")] if timed else []), Column("", "small")]  # fmt: skip
+    cells: list[Sequence[str | Number]] = [
+        (row.name, row.number, row.mean, row.peak, *((row.duty,) if timed else ()), row.said) for row in rows
+    ]
+    return Table("Consumers of the battery", columns, [*map(Row, cells)], "", "consumers")
+
+
+def _battery_sheet(content: Content) -> list[Sheet]:
+    """Consumers and figures of the battery, with every drive."""
+    columns = (
+        RANK, SheetColumn("of", "section"), SheetColumn("what", "title"), SheetColumn("how many", "how_many", "count"),
+        *VALUES, SheetColumn("at most", "limit"), STATUS, SheetColumn("note", "note", "", 40),
+    )  # fmt: skip
+    rows = list(ranked(content, battery_rows))
+    note = "mean and highest power of the consumers, and the battery's figures" if rows else "the spec has no battery"
+    return [Sheet(name="Battery", columns=columns, rows=rows, note=note, still=3)]
+
+
+BATTERY = Section(
+    name="battery", title="Battery", level=2, blocks=_battery, sheets=_battery_sheet,
+    csv=CsvRows(of_drive=lambda content, _, drive: battery_rows(drive)),
+)  # fmt: skip

@@ -1,0 +1,163 @@
+"""The parts list with prices, and the data sheets of the parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isnan
+from typing import Any
+
+from drivesizer.catalog import Catalog, columns_of, one_of
+from drivesizer.catalog.lookup import origins
+from drivesizer.catalog.query import Hit
+from drivesizer.output.datasheet import datasheets
+from drivesizer.output.parts import PartLine, ordered_as, parts_list, totals
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.sections.blocks import Block, Column, Fragment, Mark, Row, Table, Words
+from drivesizer.output.report.sections.section import NO_ROWS, CsvRows, Section
+from drivesizer.output.report.sections.sheet import Cell, Sheet
+from drivesizer.output.report.sections.sheet import Column as SheetColumn
+from drivesizer.output.report.sections.sheets import NOTE, STATUS
+from drivesizer.output.report.sections.summary import OUTCOMES
+from drivesizer.output.report.table import rows as table
+from drivesizer.results.drive_set import section_of
+from drivesizer.units import KINDS, from_si
+
+__all__ = ["DATA_SHEETS", "PARTS"]
+
+
+def _blocks(content: Content) -> Iterator[Block]:
+    if content.drive is None:
+        return
+    lines = parts_list(content.drive, content.result.catalog, content.motors)
+    drives = "the one drive" if content.motors == 1 else f"all {content.motors} drives"
+    columns = (Column("", "number"), Column("part", "name"), Column("maker and family", width=1.3),
+               Column("order number", "strong", 1.0), Column("each", "number"), Column("together", "number"),
+               Column("price of", "small", 1.2))  # fmt: skip
+    prices = [f"{total.value:.2f} {total.unit}" for total in totals(lines) if total.name == "price"]
+    lacks = [line.role for line in lines if isnan(line.price)]
+    total = ("", "sum", "of the known prices", "", "", " + ".join(prices) or "unknown",
+             f"without {', '.join(lacks)}" if lacks else "")  # fmt: skip
+    yield Table(f"Parts to order for {drives}; prices are those of that many pieces", columns,
+                [*map(_row, lines), Row(total, total=True)], name="parts")  # fmt: skip
+    yield Words("Cables, connectors, couplings and mounting parts are not in the catalogues: unknown, and to be "
+                "ordered beside these.", "note")  # fmt: skip
+
+
+def _row(line: PartLine) -> Row:
+    maker = line.family if line.maker in line.family else f"{line.maker} {line.family}"
+    dated = [*(["no date"] if not isnan(line.price) and not line.price_date else []), line.price_date,
+             *([f"from {line.pieces} pieces"] if (line.pieces or 1) > 1 else [])]  # fmt: skip
+    return Row((f"{line.quantity} ×", line.role, maker or line.said or "unknown",
+                ordered_as(line.part, line.order_number), _money(line.price, line.currency),
+                _money(line.quantity * line.price, line.currency), " ".join(dated).strip()))  # fmt: skip
+
+
+def _money(price: float, currency: str) -> str:
+    return "unknown" if isnan(price) else f"{price:.2f} {currency}"
+
+
+_PARTS = (
+    SheetColumn("role", "role"), SheetColumn("maker", "maker"), SheetColumn("family", "family"),
+    SheetColumn("part", "part"), SheetColumn("order number", "order_number"), STATUS, SheetColumn("is", "said"),
+    SheetColumn("quantity", "quantity", "count"), SheetColumn("mass of one (g)", "mass_g"),
+    SheetColumn("mass of all (g)", "masses_g"), SheetColumn("price of one", "price", "money"),
+    SheetColumn("price of all", "prices", "money"), SheetColumn("currency", "currency"),
+    SheetColumn("price from (pieces)", "pieces", "count"), SheetColumn("price date", "price_date"),
+    SheetColumn("price confidence", "price_confidence", "confidence"),
+    SheetColumn("part confidence", "confidence", "confidence"), NOTE,
+    SheetColumn("price source", "price_source", "line"), SheetColumn("part source", "document", "line"),
+    SheetColumn("source date", "date"), SheetColumn("page", "url", "line"),
+)  # fmt: skip
+
+
+def _sheet(content: Content) -> list[Sheet]:
+    rows = [_sheet_row(line) for line in content.bought]
+    note = (
+        "mass and price are empty where no catalogue has them" if rows else "no drive meets all limits: nothing to buy"
+    )
+    return [Sheet(name="Parts list", columns=_PARTS, rows=rows, note=note, still=1)]
+
+
+def _sheet_row(line: PartLine) -> table.Row:
+    grams = from_si(line.mass, "g", "mass")
+    row = {name: getattr(line, name) for name in line.__slots__}
+    return row | {"status": "" if line.order_number else "unknown", "mass_g": grams, "masses_g": line.quantity * grams,
+                  "prices": line.quantity * line.price}  # fmt: skip
+
+
+def _csv(content: Content) -> Iterator[table.Row]:
+    rows = [row for line in content.bought for row in table.part_rows(line)]
+    yield from (row | {"set_rank": 1} for row in (*rows, *table.total_rows(totals(content.bought))))
+
+
+PARTS = Section(name="parts", title="Parts list", level=2, blocks=_blocks, sheets=_sheet, csv=CsvRows(after=_csv))
+
+
+# -- data sheets
+
+
+def _datasheets(content: Content) -> Iterator[Block]:
+    if content.drive is None:
+        return
+    yield Words((
+        "Figures without a mark are quoted from the maker's own document. Marked ones are not: ", Mark("secondary"),
+        " copied by others, ", Mark("derived"), " computed or inferred, ", Mark("recalled"),
+        " from memory, to be checked before anything is built. Figures that the catalogue does not know are not "
+        "listed.",
+    ))  # fmt: skip
+    yield Fragment("datasheets", datasheets(content.drive, content.result.catalog))
+
+
+_FIGURES = (
+    SheetColumn("part", "role"), SheetColumn("maker", "maker"), SheetColumn("family", "family"),
+    SheetColumn("number", "number"), SheetColumn("figure", "title"), SheetColumn("value", "value"),
+    SheetColumn("unit", "unit", "unit"), SheetColumn("SI value", "si_value"), SheetColumn("SI unit", "si_unit", "unit"),
+    SheetColumn("confidence", "confidence", "confidence"), NOTE, SheetColumn("source date", "date"),
+    SheetColumn("source", "document", "line"),
+)  # fmt: skip
+
+
+def _figures_sheet(content: Content) -> list[Sheet]:
+    """Every known figure of the drive's parts with its source and confidence, and the figures of the drive."""
+    result, best = content.result, content.drive
+    if best is None:
+        return [Sheet(name="Selected drive", columns=_FIGURES, rows=[], note="no drive was examined")]
+    figures = [table.figure_row("figure", f) | {"role": "drive", "confidence": "computed"} for f in best.figures]
+    once = {(section_of(part), part.part): part for part in best.parts.values() if part is not None}
+    rows = [row for (section, _), part in once.items() for row in _figures(section, part, result.catalog)]
+    note = "" if result.sets else OUTCOMES[content.outcome]
+    return [Sheet(name="Selected drive", columns=_FIGURES, rows=[*rows, *figures], note=note, still=5)]
+
+
+_IN_HEAD = {"part", "family", "manufacturer"}
+
+
+def _figures(section: str, part: Any, catalog: Catalog) -> Iterator[table.Row]:
+    """The known figures of a part, and the notes on them."""
+    known = origins(Hit("", catalog, section, catalog.table(section).rows[part.part]))
+    notes = catalog.notes_on(section, part.part)
+    named = {"role": one_of(section), "maker": part.manufacturer, "family": part.family, "number": part.part}
+    of_part = "; ".join(note.text for note in notes if not note.fields)
+    yield named | _sourced(known["part"]) | {"title": "part", "value": part.part, "note": of_part}
+    for name, column in columns_of(section).items():
+        if name in known and name not in _IN_HEAD:
+            note = "; ".join(note.text for note in notes if name in note.fields)
+            yield named | _measured(getattr(part, name), column) | _sourced(known[name]) | {
+                "title": name.replace("_", " "), "note": note}  # fmt: skip
+
+
+def _measured(value: Any, column: Any) -> table.Row:
+    if column.kind == "text":
+        return {"value": value}
+    form = "money" if column.kind.startswith("price") else "datum"
+    return {"value": Cell(from_si(value, column.unit, column.kind), form), "unit": column.unit, "si_value": value,
+            "si_unit": KINDS[column.kind].si}  # fmt: skip
+
+
+def _sourced(source: Any) -> table.Row:
+    return {"confidence": source.confidence, "document": source.document, "date": source.date}
+
+
+DATA_SHEETS = Section(
+    name="datasheets", title="Data sheets", level=2, blocks=_datasheets, sheets=_figures_sheet, csv=NO_ROWS
+)

@@ -1,0 +1,267 @@
+"""The summary: the outcome, the drive with its parts, and where it is tight."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from drivesizer.output.parts import parts_list, totals
+from drivesizer.output.probability import confidence, likely
+from drivesizer.output.report.content import Content
+from drivesizer.output.report.lines.drive import case_of, check_row, drive_row, tightest_checks
+from drivesizer.output.report.lines.machine import driven_over, machine_words
+from drivesizer.output.report.lines.reliability import error_and_weakest, none_reaches, reported
+from drivesizer.output.report.sections.blocks import (
+    Block,
+    Checks,
+    Column,
+    Row,
+    Status,
+    Strong,
+    Table,
+    TableLink,
+    Text,
+    Tiles,
+    Verdict,
+    Words,
+)
+from drivesizer.output.report.sections.changes import changes_table
+from drivesizer.output.report.sections.section import NO_ROWS, Section
+from drivesizer.output.report.sections.sheet import Cell, Sheet
+from drivesizer.output.report.sections.sheet import Column as SheetColumn
+from drivesizer.output.report.table import rows as table
+from drivesizer.output.text import margin
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import Check, worst
+from drivesizer.units import KINDS
+
+__all__ = ["OUTCOMES", "SUMMARY", "meet", "texts"]
+
+OUTCOMES = {
+    "found": "the selected drive",
+    "unsure": "the most probable drive: below the required probability",
+    "missed": "the closest rejected drive: it fails",
+}
+
+
+def _blocks(content: Content) -> Iterator[Block]:
+    result, best = content.result, content.drive
+    yield Verdict(bool(result.sets), [*_outcome(content)])
+    if best:
+        row = drive_row(best, result.catalog)
+        yield Tiles(_tiles(content, row))
+        alike = f", one of {content.motors} identical" if content.motors > 1 and result.sets else ""
+        columns = (Column("", "name"), Column("family", width=1.5), Column("order number", "strong", 1.15),
+                   Column("is", width=1.2))  # fmt: skip
+        parts = [Row((p["role"], p["family"], p["part"], p["said"])) for p in row["parts"]]
+        yield Table(OUTCOMES[content.outcome].capitalize() + alike, columns, parts, name="selected", look="parts")
+        yield Checks(
+            ("The smallest margins; all checks are in ", TableLink("checks")),
+            [*map(check_row, tightest_checks(best))],
+            "tightest",
+        )
+    if content.outcome == "missed" and result.relaxations:
+        yield changes_table("Changes after which a drive passes, one figure at a time", result.relaxations)
+    elif content.outcome == "missed" and result.counts.considered:
+        yield Words("No single figure of the spec, changed up to 20 times, is enough for a drive to pass.")
+
+
+def meet(count: int, of: int) -> str:
+    """How many candidates meet all limits.
+
+    Parameters
+    ----------
+    count, of
+        Those that do, and all.
+
+    Returns
+    -------
+    str
+        The words.
+
+    Examples
+    --------
+    >>> meet(1, 35), meet(7, 35)
+    ('1 of 35 candidates meets all limits', '7 of 35 candidates meet all limits')
+    """
+    return f"{count or 'None'} of {of} candidates {'meets' if count < 2 else 'meet'} all limits"
+
+
+def _outcome(content: Content) -> Iterator[Text]:
+    """What was found, how probable it is, and whether the closed loop holds."""
+    yield from _found(content) if content.outcome != "missed" else _missed(content)
+    one, sampled = reported(content.result), content.result.uncertainty
+    if sampled and one and one.reliability:
+        claim = "no check fails" if one.reliability.unknown else "all checks pass"
+        chance = Strong(likely(one.reliability.probability))
+        yield f"With tolerances {claim} with a probability of ", chance, f" {error_and_weakest(one.reliability)}."
+    v = content.validation
+    if v:
+        tight, unknown = worst(v.checks), ", ".join(c.title for c in v.checks if c.status == "unknown")
+        said = f" smallest margin: {tight.title} {margin(tight.margin)}" if tight else ""
+        yield (
+            f"Closed loop over {driven_over(v)}: ",
+            Status(v.status),
+            said + (f"; unknown: {unknown}" if unknown else ""),
+        )
+
+
+def _found(content: Content) -> Iterator[Text]:
+    result, best, sampled = content.result, content.drive, content.result.uncertainty
+    assert best is not None
+    numbers = meet(result.counts.feasible, result.counts.considered)
+    unknown = ", ".join(c.title for c in best.deciding if c.status == "unknown")
+    lacks = f" Unknown: {unknown}." if unknown else ""
+    required = confidence(sampled.confidence) if sampled and sampled.confidence is not None else ""
+    if content.outcome == "unsure":
+        yield (Strong(f"No drive reaches a probability of {required}."),
+               f" {numbers} at nominal figures; {best.label} is the most probable.{lacks}")  # fmt: skip
+        return
+    head = Strong(f"A drive was found{', with figures unknown' if result.sets[0].status == 'unknown' else ''}.")
+    if sampled and required:
+        reach = "reaches" if sampled.reached == 1 else "reach"
+        numbers += (
+            f" at nominal figures, {sampled.reached} of {sampled.examined} sampled {reach} a probability of {required}"
+        )
+    yield head, f" {numbers}; {best.label} is the best of them by {result.objective.replace('_', ' ')}.{lacks}"
+
+
+def _missed(content: Content) -> Iterator[Text]:
+    best, counts = content.drive, content.result.counts
+    said = "The selection in the spec leaves no combination of motor and gearhead."
+    if best:
+        failed = ", ".join(c.title for c in best.deciding if c.status == "fail")
+        said = f"The closest rejected drive is {best.label}; it fails on: {failed}."
+    yield Strong("No drive."), f" {meet(0, counts.considered)}. {said}"
+
+
+def _tiles(content: Content, row: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """The figures that a reader wants first."""
+    behaviour = content.behaviour
+    assert behaviour is not None
+    several = ", as specified" if len(content.result.problem.cases) > 1 else ""
+    drives = "the one drive" if content.motors == 1 else f"all {content.motors} drives"
+    return [
+        ("Smallest margin", row["tight"]["margin"], row["tight"]["title"]),
+        ("Mass of one drive", row["mass"], _covered(row["mass_of"], row["mass_lacks"])),
+        ("Price of one drive", row["price"], _covered(row["price_of"], row["price_lacks"])),
+        ("Energy per cycle", behaviour.cost,
+         f"drawn from the supply, {drives}" + (", each at its wheel" if content.wheel else several)),
+        ("Total ratio", row["total_ratio"], f"motor turns per turn of the {content.shaft}"),
+    ]  # fmt: skip
+
+
+def _covered(parts: str, lacks: str) -> str:
+    if not parts:
+        return "unknown for all parts"
+    return f"sum of {parts}" + (f"; not in the sum: {lacks}" if lacks else "")
+
+
+# -- the sheet
+
+
+_COLUMNS = (
+    SheetColumn("Drive sizing", "title"), SheetColumn("value", "value"), SheetColumn("unit", "unit", "unit"),
+    SheetColumn("status", "status", "status"), SheetColumn("note", "note", "", 90),
+)  # fmt: skip
+
+
+def _sheet(content: Content) -> list[Sheet]:
+    result, best = content.result, content.drive
+    rows = [*_verdict(content)]
+    if best:
+        rows += [_part(OUTCOMES[content.outcome].capitalize()), *_drive(best, content)]
+        rows += [_part("Its smallest margins"), *map(_tight, tightest_checks(best))]
+    if content.bought:
+        rows += [_part(f"All parts of the machine, {content.motors} of each")]
+        rows += map(_priced, table.total_rows(totals(content.bought)))
+    rows += _closed_loop(content)
+    counts = table.count_rows(result)
+    rows += [_part("Candidates"), *(row | {"value": Cell(row["value"], "count")} for row in counts)]
+    if result.relaxations:
+        rows += [_part("Changes after which a drive passes, one figure at a time")]
+        rows += [table.change_row(r) | {"title": r.field} for r in result.relaxations]
+    if result.uncertainty:
+        rows += texts("Basis of the probabilities", result.uncertainty.notes)
+    rows += [*texts("Assumptions", result.assumptions), *texts("Warnings", result.warnings)]
+    return [Sheet(name="Summary", columns=_COLUMNS, rows=rows, filtered=False)]
+
+
+def _part(title: str) -> table.Row:
+    return {"part": title}
+
+
+def texts(title: str, lines: Sequence[str]) -> Iterator[table.Row]:
+    """Rows of a sheet with a text each, below a title.
+
+    Parameters
+    ----------
+    title
+        Of the part.
+    lines
+        The texts; without any there is no title either.
+
+    Returns
+    -------
+    Iterator of rows
+    """
+    if lines:
+        yield _part(title)
+        yield from ({"across": line} for line in lines)
+
+
+def _verdict(content: Content) -> Iterator[table.Row]:
+    result, best = content.result, content.drive
+    status = result.sets[0].status if result.sets else "fail"
+    yield {"title": "Machine", "note": result.spec.name}
+    yield {"title": "Kind", "note": machine_words(result.spec)}
+    none = none_reaches(result)
+    said = f"{none}, the most probable" if none else "a drive was found" if result.sets else "no drive meets all limits"
+    yield {"title": "Verdict", "status": status, "note": f"{said}: {best.label}" if best else said}
+    yield {"title": "Drives of the machine", "value": Cell(content.motors, "count")}
+    yield {"title": "Ranked by", "note": f"{result.objective.replace('_', ' ')}, method of {result.method}"}
+
+
+def _drive(best: DriveSet, content: Content) -> Iterator[table.Row]:
+    """Its parts in words, then ratio, mass and price."""
+    for line in parts_list(best, content.result.catalog, content.motors):
+        named = line.part if line.part.startswith(line.family) else f"{line.family} {line.part}"
+        note = ": ".join(filter(None, (f"{line.maker} {named}".strip(), line.said)))
+        yield {"title": line.role.capitalize(), "status": "" if note else "unknown", "note": note}
+    shown = ("total_ratio", "mass", "price", "verdict")
+    yield from (_priced(row) for row in table.set_rows(best, "") if row["name"] in shown)
+    if best.reliability:
+        yield {"title": "All checks pass, with tolerances", "value": Cell(best.reliability.passing, "share"),
+               "unit": "of samples", "note": error_and_weakest(best.reliability)}  # fmt: skip
+
+
+def _priced(row: table.Row) -> table.Row:
+    """A price with two decimals."""
+    return row | {"value": Cell(row["value"], "money")} if row.get("unit") in _CURRENCIES else row
+
+
+_CURRENCIES = {KINDS[kind].si for kind in KINDS if kind.startswith("price")}
+
+
+def _tight(c: Check) -> table.Row:
+    row = check_row(c)
+    against = f"{row['demand']} against {row['limit']}" if row["demand"] else ""
+    note = "; ".join(filter(None, (against, case_of(c), c.note)))
+    return {"title": c.title, "value": Cell(c.margin, "percent"), "unit": "margin", "status": c.status, "note": note}
+
+
+def _closed_loop(content: Content) -> Iterator[table.Row]:
+    v = content.validation
+    if v is None:
+        return
+    yield _part("Closed loop")
+    yield {"title": f"Over {driven_over(v)}", "status": v.status, "note": v.drive_set.label}
+    tight = worst(v.checks)
+    if tight:
+        yield _tight(tight)
+    yield from (table.figure_row("validation", f) for f in v.figures[:3])
+    yield from texts("Assumptions of the simulation", v.assumptions)
+    yield from texts("Warnings of the simulation", v.warnings)
+
+
+SUMMARY = Section(name="summary", title="Summary", blocks=_blocks, sheets=_sheet, csv=NO_ROWS)
