@@ -58,8 +58,7 @@ def printed(*given: Any, **more: Any) -> Printed:
 def blank_figures() -> Iterator[None]:
     """Reports whose figures are blank, where a test reads words and tables: the figures take longest."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("pdf", "html.page"):
-            patch.setattr(f"drivesizer.output.report.{module}.report_drawings", _blank)
+        patch.setattr("drivesizer.output.report.content.report_drawings", _blank)
         yield
 
 

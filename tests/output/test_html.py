@@ -196,8 +196,8 @@ def test_headings_and_contents_agree(page):
 def test_what_the_summary_says_first(page, result):
     best = result.sets[0]
     tiles = {words(t.xpath("dt")[0]): words(t.xpath("dd")[0]) for t in page.xpath("//dl[@class='tiles']/div")}
-    assert tiles["mass of one set"] == "207 g" and tiles["price of one set"] == "127.73 EUR"
-    assert tiles["smallest margin"] == "+4.7 %" and tiles["energy of a cycle"].endswith(" J")
+    assert tiles["Mass of one drive"] == "207 g" and tiles["Price of one drive"] == "127.73 EUR"
+    assert tiles["Smallest margin"] == "+4.7 %" and tiles["Energy per cycle"].endswith(" J")
     for part in (best.motor, best.gearhead, best.encoder, best.controller):
         assert part is not None and part.part in words(page.xpath("//table[contains(@class, 'parts')]")[0])
 
@@ -236,19 +236,23 @@ def test_no_text_of_a_figure_is_read_as_markup(named_page):
 
 
 def test_only_an_address_of_the_web_becomes_a_link():
-    parts = page_module._template({}).environment.get_template("parts.html").module
+    parts = page_module._template({}).environment.get_template("blocks.html").module
     assert "<a " not in parts.linked("javascript:alert(1)") and "<a " not in parts.linked(" https://x.org")
     assert parts.linked('https://x.org/?a="><b>') == (
         '<a href="https://x.org/?a=&#34;&gt;&lt;b&gt;" rel="noopener noreferrer">https://x.org/?a=&#34;&gt;&lt;b&gt;</a>'
     )
 
 
-def test_a_figure_that_the_document_lacks_is_an_error(result, monkeypatch):
+def test_a_block_without_a_renderer_is_an_error(result, monkeypatch):
     original = page_module.document
-    monkeypatch.setattr(
-        page_module, "document", lambda *a, **k: {key: v for key, v in original(*a, **k).items() if key != "warnings"}
-    )
-    with pytest.raises(jinja2.UndefinedError, match="warnings"):
+
+    def renamed(*given, **more):
+        made = original(*given, **more)
+        made["sections"][0]["blocks"][0]["kind"] = "oracle"
+        return made
+
+    monkeypatch.setattr(page_module, "document", renamed)
+    with pytest.raises(jinja2.UndefinedError):
         report_html(result, None)
 
 
@@ -273,7 +277,7 @@ def test_mathematics_without_sources():
 
 def test_every_figure_has_its_place_and_every_place_its_figure(page):
     found = figures_of(page)
-    assert list(found) == ["motion", "cycle", "sets-margin", "sets-price", "field-1", "consumers",
+    assert list(found) == ["profile", "cycle", "sets-margin", "sets-price", "field-1", "consumers",
                            "charge", "loop", "bode", "step-1", "step-2", "step-3"]  # fmt: skip
     assert sorted(d.get("data-plot") for d in page.xpath("//div[@class='drawing']")) == sorted(found)
     names = {*COLOURS, "ink"}
@@ -352,7 +356,7 @@ def test_every_starter_has_its_page(kind, tmp_path, catalog):
     with blank_figures():  # those of every starter stand in the PDF
         page = parsed(report_html(found, None))
     assert found.sets[0].motor.part in words(page.xpath("//table[contains(@class, 'parts')]")[0])
-    assert {"motion", "cycle", "field-1"} <= set(figures_of(page)) and "Closed loop" not in words(
+    assert {"profile", "cycle", "field-1"} <= set(figures_of(page)) and "Closed loop" not in words(
         page.xpath("//nav")[0]
     )
 
@@ -372,15 +376,15 @@ def test_a_page_without_a_set_names_the_nearest_misses(example_text, tmp_path):
     assert not result.sets
     page = parsed(report_html(result, None))
     verdict = words(page.xpath("//div[contains(@class, 'verdict')]")[0])
-    assert verdict.startswith("No set.") and "it falls by:" in verdict and result.misses[0].label in verdict
-    assert "The nearest miss" in [words(h) for h in page.xpath("//h2")]
+    assert verdict.startswith("No drive.") and "it fails on:" in verdict and result.misses[0].label in verdict
+    assert "The closest rejected drive" in [words(h) for h in page.xpath("//h2")]
 
 
 def test_a_page_without_anything_to_look_at(result):
     empty = replace(result.counts, considered=0, feasible=0, failed_by={})
     page = parsed(report_html(replace(result, sets=(), misses=(), counts=empty, unrestricted=None), None))
-    assert "no pair of motor and gearhead" in words(page.xpath("//div[contains(@class, 'verdict')]")[0])
-    assert list(figures_of(page)) == ["motion", "cycle"]
+    assert "no combination of motor and gearhead" in words(page.xpath("//div[contains(@class, 'verdict')]")[0])
+    assert list(figures_of(page)) == ["profile", "cycle"]
 
 
 def test_a_suffix_that_is_no_kind_of_report_is_one_line(result, tmp_path):

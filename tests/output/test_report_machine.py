@@ -18,10 +18,11 @@ from drivesizer.output.report.figures import motion, plan_view, wheels
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.figures.time_windows import Window, thinned
 from drivesizer.output.report.html.page import report_html
-from drivesizer.output.report.lines.battery import battery_rows, without
 from drivesizer.output.report.lines.figures_behind_checks import unknown_figures
-from drivesizer.output.report.lines.machine import driven_over, machine_rows, machine_words
+from drivesizer.output.report.lines.machine import driven_over, machine_words
 from drivesizer.output.report.pdf import report_pdf
+from drivesizer.output.report.sections.blocks import text_of as text_of_cell
+from drivesizer.output.report.sections.machine import consumers, masses, unknown_consumers
 from drivesizer.output.report.set_behaviour import Behaviour
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
@@ -55,7 +56,7 @@ def test_a_platform_is_told_by_mass_wheels_size_and_way(spec):
     way = trajectory_of(load_spec(EXAMPLE))
     assert machine_words(load_spec(EXAMPLE)) == (
         "Platform of 45 kg on 4 driven mecanum wheels, wheel diameter 152.4 mm; 707 × 350 × 184 mm; "
-        f"its way is {way.length:.4g} m in {way.total:.4g} s"
+        f"path of {way.length:.4g} m in {way.total:.4g} s"
     )
     assert machine_words(spec) == "Wheeled vehicle, 45 kg, 4 motor sets"
 
@@ -187,24 +188,24 @@ def test_the_energy_of_a_way_is_the_sum_over_its_wheels(result):
 # -- masses and battery
 
 
-def test_masses_are_told_one_by_one_with_their_sum_and_what_it_lacks(result):
+def test_masses_one_by_one_with_their_sum_and_what_it_lacks(result):
     best = result.sets[0]
-    told = machine_rows(best)
-    rows = {row["name"]: row for row in told["masses"]}
+    table, note = masses(best)
+    rows = {row.cells[0]: [text_of_cell(cell) for cell in row.cells[1:]] for row in table.rows}
     each = best.motor.mass
-    assert rows["motor"] == {"name": "motor", "number": "4 ×", "each": f"{each:.4g} kg", "all": f"{4 * each:.4g} kg"}
-    assert rows["controller"]["all"] == "unknown" and rows["structure"]["number"] == ""
+    assert rows["motor"] == ["4 ×", f"{each:.4g} kg", f"{4 * each:.4g} kg"]
+    assert rows["controller"][2] == "unknown" and rows["structure"][0] == ""
     known = sum(row.number * row.each for row in best.masses if not isnan(row.each))
-    assert told["mass_sums"][0]["text"] == f"{known:.4g} kg"
-    assert told["mass_lacks"] == ", ".join(row.name for row in best.masses if isnan(row.each))
-    assert "mass_known" not in {f["title"] for f in told["machine"]} and len(told["machine"]) > 5
+    sums = [row.cells[-1] for row in table.rows if row.total]
+    assert sums[0] == f"{known:.4g} kg" and len(sums) == 2
+    lacks = ", ".join(row.name for row in best.masses if isnan(row.each))
+    assert note.text == f"Not known and not in the sum: {lacks}."
 
 
-def test_what_nobody_knows_of_a_consumer_is_said_and_not_summed(result):
+def test_an_unknown_consumer_is_named_and_not_summed(result):
     budget = result.sets[0].energy
-    assert without(budget) == ("losses of the controllers",)
-    told = battery_rows(result.sets[0])
-    assert told["consumers"][-1]["said"] == "of what is known" and told["lacks"] == "losses of the controllers"
+    assert unknown_consumers(budget) == ("losses of the controllers",)
+    assert consumers(budget).rows[-1].cells[-1] == "of the known ones"
     bars = html.battery_plots.consumers_plot(budget)["data"][0]
     place = bars["y"].index("losses of the controllers")
     assert bars["customdata"][place] == bars["text"][place] == "unknown" and bars["x"][place] == 0.0
@@ -224,7 +225,7 @@ def test_the_workbook_has_masses_and_says_what_the_machine_is(result):
     assert [(row["title"], row["how_many"]) for row in rows][:2] == [("motor", 4), ("gearhead", 4)]
     assert {row["title"] for row in rows if row["status"] == "unknown"} >= {"controller", "belt and pulleys"}
     told = {row.get("title"): row.get("note") for row in book["Summary"].rows}
-    assert told["What it is"] == machine_words(result.spec)
+    assert told["Kind"] == machine_words(result.spec)
 
 
 # -- what falls
@@ -240,14 +241,14 @@ LIGHTER = ("  mass: 45 kg                      # paper: about 45 kg\n  structure
         (LIGHTER, "Mass of the machine"),
     ],
 )
-def test_a_set_that_falls_by_its_machine_says_so_first(change, title):
+def test_a_drive_that_fails_on_the_machines_budget_says_so_first(change, title):
     result = size(changed(change), top=2)
     assert not result.sets and result.misses
     with blank_figures():
         summary, found, _ = text_of(report_pdf(result, None), most=2).partition("CONTENTS")
         page = re.sub(r"\s+", " ", report_html(result, None).decode())
-    assert found and re.search(rf"falls by:[^.]*{title}", summary)
-    assert re.search(rf"it falls by: [^<]*{title}", page)
+    assert found and re.search(rf"fails on:[^.]*{title}", summary)
+    assert re.search(rf"it fails on: [^<]*{title}", page)
     verdict = next(row for row in workbook.sheets(result, None)[0].rows if row.get("title") == "Verdict")
     assert verdict["status"] == "fail"
 
@@ -274,7 +275,7 @@ def test_the_platforms_report_stays_on_its_pages(paper, sheets):
 
 def test_the_platforms_report_speaks_of_wheels(sheets):
     text = text_of(sheets["a4"].content)
-    assert "Closed loop over the cycle of wheel 1" in text and "What it weighs" in text
+    assert "Closed loop over the cycle of wheel 1" in text and "Masses of the machine" in text
     assert "each at its worst wheel" in text and "as specified" not in text and "case wheel" not in text
 
 

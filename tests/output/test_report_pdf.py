@@ -20,8 +20,8 @@ from drivesizer.simulate import validate
 from drivesizer.sizing import size
 
 SECTIONS = (
-    "What was asked", "Derivation", "The vehicle and its wheels", "At the motor shaft", "Candidates", "The chosen set",
-    "Checks", "Over the cycle", "Heat", "Energy", "Parts list", "Data sheets", "Closed loop",
+    "Specification", "Derivation", "The vehicle and its wheels", "At the motor shaft", "Candidates",
+    "The selected drive", "Checks", "Over the cycle", "Heat", "Energy", "Parts list", "Data sheets", "Closed loop",
     "The loops by linear theory", "Assumptions and unknowns", "How to repeat this", "The spec file",
 )  # fmt: skip
 
@@ -84,8 +84,9 @@ def test_what_figures_say_can_be_searched_and_copied(text):
 
 def test_energy_heat_parts_and_what_is_not_known_are_told(text):
     for said in (
-        "Energy per cycle 5088 J", "drawn less what comes back and is kept (70 %", "Copper loss, mean 0.3658 W",
-        "Winding in the long run, mean 38.23 °C", "winding time constant, motor time constant of the motor not known",
+        "Energy per cycle 5088 J", "drawn less what is regenerated and kept (70 %", "Copper loss, mean 0.3658 W",
+        "Winding in periodic steady state, mean 38.23 °C",
+        "winding time constant, motor time constant of the motor not known",
         "4 × gearhead maxon GP 26 A 406764 127.73 EUR 510.92 EUR", "without motor, belt, encoder, controller",
         "Cables, connectors", "Motor permissible speed motor max speed", "encoder max speed 24000 rpm recalled",
     ):  # fmt: skip
@@ -166,5 +167,5 @@ def test_misses_are_reported_with_bars_and_what_would_have_to_move(example_text,
     made = printed(found, None)
     assert_within_margins(made.pictures, "a4")
     text = text_of(made.content)
-    assert "No set." in text and "; it falls by:" in text and found.misses[0].motor.part in text
-    assert "The nearest miss" in text and "What would have to move" in text and re.search(r"and \d+ more", text)
+    assert "No drive." in text and "; it fails on:" in text and found.misses[0].motor.part in text
+    assert "The closest rejected drive" in text and "Changes after which" in text and re.search(r"and \d+ more", text)

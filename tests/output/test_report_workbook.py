@@ -17,16 +17,18 @@ from synthetic_validation import synthetic_validation
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.report import workbook, write
+from drivesizer.output.report.sections import candidates
+from drivesizer.output.report.sections import loop as loop_section
+from drivesizer.output.report.sections.sheet import Column, Sheet
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.output.report.workbook import writer
-from drivesizer.output.report.workbook.sheet import Column, Sheet
 from drivesizer.output.report.workbook.writer import shown, written
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import registry, show
 
-NAMES = ["Summary", "Requirements", "Candidates", "Checks", "Chosen set", "Machine", "Battery", "Parts list",
+NAMES = ["Summary", "Requirements", "Candidates", "Checks", "Parts list", "Selected drive", "Machine", "Battery",
          "Closed loop", "Time series", "Spec", "About"]  # fmt: skip
 FORMULAS = ("=1+1", "+1", "-1+1", "@SUM(A1)", '=HYPERLINK("http://x")', "http://example.org/a", "{=1}", "\t=1", "＝1")
 
@@ -100,12 +102,12 @@ def test_another_process_on_another_clock_writes_the_same_bytes(example, tmp_pat
 
 
 def test_numbers_are_numbers_beside_their_units(book):
-    for name in ("Requirements", "Checks", "Closed loop", "Chosen set"):
+    for name in ("Requirements", "Checks", "Closed loop", "Selected drive"):
         for row in rows_of(book[name]):
             for head in ("SI value", "SI limit", "margin (%)", "at (s)"):
                 assert not isinstance(row.get(head), str), (name, row)
     for row in rows_of(book["Candidates"]):
-        for head in ("set", "mass (g)", "price (EUR)", "whole reduction"):
+        for head in ("drive", "mass (g)", "price (EUR)", "total ratio"):
             assert isinstance(row[head], int | float)
     for row in rows_of(book["Time series"]):
         assert all(isinstance(value, int | float) for value in row.values())
@@ -115,7 +117,7 @@ def test_si_stands_beside_the_unit_of_the_trade_and_is_the_same(book):
     """Held against pint, unit by unit as it is printed."""
     ureg, checked = registry(), set()
     spelled = {"°C": "degC", "°": "deg", "Ω": "ohm", "²": "^2", "³": "^3", "·": "*", "µ": "u", "%": "percent"}
-    for name in ("Requirements", "Checks", "Closed loop", "Chosen set"):
+    for name in ("Requirements", "Checks", "Closed loop", "Selected drive"):
         for row in rows_of(book[name]):
             value = row.get("value", row.get("value or demand"))
             if isinstance(row["SI value"], int | float) and row["SI unit"] and isinstance(value, int | float):
@@ -163,7 +165,7 @@ def test_a_cell_without_a_value_is_no_cell(content):
 def test_the_summary_names_set_and_parts_once(book, result):
     told = {row[0]: row[4] for row in book["Summary"].iter_rows(values_only=True)}
     assert told["Motor"] == "maxon RE 25 118752: 20 W, 24 V"
-    assert told["Verdict"] == f"a set was found: {result.sets[0].label}"
+    assert told["Verdict"] == f"a drive was found: {result.sets[0].label}"
     table = result.catalog.controllers
     named = table.record(table.rows["EPOS4 Module 60/20"])  # a part that is called as its family
     page = opened(workbook.sheets(replace(result, sets=(replace(result.sets[0], controller=named),)), None))["Summary"]
@@ -254,13 +256,13 @@ def test_the_row_limit_is_that_of_the_format():
     from xlsxwriter.worksheet import Worksheet
 
     assert Worksheet().xls_rowmax == 1 + writer.MOST_ROWS == 1_048_576
-    assert get_column_letter(len(workbook.tables._CANDIDATE)) < "Z"
+    assert get_column_letter(len(candidates._COLUMNS)) < "Z"
 
 
 def test_a_long_record_is_thinned_with_its_peaks_and_a_note(result, monkeypatch):
     proof = loop(result, 0.01)
     peaks = {name: (values.min(), values.max()) for name, values in proof.series.items()}
-    monkeypatch.setattr(workbook, "MOST_SAMPLES", 1000)
+    monkeypatch.setattr(loop_section, "MOST_SAMPLES", 1000)
     found = {sheet.name: sheet for sheet in workbook.sheets(result, proof)}
     series = found["Time series"]
     assert len(series.rows) <= 1000 < len(proof.series["time"])
@@ -268,7 +270,7 @@ def test_a_long_record_is_thinned_with_its_peaks_and_a_note(result, monkeypatch)
         series.note
         == f"{len(series.rows)} of {len(proof.series['time'])} samples, evenly and with the peaks of every column"
     )
-    assert {"told": f"Time series: {series.note}"} in found["About"].rows
+    assert {"across": f"Time series: {series.note}"} in found["About"].rows
     for name in ("time", "speed", "error", "current"):
         column = [row[name] for row in series.rows]
         assert (min(column), max(column)) == pytest.approx(peaks[name], rel=1e-12)
@@ -297,7 +299,7 @@ def test_the_spec_stands_line_by_line_and_the_file_tells_what_made_it(book, resu
 
 
 def test_figures_of_the_data_sheets_carry_their_confidence(book, result):
-    rows = [r for r in rows_of(book["Chosen set"]) if r["part"] == "motor"]
+    rows = [r for r in rows_of(book["Selected drive"]) if r["part"] == "motor"]
     sure = {r["figure"]: r["confidence"] for r in rows}
     # as the catalogue file has it: nominal torque derived, speed constant and inertia from a copy
     assert (sure["nominal torque"], sure["rotor inertia"]) == ("derived", "secondary")
@@ -313,9 +315,9 @@ def test_without_a_set_all_sheets_are_there_and_say_so(result):
     assert book.sheetnames == NAMES
     assert [row[0].value for row in book["Parts list"].iter_rows(min_row=2)] == []
     told = [cell.value for cell in book["About"]["A"]]
-    assert "Parts list: no set stands: nothing to buy" in told
+    assert "Parts list: no drive meets all limits: nothing to buy" in told
     miss = opened(workbook.sheets(replace(result, sets=(), misses=result.misses), None))
-    assert "The nearest miss: it does not stand" in [cell.value for cell in miss["Summary"]["A"]]
+    assert "The closest rejected drive: it fails" in [cell.value for cell in miss["Summary"]["A"]]
     assert miss["Parts list"].max_row == 1
 
 

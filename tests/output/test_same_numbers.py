@@ -141,21 +141,21 @@ def from_xlsx(folder: Path, run: Run) -> Facts:
     found: Facts = {}
     names = {(i, r.title): r.name for i, of in enumerate((run.result, run.best)) for r in of.requirements}
     for row in sheet(book, "Requirements"):
-        if row["set"] in (None, run.best.rank):
-            place = int(row["set"] is not None)
+        if row["drive"] in (None, run.best.rank):
+            place = int(row["drive"] is not None)
             found["requirement", place, names[place, row["requirement"]]] = told(row, "value")
     called = {(where, c.method, c.title): c.name for where, c in run.checks()}
     for row in sheet(book, "Checks"):
-        if row["set"] == run.best.rank:
+        if row["drive"] == run.best.rank:
             found["check", row["method"], called["check", row["method"], row["check"]]] = told(row, "value or demand")
     for row in (*sheet(book, "Machine"), *sheet(book, "Battery")):
-        if row["set"] == run.best.rank:
+        if row["drive"] == run.best.rank:
             found |= of_the_machine(row["of"], row["what"], row["value"], row.get("at most"), row["unit"])
     for row in sheet(book, "Candidates"):
-        rank = row["set"]
+        rank = row["drive"]
         found["candidate", rank, "mass"] = Fact(number(row["mass (g)"]), unit="g")
         found["candidate", rank, "price"] = Fact(number(row["price (EUR)"]), unit="EUR")
-        found["candidate", rank, "total_ratio"] = Fact(number(row["whole reduction"]))
+        found["candidate", rank, "total_ratio"] = Fact(number(row["total ratio"]))
         found["candidate", rank, "verdict"] = Fact(status=row["status"])
     figures = {f.title: f.name for f in run.proof.figures} if run.proof else {}
     for row in sheet(book, "Closed loop"):
@@ -309,7 +309,7 @@ def candidate(text: str, s: Any, expected: Facts) -> Facts:
         rf"\b{s.rank} {words(s.motor_name)} .{{0,80}}? (?P<ratio>{NUMBER}) (?P<mass>{NUMBER} g|unknown) "
         rf"(?P<price>{NUMBER}(?: EUR)?|unknown) .{{0,120}}?{STATUS}"
     )
-    match = re.search(pattern, text[text.index("pairs of motor and gearhead") :])
+    match = re.search(pattern, text[text.index("combinations of motor and gearhead, with") :])
     if match is None:
         return {}
     amount = {name: nan if match[name] == "unknown" else value_of(match[name].split()[0]) for name in ("mass", "price")}

@@ -16,7 +16,7 @@ from drivesizer.machine.warm_up import warm_up
 from drivesizer.output.parts import parts_list
 from drivesizer.output.report.all_figures import report_drawings
 from drivesizer.output.report.figures import demand, efficiency, energy, heat, load_and_loop, margins, pareto_front
-from drivesizer.output.report.lines.order_list import order_list
+from drivesizer.output.report.sections.parts import parts_table
 from drivesizer.output.report.set_behaviour import Behaviour
 from drivesizer.results.sizing import Check, SizingResult
 from drivesizer.sizing import size
@@ -275,15 +275,12 @@ def test_figures_that_hang_on_an_unknown_one_are_left_out(result):
 
 def test_the_parts_list_multiplies_and_sums_what_is_known(result):
     best = result.sets[0]
-    listed = order_list(parts_list(best, result.catalog, 4))
-    rows = {row["role"]: row for row in listed["order"]}
-    assert rows["gearhead"]["each"] == "127.73 EUR" and rows["gearhead"]["all"] == "510.92 EUR"
-    assert rows["gearhead"]["count"] == "4 ×" and rows["gearhead"]["dated"].startswith("2019-09")
-    assert rows["motor"]["each"] == "unknown" and rows["motor"]["part"] == "118752"
-    assert listed["order_sum"] == "510.92 EUR" and listed["order_lacks"] == "without motor, belt, encoder, controller"
+    *lines, total = [row.cells for row in parts_table(parts_list(best, result.catalog, 4), 4).rows]
+    rows = {role: cells for _, role, *cells in lines}  # family, number, each, together, date
+    counts = {role: count for count, role, *_ in lines}
+    assert rows["gearhead"][2:4] == ["127.73 EUR", "510.92 EUR"] and rows["gearhead"][4].startswith("2019-09")
+    assert counts["gearhead"] == "4 ×" and rows["motor"][1:3] == ["118752", "unknown"]
+    assert total[5:] == ("510.92 EUR", "without motor, belt, encoder, controller")
     nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None)
-    listed = order_list(parts_list(nothing, result.catalog, 1))
-    assert (
-        listed["order_sum"] == "unknown"
-        and {row["role"]: row["family"] for row in listed["order"]}["encoder"] == "unknown"
-    )
+    *lines, total = [row.cells for row in parts_table(parts_list(nothing, result.catalog, 1), 1).rows]
+    assert total[5] == "unknown" and {role: family for _, role, family, *_ in lines}["encoder"] == "unknown"

@@ -18,11 +18,11 @@ from drivesizer.cli import app
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.json.schema import report_schema
-from drivesizer.output.probability import moved
+from drivesizer.output.probability import likely, moved
 from drivesizer.output.report import workbook, write
 from drivesizer.output.report.all_figures import report_drawings
 from drivesizer.output.report.figures.tornado import swings, tornado
-from drivesizer.output.report.lines.reliability import judged, sure
+from drivesizer.output.report.lines.reliability import drive_cells, error_and_weakest, reported
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.output.report.workbook.writer import share
 from drivesizer.output.terminal.sizing import sizing
@@ -68,20 +68,21 @@ def test_the_pdf_and_the_page_tell_the_same_rows(result: SizingResult, tmp_path:
         write(result, None, [tmp_path / "report.pdf", tmp_path / "report.html"])
     text = text_of((tmp_path / "report.pdf").read_bytes())
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    rows = sure(result)
-    assert rows
-    assert "How sure the sets are" in text and "How sure the sets are" in page
-    for row in (*rows["sets"], *rows["unsure"]):
-        assert row["chance"] in text and row["chance"] in page
-    told = f"all checks pass with a probability of {rows['chance']} {rows['beside']}"
-    assert told in text and told in page.replace("<strong>", "").replace("</strong>", "")
-    assert "as sure as 50 %" in text and "Sets that stand, but less surely than 50 %" in text
-    for title, words, _ in rows["assumptions"]:
-        assert title in page and words in page
+    best = reported(result)
+    assert best and best.reliability and result.uncertainty
+    assert "Probability that the drives pass" in text and "Probability that the drives pass" in page
+    for one in (*result.sets, *result.unsure):
+        assert (chance := drive_cells(one)["chance"]) in text and chance in page
+    found = best.reliability
+    said = f"all checks pass with a probability of {likely(found.probability)} {error_and_weakest(found)}"
+    assert said in text and said in page.replace("<strong>", "").replace("</strong>", "")
+    assert "reach the confidence of 50 %" in text and "below the confidence of 50 %" in text
+    for assumption in result.uncertainty.assumptions:
+        assert assumption.title in page and assumption.text in page
 
 
 def test_the_tornado_is_drawn_of_what_moves_the_margin(result: SizingResult) -> None:
-    best = judged(result)
+    best = reported(result)
     assert best and best.reliability
     drawn = swings(best.reliability.drivers)
     assert 2 <= len(drawn) <= 10 and drawn[0].name == "load.rolling_resistance"
@@ -149,12 +150,13 @@ def test_every_report_says_that_no_set_is_as_sure_and_shows_the_surest(unsure: S
     text = text_of((tmp_path / "report.pdf").read_bytes())
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     for said in (text, page):
-        assert "No set is as sure as 100 %." in said and "The surest set: it is less sure than was asked for" in said
-        assert "candidates stand at nominal figures" in said and "nearest miss is" not in said
+        assert "No drive reaches the confidence of 100 %." in said
+        assert "The most probable drive: below the required confidence" in said
+        assert "all limits at nominal figures" in said and "closest rejected drive is" not in said
         assert all(one.label in said for one in unsure.unsure)
     book = openpyxl.load_workbook(tmp_path / "report.xlsx")
     summary = [[cell.value for cell in row] for row in book["Summary"].iter_rows()]
-    assert any("no set is as sure as 100 %, the surest" in str(row[-1]) for row in summary)
+    assert any("no drive reaches the confidence of 100 %, the most probable" in str(row[-1]) for row in summary)
     assert [row[0].value for row in book["Tolerances"].iter_rows(min_row=2)] == ["unsure", "unsure"]
     rows = list(csv.DictReader(io.StringIO((tmp_path / "report.csv").read_text(encoding="utf-8"))))
     reached = {row["name"]: row["value"] for row in rows if row["section"] == "sampling"}

@@ -17,7 +17,7 @@ from drivesizer.machine.operating_field import field
 from drivesizer.machine.problem import problem
 from drivesizer.output.report.figures.field import torque_speed
 from drivesizer.output.report.figures.field_panels import Panel, paper_points
-from drivesizer.output.report.lines.sets import set_row
+from drivesizer.output.report.lines.drive import drive_row
 from drivesizer.output.report.set_behaviour import Behaviour
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import hardest_case, validate
@@ -77,12 +77,12 @@ def test_least_figures_are_unknown_in_every_table(spec, rubs_unknown, catalog):
 
 def test_a_mass_that_a_data_sheet_has_is_not_called_unknown(chosen, catalog):
     weighed = replace(chosen, controller=replace(chosen.controller, mass=0.33))
-    assert set_row(weighed, catalog)["mass_lacks"] == "encoder not known, controller 330 g"
+    assert drive_row(weighed, catalog)["mass_lacks"] == "encoder not known, controller 330 g"
 
 
 def test_a_name_that_the_catalogue_made_up_is_no_order_number(chosen, catalog):
     made_up = catalog.encoders.record(catalog.encoders.rows["ENC 30 HEDL 5540"])
-    rows = {row["role"]: row["part"] for row in set_row(replace(chosen, encoder=made_up), catalog)["parts"]}
+    rows = {row["role"]: row["part"] for row in drive_row(replace(chosen, encoder=made_up), catalog)["parts"]}
     assert rows["Encoder"] == "ENC 30 HEDL 5540, no order number known"
     assert rows["Motor"] == "118752"
 

@@ -10,7 +10,7 @@ import pytest
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json import reliability as contract
-from drivesizer.output.report.lines.reliability import _set as sure_row
+from drivesizer.output.report.lines.reliability import drive_cells
 from drivesizer.results.check_columns import at_most
 from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.uncertainty.options import Sampling
@@ -57,7 +57,7 @@ def test_samples_in_closed_loop_do_not_say_so_either(pair):
     assert math.isnan(found.loop.passing)
     written = contract.reliability(found)["closed_loop"]
     assert written["probability"] is None and written["none_fails"] == found.loop.probability
-    assert sure_row(pair.sets[0])["loop"].startswith("unknown; none fails: ")
+    assert drive_cells(pair.sets[0])["loop"].startswith("unknown; none fails: ")
 
 
 def test_where_nothing_is_unknown_none_fails_is_that_all_pass(pair):

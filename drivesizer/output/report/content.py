@@ -32,7 +32,7 @@ class Content:
 
     @property
     def outcome(self) -> str:
-        """``found``, ``unsure`` where no drive reaches the required probability, or ``missed``."""
+        """``found``, ``unsure`` where no drive reaches the required confidence, or ``missed``."""
         return outcome(self.result)
 
     @cached_property

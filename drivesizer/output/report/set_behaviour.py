@@ -129,8 +129,8 @@ class Behaviour:
             ("Thermal resistance, winding to housing", motor.thermal_resistance_winding, "K/W", "thermal_resistance"),
             ("Thermal resistance, housing to ambient", motor.thermal_resistance_housing, "K/W", "thermal_resistance"),
             ("Ambient", found.spec.environment.ambient, "degC", "temperature"),
-            ("Housing in the long run, mean", housing, "degC", "temperature"),
-            ("Winding in the long run, mean", winding, "degC", "temperature"),
+            ("Housing in periodic steady state, mean", housing, "degC", "temperature"),
+            ("Winding in periodic steady state, mean", winding, "degC", "temperature"),
             ("Winding, permitted", motor.max_winding_temperature, "degC", "temperature"),
         ]
         return [{"title": title, "text": show(value, unit, kind), "at": ""} for title, value, unit, kind in rows]

@@ -16,15 +16,15 @@ __all__ = [
 
 
 def outcome(result: SizingResult) -> str:
-    """``found``, ``unsure`` where no drive reaches the required probability, or ``missed`` where all are rejected."""
+    """``found``, ``unsure`` where no drive reaches the required confidence, or ``missed`` where all are rejected."""
     return "found" if result.sets else "unsure" if result.unsure else "missed"
 
 
 def none_reaches(result: SizingResult) -> str:
-    """That no drive reaches the required probability; empty where one does, or none meets all limits."""
+    """That no drive reaches the required confidence; empty where one does, or none meets all limits."""
     if outcome(result) != "unsure" or result.uncertainty is None:
         return ""
-    return f"no drive reaches a probability of {confidence(result.uncertainty.confidence)}"
+    return f"no drive reaches the confidence of {confidence(result.uncertainty.confidence)}"
 
 
 def error_and_weakest(found: Reliability) -> str:

@@ -77,7 +77,7 @@ def _drives(content: Content) -> Table:
         Column(check, width=1.5), Column("", "status"),
     )  # fmt: skip
     required = result.uncertainty.confidence if result.uncertainty else None
-    reach = f" that reach a probability of {confidence(required)}" if required is not None else ""
+    reach = f" that reach the confidence of {confidence(required)}" if required is not None else ""
     below = ", and below them the closest rejected" if result.misses else ""
     caption = f"The best drives{reach}{below}" if result.sets else "The closest rejected drives"
     rows = []

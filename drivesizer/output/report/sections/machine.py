@@ -30,7 +30,7 @@ from drivesizer.output.report.table.rows import battery_rows, machine_rows
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
 
-__all__ = ["BATTERY", "MACHINE", "unknown_consumers", "unknown_masses"]
+__all__ = ["BATTERY", "MACHINE", "consumers", "masses", "unknown_consumers", "unknown_masses"]
 
 _OF_MASSES = ("mass_known", "mass_left")  # figures that belong below the masses that they sum
 
@@ -45,12 +45,13 @@ def _blocks(content: Content) -> Iterator[Block]:
     others = [figure_row(f) for f in best.machine if f.name not in _OF_MASSES]
     figures = [Facts("Figures of the machine without a limit", others)] if others else []
     if best.masses:
-        yield Pair([*_masses(best)], figures)
+        yield Pair([*masses(best)], figures)
     else:
         yield from figures
 
 
-def _masses(best: DriveSet) -> Iterator[Block]:
+def masses(best: DriveSet) -> Iterator[Block]:
+    """The masses of the machine one by one, their sum, and what it lacks."""
     rows = [Row((one.name, f"{one.number} ×" if one.number > 1 else "",
                  quantity(one.each, "kg", "mass") if one.number > 1 else "", quantity(one.total, "kg", "mass")))
             for one in best.masses]  # fmt: skip
@@ -99,7 +100,7 @@ def _battery(content: Content) -> Iterator[Block]:
                   about="shows the consumers and the battery's charge over time.", place="here")  # fmt: skip
     yield Pair([Picture("consumers", mean, "consumers of the battery, mean power")],
                [Picture("charge", charge, "charge of the battery over time")])  # fmt: skip
-    yield Pair([_consumers(budget)], [Facts("The battery", [*map(figure_row, budget.figures)])])
+    yield Pair([consumers(budget)], [Facts("The battery", [*map(figure_row, budget.figures)])])
     yield Bullets("Assumptions of the energy budget:", list(budget.assumptions))
 
 
@@ -108,10 +109,11 @@ def unknown_consumers(budget: EnergyBudget) -> tuple[str, ...]:
     return tuple(one.name for one in budget.consumers if isnan(one.mean))
 
 
-def _consumers(budget: EnergyBudget) -> Table:
-    *consumers, together = consumer_rows(budget)
-    rows = [*consumers, together._replace(said="of the known ones" if unknown_consumers(budget) else "")]
-    timed = any(row.duty for row in consumers)
+def consumers(budget: EnergyBudget) -> Table:
+    """Mean and highest power of each consumer of the battery, and their sum."""
+    *single, together = consumer_rows(budget)
+    rows = [*single, together._replace(said="of the known ones" if unknown_consumers(budget) else "")]
+    timed = any(row.duty for row in single)
     columns = [Column("consumer", "name", 1.0), Column("", "number"), Column("mean", "number"),
                Column("peak", "number"), *([Column("on", "number")] if timed else []), Column("", "small")]  # fmt: skip
     cells: list[Sequence[str | Number]] = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import isnan
 from typing import Any
 
@@ -22,14 +22,32 @@ from drivesizer.output.report.table import rows as table
 from drivesizer.results.drive_set import section_of
 from drivesizer.units import KINDS, from_si
 
-__all__ = ["DATA_SHEETS", "PARTS"]
+__all__ = ["DATA_SHEETS", "PARTS", "parts_table"]
 
 
 def _blocks(content: Content) -> Iterator[Block]:
     if content.drive is None:
         return
-    lines = parts_list(content.drive, content.result.catalog, content.motors)
-    drives = "the one drive" if content.motors == 1 else f"all {content.motors} drives"
+    yield parts_table(parts_list(content.drive, content.result.catalog, content.motors), content.motors)
+    yield Words("Cables, connectors, couplings and mounting parts are not in the catalogues: unknown, and to be "
+                "ordered beside these.", "note")  # fmt: skip
+
+
+def parts_table(lines: Sequence[PartLine], motors: int) -> Table:
+    """What to order, with the sum of the known prices.
+
+    Parameters
+    ----------
+    lines
+        Of :func:`drivesizer.output.parts.parts_list`.
+    motors
+        How many drives the machine has.
+
+    Returns
+    -------
+    Table
+    """
+    drives = "the one drive" if motors == 1 else f"all {motors} drives"
     columns = (Column("", "number"), Column("part", "name"), Column("maker and family", width=1.3),
                Column("order number", "strong", 1.0), Column("each", "number"), Column("together", "number"),
                Column("price of", "small", 1.2))  # fmt: skip
@@ -37,10 +55,8 @@ def _blocks(content: Content) -> Iterator[Block]:
     lacks = [line.role for line in lines if isnan(line.price)]
     total = ("", "sum", "of the known prices", "", "", " + ".join(prices) or "unknown",
              f"without {', '.join(lacks)}" if lacks else "")  # fmt: skip
-    yield Table(f"Parts to order for {drives}; prices are those of that many pieces", columns,
-                [*map(_row, lines), Row(total, total=True)], name="parts")  # fmt: skip
-    yield Words("Cables, connectors, couplings and mounting parts are not in the catalogues: unknown, and to be "
-                "ordered beside these.", "note")  # fmt: skip
+    return Table(f"Parts to order for {drives}; prices are those of that many pieces", columns,
+                 [*map(_row, lines), Row(total, total=True)], name="parts")  # fmt: skip
 
 
 def _row(line: PartLine) -> Row:

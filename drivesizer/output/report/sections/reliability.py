@@ -63,15 +63,15 @@ def _reached(content: Content, sampled: Uncertainty) -> Iterator[str | Strong]:
         )
     elif sampled.confidence is not None:
         reach = "reaches" if sampled.reached == 1 else "reach"
-        yield (f" Of {sampled.examined} drives {sampled.reached} {reach} the required probability of "
+        yield (f" Of {sampled.examined} drives {sampled.reached} {reach} the required confidence of "
                f"{confidence(sampled.confidence)}.")  # fmt: skip
 
 
 def _probabilities(content: Content, sampled: Uncertainty) -> Iterator[Table]:
-    """Two tables: drives that reach the required probability, and drives that do not."""
+    """Two tables: drives that reach the required confidence, and drives that do not."""
     caption = "Probability that every check passes, and quantiles of the smallest margin"
     required = confidence(sampled.confidence)
-    below = f"drives that meet all limits at nominal figures, but not with a probability of {required}"
+    below = f"drives that meet all limits at nominal figures, but below the confidence of {required}"
     reach = [one for one in content.result.sets[:_MOST_DRIVES] if one.reliability]
     less = [one for one in content.result.unsure[:_MOST_DRIVES] if one.reliability]
     if reach:
@@ -152,7 +152,7 @@ def _note(content: Content, sampled: Uncertainty) -> str:
     said = f"{drives} sampled, {sampled.samples} times each, seed {sampled.seed}"
     if sampled.confidence is None:
         return said
-    reached = f"{sampled.reached} of them reach a probability of {confidence(sampled.confidence)}"
+    reached = f"{sampled.reached} of them reach the confidence of {confidence(sampled.confidence)}"
     return f"{said}; {none_reaches(content.result) or reached}"
 
 

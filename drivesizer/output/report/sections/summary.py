@@ -39,7 +39,7 @@ __all__ = ["OUTCOMES", "SUMMARY", "meet", "texts"]
 
 OUTCOMES = {
     "found": "the selected drive",
-    "unsure": "the most probable drive: below the required probability",
+    "unsure": "the most probable drive: below the required confidence",
     "missed": "the closest rejected drive: it fails",
 }
 
@@ -114,14 +114,14 @@ def _found(content: Content) -> Iterator[Text]:
     lacks = f" Unknown: {unknown}." if unknown else ""
     required = confidence(sampled.confidence) if sampled and sampled.confidence is not None else ""
     if content.outcome == "unsure":
-        yield (Strong(f"No drive reaches a probability of {required}."),
+        yield (Strong(f"No drive reaches the confidence of {required}."),
                f" {numbers} at nominal figures; {best.label} is the most probable.{lacks}")  # fmt: skip
         return
     head = Strong(f"A drive was found{', with figures unknown' if result.sets[0].status == 'unknown' else ''}.")
     if sampled and required:
         reach = "reaches" if sampled.reached == 1 else "reach"
         numbers += (
-            f" at nominal figures, {sampled.reached} of {sampled.examined} sampled {reach} a probability of {required}"
+            f" at nominal figures, {sampled.reached} of {sampled.examined} sampled {reach} the confidence of {required}"
         )
     yield head, f" {numbers}; {best.label} is the best of them by {result.objective.replace('_', ' ')}.{lacks}"
 
