@@ -1,7 +1,8 @@
-"""A check, an objective and a kind of load are declared once: all outputs of a copy with one of each have them."""
+"""A check, an objective, a load and a section of a report are declared once: outputs of a copy with each have them."""
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 import os
@@ -10,7 +11,9 @@ import sys
 from pathlib import Path
 from shutil import copytree, ignore_patterns
 
+import openpyxl
 import pytest
+from lxml import html
 from pypdf import PdfReader
 
 import drivesizer
@@ -21,7 +24,7 @@ from drivesizer.units import KINDS, scale
 
 PACKAGE = Path(drivesizer.__file__).parent
 
-ADDED = {  # file: a line before which another goes
+ADDED = {  # file: a line before which another goes, or several such
     "results/check_kinds.py": (
         '    "motor_nominal_current": CheckKind(\n        "Motor nominal current (RMS)", *_AMPS, ("CURRENT"',
         '    "below_no_load": CheckKind("Speed below no load", *_SPEED, (*_RATIO, "motor.no_load_speed")),\n',
@@ -31,6 +34,12 @@ ADDED = {  # file: a line before which another goes
         '        at_most("below_no_load", asked.peak_speed, motor["no_load_speed"]),\n',
     ),
     "loads/kinds.py": ('    "hoist",\n', '    "wire_winder",\n'),
+    "output/report/sections/__init__.py": (
+        "from drivesizer.output.report.sections.summary import SUMMARY\n",
+        "from drivesizer.output.report.sections.speeds import SPEEDS\n",
+        "    PARTS,\n",
+        "    SPEEDS,\n",
+    ),
     "spec/select.py": (
         '    "energy": ObjectiveKind(',
         '    "idle": ObjectiveKind("idle current", "current", "mA", "no_load_current", ("motor",)),\n',
@@ -63,6 +72,21 @@ load: {kind: wire_winder, tension: 23 N, reel_diameter: 70 mm}
 motion: {profile: trapezoid, speed: 0.4 m/s, acceleration_time: 0.5 s, cruise_time: 6 s, rest_time: 2 s}
 supply: {nominal: 24 V}
 """
+SECTION = """
+from drivesizer.output.report.sections.blocks import Column, Row, Table, Words, quantity
+from drivesizer.output.report.sections.section import Section
+
+
+def _blocks(content):
+    if content.drive:
+        speed = quantity(content.drive.motor.no_load_speed, "rpm", "rotary_speed")
+        yield Words("Speeds of the bare motor.")
+        columns = Column("figure"), Column("value", "number")
+        yield Table("Speeds without a load", columns, [Row(("no-load speed", speed))])
+
+
+SPEEDS = Section(name="speeds", title="Speeds of the motor", level=2, blocks=_blocks)
+"""
 RUN = """
 from pathlib import Path
 from drivesizer import load_spec, size
@@ -72,7 +96,7 @@ result = size(load_spec(Path("robot.yaml")), objective="idle", top=5)
 sizing(result)
 write(result, None, [Path("report.json"), Path("report.html")])
 reel = size(load_spec(Path("reel.yaml")), top=1)
-write(reel, None, [Path("reel.json"), Path("reel.pdf")])
+write(reel, None, [Path(f"reel.{kind}") for kind in ("json", "pdf", "html", "xlsx", "csv")])
 """
 
 
@@ -82,11 +106,14 @@ def copy(tmp_path_factory):
     folder = tmp_path_factory.mktemp("declared")
     copytree(PACKAGE, folder / "drivesizer", ignore=ignore_patterns("__pycache__"))
     copytree(PACKAGE.parent / "catalogs", folder / "catalogs")
-    for file, (before, line) in ADDED.items():
+    for file, lines in ADDED.items():
         path = folder / "drivesizer" / file
         text = path.read_text(encoding="utf-8")
-        assert text.count(before) == 1, file
-        path.write_text(text.replace(before, line + before), encoding="utf-8")
+        for before, line in zip(lines[::2], lines[1::2], strict=True):
+            assert text.count(before) == 1, file
+            text = text.replace(before, line + before)
+        path.write_text(text, encoding="utf-8")
+    (folder / "drivesizer" / "output" / "report" / "sections" / "speeds.py").write_text(SECTION, encoding="utf-8")
     (folder / "drivesizer" / "loads" / "wire_winder.py").write_text(WINDER, encoding="utf-8")
     (folder / "reel.yaml").write_text(REEL, encoding="utf-8")
     text = (PACKAGE / "spec" / "starters" / "hoist.yaml").read_text(encoding="utf-8")
@@ -142,6 +169,28 @@ def test_one_file_and_one_line_make_a_kind_of_load(copy):
     assert document["spec"]["load"]["kind"] == "wire_winder" and document["sets"][0]["status"] == "pass"
     text = "".join(page.extract_text() for page in PdfReader(folder / "reel.pdf").pages)
     assert "wire_winder" in text and "23 N" in text
+
+
+def test_one_record_makes_a_section_of_every_report(copy, catalog):
+    """On paper, on the page, in a sheet of its own and in the table: the same figure, in its unit and in SI."""
+    folder, _ = copy
+    document = json.loads((folder / "reel.json").read_text(encoding="utf-8"))
+    speed = document["sets"][0]["motor"]["no_load_speed"]
+    text = "".join(page.extract_text() for page in PdfReader(folder / "reel.pdf").pages)
+    page = html.fromstring((folder / "reel.html").read_text(encoding="utf-8"))
+    assert "Speeds of the motor" in text and "no-load speed" in text and text.count("Speeds of the bare motor.") == 1
+    order = [head.text_content() for head in page.xpath("//h3")]
+    assert order.index("Energy") + 1 == order.index("Speeds of the motor") == order.index("Parts list") - 1
+    (cell,) = page.xpath("//table[caption='Speeds without a load']//data/@value")
+    sheet = openpyxl.load_workbook(folder / "reel.xlsx")["Speeds of the motor"]
+    heads, row, words = sheet.iter_rows(values_only=True)
+    assert heads[:3] == ("figure", "value", "unit") and row[:3] == ("no-load speed", pytest.approx(float(cell)), "rpm")
+    assert words[0] == "Speeds of the bare motor."
+    with (folder / "reel.csv").open(encoding="utf-8") as file:
+        (line,) = [one for one in csv.DictReader(file) if one["section"] == "speeds"]
+    assert (line["title"], line["unit"], line["si_unit"]) == ("no-load speed", "rpm", "rad/s")
+    assert float(line["value"]) == float(cell) == pytest.approx(speed * 30.0 / math.pi)
+    assert float(line["si_value"]) == speed
 
 
 @pytest.mark.parametrize("make", [at_most, at_least, fits])
