@@ -1,6 +1,6 @@
 """Reports to hand on: what a sizing and its validation found, as PDF, CSV or figures.
 
-Every kind of report is a function from records to the bytes of files, and is imported when it is asked for;
+Every kind of report is a function from records to the bytes of files, and is imported when it is used;
 ``put`` writes those bytes, whole or not at all.
 """
 
@@ -55,9 +55,9 @@ def write(
     Parameters
     ----------
     result
-        What the sizing found.
+        The sizing.
     validation
-        The closed loop of the best set, where it was simulated.
+        The closed loop of the best drive, where it was simulated.
     paths
         Where to, such as ``report.pdf`` or ``report.xlsx``.
     paper
@@ -74,7 +74,7 @@ def write(
     ------
     InputError
         When a suffix is none of the known ones, two paths are one, or a file cannot be written. Nothing is written
-        then, and what stood there before stands unchanged.
+        then, and older files stay unchanged.
     """
     from drivesizer.files.writing import put
 
@@ -117,7 +117,7 @@ def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
 
 
 def write_sets(result: SizingResult, path: Path) -> list[Path]:
-    """Write the drive sets as CSV, one row each.
+    """Write the drives as CSV, one row each.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def write_series(validation: Validation, path: Path) -> list[Path]:
 
 
 def write_driving(found: Driving, path: Path) -> list[Path]:
-    """Write a platform's way with speeds and torques of its wheels as CSV.
+    """Write a platform's path with speeds and torques of its wheels as CSV.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def write_driving(found: Driving, path: Path) -> list[Path]:
 
 
 def write_path(runs: Mapping[str, Followed], folder: Path) -> list[Path]:
-    """Write the path of a platform and its errors along the way as ``path.svg`` and ``path.png``.
+    """Write the path of a platform and its errors along it as ``path.svg`` and ``path.png``.
 
     Raises
     ------

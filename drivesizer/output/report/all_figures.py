@@ -1,4 +1,4 @@
-"""All figures of a report by name, each drawn when it is asked for."""
+"""All figures of a report by name, each drawn on demand."""
 
 from __future__ import annotations
 
@@ -40,18 +40,18 @@ def report_drawings(
     Parameters
     ----------
     result
-        What the sizing found.
+        The sizing.
     validation
         The closed loop, where it was simulated.
     does
-        What the best set or the nearest miss does over the cycles, where that is at hand.
+        The reported drive over the load cycles, where that is at hand.
 
     Returns
     -------
     dict
-        By name what draws it: ``way`` of a platform on one, ``profile``, ``cycle``; of a set ``margins``, ``field``,
-        ``efficiency``, ``demand``, ``heat``, ``energy`` and ``battery``, as far as its figures are known; ``front``;
-        ``tornado``; ``loop``, ``bode`` and ``step``.
+        Functions that draw, by name: ``way``, the path of a platform, ``profile``, ``cycle``; of a drive ``margins``,
+        ``field``, ``efficiency``, ``demand``, ``heat``, ``energy`` and ``battery``, as far as its figures are known;
+        ``front``; ``tornado``; ``loop``, ``bode`` and ``step``.
     """
     best = result.shown
     cycles = [(case.name, case.cycle) for case in result.problem.cases]
@@ -75,7 +75,7 @@ def report_drawings(
 
 
 def _of_set(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, Drawing]:
-    """The figures of a set: what hangs on figures that the catalogue does not know is left out."""
+    """The figures of a drive; those that depend on figures that the catalogue does not know are left out."""
     fields = panels(result.problem, best, result.requirements)
     made: dict[str, Drawing] = {"margins": lambda form: margins(best.every_check, form)}
     if fields:

@@ -1,4 +1,4 @@
-"""What a set does over the cycles of a spec, for figures and tables: each part computed once, when it is asked for."""
+"""A drive over the load cycles of a machine, for figures and tables; each part is computed once, when it is used."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _BODIES = ("winding_time_constant", "motor_time_constant", "thermal_resistance_w
 
 
 def _summed(cycles: Sequence[tuple[str, SetCycle]]) -> EnergyFlow:
-    """The account of all wheels of a machine's first load case, each as often as there are wheels alike."""
+    """The energy balance of all wheels of a machine's first load case, each as often as there are wheels alike."""
     loads = [(found, found.spec.load) for _, found in cycles]
     wheels = [(found, load) for found, load in loads if isinstance(load, WheelLoad)]
     flows = [(load.alike / load.motors, energy_flow(found)) for found, load in wheels if load.of == wheels[0][1].of]
@@ -46,17 +46,17 @@ class Behaviour:
 
     @cached_property
     def cycles(self) -> list[tuple[str, SetCycle]]:
-        """The set over each load case, by name."""
+        """The drive over each load case, by name."""
         return [(case.name, set_cycle(case.spec, self.drive_set, case.at_belt)) for case in self.problem.cases]
 
     @property
     def specified(self) -> SetCycle:
-        """The set over the cycle as specified."""
+        """The drive over the cycle as specified."""
         return self.cycles[0][1]
 
     @cached_property
     def energy(self) -> EnergyFlow:
-        """The account of the cycle as specified; of a platform on its way the sum over its wheels."""
+        """The energy balance of the cycle as specified; of a platform on a path the sum over its wheels."""
         return _summed(self.cycles) if first_wheel(self.problem) else energy_flow(self.specified)
 
     @cached_property
@@ -141,4 +141,4 @@ class Behaviour:
         lacks = [name.replace("_", " ") for name in _BODIES if isnan(getattr(self.drive_set.motor, name))]
         if lacks:
             return f"{', '.join(lacks)} of the motor not known"
-        return "the motor runs away" if self.known else "the motor's current is not known"
+        return "thermal runaway of the motor" if self.known else "the motor's current is not known"

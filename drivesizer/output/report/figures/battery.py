@@ -40,6 +40,11 @@ def battery(budget: EnergyBudget, form: Form = "svg") -> bytes:
     ----------
     budget
         With known powers and run time.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     rows = [(one.name, one.mean) for one in budget.consumers if one.mean]
 

@@ -80,6 +80,11 @@ def bode(loops: Sequence[Loop], form: Form = "svg") -> bytes:
     ----------
     loops
         The loops of a validation, one at least; each is drawn up to its own Nyquist frequency.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
 
     def draw(figure: Figure) -> None:
@@ -104,7 +109,7 @@ def _curves(grid: Sequence[Axes], loop: Loop) -> None:
     spot: dict[str, Any] = look | {"marker": mark, "markersize": 4, "linestyle": "none", "zorder": 5}
     for axes, values in zip(grid, curve[1:], strict=True):
         axes.plot(curve.frequency, values, **look)
-    grid[0].lines[-1].set_label(_told(loop))
+    grid[0].lines[-1].set_label(_labels(loop))
     if loop.crossover > 0.0:
         phase = _at(loop.crossover, curve.frequency, curve.phase)
         level = 360.0 * round((phase + 180.0) / 360.0) - 180.0
@@ -124,7 +129,7 @@ def _at(frequency: float, over: NDArray[np.float64], values: NDArray[np.float64]
     return float(np.interp(math.log(frequency), np.log(over), values))
 
 
-def _told(loop: Loop) -> str:
+def _labels(loop: Loop) -> str:
     """What stands in the legend."""
     if not loop.stable:
         return f"{loop_name(loop)}: unstable, largest pole {loop.pole_radius:.4g}"
@@ -181,6 +186,11 @@ def step(loops: Sequence[Loop], form: Form = "svg") -> bytes:
     ----------
     loops
         The loops of a validation, one at least; an unstable one has no answer that ends, and says so.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
 
     def draw(figure: Figure) -> None:

@@ -27,6 +27,11 @@ def current_and_voltage(
         Load cases by name, the set over each; the first few are drawn.
     currents, voltages
         Limits by name; unknown ones are left out.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     cases = cases[: len(CASES)]
     traces, cycles = [], []

@@ -24,7 +24,7 @@ LEVELS = (30, 40, 50, 60, 65, 70, 75, 80, 83, 86, 88, 90, 92, 94, 96)  # %, of t
 _FINE = 48, 56  # points of the field in torque, each way, and in speed
 _CROWDED = 1.8  # power by which the torques crowd to 0, where the efficiency changes most
 _ROOM = 1.12
-_FAR = 4.0  # times the cycle's torque; a gearhead that bears more would leave the cycle no room
+_FAR = 4.0  # times the cycle's torque; a gearhead that is rated for more would leave the cycle no room
 _SHADES = ("#FFFFFF", "#CFE3F1")
 _MOST = 1500  # segments of a trace: finer than print
 _MARKED = 200  # ends of segments that are marked each
@@ -49,11 +49,15 @@ def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> Effic
         Load cases by name, the set over each; the winding is as warm as the first makes it.
     voltage
         That the controller can give [V].
+
+    Returns
+    -------
+    EfficiencyMap
     """
     traces = tuple((name, *_trace(found)) for name, found in cases)
-    asked = max(float(np.abs(torque).max()) for _, torque, _ in traces) or 1.0
-    bears = float(cases[0][1].gearhead["continuous_torque"][0])
-    right = _ROOM * max(asked, min(bears, _FAR * asked) if np.isfinite(bears) else 0.0)
+    demand = max(float(np.abs(torque).max()) for _, torque, _ in traces) or 1.0
+    rated = float(cases[0][1].gearhead["continuous_torque"][0])
+    right = _ROOM * max(demand, min(rated, _FAR * demand) if np.isfinite(rated) else 0.0)
     brakes = min(float(torque.min()) for _, torque, _ in traces)
     left = min(0.0, _ROOM * brakes, -0.35 * right if brakes < 0.0 else 0.0)
     top = _ROOM * (max(float(speed.max()) for *_, speed in traces) or 1.0)
@@ -81,6 +85,11 @@ def efficiency_map(found: EfficiencyMap, form: Form = "svg") -> bytes:
     ----------
     found
         The field; the first few load cases are drawn.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     unit = torque_unit(float(np.abs(found.torque).max()))
 

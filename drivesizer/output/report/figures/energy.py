@@ -17,7 +17,7 @@ __all__ = ["Share", "energy_bars", "energy_unit", "shares"]
 
 _ROW = 0.2  # in
 _SMALLEST = 1e-6  # of what is drawn: less is none, or the rounding of a trajectory
-_LOOKS: dict[str, dict[str, Any]] = {  # told apart in grey as well
+_LOOKS: dict[str, dict[str, Any]] = {  # distinct in grey as well
     "drawn": {"facecolor": "#BBBBBB", "edgecolor": "black"},
     "loss": {"facecolor": "#F4C9A8", "edgecolor": COLOURS["vermillion"], "hatch": "/////"},
     "load": {"facecolor": COLOURS["sky"], "edgecolor": COLOURS["blue"]},
@@ -42,8 +42,8 @@ def shares(flow: EnergyFlow) -> list[Share]:
         Share("belt", flow.belt, "loss"),
         Share("work on the load", flow.load, "load"),
         Share("more in rotor and gear at the end", flow.rotor, "load"),
-        Share("comes back, kept by the supply", flow.stored, "back"),
-        Share("comes back, not kept", flow.burnt, "loss"),
+        Share("regenerated, kept by the supply", flow.stored, "back"),
+        Share("regenerated, not kept", flow.burnt, "loss"),
     ]
     size = max(flow.drawn, abs(flow.load))
     return [Share("drawn from the supply", flow.drawn, "drawn"), *(x for x in into if abs(x.value) > _SMALLEST * size)]
@@ -61,6 +61,11 @@ def energy_bars(flow: EnergyFlow, form: Form = "svg") -> bytes:
     ----------
     flow
         The account, known.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     shown = shares(flow)
     unit = energy_unit(max(abs(share.value) for share in shown))

@@ -27,6 +27,11 @@ def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
     ----------
     panels
         One for each usable voltage and ambient; the first few are drawn.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     shown = panels[:MOST_PANELS]
     heights = [_height(panel) for panel in shown]
@@ -103,7 +108,7 @@ def _lines(axes: Axes, found: OperatingField, unit: str, reach: float) -> None:
 
 
 def _continuous(axes: Axes, found: OperatingField, unit: str) -> None:
-    """The field that is allowed for ever, by heat, by the voltage of a hot winding, and by speed."""
+    """The field that is allowed continuously, by heat, by the voltage of a hot winding, and by speed."""
     if np.isnan(found.continuous).any():
         return
     allowed = np.fmin(found.continuous, np.maximum(found.voltage_hot, 0.0))
@@ -129,14 +134,14 @@ def _trace(axes: Axes, found: OperatingField, unit: str, colour: str, dashes: An
         return
     rms = found.rms_torque, found.rms_speed, unit
     axes.plot(*_at(*rms), marker="o", markersize=5.5, color=COLOURS[colour], linestyle="none", zorder=5,
-              label=_told("RMS current and speed", *rms))  # fmt: skip
+              label=_marked("RMS current and speed", *rms))  # fmt: skip
 
 
 def _at(torque: float, speed: float, unit: str) -> tuple[float, float]:
     return float(from_si(torque, unit, "torque")), float(from_si(speed, "rpm", "rotary_speed"))
 
 
-def _told(name: str, torque: float, speed: float, unit: str) -> str:
+def _marked(name: str, torque: float, speed: float, unit: str) -> str:
     x, y = _at(torque, speed, unit)
     return f"{name}\n{x:.4g} {label(unit)}, {y:.0f} rpm".replace("-", "−")
 
@@ -145,8 +150,8 @@ _MARKERS = (("^", "vermillion"), ("s", "grey"), ("v", "purple"), ("D", "blue"))
 
 
 def _mark(axes: Axes, panel: Panel, unit: str) -> None:
-    """Points with a shape each, told in the legend: labels beside them would overlap where points lie close."""
+    """Points with a shape each, named in the legend: labels beside them would overlap where points lie close."""
     for point, (marker, colour) in zip(panel.points, _MARKERS, strict=False):
         axes.plot(*_at(point.torque, point.speed, unit), marker=marker, markersize=5.5, markerfacecolor="none",
                   markeredgewidth=1.2, color=COLOURS[colour], linestyle="none", zorder=6,
-                  label=_told(f"paper: {point.name}", point.torque, point.speed, unit))  # fmt: skip
+                  label=_marked(f"paper: {point.name}", point.torque, point.speed, unit))  # fmt: skip

@@ -37,7 +37,7 @@ class Panel:
 
 
 def panels(problem: Problem, drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> list[Panel]:
-    """The field of a set's motor with the load cases in it; the paper's points too, where its method is asked for.
+    """The field of a set's motor with the load cases in it; the paper's points too, where its method is used.
 
     Parameters
     ----------
@@ -47,6 +47,10 @@ def panels(problem: Problem, drive_set: DriveSet, requirements: tuple[Requiremen
         The set.
     requirements
         Of the sizing.
+
+    Returns
+    -------
+    list[Panel]
     """
     alike: dict[tuple[float, float], list[tuple[int, str, OperatingField]]] = {}
     for number, case in enumerate(problem.cases):
@@ -65,6 +69,10 @@ def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> 
         The set.
     requirements
         The paper's (1)-(16).
+
+    Returns
+    -------
+    tuple[OperatingPoint, ...]
     """
     of = {r.name: float(r.value) for r in requirements}
     wheels = of["maximum_torque"] / of["maximum_torque_per_motor"]
@@ -94,10 +102,10 @@ def signed(found: OperatingField) -> tuple[NDArray[np.float64], NDArray[np.float
 
 
 def reach_of(panel: Panel) -> float:
-    """The torque to which the axis goes [N*m]: what the drive may do and the cycle asks for, seldom as far as stall."""
+    """The torque to which the axis goes [N*m]: what the drive may do and the cycle requires, seldom as far as stall."""
     first = panel.cases[0][-1]
     stall = float(np.nan_to_num(first.voltage_cold[0]))
     lines = (first.continuous.max(), np.fmin(first.intermittent.max(), _FAR * first.continuous.max()))
     known = [min(float(x), stall) for x in lines if x == x]
-    asked = [float(np.nan_to_num(signed(f)[1]).max()) for *_, f in panel.cases]
-    return max(*known, *asked, *(p.torque for p in panel.points), 1e-6) if known else max(stall, *asked)
+    required = [float(np.nan_to_num(signed(f)[1]).max()) for *_, f in panel.cases]
+    return max(*known, *required, *(p.torque for p in panel.points), 1e-6) if known else max(stall, *required)

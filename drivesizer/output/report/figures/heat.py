@@ -45,6 +45,11 @@ def temperatures(found: WarmUp, ambient: float, permitted: float, form: Form = "
         Temperature around the motor [K].
     permitted
         That the winding may have [K]; NaN unknown.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
 
     def draw(figure: Figure) -> None:

@@ -58,6 +58,11 @@ def load_over_time(cycles: Sequence[tuple[str, LoadCycle]], form: Form = "svg") 
     ----------
     cycles
         Load cycles with the names of their cases; the first few are drawn.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     cycles = cycles[: len(CASES)]
     largest = max(float(np.abs(cycle.torque).max()) for _, cycle in cycles)
@@ -80,6 +85,11 @@ def over_time(traces: Sequence[Trace], rows: Sequence[Row], shown: Sequence[Wind
         The quantities, and the limits that are drawn with them.
     shown
         The stretches.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     lines = math.ceil(len(traces) / _ABREAST) if len(traces) > 1 else 0
 
@@ -105,8 +115,8 @@ _ABREAST = 2  # names of load cases beside each other
 _LINE = 0.16  # in, of a legend
 
 
-_IN_SIGHT = 3.0  # times what is drawn: a limit beyond is told and not drawn
-_HEADROOM = 1.15  # for what is told above a limit
+_IN_SIGHT = 3.0  # times what is drawn: a limit beyond is named and not drawn
+_HEADROOM = 1.15  # for the name above a limit
 _HEIGHT_OF_A_NAME = 0.16  # of the axis
 
 

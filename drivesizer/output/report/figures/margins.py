@@ -18,7 +18,7 @@ __all__ = ["FARTHEST", "margins"]
 
 FARTHEST = 125.0  # % of a limit where the axis ends; a bar that goes on ends in an arrow
 _ROW = 0.172  # in
-_LOOKS: dict[str, dict[str, Any]] = {  # told apart in grey as well: plain, hatched, empty and dotted
+_LOOKS: dict[str, dict[str, Any]] = {  # distinct in grey as well: plain, hatched, empty and dotted
     "pass": {"facecolor": COLOURS["sky"], "edgecolor": COLOURS["blue"]},
     "fail": {"facecolor": COLOURS["vermillion"], "edgecolor": "black", "hatch": "/////"},
     "unknown": {"facecolor": "white", "edgecolor": COLOURS["grey"], "hatch": "\\\\\\", "linestyle": (0, (2, 2))},
@@ -26,13 +26,18 @@ _LOOKS: dict[str, dict[str, Any]] = {  # told apart in grey as well: plain, hatc
 
 
 def margins(checks: Sequence[Check], form: Form = "svg") -> bytes:
-    """Every check with the used share of its limit; a line where the margin that the spec asks for begins.
+    """Every check with the used share of its limit; a line where the required margin begins.
 
     Parameters
     ----------
     checks
         At least one. What passes without a margin, as a condition without figures does, has no bar; what fails without
         one has the longest, and what is unknown an empty one.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     shown = list(reversed(checks))  # the first one on top
 
@@ -52,7 +57,7 @@ def margins(checks: Sequence[Check], form: Form = "svg") -> bytes:
         names: list[Any] = [Patch(label=kind, linewidth=0.6, **_LOOKS[kind]) for kind in kinds]
         if any(check.needed for check in shown):
             names.append(Line2D([], [], color="black", linewidth=0.9, marker="|", markersize=7, linestyle="none",
-                                label="up to here with the margin asked for"))  # fmt: skip
+                                label="up to here with the required margin"))  # fmt: skip
         figure.legend(handles=names, loc="upper right", ncols=len(names), borderaxespad=0.2)
 
     return drawn(draw, _ROW * len(shown) + 0.72, form)

@@ -20,20 +20,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Moved", "platform_motion", "speed_asked", "speed_profile"]
+__all__ = ["Moved", "platform_motion", "speed_profile", "speed_required"]
 
 
 def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
-    """The speed that the spec asks for over one cycle: a trapezoid by its phases, any other motion to scale.
+    """The speed of the spec over one cycle: a trapezoid by its phases, any other motion to scale.
 
-    Of a platform on its way it is that of the platform.
+    Of a platform on a path it is that of the platform.
     """
     motion = spec.motion
     if isinstance(spec.motion, Track | Waypoints):
         return _platform(platform_motion(spec), form)
     if isinstance(motion, Trapezoid):
         return drawn(lambda figure: _phases(placed(figure)[0][0], motion, spec.load.axis), _HEIGHT, form)
-    time, speed, (kind, unit) = speed_asked(spec)
+    time, speed, (kind, unit) = speed_required(spec)
 
     def draw(figure: Figure) -> None:
         axes = placed(figure)[0][0]
@@ -45,13 +45,13 @@ def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
     return drawn(draw, _HEIGHT, form)
 
 
-def speed_asked(spec: RobotSpec) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[str, str]]:
+def speed_required(spec: RobotSpec) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[str, str]]:
     """Speed over one cycle [s, SI], and its kind and unit of the trade; of a recorded load that of the driven shaft."""
     if spec.motion is None:
         cycle = load_cycle(spec)
         return cycle.time.ravel(), cycle.speed.ravel(), SPEED["rotary"]
-    asked = profile_of(spec)
-    return np.array(asked.time) - asked.time[0], np.array(asked.speed), SPEED[spec.load.axis]
+    required = profile_of(spec)
+    return np.array(required.time) - required.time[0], np.array(required.speed), SPEED[spec.load.axis]
 
 
 class Moved(NamedTuple):
@@ -64,17 +64,17 @@ class Moved(NamedTuple):
 
 
 def platform_motion(spec: RobotSpec) -> tuple[NDArray[np.float64], list[Moved]]:
-    """How a platform moves on its way, in its own axes: time [s], forwards and to the left, then turning.
+    """The motion of a platform on its path, in its own axes: time [s], forwards and to the left, then turning.
 
-    What it never does, such as going sideways, is left out; turning stands last and is always there.
+    What it never does, such as going sideways, is left out; turning is last and is always there.
     """
-    way = trajectory_of(spec)
-    assert way is not None
-    (forwards, left, turning), _ = way.in_robot()
+    path = trajectory_of(spec)
+    assert path is not None
+    (forwards, left, turning), _ = path.in_robot()
     found = [Moved("forwards", forwards.ravel(), "speed", "m/s"), Moved("to the left", left.ravel(), "speed", "m/s")]
     largest = max(float(np.abs(one.values).max()) for one in found)
     straight = [one for one in found if np.abs(one.values).max() > _NONE * largest]
-    return way.time.ravel(), [*straight, Moved("turning", turning.ravel(), "rotary_speed", "deg/s")]
+    return path.time.ravel(), [*straight, Moved("turning", turning.ravel(), "rotary_speed", "deg/s")]
 
 
 _NONE = 1e-6  # of the largest speed

@@ -1,4 +1,4 @@
-"""A Pareto front as a figure: two figures of each set, and the sets' names where there is room for them."""
+"""A Pareto front as a figure: two figures of each drive, and the names where there is room for them."""
 
 from __future__ import annotations
 
@@ -50,12 +50,17 @@ def trade_off(
     Parameters
     ----------
     numbers, names
-        Of each set. A name stands where nothing is in its way, else the number alone; where even that has no room,
-        nothing, and the table tells.
+        Of each drive. A name is printed where it has room, else the number alone; where even that has none, nothing,
+        and the table has the names.
     across, up
-        Two figures of each set as they are shown; NaN is not drawn.
+        Two figures of each drive as they are shown; NaN is not drawn.
     heads
         What the two axes are called, units included.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     known = [n for n, (x, y) in enumerate(zip(across, up, strict=True)) if isfinite(x + y)]
 

@@ -36,6 +36,11 @@ def path_and_errors(runs: Mapping[str, Followed], form: Form = "svg") -> bytes:
     form
         Drawing, picture, or drawing for a typesetter.
 
+    Returns
+    -------
+    bytes
+        The file in that form.
+
     Raises
     ------
     InputError

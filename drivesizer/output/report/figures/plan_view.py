@@ -66,6 +66,11 @@ def plan_view(spec: RobotSpec, form: Form = "svg") -> bytes:
         Whose motion is a trajectory; of several load cases the first few are drawn.
     form
         Drawing, picture, or drawing for a typesetter.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     ways, passages = ways_of(spec)[: len(CASES)], passages_of(spec)
     platform = spec.platform

@@ -26,7 +26,7 @@ __all__ = [
 ]  # fmt: skip
 
 Form = Literal["svg", "png", "typeset"]  # typeset: SVG whose letters are letters, for whoever has the font
-FILES: tuple[Form, ...] = ("svg", "png")  # those that stand on their own
+FILES: tuple[Form, ...] = ("svg", "png")  # those that are files of their own
 
 COLOURS = {  # Okabe and Ito
     "blue": "#0072B2", "vermillion": "#D55E00", "green": "#009E73", "purple": "#CC79A7", "grey": "#555555",
@@ -77,6 +77,11 @@ def drawn(draw: Any, height: float, form: Form = "svg") -> bytes:
         Of the figure [in].
     form
         Drawing, picture of 200 dots per inch, or drawing for a typesetter.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -94,7 +99,7 @@ def drawn(draw: Any, height: float, form: Form = "svg") -> bytes:
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="Glyph .* missing")  # a box stands in for a letter of far scripts
             _lay_out(figure)
-            # not savefig, which draws all of it twice: once to find the extent of what is drawn, which nobody asks for
+            # not savefig, which draws all of it twice: once to find the extent of what is drawn, which nothing needs
             getattr(canvas, f"print_{kind}")(stream, metadata=_UNDATED[kind])
     return stream.getvalue()
 
@@ -140,6 +145,10 @@ def placed(
         Of the rows, in proportion.
     shared
         Whether a column has one axis across and a row one up.
+
+    Returns
+    -------
+    list[list[Axes]]
     """
     figure.set_layout_engine("none")
     width, height = figure.get_size_inches()
@@ -173,7 +182,7 @@ def heading(figure: Figure, handles: Any, names: Any, columns: int) -> None:
 
 
 def limit(axes: Axes, value: float, name: str, look: int = 0, *, below: bool = False) -> None:
-    """A limit as a line across, told at its right end, above it or below."""
+    """A limit as a line across, named at its right end, above it or below."""
     axes.axhline(value, color="black", linewidth=0.7, linestyle=_LIMITS[look % len(_LIMITS)], zorder=2)
     axes.annotate(name, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, -1.5 if below else 1.5),
                   textcoords="offset points", ha="right", va="top" if below else "bottom", fontsize=6.5,

@@ -1,4 +1,4 @@
-"""What each driven wheel of a platform is asked for on its way: torque and speed over time, a row for each."""
+"""Torque and speed of each driven wheel of a platform over time on its path, a row for each."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _LOOKS = (("torque", "torque", "vermillion"), ("speed", "rotary_speed", "blue"))
 
 
 def wheels_over_time(cycles: Sequence[tuple[str, LoadCycle]], form: Form = "svg") -> bytes:
-    """Torque at the left and speed at the right, of each wheel or of several that are asked for the same.
+    """Torque at the left and speed at the right, of each wheel or of several of equal demand.
 
     Parameters
     ----------
@@ -33,6 +33,11 @@ def wheels_over_time(cycles: Sequence[tuple[str, LoadCycle]], form: Form = "svg"
         Load cycles with the names of their wheels; the first few are drawn. All have one scale.
     form
         Drawing, picture, or drawing for a typesetter.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     shown = cycles[:MOST_WHEELS]
     unit = torque_unit(max(float(np.abs(cycle.torque).max()) for _, cycle in shown))

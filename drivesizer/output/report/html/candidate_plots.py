@@ -1,4 +1,4 @@
-"""The sets that were found beside one another: mass, margin and price; and a front by its objectives."""
+"""The drives by mass, margin and price, and a front by its objectives."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drivesizer.units import from_si, label
 
 __all__ = ["front_plot", "sets_plot"]
 
-_LOOKS = {  # of a set by its status: colour and mark
+_LOOKS = {  # of a drive by its status: colour and mark
     "pass": ("blue", "circle"),
     "unknown": ("grey", "circle-open"),
     "fail": ("vermillion", "x-thin-open"),
@@ -22,16 +22,20 @@ _FEW = 10  # numbers beside more points than these would cover one another
 
 
 def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str) -> Plot | None:
-    """The sets of the table by their mass and another figure, None where fewer than two can be drawn.
+    """The drives of the table by their mass and another figure; None where fewer than two can be drawn.
 
     Parameters
     ----------
     rows
-        Sets as the table has them: their texts, and under ``exact`` the numbers.
+        Drives as the table has them: their texts, and under ``exact`` the numbers.
     up
         Which number goes up.
     title
         What the axis is called, unit included.
+
+    Returns
+    -------
+    Plot | None
     """
     known = [row for row in rows if row["exact"]["mass"] is not None and row["exact"][up] is not None]
     if len(known) < 2:
@@ -53,9 +57,9 @@ def _names(rows: Sequence[dict[str, Any]], up: str) -> dict[str, str]:
 
 def _of_status(status: str, rows: Sequence[dict[str, Any]], up: str, names: dict[str, str]) -> Plot:
     colour, symbol = _LOOKS[status]
-    told = ("rank", "motor", "gearhead", "ratio", "mass", "price", "margin", "check")
+    fields = ("rank", "motor", "gearhead", "ratio", "mass", "price", "margin", "check")
     hover = (
-        "<b>%{customdata[0]}  %{customdata[1]}</b><br>%{customdata[2]}<br>reduction %{customdata[3]}"
+        "<b>%{customdata[0]}  %{customdata[1]}</b><br>%{customdata[2]}<br>ratio %{customdata[3]}"
         "<br>%{customdata[4]}, %{customdata[5]}<br>%{customdata[6]} %{customdata[7]}<extra></extra>"
     )
     points = line([row["exact"]["mass"] for row in rows], [row["exact"][up] for row in rows], status, colour)
@@ -65,7 +69,7 @@ def _of_status(status: str, rows: Sequence[dict[str, Any]], up: str, names: dict
         "text": [names.get(row["rank"], "") for row in rows],
         "textposition": "top center",
         "cliponaxis": False,
-        "customdata": [[plain(row[name]) for name in told] for row in rows],
+        "customdata": [[plain(row[name]) for name in fields] for row in rows],
         "hovertemplate": hover,
     }
 

@@ -75,7 +75,12 @@ def line(x: Iterable[float], y: Iterable[float], label: str, colour: str, dash: 
     colour, dash
         A name of ``style.COLOURS``, and dashes.
     more
-        What else plotly is told, such as ``yaxis`` or ``hovertemplate``.
+        Other arguments of plotly, such as ``yaxis`` or ``hovertemplate``.
+
+    Returns
+    -------
+    Plot
+        Traces and layout for plotly.
     """
     return {
         "type": "scatter",
@@ -97,6 +102,11 @@ def rows(titles: Sequence[str], height: float = 150.0) -> Plot:
         From the uppermost on, units included.
     height
         Of one diagram [px].
+
+    Returns
+    -------
+    Plot
+        Traces and layout for plotly.
     """
     count, room = len(titles), 26.0
     total = count * (height + room)
@@ -134,6 +144,11 @@ def figure(data: Sequence[Plot], layout: Plot, views: Sequence[Window] = ()) -> 
         With the range of the x axis, where there are stretches.
     views
         Stretches of the x axis.
+
+    Returns
+    -------
+    Plot
+        Traces and layout for plotly.
     """
     entries: dict[str, Plot] = {}
     for number, trace in enumerate(data):

@@ -1,4 +1,4 @@
-"""The motor's torque-speed field: what it may do for ever and for a while, hot and cold, and the cycle in it."""
+"""The motor's torque-speed field: continuous and intermittent, hot and cold, and the cycle in it."""
 
 from __future__ import annotations
 
@@ -34,6 +34,11 @@ def field_plot(panel: Panel, times: Sequence[Array]) -> Plot:
         The cases that share the motor's lines.
     times
         Times at both ends of each segment of the cycle of each load case of the spec [s].
+
+    Returns
+    -------
+    Plot
+        Traces and layout for plotly.
     """
     first, reach = panel.cases[0][-1], reach_of(panel)
     unit = torque_unit(reach)
@@ -66,7 +71,7 @@ def _rpm(speed: Any) -> float:
 
 
 def _regions(found: OperatingField, unit: str) -> list[Plot]:
-    """What is allowed for a while, and what for ever, both with a hot winding."""
+    """The intermittent and the continuous field, both with a hot winding."""
     hot = np.maximum(found.voltage_hot, 0.0)
     if not np.isnan(found.permissible_speed):
         hot = np.where(found.speed > found.permissible_speed, 0.0, hot)
@@ -141,8 +146,8 @@ def _cycle(number: int, name: str, found: OperatingField, time: Array, unit: str
     )
     if np.isnan(found.rms_torque):
         return [way]
-    told = "RMS current and speed" + (f", {name}" if name else "")
-    rms = _spot(told, found.rms_torque, found.rms_speed, unit, "circle", look["colour"])
+    title = "RMS current and speed" + (f", {name}" if name else "")
+    rms = _spot(title, found.rms_torque, found.rms_speed, unit, "circle", look["colour"])
     return [way, rms | {key: look[key] for key in ("visible",) if key in look}]
 
 

@@ -1,4 +1,4 @@
-"""The motion that was asked for, and the load over its cycle."""
+"""The motion, and the load over its cycle."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.output.report.figures.load_and_loop import stretches
-from drivesizer.output.report.figures.motion import platform_motion, speed_asked
+from drivesizer.output.report.figures.motion import platform_motion, speed_required
 from drivesizer.output.report.figures.style import CASES, torque_unit
 from drivesizer.output.report.figures.time_windows import windows
 from drivesizer.output.report.html.curves import Plot, dashes, figure, line, rows, sampled, whole
@@ -21,10 +21,10 @@ __all__ = ["case_look", "cycle_plot", "motion_plot"]
 
 
 def motion_plot(spec: RobotSpec) -> Plot:
-    """The speed that the spec asks for over one cycle, to scale; of a platform on its way that of the platform."""
+    """The speed of the spec over one cycle, to scale; of a platform on a path that of the platform."""
     if isinstance(spec.motion, Track | Waypoints):
         return _platform_plot(spec)
-    time, speed, (kind, unit) = speed_asked(spec)
+    time, speed, (kind, unit) = speed_required(spec)
     views = windows({"time": time, "speed_reference": speed})
     kept = sampled(time, [speed], views)
     trace = line(time[kept], from_si(speed[kept], unit, kind), "speed", "blue",
@@ -55,7 +55,7 @@ def _turned(unit: str) -> str:
 
 
 def cycle_plot(cycles: Sequence[tuple[str, LoadCycle]]) -> Plot:
-    """Torque and speed of the driven shaft, of one motor set, in every load case.
+    """Torque and speed of the driven shaft, of one drive, in every load case.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def _over_time(number: int, name: str, cycle: LoadCycle, unit: str, views: Seque
 
 
 def case_look(number: int) -> dict[str, Any]:
-    """Colour and dashes of a load case; those beyond the first few are shown when they are asked for."""
+    """Colour and dashes of a load case; those beyond the first few are shown when they are selected."""
     colour, pattern = CASES[number % len(CASES)]
     return {"colour": colour, "dash": dashes(pattern)} | ({} if number < len(CASES) else {"visible": "legendonly"})
 

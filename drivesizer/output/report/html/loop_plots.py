@@ -111,8 +111,8 @@ def _marks(loop: Loop) -> list[Plot]:
     made = []
     if loop.crossover > 0.0:
         phase = float(np.interp(math.log(loop.crossover), np.log(curve.frequency), curve.phase))
-        told = f"crossover {said['crossover']}, phase margin {said['phase_margin']}"
-        made += [(loop.crossover, 0.0, "y", told), (loop.crossover, phase, "y2", told)]
+        hover = f"crossover {said['crossover']}, phase margin {said['phase_margin']}"
+        made += [(loop.crossover, 0.0, "y", hover), (loop.crossover, phase, "y2", hover)]
     if loop.bandwidth > 0.0:
         made.append((loop.bandwidth, float(curve.closed[0]) - 10.0 * math.log10(2.0), "y3",
                      f"bandwidth {said['bandwidth']}"))  # fmt: skip
@@ -123,10 +123,10 @@ def _marks(loop: Loop) -> list[Plot]:
             loop_name(loop),
             colour,
             yaxis=axis,
-            hovertemplate=f"{plain(told)}<extra>%{{fullData.name}}</extra>",
+            hovertemplate=f"{plain(hover)}<extra>%{{fullData.name}}</extra>",
         )
         | {"mode": "markers", "marker": {"symbol": _SYMBOLS[mark], "size": 8, "color": colour}}
-        for x, y, axis, told in made
+        for x, y, axis, hover in made
     ]
 
 

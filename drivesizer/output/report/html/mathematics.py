@@ -10,7 +10,7 @@ __all__ = ["mathml"]
 
 
 def mathml(sources: Iterable[str]) -> Mapping[str, str]:
-    """MathML of pieces of typst mathematics, all set in one go.
+    """MathML of pieces of typst mathematics, in one run of typst.
 
     Parameters
     ----------

@@ -85,7 +85,7 @@ function look(drawing, button) {
   Plotly.relayout(drawing, relaid);
 }
 
-/** A point and all that is told of it, chosen with the arrow keys: left and right along a line, up and down to others. */
+/** A point with all its figures, selected with the arrow keys: left and right along a line, up and down to others. */
 function stepTo(drawing, key) {
   const lines = drawing.data.map((trace, n) => n).filter((n) => drawing.data[n].visible !== "legendonly" && drawing.data[n].hoverinfo !== "skip");
   if (!lines.length) return;

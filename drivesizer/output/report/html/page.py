@@ -57,6 +57,11 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
         The closed loop, where it was simulated.
     date
         Printed as it is given; without it there is none.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
     """
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs

@@ -1,8 +1,8 @@
-"""On which catalogue figures each check rests: what is unknown for it, and what is less than quoted.
+"""The catalogue figures that each check rests on: those that are unknown, and those that are not quoted.
 
-``results.check_kinds`` declares them; here its words in capitals become the figures that they stand for with a set's
-motor. ``rests_on`` names every figure whose lack would leave a check of the set unknown or change it; a test takes them
-away one by one and looks.
+``results.check_kinds`` declares them; here its words in capitals become the figures of a drive's
+motor. ``rests_on`` names every figure whose lack would leave a check of the drive unknown or change it; a test takes
+them away one by one and looks.
 """
 
 from __future__ import annotations
@@ -22,14 +22,18 @@ _GEAR = ("gearhead.ratio", "gearhead.efficiency", "gearhead.inertia", "motor.rot
 
 
 def rests_on(check: Check, drive_set: DriveSet) -> tuple[str, ...]:
-    """The figures that a check of a set rests on, such as ``motor.resistance``; none for what has none.
+    """The figures that a check of a drive rests on, such as ``motor.resistance``; none for what has none.
 
     Parameters
     ----------
     check
-        One of the set's.
+        One of the drive's.
     drive_set
-        The set: which figures tell its motor's friction depends on the motor.
+        The drive: the figures of its motor's friction depend on the motor.
+
+    Returns
+    -------
+    tuple[str, ...]
     """
     found: list[str] = []
     for name in CHECKS[check.method][check.name].rests_on:
@@ -47,9 +51,9 @@ def _of(word: str, drive_set: DriveSet) -> list[str]:
     if word == "HOUSING":
         iron = ["motor.max_winding_temperature", "motor.nominal_current", "motor.nominal_speed"]
         return [] if motor.kind == "brushed" else iron
-    told = not isnan(motor.friction_torque + motor.viscous_friction)
-    rubbing = ["motor.friction_torque", "motor.viscous_friction"] if told else ["motor.no_load_current"]
-    rubbing += [] if told or motor.kind == "brushed" else ["motor.no_load_speed"]
+    known = not isnan(motor.friction_torque + motor.viscous_friction)
+    rubbing = ["motor.friction_torque", "motor.viscous_friction"] if known else ["motor.no_load_current"]
+    rubbing += [] if known or motor.kind == "brushed" else ["motor.no_load_speed"]
     idle = [] if isnan(gearhead.no_load_torque) else ["gearhead.no_load_torque", "gearhead.continuous_torque"]
     own = ["encoder.inertia"] if encoder and not isnan(encoder.inertia) else []
     return [*_GEAR, *rubbing, *idle, *own]
@@ -58,14 +62,14 @@ def _of(word: str, drive_set: DriveSet) -> list[str]:
 def unknown_figures(drive_set: DriveSet) -> list[list[str]]:
     """For each unknown check its title, and which figures are not known."""
     return [
-        [check.title, ", ".join(_lacking(check, drive_set)) or _told(check)]
+        [check.title, ", ".join(_lacking(check, drive_set)) or _stated(check)]
         for check in drive_set.every_check
         if check.status == "unknown"
     ]
 
 
 def _lacking(check: Check, drive_set: DriveSet) -> list[str]:
-    """What a check lacks: a part, or figures of parts."""
+    """The parts, or figures of parts, that a check lacks."""
     lacking = []
     for name in rests_on(check, drive_set):
         role, _, field = name.partition(".")
@@ -90,8 +94,8 @@ def _is_unknown(value: Any) -> bool:
     return isinstance(value, float) and isnan(value)
 
 
-def _told(check: Check) -> str:
-    """What a check says itself that it lacks, such as masses of parts; else no more than where to look."""
+def _stated(check: Check) -> str:
+    """The missing figures that the note of a check names, such as masses of parts; else where they belong."""
     return check.note.removeprefix("unknown: ") if check.note.startswith("unknown: ") else _OF_THE_SPEC
 
 
@@ -99,7 +103,7 @@ _OF_THE_SPEC = "a figure of the load or of the spec"
 
 
 def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
-    """Figures that are only derived or recalled and that a check rests on: which, how much, how sure, which checks."""
+    """Figures that are only derived or recalled and that a check rests on: their values, confidences and checks."""
     resting: dict[str, list[str]] = {}
     for check in drive_set.every_check:
         for name in rests_on(check, drive_set):

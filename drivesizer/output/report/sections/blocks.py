@@ -232,7 +232,7 @@ class Tiles:
 
 @dataclass(frozen=True, slots=True)
 class Fragment:
-    """A piece that PDF and HTML each set in their own way: ``spec``, ``datasheets``, ``digests`` or ``file``."""
+    """A piece with a renderer of its own in PDF and HTML: ``spec``, ``datasheets``, ``digests`` or ``file``."""
 
     name: str
     rows: Sequence[Any]

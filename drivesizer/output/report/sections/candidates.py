@@ -27,7 +27,7 @@ from drivesizer.output.report.sections.sheet import Column as SheetColumn
 from drivesizer.output.report.sections.sheet import Sheet, headed
 from drivesizer.output.report.sections.sheets import RANK, STATUS
 from drivesizer.output.report.table import rows as table
-from drivesizer.output.report.table.reliability_rows import every_list, less_sure_row
+from drivesizer.output.report.table.reliability_rows import below_confidence_row, every_list
 from drivesizer.output.sums import price_of
 from drivesizer.output.text import margin
 from drivesizer.results.check_kinds import CHECKS
@@ -217,7 +217,7 @@ def _sheet_row(s: DriveSet, pareto: tuple[str, ...]) -> table.Row:
 
 def _of_drive(content: Content, where: str, drive: DriveSet) -> Iterator[table.Row]:
     if where == "unsure":
-        yield less_sure_row(content.result)
+        yield below_confidence_row(content.result)
     yield from table.set_rows(drive, content.result.objective)
 
 

@@ -37,12 +37,14 @@ def _blocks(content: Content) -> Iterator[Block]:
     columns = [Column("check", "name", 1.0), Column("passes", "number"), Column("margin 5 %", "number"),
                Column("50 %", "number"), Column("95 %", "number")]  # fmt: skip
     rows = [Row(check_cells(one)) for one in moved(best.reliability)[:_MOST_CHECKS]]
-    yield Table(f"The checks of {best.label} that samples change: {share}", columns, rows, "sure-checks", "sure")
+    yield Table(
+        f"The checks of {best.label} that samples change: {share}", columns, rows, "probability-checks", "probability"
+    )
     columns = [Column("assumption", "name", 1.0), Column("share", "number"), Column("margin at 5 %", "number"),
                Column("margin at 95 %", "number")]  # fmt: skip
     rows = [Row(driver_cells(one)) for one in best.reliability.drivers[:_MOST_DRIVERS]]
     yield Table("What its smallest margin depends on most: share of its variance, and the margin with this alone at "
-                "its 5 % and 95 % quantile", columns, rows, "sure-drivers", "sure")  # fmt: skip
+                "its 5 % and 95 % quantile", columns, rows, "probability-drivers", "probability")  # fmt: skip
     yield Picture(
         "tornado", f"The smallest margin of all checks of {best.label} with one assumption at its 5 % and at its 95 % "
         "quantile, all others nominal; at the right the share of the variance that each makes alone. Left of the line "
@@ -50,7 +52,7 @@ def _blocks(content: Content) -> Iterator[Block]:
         about="draws the effect of each assumption.")  # fmt: skip
     columns = [Column("figure", "name"), Column("tolerance"), Column("from", width=1.0)]
     rows = [Row((one.title, one.text, one.source)) for one in sampled.assumptions]
-    yield Table("Uncertain figures", columns, rows, "uncertain", "sure")
+    yield Table("Uncertain figures", columns, rows, "uncertain", "probability")
 
 
 def _reached(content: Content, sampled: Uncertainty) -> Iterator[str | Strong]:
@@ -75,7 +77,7 @@ def _probabilities(content: Content, sampled: Uncertainty) -> Iterator[Table]:
     reach = [one for one in content.result.sets[:_MOST_DRIVES] if one.reliability]
     less = [one for one in content.result.unsure[:_MOST_DRIVES] if one.reliability]
     if reach:
-        yield _table(caption, reach, "sure")
+        yield _table(caption, reach, "probabilities")
     if less:
         yield _table(below.capitalize() if reach else f"{caption}: {below}", less, "unsure")
 
@@ -93,7 +95,7 @@ def _table(caption: str, drives: Sequence[DriveSet], name: str) -> Table:
         weakest: Text = f"{one['weakest']} ({one['more']})" if one["more"] else one["weakest"]
         first = (one["rank"], one["label"], one["chance"], one["error"], weakest, one["low"], one["middle"])
         rows.append(Row((*first, one["loop"]) if looped else first, {"rank": one["rank"]}))
-    return Table(caption, columns, rows, name, "sure", dense=True)
+    return Table(caption, columns, rows, name, "probability", dense=True)
 
 
 # -- the sheets

@@ -1,7 +1,7 @@
-"""CSV: one tidy table of everything that was found, the parts list, the closed loop over time, and the sets in rows.
+"""CSV: one tidy table of everything that was found, the parts list, the closed loop over time, and the drives in rows.
 
 UTF-8, lines end with a newline. Numbers are written with every digit that they have, an unknown figure is an
-empty cell, one without end is ``inf``. Units are spelled as a spec accepts them.
+empty cell, an unbounded one is ``inf``. Units are spelled as a spec accepts them.
 """
 
 from __future__ import annotations
@@ -89,16 +89,16 @@ def timeseries_csv(validation: Validation) -> bytes:
 
 
 def columns_csv(columns: Mapping[str, tuple[NDArray[np.float64], str, str]]) -> bytes:
-    """Columns over time by name, each with its kind and the unit that it is told in."""
+    """Columns over time by name, each with its kind and the unit that it is written in."""
     heads = [f"{name} ({unit})" for name, (_, _, unit) in columns.items()]
-    told = (from_si(values, unit, kind).tolist() for values, kind, unit in columns.values())
-    return _encoded(heads, zip(*told, strict=True))
+    written = (from_si(values, unit, kind).tolist() for values, kind, unit in columns.values())
+    return _encoded(heads, zip(*written, strict=True))
 
 
 def sets_csv(result: SizingResult) -> bytes:
-    """One row per set, per one that stands but less surely than was asked for, per nearest miss, per set of the front.
+    """One row per drive: the best, those below the required confidence, the closest rejected, and those of the front.
 
-    How sure they are is told behind all other columns.
+    Their probabilities are behind all other columns.
     """
     sets = every_list(result)
     checks = list(dict.fromkeys(c.name for _, s in sets for c in s.own_checks))
@@ -106,9 +106,9 @@ def sets_csv(result: SizingResult) -> bytes:
     objective = f"objective_{_slug(result.objective)}_si"
     heads = [*_SET_HEADS, "price_of", objective, "smallest_margin", "smallest_margin_check"]
     heads += [*(f"margin_{name}" for name in checks), *(f"figure_{name}_{KINDS[k].si}" for name, k in figures.items())]
-    sure = chance_columns(one for _, one in sets)
-    rows = ([name, *_set_row(one, checks, list(figures)), *chances(one, sure)] for name, one in sets)
-    return _encoded([*heads, *sure], rows)
+    chance = chance_columns(one for _, one in sets)
+    rows = ([name, *_set_row(one, checks, list(figures)), *chances(one, chance)] for name, one in sets)
+    return _encoded([*heads, *chance], rows)
 
 
 def _slug(title: str) -> str:

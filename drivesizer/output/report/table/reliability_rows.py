@@ -1,7 +1,7 @@
-"""How sure the sets are, as rows of plain data under the names in ``rows.COLUMNS`` and ``QUANTILES``.
+"""The probabilities of the drives, as rows of plain data under the names in ``rows.COLUMNS`` and ``QUANTILES``.
 
 CSV and workbook print the same floats. A probability stands in per cent and, in SI, as a share of 1; a margin is a
-share of 1, as in every other row. Nothing is told of sets that were not sampled.
+share of 1, as in every other row. Drives that were not sampled have no such rows.
 """
 
 from __future__ import annotations
@@ -17,7 +17,13 @@ from drivesizer.results.reliability import Driver, Reliability, Spread
 from drivesizer.results.sizing import SizingResult
 
 __all__ = [
-    "QUANTILES", "chance_columns", "chances", "every_list", "less_sure_row", "method_of", "reliability_rows",
+    "QUANTILES",
+    "below_confidence_row",
+    "chance_columns",
+    "chances",
+    "every_list",
+    "method_of",
+    "reliability_rows",
     "sampling_rows",
 ]  # fmt: skip
 
@@ -25,39 +31,52 @@ QUANTILES = ("margin_5", "margin_50", "margin_95")  # margins that 95 %, 50 % an
 
 
 def sampling_rows(result: SizingResult) -> Iterator[Row]:
-    """How the sets were sampled, and each figure that was uncertain with where its tolerance is from."""
-    told = result.uncertainty
-    if told is None:
+    """The sampling, and each uncertain figure with the source of its tolerance."""
+    sampled = result.uncertainty
+    if sampled is None:
         return
     counts = {
-        "samples": ("Samples of each set", told.samples),
-        "seed": ("Seed of the samples", told.seed),
-        "sets_sampled": ("Sets that were sampled", told.examined),
+        "samples": ("Samples of each drive", sampled.samples),
+        "seed": ("Seed of the samples", sampled.seed),
+        "sets_sampled": ("Drives that were sampled", sampled.examined),
     }
-    if told.confidence is not None:
-        yield _share("sampling", "confidence", "Probability that was asked for", told.confidence)
-        counts["sets_that_reach_it"] = ("Sets that are as sure as was asked for", told.reached)
+    if sampled.confidence is not None:
+        yield _share("sampling", "confidence", "Required confidence", sampled.confidence)
+        counts["sets_that_reach_it"] = ("Drives that reach the required confidence", sampled.reached)
     for name, (title, count) in counts.items():
         yield {"section": "sampling", "name": name, "title": title, "value": count}
-    for one in told.assumptions:
+    for one in sampled.assumptions:
         yield {"section": "uncertain", "name": one.name, "title": one.title, "value": one.text, "note": one.source}
 
 
 def every_list(result: SizingResult, *, front: bool = True) -> list[tuple[str, DriveSet]]:
-    """Every set that is told, with the list that it is on; those of the front have ranks of their own."""
+    """Every drive of the report with the list that it is on; those of the front have ranks of their own.
+
+    Parameters
+    ----------
+    result
+        The sizing.
+    front
+        Whether those of the Pareto front are wanted.
+
+    Returns
+    -------
+    list of tuple
+        ``set``, ``unsure``, ``miss`` or ``front``, and the drive.
+    """
     lists = {"set": result.sets, "unsure": result.unsure, "miss": result.misses}
     return [(name, one) for name, some in (lists | {"front": result.front if front else ()}).items() for one in some]
 
 
-def less_sure_row(result: SizingResult) -> Row:
-    """What marks a set that stands at nominal figures, but less surely than was asked for."""
+def below_confidence_row(result: SizingResult) -> Row:
+    """The row that marks a drive below the required confidence."""
     wanted = result.uncertainty.confidence if result.uncertainty else None
-    return {"section": "set", "name": "unsure", "title": "Stands, but less surely than was asked for",
-            "note": f"less surely than {confidence(wanted)}"}  # fmt: skip
+    return {"section": "set", "name": "unsure", "title": "Meets all limits, but below the required confidence",
+            "note": f"below the confidence of {confidence(wanted)}"}  # fmt: skip
 
 
 def reliability_rows(one: DriveSet) -> Iterator[Row]:
-    """A set over its samples: how probable it is that all checks pass, each check alone, and what it hangs on."""
+    """A drive over its samples: the probability that all checks pass, each check alone, and the drivers."""
     found = one.reliability
     if found is None:
         return
@@ -99,13 +118,25 @@ def _check(spread: Spread, one: DriveSet) -> Row:
 
 
 def method_of(spread: Spread, one: DriveSet) -> str:
-    """Whose check it is: the physics', or a budget of the machine's."""
+    """The method of a check: ``physics``, or ``budget`` of the machine.
+
+    Parameters
+    ----------
+    spread
+        The check over the samples.
+    one
+        The drive.
+
+    Returns
+    -------
+    str
+    """
     budget = {check.name for check in one.budget}
     return "budget" if spread.name in budget else "physics"
 
 
 def _driver(driver: Driver) -> Iterator[Row]:
-    """What one assumption does to the smallest margin."""
+    """The effect of one assumption on the smallest margin."""
     of = {"case": driver.name}
     yield _share("driver", "share_of_variance", "Share of the variance of the smallest margin", driver.share) | of
     sign = {"value": driver.rank_correlation, "unit": "1", "si_value": driver.rank_correlation, "si_unit": "1"}
@@ -130,7 +161,7 @@ _LOOP = ("closed_loop_probability", "closed_loop_none_fails", "closed_loop_error
 
 
 def chance_columns(sets: Iterable[DriveSet]) -> tuple[str, ...]:
-    """Heads of the columns of :func:`chances`; none where no set was sampled."""
+    """Heads of the columns of :func:`chances`; none where no drive was sampled."""
     found = [one.reliability for one in sets if one.reliability]
     if not found:
         return ()
@@ -141,7 +172,20 @@ def chance_columns(sets: Iterable[DriveSet]) -> tuple[str, ...]:
 
 
 def chances(one: DriveSet, heads: Sequence[str]) -> list[Any]:
-    """How sure a set is, a cell for each head; empty where it was not sampled or has no such check."""
+    """The probabilities of a drive, a cell for each head.
+
+    Parameters
+    ----------
+    one
+        The drive.
+    heads
+        Of :func:`chance_columns`.
+
+    Returns
+    -------
+    list
+        Cells; empty where the drive was not sampled or has no such check.
+    """
     cells = _cells(one.reliability) if one.reliability else {}
     return [cells.get(head, "") for head in heads]
 

@@ -1,7 +1,7 @@
-"""What was found as rows of plain data, one figure in each, under the names in ``COLUMNS``.
+"""A sizing as rows of plain data, one figure in each, under the names in ``COLUMNS``.
 
-CSV and workbook print the same rows. Figures are floats, NaN where unknown; each stands in the unit of the trade and in
-SI beside.
+CSV and workbook print the same rows. Figures are floats, NaN where unknown; each is in its customary unit and in SI
+beside.
 """
 
 from __future__ import annotations
@@ -48,19 +48,43 @@ def _figure(section: str, name: str, title: str, value: float, kind: str, unit: 
 
 
 def figure_row(section: str, f: Figure) -> Row:
-    """A figure that has no limit of its own."""
+    """A figure that has no limit of its own.
+
+    Parameters
+    ----------
+    section
+        The section of the table.
+    f
+        The figure.
+
+    Returns
+    -------
+    dict
+    """
     at_time = "" if f.at_time is None else f.at_time
     return _figure(section, f.name, f.title, f.value, f.kind, f.unit) | {"at_time_s": at_time}
 
 
 def requirement_row(r: Requirement) -> Row:
-    """What the load asks for, with the paper's symbol and number."""
+    """A requirement of the load, with the paper's symbol and number."""
     row = _figure("requirement", r.name, r.title, float(r.value), r.kind, r.unit)
     return row | {"symbol": r.symbol, "equation": r.equation or "", "note": r.note}
 
 
 def check_row(section: str, c: Check) -> Row:
-    """A demand as value against its limit."""
+    """A check: its demand as value, its limit, margin and status.
+
+    Parameters
+    ----------
+    section
+        The section of the table.
+    c
+        The check.
+
+    Returns
+    -------
+    dict
+    """
     return _figure(section, c.name, c.title, c.demand, c.kind, c.unit) | {
         "method": c.method,
         "case": c.case,
@@ -75,7 +99,7 @@ def check_row(section: str, c: Check) -> Row:
 
 
 def battery_rows(s: DriveSet) -> Iterator[Row]:
-    """What draws from the battery, in the mean as value and at most as limit, and what comes of it."""
+    """The consumers of the battery, mean power as value and highest as limit, and the figures of the battery."""
     if s.energy is None:
         return
     for one in s.energy.consumers:
@@ -87,7 +111,7 @@ def battery_rows(s: DriveSet) -> Iterator[Row]:
 
 
 def machine_rows(s: DriveSet) -> Iterator[Row]:
-    """What the machine weighs, all pieces of a part together, and what else is told of it with the set in it."""
+    """The masses of the machine, all pieces of a part together, and its figures with the drive."""
     for one in s.masses:
         row = _figure("mass", one.name, one.name, one.total, "mass", "kg")
         said = f"{one.number} of {show(one.each, 'kg', 'mass')}" if one.number > 1 else ""
@@ -97,36 +121,53 @@ def machine_rows(s: DriveSet) -> Iterator[Row]:
 
 
 def change_row(r: Relaxation) -> Row:
-    """What would let a set stand: the figure now as value, what it must become as limit."""
-    row = _figure("change", r.field, "What would have to move", r.before, r.kind, r.unit)
+    """A change after which a drive passes: the figure now as value, the needed one as limit."""
+    row = _figure("change", r.field, "Change of the spec", r.before, r.kind, r.unit)
     return row | {
         "limit": from_si(r.after, r.unit, r.kind),
         "si_limit": r.after,
-        "note": f"{r.now} to {r.needed}: then {r.set_label} stands",
+        "note": f"{r.now} to {r.needed}: then {r.set_label} passes",
     }
 
 
 def count_rows(result: SizingResult) -> Iterator[Row]:
-    """How many sets were looked at, how many stand, and how many fell by which check."""
+    """The number of combinations examined, of drives that meet all limits, and of those that fail on each check."""
     counts, declared = result.counts, CHECKS[result.method]
-    yield {"section": "count", "name": "considered", "title": "Sets that were looked at", "value": counts.considered}
-    yield {"section": "count", "name": "feasible", "title": "Sets that stand", "value": counts.feasible}
+    yield {
+        "section": "count",
+        "name": "considered",
+        "title": "Combinations that were examined",
+        "value": counts.considered,
+    }
+    yield {"section": "count", "name": "feasible", "title": "Drives that meet all limits", "value": counts.feasible}
     for name, count in counts.failed_by.items():
         yield {
             "section": "count",
             "name": f"failed_{name}",
-            "title": f"Fell by: {declared[name].title}",
+            "title": f"Fails on: {declared[name].title}",
             "value": count,
         }
     for name, count in counts.failed_by_budget.items():
-        title = f"Fell in the machine by: {CHECKS['budget'][name].title}"
+        title = f"Fails on the machine's budget: {CHECKS['budget'][name].title}"
         yield {"section": "count", "name": f"failed_budget_{name}", "title": title, "value": count}
 
 
 def front_rows(s: DriveSet, objectives: Iterable[str]) -> Iterator[Row]:
-    """A set of the Pareto front by its objectives."""
+    """A drive of the Pareto front by its objectives.
+
+    Parameters
+    ----------
+    s
+        The drive.
+    objectives
+        Their names.
+
+    Returns
+    -------
+    Iterator of rows
+    """
     yield from _names("front", {"motor": s.motor, "gearhead": s.gearhead})
-    yield _figure("front", "total_ratio", "Whole reduction", s.total_ratio, "dimensionless", "1")
+    yield _figure("front", "total_ratio", "Total ratio", s.total_ratio, "dimensionless", "1")
     yield from (figure_row("front", objective_figure(s, name)) for name in objectives)
 
 
@@ -138,15 +179,27 @@ def _names(section: str, parts: dict[str, Any]) -> Iterator[Row]:
 
 
 def set_rows(s: DriveSet, objective: str) -> Iterator[Row]:
-    """A set: its parts, ratios, mass, price, what it has of the objective, and the verdict."""
+    """A drive: its parts, ratios, mass, price, objective and verdict.
+
+    Parameters
+    ----------
+    s
+        The drive.
+    objective
+        The title of the objective.
+
+    Returns
+    -------
+    Iterator of rows
+    """
     yield from _names("set", {name: getattr(s, name) for name in ("motor", "gearhead", "encoder", "controller")})
     if s.belt_drive:
         yield from _names("set", {role.replace(" ", "_"): part for role, part in s.belt_drive.parts.items()})
         yield _figure("set", "centre_distance", "Centre distance", s.belt_drive.centre_distance, "length", "mm")
         yield _figure("set", "teeth_in_mesh", "Teeth in mesh", s.belt_drive.teeth_in_mesh, "dimensionless", "1")
-    yield _figure("set", "gearhead_ratio", "Reduction of the gearhead", s.gearhead.ratio, "dimensionless", "1")
-    yield _figure("set", "belt_ratio", "Reduction of the belt", s.belt_ratio, "dimensionless", "1")
-    yield _figure("set", "total_ratio", "Whole reduction", s.total_ratio, "dimensionless", "1")
+    yield _figure("set", "gearhead_ratio", "Ratio of the gearhead", s.gearhead.ratio, "dimensionless", "1")
+    yield _figure("set", "belt_ratio", "Ratio of the belt", s.belt_ratio, "dimensionless", "1")
+    yield _figure("set", "total_ratio", "Total ratio", s.total_ratio, "dimensionless", "1")
     price, priced = price_of(s)
     yield _figure("set", "mass", "Mass", s.mass, "mass", "g") | _over("sum of", s.mass_of)
     yield _figure("set", "price", "Price", price, "price", "EUR") | _over("sum of", priced)
@@ -180,7 +233,7 @@ def part_rows(line: PartLine) -> Iterator[Row]:
 
 
 def total_rows(totals: Iterable[Total]) -> Iterator[Row]:
-    """What a parts list comes to, and of which roles."""
+    """The sums of a parts list, with the roles that they cover."""
     for total in totals:
         unit = "g" if total.name == "mass" else total.unit
         value = from_si(total.value, unit, "mass") if total.name == "mass" else total.value

@@ -22,7 +22,7 @@ from drivesizer.units import label
 __all__ = ["MOST_ROWS", "share", "shown", "written"]
 
 MOST_ROWS = 1_048_575  # that a sheet has below its head
-_UNDATED = datetime(2000, 1, 1)  # a file that tells the time of its making is never the same again
+_UNDATED = datetime(2000, 1, 1)  # a file with the time of its making is never the same again
 _PLAIN = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
 _Pen = Callable[..., Any]  # look, and how a number is shown: a format of the workbook
 
