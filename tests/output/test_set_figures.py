@@ -97,7 +97,7 @@ def test_bars_of_energy_go_down_from_what_is_drawn_to_nothing(canvas):
     assert left == pytest.approx(0.0)
     assert len({*hatches(axes)}) == 3
     said = labels(energy.energy_bars(FLOW))
-    assert {"energy of a cycle (J)", "20 J, 20 %", "work on the load", "comes back, kept by the supply"} <= said
+    assert {"energy of a cycle (J)", "20 J, 20 %", "work on the load", "regenerated, kept by the supply"} <= said
 
 
 def test_a_load_that_gives_goes_up_again_and_large_energies_have_larger_units(canvas):
@@ -115,8 +115,8 @@ def test_the_bars_of_a_result_sum_to_its_figures(hoist):
     told = {figure.name: figure.value for figure in hoist.sets[0].figures}
     whole = shown.pop("drawn from the supply")
     assert sum(shown.values()) == pytest.approx(whole, rel=1e-9)
-    assert whole - shown["comes back, kept by the supply"] == pytest.approx(told["energy"], rel=1e-9)
-    back = shown["comes back, kept by the supply"] + shown["comes back, not kept"]
+    assert whole - shown["regenerated, kept by the supply"] == pytest.approx(told["energy"], rel=1e-9)
+    back = shown["regenerated, kept by the supply"] + shown["regenerated, not kept"]
     assert back == pytest.approx(told["returned"], rel=1e-9)
 
 
