@@ -181,7 +181,7 @@ def test_nothing_reached_is_said_at_the_terminal(
     unsure: SizingResult, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    said = told(unsure, capsys)
+    said = " ".join(told(unsure, capsys).split())
     surest = unsure.unsure[0].status  # unknown where its motor's heat is: the time constants of some are not printed
     assert "No drive reaches the confidence of 100 %." in said
     assert f"The most probable, at nominal figures: {surest}" in said
