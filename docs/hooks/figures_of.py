@@ -10,7 +10,7 @@ __all__ = ["closed_loop", "followed"]
 def closed_loop(root: Path) -> bytes:
     """The figure of ``drivesizer validate --figures`` for the robot of the paper."""
     from drivesizer import load_spec, size, validate
-    from drivesizer.output.report.all_figures import loop_drawings
+    from drivesizer.output.report.figures.all_figures import loop_drawings
 
     spec = load_spec(root / "examples" / "sps_robot.yaml")
     proof = validate(spec, size(spec, top=1).sets[0])

@@ -12,7 +12,7 @@ from itertools import product
 from typing import Any, NamedTuple
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.output.report.all_figures import Drawing
+from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.study.columns import Row, columns_of
 from drivesizer.study.map_figure import draw
 from drivesizer.study.map_panel import Dimension, Map, Panel

@@ -13,8 +13,9 @@ from printed import Printed, blank_figures, printed, text_of
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.platform_wheels import trajectory_of
 from drivesizer.output.report import html, workbook
-from drivesizer.output.report.all_figures import report_drawings
 from drivesizer.output.report.figures import motion, plan_view, wheels
+from drivesizer.output.report.figures.all_figures import report_drawings
+from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.figures.time_windows import Window, thinned
 from drivesizer.output.report.html.page import report_html
@@ -23,7 +24,6 @@ from drivesizer.output.report.lines.machine import driven_over, machine_words
 from drivesizer.output.report.pdf import report_pdf
 from drivesizer.output.report.sections.blocks import text_of as text_of_cell
 from drivesizer.output.report.sections.machine import consumers, masses, unknown_consumers
-from drivesizer.output.report.set_behaviour import Behaviour
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import size

@@ -14,10 +14,10 @@ from drivesizer.machine.energy_flow import EnergyFlow
 from drivesizer.machine.set_cycle import Warming, set_cycle
 from drivesizer.machine.warm_up import warm_up
 from drivesizer.output.parts import parts_list
-from drivesizer.output.report.all_figures import report_drawings
 from drivesizer.output.report.figures import demand, efficiency, energy, heat, load_and_loop, margins, pareto_front
+from drivesizer.output.report.figures.all_figures import report_drawings
+from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.sections.parts import parts_table
-from drivesizer.output.report.set_behaviour import Behaviour
 from drivesizer.results.sizing import Check, SizingResult
 from drivesizer.sizing import size
 

@@ -20,7 +20,7 @@ from drivesizer.output.json import documents as json_documents
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.probability import likely, moved
 from drivesizer.output.report import workbook, write
-from drivesizer.output.report.all_figures import report_drawings
+from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.tornado import swings, tornado
 from drivesizer.output.report.lines.reliability import drive_cells, error_and_weakest, reported
 from drivesizer.output.report.table import csv as csv_tables

@@ -17,8 +17,8 @@ from drivesizer.machine.operating_field import field
 from drivesizer.machine.problem import problem
 from drivesizer.output.report.figures.field import torque_speed
 from drivesizer.output.report.figures.field_panels import Panel, paper_points
+from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.lines.drive import drive_row
-from drivesizer.output.report.set_behaviour import Behaviour
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import hardest_case, validate
 from drivesizer.sizing import explain, size

@@ -27,8 +27,8 @@ from drivesizer.errors import CatalogError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.output.json import documents as json_documents
+from drivesizer.output.report.lines import reliability_rows
 from drivesizer.output.report.lines.reliability import drive_cells
-from drivesizer.output.report.table import reliability_rows
 from drivesizer.output.terminal import reliability as terminal_reliability
 from drivesizer.search.search import search
 from drivesizer.search.uncertainty import sampled_closed_loop

@@ -196,15 +196,15 @@ def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:
     InputError
         When the folder is a file or cannot be made, or a file cannot be written. No file is changed then.
     """
-    from drivesizer.output.report.all_figures import loop_drawings
     from drivesizer.output.report.figure_files import figures_into
+    from drivesizer.output.report.figures.all_figures import loop_drawings
 
     return figures_into(loop_drawings(validation), folder)
 
 
 def write_figures(result: SizingResult, validation: Validation | None, folder: Path) -> list[Path]:
     """Write every figure of a report as SVG and as PNG; see :func:`write_loop_figures`."""
-    from drivesizer.output.report.all_figures import report_drawings
     from drivesizer.output.report.figure_files import figures_into
+    from drivesizer.output.report.figures.all_figures import report_drawings
 
     return figures_into(report_drawings(result, validation), folder)

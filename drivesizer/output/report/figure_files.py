@@ -7,7 +7,7 @@ from pathlib import Path
 
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.writing import put, ready
-from drivesizer.output.report.all_figures import Drawing
+from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.style import FILES
 
 __all__ = ["figures_into"]

@@ -15,9 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.report.all_figures import Drawing
-from drivesizer.output.report.content import Content
-from drivesizer.output.report.document import document
+from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.field import MOST_PANELS
 from drivesizer.output.report.figures.field_panels import Panel, panels
 from drivesizer.output.report.figures.style import COLOURS
@@ -29,6 +27,8 @@ from drivesizer.output.report.html.load_plots import cycle_plot, motion_plot
 from drivesizer.output.report.html.loop_plots import bode_plot, closed_loop_plot, step_plots
 from drivesizer.output.report.html.mathematics import mathml
 from drivesizer.output.report.sections.candidates import candidate_numbers
+from drivesizer.output.report.sections.content import Content
+from drivesizer.output.report.sections.document import document
 from drivesizer.results.sizing import SizingResult
 from drivesizer.units import show
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from drivesizer.output.report.content import Content
 from drivesizer.output.report.sections.blocks import Block, Code, Column, Fragment, Row, Table
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import NO_ROWS, Section, nothing
 from drivesizer.output.report.sections.sheet import Column as SheetColumn
 from drivesizer.output.report.sections.sheet import Sheet

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from drivesizer.output.report.content import Content
+from drivesizer.output.report.lines.rows import change_row
 from drivesizer.output.report.sections.blocks import Block, Column, Row, Table
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import CsvRows, Section, nothing
-from drivesizer.output.report.table.rows import change_row
 from drivesizer.results.drive_set import Relaxation
 
 __all__ = ["CHANGES", "changes_table"]

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from drivesizer.output.derivation import step, symbol
 from drivesizer.output.json.loops import number
-from drivesizer.output.report.content import Content
 from drivesizer.output.report.figures.load_and_loop import stretches
+from drivesizer.output.report.lines.rows import requirement_row
 from drivesizer.output.report.sections.blocks import (
     Block,
     Column,
@@ -20,11 +20,11 @@ from drivesizer.output.report.sections.blocks import (
     Table,
     Words,
 )
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Column as SheetColumn
 from drivesizer.output.report.sections.sheet import Sheet
 from drivesizer.output.report.sections.sheets import NOTE, RANK, VALUES, ranked
-from drivesizer.output.report.table.rows import requirement_row
 from drivesizer.results.requirement import Requirement
 
 __all__ = ["DERIVATION"]

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.loop_table import gain, gain_rows, linear
-from drivesizer.output.report.content import Content
 from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
 from drivesizer.output.report.figures.time_windows import windows
+from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import check_row, figure_row
 from drivesizer.output.report.lines.machine import driven_over
 from drivesizer.output.report.sections.blocks import (
@@ -26,11 +26,11 @@ from drivesizer.output.report.sections.blocks import (
     Table,
     Words,
 )
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import NO_ROWS, CsvRows, Section, nothing
 from drivesizer.output.report.sections.sheet import Column as SheetColumn
 from drivesizer.output.report.sections.sheet import Sheet, headed
 from drivesizer.output.report.sections.sheets import LIMITS
-from drivesizer.output.report.table import rows as table
 from drivesizer.output.thinning import on_curves
 from drivesizer.units import from_si
 

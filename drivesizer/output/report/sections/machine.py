@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from math import isnan
 
 from drivesizer.output.energy_table import consumer_rows
-from drivesizer.output.report.content import Content
 from drivesizer.output.report.lines.drive import check_row, figure_row
+from drivesizer.output.report.lines.rows import battery_rows, machine_rows
 from drivesizer.output.report.sections.blocks import (
     Block,
     Bullets,
@@ -22,11 +22,11 @@ from drivesizer.output.report.sections.blocks import (
     Words,
     quantity,
 )
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Column as SheetColumn
 from drivesizer.output.report.sections.sheet import Sheet
 from drivesizer.output.report.sections.sheets import RANK, STATUS, VALUES, ranked
-from drivesizer.output.report.table.rows import battery_rows, machine_rows
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
 

@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from drivesizer.output.report.content import Content
+from drivesizer.output.report.lines.rows import Row
 from drivesizer.output.report.sections.blocks import Block, Number, Pair, Table, Words, text_of
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.sheet import Column, Sheet
-from drivesizer.output.report.table.rows import Row
 from drivesizer.results.drive_set import DriveSet
 
 __all__ = ["NO_ROWS", "CsvRows", "Section", "nothing", "rows_of", "sheets_of"]

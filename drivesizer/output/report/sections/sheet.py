@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from drivesizer.output.report.table.rows import Row
+from drivesizer.output.report.lines.rows import Row
 from drivesizer.units import label
 
 __all__ = ["Cell", "Column", "Sheet", "headed"]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from drivesizer.output.report.content import Content
+from drivesizer.output.report.lines.reliability_rows import every_list
+from drivesizer.output.report.lines.rows import Row
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.sheet import Column
-from drivesizer.output.report.table.reliability_rows import every_list
-from drivesizer.output.report.table.rows import Row
 from drivesizer.results.drive_set import DriveSet
 
 __all__ = ["LIMITS", "NOTE", "RANK", "STATUS", "VALUES", "ranked"]

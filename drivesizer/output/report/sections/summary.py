@@ -7,7 +7,7 @@ from typing import Any
 
 from drivesizer.output.parts import parts_list, totals
 from drivesizer.output.probability import confidence, likely
-from drivesizer.output.report.content import Content
+from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import case_of, check_row, drive_row, tightest_checks
 from drivesizer.output.report.lines.machine import driven_over, machine_words
 from drivesizer.output.report.lines.reliability import error_and_weakest, none_reaches, reported
@@ -26,10 +26,10 @@ from drivesizer.output.report.sections.blocks import (
     Words,
 )
 from drivesizer.output.report.sections.changes import changes_table
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import NO_ROWS, Section
 from drivesizer.output.report.sections.sheet import Cell, Sheet
 from drivesizer.output.report.sections.sheet import Column as SheetColumn
-from drivesizer.output.report.table import rows as table
 from drivesizer.output.text import margin
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, worst

@@ -18,16 +18,16 @@ from numpy.typing import NDArray
 from drivesizer.control.validation import Validation
 from drivesizer.output.cells import csv_cell
 from drivesizer.output.parts import PartLine
-from drivesizer.output.report.content import Content
-from drivesizer.output.report.sections import SECTIONS
-from drivesizer.output.report.sections.section import rows_of
-from drivesizer.output.report.table.reliability_rows import (
+from drivesizer.output.report.lines.reliability_rows import (
     QUANTILES,
     chance_columns,
     chances,
     every_list,
 )
-from drivesizer.output.report.table.rows import COLUMNS, Row
+from drivesizer.output.report.lines.rows import COLUMNS, Row
+from drivesizer.output.report.sections import SECTIONS
+from drivesizer.output.report.sections.content import Content
+from drivesizer.output.report.sections.section import rows_of
 from drivesizer.output.sums import price_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult, worst

@@ -8,9 +8,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.report.content import Content
 from drivesizer.output.report.sections import SECTIONS
 from drivesizer.output.report.sections.appendix import about
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import sheets_of
 from drivesizer.output.report.sections.sheet import Sheet
 from drivesizer.output.report.workbook.writer import written

@@ -14,8 +14,8 @@ from typing import Any
 
 from drivesizer.output.cells import visible
 from drivesizer.output.probability import likely
+from drivesizer.output.report.lines.rows import Row
 from drivesizer.output.report.sections.sheet import Cell, Column, Sheet
-from drivesizer.output.report.table.rows import Row
 from drivesizer.output.report.workbook.chart import draw
 from drivesizer.units import label
 

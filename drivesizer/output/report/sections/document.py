@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from drivesizer.output.report.content import Content
 from drivesizer.output.report.lines.machine import machine_words
 from drivesizer.output.report.sections import SECTIONS
 from drivesizer.output.report.sections.blocks import as_data
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.text import cleaned, short
 from drivesizer.version import __version__
 

@@ -13,9 +13,9 @@ from typing import Any
 
 from drivesizer.control.validation import Validation
 from drivesizer.errors import DrivesizerError, InputError, quoted
-from drivesizer.output.report.all_figures import IN_TABLES
-from drivesizer.output.report.content import Content
-from drivesizer.output.report.document import document
+from drivesizer.output.report.figures.all_figures import IN_TABLES
+from drivesizer.output.report.sections.content import Content
+from drivesizer.output.report.sections.document import document
 from drivesizer.results.sizing import SizingResult
 
 __all__ = ["PAPERS", "ReportError", "fonts", "render", "report_pdf"]

@@ -7,10 +7,10 @@ from functools import cached_property
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.parts import PartLine, parts_list
-from drivesizer.output.report.all_figures import Drawing, report_drawings
+from drivesizer.output.report.figures.all_figures import Drawing, report_drawings
+from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.lines.machine import first_wheel
 from drivesizer.output.report.lines.reliability import outcome
-from drivesizer.output.report.set_behaviour import Behaviour
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult

@@ -11,7 +11,7 @@ from math import nan
 from typing import Any
 
 from drivesizer.output.probability import confidence
-from drivesizer.output.report.table.rows import Row
+from drivesizer.output.report.lines.rows import Row
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.reliability import Driver, Reliability, Spread
 from drivesizer.results.sizing import SizingResult

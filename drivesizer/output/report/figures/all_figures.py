@@ -15,12 +15,12 @@ from drivesizer.output.report.figures.margins import margins
 from drivesizer.output.report.figures.motion import speed_profile
 from drivesizer.output.report.figures.pareto_front import trade_off
 from drivesizer.output.report.figures.plan_view import plan_view, ways_of
+from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.figures.style import Form
 from drivesizer.output.report.figures.tornado import swings, tornado
 from drivesizer.output.report.figures.wheels import wheels_over_time
 from drivesizer.output.report.lines.machine import first_wheel
 from drivesizer.output.report.lines.reliability import reported
-from drivesizer.output.report.set_behaviour import Behaviour
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult
