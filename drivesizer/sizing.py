@@ -64,20 +64,20 @@ def size(
     catalog
         Parts to choose from; those that the spec names when not given.
     top
-        How many sets to give.
+        How many drives to give.
     objective
         In place of the spec's.
     pareto
-        Objectives of which the front is wanted too: sets that no other beats in all of them.
+        Objectives of which the front is wanted too: drives that no other beats in all of them.
     progress
-        Called with the sets that are examined and all there are, a chunk at a time.
+        Called with the drives that are examined and all there are, a chunk at a time.
     sampling
-        How sets are sampled for their tolerances; as the spec says when not given.
+        How drives are sampled for their tolerances; as the spec says when not given.
 
     Returns
     -------
     SizingResult
-        The best sets, or the nearest misses and what would have to be relaxed.
+        The best drives, or the closest rejected and the changes that would let one pass.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def size(
     objective = objective or spec.select.objective
     picked = shortlist(spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling)
     problem, found, short = picked.problem, picked.found, picked.short
-    fell = [*short.values(), *(drive_set(found.evaluation, row, 0, objective) for row in picked.fallen)]
+    rejected = [*short.values(), *(drive_set(found.evaluation, row, 0, objective) for row in picked.rejected)]
     sets = with_both_methods(problem, ranked(picked.best.values()))
     unsure = with_both_methods(problem, ranked(picked.unsure.values(), len(sets)))
     return SizingResult(
@@ -98,8 +98,8 @@ def size(
         objective=title_of(objective),
         requirements=_requirements(found, next(iter((*picked.best, *picked.unsure, *short)), 0)),
         sets=sets,
-        misses=ranked(fell[: None if sets else top], len(sets) + len(unsure)),
-        relaxations=() if found.standing or found.short else relaxations(problem),
+        misses=ranked(rejected[: None if sets else top], len(sets) + len(unsure)),
+        relaxations=() if found.passing or found.short else relaxations(problem),
         counts=found.counts,
         assumptions=(*_assumptions(problem.spec), *pulleys.assumptions(problem), *_of_data(spec, (*sets, *unsure))),
         warnings=(*picked.weighed, *_warnings(problem, sets), *shortfall(short, found.better), *catalog.replaced),
@@ -112,7 +112,7 @@ def size(
 
 
 def _requirements(found: Found, row: int) -> tuple[Requirement, ...]:
-    """What the load asks for, by the method: the load cycle's figures, or (1)-(16).
+    """The load's requirements: by physics figures of the load cycle, by the paper (1)-(16).
 
     The latter are with the rotor inertia of the candidate that is shown; without candidates, with none.
     """
@@ -125,28 +125,28 @@ def _requirements(found: Found, row: int) -> tuple[Requirement, ...]:
 
 
 def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
-    """Motors whose resistance is of a temperature that nobody states; the paper's method does not ask for it."""
+    """Motors whose resistance is of a temperature that nobody states; the paper's method does not use it."""
     if spec.method != "physics":
         return ()
     return of_unstated_temperature(s.motor.part for s in sets if isnan(s.motor.data_temperature))
 
 
 def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
-    """What the method takes for granted, as sentences."""
+    """Assumptions of the method, as sentences."""
     if spec.method == "physics":
         said = [
             "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well; "
             "where a gearhead's no-load torque is printed, that is lost at any torque and the rest in proportion",
             "brushed motors lose k_t I_0 at any speed; of brushless ones the no-load loss rises with speed",
-            "the winding's peak is that of the cycle repeated for ever; friction and iron losses warm the housing, "
-            "copper the winding; where time constants are unknown it is the mean",
+            "the winding's peak is that of the cycle in periodic steady state; friction and iron losses warm the "
+            "housing, copper the winding; where time constants are unknown it is the mean",
             "voltage is with the winding at the ambient and at its mean temperature, the larger counts",
-            "at rest the motor holds what the load asks for, without help of friction",
-            "an unknown inertia of the gearhead or friction of the motor is left out where more could only ask for "
-            "more: what fails then fails, what passes is unknown",
+            "at rest the motor holds the full torque of the load, without help of friction",
+            "an unknown inertia of the gearhead or friction of the motor is left out where it could only raise the "
+            "demand: a check that fails without it fails, one that passes is unknown",
             "an encoder's unknown inertia is left out",
-            "a gearhead's continuous input speed may be exceeded for 1 s on end and 10 % of the time, but not by the "
-            "mean while running; Apex Dynamics, Harmonic Drive and Wittenstein limit that mean alone",
+            "a gearhead's continuous input speed may be exceeded for 1 s uninterrupted and 10 % of the time, but not "
+            "by the mean while running; Apex Dynamics, Harmonic Drive and Wittenstein limit that mean alone",
         ]
         if spec.paper_applies:
             said.append("the paper's method is shown beside it; its factors enter neither requirements nor checks")
@@ -165,7 +165,7 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
 
 
 def _warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
-    """What the method does not look at and the reader should know."""
+    """Warnings: what the method leaves out, and what limits the best drive."""
     spec = problem.spec
     said = list(dict.fromkeys(line for case in problem.cases for line in grip_warning(case.spec)))
     if spec.method == "paper":
@@ -178,14 +178,14 @@ def _warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     best = sets[0]
     missing = [check.title for check in best.deciding if check.status == "unknown"]
     if missing:
-        said.append(f"unknown for the best set: {', '.join(missing)}")
+        said.append(f"unknown for the best drive: {', '.join(missing)}")
     figures = {figure.name: figure for figure in best.figures}
     if "current_limit" in figures and figures["current_limit"].value < figures["peak_current"].value:
         both = figures["current_limit"].text, figures["peak_current"].text
         said.append(f"the current limit that protects the gearhead at a jam is {both[0]}, the cycle takes {both[1]}")
     if spec.method == "paper" and best.motor.nominal_voltage > spec.supply.highest:
         volts = [show(v, "V", "voltage") for v in (best.motor.nominal_voltage, spec.supply.highest)]
-        said.append(f"the best set's motor is wound for {volts[0]}, the supply gives {volts[1]} at most")
+        said.append(f"the best drive's motor is wound for {volts[0]}, the supply gives {volts[1]} at most")
     return tuple(said)
 
 
@@ -195,7 +195,7 @@ def _not_returning(problem: Problem) -> list[str]:
 
 
 def _unrestricted(problem: Problem, objective: Ranking) -> DriveSet | None:
-    """The best set of the whole catalogue, where the spec names families or parts."""
+    """The best drive of the whole catalogue, where the spec names families or parts."""
     select = problem.spec.select
     if not select.is_restricted:
         return None
@@ -209,7 +209,7 @@ def _unrestricted(problem: Problem, objective: Ranking) -> DriveSet | None:
 
 
 def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog | None = None) -> list[DriveSet]:
-    """One pair of motor and gearhead, check by check, with every belt ratio of the spec: sets of :func:`explained`."""
+    """One combination of motor and gearhead with every belt ratio of the spec: the drives of :func:`explained`."""
     return explained(spec, motor, gearhead, catalog=catalog).sets
 
 
@@ -221,7 +221,7 @@ def explained(
     catalog: Catalog | None = None,
     sampling: Sampling | None = None,
 ) -> Explanation:
-    """One pair of motor and gearhead, check by check, and how sure it is where the spec has tolerances.
+    """One combination of motor and gearhead, check by check, and its probability where the spec has tolerances.
 
     Where the drive's own mass counts the machine is as heavy as ``size`` makes it, for any pair.
 
@@ -240,7 +240,7 @@ def explained(
     Returns
     -------
     Explanation
-        A set for every belt ratio of the spec, whether it stands or not.
+        A drive for every belt ratio of the spec, whether it passes or not.
 
     Raises
     ------

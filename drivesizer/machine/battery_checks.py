@@ -1,8 +1,8 @@
 """A battery's demands against its limits: autonomy, range, voltage, currents. Margins are made in ``checks``.
 
-What comes back charges the battery: with the charge of the start the largest return makes its voltage highest, V = E +
-R I. That is held against the voltage at which a charge ends and against the supply's highest, at which the drive was
-judged: where the battery keeps below that, so does the bus (``limits_over_time``).
+Regenerated power charges the battery: its largest value with the charge of the start makes the highest voltage,
+V = E + R I. That is held against the voltage at which a charge ends and against the supply's highest, at which the
+drive was judged: where the battery keeps below that, so does the bus (``limits_over_time``).
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ __all__ = [
     "required_autonomy",
 ]  # fmt: skip
 
-_RESISTED = "unknown: by how much what comes back raises the voltage: give the resistance"
+_RESISTED = "unknown: how far regenerated power raises the voltage: give the resistance"
 _AT_REST = ("battery_power", "battery_voltage", "battery_cutoff", "battery_overcharge", "battery_return_voltage")
 
 
 class Load(NamedTuple):
-    """What a battery is asked for; NaN is unknown. Figures, or columns over samples."""
+    """The load of a battery; NaN is unknown. Figures, or columns over samples."""
 
     mean: Any  # W
     peak: Any  # W
     rms: float  # W
     back: float  # W into the battery, at most
-    way: Any  # m/s, mean
+    speed: Any  # m/s, mean
     full: Any = nan  # s, until all of its charge is drawn
     required: float = nan  # s that it must last; also where nothing is required
     charge: Any = nan  # share left at the end
@@ -66,7 +66,7 @@ def battery_checks(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> t
     given
         The spec's section: what is required, and the reserve.
     pack, load
-        What there is, and what it is asked for.
+        The battery, and its load.
     """
     return tuple(column.at((), "budget") for column in battery_columns(spec, given, pack, load))
 
@@ -79,17 +79,17 @@ def battery_columns(spec: Any, given: Battery, pack: Pack, load: Any) -> tuple[C
 
 
 def accepted(spec: Any) -> Any:
-    """Share of what comes back that goes into the battery; what of it is not stored is lost inside."""
+    """Share of regenerated power that goes into the battery; what of it is not stored is lost inside."""
     return 1.0 if spec.accepts_all else spec.supply.regeneration
 
 
 def at_rest(pack: Pack, mean: Any) -> Any:
-    """Highest voltage at rest [V]: that of the start, or of a full battery where more comes back than is drawn."""
+    """Highest voltage at rest [V]: that of the start, or of a full battery where more is regenerated than drawn."""
     return pack.emf(np.where(np.asarray(mean) < 0.0, 1.0, pack.start))[()]
 
 
 def raised_voltage(pack: Pack, back: Any, emf: Any) -> Any:
-    """Voltage at the terminals while a power comes back [V]: E + R I; E where none does, whatever the resistance.
+    """Voltage at the terminals while power is regenerated [V]: E + R I; E where none does, whatever the resistance.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def _returned_current(pack: Pack, back: Any, emf: Any) -> Any:
 
 
 def charging(spec: Any, pack: Pack, load: Load) -> tuple[CheckColumn, ...]:
-    """Highest voltage and charge current, the larger the power that comes back; nothing that does asks for nothing.
+    """Highest voltage and charge current, from the largest regenerated power; without any no limit applies.
 
     The margin to the voltage at which a charge ends counts from the voltage at rest: by so much the current may grow.
     """
@@ -125,7 +125,7 @@ def charging(spec: Any, pack: Pack, load: Load) -> tuple[CheckColumn, ...]:
 
 
 def _room(pack: Pack, load: Load) -> list[CheckColumn]:
-    """Whether what comes back beyond what is drawn finds room, where the load gives more than it takes."""
+    """Whether regenerated power beyond what is drawn finds room, where the load gives more than it takes."""
     if not np.any(np.asarray(load.mean) < 0.0):
         return []
     time = np.where(np.isnan(load.required), inf, load.required)
@@ -141,7 +141,7 @@ def _lasting(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> list[Ch
     if not np.isnan(required).all():
         found.append(at_least("battery_autonomy", required, lasts, needed=given.reserve))
     if given.range is not None:
-        found.append(at_least("battery_range", given.range, load.way * lasts, needed=given.reserve))
+        found.append(at_least("battery_range", given.range, load.speed * lasts, needed=given.reserve))
     return found
 
 

@@ -201,7 +201,7 @@ def run_time(pack: Pack, power: Any) -> Any:
     """How long the whole of a full battery lasts at a constant power [s], all of its charge drawn.
 
     By its discharge table, inside of it; else by Peukert's law at the current P / V of its mean voltage; a lithium
-    battery without an exponent gives its rated charge. Unknown otherwise; without end where nothing is drawn.
+    battery without an exponent gives its rated charge. Unknown otherwise; infinite where nothing is drawn.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ def _law(pack: Pack) -> tuple[float, float]:
 
 
 def capacity_needed(pack: Pack, power: float, time: float) -> float:
-    """Rated capacity of a battery like this one that bears a power for a time, of the share that is available [A*s].
+    """Rated capacity of a battery of this kind that gives a power for a time, of the available share [A*s].
 
     Parameters
     ----------
@@ -249,6 +249,6 @@ def capacity_needed(pack: Pack, power: float, time: float) -> float:
 
 
 def strings_needed(pack: Pack, needed: float) -> float:
-    """Strings side by side that have a capacity [A*s]; NaN where it is unknown."""
+    """Parallel strings that have a capacity [A*s]; NaN where it is unknown."""
     share = needed / pack.capacity * pack.parallel
     return nan if isnan(share) else float(max(1, ceil(share * (1.0 - _NEARLY))))

@@ -1,6 +1,6 @@
-"""The machine with a set in it, against what no choice of motor alone decides: mass, room, footing, grip, battery.
+"""The machine with a drive in it, against what no choice of motor alone decides: mass, room, footing, grip, battery.
 
-These checks count whatever method ranked: a set that the battery cannot feed for long enough does not stand. With load
+These checks count whatever method ranked: a drive that the battery cannot feed for long enough is rejected. With load
 cases the worst of them counts.
 """
 
@@ -60,7 +60,7 @@ def of_the_platform(spec: RobotSpec) -> MechanicalBudget | None:
     Parameters
     ----------
     spec
-        The machine as it was specified, its trajectory not yet taken apart into wheels.
+        The machine as it was specified, its trajectory not yet split into wheels.
     """
     if spec.platform is None:
         return None
@@ -127,12 +127,12 @@ def _of_the_battery(problem: Problem, battery: Battery, one: DriveSet) -> list[t
 
 
 def drive_mass(one: DriveSet, sets: int) -> float:
-    """What is known of the mass of all motor sets together [kg]."""
+    """Known mass of all drives together [kg]."""
     return math.fsum(row.total for row in drive_rows(one, sets) if not isnan(row.total))
 
 
 def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
-    """What is known of the machine's mass beside its drive: structure, equipment, payloads, battery [kg]."""
+    """Known mass of the machine beside its drive: structure, equipment, payloads, battery [kg]."""
     budget, platform = spec.budget, spec.platform
     assert budget is not None
     found = [budget.structure or 0.0, *(item.mass * item.number for item in budget.others)]

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 class Operation(NamedTuple):
-    """What a set does at points of torque and speed: arrays of their shape."""
+    """What a drive does at points of torque and speed: arrays of their shape."""
 
     current: Array  # A
     voltage: Array  # V
@@ -39,12 +39,12 @@ class Operation(NamedTuple):
 
 
 def operation(found: SetCycle, torque: Array, speed: Array) -> Operation:
-    """A set at constant speeds.
+    """A drive at constant speeds.
 
     Parameters
     ----------
     found
-        The set; its winding is as warm as its cycle makes it.
+        The drive; its winding is as warm as its cycle makes it.
     torque
         At the gearhead's output, below 0 where it brakes [N*m].
     speed

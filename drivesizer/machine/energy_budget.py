@@ -49,7 +49,7 @@ def energy_budget(
     catalog: Catalog,
     drive: DrivePower,
 ) -> EnergyBudget:
-    """Consumers, autonomy and checks of a set in a machine, or in one of its load cases.
+    """Consumers, autonomy and checks of a drive in a machine, or in one of its load cases.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def energy_budget(
         peak_power=load.peak,
         full_time=load.full,
         autonomy=load.full * pack.available,
-        range=load.way * load.full * pack.available,
+        range=load.speed * load.full * pack.available,
         required=load.required,
         status=verdict(checks),
         checks=checks,
@@ -106,7 +106,7 @@ def energy_budget(
 
 # --- consumers -------------------------------------------------------------------------------------------------------
 
-_DRIVE = 3  # lines of the drive: the motor sets, what comes back, the controllers' losses
+_DRIVE = 3  # lines of the drive: motors, regenerated power, the controllers' losses
 
 
 def _efficiency_known(drive_set: DriveSet) -> bool:
@@ -114,7 +114,7 @@ def _efficiency_known(drive_set: DriveSet) -> bool:
 
 
 def _controller_efficiency(drive_set: DriveSet) -> float:
-    """The controller's greatest; 1 where it is unknown, which is told."""
+    """The controller's greatest; 1 where it is unknown, which is reported."""
     return drive_set.controller.max_efficiency if drive_set.controller and _efficiency_known(drive_set) else 1.0
 
 
@@ -123,7 +123,7 @@ def _at_the_battery(
 ) -> Array:
     """Mean power from the battery in each piece [W]; lasting is that of all that is not the drive.
 
-    ``share`` of what comes back goes into it: what is stored, or all that its terminals carry.
+    ``share`` of regenerated power goes into it: what is stored, or all that its terminals carry.
     """
     loss, share = _controller_efficiency(drive_set), spec.supply.regeneration if share is None else share
     return np.asarray(drive.drawn / loss - share * drive.returned * loss + lasting)
@@ -135,7 +135,7 @@ def _of_the_drive(spec: RobotSpec, drive_set: DriveSet, drive: DrivePower) -> tu
     lost = drawn * (1.0 / loss - 1.0) + returned * (1.0 - loss) if _efficiency_known(drive_set) else nan
     return (
         Consumption("drive", sets, drawn, peak, nan, False),
-        Consumption("energy that comes back", sets, -returned, 0.0, nan, False),
+        Consumption("regenerated energy", sets, -returned, 0.0, nan, False),
         Consumption("losses of the controllers", sets, lost, peak * (1.0 / loss - 1.0) + 0.0 * lost, nan, False),
     )
 
@@ -152,7 +152,7 @@ def _of_the_equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[C
     return tuple(found)
 
 
-# --- what the battery is asked for -----------------------------------------------------------------------------------
+# --- load of the battery --------------------------------------------------------------------------------------------
 
 
 def _load(
@@ -166,14 +166,14 @@ def _load(
         peak=float(drive.peak.max()) / loss + sum(c.peak for c in others),
         rms=float(np.sqrt(drive.mean(power**2))),
         back=back,  # with everything else switched off
-        way=drive.way / drive.total,
+        speed=drive.distance / drive.total,
     )
 
 
 def _lasting(spec: RobotSpec, battery: Battery, pack: Pack, load: Load) -> Load:
     """How long the battery lasts, how long it must, and what is left of its charge then."""
     full = float(run_time(pack, load.mean))
-    along = nan if battery.range is None else battery.range / load.way
+    along = nan if battery.range is None else battery.range / load.speed
     required = float(np.fmax(required_autonomy(spec, battery), along))
     drawn = pack.available if isnan(required) else required / full
     charge = nan if isnan(drawn) else pack.start - min(drawn, pack.available)
@@ -214,7 +214,7 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
     mission = spec.mission.duration if spec.mission else nan
     needed = capacity_needed(pack, load.mean, load.required * (1.0 + battery.reserve))
     drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
-    lacking = {"mission_energy": isnan(mission), "range": isnan(load.way)}
+    lacking = {"mission_energy": isnan(mission), "range": isnan(load.speed)}
     lacking |= dict.fromkeys(("charge_left", "capacity_needed", "strings_needed"), isnan(load.required))
     rows = (
         ("mean_power", "Mean power from the battery", load.mean, "power", "W"),
@@ -225,10 +225,10 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
         ("charge_drawn", "Charge that this load draws in all", drawn, "charge", "A*h"),
         ("autonomy", "Autonomy, of the usable share", load.full * pack.available, "time", "h"),
         ("autonomy_worn", "Autonomy, every moment worn as a steady load", worn, "time", "h"),
-        ("range", "Range, at the cycle's mean speed", load.way * load.full * pack.available, "length", "km"),
+        ("range", "Range, at the cycle's mean speed", load.speed * load.full * pack.available, "length", "km"),
         ("charge_left", "Charge left at the end of what is required", load.charge, "dimensionless", "%"),
         ("capacity_needed", "Rated capacity for what is required", needed, "charge", "A*h"),
-        ("strings_needed", "Strings side by side for it", strings_needed(pack, needed), "dimensionless", "1"),
+        ("strings_needed", "Parallel strings for it", strings_needed(pack, needed), "dimensionless", "1"),
         ("battery_mass", "Mass of the battery", pack.mass, "mass", "kg"),
     )
     return tuple(
@@ -243,7 +243,7 @@ def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINT
     """Charge left over a mission, from that of the start: times [s] and shares [1].
 
     Drawn and returned charge count alike, against what the battery gives at the mean load: a full one is empty when
-    ``full_time`` has passed, and below 0 after that. Of a mission of very many cycles the mean is told.
+    ``full_time`` has passed, and below 0 after that. Of a mission of very many cycles the mean is reported.
 
     Parameters
     ----------
@@ -286,5 +286,5 @@ def _assumptions(spec: RobotSpec, drive_set: DriveSet, pack: Pack, equipment: Se
     if not pack.rests:
         found.append("voltage at rest taken as the nominal one: towards the end of the charge it is less")
     if spec.supply.regeneration == 0.0:
-        found.append("nothing that comes back is stored")
+        found.append("no regenerated energy is stored")
     return tuple(found)

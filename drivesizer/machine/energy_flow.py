@@ -24,7 +24,7 @@ __all__ = ["EnergyFlow", "energy_flow"]
 
 
 class EnergyFlow(NamedTuple):
-    """Energies over one cycle, of all motor sets [J]; NaN is unknown."""
+    """Energies over one cycle, of all drives [J]; NaN is unknown."""
 
     drawn: float  # out of the supply
     copper: float
@@ -48,22 +48,22 @@ class EnergyFlow(NamedTuple):
 
     @property
     def burnt(self) -> float:
-        """What comes back and is not kept [J]."""
+        """Regenerated energy that is not stored [J]."""
         return self.returned - self.stored
 
 
 def energy_flow(found: SetCycle) -> EnergyFlow:
-    """The account of one set's cycle, for all motor sets.
+    """The energies of one drive's cycle, times the number of drives.
 
     Parameters
     ----------
     found
-        The set over the cycle. Where its current is only a least one, everything that hangs on it is unknown.
+        The drive over the cycle. Where its current is only a least one, everything that hangs on it is unknown.
     """
     power = _at_the_supply(found) | _at_the_shaft(found)
     sets = found.spec.load.motors * found.at.cycle.total
-    unsure = set() if found.known else set(power) - _OF_THE_LOAD
-    return EnergyFlow(**{name: np.nan if name in unsure else sets * value for name, value in power.items()})
+    unknown = set() if found.known else set(power) - _OF_THE_LOAD
+    return EnergyFlow(**{name: np.nan if name in unknown else sets * value for name, value in power.items()})
 
 
 _OF_THE_LOAD = {"gearhead", "belt", "load"}

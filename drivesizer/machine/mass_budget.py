@@ -2,7 +2,7 @@
 
 A mass that is not known has a row of its own and no figure: the sum is that of what is known, and may break a limit but
 not keep it. Where the drive's own mass counts, a heavier machine may need a heavier drive: ``settle`` goes round until
-a set carries itself.
+a drive carries itself.
 """
 
 from __future__ import annotations
@@ -56,12 +56,12 @@ class MassBudget:
 
 
 def drive_rows(drive_set: DriveSet, sets: int) -> tuple[MassRow, ...]:
-    """The parts of alike motor sets; one that is not chosen, or whose mass no datasheet gives, is unknown.
+    """Masses of the parts of several drives of one kind; unknown where a part is not chosen or its mass not listed.
 
     Parameters
     ----------
     drive_set
-        The set. Its mass alone counts motor and gearhead only; here are encoder, controller and belt too.
+        The drive. Its mass alone counts motor and gearhead only; here are encoder, controller and belt too.
     sets
         How many there are.
     """
@@ -86,7 +86,7 @@ def mass_budget(
     Parameters
     ----------
     drive
-        Of the motor sets, as of ``drive_rows``.
+        Of the drives, as of ``drive_rows``.
     structure
         Frame, wheels, covers [kg]; unknown where not given, for no machine is without.
     battery
@@ -163,7 +163,7 @@ def settle(
     Returns
     -------
     Settled
-        Every round, and its end: settled; a cycle, where sets follow each other: of them the one that was sized for the
+        Every round, and its end: settled; a cycle, where drives alternate: of them the one that was sized for the
         heaviest machine, which it does not fill; none, where none carries the machine, or the masses run away; unknown,
         where a drive's mass is; open, where rounds ran out while they still draw near.
 

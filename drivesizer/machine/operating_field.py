@@ -1,4 +1,4 @@
-r"""The torque-speed field of a set's motor, winding cold and hot, and the load cycle in it: data for figures.
+r"""The torque-speed field of a drive's motor, winding cold and hot, and the load cycle in it: data for figures.
 
 Torque is that at the motor's shaft, its own friction taken off, the rotor's acceleration included:
 
@@ -52,7 +52,7 @@ _POINTS = 201  # of each line
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OperatingField:
-    """What a motor can do at every speed, and what the cycle asks of it; NaN is unknown."""
+    """Torque limits of a motor over speed, and the load cycle in them; NaN is unknown."""
 
     voltage: float  # V, usable at the motor when the supply is at its lowest
     ambient: float  # K, also the temperature of the cold winding
@@ -62,7 +62,7 @@ class OperatingField:
     speed: Array  # rad/s, from 0 to the highest of no load and cycle
     voltage_cold: Array  # N*m that the usable voltage gives at these speeds, below 0 beyond the no-load speed
     voltage_hot: Array  # N*m, the same with a hot winding
-    continuous: Array  # N*m that the winding bears for ever
+    continuous: Array  # N*m, continuous torque of the winding
     thermal: bool  # whether that is from thermal data; else the nominal torque, derated to the ambient
     intermittent: Array  # N*m, by the controller's peak current and the gearhead's intermittent torque
     cycle_speed: Ends  # rad/s, at both ends of each segment of the load cycle; straight lines between
@@ -78,7 +78,7 @@ def hot_winding(found: OperatingField) -> str:
 
 
 def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
-    """The field of a set's motor, and the cycle of a spec in it.
+    """The field of a drive's motor, and the cycle of a spec in it.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
 
 
 def _as_far_as_known(asked: Demands, motor: Any) -> Demands:
-    """What the motor is asked for; least demands are not drawn as if they were all, nor a motor that stands still."""
+    """The motor's demand; where it is incomplete, or friction is unknown, NaN."""
     c = np.where(asked.left_out, np.nan, asked.coefficients)
     for place, figure in zip((DIRECTION, SPEED), friction(motor), strict=True):
         c[np.isnan(figure), place] = np.nan
@@ -145,7 +145,7 @@ def _friction(asked: Demands, w: Any) -> Any:
 
 
 def _hot(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: OneRow) -> float:
-    """Temperature of the hot winding [K]: the permitted one, the line is then good in any cycle that the winding bears.
+    """Temperature of the hot winding [K]: the permitted one, for a line that is valid in any permitted cycle.
 
     Where that is unknown it is the mean of this cycle in the long run, and the line is this cycle's alone.
     """

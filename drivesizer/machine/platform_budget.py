@@ -1,4 +1,4 @@
-"""What a machine weighs, where it fits through, how it stands and what the floor transmits: all of it for one set.
+"""Mass, clearance, stability and grip of a machine with one drive.
 
 Checks are made in ``platform_checks``; here they are put together with the figures that have no limit, and what was
 assumed.
@@ -31,7 +31,7 @@ __all__ = ["MechanicalBudget", "mass_part", "platform_part"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MechanicalBudget:
-    """Mass, room, footing and grip of a machine with one set."""
+    """Mass, room, footing and grip of a machine with one drive."""
 
     mass: MassBudget | None  # None without a budget section
     status: Status
@@ -121,7 +121,7 @@ def _of_footing(s: Standing) -> Iterator[Figure]:
     yield _figure("lift_off_acceleration", "Braking that lifts a wheel", value, "acceleration", "m/s^2")
     if s.trajectory is not None and known:
         load, margin = (f(p, s.trajectory, s.ground) for f in (least_load, least_margin))
-        yield _figure("wheel_load", "Least load of a wheel on the way", load.value, "force", "N", load.time)
+        yield _figure("wheel_load", "Least load of a wheel on the path", load.value, "force", "N", load.time)
         yield _figure("tipping_margin", "Least way to the tipping edge", margin.value, "length", "mm", margin.time)
 
 
@@ -131,7 +131,11 @@ def _of_grip(s: Standing) -> Iterator[Figure]:
     friction, known = s.load.friction_coefficient, s.section.height_known
     slope = grip_slope(s.d, friction) if known else nan
     faster = min(grip_acceleration(s.d, friction, way, gravity=s.gravity) for way in s.ways) if known else nan
-    yield _figure("grip_slope", "Slope that the floor's grip holds, worst way", slope, "angle", "deg")
+    yield _figure("grip_slope", "Slope that the floor's grip holds, worst direction", slope, "angle", "deg")
     yield _figure(
-        "grip_acceleration", "Acceleration that the floor transmits, level, worst way", faster, "acceleration", "m/s^2"
+        "grip_acceleration",
+        "Acceleration that the floor transmits, level, worst direction",
+        faster,
+        "acceleration",
+        "m/s^2",
     )

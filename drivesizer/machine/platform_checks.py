@@ -49,7 +49,7 @@ class Standing(NamedTuple):
     load: WheeledVehicle
     d: Dynamics
     gravity: float  # m/s^2
-    needed: float = 0.0  # margin that the spec asks of traction
+    needed: float = 0.0  # margin that the spec requires of traction
     trajectory: Trajectory | None = None
     gains: float | None = None  # m/s^2, largest acceleration of its motion, where the limits do not say
 
@@ -65,7 +65,7 @@ class Standing(NamedTuple):
 
     @property
     def steepest(self) -> float:
-        """The slope, whichever way the platform stands on it [rad]."""
+        """The slope, in any orientation of the platform [rad]."""
         return abs(self.load.slope)
 
     @property
@@ -83,7 +83,7 @@ class Standing(NamedTuple):
         return (None,) if len(angles) > 2 else tuple(float(a) for a in angles)
 
 
-def _told(columns: Sequence[CheckColumn], case: str = "") -> tuple[Check, ...]:
+def _noted(columns: Sequence[CheckColumn], case: str = "") -> tuple[Check, ...]:
     return tuple(c.at((), "budget", cases=(case,)) for c in columns)
 
 
@@ -117,7 +117,7 @@ def machine_mass(
 def rest_of_machine(
     budget: Budget, drive: Sequence[MassRow], *, platform: Platform | None = None, battery: float | None = None
 ) -> MassBudget:
-    """The same with the rows of the motor sets at hand; without any it is what the machine is beside its drive."""
+    """The same with the rows of the drives given; without any, the mass of the machine beside its drive."""
     carried = [(item.name if item.number == 1 else f"{item.number} x {item.name}", item.mass * item.number)
                for item in budget.others]  # fmt: skip
     carried += [(payload.name, payload.mass) for payload in (platform.payloads if platform else ())]
@@ -136,9 +136,9 @@ def mass_checks(found: MassBudget, sized_for: float | None = None) -> tuple[Chec
     """
     columns = mass_columns(found.known, bool(found.unknown), found.limit, sized_for)
     if not found.unknown:
-        return _told(columns)
+        return _noted(columns)
     note = f"unknown: {', '.join(dict.fromkeys(found.unknown))}"
-    return _told([_unknown(column, note) for column in columns])
+    return _noted([_unknown(column, note) for column in columns])
 
 
 def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
@@ -169,7 +169,7 @@ def envelope_checks(section: Platform, trajectory: Trajectory | None = None) -> 
     found: list[Check] = []
     for passage in section.passages:
         columns = [*_passage(section, passage), *_along(passage, ways.get(passage.name))]
-        found += _told(columns, passage.name)
+        found += _noted(columns, passage.name)
     return tuple(found)
 
 
@@ -210,13 +210,13 @@ def stability_checks(s: Standing) -> tuple[Check, ...]:
     the same ratio.
     """
     if not s.upright:
-        return _told([replace(fits("centre_of_mass", False, False), note=_NO_CASTERS)])
+        return _noted([replace(fits("centre_of_mass", False, False), note=_NO_CASTERS)])
     at_rest = contact_loads(s.d.platform, ground=Ground(gravity=s.gravity))
     found = [fits("centre_of_mass", bool(carrying(at_rest).all()), True), _limit(s, "lift_off"), _limit(s, "tipping")]
     if s.trajectory is not None:
         found.append(_off(s, "wheel_unloading", least_share(s.d.platform, s.trajectory, s.ground)))
         found.append(_off(s, "tipping_motion", least_margin_share(s.d.platform, s.trajectory, s.ground)))
-    return _told(found)
+    return _noted(found)
 
 
 def _limit(s: Standing, name: str) -> CheckColumn:
@@ -249,15 +249,15 @@ def _contact(s: Standing, number: int) -> str:
 
 
 def grip_checks(s: Standing) -> tuple[Check, ...]:
-    """Whether the floor transmits what the driven wheels must put on it: on the slope, gaining speed, on the way.
+    """Whether the floor transmits what the driven wheels must put on it: on the slope, gaining speed, on the path.
 
     Without the height of the centre of mass a check may fail, but does not pass.
     """
     lacking = _NO_FRICTION if s.load.friction_coefficient is None else "" if s.upright else _NO_CASTERS
     columns = list(_grip(s, nan if lacking else float(s.load.friction_coefficient or 0.0)))
     if lacking:
-        return _told([replace(column, note=lacking) for column in columns])
-    return _told(columns if s.section.height_known else [_unknown(column, _NO_HEIGHT) for column in columns])
+        return _noted([replace(column, note=lacking) for column in columns])
+    return _noted(columns if s.section.height_known else [_unknown(column, _NO_HEIGHT) for column in columns])
 
 
 def _grip(s: Standing, friction: float) -> Iterator[CheckColumn]:

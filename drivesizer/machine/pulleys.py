@@ -28,8 +28,8 @@ MOST_RATIOS = 60  # that are searched
 _SAME = 1e-6  # two pitches or widths that differ by this share are one
 
 
-class _Ways(NamedTuple):
-    """Ways to lay a belt round two pulleys, as columns."""
+class _Layouts(NamedTuple):
+    """Layouts of a belt round two pulleys, as columns."""
 
     driving: Array  # teeth
     driven: Array
@@ -41,9 +41,9 @@ class _Ways(NamedTuple):
         """Turns of the driving pulley per turn of the driven one; the same teeth reduced are the same float."""
         return self.driven / self.driving
 
-    def on(self, rows: NDArray[Any]) -> _Ways:
+    def on(self, rows: NDArray[Any]) -> _Layouts:
         """Some of them."""
-        return _Ways(*(column[rows] for column in self))
+        return _Layouts(*(column[rows] for column in self))
 
 
 def belt_drives(spec: RobotSpec, catalog: Catalog) -> BeltDrives | None:
@@ -79,27 +79,27 @@ class _NothingFitsError(Exception):
     """There is no such part, or none that fits."""
 
 
-def _drives(asked: Pulleys, catalog: Catalog) -> BeltDrives:
+def _drives(required: Pulleys, catalog: Catalog) -> BeltDrives:
     """One drive for each ratio, at most as many as are searched."""
-    pulleys = _taking(asked, catalog.pulleys, "pulleys")
-    belts = _taking(asked, catalog.belts, "belts")
-    ways = _ways(asked, np.unique(catalog.pulleys["teeth"][pulleys]), np.unique(catalog.belts["teeth"][belts]))
-    best = _best_of_each_ratio(asked, ways)
-    few = best if len(best.belt) <= MOST_RATIOS else _fewer(asked, best)
-    drives = (_drive(catalog, pulleys, belts, few, row, asked.pitch) for row in range(len(few.belt)))
+    pulleys = _taking(required, catalog.pulleys, "pulleys")
+    belts = _taking(required, catalog.belts, "belts")
+    layouts = _layouts(required, np.unique(catalog.pulleys["teeth"][pulleys]), np.unique(catalog.belts["teeth"][belts]))
+    best = _best_of_each_ratio(required, layouts)
+    few = best if len(best.belt) <= MOST_RATIOS else _fewer(required, best)
+    drives = (_drive(catalog, pulleys, belts, few, row, required.pitch) for row in range(len(few.belt)))
     return BeltDrives(tuple(drives), len(best.belt))
 
 
-def _taking(asked: Pulleys, table: Table[Any], section: str) -> NDArray[np.int64]:
-    """Rows of the belts that are asked for, or of the pulleys that take them."""
-    fits = np.char.lower(table["profile"]) == asked.profile.lower()
-    fits &= np.isclose(table["pitch"], asked.pitch, rtol=_SAME, atol=0.0) & ~table.excluded & (table["teeth"] > 0)
-    wide_enough = table["width"] >= asked.width * (1.0 - _SAME)
-    not_wider = table["width"] <= asked.width * (1.0 + _SAME)
+def _taking(required: Pulleys, table: Table[Any], section: str) -> NDArray[np.int64]:
+    """Rows of the belts of the required kind, or of the pulleys that take them."""
+    fits = np.char.lower(table["profile"]) == required.profile.lower()
+    fits &= np.isclose(table["pitch"], required.pitch, rtol=_SAME, atol=0.0) & ~table.excluded & (table["teeth"] > 0)
+    wide_enough = table["width"] >= required.width * (1.0 - _SAME)
+    not_wider = table["width"] <= required.width * (1.0 + _SAME)
     rows = np.flatnonzero(fits & wide_enough & (not_wider if section == "belts" else True))
     if not len(rows):
         takes = "of" if section == "belts" else "for a belt of"
-        wanted = f"{quoted(asked.profile)} {_mm(asked.pitch)} {takes} {_mm(asked.width)} width"
+        wanted = f"{quoted(required.profile)} {_mm(required.pitch)} {takes} {_mm(required.width)} width"
         raise _NothingFitsError(
             f"no {section} {wanted} in the catalogues that the spec names; {_stock(table, section)}"
         )
@@ -121,67 +121,69 @@ def _stock(table: Table[Any], section: str) -> str:
     return f"there are {'; '.join(said)} width"
 
 
-def _ways(asked: Pulleys, pulleys: Array, belts: Array) -> _Ways:
-    """Every way to lay a belt round two pulleys of a ratio in the range, at a centre distance that is asked for."""
+def _layouts(required: Pulleys, pulleys: Array, belts: Array) -> _Layouts:
+    """Every layout of a belt round two pulleys of a ratio in the range, at the required centre distance."""
     driving, driven = (side.ravel() for side in np.meshgrid(pulleys, pulleys, indexing="ij"))
     ratio = driven / driving
-    pairs = np.flatnonzero((ratio >= asked.ratio_min) & (ratio <= asked.ratio_max))
+    pairs = np.flatnonzero((ratio >= required.ratio_min) & (ratio <= required.ratio_max))
     if not len(pairs):
-        wanted = f"from {asked.ratio_min:.4g} to {asked.ratio_max:.4g}"
-        raise _NothingFitsError(f"no two pulleys have a ratio {wanted}; {_nearest_ratios(asked, ratio)}")
+        wanted = f"from {required.ratio_min:.4g} to {required.ratio_max:.4g}"
+        raise _NothingFitsError(f"no two pulleys have a ratio {wanted}; {_nearest_ratios(required, ratio)}")
     driving, driven = (np.repeat(side[pairs], len(belts)) for side in (driving, driven))
     belt = np.tile(belts, len(pairs))
-    every = _Ways(driving, driven, belt, centre_distance(driving, driven, asked.pitch, belt))
-    fits = np.flatnonzero(_fits(asked, every))
+    every = _Layouts(driving, driven, belt, centre_distance(driving, driven, required.pitch, belt))
+    fits = np.flatnonzero(_fits(required, every))
     if not len(fits):
-        raise _NothingFitsError(_no_belt(asked, every))
+        raise _NothingFitsError(_no_belt(required, every))
     return every.on(fits)
 
 
-def _fits(asked: Pulleys, ways: _Ways) -> NDArray[np.bool_]:
+def _fits(required: Pulleys, layouts: _Layouts) -> NDArray[np.bool_]:
     """Where the shafts can stand as the belt wants them; without a wish, where a new drive should have them."""
-    a, wish = ways.centre_distance, asked.centre_distance
-    least = shortest_recommended(ways.driving, ways.driven, asked.pitch)
-    fits: NDArray[np.bool_] = a >= least if wish is None else np.abs(a - wish) <= asked.adjustable
+    a, wish = layouts.centre_distance, required.centre_distance
+    least = shortest_recommended(layouts.driving, layouts.driven, required.pitch)
+    fits: NDArray[np.bool_] = a >= least if wish is None else np.abs(a - wish) <= required.adjustable
     return fits
 
 
-def _nearest_ratios(asked: Pulleys, ratio: Array) -> str:
+def _nearest_ratios(required: Pulleys, ratio: Array) -> str:
     """The next ratios below and above a range that has none, in words."""
-    below, above = ratio[ratio < asked.ratio_min], ratio[ratio > asked.ratio_max]
+    below, above = ratio[ratio < required.ratio_min], ratio[ratio > required.ratio_max]
     nearest = [*([below.max()] if len(below) else []), *([above.min()] if len(above) else [])]
     return f"the nearest {'are' if len(nearest) > 1 else 'is'} {' and '.join(f'{one:.4g}' for one in nearest)}"
 
 
-def _no_belt(asked: Pulleys, ways: _Ways) -> str:
-    """That no belt holds the shafts where they are asked for, and which comes nearest."""
-    a, z = ways.centre_distance, np.unique(ways.belt)
+def _no_belt(required: Pulleys, layouts: _Layouts) -> str:
+    """The error of a centre distance that no belt gives, with the nearest."""
+    a, z = layouts.centre_distance, np.unique(layouts.belt)
     there_are = f"{len(z)} belts of {z[0]:.0f} to {z[-1]:.0f} teeth"
-    if asked.centre_distance is None or np.isnan(a).all():
+    if required.centre_distance is None or np.isnan(a).all():
         return f"no belt is long enough for two pulleys of such a ratio; there are {there_are}"
-    row = int(np.nanargmin(np.abs(a - asked.centre_distance)))
-    wanted = f"{_mm(asked.centre_distance)} within {_mm(asked.adjustable)}"
-    pulleys = f"{ways.driven[row]:.0f}:{ways.driving[row]:.0f}"
-    nearest = f"{pulleys} with {ways.belt[row]:.0f} teeth at {show(a[row], 'mm', 'length', 6)}"
+    row = int(np.nanargmin(np.abs(a - required.centre_distance)))
+    wanted = f"{_mm(required.centre_distance)} within {_mm(required.adjustable)}"
+    pulleys = f"{layouts.driven[row]:.0f}:{layouts.driving[row]:.0f}"
+    nearest = f"{pulleys} with {layouts.belt[row]:.0f} teeth at {show(a[row], 'mm', 'length', 6)}"
     return f"no belt gives a centre distance of {wanted}; of {there_are} the nearest is {nearest}"
 
 
-def _best_of_each_ratio(asked: Pulleys, ways: _Ways) -> _Ways:
-    """Of each ratio the smallest pulleys that keep enough teeth in mesh, with the belt nearest to what is asked for.
+def _best_of_each_ratio(required: Pulleys, layouts: _Layouts) -> _Layouts:
+    """Of each ratio the smallest pulleys with enough teeth in mesh, and the belt nearest to the centre distance.
 
     Where none keeps enough, the one that lacks the fewest; without a centre distance the shortest belt.
     """
-    held = teeth_in_mesh(ways.driving, ways.driven, asked.pitch, ways.centre_distance)
+    held = teeth_in_mesh(layouts.driving, layouts.driven, required.pitch, layouts.centre_distance)
     lacking = np.maximum(LEAST_IN_MESH - np.floor(held), 0.0)
-    off = ways.belt if asked.centre_distance is None else np.abs(ways.centre_distance - asked.centre_distance)
-    order = np.lexsort((ways.belt, off, ways.driving, lacking, ways.ratio))
-    first = np.unique(ways.ratio[order], return_index=True)[1]
-    return ways.on(order[first])
+    off = (
+        layouts.belt if required.centre_distance is None else np.abs(layouts.centre_distance - required.centre_distance)
+    )
+    order = np.lexsort((layouts.belt, off, layouts.driving, lacking, layouts.ratio))
+    first = np.unique(layouts.ratio[order], return_index=True)[1]
+    return layouts.on(order[first])
 
 
-def _fewer(asked: Pulleys, best: _Ways) -> _Ways:
+def _fewer(required: Pulleys, best: _Layouts) -> _Layouts:
     """As many ratios as are searched, spread over the range; where some keep enough teeth in mesh, of those."""
-    held = teeth_in_mesh(best.driving, best.driven, asked.pitch, best.centre_distance)
+    held = teeth_in_mesh(best.driving, best.driven, required.pitch, best.centre_distance)
     able = best.on(np.flatnonzero(held >= LEAST_IN_MESH)) if (held >= LEAST_IN_MESH).any() else best
     return able.on(spread(np.log(able.ratio), MOST_RATIOS))
 
@@ -203,10 +205,10 @@ def spread(values: Array, most: int) -> NDArray[np.int64]:
 
 
 def _drive(
-    catalog: Catalog, pulleys: NDArray[Any], belts: NDArray[Any], ways: _Ways, row: int, pitch: float
+    catalog: Catalog, pulleys: NDArray[Any], belts: NDArray[Any], layouts: _Layouts, row: int, pitch: float
 ) -> BeltDrive:
-    """The parts of one way: pulleys of the belt's maker where there are some."""
-    driving, driven, teeth, distance = (float(column[row]) for column in ways)
+    """The parts of one layout: pulleys of the belt's maker where there are some."""
+    driving, driven, teeth, distance = (float(column[row]) for column in layouts)
     makers = catalog.pulleys["manufacturer"]
 
     def chosen(belt: int) -> tuple[tuple[int, str], tuple[int, ...]]:
@@ -233,12 +235,12 @@ def _pulley(table: Table[Any], rows: NDArray[Any], teeth: float, maker: str) -> 
 
 
 def assumptions(given: Problem) -> tuple[str, ...]:
-    """What is taken for granted of a belt out of the catalogues, as sentences."""
+    """Assumptions on a belt out of the catalogues, as sentences."""
     belt = given.machine.belt
     if belt is None or belt.pulleys is None or given.belts is None:
         return ()
     said = [
-        "how much torque a belt bears is in no catalogue: "
+        "the torque that a belt withstands is in no catalogue: "
         + ("only max_tension is checked" if belt.max_tension else "it is not checked; max_tension gives a limit"),
         "of each belt ratio the smallest pulleys that keep 6 teeth in mesh; their bores are not compared with the "
         "shafts, their inertia is what the spec gives for the belt",

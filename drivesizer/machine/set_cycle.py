@@ -1,7 +1,7 @@
-"""One set over one load cycle: what the drive model says of each moment, for figures and the energy's account.
+"""One drive over one load cycle: current, voltage and heat over time, for figures and the energy balance.
 
 The same functions that judge candidates by columns, called with columns of one. The winding is as warm as it is at each
-moment of the cycle that repeats for ever; where that is unknown, so is the voltage.
+moment of the cycle in periodic steady state; where that is unknown, so is the voltage.
 Symbols: I current [A], V voltage [V], w speed [rad/s], P_h loss at the housing [W].
 """
 
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 
 class SetCycle(NamedTuple):
-    """A set's parts as columns of one, and what its load cycle asks of them."""
+    """A drive's parts as columns of one row, and their demands, heat and stress over a load cycle."""
 
     spec: RobotSpec
     motor: OneRow
@@ -73,7 +73,7 @@ class Warming(NamedTuple):
 
 
 def set_cycle(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> SetCycle:
-    """What the cycle of a spec asks of a set.
+    """A drive over the load cycle of a spec.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def waveform(found: SetCycle, *, mean: bool = False) -> Wave:
     Parameters
     ----------
     found
-        The set over its cycle.
+        The drive over its cycle.
     mean
         Take the winding in each piece at its mean temperature, which makes its energy; else as it is at its ends.
     """

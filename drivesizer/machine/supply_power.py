@@ -1,7 +1,7 @@
-"""What the motor sets of a machine draw from their supply over one cycle, and give back: columns over time.
+"""Power that the drives of a machine draw from their supply and regenerate over one cycle: columns over time.
 
 Current and voltage of the drive model are straight lines within a segment; each segment is cut into pieces, and of
-every piece the energy is exact (``waveform``). Summed up they are the energies of the set's own record.
+every piece the energy is exact (``waveform``). Summed up they are the energies of the drive's own record.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from drivesizer.physics.waveform import Wave, energy, largest_power
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["DrivePower", "drive_power", "together", "way_of"]
+__all__ = ["DrivePower", "distance_of", "drive_power", "together"]
 
 Array = NDArray[np.float64]
 _MOST = 4096  # pieces of a cycle
@@ -30,14 +30,14 @@ _NO_TIME = 1e-12  # of the cycle: two ends so near are one
 
 
 class DrivePower(NamedTuple):
-    """Electrical power of all motor sets together, piece by piece; unknown where the drive's demand is."""
+    """Electrical power of all drives together, piece by piece; unknown where the drive's demand is."""
 
     duration: Array  # s
     drawn: Array  # W, mean of what is drawn
-    returned: Array  # W, mean of what comes back
+    returned: Array  # W, mean of regenerated power
     peak: Array  # W, largest at one moment
     returned_peak: Array  # W
-    way: float  # m that a vehicle goes in the cycle, there and back; unknown of what does not travel
+    distance: float  # m that a vehicle goes in the cycle, there and back; unknown of what does not travel
 
     @property
     def total(self) -> float:
@@ -50,7 +50,7 @@ class DrivePower(NamedTuple):
 
 
 def drive_power(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> DrivePower:
-    """Power over one cycle that repeats for ever, the winding as warm as it then is; unknown where that is.
+    """Power over one cycle in periodic steady state; unknown where the winding's temperature is.
 
     Parameters
     ----------
@@ -72,18 +72,18 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> Drive
     one = Wave(np.ones(1), *(x[:, None] for x in _pieces(supplied(found, mean=False))[1:]))
     back = largest_power(one._replace(voltage=-one.voltage))[0]
     peak = largest_power(one)[0]
-    sets = spec.load.alike if found.asked.complete.all() else np.nan  # least demands are not told as if they were all
+    sets = spec.load.alike if found.asked.complete.all() else np.nan  # an incomplete demand is only a lower bound
     return DrivePower(
         duration=duration,
         drawn=sums.drawn * sets,
         returned=sums.returned * sets,
         peak=np.maximum(peak, 0.0) * sets,
         returned_peak=np.maximum(back, 0.0) * sets,
-        way=way_of(spec, found.at.cycle),
+        distance=distance_of(spec, found.at.cycle),
     )
 
 
-def way_of(spec: RobotSpec, cycle: LoadCycle) -> float:
+def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
     """How far a vehicle goes in a cycle [m]."""
     if isinstance(spec.load, WheelLoad):
         return spec.load.distance
@@ -108,7 +108,7 @@ def together(powers: Sequence[DrivePower]) -> DrivePower:
         name: np.sum([getattr(p, name)[at] for p, at in zip(powers, place, strict=True)], axis=0)
         for name in ("drawn", "returned", "peak", "returned_peak")
     }
-    return DrivePower(duration=duration, way=powers[0].way, **summed)
+    return DrivePower(duration=duration, distance=powers[0].distance, **summed)
 
 
 def _pieces(found: Wave) -> tuple[Array, Array, Array]:

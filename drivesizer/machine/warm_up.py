@@ -21,15 +21,15 @@ from drivesizer.physics.thermal import TwoBodies
 __all__ = ["WarmUp", "finer", "warm_up"]
 
 Array = NDArray[np.float64]
-_NEAR = 0.01  # of the way from cold: nothing changes any more to the eye
-_SHOWN = 60  # cycles of which temperatures are told
+_NEAR = 0.01  # of the rise from cold: no visible change any more
+_SHOWN = 60  # cycles of which temperatures are reported
 _MOST = 1e7  # cycles: longer nobody waits
 _STEP = 0.25  # of the winding's time constant, the first piece of a span
 _PIECES = 24  # of a span, each longer than the one before
 
 
 class WarmUp(NamedTuple):
-    """Temperatures from cold, of some cycles on the way, and of the cycle that repeats [K]."""
+    """Temperatures from cold to the periodic steady state [K]."""
 
     time: Array  # s, at the end of each of these cycles; 0 first
     lowest: Array  # K, of the winding in each of these cycles
@@ -58,7 +58,7 @@ def finer(found: Warming, constant: float) -> Warming:
 
 
 def warm_up(motor: TwoBodies, ambient: float, found: Warming) -> WarmUp | None:
-    """The way from cold to the cycle that repeats; None where a figure is unknown or the motor runs away.
+    """Temperatures from cold to the periodic steady state; None where a figure is unknown or the motor runs away.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def warm_up(motor: TwoBodies, ambient: float, found: Warming) -> WarmUp | None:
     cycle = periodic_heat(motor, ambient, some.duration, some.square, some.loss)
     if not math.isfinite(cycle.winding_peak):
         return None
-    course, settled = _way(motor, ambient, some), np.array([cycle.winding[0], cycle.housing[0]]) - ambient
+    course, settled = _approach(motor, ambient, some), np.array([cycle.winding[0], cycle.housing[0]]) - ambient
     one_more = np.stack([course.rises(*unit)[:, -1, 0] for unit in np.eye(2)], axis=1)
     numbers = _numbers(cycle.spectral_radius)
     starts = [-(np.linalg.matrix_power(one_more, n) @ settled) for n in numbers]  # K, from the cycle that repeats
@@ -90,7 +90,7 @@ def warm_up(motor: TwoBodies, ambient: float, found: Warming) -> WarmUp | None:
     )
 
 
-def _way(motor: TwoBodies, ambient: float, found: Warming) -> Course:
+def _approach(motor: TwoBodies, ambient: float, found: Warming) -> Course:
     """How what is missing to the cycle that repeats gets less, piece by piece: the same equations without a source."""
     some = periodic(motor, ambient, *(x[:, None] for x in found))
     maps = np.zeros((2, 3, len(found.duration), 1))
@@ -102,7 +102,7 @@ def _way(motor: TwoBodies, ambient: float, found: Warming) -> Course:
 
 
 def _numbers(radius: float) -> list[int]:
-    """Cycles of which temperatures are told: all, or some, until a share of the way is left."""
+    """Cycles of which temperatures are reported: all, or some, until a share of the rise is left."""
     last = math.log(_NEAR) / math.log(radius) if radius > 0.0 else 0.0
     count = int(min(max(math.ceil(last), 3), _MOST))
     return sorted({round(n) for n in np.linspace(0, count - 1, min(count, _SHOWN))})

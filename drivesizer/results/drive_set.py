@@ -29,7 +29,7 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Relaxation:
-    """How far one figure of the spec must move until a set passes."""
+    """How far one figure of the spec must move until a drive passes."""
 
     field: str
     now: str
@@ -59,11 +59,11 @@ class DriveSet:
     mass_of: tuple[str, ...]
     objective: float
     objective_of: tuple[str, ...]
-    requirements: tuple[Requirement, ...]  # (17)-(20) for this set
+    requirements: tuple[Requirement, ...]  # (17)-(20) for this drive
     checks: tuple[Check, ...]  # of the method that ranked
     figures: tuple[Figure, ...] = ()  # what it does that has no limit of its own
     beside: tuple[Check, ...] = ()  # of the other method, for the same set
-    budget: tuple[Check, ...] = ()  # of the machine with the set in it: mass, room, footing, grip, battery
+    budget: tuple[Check, ...] = ()  # of the machine with the drive in it: mass, room, footing, grip, battery
     machine: tuple[Figure, ...] = ()  # of that machine, what has no limit of its own
     masses: tuple[MassRow, ...] = ()  # what it weighs, part by part
     energy: EnergyBudget | None = None  # what draws from the battery, and how long it lasts; of the worst load case
@@ -71,7 +71,7 @@ class DriveSet:
     changes: tuple[Relaxation, ...] = ()  # where it fails: what would let it pass, each alone
     actuator: Actuator | None = None  # that motor and gearhead are inside of
     belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
-    reliability: Reliability | None = None  # how sure it is, where tolerances were sampled
+    reliability: Reliability | None = None  # its probability, where tolerances were sampled
     quickest: float = inf  # s, time constant of the quickest winding of its catalogues: as fine its cycle is cut
 
     @property
@@ -81,7 +81,7 @@ class DriveSet:
 
     @property
     def deciding(self) -> tuple[Check, ...]:
-        """Of those what a set stands or falls by: not mere advice."""
+        """Those that decide the status: not the informational ones."""
         return tuple(check for check in self.own_checks if not check.advice)
 
     @property
@@ -91,12 +91,14 @@ class DriveSet:
 
     @property
     def label(self) -> str:
-        """The set in a line: motor, gearhead, belt."""
+        """The drive in a line: motor, gearhead, belt."""
         belt = f" + belt {self.belt_name}" if self.belt_name else ""
         if self.actuator:
             return f"{self.motor_name} ({self.gearhead.reduction or 'geared'} inside){belt}"
         names = self.gearhead.family, self.gearhead.reduction, self.gearhead.part
-        gearhead = names[2] if names[2].startswith(names[0]) else " ".join(filter(None, names))  # its part may tell all
+        gearhead = (
+            names[2] if names[2].startswith(names[0]) else " ".join(filter(None, names))
+        )  # the part number may begin with the family
         if self.gearhead.kind == DIRECT:
             return f"{self.motor_name} without gearhead{belt}"
         return f"{self.motor_name} + {gearhead}{belt}"

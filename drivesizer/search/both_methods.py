@@ -1,4 +1,4 @@
-"""The paper's method and the physics side by side, for sets that were found by one of them."""
+"""The paper's method and the physics side by side, for drives that were found by one of them."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def _with(one: DriveSet, beside: tuple[Check, ...]) -> DriveSet:
 
 
 def _other(problem: Problem, one: DriveSet) -> tuple[Check, ...]:
-    """The other method's checks of a set.
+    """The other method's checks of a drive.
 
     The gearhead's whole family comes along, as the paper's rule looks at the other reductions too.
     """

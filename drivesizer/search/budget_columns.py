@@ -1,7 +1,7 @@
-"""Many sets against the budgets of their machine at once: which of them surely fall, and by what.
+"""Many drives against the budgets of their machine at once: which of them certainly fail, and on which budget.
 
 By the energies, the largest power and the masses of each, as columns. What needs each moment of the battery's current
-is left to the set's own record (``budgets``), which has the last word: here nothing falls that would stand there.
+is left to the drive's own record (``budgets``), which decides: nothing is rejected here that would pass there.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_checks import Load, accepted, charging, raised_voltage
 from drivesizer.machine.battery_pack import Pack, pack_of
 from drivesizer.machine.platform_checks import mass_columns, rest_of_machine
-from drivesizer.machine.supply_power import way_of
+from drivesizer.machine.supply_power import distance_of
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, Rows
@@ -26,19 +26,19 @@ from drivesizer.search.columns.evaluation import Evaluation, by_physics
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, columns_of, feeding
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["surely_fallen"]
+__all__ = ["certain_failures"]
 
 Array = NDArray[np.float64]
 _NEARLY = 1e-3  # of a limit: what misses it by less is judged by its record
 
 
-def surely_fallen(whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
-    """Of some sets which surely fall by each budget of the machine, whatever their records say beside.
+def certain_failures(whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
+    """The drives that certainly fail on each budget of the machine.
 
     Parameters
     ----------
     whole
-        The sets, of which no check of the drive makes any fall.
+        Drives that pass their own checks.
     """
     sets, found = whole.candidates, dict[str, NDArray[np.bool_]]()
     for check in (*_masses(whole), *_batteries(whole)):
@@ -55,7 +55,7 @@ def surely_fallen(whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
 
 
 def _masses(whole: Evaluation) -> list[CheckColumn]:
-    """What is known of the machine's mass with each set."""
+    """The known mass of the machine with each drive."""
     spec, catalog, sets = whole.spec, whole.catalog, whole.candidates
     if spec.budget is None:
         return []
@@ -93,7 +93,7 @@ def _belts(problem: Problem, sets: Candidates) -> Array:
 
 
 def _batteries(whole: Evaluation) -> Iterator[CheckColumn]:
-    """How long the battery lasts, and what its peaks ask for, in each load case of the machine."""
+    """Autonomy and peaks of the battery in each load case of the machine."""
     problem, battery = whole.problem, whole.spec.battery
     if battery is None:
         return
@@ -108,14 +108,14 @@ def _batteries(whole: Evaluation) -> Iterator[CheckColumn]:
         draw = Draw(drawn, figures["returned"], figures["power"])
         idle = draw._replace(drawn=np.zeros_like(drawn), returned=np.zeros_like(drawn))
         feeds: Feeding = feeding(case, battery, problem.catalog)
-        speed = np.full_like(drawn, way_of(case, cycle) / cycle.total)
+        speed = np.full_like(drawn, distance_of(case, cycle) / cycle.total)
         yield from columns_of(case, feeds, cycle.total, speed, [draw, *([idle] * (len(numbers) - 1))], efficiency)
         yield from _charging(case, feeds.pack, draw.returned / cycle.total, efficiency)
 
 
 def _charging(case: RobotSpec, pack: Pack, returned: Array, efficiency: Array) -> tuple[CheckColumn, ...]:
-    """What what comes back asks for at least: its largest is no less than its mean over the cycle [W]."""
+    """Checks of the least charge power: its peak is no less than its mean over the cycle [W]."""
     loss = np.where(np.isnan(efficiency), 1.0, efficiency)
     back, rest = accepted(case) * returned * loss, pack.emf(pack.start)
-    least = Load(mean=nan, peak=nan, rms=nan, back=back, way=nan, charge=pack.start)
+    least = Load(mean=nan, peak=nan, rms=nan, back=back, speed=nan, charge=pack.start)
     return charging(case, pack, least._replace(highest=raised_voltage(pack, back, rest)))

@@ -1,4 +1,4 @@
-"""Sets that a battery surely cannot feed for long enough, by what their cycle takes at least: no waveform is needed.
+"""Drives that a battery certainly cannot feed for long enough, by a lower bound of their power without a waveform.
 
 A motor's mean power is no less than with its winding at the ambient's temperature all the time,
 
@@ -7,7 +7,7 @@ A motor's mean power is no less than with its winding at the ambient's temperatu
 for a winding in use is warmer, and what the makers' two constants differ by is lost (``waveform.balanced``). A
 controller draws no less than it passes on and gives back no more than it is given, of which no more than all is kept.
 So whatever the controller is, the battery gives that power in the mean. Both terms follow from the moments of the load
-cycle, over as many sets as there are.
+cycle, over as many drives as there are.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.machine.supply_power import way_of
+from drivesizer.machine.supply_power import distance_of
 from drivesizer.physics.motor_demand import SPEED, demands
 from drivesizer.physics.stress import heat
 from drivesizer.physics.thermal import resistance_25, resistance_at
@@ -25,21 +25,21 @@ from drivesizer.search.columns.offers import Offers, offers
 from drivesizer.search.columns.stages import encoders_of
 from drivesizer.search.uncertainty.sampled_battery import LASTING, Draw, columns_of, feeding
 
-__all__ = ["least_power", "surely_empty"]
+__all__ = ["battery_failures", "least_power"]
 
 Array = NDArray[np.float64]
 _ROUNDING = 1e-9  # of a figure
 
 
-def surely_empty(problem: Problem, sets: Candidates) -> dict[str, NDArray[np.bool_]]:
-    """Of some sets which surely fail autonomy or range of the battery; nothing where none is asked for.
+def battery_failures(problem: Problem, sets: Candidates) -> dict[str, NDArray[np.bool_]]:
+    """The drives that certainly fail on autonomy or range of the battery; empty where neither is required.
 
     Parameters
     ----------
     problem
         The machine with its load cycles.
     sets
-        Of which no check of the drive makes any fall, by physics.
+        Drives that pass their own checks, by physics.
     """
     found = dict[str, NDArray[np.bool_]]()
     battery = problem.spec.battery
@@ -50,7 +50,7 @@ def surely_empty(problem: Problem, sets: Candidates) -> dict[str, NDArray[np.boo
         least = np.sum([problem.cases[n].spec.load.alike * least_power(problem, n, sets) for n in numbers], axis=0)
         energy = cycle.total * (least - _ROUNDING * np.abs(least))
         draw, alone = Draw(energy, np.zeros_like(energy), np.full_like(energy, np.nan)), np.ones_like(energy)
-        speed = alone * way_of(case, cycle) / cycle.total
+        speed = alone * distance_of(case, cycle) / cycle.total
         feeds = feeding(case, battery, problem.catalog)
         for check in columns_of(case, feeds, cycle.total, speed, [draw], alone):
             if check.name in LASTING:
@@ -59,7 +59,7 @@ def surely_empty(problem: Problem, sets: Candidates) -> dict[str, NDArray[np.boo
 
 
 def least_power(problem: Problem, number: int, sets: Candidates) -> Array:
-    """What a motor takes at least, mean over a load case [W]; NaN where the waveform does not tell its power.
+    """Lower bound of a motor's mean power over a load case [W]; NaN where the waveform's power is unknown.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def least_power(problem: Problem, number: int, sets: Candidates) -> Array:
 
 
 def _behind(problem: Problem, offered: Offers, number: int, belt: float, sets: Candidates) -> Array:
-    """The same of sets behind one belt."""
+    """The same of drives behind one belt."""
     ats = [case.at_belt.behind(belt) for case in problem.cases]
     catalog, ambient = problem.catalog, problem.cases[number].spec.environment.ambient
     motor, gearhead = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
@@ -87,5 +87,5 @@ def _behind(problem: Problem, offered: Offers, number: int, belt: float, sets: C
     cold = np.asarray(resistance_at(resistance_25(motor), ambient))
     turning = asked.total_ratio * (asked.coefficients @ ats[number].moments[:, SPEED])
     warm = heat(ambient, ats[number], asked, motor).winding
-    told = asked.complete & np.isfinite(warm) & np.isfinite(motor["max_winding_temperature"])
-    return np.where(told, cold * asked.rms_current**2 + turning, np.nan)
+    known = asked.complete & np.isfinite(warm) & np.isfinite(motor["max_winding_temperature"])
+    return np.where(known, cold * asked.rms_current**2 + turning, np.nan)

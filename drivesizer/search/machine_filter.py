@@ -1,4 +1,4 @@
-"""Which of the sets that a search found stand in the machine that they drive."""
+"""Drives that pass the budgets of their machine."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from drivesizer.machine.platform_budget import MechanicalBudget
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Check, verdict
-from drivesizer.search.budget_columns import surely_fallen
+from drivesizer.search.budget_columns import certain_failures
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation
-from drivesizer.search.least_drawn import surely_empty
+from drivesizer.search.least_drawn import battery_failures
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import Evaluated, Found, Judge, Kept, search
 from drivesizer.search.set_record import drive_set
@@ -28,29 +28,29 @@ __all__ = [
     "divided",
     "in_machine",
     "on_the_front",
+    "passes_budgets",
     "ranked",
     "shortfall",
-    "stands",
     "weighing",
 ]
 
 
-_FIRST = 4  # times as many sets as are wanted are computed in full at first
+_FIRST = 4  # times as many drives as are wanted are computed in full at first
 _FEWEST, _MORE, _MOST = 64, 8, 1 << 16  # at first at least, times as many each time, at most
 Weigh = Callable[[Evaluation, int], DriveSet]  # a row of an evaluation as a record, with the machine's budgets
 
 
 def weighing(problem: Problem, machine: MechanicalBudget | None, objective: Ranking) -> Weigh:
-    """What makes records of sets in their machine, of each but once.
+    """A function that makes the record of a drive in its machine, of each once.
 
     Parameters
     ----------
     problem
         The machine with its load cycles.
     machine
-        What is the same for every set, of ``budgets.of_the_platform``.
+        Checks that are the same for every drive, of ``budgets.of_the_platform``.
     objective
-        That sets are ranked by.
+        It ranks the drives.
     """
     made: dict[tuple[int, int, float], DriveSet] = {}
 
@@ -70,7 +70,7 @@ def in_machine(
     weigh: Weigh,
     aside: frozenset[str] = frozenset(),
 ) -> Judge | None:
-    """What tells the sets that stand in their machine from those that a budget of it makes fall; None without any.
+    """A function that separates drives that pass the machine's budgets from those that fail; None without budgets.
 
     Parameters
     ----------
@@ -87,40 +87,40 @@ def in_machine(
 
     def judge(sets: Candidates, evaluated: Evaluated, wanted: int) -> Kept:
         count = len(sets.motor)
-        if machine and _falls(problem, machine.checks):
+        if machine and _fails(problem, machine.checks):
             return Kept(np.arange(0), np.arange(count), count, Counter(dict.fromkeys(_failed(machine.checks), count)))
-        early = _looked_at(surely_empty(problem, sets) if spec.method == "physics" else {}, aside)
-        fallen, best, by = _any_of(early, count), list[int](), Counter[str]()
-        for rows in _pieces(np.flatnonzero(~fallen), _FIRST * wanted):
+        early = _looked_at(battery_failures(problem, sets) if spec.method == "physics" else {}, aside)
+        rejected, best, by = _any_of(early, count), list[int](), Counter[str]()
+        for rows in _pieces(np.flatnonzero(~rejected), _FIRST * wanted):
             found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best))
-            fallen[rows[found.fallen]] = True
+            rejected[rows[found.rejected]] = True
             best += rows[found.best].tolist()
             by.update(found.by)
             if len(best) == wanted:
                 break
         judged = best[-1] + 1 if len(best) == wanted else count
         by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in early.items()})
-        return Kept(np.array(best, np.int64), np.flatnonzero(fallen[:judged]), judged, by)
+        return Kept(np.array(best, np.int64), np.flatnonzero(rejected[:judged]), judged, by)
 
     return judge
 
 
 def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted: int) -> Kept:
-    """Of sets in full those that stand: by columns as far as these tell, by their records in the end."""
-    surely = _looked_at(surely_fallen(sets), aside)
-    fallen, best, by = _any_of(surely, len(sets.candidates.motor)), list[int](), Counter[str]()
-    for row in np.flatnonzero(~fallen).tolist():
+    """Of evaluated drives those that pass: by columns where these decide, else by their records."""
+    certain = _looked_at(certain_failures(sets), aside)
+    rejected, best, by = _any_of(certain, len(sets.candidates.motor)), list[int](), Counter[str]()
+    for row in np.flatnonzero(~rejected).tolist():
         budget = tuple(check for check in weigh(sets, row).budget if check.name not in aside)
-        if _falls(sets.problem, budget):
-            fallen[row] = True
+        if _fails(sets.problem, budget):
+            rejected[row] = True
             by.update(_failed(budget))
         else:
             best.append(row)
         if len(best) == wanted:
             break
-    judged = best[-1] + 1 if len(best) == wanted else len(fallen)
-    by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in surely.items()})
-    return Kept(np.array(best, np.int64), np.flatnonzero(fallen[:judged]), judged, by)
+    judged = best[-1] + 1 if len(best) == wanted else len(rejected)
+    by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in certain.items()})
+    return Kept(np.array(best, np.int64), np.flatnonzero(rejected[:judged]), judged, by)
 
 
 def _looked_at(found: dict[str, NDArray[np.bool_]], aside: frozenset[str]) -> dict[str, NDArray[np.bool_]]:
@@ -141,7 +141,7 @@ def _pieces(rows: NDArray[np.int64], first: int) -> Iterator[NDArray[np.int64]]:
 
 
 def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] = frozenset()) -> DriveSet | None:
-    """The best set of a search of its own that stands in its machine too; None where none does.
+    """The best drive that passes the machine's budgets too; None where none does.
 
     Parameters
     ----------
@@ -153,19 +153,19 @@ def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] 
     machine = of_the_platform(problem.machine)
     judge = in_machine(problem, machine, weighing(problem, machine, objective), aside)
     found = search(problem, top=1, objective=objective, misses=0, judge=judge)
-    return drive_set(found.evaluation, 0, 1, objective) if found.standing else None
+    return drive_set(found.evaluation, 0, 1, objective) if found.passing else None
 
 
-def stands(problem: Problem, one: DriveSet) -> bool:
-    """Whether no budget of its machine makes a set fall, which need not have been held against them."""
+def passes_budgets(problem: Problem, one: DriveSet) -> bool:
+    """Whether a drive passes the budgets of its machine, which need not have been computed."""
     machine = of_the_platform(problem.machine)
-    if machine and _falls(problem, machine.checks):
+    if machine and _fails(problem, machine.checks):
         return False
-    return not _falls(problem, with_budget(problem, one, machine).budget)
+    return not _fails(problem, with_budget(problem, one, machine).budget)
 
 
-def _falls(problem: Problem, checks: tuple[Check, ...]) -> bool:
-    """Whether a machine's checks make its set fall: one that fails, or where the spec rejects that, is unknown."""
+def _fails(problem: Problem, checks: tuple[Check, ...]) -> bool:
+    """Whether a machine's checks reject its drive: one fails, or is unknown where the spec rejects that."""
     said = verdict(checks)
     return said == "fail" or (said == "unknown" and problem.spec.select.unknown != "allow")
 
@@ -177,7 +177,7 @@ def _failed(checks: tuple[Check, ...]) -> set[str]:
 def divided(
     found: Found, weigh: Weigh, top: int, rows: Iterable[int]
 ) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
-    """Of some rows the best sets that stand with the machine's budgets, and the better ones that fall by those.
+    """Of some rows the best drives that pass the machine's budgets, and the better ones that fail on those.
 
     Parameters
     ----------
@@ -188,32 +188,32 @@ def divided(
     top
         How many of each.
     rows
-        Of sets that no check makes fall, in order.
+        Of drives that pass their own checks, in order.
     """
     best: dict[int, DriveSet] = {}
     short: dict[int, DriveSet] = {}
     for row in rows:
         one = weigh(found.evaluation, row)
-        (short if one.status == "fail" or _falls(found.evaluation.problem, one.budget) else best)[row] = one
+        (short if one.status == "fail" or _fails(found.evaluation.problem, one.budget) else best)[row] = one
         if len(best) == top:
             break
     return best, dict(list(short.items())[:top])
 
 
 def on_the_front(found: Found, weigh: Weigh) -> tuple[DriveSet, ...]:
-    """The sets of the Pareto front of those that stand with the machine's budgets, in its order."""
+    """The drives of the Pareto front that pass the machine's budgets, in its order."""
     return ranked(weigh(found.evaluation, row) for row in found.front)
 
 
 def ranked(sets: Iterable[DriveSet], before: int = 0) -> tuple[DriveSet, ...]:
-    """Sets by the rank in which they are shown."""
+    """Drives by the rank in which they are shown."""
     return tuple(replace(one, rank=rank) for rank, one in enumerate(sets, before + 1))
 
 
 def shortfall(short: dict[int, DriveSet], better: int) -> list[str]:
-    """That better sets fell by a budget: some of them, and how many there are."""
+    """A warning that better drives fail on a budget: how many, and which budgets."""
     names = sorted({check.title.lower() for one in short.values() for check in one.budget if check.status == "fail"})
     if not better or not names:
         return []
-    sets = "1 set that stands" if better == 1 else f"{better} sets that stand"
-    return [f"{sets} by method and objective before these: not enough for the machine ({', '.join(names)})"]
+    drives = "1 better drive is" if better == 1 else f"{better} better drives are"
+    return [f"{drives} not enough for the machine ({', '.join(names)})"]

@@ -14,7 +14,7 @@ from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["problem_with_drive_mass"]
 
-_SAME = 1e-9  # kg: of sets out of a catalogue one is found again, or another is heavier
+_SAME = 1e-9  # kg: of drives out of a catalogue one is found again, or another is heavier
 _ITERATED = frozenset({"mass_sized_for"})  # holds once the rounds have settled, and not before
 
 

@@ -1,4 +1,4 @@
-"""What makes one set better than another: objectives as columns, the order they give, and the Pareto front."""
+"""Ranking: objectives as columns, the order of drives by them, and the Pareto front."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def title_of(objective: Ranking) -> str:
 def values(
     catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: Ranking
 ) -> tuple[Array, NDArray[np.int64]]:
-    """An objective of each set, less is better, and of how many parts it is unknown.
+    """An objective of each drive, less is better, and of how many parts it is unknown.
 
     Parameters
     ----------
@@ -75,9 +75,9 @@ def values(
     sets
         Candidates.
     figures
-        Their energy [J], peak current [A], winding temperature [K] and smallest margin, as far as objectives ask.
+        Their energy [J], peak current [A], winding temperature [K] and smallest margin, as far as objectives need them.
     objective
-        One, or several with weights: then shares of the best value that any of the sets has are summed.
+        One, or several with weights: then shares of the best value that any of the drives has are summed.
     """
     if isinstance(objective, str):
         return _single(catalog, sets, figures, objective)
@@ -116,7 +116,7 @@ def _single(
 def order(
     catalog: Catalog, sets: Candidates, value: Array, missing: NDArray[np.int64], before: Sequence[NDArray[Any]] = ()
 ) -> NDArray[np.int64]:
-    """Sets from best to worst.
+    """Drives from best to worst.
 
     An objective that is known of all parts goes before one that is not, then the better one, then part numbers: the
     same input gives the same order. ``before``: columns that go before all of that, the first one first.
@@ -139,9 +139,9 @@ def _alphabetical(table: Table[Any]) -> NDArray[np.int64]:
 
 
 def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], names: Sequence[str]) -> NDArray[np.int64]:
-    """Sets that no other set equals or beats in every one of several objectives, in order of the first.
+    """Drives that no other drive equals or beats in every one of several objectives, in order of the first.
 
-    Sets of which one of the objectives is not wholly known are left out.
+    Drives of which one of the objectives is not wholly known are left out.
     """
     columns = [_single(catalog, sets, figures, name) for name in names]
     known = np.flatnonzero(sum(missing for _, missing in columns) == 0)

@@ -1,6 +1,6 @@
-"""How far one figure of a spec must move until a set passes: found by search, to one per cent.
+"""How far one figure of a spec must move until a drive passes: found by search, to one per cent.
 
-For a set that fails, and for a whole search in which nothing stands. Each figure moves alone, in all load cases alike.
+For a drive that fails, and for a search in which nothing passes. Each figure moves alone, in all load cases alike.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from drivesizer.results.drive_set import DriveSet, Relaxation
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
-from drivesizer.search.machine_filter import best_in_machine, stands
+from drivesizer.search.machine_filter import best_in_machine, passes_budgets
 from drivesizer.search.set_record import drive_set
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice
@@ -97,7 +97,7 @@ def changes_for(problem: Problem, one: DriveSet) -> tuple[Relaxation, ...]:
 
     def passes(moved: Problem) -> str | None:
         found = evaluate(moved, only)
-        good = not found.failed[0] and stands(moved, drive_set(found, 0, 1, moved.spec.select.objective))
+        good = not found.failed[0] and passes_budgets(moved, drive_set(found, 0, 1, moved.spec.select.objective))
         return one.label if good else None
 
     if problem.spec.method == "paper":  # its rule looks at the other reductions of the family: those come along

@@ -1,8 +1,8 @@
-"""All candidates at once: which sets stand, in which order, and which of those that fell came nearest.
+"""The search over all candidates: drives that meet all limits in order, and the closest rejected.
 
-By physics the candidates go through in chunks, a belt at a time: what stands is kept as a row of a few numbers, what
-falls only while it is among the nearest. So 10 million sets need no more memory than those that stand. The sets that
-are shown are then computed in full.
+By physics the candidates go through in chunks, a belt at a time: those that pass are kept as rows of a few numbers, the
+rejected only while they are among the closest. So memory grows with the drives that pass, not with the candidates. The
+drives that are shown are then computed in full.
 """
 
 from __future__ import annotations
@@ -28,36 +28,36 @@ from drivesizer.spec.select import OBJECTIVES
 __all__ = ["Evaluated", "Found", "Judge", "Kept", "search", "smallest_margin"]
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, int], None]  # sets examined, sets in all
+Progress = Callable[[int, int], None]  # drives examined, drives in all
 
-_FIRST = 1 << 12  # sets that are judged at first
+_FIRST = 1 << 12  # drives that are judged at first
 _CHUNK = 1 << 16  # pairs at a time
-_NEAREST = 32  # of those that fell, kept until all are known
+_NEAREST = 32  # of the rejected, kept until all are known
 _WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_waveform}
 
 
 class Found(NamedTuple):
-    """What a search found: sets in full, those that stand first and in order."""
+    """The result of a search: drives in full, those that pass first and in order."""
 
     evaluation: Evaluation
-    standing: int  # how many of the evaluation's rows stand
+    passing: int  # how many of the evaluation's rows pass
     counts: Counts
-    front: tuple[int, ...]  # rows on the Pareto front, where one was asked for
-    short: tuple[int, ...] = ()  # rows of the best that a budget of the machine makes fall
-    better: int = 0  # sets that do, before the first that stands
+    front: tuple[int, ...]  # rows on the Pareto front, where one was required
+    short: tuple[int, ...] = ()  # rows of the best that a budget of the machine rejects
+    better: int = 0  # drives that fail on a budget before the first that passes
 
 
 class Kept(NamedTuple):
-    """Of the sets that no check makes fall those that stand in their machine, as far as they were judged."""
+    """Of the drives that pass their own checks those that pass the machine's budgets, as far as they were examined."""
 
     best: NDArray[np.int64]  # which of them, in order
-    fallen: NDArray[np.int64]  # which of them fall by a budget, in order
+    rejected: NDArray[np.int64]  # which of them fail on a budget, in order
     judged: int
     by: Counter[str]  # how many by each budget
 
 
-Evaluated = Callable[[NDArray[np.int64]], Evaluation]  # some rows of the sets in full
-Judge = Callable[[Candidates, Evaluated, int], Kept]  # sets in order, and how many that stand are wanted
+Evaluated = Callable[[NDArray[np.int64]], Evaluation]  # some rows of the drives in full
+Judge = Callable[[Candidates, Evaluated, int], Kept]  # drives in order, and how many that pass are wanted
 
 
 class _Kept(NamedTuple):
@@ -85,92 +85,94 @@ def search(
     problem
         The machine with its load cycles, and the catalogues.
     top
-        How many sets to give.
+        How many drives to give.
     objective
-        What ranks those that stand.
+        What ranks those that pass.
     misses
-        How many of the nearest that fell to give below them; ``top`` of them when nothing stands.
+        How many of the closest rejected to give as well; ``top`` of them when nothing passes.
     pareto
         Objectives of which the front is wanted.
     progress
         Called after each chunk.
     judge
-        Which of those that no check makes fall stand in the machine as well; all of them where not given.
+        Which of those that pass their own checks pass the machine's budgets; all of them where not given.
     """
     if problem.spec.method == "paper":
         return _by_the_paper(problem, top, objective, misses, pareto, judge)
     names, catalog = {*ranking.names_of(objective), *pareto}, problem.catalog
-    kept, fallen, counts = _sifted(problem, bool(names & _WAVEFORM), progress)
+    kept, rejected, counts = _sifted(problem, bool(names & _WAVEFORM), progress)
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
     order = ranking.order(catalog, kept.sets, *value, before=[kept.doubtful])
-    stood = _stood(
+    kept_in_machine = _passing(
         judge,
         kept.sets,
         lambda rows: by_physics(problem, kept.sets.on(rows), True),
         order,
         len(order) if pareto else top,
     )
-    best, short = stood.best[:top], stood.fallen[:top]
-    nearest = fallen.on(_nearest(problem, fallen)[: misses if len(best) else top])
+    best, short = kept_in_machine.best[:top], kept_in_machine.rejected[:top]
+    nearest = rejected.on(_nearest(problem, rejected)[: misses if len(best) else top])
     on_front = best[:0]
     if pareto:
-        figures = {name: column[stood.best] for name, column in kept.figures.items()}
-        on_front = stood.best[ranking.front(catalog, kept.sets.on(stood.best), figures, pareto)]
+        figures = {name: column[kept_in_machine.best] for name, column in kept.figures.items()}
+        on_front = kept_in_machine.best[ranking.front(catalog, kept.sets.on(kept_in_machine.best), figures, pareto)]
     extra = np.concatenate([on_front[~np.isin(on_front, best)], short])
     shown = evaluate(problem, joined([kept.sets.on(best), nearest, kept.sets.on(extra)]))
     places = {int(row): n for n, row in enumerate(best)}
     places |= {int(row): len(best) + len(nearest.motor) + n for n, row in enumerate(extra)}
-    front, fell = (tuple(places[int(row)] for row in rows) for rows in (on_front, short))
-    return Found(shown, len(best), _without(counts, stood), front, fell, _before(stood, order))
+    front, below = (tuple(places[int(row)] for row in rows) for rows in (on_front, short))
+    return Found(shown, len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, order))
 
 
-def _stood(judge: Judge | None, sets: Candidates, evaluated: Evaluated, order: NDArray[np.int64], wanted: int) -> Kept:
-    """Of sets in order those that stand in the machine, until so many are found or none is left."""
+def _passing(
+    judge: Judge | None, sets: Candidates, evaluated: Evaluated, order: NDArray[np.int64], wanted: int
+) -> Kept:
+    """The drives in order that pass the machine's budgets, until so many are found or none is left."""
     if judge is None:
         return Kept(order, order[:0], 0, Counter())
-    best, fallen, by, start, size = [order[:0]], [order[:0]], Counter[str](), 0, _FIRST
+    best, rejected, by, start, size = [order[:0]], [order[:0]], Counter[str](), 0, _FIRST
     while start < len(order) and sum(map(len, best)) < wanted:
         rows = order[start : start + size]
         found = judge(sets.on(rows), _among(evaluated, rows), wanted - sum(map(len, best)))
         best.append(rows[found.best])
-        fallen.append(rows[found.fallen])
+        rejected.append(rows[found.rejected])
         by.update(found.by)
         start, size = start + found.judged, min(16 * size, _CHUNK)
-    return Kept(np.concatenate(best), np.concatenate(fallen), start, by)
+    return Kept(np.concatenate(best), np.concatenate(rejected), start, by)
 
 
 def _among(evaluated: Evaluated, rows: NDArray[np.int64]) -> Evaluated:
-    """The same of some of the sets, by their places among these."""
+    """The same function for some of the drives, by their places among these."""
     return lambda few: evaluated(rows[few])
 
 
-def _without(counts: Counts, stood: Kept) -> Counts:
-    """The counts without those that were judged to fall by a budget of the machine."""
-    by = {name: count for name, count in stood.by.items() if count}
-    left = counts.feasible - len(stood.fallen)
-    return replace(counts, feasible=left, judged=stood.judged, failed_by_budget=by)
+def _without(counts: Counts, kept_in_machine: Kept) -> Counts:
+    """The counts without the drives that fail on a budget of the machine."""
+    by = {name: count for name, count in kept_in_machine.by.items() if count}
+    left = counts.feasible - len(kept_in_machine.rejected)
+    return replace(counts, feasible=left, judged=kept_in_machine.judged, failed_by_budget=by)
 
 
-def _before(stood: Kept, order: NDArray[np.int64]) -> int:
-    """How many fall by a budget before the first that stands."""
-    if not len(stood.best):
-        return len(stood.fallen)
-    return int(np.argmax(order == stood.best[0]))  # all before it were judged
+def _before(kept_in_machine: Kept, order: NDArray[np.int64]) -> int:
+    """How many fail on a budget before the first that passes."""
+    if not len(kept_in_machine.best):
+        return len(kept_in_machine.rejected)
+    return int(np.argmax(order == kept_in_machine.best[0]))  # all before it were judged
 
 
-def _nearest(problem: Problem, fallen: Candidates) -> NDArray[np.int64]:
-    """Those that fell, by how far their worst check is off, then by how many they fail; by bounds, that is."""
-    count = len(fallen.motor)
+def _nearest(problem: Problem, rejected: Candidates) -> NDArray[np.int64]:
+    """The rejected in order of their smallest margin, then of the number of failed checks; by bounds."""
+    count = len(rejected.motor)
     if not count:
         return np.zeros(0, np.int64)
-    checks = evaluate(problem, fallen, exact=False).checks
+    checks = evaluate(problem, rejected, exact=False).checks
     fails = np.sum([check.failed for check in checks if not check.advice], axis=0)
     value = np.zeros(count), np.zeros(count, np.int64)
-    return ranking.order(problem.catalog, fallen, *value, before=[-smallest_margin(checks), fails])
+    return ranking.order(problem.catalog, rejected, *value, before=[-smallest_margin(checks), fails])
 
 
 def smallest_margin(checks: list[CheckColumn]) -> Array:
-    """The smallest margin of each candidate that is known; what passes by choice is left out."""
+    """The smallest margin of each candidate that is known; what passes by selection is left out."""
     found: Array = np.minimum.reduce([check.tightness for check in checks]) if checks else np.zeros(0)
     return found
 
@@ -189,28 +191,28 @@ def _on(evaluation: Evaluation, rows: NDArray[np.int64]) -> Evaluation:
 
 
 def _sifted(problem: Problem, exact: bool, progress: Progress | None) -> tuple[_Kept, Candidates, Counts]:
-    """What stands, the nearest that fell, and how many there were of each."""
+    """The drives that pass, the closest rejected, and the counts."""
     every, belts = pairs(problem), problem.belt_ratios
     total, done, failed_by = len(every.motor) * len(belts), 0, Counter[str]()
     kept: list[_Kept] = []
-    fallen: list[tuple[Candidates, Array]] = []
+    rejected: list[tuple[Candidates, Array]] = []
     for one in examine(problem, _chunks(every, belts), staged=True, exact=exact, margins=exact):
         chunk = one.sets
         failed_by.update(one.failed_by)
         figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin}
         kept.append(_Kept(chunk.on(one.rows), one.doubtful, figures))
-        fallen = [_best([*fallen, _fallen(chunk, one)])]
+        rejected = [_best([*rejected, _rejected(chunk, one)])]
         done += len(chunk.motor)
         if progress:
             progress(done, total)
-    standing = _joined(kept, every)
+    passing = _joined(kept, every)
     if problem.spec.select.unknown == "reject":
-        sure = np.flatnonzero(~standing.doubtful)
-        figures = {name: column[sure] for name, column in standing.figures.items()}
-        standing = _Kept(standing.sets.on(sure), standing.doubtful[sure], figures)
+        known = np.flatnonzero(~passing.doubtful)
+        figures = {name: column[known] for name, column in passing.figures.items()}
+        passing = _Kept(passing.sets.on(known), passing.doubtful[known], figures)
     tally = {name: count for name, count in failed_by.items() if count}
-    counts = Counts(considered=total, feasible=len(standing.sets.motor), failed_by=tally)
-    return standing, fallen[0][0] if fallen else every.on(np.zeros(0, np.int64)), counts
+    counts = Counts(considered=total, feasible=len(passing.sets.motor), failed_by=tally)
+    return passing, rejected[0][0] if rejected else every.on(np.zeros(0, np.int64)), counts
 
 
 def _chunks(every: Candidates, belts: list[float]) -> Iterator[tuple[float, Candidates]]:
@@ -220,8 +222,8 @@ def _chunks(every: Candidates, belts: list[float]) -> Iterator[tuple[float, Cand
             yield belt, chunk._replace(belt=np.full(len(chunk.motor), belt))
 
 
-def _fallen(chunk: Candidates, one: Examined) -> tuple[Candidates, Array]:
-    rows, bound = one.fallen, one.bound
+def _rejected(chunk: Candidates, one: Examined) -> tuple[Candidates, Array]:
+    rows, bound = one.rejected, one.bound
     if len(rows) > _NEAREST:
         few = np.argpartition(-bound, _NEAREST)[:_NEAREST]
         rows, bound = rows[few], bound[few]
@@ -229,7 +231,7 @@ def _fallen(chunk: Candidates, one: Examined) -> tuple[Candidates, Array]:
 
 
 def _best(several: list[tuple[Candidates, Array]]) -> tuple[Candidates, Array]:
-    """The nearest of those that fell in several chunks."""
+    """The nearest of the rejected in several chunks."""
     sets = joined([s for s, _ in several])
     bound = np.concatenate([b for _, b in several])
     rows = np.lexsort((sets.belt, sets.gearhead, sets.motor, -bound))[:_NEAREST]
@@ -266,19 +268,21 @@ def _by_the_paper(
         np.where(found.failed, -margin, 0.0),
         np.where(found.failed, fails, 0),
     ])  # fmt: skip
-    stands = ~found.failed if problem.spec.select.unknown == "allow" else ~found.failed & ~found.unknown
+    passes = ~found.failed if problem.spec.select.unknown == "allow" else ~found.failed & ~found.unknown
     tally = {check.name: int(check.failed.sum()) for check in found.checks if check.failed.any()}
-    counts = Counts(considered=len(stands), feasible=int(stands.sum()), failed_by=tally)
-    standing, fell = order[stands[order]], order[~stands[order]]
+    counts = Counts(considered=len(passes), feasible=int(passes.sum()), failed_by=tally)
+    passing, rejected = order[passes[order]], order[~passes[order]]
     sets = found.candidates
-    stood = _stood(judge, sets, lambda rows: _on(found, rows), standing, len(order) if pareto else top)
-    best, short = stood.best[:top], stood.fallen[:top]
-    near = fell[: min(misses, max(top - len(best), 0)) if counts.feasible else top]
+    kept_in_machine = _passing(judge, sets, lambda rows: _on(found, rows), passing, len(order) if pareto else top)
+    best, short = kept_in_machine.best[:top], kept_in_machine.rejected[:top]
+    near = rejected[: min(misses, max(top - len(best), 0)) if counts.feasible else top]
     on_front = best[:0]
     if pareto:
-        of_all = ranking.front(catalog, sets.on(stood.best), {"margin": margin[stood.best]}, pareto)
-        on_front = stood.best[of_all]
+        of_all = ranking.front(catalog, sets.on(kept_in_machine.best), {"margin": margin[kept_in_machine.best]}, pareto)
+        on_front = kept_in_machine.best[of_all]
     few = np.concatenate([best, near, on_front[~np.isin(on_front, best)], short])
     places = {int(row): n for n, row in enumerate(few)}
     front, below = (tuple(places[int(row)] for row in rows) for rows in (on_front, short))
-    return Found(_on(found, few), len(best), _without(counts, stood), front, below, _before(stood, standing))
+    return Found(
+        _on(found, few), len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, passing)
+    )

@@ -88,9 +88,9 @@ def _objective(
 
 
 _TABLE = (
-    ("energy", "Energy per cycle, all motor sets", "energy", "J"),
-    ("returned", "Energy that comes back per cycle", "energy", "J"),
-    ("power", "Largest supply power, all motor sets", "power", "W"),
+    ("energy", "Energy per cycle, all drives", "energy", "J"),
+    ("returned", "Regenerated energy per cycle", "energy", "J"),
+    ("power", "Largest supply power, all drives", "power", "W"),
     ("joule_heat", "Heat of the winding, mean", "power", "W"),
     ("peak_current", "Largest motor current", "current", "A"),
     ("winding_temperature", "Winding temperature, peak", "temperature", "degC"),
@@ -98,7 +98,7 @@ _TABLE = (
 
 
 def _figures(evaluation: Evaluation, index: int, motor: Motor, gearhead: Gearhead, row: int) -> tuple[Figure, ...]:
-    """What a set does that has no limit of its own, and what to set on its controller."""
+    """Figures of a drive without a limit, and the settings of its controller."""
     values = {name: float(column[index]) for name, column in evaluation.figures.items()}
     found = [Figure(name=n, title=t, value=values[n], kind=k, unit=u) for n, t, k, u in _TABLE]
     if row < 0:
@@ -126,7 +126,7 @@ def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -
             share = float(share_above(found, limit)[0])
             title = "Gearhead above its continuous torque"
             return [
-                Figure(name="gearhead_overload", title=f"{title}, on end", value=longest, kind="time", unit="s"),
+                Figure(name="gearhead_overload", title=f"{title}, uninterrupted", value=longest, kind="time", unit="s"),
                 Figure(name="gearhead_overload_share", title=f"{title}, share of the cycle", value=share,
                        kind="dimensionless", unit="%"),
             ]  # fmt: skip
@@ -134,7 +134,7 @@ def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -
 
 
 def _overloads(evaluation: Evaluation, values: dict[str, float], motor: Motor, controller: Controller) -> list[Figure]:
-    """How long the motor bears the controller's peak current, cold, and with housing and winding as warm as it gets."""
+    """Overload time of the motor at the controller's peak current, cold and at its highest temperature."""
     bodies = two_bodies(asdict(motor))
     ambient, current = evaluation.spec.environment.ambient, controller.peak_current
     warm = values["winding_temperature"]

@@ -1,6 +1,6 @@
-"""From a spec to the sets that stand: at its own mass, with its pulleys, by search, in its machine, surely enough.
+"""From a spec to the best drives: with the drive's mass, by search, by the machine's budgets, by probability.
 
-What ``sizing`` tells in full and ``study`` once for each variant.
+``sizing`` makes a full result of it, ``study`` a row for each variant.
 """
 
 from __future__ import annotations
@@ -35,27 +35,27 @@ __all__ = ["Shortlist", "shortlist"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shortlist:
-    """Sets by their rows in what the search found."""
+    """Drives by their rows in the result of the search."""
 
     problem: Problem
     found: Found
-    weigh: Weigh  # makes records of sets in their machine
-    best: dict[int, DriveSet]  # that stand, in order
-    top: int  # how many were asked for
-    unsure: dict[int, DriveSet]  # that would, but less surely than asked for; the surest first
+    weigh: Weigh  # makes records of drives in their machine
+    best: dict[int, DriveSet]  # that pass, in order
+    top: int  # how many were requested
+    unsure: dict[int, DriveSet]  # that pass with less than the required probability; the most probable first
     uncertainty: Uncertainty | None  # None: nothing was sampled
     weighed: tuple[str, ...]  # how the machine's own mass was found
 
     @property
     def short(self) -> dict[int, DriveSet]:
-        """Sets that would stand, but for a budget of the machine: records are made when they are asked for."""
+        """Drives that pass their own checks but fail on a budget of the machine."""
         return divided(self.found, self.weigh, self.top, self.found.short)[1]
 
     @property
-    def fallen(self) -> Iterable[int]:
-        """Rows of the nearest that no check lets stand, in order."""
+    def rejected(self) -> Iterable[int]:
+        """Rows of the closest rejected, in order."""
         evaluation = self.found.evaluation
-        rows = range(self.found.standing, len(evaluation.candidates.motor))
+        rows = range(self.found.passing, len(evaluation.candidates.motor))
         failed = evaluation.failed if rows else ()
         return (row for row in rows if failed[row])
 
@@ -72,26 +72,26 @@ def shortlist(
     sampling: Sampling | None = None,
     brief: bool = False,
 ) -> Shortlist:
-    """The best sets of a spec, and those that came close.
+    """The best drives of a spec, and the closest rejected.
 
     Parameters
     ----------
     spec
         The machine, as it was read.
     catalog
-        Parts to choose from, actuators taken apart and gearheads on every shaft.
+        Parts to choose from, actuators split and gearheads on every shaft.
     objective
-        What ranks the sets.
+        What ranks the drives.
     top
         How many to give.
     misses
-        How many of the nearest that fell to evaluate as well; ``top`` where nothing stands.
+        How many of the nearest rejected to evaluate as well; ``top`` where nothing passes.
     pareto
         Objectives of which the front is wanted too.
     progress
-        Called with the sets that are examined and all there are, a chunk at a time.
+        Called with the drives that are examined and all there are, a chunk at a time.
     sampling
-        How sets are sampled; as the spec says when not given.
+        How drives are sampled; as the spec says when not given.
     brief
         Of what is sampled the probabilities alone: not what they hang on, nor the closed loop.
 
@@ -113,7 +113,7 @@ def shortlist(
     found = search(
         problem, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress, judge=judge
     )
-    rows: Sequence[int] = range(found.standing)
+    rows: Sequence[int] = range(found.passing)
     sampled = _sampled(found, objective, rows[:pool], sampling) if sampling and pool else None
     best, _ = divided(found, weigh, top, sampled.good if sampled else rows)
     if sampling and not sampled and best:

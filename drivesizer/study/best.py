@@ -57,7 +57,7 @@ def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None,
     objective = objective or spec.select.objective
     found = shortlist(spec, catalog, objective, top, misses=0, brief=True)
     evaluation = found.found.evaluation
-    rejected = (drive_set(evaluation, row, 0, objective) for row in found.fallen)
+    rejected = (drive_set(evaluation, row, 0, objective) for row in found.rejected)
     close = next(chain(found.unsure.values(), found.short.values(), rejected), None)
     sets = ranked(found.best.values())
     return Best(sets, None if sets else close, found.found.counts, title_of(objective))

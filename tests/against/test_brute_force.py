@@ -274,9 +274,9 @@ def test_the_ranking(name, objective, worked, catalog, monkeypatch):
     found = search(problem(spec, catalog), top=10**6, objective=objective, misses=0)
     expected = ranked(spec, sets, mine, objective)
     assert found.counts.considered == len(mine)
-    assert found.counts.feasible == found.standing == len(expected) > 10
+    assert found.counts.feasible == found.passing == len(expected) > 10
     order = []
-    for row in range(found.standing):
+    for row in range(found.passing):
         s = found.evaluation.candidates
         motor, head = records("motors")[int(s.motor[row])], records("gearheads")[int(s.gearhead[row])]
         order.append((motor.part, head.part, float(s.belt[row])))
@@ -321,15 +321,15 @@ def test_the_search_in_stages_finds_what_all_checks_find(name, objective, folder
     def keys(sets, rows):
         return set(zip(sets.motor[rows].tolist(), sets.gearhead[rows].tolist(), sets.belt[rows].tolist(), strict=True))
 
-    standing = np.arange(len(found.evaluation.candidates.motor)) < found.standing
+    standing = np.arange(len(found.evaluation.candidates.motor)) < found.passing
     doubtful = found.evaluation.unknown
     assert not found.evaluation.failed[standing].any()
     assert keys(found.evaluation.candidates, standing) == keys(every, ~whole.failed)
     assert keys(found.evaluation.candidates, standing & doubtful) == keys(every, whole.unknown)
-    assert 0 < found.standing < len(every.motor)
+    assert 0 < found.passing < len(every.motor)
     of_all = {check.name: int(check.failed.sum()) for check in whole.checks}
     assert all(count <= of_all[check] for check, count in found.counts.failed_by.items())
-    assert sum(found.counts.failed_by.values()) >= len(every.motor) - found.standing
+    assert sum(found.counts.failed_by.values()) >= len(every.motor) - found.passing
 
 
 @pytest.mark.parametrize("name", [pytest.param(name) for name in LOADS])

@@ -94,7 +94,7 @@ def test_the_power_over_time_is_that_of_the_record(robot: RobotSpec, drive: Driv
     record = {one.name: one.value for one in drive.figures}
     assert isnan(record["power"])
     assert found.total == pytest.approx(244.0)
-    assert found.way == pytest.approx(1.5 * (240.0 + 2.0))  # 2 s up and 2 s down at half the speed
+    assert found.distance == pytest.approx(1.5 * (240.0 + 2.0))  # 2 s up and 2 s down at half the speed
     returned = found.duration @ found.returned
     assert returned == pytest.approx(record["returned"])
     assert found.duration @ found.drawn - 0.7 * returned == pytest.approx(record["energy"])
@@ -112,7 +112,7 @@ def test_the_power_over_time_is_that_of_the_record(robot: RobotSpec, drive: Driv
 def test_the_drive_takes_what_rolling_takes_and_loses_the_rest(robot: RobotSpec, drive: DriveSet) -> None:
     """m g C_rr over the way is the least that the motors can draw: 45 kg, 0.02; half to all of it arrives."""
     found = drive_power(robot, drive)
-    rolling = 45 * 9.80665 * 0.02 * found.way
+    rolling = 45 * 9.80665 * 0.02 * found.distance
     assert 0.5 < rolling / (found.duration @ found.drawn) < 1.0
 
 
@@ -257,7 +257,7 @@ def test_what_is_returned_charges(robot: RobotSpec, drive: DriveSet, listed: Cat
     assert check(still, "battery_charge_current").demand == pytest.approx(found.demand, rel=1e-3)
     diode = none.model_copy(update={"supply": none.supply.model_copy(update={"accepts": "share"})})
     assert check(budget(diode, drive, listed), "battery_charge_current").demand == 0.0
-    assert "nothing that comes back is stored" in still.assumptions
+    assert "no regenerated energy is stored" in still.assumptions
     assert still.mean_power > budget(robot, drive, listed).mean_power
 
 

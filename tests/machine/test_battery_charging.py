@@ -57,7 +57,7 @@ def asked(back: float, mean: float = 40.0, **changed: Any) -> dict[str, Check]:
     pack: Pack = pack_of(given, load(["maxon"]))
     rest = pack.emf(1.0 if mean < 0.0 else pack.start)
     raised = float(raised_voltage(pack, back, rest))
-    one = Load(mean=mean, peak=100.0, rms=50.0, back=back, way=nan, full=36000.0, required=3600.0, charge=0.5,
+    one = Load(mean=mean, peak=100.0, rms=50.0, back=back, speed=nan, full=36000.0, required=3600.0, charge=0.5,
                lowest=24.0, highest=raised)  # fmt: skip
     return {check.name: check for check in battery_checks(spec, given, pack, one)}
 

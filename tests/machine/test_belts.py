@@ -406,7 +406,7 @@ def test_belt_and_pulleys_are_parts_of_the_set(shop):
         assert found.total_ratio == pytest.approx(found.gearhead.ratio * found.belt_drive.ratio)
         assert list(found.parts)[-5:] == ["driving pulley", "belt", "driven pulley", "encoder", "controller"]
         assert found.label.endswith(f"+ belt {found.belt_drive.name}")
-    assert any("torque a belt bears" in text for text in result.assumptions)
+    assert any("torque that a belt withstands" in text for text in result.assumptions)
     assert result.counts.considered % len(result.problem.belt_ratios) == 0
 
 
@@ -465,7 +465,7 @@ def test_from_the_spec_to_json_and_csv(run, tmp_path):
         ]
         assert float(row["centre_distance_m"]) == belt["centre_distance_m"]
         assert float(row["teeth_in_mesh"]) == belt["teeth_in_mesh"]
-    assert any("torque a belt bears" in text for text in document["assumptions"])
+    assert any("torque that a belt withstands" in text for text in document["assumptions"])
 
 
 @pytest.mark.usefixtures("alone")
@@ -488,7 +488,7 @@ def test_at_the_terminal_and_in_the_reports(run, tmp_path):
     assert run("validate")[0] == 0
     assert run("report", "-o", "r.pdf", "--top", "1")[0] == run("report", "-o", "r.csv", "--top", "1")[0] == 0
     text = text_of((tmp_path / "r.pdf").read_bytes())
-    assert all(fact in text for fact in (*parts, *facts, "torque a belt bears"))
+    assert all(fact in text for fact in (*parts, *facts, "torque that a belt withstands"))
     rows = {row["name"]: row for row in rows_of((tmp_path / "r.csv").read_bytes()) if row["set_rank"] == "1"}
     assert [rows[n]["value"] for n in ("driving_pulley", "belt", "driven_pulley")] == parts
     assert float(rows["centre_distance"]["si_value"]) == belt["centre_distance_m"]

@@ -60,7 +60,7 @@ def test_the_lightest_of_those_that_the_battery_feeds_long_enough(machine, hours
     counts = found.counts
     assert (counts.considered, counts.feasible, counts.judged) == (MOTORS, MOTORS - first, first + 2)
     assert counts.failed_by_budget == ({"battery_autonomy": first} if first else {})
-    assert any(f"{first} sets that stand by method" in said for said in found.warnings) == (first > 0)
+    assert any(f"{first} better drives are not enough" in said for said in found.warnings) == (first > 0)
     (alone,) = best(spec, load_parts(spec)).sets
     assert alone.motor.part == f"m{first:02}"
 

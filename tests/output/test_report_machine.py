@@ -180,7 +180,7 @@ def test_the_energy_of_a_way_is_the_sum_over_its_wheels(result):
     drawn = {one.name: one.mean for one in best.energy.consumers}
     total = trajectory_of(load_spec(EXAMPLE)).total
     assert flow.drawn == pytest.approx(drawn["drive"] * total, rel=1e-6)
-    assert flow.stored == pytest.approx(-drawn["energy that comes back"] * total, rel=1e-6)
+    assert flow.stored == pytest.approx(-drawn["regenerated energy"] * total, rel=1e-6)
     parts = (flow.copper, flow.friction, flow.gearhead, flow.belt, flow.load, flow.rotor, flow.returned)
     assert sum(parts) == pytest.approx(flow.drawn, rel=1e-6)
 

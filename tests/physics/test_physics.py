@@ -331,7 +331,7 @@ BOTH = LIFT + NARROW.replace("UNKNOWN ", "")
 
 def figures_of(found, catalog):
     """Mass, energy, peak current, temperature and margin of every set that stands; NaN where not wholly known."""
-    e, rows = found.evaluation, np.arange(found.standing)
+    e, rows = found.evaluation, np.arange(found.passing)
     m, g = e.candidates.motor[rows], e.candidates.gearhead[rows]
     margins = [np.nan_to_num(c.margin[rows], nan=np.inf) for c in e.checks if not c.by_choice]
     sums = {n: catalog.motors[n][m] + catalog.gearheads[n][g] for n in ("mass", "price", "length")}
@@ -367,7 +367,7 @@ def test_the_front_is_what_nobody_beats(names, catalog):
     assert set(theirs) == expected
     assert len(theirs) == len(set(theirs))
     assert [t[0] for t in theirs] == sorted(t[0] for t in theirs)
-    assert 0 < len(theirs) < found.standing
+    assert 0 < len(theirs) < found.passing
 
 
 def test_a_front_beyond_the_sets_that_are_shown(catalog):
@@ -395,12 +395,12 @@ def test_weighted_objectives(text, catalog):
     spec, parts = spec_from(BOTH), [part.split("=") for part in text.split(",")]
     found = search(problem(spec, catalog), top=10**6, objective=objective_of(text), misses=0)
     figures = figures_of(found, catalog)
-    total, missing = np.zeros(found.standing), np.zeros(found.standing)
+    total, missing = np.zeros(found.passing), np.zeros(found.passing)
     for name, weight in parts:
         column = figures[name] if name != "margin" else 1 / (1 - figures[name])
         total += np.nan_to_num(float(weight) * column / np.nanmin(column))
         missing += np.isnan(column)
-    doubtful = found.evaluation.unknown[: found.standing]
+    doubtful = found.evaluation.unknown[: found.passing]
     keys = list(zip(doubtful.tolist(), missing.tolist(), total.round(9).tolist(), strict=True))
     assert keys == sorted(keys)
     assert len(set(keys)) > 10
@@ -411,9 +411,7 @@ def test_single_objectives(objective, catalog):
     found = search(problem(spec_from(BOTH), catalog), top=10**6, objective=objective, misses=0)
     column = figures_of(found, catalog)[objective]
     keys = list(
-        zip(
-            found.evaluation.unknown[: found.standing].tolist(), np.isnan(column).tolist(), column.tolist(), strict=True
-        )
+        zip(found.evaluation.unknown[: found.passing].tolist(), np.isnan(column).tolist(), column.tolist(), strict=True)
     )
     known = [k for k in keys if not k[1]]
     assert [k[:2] for k in keys] == sorted(k[:2] for k in keys)

@@ -30,8 +30,8 @@ ADDED = {  # file: a line before which another goes, or several such
         '    "below_no_load": CheckKind("Speed below no load", *_SPEED, (*_RATIO, "motor.no_load_speed")),\n',
     ),
     "search/columns/limits.py": (
-        "        nominal_current_limit(asked.rms_current, motor, ambient, torque),\n",
-        '        at_most("below_no_load", asked.peak_speed, motor["no_load_speed"]),\n',
+        "        nominal_current_limit(demand.rms_current, motor, ambient, torque),\n",
+        '        at_most("below_no_load", demand.peak_speed, motor["no_load_speed"]),\n',
     ),
     "loads/kinds.py": ('    "hoist",\n', '    "wire_winder",\n'),
     "output/report/sections/__init__.py": (

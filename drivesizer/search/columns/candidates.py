@@ -1,4 +1,4 @@
-"""Which sets there are to look at: motor x gearhead x belt ratio, as rows of the catalogue's tables."""
+"""The candidates: motor x gearhead x belt ratio, as rows of the catalogue's tables."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def joined(several: Sequence[Candidates]) -> Candidates:
 
 
 class Rows:
-    """The columns of a table at some rows, taken when asked for; at row -1 every figure is unknown."""
+    """The columns of a table at some rows, taken on first use; at row -1 every figure is unknown."""
 
     def __init__(self, table: Table[Any], rows: NDArray[np.int64]) -> None:
         self.table, self.rows = table, rows

@@ -1,6 +1,6 @@
 """A controller for every candidate at once, out of small tables.
 
-Of those with the bus, the voltage and the kind of motor that do what is asked the smallest, by continuous current; one
+Of those with the bus, the voltage and the kind of motor that suffice the smallest, by continuous current; one
 of which all of that is known before one of which something is not. Ties go by part number. Where nothing suffices the
 nearest is named, so that its check can say by how much it falls short.
 """
@@ -39,7 +39,7 @@ class Chosen(NamedTuple):
 
 
 class Speeds(NamedTuple):
-    """What candidates ask of a controller beside current and voltage, by its figures' names; 0 where it has no part."""
+    """Demands on a controller beside current and voltage, by its figures' names; 0 where it has no part."""
 
     max_speed_sine: NDArray[np.float64]  # rad/s, speed times pole pairs
     max_encoder_frequency: NDArray[np.float64]  # Hz, of the encoder's lines
@@ -77,12 +77,12 @@ class Usable(NamedTuple):
 
 
 def usable_controllers(spec: RobotSpec, catalog: Catalog, supply: tuple[float, float] | None = None) -> Usable:
-    """Which controllers there are for each motor, whatever it is asked for.
+    """Which controllers fit each motor, whatever its load.
 
     Parameters
     ----------
     spec, catalog
-        What is asked for, and what there is.
+        The requirements, and the parts to choose from.
     supply
         Lowest and highest voltage of the supply in all load cases [V]; the spec's own when not given.
     """
@@ -111,7 +111,7 @@ def controllers(
     Parameters
     ----------
     spec, catalog
-        What is asked for, and what there is.
+        The requirements, and the parts to choose from.
     motor
         Row of each candidate's motor.
     rms_current, peak_current
@@ -137,14 +137,14 @@ def controllers(
         timed = figure["continuous_current"] < peak_current[:, None]
         lacking = lacking + np.isnan(given) + (np.isnan(figure["peak_time"]) & timed)
     if speeds is not None:
-        for name, asked in speeds._asdict().items():
-            limit, asked = table[name][order], asked[:, None]
-            enough &= ~(limit < asked)
-            lacking = lacking + (np.isnan(limit) & (asked != 0.0))
+        for name, demand in speeds._asdict().items():
+            limit, demand = table[name][order], demand[:, None]
+            enough &= ~(limit < demand)
+            lacking = lacking + (np.isnan(limit) & (demand != 0.0))
     row = _first(order, enough, lacking, _last(allowed, order))
     found = {name: np.append(table[name], np.nan)[row] for name in ("continuous_current", "peak_current")}
     return Chosen(row, [
-        fits("controller_available", row >= 0, len(table) > 0),  # catalogues without controllers do not tell
+        fits("controller_available", row >= 0, len(table) > 0),  # unknown with catalogues that list no controllers
         at_most("controller_continuous_current", rms_current, found["continuous_current"]),
         at_most("controller_peak_current", peak_current, found["peak_current"]),
     ])  # fmt: skip
@@ -184,7 +184,7 @@ def _split(buses: str) -> list[str]:
 
 
 def offers(offered: str, bus: str) -> bool:
-    """Whether an entry such as ``EtherCAT option card`` is the bus that is asked for.
+    """Whether an entry such as ``EtherCAT option card`` is the required bus.
 
     >>> offers("EtherCAT option card", "ethercat")
     True

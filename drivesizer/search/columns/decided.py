@@ -1,6 +1,6 @@
-"""What the waveform asks of candidates, as closely as their checks need it: by bounds, exactly where these are open.
+"""Peaks and heat over the waveform, as closely as the checks need: by bounds, exactly where these leave them open.
 
-Bounds of all come first; a long cycle is then taken in blocks. What still is open of those that stand is computed from
+Bounds of all come first; a long cycle is then taken in blocks. What still is open of those that pass is computed from
 the cycle itself.
 """
 
@@ -37,25 +37,25 @@ class _Case:
     """One load case and its candidates: what all bounds and the waveform are computed from."""
 
     def __init__(
-        self, spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts
+        self, spec: RobotSpec, at: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
     ) -> None:
-        self.spec, self.at, self.columns = spec, at, (asked, warm, under, parts)
+        self.spec, self.at, self.columns = spec, at, (demand, heating, stresses, parts)
         self.told = (
-            two_bodies(parts.motor).known & ~np.isnan(warm.winding) & asked.complete
-        )  # whose winding the waveform tells
+            two_bodies(parts.motor).known & ~np.isnan(heating.winding) & demand.complete
+        )  # whose winding is known from the waveform
 
     def some(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
         """Of some of the candidates."""
-        asked, warm, under, parts = self.columns
-        return self.spec, self.at.on(mask), on(asked, mask), on(warm, mask), on(under, mask), parts.on(mask)
+        demand, heating, stresses, parts = self.columns
+        return self.spec, self.at.on(mask), on(demand, mask), on(heating, mask), on(stresses, mask), parts.on(mask)
 
     def open(self, found: Pair, alive: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
-        """Of each limit, where the two bounds do not say the same of a candidate that stands so far."""
+        """Of each limit, where the two bounds differ in the status of a candidate that passes so far."""
         low, high = (waveform_limits(self.spec, side, side, self.columns[3]) for side in found)
-        stands = alive & ~np.logical_or.reduce([a.failed & b.failed for a, b in zip(low, high, strict=True)])
-        masks = [stands & ((a.passed != b.passed) | (a.failed != b.failed)) for a, b in zip(low, high, strict=True)]
-        unknown = np.isnan(found[1].power) & ~self.told  # no waveform tells how warm: at most that it fails while cold
-        if len(masks) > _POWER and (stands & unknown).any():
+        passing = alive & ~np.logical_or.reduce([a.failed & b.failed for a, b in zip(low, high, strict=True)])
+        masks = [passing & ((a.passed != b.passed) | (a.failed != b.failed)) for a, b in zip(low, high, strict=True)]
+        unknown = np.isnan(found[1].power) & ~self.told  # temperature unknown: at most a failure while cold
+        if len(masks) > _POWER and (passing & unknown).any():
             most = found[0]._replace(power=self.coldest)
             colds = waveform_limits(self.spec, most, most, self.columns[3])[_POWER:]
             masks[_POWER:] = [m & ~(unknown & ~c.failed) for m, c in zip(masks[_POWER:], colds, strict=True)]
@@ -63,7 +63,7 @@ class _Case:
 
     @cached_property
     def coldest(self) -> Array:
-        """More power than the cycle asks for while the winding is cold [W]."""
+        """An upper bound of the cycle's power with a cold winding [W]."""
         found: Array = behind_each(self.at, partial(waveform_bounds.most_cold_power, self.spec), *self.columns)
         return found
 
@@ -71,30 +71,30 @@ class _Case:
 def decided(
     spec: RobotSpec,
     at: AtGearhead,
-    asked: Demands,
-    warm: Heat,
-    under: Stress,
+    demand: Demands,
+    heating: Heat,
+    stresses: Stress,
     parts: Parts,
     alive: NDArray[np.bool_],
     before: Pair | None,
 ) -> Pair:
-    """What the waveform asks of candidates, exact of those of whom bounds do not decide.
+    """Peaks and heat over the waveform, exact where bounds do not decide.
 
     Parameters
     ----------
-    spec, at, asked, warm, under, parts
+    spec, at, demand, heating, stresses, parts
         As ``limits_over_time.exact`` takes them.
     alive
         Which of them stand so far.
     before
         What was found with another controller.
     """
-    case = _Case(spec, at, asked, warm, under, parts)
+    case = _Case(spec, at, demand, heating, stresses, parts)
     if before:
-        shortest, longest = behind_each(at, waveform_bounds.above_bounds, asked, under, parts)
+        shortest, longest = behind_each(at, waveform_bounds.above_bounds, demand, stresses, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
     else:
-        found = behind_each(at, partial(waveform_bounds.bounds, spec), asked, warm, under, parts)
+        found = behind_each(at, partial(waveform_bounds.bounds, spec), demand, heating, stresses, parts)
     left = case.open(found, alive)
     long = len(at.base.warming.duration) > _LONG
     if long:
@@ -103,7 +103,7 @@ def decided(
 
 
 def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDArray[np.bool_]], long: bool) -> Pair:
-    """The same, exact of those left open: by their winding first, as what falls by that is not asked for the rest.
+    """The same, exact of those left open: by their winding first, as candidates that fail on that need no more.
 
     Over a short cycle all is computed in one go, for a second one would cost more than it saves.
     """
@@ -152,13 +152,13 @@ def _closer(
             left = case.open(found, alive)
     mask = left[_WINDING]
     if mask.any():
-        _, at, asked, _, under, parts = case.some(mask)
-        times = waveform_bounds.above_bounds(at, asked, under, parts, _PIECES)
+        _, at, demand, _, stresses, parts = case.some(mask)
+        times = waveform_bounds.above_bounds(at, demand, stresses, parts, _PIECES)
         found = _replaced(found, mask, [on(m, mask)._replace(above=a) for m, a in zip(found, times, strict=True)])
         left = case.open(found, alive)
-    if (mask := left[_WINDING]).any():  # the current alone tells it
-        _, at, asked, _, _, parts = case.some(mask)
-        above = time_above(at, asked, parts)
+    if (mask := left[_WINDING]).any():  # the current alone decides
+        _, at, demand, _, _, parts = case.some(mask)
+        above = time_above(at, demand, parts)
         found = _replaced(found, mask, [on(m, mask)._replace(above=above) for m in found])
         left = case.open(found, alive)
     return found, left

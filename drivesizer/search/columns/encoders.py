@@ -1,8 +1,8 @@
-"""An encoder for every candidate at once: of those that do what is asked one whose own limits are known to hold.
+"""An encoder for every candidate at once: of those that meet the requirements one whose own limits are known to hold.
 
 Encoders come in the order of their counts, then of their part numbers. Before that order goes what is known of their
 speed and frequency at the candidate's highest speed: known to hold, then unknown, then failing. Where neither counts
-nor a resolution, family or part are asked for, the encoder is a proposal and its figures are advice.
+nor a resolution, family or part are required, the encoder is a proposal and its figures are advice.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ class Offered(NamedTuple):
     row: NDArray[np.int64]
     counts: Array  # lines per turn; NaN unknown
     fastest: Array  # rad/s that no known limit of theirs forbids; infinite where none is known
-    sure: NDArray[np.bool_]  # whether all of their limits are known
+    known: NDArray[np.bool_]  # whether all of their limits are known
     last: NDArray[np.int64]  # the one with the most counts, -1 where there is none
-    least: float  # counts that are asked for; 0 where none are
+    least: float  # counts that are required; 0 where none are
 
 
 def angle_per_edge(counts: Any, reduction: Any) -> Any:
-    """Angle of the load per edge of an encoder [rad]: of so many lines, at a motor behind a whole reduction."""
+    """Angle of the load per edge of an encoder [rad]: of so many lines, at a motor behind a total ratio."""
     return 2 * np.pi / (EDGES * counts * reduction)
 
 
@@ -44,7 +44,7 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> Offered:
     Parameters
     ----------
     spec, catalog
-        What is asked for, and what there is.
+        The requirements, and the parts to choose from.
     """
     table, choice = catalog.encoders, spec.select.encoder
     counted = lines(table)
@@ -56,10 +56,10 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> Offered:
     place = np.argsort(~fitting, axis=1, kind="stable")[:, : max(int(number.max(initial=0)), 1)]
     there = np.arange(place.shape[1]) < number[:, None]
     row = np.where(there, order[place], -1) if len(order) else np.full((len(listed), 1), -1)
-    fastest, sure = _fastest(table, counted)
+    fastest, known = _fastest(table, counted)
     end = np.where(number > 0, row[np.arange(len(row)), np.maximum(number - 1, 0)], -1)
     return Offered(
-        row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(sure, False)[row], end,
+        row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(known, False)[row], end,
         float(max(spec.needs.encoder_counts or 0, choice.min_counts or 0)),
     )  # fmt: skip
 
@@ -79,13 +79,13 @@ def encoders_for(
     Parameters
     ----------
     spec
-        What is asked for.
+        The requirements.
     offered
         Of ``offered_encoders``.
     motor
         Row of each candidate's motor.
     speed
-        Highest speed of its motor with the margin that the spec asks for [rad/s]; NaN unknown.
+        Highest speed of its motor with the margin that the spec requires [rad/s]; NaN unknown.
     reduction
         From its motor to the load.
 
@@ -101,16 +101,16 @@ def encoders_for(
     holds = enough & (speed[:, None] <= offered.fastest[motor])
     found = offered.last[motor]
     every = np.arange(len(rows))
-    for mask in (enough, holds, holds & offered.sure[motor]):  # each better than the one before
+    for mask in (enough, holds, holds & offered.known[motor]):  # each better than the one before
         found = np.where(mask.any(1), rows[every, mask.argmax(1)], found)
     return found
 
 
 def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> list[CheckColumn]:
-    """The counts of some encoders against those asked for; nothing where the spec asks for no encoder.
+    """The counts of some encoders against those required; no check where the spec requires no encoder.
 
     A motor without any listed encoder has an unknown one, for tables of what fits are partial: a reason to fall only
-    where the spec asks for counts, a family or a part.
+    where the spec requires counts, a family or a part.
     """
     choice = spec.select.encoder
     least = max(spec.needs.encoder_counts or 0, choice.min_counts or 0)

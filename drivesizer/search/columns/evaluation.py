@@ -1,4 +1,4 @@
-"""Sets in full: every check by the spec's method, with the numbers that a record shows."""
+"""Drives in full: every check by the spec's method, with the numbers that a record shows."""
 
 from __future__ import annotations
 

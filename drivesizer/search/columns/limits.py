@@ -1,4 +1,4 @@
-"""What the load cycle asks of candidates, against every limit that their catalogue figures set, as columns.
+"""The demands of a load cycle against every limit of the candidates' catalogue figures, as columns.
 
 In stages, the cheap ones first: what concerns the load alone, a gearhead alone, a motor alone, the moving pair, its
 current. What needs the current of each moment, or how warm the winding then is, is in ``limits_over_time``. Limits are
@@ -72,7 +72,7 @@ def _belt_limits(spec: RobotSpec, belt: BeltStage, at: AtGearhead, drive: BeltDr
     if diameter is not None and belt.max_speed is not None:
         fast = at.load_speed * diameter / 2
         found.append(at_most("belt_speed", fast, belt.max_speed, needed=spec.margins.speed))
-    if drive is not None:  # no more than it takes, by choice: the smallest pulleys that have it
+    if drive is not None:  # passed by selection: the smallest pulleys with enough teeth are taken
         held = drive.teeth_in_mesh
         found.append(at_least("belt_teeth_in_mesh", LEAST_IN_MESH, held, by_choice=True))
     return found
@@ -136,16 +136,16 @@ def shaft_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn
     return [at_most("motor_radial_load", spec.needs.radial_load, limit, needed=needed)]
 
 
-def moving_limits(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, parts: Parts) -> list[CheckColumn]:
+def moving_limits(spec: RobotSpec, at: AtGearhead, demand: Demands, heating: Heat, parts: Parts) -> list[CheckColumn]:
     """Limits of the pair in motion that the moments decide; that of the winding by its mean, which is no more."""
     motor, ambient = parts.motor, spec.environment.ambient
     torque, speed = spec.margins.torque, spec.margins.speed
     found = [
-        at_most("motor_speed", asked.peak_speed, motor["max_speed"], needed=speed),
-        nominal_current_limit(asked.rms_current, motor, ambient, torque),
-        winding_limit(spec, warm.winding, motor),
+        at_most("motor_speed", demand.peak_speed, motor["max_speed"], needed=speed),
+        nominal_current_limit(demand.rms_current, motor, ambient, torque),
+        winding_limit(spec, heating.winding, motor),
     ]  # fmt: skip
-    return [*found, *_inertias(spec, at, asked, parts), *_holding(spec, at, parts)]
+    return [*found, *_inertias(spec, at, demand, parts), *_holding(spec, at, parts)]
 
 
 def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | None = None) -> CheckColumn:
@@ -156,10 +156,10 @@ def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | Non
     )  # fmt: skip
 
 
-def _inertias(spec: RobotSpec, at: AtGearhead, asked: Demands, parts: Parts) -> list[CheckColumn]:
+def _inertias(spec: RobotSpec, at: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
     """Inertia ratio and first resonance: motor and load as two masses on the belt's stiffness."""
     needs, found = spec.needs, []
-    own = (parts.motor["rotor_inertia"] + parts.gearhead["inertia"]) * (asked.total_ratio * at.belt) ** 2
+    own = (parts.motor["rotor_inertia"] + parts.gearhead["inertia"]) * (demand.total_ratio * at.belt) ** 2
     if needs.inertia_ratio is not None:
         found.append(at_most("inertia_ratio", at.cycle.inertia / own, needs.inertia_ratio))
     if needs.resonance is not None:
@@ -177,67 +177,67 @@ def _holding(spec: RobotSpec, at: AtGearhead, parts: Parts) -> list[CheckColumn]
     return [at_most("holding", reaches, np.full(reaches.shape, np.nan))]
 
 
-def _peak_torque(asked: Demands, under: Stress, motor: Any, needed: float) -> CheckColumn:
+def _peak_torque(demand: Demands, stresses: Stress, motor: Any, needed: float) -> CheckColumn:
     """The motor's torque against its permitted peak, where the maker limits it beside heat and speed."""
-    torque = under.current.value * motor["torque_constant"]
+    torque = stresses.current.value * motor["torque_constant"]
     limit = np.where(np.isnan(motor["peak_torque"]), np.inf, motor["peak_torque"])
-    time = under.current.time
+    time = stresses.current.time
     return at_most("motor_peak_torque", torque, limit, needed=needed, time=time)
 
 
 def electrical_limits(
-    spec: RobotSpec, at: AtGearhead, asked: Demands, under: Stress, parts: Parts
+    spec: RobotSpec, at: AtGearhead, demand: Demands, stresses: Stress, parts: Parts
 ) -> list[CheckColumn]:
     """Limits of controller and encoder by current and speed."""
     controller, torque = parts.controller, spec.margins.torque
     return [
-        _peak_torque(asked, under, parts.motor, torque),
-        at_most("controller_continuous_current", asked.rms_current, controller["continuous_current"],
+        _peak_torque(demand, stresses, parts.motor, torque),
+        at_most("controller_continuous_current", demand.rms_current, controller["continuous_current"],
                 needed=torque),
-        at_most("controller_peak_current", under.current.value, controller["peak_current"],
-                needed=torque, time=under.current.time),
-        *_counting(spec, at.belt, asked, parts),
-        *_commutation(spec, asked, parts),
+        at_most("controller_peak_current", stresses.current.value, controller["peak_current"],
+                needed=torque, time=stresses.current.time),
+        *_counting(spec, at.belt, demand, parts),
+        *_commutation(spec, demand, parts),
     ]  # fmt: skip
 
 
-def electrical_speed(asked: Demands, motor: Any) -> Array:
+def electrical_speed(demand: Demands, motor: Any) -> Array:
     """Speed times pole pairs [rad/s], where the controller commutates; 0 of a brushed motor, which does so itself."""
-    return np.where(motor["kind"] == "brushed", 0.0, asked.peak_speed * motor["pole_pairs"])
+    return np.where(motor["kind"] == "brushed", 0.0, demand.peak_speed * motor["pole_pairs"])
 
 
-def line_frequency(asked: Demands, encoder: Any) -> Array:
+def line_frequency(demand: Demands, encoder: Any) -> Array:
     """Lines of the encoder per second at the highest speed [Hz]."""
-    return np.asarray(lines(encoder) * asked.peak_speed / (2 * np.pi))
+    return np.asarray(lines(encoder) * demand.peak_speed / (2 * np.pi))
 
 
-def _counting(spec: RobotSpec, belt: float, asked: Demands, parts: Parts) -> list[CheckColumn]:
+def _counting(spec: RobotSpec, belt: float, demand: Demands, parts: Parts) -> list[CheckColumn]:
     """Encoder by speed and frequency, its own and the controller's, and by resolution."""
     encoder = parts.encoder
     speed: dict[str, Any] = {"needed": spec.margins.speed} | ({} if spec.wants_encoder else PROPOSAL)
-    counted = line_frequency(asked, encoder)
+    counted = line_frequency(demand, encoder)
     rates = encoder["max_frequency"], parts.controller["max_encoder_frequency"]
     rate = _lower(*rates, counted * (1.0 + spec.margins.speed))
     found = [
-        at_most("encoder_speed", asked.peak_speed, encoder["max_speed"], **speed),
+        at_most("encoder_speed", demand.peak_speed, encoder["max_speed"], **speed),
         at_most("encoder_frequency", counted, rate, **speed),
     ]
     need = spec.needs.resolution_at_load
     if need is not None:
-        edge = angle_per_edge(lines(encoder), asked.total_ratio * belt)
+        edge = angle_per_edge(lines(encoder), demand.total_ratio * belt)
         found.append(at_most("encoder_resolution", edge, need))
     return found
 
 
 def _lower(one: Array, other: Array, needed: Array) -> Array:
-    """The lower of two limits; where one is unknown, the other for what needs more than that: a sure failure."""
+    """The lower of two limits; where one is unknown, the other for what needs more than that: a certain failure."""
     both, known = np.minimum(one, other), np.fmin(one, other)
     return np.where(np.isnan(both) & (needed > known), known, both)
 
 
-def _commutation(spec: RobotSpec, asked: Demands, parts: Parts) -> list[CheckColumn]:
+def _commutation(spec: RobotSpec, demand: Demands, parts: Parts) -> list[CheckColumn]:
     """Electrical speed against what the controller commutates."""
     brushed = parts.motor["kind"] == "brushed"
-    electrical = electrical_speed(asked, parts.motor)
+    electrical = electrical_speed(demand, parts.motor)
     limit = np.where(brushed, np.inf, parts.controller["max_speed_sine"])
     return [at_most("controller_speed", electrical, limit, needed=spec.margins.speed)]

@@ -1,7 +1,7 @@
 """Limits that need the winding or the current of each moment: temperature, voltage, supply, bus, time of overload.
 
-The winding is as warm as it is at each moment of the cycle that repeats for ever (``winding_course``); its voltage is
-looked at cold, as it starts, too. Where a figure is missing that this needs, a check passes by the warmest that the
+The winding is as warm as it is at each moment of the cycle in periodic steady state (``winding_course``); its voltage
+is checked cold, as it starts, too. Where a figure is missing that this needs, a check passes by the warmest that the
 winding may be and fails by the coldest, so that less data never looks better (``checks.between``).
 Before the waveform come safe bounds from moments and extremes alone (``waveform_bounds``).
 Symbols: R resistance [ohm], I current [A], T temperature [K].
@@ -41,11 +41,11 @@ __all__ = [
 Array = NDArray[np.float64]
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
 _STAYS = "unknown: where it goes: give supply.capacitance, or supply.accepts: all of a battery or a brake resistor"
-_HELD = "at the supply's highest voltage: the battery, which takes what comes back, is held to it"
+_HELD = "at the supply's highest voltage: the battery, which takes regenerated energy, is held to it"
 
 
 class Moments(NamedTuple):
-    """What the waveform asks of one motor set, or bounds of that: columns."""
+    """Peaks and heat over the waveform, or bounds of them: columns."""
 
     winding: Array  # K, peak over the periodic cycle
     winding_time: Array  # s
@@ -57,7 +57,7 @@ class Moments(NamedTuple):
     drawn: Array  # J per cycle
     returned: Array  # J per cycle
     stored: Array  # J, the most that is back and not drawn again
-    above: Array  # s, longest time on end above the controller's continuous current
+    above: Array  # s, longest uninterrupted time above the controller's continuous current
 
     def agreed(self, other: Moments) -> Moments:
         """What two bounds agree on; unknown where they do not."""
@@ -71,53 +71,59 @@ class Moments(NamedTuple):
 Wanted = Literal["winding", "power", "limits", "all"]
 _OF_THE_WINDING = ("winding", "winding_time", "voltage", "voltage_time", "copper")
 _TOLD = {"winding": _OF_THE_WINDING, "power": (*_OF_THE_WINDING, "power", "power_time", "above")}
-Pair = tuple[Moments, Moments]  # bounds: what is asked at least and at most
+Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds
 
 
 def exact(
-    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts, what: Wanted = "all"
+    spec: RobotSpec,
+    at: AtGearhead,
+    demand: Demands,
+    heating: Heat,
+    stresses: Stress,
+    parts: Parts,
+    what: Wanted = "all",
 ) -> Pair:
     """From the current of each moment and the winding's temperature then; some candidates at a time.
 
     Parameters
     ----------
-    spec, at, asked, warm, under, parts
+    spec, at, demand, heating, stresses, parts
         The spec, its load cycle at the gearhead, and columns over candidates.
     what
-        To tell: of the ``winding`` temperature, voltage and heat; its ``power`` and time of overload too; whatever
-        has ``limits``, the bus among it; or ``all``, energy too.
+        Which to compute: of the ``winding`` temperature, voltage and heat; its ``power`` and time of overload too;
+        whatever has ``limits``, the bus among it; or ``all``, energy too.
 
     Returns
     -------
     pair of Moments
-        The same where heat is known; else what is asked with the winding cold, and as warm as it may be.
+        The same where heat is known; else the demand with the winding cold, and as warm as it may be.
     """
-    slices = _slices(at, len(asked.rms_current))
+    slices = _slices(at, len(demand.rms_current))
     if len(slices) == 1:
-        return _pair(spec, at, asked, warm, under, parts, what)
-    found = [_pair(spec, at.on(k), on(asked, k), on(warm, k), on(under, k), parts.on(k), what) for k in slices]
+        return _pair(spec, at, demand, heating, stresses, parts, what)
+    found = [_pair(spec, at.on(k), on(demand, k), on(heating, k), on(stresses, k), parts.on(k), what) for k in slices]
     low, high = (Moments(*(np.concatenate(c) for c in zip(*side, strict=True))) for side in zip(*found, strict=True))
     return low, high
 
 
 def _pair(
-    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts, what: Wanted
+    spec: RobotSpec, at: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts, what: Wanted
 ) -> Pair:
     ambient, motor = spec.environment.ambient, parts.motor
-    flows, course = current_and_winding(spec.environment.ambient, at, asked, warm, motor)
+    flows, course = current_and_winding(spec.environment.ambient, at, demand, heating, motor)
     rows = np.flatnonzero(np.isnan(course.peak))
     T, R_25 = (course.ends, course.means), np.asarray(resistance_25(motor))
-    course.ends[rows] = hottest(spec, at, warm, under, motor)[rows, None, None]
-    surplus, speed = asked.surplus(motor["torque_constant"]), at.turning.speed
-    high = _moments(spec, at, flows, (R_25, *T), (surplus, speed), under, parts, what)
+    course.ends[rows] = hottest(spec, at, heating, stresses, motor)[rows, None, None]
+    surplus, speed = demand.surplus(motor["torque_constant"]), at.turning.speed
+    high = _moments(spec, at, flows, (R_25, *T), (surplus, speed), stresses, parts, what)
     high = high._replace(winding=course.peak, winding_time=course.peak_time)
     if not len(rows):
         return high, high
     some, cold = Wave(flows.duration, flows.current[rows], flows.voltage[rows]), np.full((len(rows), 1, 1), ambient)
     winding, turning = (R_25[rows], cold, cold[..., 0]), (surplus[rows], speed if speed.ndim == 2 else speed[rows])
-    low = _moments(spec, at.on(rows), some, winding, turning, on(under, rows), parts.on(rows), what)
+    low = _moments(spec, at.on(rows), some, winding, turning, on(stresses, rows), parts.on(rows), what)
     return between_bounds(
-        high, low, rows, warm.winding, temperature_at_most(spec.environment.ambient, at, warm, under, motor)
+        high, low, rows, heating.winding, temperature_at_most(spec.environment.ambient, at, heating, stresses, motor)
     )
 
 
@@ -138,36 +144,36 @@ def between_bounds(high: Moments, cold: Moments, rows: Any, mean: Array, steady:
     low = Moments(*(column.copy() for column in high))
     for name in ("voltage", "voltage_time", "power", "power_time"):
         getattr(low, name)[rows] = getattr(cold, name)
-    high.stored[rows] = cold.stored  # the more the winding takes, the less comes back
+    high.stored[rows] = cold.stored  # the more the winding takes, the less is regenerated
     low.winding[rows], high.winding[rows] = mean[rows], steady[rows]
     return low, high
 
 
-def least(found: Pair, asked: Demands, warm: Heat, under: Stress) -> Pair:
-    """The same; where demands are least ones no more than what these leave sure, and the rest open.
+def least(found: Pair, demand: Demands, heating: Heat, stresses: Stress) -> Pair:
+    """The same; with incomplete demands only lower bounds are known.
 
     Parameters
     ----------
     found
-        What the waveform asks, at least and at most.
-    asked, warm, under
+        Lower and upper bounds over the waveform.
+    demand, heating, stresses
         What it was computed from.
     """
-    if asked.complete.all():
+    if demand.complete.all():
         return found
-    low, high = (Moments(*(np.where(asked.complete, column, np.nan) for column in side)) for side in found)
-    cold = under.cold_voltage
-    sure = {"winding": warm.winding, "voltage": cold.value, "voltage_time": cold.time}
-    filled = {name: np.where(asked.complete, getattr(low, name), column) for name, column in sure.items()}
+    low, high = (Moments(*(np.where(demand.complete, column, np.nan) for column in side)) for side in found)
+    cold = stresses.cold_voltage
+    lowest_known = {"winding": heating.winding, "voltage": cold.value, "voltage_time": cold.time}
+    filled = {name: np.where(demand.complete, getattr(low, name), column) for name, column in lowest_known.items()}
     return low._replace(**filled), high
 
 
-def hottest(spec: RobotSpec, at: AtGearhead, warm: Heat, under: Stress, motor: Any) -> Array:
-    """Temperature that a winding of unknown heat does not exceed, or must not: what is asked then is a safe bound [K].
+def hottest(spec: RobotSpec, at: AtGearhead, heating: Heat, stresses: Stress, motor: Any) -> Array:
+    """Temperature that a winding of unknown heat does not exceed, or must not: the demand then is a safe bound [K].
 
     NaN where neither is known.
     """
-    found = temperature_at_most(spec.environment.ambient, at, warm, under, motor)
+    found = temperature_at_most(spec.environment.ambient, at, heating, stresses, motor)
     bound: Array = np.fmin(np.where(np.isfinite(found), found, np.nan), motor["max_winding_temperature"])
     return bound
 
@@ -178,18 +184,18 @@ def _moments(
     flows: Wave,
     winding: tuple[Array, Array, Array],
     turning: tuple[Array, Array],
-    under: Stress,
+    stresses: Stress,
     parts: Parts,
     what: Wanted,
 ) -> Moments:
-    """What is asked with windings of a resistance at 25 degC and temperatures at the ends of the pieces and over each.
+    """The demand with windings of a resistance at 25 degC and temperatures at the ends of the pieces and over each.
 
     ``turning``: by what their constants differ, and the speed at both ends of each piece (see ``waveform.balanced``).
     """
     R_25, *T = winding
     ends, means = resistance_at(R_25[:, None, None], T[0]), resistance_at(R_25[:, None], T[1])
     at_ends = flows._replace(voltage=flows.voltage + ends * flows.current)
-    voltage, when = _largest_voltage(at_ends, under.cold_voltage)
+    voltage, when = _largest_voltage(at_ends, stresses.cold_voltage)
     lost, total = means * mean_square(flows), flows.duration.sum()
     copper = behind_each(at, lambda _, some: some @ flows.duration, lost) / total
     nothing = np.full_like(voltage, np.nan)
@@ -209,10 +215,10 @@ def _moments(
     return found._replace(**(sums._asdict() | ({} if kept > 0.0 else {"stored": np.zeros_like(power)})))
 
 
-def time_above(at: AtGearhead, asked: Demands, parts: Parts) -> Array:
-    """Longest time on end above the controller's continuous current [s]."""
+def time_above(at: AtGearhead, demand: Demands, parts: Parts) -> Array:
+    """Longest uninterrupted time above the controller's continuous current [s]."""
     figures = parts.motor["torque_constant"], parts.controller["continuous_current"]
-    found: Array = behind_each(at, _time_above, asked.coefficients, *figures)
+    found: Array = behind_each(at, _time_above, demand.coefficients, *figures)
     return found
 
 
@@ -241,7 +247,7 @@ def _largest_voltage(found: Wave, cold: Peak) -> Peak:
 
 
 def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) -> list[CheckColumn]:
-    """What the waveform asks, at least and at most, against its limits; all motor sets draw from one supply."""
+    """Bounds over the waveform against the limits; all drives draw from one supply."""
     if low is high:
         return _limits(spec, high, parts)
     return [between(*both) for both in zip(*(_limits(spec, side, parts) for side in (low, high)), strict=True)]

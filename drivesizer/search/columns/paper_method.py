@@ -1,6 +1,6 @@
 """The paper's method: equations (1)-(20) for a spec, and its selection rule as checks on columns.
 
-One derivation serves everything: with one rotor inertia it gives the figures of one set, with a column of them
+One derivation serves everything: with one rotor inertia it gives the figures of one drive, with a column of them
 the figures of all candidates at once. Every step keeps its equation and the numbers put in.
 """
 
@@ -235,7 +235,7 @@ def largest_allowed(
     motor, gearhead
         Rows of each candidate's parts.
     total
-        Whole reduction of each candidate.
+        Total ratio of each candidate.
     gear
         The checks on the gearhead's torques and input speed. Where a family has no reduction that passes them and
         some that are unknown, the largest of those remains.

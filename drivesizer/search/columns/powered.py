@@ -1,4 +1,4 @@
-"""Candidates with the smallest controller that does in all load cases, against what is electrical and what is warm.
+"""Candidates with the smallest controller that does in all load cases, against what is electrical and temperature.
 
 The voltage that a controller must give depends on how warm the winding is, which is known only when the waveform is
 computed; so a controller is chosen for a cold winding first, and another where that one turns out too weak.
@@ -32,8 +32,8 @@ _TRIES = 4  # of controllers for a candidate
 class Moving(NamedTuple):
     """The columns of one load case."""
 
-    asked: Demands
-    warm: Heat
+    demand: Demands
+    heating: Heat
 
 
 class Powered(NamedTuple):
@@ -72,21 +72,21 @@ def powered(
         Compute the waveform of all; else only of those that safe bounds leave undecided.
     """
     ambients = [case.spec.environment.ambient for case in problem.cases]
-    under = [stress(ambient, at, c.asked, parts.motor) for ambient, at, c in zip(ambients, ats, cases, strict=True)]
-    case = _Cases(problem, offered, ats, cases, under, parts, exactly)
-    for_ever = np.zeros(len(parts.motor.rows), bool)
-    chosen = case.controllers([u.cold_voltage.value for u in case.under], for_ever)
+    stresses = [stress(ambient, at, c.demand, parts.motor) for ambient, at, c in zip(ambients, ats, cases, strict=True)]
+    case = _Cases(problem, offered, ats, cases, stresses, parts, exactly)
+    continuous = np.zeros(len(parts.motor.rows), bool)
+    chosen = case.controllers([u.cold_voltage.value for u in case.stresses], continuous)
     row, found = chosen.row, case.judged(chosen.row, None)
-    tried, changed = np.zeros_like(for_ever), ~for_ever
+    tried, changed = np.zeros_like(continuous), ~continuous
     for _ in range(_TRIES):  # what has not changed would be given the same again
         short = found.check("controller_peak_time").failed & ~found.weak & ~found.dead
         again = changed & ((found.weak & ~found.dead & ~tried) | short)
-        for_ever |= short
+        continuous |= short
         tried |= found.open
-        row, found, changed = _again(case, row, found, for_ever, np.flatnonzero(again))
+        row, found, changed = _again(case, row, found, continuous, np.flatnonzero(again))
         if not changed.any():
             break
-    figures = _figures(problem, [low.agreed(high) for low, high in found.pairs], case.under)
+    figures = _figures(problem, [low.agreed(high) for low, high in found.pairs], case.stresses)
     return Powered(row, [chosen.checks[0], *found.checks], _where_known(figures, cases))
 
 
@@ -128,61 +128,61 @@ class _Cases(NamedTuple):
     offered: Offers
     ats: Sequence[AtGearhead]
     moving: Sequence[Moving]
-    under: Sequence[Stress]
+    stresses: Sequence[Stress]
     parts: Parts
     exactly: bool
 
     def some(self, rows: NDArray[np.int64]) -> _Cases:
         """Some of the candidates."""
-        moving, under = [on(case, rows) for case in self.moving], [on(u, rows) for u in self.under]
+        moving, stresses = [on(case, rows) for case in self.moving], [on(u, rows) for u in self.stresses]
         ats = [at.on(rows) for at in self.ats]
-        return self._replace(ats=ats, moving=moving, under=under, parts=self.parts.on(rows))
+        return self._replace(ats=ats, moving=moving, stresses=stresses, parts=self.parts.on(rows))
 
-    def controllers(self, voltage: Sequence[Array], for_ever: NDArray[np.bool_]) -> Chosen:
-        """The smallest that does in the worst of all cases, with the margins that the spec asks for."""
+    def controllers(self, voltage: Sequence[Array], continuous: NDArray[np.bool_]) -> Chosen:
+        """The smallest that suffices in the worst of all cases, with the margins that the spec requires."""
         spec = self.problem.spec
         more, faster = 1.0 + spec.margins.torque, 1.0 + spec.margins.speed
-        rms = more * np.maximum.reduce([c.asked.rms_current for c in self.moving])
-        largest = more * np.maximum.reduce([u.current.value for u in self.under])
+        rms = more * np.maximum.reduce([c.demand.rms_current for c in self.moving])
+        largest = more * np.maximum.reduce([u.current.value for u in self.stresses])
         volts = faster * np.maximum.reduce(list(voltage))
-        carried = np.where(for_ever, largest, rms)
+        carried = np.where(continuous, largest, rms)
         motor, usable = self.parts.motor, self.offered.controllers
-        electrical = faster * np.maximum.reduce([electrical_speed(c.asked, motor) for c in self.moving])
-        lines = faster * np.maximum.reduce([line_frequency(c.asked, self.parts.encoder) for c in self.moving])
+        electrical = faster * np.maximum.reduce([electrical_speed(c.demand, motor) for c in self.moving])
+        lines = faster * np.maximum.reduce([line_frequency(c.demand, self.parts.encoder) for c in self.moving])
         speeds = Speeds(electrical, lines if spec.wants_encoder else np.zeros_like(lines))
         return controllers(spec, self.problem.catalog, motor.rows, carried, largest, volts, speeds, usable)
 
     def judged(self, row: NDArray[np.int64], before: list[Pair] | None) -> _Found:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
         specs = [case.spec for case in self.problem.cases]
-        sure = [case.asked.complete for case in self.moving]
+        complete = [case.demand.complete for case in self.moving]
         parts = self.parts._replace(controller=Rows(self.problem.catalog.controllers, row))
 
         def electrical(k: int) -> list[CheckColumn]:
-            checks = electrical_limits(specs[k], self.ats[k], self.moving[k].asked, self.under[k], parts)
-            return unknown_where_doubtful(checks, sure[k])
+            checks = electrical_limits(specs[k], self.ats[k], self.moving[k].demand, self.stresses[k], parts)
+            return unknown_where_doubtful(checks, complete[k])
 
         first = worst_of_all(self.problem, electrical)
         dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in first if not check.advice])
         pairs = [
-            least(self._pair(k, parts, dead, before[k] if before else None), *self.moving[k], self.under[k])
+            least(self._pair(k, parts, dead, before[k] if before else None), *self.moving[k], self.stresses[k])
             for k in range(len(specs))
         ]
         limits = [waveform_limits(spec, *pair, parts) for spec, pair in zip(specs, pairs, strict=True)]
-        last = worst_of_all(self.problem, lambda k: unknown_where_doubtful(limits[k], sure[k]))
+        last = worst_of_all(self.problem, lambda k: unknown_where_doubtful(limits[k], complete[k]))
         volts = [next(check for check in some if check.name == "supply_voltage") for some in limits]
         weak = ~np.logical_and.reduce([check.passed for check in volts])
         fails = np.logical_or.reduce([check.failed for check in volts])
         return _Found([*first, *last], dead, weak, weak & ~fails, pairs)
 
     def _pair(self, k: int, parts: Parts, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
-        """What the waveform asks in one load case."""
-        args = (self.problem.cases[k].spec, self.ats[k], *self.moving[k], self.under[k], parts)
+        """Peaks and heat over the waveform of one load case."""
+        args = (self.problem.cases[k].spec, self.ats[k], *self.moving[k], self.stresses[k], parts)
         if not self.exactly:
             return decided(*args, ~dead, before)
         if before is None:
             return exact(*args)
-        above = time_above(self.ats[k], self.moving[k].asked, parts)
+        above = time_above(self.ats[k], self.moving[k].demand, parts)
         return before[0]._replace(above=above), before[1]._replace(above=above)
 
 
@@ -190,7 +190,7 @@ def _again(
     case: _Cases,
     row: NDArray[np.int64],
     found: _Found,
-    for_ever: NDArray[np.bool_],
+    continuous: NDArray[np.bool_],
     rows: NDArray[np.int64],
 ) -> tuple[NDArray[np.int64], _Found, NDArray[np.bool_]]:
     """Other controllers for some candidates, where there are, what is found with them, and who changed."""
@@ -199,7 +199,7 @@ def _again(
         return row, found, changed
     some, opened = case.some(rows), found.open[rows]
     volts = [np.where(opened, high.voltage[rows], low.voltage[rows]) for low, high in found.pairs]
-    chosen = some.controllers(volts, for_ever[rows]).row
+    chosen = some.controllers(volts, continuous[rows]).row
     other = np.flatnonzero(chosen != row[rows])
     if not len(other):
         return row, found, changed
@@ -212,12 +212,12 @@ def _again(
 
 
 def _where_known(figures: dict[str, Array], cases: Sequence[Moving]) -> dict[str, Array]:
-    """The figures of sets whose current is known in every case: a least one may fail a check, but is no figure."""
-    sure = np.logical_and.reduce([case.asked.complete for case in cases])
-    return {name: np.where(sure, column, np.nan) for name, column in figures.items()}
+    """The figures of drives whose current is known in every case: a lower bound may fail a check, but is no figure."""
+    complete = np.logical_and.reduce([case.demand.complete for case in cases])
+    return {name: np.where(complete, column, np.nan) for name, column in figures.items()}
 
 
-def _figures(problem: Problem, found: Sequence[Moments], under: Sequence[Stress]) -> dict[str, Array]:
+def _figures(problem: Problem, found: Sequence[Moments], stresses: Sequence[Stress]) -> dict[str, Array]:
     """What objectives and records count: the first case's energy and heat, the largest current and temperature."""
     loads, share = [case.spec.load for case in problem.cases], problem.spec.supply.regeneration
     machines = problem.machine_cases
@@ -230,6 +230,6 @@ def _figures(problem: Problem, found: Sequence[Moments], under: Sequence[Stress]
         "returned": returned,
         "power": np.maximum.reduce(power),
         "joule_heat": found[0].copper,
-        "peak_current": np.maximum.reduce([u.current.value for u in under]),
+        "peak_current": np.maximum.reduce([u.current.value for u in stresses]),
         "winding_temperature": np.maximum.reduce([m.winding for m in found]),
     }

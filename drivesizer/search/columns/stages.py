@@ -1,7 +1,7 @@
 """One belt's candidates against the whole of physics: in stages, the cheap ones first, or all of it for a few.
 
-The same checks serve both: the search drops what fails at each stage, so that only survivors meet the next; a set that
-is shown or explained goes through them all. In several load cases each check is that of its worst case, and one
+The same checks serve both: the search drops what fails at each stage, so that only survivors meet the next; a drive
+that is shown or explained goes through them all. In several load cases each check is that of its worst case, and one
 controller must do for all of them.
 """
 
@@ -48,12 +48,12 @@ class Examined(NamedTuple):
     rows: NDArray[np.int64]  # which of them these are
     checks: list[CheckColumn]  # theirs; in stages none are kept
     doubtful: NDArray[np.bool_]  # a check is unknown
-    margin: Array  # the smallest; NaN where it was not asked for
+    margin: Array  # the smallest; NaN where margins are not computed
     encoder: NDArray[np.int64]
     controller: NDArray[np.int64]
     figures: dict[str, Array]  # what objectives count, SI
     failed_by: Counter[str]  # of all candidates, as far as they were examined
-    fallen: NDArray[np.int64]  # candidates that fell, of which the nearest are told
+    rejected: NDArray[np.int64]  # candidates rejected, of which the closest are shown
     bound: Array  # their smallest margin is no better than this
 
 
@@ -80,7 +80,7 @@ def examine(
     exact
         Compute the waveform of all that come so far; else only of those that safe bounds leave undecided.
     margins
-        Tell the smallest margin of each.
+        Compute the smallest margin of each.
     """
     offered, waiting = offers(problem), list[_Moved]()
     for belt, sets in several:
@@ -128,7 +128,7 @@ def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, sta
 
     def moving(k: int) -> list[CheckColumn]:
         checks = moving_limits(problem.cases[k].spec, ats[k], *cases[k], parts)
-        return unknown_where_doubtful(checks, cases[k].asked.complete)
+        return unknown_where_doubtful(checks, cases[k].demand.complete)
 
     keep = sieve.through(worst_of_all(problem, moving))
     cases, parts = [on(case, keep) for case in cases], parts.on(keep)
@@ -136,8 +136,8 @@ def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, sta
 
 
 def _moving(case: LoadCase, at: AtGearhead, parts: Parts) -> Moving:
-    asked = demands(at, parts.motor, parts.gearhead, parts.encoder)
-    return Moving(asked, heat(case.spec.environment.ambient, at, asked, parts.motor))
+    demand = demands(at, parts.motor, parts.gearhead, parts.encoder)
+    return Moving(demand, heat(case.spec.environment.ambient, at, demand, parts.motor))
 
 
 def encoders_of(
@@ -167,7 +167,7 @@ def encoders_of(
 def _alone(problem: Problem, offered: Offers, ats: Sequence[AtGearhead], staged: bool) -> Alone:
     """What concerns the load, a gearhead or a motor alone: once per part, not per pair.
 
-    In stages that a motor has an encoder with the counts asked for is among it: of those enough, or of all, the most.
+    In stages the counts of a motor's best encoder are checked as well.
     """
     catalog, specs = problem.catalog, [case.spec for case in problem.cases]
     counted = counts_check(problem.spec, catalog, offered.encoders.last) if staged else []
@@ -211,9 +211,9 @@ def _examined(moved: _Moved, found: Powered) -> Examined:
     sieve.failed_by["winding_temperature"] = sieve.failed_by["winding_temperature"] if sieve.staged else 0
     keep = sieve.through(found.checks)
     figures = {name: value[keep] for name, value in found.figures.items()}
-    fallen = np.concatenate([sieve.rows[:0], *(rows for rows, _ in sieve.fallen)])
-    bound = np.concatenate([sieve.margin[:0], *(bound for _, bound in sieve.fallen)])
+    rejected = np.concatenate([sieve.rows[:0], *(rows for rows, _ in sieve.rejected)])
+    bound = np.concatenate([sieve.margin[:0], *(bound for _, bound in sieve.rejected)])
     return Examined(
         sieve.sets, sieve.rows, sieve.checks, sieve.doubtful, sieve.margin, moved.parts.encoder.on(keep).rows,
-        found.controller[keep], figures, sieve.failed_by, fallen, bound,
+        found.controller[keep], figures, sieve.failed_by, rejected, bound,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Candidates on their way through the stages of an examination: who is left, who fell by what, and how near.
+"""Candidates through the stages of an examination: which are left, which failed on what, and how closely.
 
 In stages only those that do not fail go on, and of their checks no more is kept than what they amount to; otherwise
 all go through, with every check in full.
@@ -20,11 +20,11 @@ __all__ = ["Alone", "Sieve"]
 
 Array = NDArray[np.float64]
 _ALL = slice(None)
-_ENOUGH = 100  # candidates that fell, to find the nearest among
+_ENOUGH = 100  # rejected candidates, to find the closest among
 
 
 class Sieve:
-    """Candidates on their way through the stages."""
+    """Candidates through the stages."""
 
     def __init__(self, sets: Candidates, staged: bool, margins: bool) -> None:
         self.sets, self.staged, self.margins = sets, staged, margins
@@ -33,7 +33,7 @@ class Sieve:
         self.failed_by: Counter[str] = Counter()
         self.doubtful = np.zeros(len(sets.motor), bool)
         self.margin = np.full(len(sets.motor), np.inf)
-        self.fallen: list[tuple[NDArray[np.int64], Array]] = []
+        self.rejected: list[tuple[NDArray[np.int64], Array]] = []
 
     def parts(self, alone: Alone) -> None:
         """The first stage: each part is judged once, and each pair by its two parts."""
@@ -59,11 +59,11 @@ class Sieve:
         load, gearhead, motor = (_judged(found) for found in alone)
         bad_gearhead, bad_motor = gearhead[0][self.sets.gearhead], motor[0][self.sets.motor]
         fails = bad_gearhead | bad_motor | load[0]
-        fallen = np.flatnonzero(fails & ~bad_motor)
-        if len(fallen) < _ENOUGH:
-            fallen = np.flatnonzero(fails)
-        bound = np.minimum(gearhead[1][self.sets.gearhead[fallen]], load[1])
-        self.fallen.append((fallen, np.minimum(bound, motor[1][self.sets.motor[fallen]])))
+        rejected = np.flatnonzero(fails & ~bad_motor)
+        if len(rejected) < _ENOUGH:
+            rejected = np.flatnonzero(fails)
+        bound = np.minimum(gearhead[1][self.sets.gearhead[rejected]], load[1])
+        self.rejected.append((rejected, np.minimum(bound, motor[1][self.sets.motor[rejected]])))
         self.rows = np.flatnonzero(~fails)
         self.doubtful, self.margin = self.doubtful[self.rows], self.margin[self.rows]
 
@@ -83,10 +83,10 @@ class Sieve:
         if keep.all():
             self._keep(found)
             return _ALL
-        fallen, standing = np.flatnonzero(~keep), np.flatnonzero(keep)
-        self.fallen.append((self.rows[fallen], _judged([check.on(fallen) for check in found])[1]))
-        self.rows, self.doubtful, self.margin = self.rows[standing], self.doubtful[standing], self.margin[standing]
-        self._keep([check.on(standing) for check in found])
+        rejected, passing = np.flatnonzero(~keep), np.flatnonzero(keep)
+        self.rejected.append((self.rows[rejected], _judged([check.on(rejected) for check in found])[1]))
+        self.rows, self.doubtful, self.margin = self.rows[passing], self.doubtful[passing], self.margin[passing]
+        self._keep([check.on(passing) for check in found])
         return keep
 
     def _keep(self, found: Sequence[CheckColumn]) -> None:
@@ -118,5 +118,5 @@ def _judged(found: Sequence[CheckColumn]) -> tuple[NDArray[np.bool_], Array]:
 
 
 def _of(check: CheckColumn, owner: NDArray[np.int64]) -> CheckColumn:
-    """A check of parts as one of the sets that they belong to."""
+    """A check of parts as one of the drives that they belong to."""
     return check.on(owner) if check.passed.ndim else check.on_all(owner)

@@ -1,4 +1,4 @@
-"""Bounds of what the waveform asks, from moments and extremes alone: they decide most candidates.
+"""Bounds over the waveform, from moments and extremes alone: they decide most candidates.
 
 What they leave undecided is computed from the waveform itself (``limits_over_time``), as is everything that is shown. A
 bound never passes what the waveform would fail. Voltage and power grow with the winding's temperature wherever current
@@ -32,25 +32,25 @@ _CELLS = 1 << 16  # candidates times pieces in a block: what stays in the proces
 _SOME = 1e-300  # more than nothing, of an amount that is not known yet
 
 
-def bounds(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts) -> Pair:
-    """Below and above what the waveform asks, from moments and extremes alone."""
-    nothing = np.full_like(asked.rms_current, np.nan)
+def bounds(spec: RobotSpec, at: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts) -> Pair:
+    """Lower and upper bounds over the waveform, from moments and extremes alone."""
+    nothing = np.full_like(demand.rms_current, np.nan)
     none = Moments(*[nothing] * len(Moments._fields))
-    T_low, T_high = winding_limits(spec, at, asked, warm, under, parts.motor)
-    shortest, longest = above_bounds(at, asked, under, parts)
+    T_low, T_high = winding_limits(spec, at, demand, heating, stresses, parts.motor)
+    shortest, longest = above_bounds(at, demand, stresses, parts)
     low, high = none._replace(winding=T_low, above=shortest), none._replace(winding=T_high, above=longest)
     coolest = coolest_winding(
-        two_bodies(parts.motor), spec.environment.ambient, asked.rms_current, at.cycle.total, warm.mean, T_low
+        two_bodies(parts.motor), spec.environment.ambient, demand.rms_current, at.cycle.total, heating.mean, T_low
     )
-    return _resisted(spec, at, asked, warm, under, parts, (low, high), coolest)
+    return _resisted(spec, at, demand, heating, stresses, parts, (low, high), coolest)
 
 
 def _resisted(
     spec: RobotSpec,
     at: AtGearhead,
-    asked: Demands,
-    warm: Heat,
-    under: Stress,
+    demand: Demands,
+    heating: Heat,
+    stresses: Stress,
     parts: Parts,
     found: Pair,
     coolest: Array,
@@ -59,7 +59,7 @@ def _resisted(
 
     Parameters
     ----------
-    spec, at, asked, warm, under, parts
+    spec, at, demand, heating, stresses, parts
         As in ``bounds``.
     found
         Bounds of the winding's peak, and all else that does not hang on its resistance.
@@ -68,55 +68,57 @@ def _resisted(
     """
     motor, (low, high) = parts.motor, found
     k_t, permitted = motor["torque_constant"], motor["max_winding_temperature"]
-    bound = hottest(spec, at, warm, under, motor)
+    bound = hottest(spec, at, heating, stresses, motor)
     warmest = np.fmin(np.where(np.isnan(high.winding), bound, high.winding), permitted)  # else it fails by its heat
     warmest = np.where(np.isfinite(warmest), warmest, np.nan)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
-    at_hot = np.maximum(peak(at, volts_of(asked, k_t, hot), asked.left_out).value, under.cold_voltage.value)
-    low = low._replace(voltage=_least_voltage(at, asked, cool, k_t, under.cold_voltage.value))
+    at_hot = np.maximum(peak(at, volts_of(demand, k_t, hot), demand.left_out).value, stresses.cold_voltage.value)
+    low = low._replace(voltage=_least_voltage(at, demand, cool, k_t, stresses.cold_voltage.value))
     high = high._replace(voltage=at_hot)
-    keeps, same = kept_on_the_bus(spec) > 0.0, asked.surplus(k_t) == 0.0
+    keeps, same = kept_on_the_bus(spec) > 0.0, demand.surplus(k_t) == 0.0
     if not keeps:
         low, high = (side._replace(stored=np.zeros_like(k_t)) for side in (low, high))
     if not (spec.supply.current or spec.supply.power or keeps):
         return low, high
-    low = low._replace(power=_corner_power(at, asked, cool, k_t)[0])
+    low = low._replace(power=_corner_power(at, demand, cool, k_t)[0])
     if spec.supply.current or spec.supply.power:
-        most = np.minimum(_power_bound(at, asked, hot, k_t), under.current.value * at_hot)
-        high = high._replace(power=most + _most_beyond(at, asked, under, k_t))
+        most = np.minimum(_power_bound(at, demand, hot, k_t), stresses.current.value * at_hot)
+        high = high._replace(power=most + _most_beyond(at, demand, stresses, k_t))
     if keeps:
-        least, braked = _corner_power(at, asked, hot, k_t)[1], braking_torque(at, asked.coefficients)
+        least, braked = _corner_power(at, demand, hot, k_t)[1], braking_torque(at, demand.coefficients)
         low = low._replace(stored=np.where((least < 0.0) & same, _SOME, 0.0))
         high = high._replace(stored=np.where(braked, np.inf, 0.0))
     return low, high
 
 
-def most_cold_power(spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts) -> Array:
+def most_cold_power(
+    spec: RobotSpec, at: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
+) -> Array:
     """More than the electrical power ever is while the winding is at the ambient's temperature [W]."""
     k_t = parts.motor["torque_constant"]
     cold = np.asarray(resistance_at(resistance_25(parts.motor), spec.environment.ambient))
-    return _power_bound(at, asked, cold, k_t) + _most_beyond(at, asked, under, k_t)
+    return _power_bound(at, demand, cold, k_t) + _most_beyond(at, demand, stresses, k_t)
 
 
-def _most_beyond(at: AtGearhead, asked: Demands, under: Stress, k_t: Array) -> Array:
+def _most_beyond(at: AtGearhead, demand: Demands, stresses: Stress, k_t: Array) -> Array:
     """What power is above V I at most [W] where two constants differ (``waveform.balanced``); infinite if unknown."""
-    found = 2.0 * np.abs(asked.surplus(k_t)) * at.peak_speed * under.current.value
+    found = 2.0 * np.abs(demand.surplus(k_t)) * at.peak_speed * stresses.current.value
     return np.where(np.isnan(found), np.inf, found)
 
 
-def _least_voltage(at: AtGearhead, asked: Demands, cool: Array, k_t: Array, cold: Array) -> Array:
-    """Less than the largest voltage: cold at the start, or where a warmer winding than this only asks for more."""
+def _least_voltage(at: AtGearhead, demand: Demands, cool: Array, k_t: Array, cold: Array) -> Array:
+    """Less than the largest voltage: cold at the start, or at a bound where a warmer winding only raises it."""
     points = np.concatenate([at.extremes.high, at.extremes.low]) * at.scale
-    volts = product(volts_of(asked, k_t, cool), points.T)
-    more = np.where(product(asked.coefficients, points.T) * volts > 0.0, np.abs(volts), 0.0)
+    volts = product(volts_of(demand, k_t, cool), points.T)
+    more = np.where(product(demand.coefficients, points.T) * volts > 0.0, np.abs(volts), 0.0)
     least: Array = np.maximum(more.max(axis=1), cold)
     return least
 
 
-def _bracketed(at: AtGearhead, asked: Demands, warm: Heat, parts: Parts, ambient: float, count: int) -> Bracket:
+def _bracketed(at: AtGearhead, demand: Demands, heating: Heat, parts: Parts, ambient: float, count: int) -> Bracket:
     """Bounds of the winding over a long cycle from so many blocks [K]: closer than those of ``bounds``."""
-    current = asked.coefficients / parts.motor["torque_constant"][:, None]
-    return bracket(two_bodies(parts.motor), ambient, _blocks(at, count), current, warm.friction, warm.iron)
+    current = demand.coefficients / parts.motor["torque_constant"][:, None]
+    return bracket(two_bodies(parts.motor), ambient, _blocks(at, count), current, heating.friction, heating.iron)
 
 
 def _blocks(at: AtGearhead, count: int) -> Blocks:
@@ -129,24 +131,31 @@ def _blocks(at: AtGearhead, count: int) -> Blocks:
 
 
 def closer(
-    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, parts: Parts, found: Pair, count: int
+    spec: RobotSpec,
+    at: AtGearhead,
+    demand: Demands,
+    heating: Heat,
+    stresses: Stress,
+    parts: Parts,
+    found: Pair,
+    count: int,
 ) -> Pair:
     """Bounds of winding and voltage over a long cycle from so many blocks of it, closer than those of ``bounds``.
 
     Parameters
     ----------
-    spec, at, asked, warm, under, parts
+    spec, at, demand, heating, stresses, parts
         As in ``bounds``.
     found
-        What that told.
+        Its result.
     count
         Of blocks at most.
     """
-    T = _bracketed(at, asked, warm, parts, spec.environment.ambient, count)
+    T = _bracketed(at, demand, heating, parts, spec.environment.ambient, count)
     pair = found[0]._replace(winding=T.lower), found[1]._replace(winding=T.upper)
-    low, high = _resisted(spec, at, asked, warm, under, parts, pair, T.coolest.min(axis=1))
-    least, most = _in_blocks(at, asked, parts.motor, T, _blocks(at, count))
-    most = most[0], np.maximum(most[1], under.cold_voltage.value)
+    low, high = _resisted(spec, at, demand, heating, stresses, parts, pair, T.coolest.min(axis=1))
+    least, most = _in_blocks(at, demand, parts.motor, T, _blocks(at, count))
+    most = most[0], np.maximum(most[1], stresses.cold_voltage.value)
     for name, one, other in zip(("power", "voltage"), least, most, strict=True):
         low = low._replace(**{name: np.fmax(getattr(low, name), one)})
         high = high._replace(**{name: np.fmin(getattr(high, name), np.where(np.isnan(other), np.inf, other))})
@@ -154,11 +163,11 @@ def closer(
 
 
 def _in_blocks(
-    at: AtGearhead, asked: Demands, motor: Any, T: Bracket, cycle: Blocks
+    at: AtGearhead, demand: Demands, motor: Any, T: Bracket, cycle: Blocks
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Bounds of the largest power [W] and voltage [V], the winding no cooler and no warmer than it may be there."""
     k_t = motor["torque_constant"]
-    c, induced = asked.coefficients / k_t[:, None], volts_of(asked, k_t, np.zeros_like(k_t))
+    c, induced = demand.coefficients / k_t[:, None], volts_of(demand, k_t, np.zeros_like(k_t))
     R_25 = np.asarray(resistance_25(motor))[:, None]
     cool, hot = (np.asarray(resistance_at(R_25, x)) for x in (T.coolest, T.warmest))
     top, bottom = product(c, cycle.most.T), product(c, cycle.least.T)
@@ -167,7 +176,7 @@ def _in_blocks(
         low = product(induced, cycle.least.T) + np.minimum(cool * bottom, hot * bottom)
         both = np.maximum(top, 0.0) * np.maximum(high, 0.0), np.minimum(bottom, 0.0) * np.minimum(low, 0.0)
     powers = np.maximum(*both)
-    surplus = asked.surplus(k_t)
+    surplus = demand.surplus(k_t)
     rows = np.flatnonzero(surplus != 0.0)  # an unknown one is among them
     turning = surplus[rows, None] * cycle.most[:, SPEED], surplus[rows, None] * cycle.least[:, SPEED]
     powers[rows] += _beyond(np.minimum.reduce([a * b[rows] for a in turning for b in (top, bottom)]))
@@ -190,54 +199,54 @@ def _beyond(work: Array) -> Array:
 
 
 def winding_limits(
-    spec: RobotSpec, at: AtGearhead, asked: Demands, warm: Heat, under: Stress, motor: Any
+    spec: RobotSpec, at: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, motor: Any
 ) -> tuple[Array, Array]:
     """Bounds of the winding's peak [K]; without time constants the mean, and what the largest current would make."""
     fast = at.peak_speed
-    loss_peak = warm.friction * fast + warm.iron * fast**2
+    loss_peak = heating.friction * fast + heating.iron * fast**2
     found = winding_bounds(
-        two_bodies(motor), spec.environment.ambient, asked.rms_current, under.current.value, at.cycle.total,
-        warm.mean, loss_peak,
+        two_bodies(motor), spec.environment.ambient, demand.rms_current, stresses.current.value, at.cycle.total,
+        heating.mean, loss_peak,
     )  # fmt: skip
     without = np.isnan(motor["winding_time_constant"]) | np.isnan(motor["motor_time_constant"])
-    most = temperature_at_most(spec.environment.ambient, at, warm, under, motor)
-    low, high = (np.where(without, x, bound) for x, bound in zip((warm.winding, most), found, strict=True))
+    most = temperature_at_most(spec.environment.ambient, at, heating, stresses, motor)
+    low, high = (np.where(without, x, bound) for x, bound in zip((heating.winding, most), found, strict=True))
     return low, high
 
 
 def above_bounds(
-    at: AtGearhead, asked: Demands, under: Stress, parts: Parts, pieces: int = _PIECES
+    at: AtGearhead, demand: Demands, stresses: Stress, parts: Parts, pieces: int = _PIECES
 ) -> tuple[Array, Array]:
-    """Bounds of the time on end above the continuous current, from a cycle in so many pieces at most [s].
+    """Bounds of the uninterrupted time above the continuous current, from a cycle in so many pieces at most [s].
 
-    That of the pieces that surely are above, and of those that may be.
+    That of the pieces that certainly are above, and of those that may be.
     """
     store, name = at.base.coarse, ("envelope", pieces)
     if name not in store:
         store[name] = envelope(at.cycle.duration, at.base.functions, pieces)
     found: Envelope = store[name]
-    peak = under.current.value
+    peak = stresses.current.value
     k_t, limit = parts.motor["torque_constant"], parts.controller["continuous_current"]
     low = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0)
     high = low.copy()
     rows = np.flatnonzero(peak > limit)
     size = max(_CELLS // len(found.duration), 1)
     for some in (rows[first : first + size] for first in range(0, len(rows), size)):
-        c = asked.coefficients[some] / k_t[some, None] * at.scale
+        c = demand.coefficients[some] / k_t[some, None] * at.scale
         low[some], high[some] = _runs_above(found, c, limit[some, None])
     return low, high
 
 
 def _runs_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, Array]:
-    """Longest time on end that currents, by their coefficients, surely and perhaps are above a limit [s]."""
+    """Longest uninterrupted time that currents are certainly and perhaps above a limit [s]."""
     top, bottom = product(current, found.high.T), product(current, found.low.T)
-    surely, perhaps = np.maximum(bottom, -top) > limit, np.maximum(top, -bottom) > limit
+    certainly, perhaps = np.maximum(bottom, -top) > limit, np.maximum(top, -bottom) > limit
     pieces = found.duration, np.zeros_like(found.duration), found.duration
-    return np.maximum(longest_run(*pieces, surely), _SOME), longest_run(*pieces, perhaps)
+    return np.maximum(longest_run(*pieces, certainly), _SOME), longest_run(*pieces, perhaps)
 
 
 def braking_torque(at: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
-    """Whether the motor's torque is ever against its motion: otherwise nothing comes back."""
+    """Whether the motor's torque is ever against its motion: otherwise nothing is regenerated."""
     against = np.zeros(len(coefficients), bool)
     for points, sign in ((at.extremes.low, +1.0), (at.extremes.high, -1.0)):
         moving = points[points[:, DIRECTION] == sign] * at.scale
@@ -246,16 +255,16 @@ def braking_torque(at: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
     return against
 
 
-def _corner_power(at: AtGearhead, asked: Demands, hot: Array, k_t: Array) -> tuple[Array, Array]:
+def _corner_power(at: AtGearhead, demand: Demands, hot: Array, k_t: Array) -> tuple[Array, Array]:
     """Largest and smallest electrical power at the extreme points [W]: between them it may be more and less."""
     points = np.concatenate([at.extremes.high, at.extremes.low]) * at.scale
-    power = product(asked.coefficients / k_t[:, None], points.T) * product(volts_of(asked, k_t, hot), points.T)
+    power = product(demand.coefficients / k_t[:, None], points.T) * product(volts_of(demand, k_t, hot), points.T)
     return power.max(axis=1), power.min(axis=1)
 
 
-def _power_bound(at: AtGearhead, asked: Demands, hot: Array, k_t: Array) -> Array:
+def _power_bound(at: AtGearhead, demand: Demands, hot: Array, k_t: Array) -> Array:
     """More than the electrical power ever is [W]: where current and voltage are both positive, or both negative."""
-    current, volts = asked.coefficients / k_t[:, None] * at.scale, volts_of(asked, k_t, hot) * at.scale
+    current, volts = demand.coefficients / k_t[:, None] * at.scale, volts_of(demand, k_t, hot) * at.scale
     found = np.zeros(len(hot))
     for points, sign in ((at.extremes.above, 1.0), (at.extremes.below, -1.0)):
         both = [np.maximum(sign * product(c, points.T), 0.0) for c in (current, volts)]

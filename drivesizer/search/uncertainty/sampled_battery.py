@@ -142,7 +142,7 @@ def columns_of(
     peak = np.maximum(draws[0].peak, 0.0) / loss + feeds.peak
     emf, resistance = feeds.pack.emf(left), feeds.pack.resistance
     lowest = terminal_voltage(current_of_power(peak, emf, resistance), emf, resistance)
-    load = Load(mean=mean, peak=peak, rms=nan, back=nan, way=speed, full=full, charge=left, lowest=lowest)
+    load = Load(mean=mean, peak=peak, rms=nan, back=nan, speed=speed, full=full, charge=left, lowest=lowest)
     checked = LASTING if len(draws) > 1 else (*LASTING, *_PEAKS, *(() if feeds.pack.polarisation else _VOLTAGES))
     return [check for check in battery_columns(spec, spec.battery, feeds.pack, load) if check.name in checked]
 
