@@ -76,6 +76,11 @@ def centre_acceleration(platform: Platform, eta: Array, eta_dot: Array) -> Array
     eta, eta_dot
         Velocity and acceleration of the reference point as the robot sees them, shape (3, ...) [m/s, m/s, rad/s and
         per second]; the axes turn, so the velocity counts.
+
+    Returns
+    -------
+    array
+        Along and across the robot [m/s^2], shape (2, ...).
     """
     (forward, aside, turn), (gain_x, gain_y, spin) = eta, eta_dot
     x, y = platform.x, platform.y

@@ -26,7 +26,7 @@ _ROUNDING = 1e-9  # of a time between knots
 
 
 def spline(time: Array, posture: Array, smoothing: float = 0.0) -> Trajectory:
-    """The trajectory through postures, from rest to rest; it stands where three in a row are the same.
+    """The trajectory through postures, from rest to rest; at rest where three in a row are the same.
 
     Parameters
     ----------
@@ -37,22 +37,27 @@ def spline(time: Array, posture: Array, smoothing: float = 0.0) -> Trajectory:
     smoothing
         Least time between the knots of the curve [s]; 0 goes through all postures.
 
+    Returns
+    -------
+    Trajectory
+        One piece between two knots.
+
     Examples
     --------
-    >>> way = np.array([0.0, 0.1, 0.4, 0.9, 1.2, 1.3])
-    >>> moved = spline(np.arange(6.0), np.array([way, 0 * way, 0 * way]))
+    >>> x = np.array([0.0, 0.1, 0.4, 0.9, 1.2, 1.3])
+    >>> moved = spline(np.arange(6.0), np.array([x, 0 * x, 0 * x]))
     >>> moved.at([2.0, 5.0])[0]
     array([0.4, 1.3])
     """
     same = (np.diff(posture, axis=1) == 0.0).all(axis=0)
     beside = np.concatenate([[False], same, [False]])
-    stands = same & (beside[:-2] | beside[2:])
-    edges = np.concatenate([[0], np.flatnonzero(np.diff(stands)) + 1, [len(same)]])
+    resting = same & (beside[:-2] | beside[2:])
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(resting)) + 1, [len(same)]])
     top = _top(np.diff(posture, axis=1) / np.diff(time))
     made = []
     for first, last in pairwise(edges.tolist()):
         t, p = time[first : last + 1], posture[:, first : last + 1]
-        still = rest(p[:, 0], float(t[-1] - t[0])) if stands[first] else None
+        still = rest(p[:, 0], float(t[-1] - t[0])) if resting[first] else None
         made.append(still or _moving(t, p, top, smoothing))
     return joined(made)
 
@@ -103,6 +108,11 @@ def thinned(time: Array, smoothing: float) -> NDArray[np.int64]:
         Rising [s].
     smoothing
         Least time from one to the next [s]; all samples where they are no closer.
+
+    Returns
+    -------
+    array
+        Indices of the samples that are kept.
 
     Examples
     --------

@@ -71,6 +71,11 @@ def dynamics(platform: Platform, weights: Sequence[float] | None = None) -> Dyna
         Of the driven wheels, where torque is not shared alike: one with twice the weight takes twice the torque of
         another in the same place.
 
+    Returns
+    -------
+    Dynamics
+        Platform, kinematics, and the matrices of (41) and (59).
+
     Raises
     ------
     InputError
@@ -103,6 +108,11 @@ def signs(rows: Array, eta: Array, reach: float) -> Array:
         Velocity in the robot's frame [m/s, m/s, rad/s], shape (3, ...).
     reach
         Of the platform [m].
+
+    Returns
+    -------
+    array
+        -1, 0 or 1, shape (n, ...).
     """
     flat = eta.reshape(3, -1)
     value, least = rows @ flat, np.outer(_ROUNDING * row_sizes(rows, reach), _speed(flat, reach))
@@ -124,6 +134,11 @@ def own_rolling(d: Dynamics, loads: Array) -> Array:
         The platform.
     loads
         What wheels, then casters, carry [N], shape (wheels and casters, ...).
+
+    Returns
+    -------
+    array
+        Torques [N*m], shape (wheels, ...).
     """
     wheels = d.platform.wheels
     C_rr, r, friction = np.array([(w.rolling_resistance, w.radius, w.friction) for w in wheels]).T
@@ -142,6 +157,11 @@ def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = L
         Velocity whose direction counts [m/s, m/s, rad/s], shape (3, ...).
     theta, ground
         Heading in the world [rad], and the floor. A wheel that would lift off carries nothing and resists nothing.
+
+    Returns
+    -------
+    array
+        Along, across and about the vertical [N, N, N*m], shape (3, ...).
     """
     wheels, casters, k = d.platform.wheels, d.platform.casters, d.kinematics
     C_rr, C_roller, friction = np.array([(w.rolling_resistance, w.roller_resistance, w.friction) for w in wheels]).T
@@ -168,7 +188,19 @@ def required_force(
 ) -> Array:
     """Force and moment that the driven wheels must make for a motion [N, N, N*m], in the robot's axes; shape (3, ...).
 
-    Parameters are those of ``wheel_torques``.
+    Parameters
+    ----------
+    d
+        The platform.
+    eta, eta_dot
+        Velocity [m/s, m/s, rad/s] and its rate of change in the robot's frame, shape (3, ...).
+    theta, ground, towards
+        As in ``wheel_torques``.
+
+    Returns
+    -------
+    array
+        Along, across and about the vertical [N, N, N*m], shape (3, ...).
 
     Raises
     ------
@@ -218,6 +250,11 @@ def wheel_torques(
         Whether what turns the driven wheels' own rotors is in. Without it the torques are those of a load cycle, to
         which the drive model adds its rotor.
 
+    Returns
+    -------
+    array
+        Torques [N*m], shape (n, ...).
+
     Raises
     ------
     InputError
@@ -246,6 +283,11 @@ def acceleration(d: Dynamics, eta: Any, torques: Any, *, theta: Any = 0.0, groun
     theta, ground
         Heading in the world [rad], and the floor.
 
+    Returns
+    -------
+    array
+        [m/s^2, m/s^2, rad/s^2], shape (3, ...).
+
     Raises
     ------
     InputError
@@ -268,6 +310,11 @@ def energy(d: Dynamics, eta: Any) -> Array:
         The platform.
     eta
         Velocity in the robot's frame [m/s, m/s, rad/s], shape (3, ...).
+
+    Returns
+    -------
+    array
+        Kinetic energy [J], shape (...).
     """
     eta, p = columns(eta, 3, "velocity of the platform"), d.platform
     inertias = np.array([w.inertia + w.rotor_inertia for w in p.wheels]).reshape(-1, *[1] * (eta.ndim - 1))

@@ -68,10 +68,10 @@ class Passage:
     name: str
     width: float  # m, between the jambs
     height: float | None = None  # m; None: open above
-    depth: float = 0.0  # m, along the way through; 0 is a thin wall
+    depth: float = 0.0  # m, along the passage; 0 is a thin wall
     x: float = 0.0  # m, of its middle in the world
     y: float = 0.0  # m
-    direction: float = 0.0  # rad, of the way through
+    direction: float = 0.0  # rad, of passing through
 
     def __post_init__(self) -> None:
         _checked(self, f"passage {self.name}", width=self.width)
@@ -94,6 +94,11 @@ def width_at(size: Size, heading: float, aside: float = 0.0) -> float:
         Error of its heading against the passage [rad].
     aside
         How far its middle runs beside that of the passage [m].
+
+    Returns
+    -------
+    float
+        Width [m].
 
     Examples
     --------
@@ -147,7 +152,7 @@ def heading_tolerance_driving(size: Size, opening: float, depth: float = 0.0, as
     opening, depth
         Width and depth of the passage [m].
     aside
-        How far beside the passage's middle the platform is half way through [m].
+        How far beside the passage's middle the platform is at its centre [m].
 
     Returns
     -------
@@ -199,7 +204,7 @@ def corner_width(length: float, one: float, other: float) -> float:
     Notes
     -----
     Written in u = tan(t/2) the least distance is at a root of a polynomial of the fourth degree, or at an end; one more
-    angle that is looked at does no harm, so complex roots need not be told apart.
+    angle that is looked at does no harm, so complex roots need not be sorted out.
 
     No other way of turning needs less room: rectangle and inner corner are apart when a line along the rectangle's
     outer side parts them, or when all of it is in one corridor, which parts them so as well.

@@ -116,7 +116,7 @@ def roller_frame_velocity(phi: Array, O_Ri_dot: Array) -> Array:
     25, "[r ϕ̇ cos γ; r_r ϕ̇_r − r ϕ̇ sin γ] / η", printed_symbol="[r ϕ̇ cos γ; r_r ϕ̇_r + r ϕ̇ sin γ] / η",
     printed="array([[sin(phi), -cos(phi), L * cos(delta)], [cos(phi), sin(phi), L * cos(delta)]])",
     note="Printed with L cos δ in both third entries; from (23) and (24) they are −L cos δ and L sin δ, and the first "
-    "is what (26) has. On the left the paper has + r ϕ̇ sin γ; then the rollers would turn on a straight way, where "
+    "is what (26) has. On the left the paper has + r ϕ̇ sin γ; then the rollers would turn on a straight path, where "
     "they stand still: − it must be. Third row, 0 = 0, left out.",
 )  # fmt: skip
 def roller_frame_rows(phi: Array, delta: Array, L: Array) -> Array:

@@ -43,6 +43,11 @@ def finer(trajectory: Trajectory, turning: float = 0.05) -> Trajectory:
     turning
         Largest change of heading in a piece [rad]; what depends on the heading is then straight over a piece to
         within an eighth of its square.
+
+    Returns
+    -------
+    Trajectory
+        The same motion; itself where no piece turns by more.
     """
     turned = np.ptp(control_points(trajectory)[2], axis=-1)
     parts = np.maximum(np.ceil(turned / turning), 1.0).astype(int)

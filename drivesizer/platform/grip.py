@@ -48,7 +48,21 @@ def floor_forces(
 ) -> Array:
     """Force of the floor on each wheel along its roller's axis, and sideways where it is held [N]; shape (2, N, ...).
 
-    Parameters are those of ``wheel_torques``. A positive torque pulls in the positive direction of the axis.
+    A positive torque pulls in the positive direction of the axis.
+
+    Parameters
+    ----------
+    d
+        The platform.
+    eta, eta_dot
+        Velocity [m/s, m/s, rad/s] and its rate of change in the robot's frame, shape (3, ...).
+    theta, ground, towards
+        As in ``dynamics.wheel_torques``.
+
+    Returns
+    -------
+    array
+        Along the roller's axis, and sideways [N], shape (2, N, ...).
 
     Raises
     ------
@@ -99,6 +113,11 @@ def needed_friction(
         As in ``wheel_torques``.
     accelerated
         Acceleration of the centre of mass in the robot's axes [m/s^2], shape (2, ...).
+
+    Returns
+    -------
+    array
+        Coefficients [1], shape (N, ...).
     """
     force = np.hypot(*floor_forces(d, eta, eta_dot, theta=theta, ground=ground))
     load = contact_loads(d.platform, theta, ground, accelerated, samples=force.shape[1:])[: len(force)]
@@ -117,6 +136,11 @@ def worst_friction(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) 
         In the world.
     ground
         The floor, the same everywhere.
+
+    Returns
+    -------
+    Moment
+        Coefficient [1], time [s] and number of the wheel.
 
     Raises
     ------
@@ -171,6 +195,11 @@ def grip_acceleration(
     gravity
         [m/s^2].
 
+    Returns
+    -------
+    float
+        Acceleration [m/s^2].
+
     Raises
     ------
     InputError
@@ -201,13 +230,18 @@ def grip_slope(d: Dynamics, friction: float, uphill: float | None = None) -> flo
         Coefficient between wheels and floor, μ.
     uphill
         In the robot's frame [rad]; the worst of all directions where it is not given. Where its wheels do not allow
-        that way it stands.
+        that direction it is at rest.
+
+    Returns
+    -------
+    float
+        Slope [rad]; 0 where none is held.
     """
     angles = np.arange(_DIRECTIONS) * (2.0 * math.pi / _DIRECTIONS) if uphill is None else np.array([uphill])
     unit = np.array([np.cos(angles), np.sin(angles), 0.0 * angles])
     climbs = np.where(_allowed(d, unit), unit, 0.0)
     lifts = lift_off_acceleration(d.platform, uphill, 1.0)
-    reference = min(0.1, lifts / 2.0)  # any slope on which all stand will do
+    reference = min(0.1, lifts / 2.0)  # any slope on which every contact carries will do
 
     def at(tangent: float) -> tuple[Array, Array]:
         floor = Ground(slope=math.atan(tangent))

@@ -3,7 +3,7 @@ r"""How the wheels of a platform turn when it moves, and how it moves when they 
 Every wheel rolls along its roller's axis, (26): :math:`J_1 η + J_2 \dot ϕ = 0`, so :math:`\dot ϕ = E η`,
 :math:`E = -J_2^{-1} J_1` (32). A wheel without rollers does not move sideways and one that is blocked does not turn;
 those rows, A η = 0, leave the motions η = S ν that the set of wheels allows: three for an omnidirectional platform,
-two for a differential drive, one for a car. The driven wheels must tell each of these motions apart, or the platform
+two for a differential drive, one for a car. The driven wheels must distinguish each of these motions, or the platform
 could move while they stand: such a set is refused. Back from the wheels, (54), by least squares over the
 allowed motions, :math:`η = S (E S)^+ \dot ϕ`.
 
@@ -110,12 +110,12 @@ def kinematics(wheels: Sequence[Wheel]) -> Kinematics:
 
 
 def _reach(wheels: Sequence[Wheel]) -> float:
-    """Distance of the farthest wheel, or the largest radius where all stand in the reference point [m]."""
+    """Distance of the farthest wheel, or the largest radius where all are in the reference point [m]."""
     return max(w.L for w in wheels) or max(w.radius for w in wheels)
 
 
 def row_sizes(rows: Array, reach: float) -> Array:
-    """What rows over velocity make at most of a motion of 1 m/s in any direction, shape (n,).
+    """Largest values of rows times velocity, of a motion of 1 m/s in any direction, shape (n,).
 
     Parameters
     ----------
@@ -123,6 +123,11 @@ def row_sizes(rows: Array, reach: float) -> Array:
         Such as E of a set of wheels, shape (n, 3).
     reach
         Of the platform [m]: turning by 1/reach rad/s is a motion of 1 m/s.
+
+    Returns
+    -------
+    array
+        Shape (n,).
     """
     return np.asarray(np.hypot(np.hypot(rows[:, 0], rows[:, 1]), rows[:, 2] / reach))
 
@@ -166,14 +171,28 @@ def _seen(rolling: Array, motions: Array, scale: Array) -> None:
         return
     found = scale * (plain @ vectors[-1])
     x, y, turn = found * np.sign(found[np.abs(found).argmax()])
-    way = {"forwards": x, "to the left": y}
-    words = [f"{v:.3g} m/s {name}" for name, v in way.items() if abs(v) > _LEAST]
+    sliding = {"forwards": x, "to the left": y}
+    words = [f"{v:.3g} m/s {name}" for name, v in sliding.items() if abs(v) > _LEAST]
     words += [f"{turn:.3g} rad/s turning"] if abs(turn) > _LEAST else []
     raise InputError(f"platform: it can move with its driven wheels at rest ({', '.join(words)}); check their angles")
 
 
 def columns(values: Any, entries: int, what: str) -> Array:
     """Figures as columns of floats.
+
+    Parameters
+    ----------
+    values
+        One figure or an array per entry.
+    entries
+        Length of the first axis.
+    what
+        Name of the figures, for a message.
+
+    Returns
+    -------
+    array
+        Shape (entries, ...).
 
     Raises
     ------
@@ -191,7 +210,20 @@ def columns(values: Any, entries: int, what: str) -> Array:
 
 
 def map_columns(matrix: Array, values: Array) -> Array:
-    """A matrix times columns with any number of axes of samples."""
+    """A matrix times columns with any number of axes of samples.
+
+    Parameters
+    ----------
+    matrix
+        Shape (m, n).
+    values
+        Shape (n, ...).
+
+    Returns
+    -------
+    array
+        Shape (m, ...).
+    """
     if values.ndim <= 2:
         return matrix @ values
     return (matrix @ values.reshape(len(values), -1)).reshape(-1, *values.shape[1:])
@@ -206,13 +238,31 @@ def to_robot(theta: Any, xi_dot: Any) -> Array:
         Heading [rad]; one, or one per sample.
     xi_dot
         Velocity in the world [m/s, m/s, rad/s], shape (3, ...).
+
+    Returns
+    -------
+    array
+        [m/s, m/s, rad/s], shape (3, ...).
     """
     found: Array = eq.robot_velocity(np.asarray(theta, dtype=float), *columns(xi_dot, 3, "velocity in the world"))
     return found
 
 
 def to_world(theta: Any, eta: Any) -> Array:
-    """Velocity in the world, (31); the other way round of ``to_robot``."""
+    """Velocity in the world, (31); the other way round of ``to_robot``.
+
+    Parameters
+    ----------
+    theta
+        Heading [rad]; one, or one per sample.
+    eta
+        Velocity in the robot's frame [m/s, m/s, rad/s], shape (3, ...).
+
+    Returns
+    -------
+    array
+        [m/s, m/s, rad/s], shape (3, ...).
+    """
     found: Array = eq.world_velocity(np.asarray(theta, dtype=float), *columns(eta, 3, "velocity of the platform"))
     return found
 
@@ -227,6 +277,11 @@ def wheel_speeds(k: Kinematics, eta: Any) -> Array:
     eta
         Velocity in the robot's frame [m/s, m/s, rad/s], shape (3, ...).
 
+    Returns
+    -------
+    array
+        Speeds [rad/s], shape (N, ...).
+
     Raises
     ------
     InputError
@@ -239,6 +294,15 @@ def wheel_speeds(k: Kinematics, eta: Any) -> Array:
 
 def check_allowed(k: Kinematics, eta: Array, what: str, unit: str = "m/s") -> None:
     """Refuse a velocity, or an acceleration, that would slide a held wheel or turn a blocked one.
+
+    Parameters
+    ----------
+    k
+        The wheels.
+    eta
+        Velocity or acceleration in the robot's frame, shape (3, ...).
+    what, unit
+        Name and unit of it, for a message.
 
     Raises
     ------
@@ -267,5 +331,10 @@ def velocity(k: Kinematics, speeds: Any) -> Array:
         The set of wheels.
     speeds
         Of the driven wheels [rad/s], shape (n, ...).
+
+    Returns
+    -------
+    array
+        [m/s, m/s, rad/s], shape (3, ...).
     """
     return map_columns(k.K_plus, columns(speeds, len(k.driven), "speeds of the driven wheels"))

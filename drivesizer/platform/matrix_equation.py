@@ -78,6 +78,11 @@ def matrix_equation(
         Where the printed form fails, or what a reader must know.
     printed_symbol
         The paper's own left side, where it is another.
+
+    Returns
+    -------
+    callable
+        The decorator, which makes a ``MatrixEquation`` of the function.
     """
 
     def declared(formula: Callable[..., Any]) -> MatrixEquation:

@@ -27,7 +27,7 @@ class Misjudged:
     payload: Payload | None = None  # that the model does not know
     rolling_resistance: float | tuple[float, ...] = 0.0  # added to C_rr [1]
     roller_resistance: float | tuple[float, ...] = 0.0  # added to that of the rollers [1]
-    motor: float | tuple[float, ...] = 0.0  # torque over torque asked for, less 1: -0.1 is weak by 10 %
+    motor: float | tuple[float, ...] = 0.0  # torque over required torque, less 1: -0.1 is weak by 10 %
 
     def __post_init__(self) -> None:
         for f in fields(self):
@@ -43,6 +43,20 @@ class Misjudged:
 
 def of_each(value: float | Sequence[float], wheels: int, what: str) -> tuple[float, ...]:
     """A figure for each wheel; 0 wheels: as many as there are.
+
+    Parameters
+    ----------
+    value
+        One figure for all wheels, or one for each.
+    wheels
+        How many there are; 0 where that is not known.
+    what
+        Name of the figure, for a message.
+
+    Returns
+    -------
+    tuple of float
+        One for each wheel.
 
     Raises
     ------
@@ -68,6 +82,11 @@ def actual(believed: Platform, misjudged: Misjudged) -> Platform:
         By the robot model.
     misjudged
         How it differs.
+
+    Returns
+    -------
+    Platform
+        With the true figures.
 
     Raises
     ------

@@ -61,6 +61,11 @@ def motion(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL, sliding:
         How far the trajectory may be off what the wheels allow, as a share of its largest speed; the platform goes as
         its driven wheels do on it.
 
+    Returns
+    -------
+    Motion
+        Velocity and acceleration in the robot's frame, piece by piece.
+
     Raises
     ------
     InputError
@@ -79,6 +84,15 @@ def largest(trajectory: Trajectory) -> Array:
 
 def allowed(k: Kinematics, trajectory: Trajectory, sliding: float) -> None:
     """Refuse a trajectory that slides wheels by more than a share of its largest speed.
+
+    Parameters
+    ----------
+    k
+        The wheels.
+    trajectory
+        In the world.
+    sliding
+        Share of the largest speed.
 
     Raises
     ------
@@ -107,6 +121,11 @@ def seen(d: Dynamics, trajectory: Trajectory, ground: Ground, top: Array) -> Mot
         As in ``motion``.
     top
         Its largest speeds, or those of the whole that it is a part of, see ``largest``.
+
+    Returns
+    -------
+    Motion
+        Velocity and acceleration in the robot's frame, piece by piece.
     """
     k, (eta, eta_dot) = d.kinematics, trajectory.in_robot()
     if len(k.held):
@@ -167,6 +186,16 @@ def blocks(trajectory: Trajectory, ground: Ground) -> Iterator[tuple[Trajectory,
     """So many pieces at a time that their columns stay in the processor's cache.
 
     Parameters are those of ``motion``.
+
+    Parameters
+    ----------
+    trajectory, ground
+        As in ``motion``.
+
+    Returns
+    -------
+    iterator
+        Parts of the trajectory, each with its part of the floor.
     """
     for first in range(0, len(trajectory.duration), _BLOCK):
         here = slice(first, first + _BLOCK)

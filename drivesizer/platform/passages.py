@@ -1,6 +1,6 @@
 """How near a platform comes to the jambs of a passage while it moves along a trajectory.
 
-At each moment the part of its rectangle that is between the faces of the wall, |s| <= d/2 along the way through, takes
+At each moment the part of its rectangle that is between the faces of the wall, |s| <= d/2 along the passage, takes
 up the passage from one side to the other. What is left beside it is the clearance; below 0 the jamb is hit. Pieces of
 the trajectory are halved until nothing in them moves by more than a thousandth of the passage's width, and at the
 narrowest place by a hundred-thousandth.
@@ -20,7 +20,7 @@ from drivesizer.platform.trajectory import Trajectory
 
 __all__ = ["Clearance", "clearances", "side_room"]
 
-_STEPS = (1e-3, 1e-5)  # of a passage's width: all of the way, then beside the narrowest place
+_STEPS = (1e-3, 1e-5)  # of a passage's width: the whole path, then beside the narrowest place
 
 
 class Clearance(NamedTuple):
@@ -42,8 +42,13 @@ def clearances(trajectory: Trajectory, size: Size, passages: tuple[Passage, ...]
     size
         Of the platform.
     passages
-        Where they are in the world. One counts while some of the platform is between its jambs: a way beside it, or
+        Where they are in the world. One counts while some of the platform is between its jambs: a path beside it, or
         through another door of the same wall, does not.
+
+    Returns
+    -------
+    tuple of Clearance
+        In the order of the passages.
     """
     return tuple(_clearance(trajectory, size, passage) for passage in passages)
 
@@ -105,7 +110,7 @@ def _joined(parts: list[_Pieces]) -> _Pieces:
 
 
 def _in_passage(points: Array, passage: Passage) -> Array:
-    """Postures along the way through, across it to the left, and their heading against it."""
+    """Postures along the passage, across it to the left, and their heading against it."""
     x, y = points[0] - passage.x, points[1] - passage.y
     cos, sin = math.cos(passage.direction), math.sin(passage.direction)
     return np.stack([cos * x + sin * y, cos * y - sin * x, points[2] - passage.direction])
@@ -124,11 +129,16 @@ def side_room(posture: Array, size: Size, width: float, depth: float) -> tuple[A
     Parameters
     ----------
     posture
-        Along the way through and across it to the left, from the passage's middle [m], and heading [rad]; (3, ...).
+        Along the passage and across it to the left, from the passage's middle [m], and heading [rad]; (3, ...).
     size
         Of the platform.
     width, depth
         Of the passage [m].
+
+    Returns
+    -------
+    tuple of arrays
+        Left and right [m], shape (...).
     """
     cos, sin = np.cos(posture[2]), np.sin(posture[2])
     x, y = (c.reshape(-1, *[1] * cos.ndim) for c in size.corners)

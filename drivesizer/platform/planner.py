@@ -5,10 +5,10 @@ to rest; the limits of driving and of turning both become limits of s, and the t
 jerk the speed is a trapezoid, else an S-curve of seven phases. Where the next leg goes on in the same direction of
 x, y and heading, the platform does not stop between.
 
-Headings. A waypoint with one is reached with it, and the platform turns evenly on the way; one without is reached
-looking along the way: the platform turns on the spot, the short way round, then drives forwards, which is what a
+Headings. A waypoint with one is reached with it, and the platform turns evenly on the leg; one without is reached
+looking along the leg: the platform turns on the spot, through the smaller angle, then drives forwards, which is what a
 differential drive can do. Headings are taken as they are: from 0 to 540 deg it turns one and a half times, from
-170 deg to -170 deg back by 340 deg. Only after a waypoint without a heading is the short way taken to one with it.
+170 deg to -170 deg back by 340 deg. Only after a waypoint without a heading is the smaller angle taken to one with it.
 
 Pieces. Wheel speeds and torques are taken as straight between the ends of pieces. A phase without jerk or turning is
 one piece, and exact. Others fall into 32 pieces or more, none of which turns by more than 1/32 rad: a straight line
@@ -67,7 +67,7 @@ class Waypoint:
 
     x: float  # m
     y: float  # m
-    heading: float | None = None  # rad; None looks along the way to it, at the first one along the way from it
+    heading: float | None = None  # rad; None looks along the leg to it, at the first one along the leg from it
     pause: float = 0.0  # s, standing
 
     def __post_init__(self) -> None:
@@ -104,6 +104,11 @@ def plan(waypoints: Sequence[Waypoint], limits: Limits) -> Trajectory:
     limits
         Of driving and turning. On a leg that does both, the tighter one of each kind.
 
+    Returns
+    -------
+    Trajectory
+        From rest to rest, its pauses included.
+
     Raises
     ------
     InputError
@@ -120,17 +125,19 @@ def plan(waypoints: Sequence[Waypoint], limits: Limits) -> Trajectory:
     stops = _joined(_stops(waypoints))
     if len(stops) < 2:
         raise InputError(f"waypoints: {len(waypoints)} given and nothing moves; expected two postures that differ")
-    parts, pieces = _standing(stops[0]), 0
+    parts, pieces = _pause_at(stops[0]), 0
     for before, stop in pairwise(stops):
         leg = _leg(before, stop, limits)
-        parts += [leg, *_standing(stop)]
+        parts += [leg, *_pause_at(stop)]
         pieces += len(leg.duration)
         if pieces > _MOST_PIECES:
-            raise InputError(f"waypoints: the way turns for too long, over {_MOST_PIECES} pieces; expected fewer turns")
+            raise InputError(
+                f"waypoints: the path turns for too long, over {_MOST_PIECES} pieces; expected fewer turns"
+            )
     return joined(parts)
 
 
-def _standing(stop: _Stop) -> list[Trajectory]:
+def _pause_at(stop: _Stop) -> list[Trajectory]:
     return [rest(stop.posture, stop.pause)] if stop.pause > 0.0 else []
 
 
@@ -178,7 +185,7 @@ def _next_heading(waypoints: Sequence[Waypoint], number: int, here: Array) -> fl
 
 
 def _joined(stops: list[_Stop]) -> list[_Stop]:
-    """The stops without those that the way goes straight through, place and heading alike."""
+    """The stops without those that the path goes straight through, place and heading alike."""
     kept = stops[:1]
     for stop, after in zip(stops[1:], [*stops[2:], None], strict=False):
         if after is None or stop.pause > 0.0 or not _straight(kept[-1].posture, stop.posture, after.posture):
@@ -201,7 +208,7 @@ def _leg(before: _Stop, stop: _Stop, limits: Limits) -> Trajectory:
     if turn > 0.0 and limits.turning_speed is None:
         degrees = f"{math.degrees(float(change[2])):.4g} deg"
         raise InputError(
-            f"waypoint {stop.number}: the way to it turns by {degrees}; expected limits of turning_speed and "
+            f"waypoint {stop.number}: the leg to it turns by {degrees}; expected limits of turning_speed and "
             "turning_acceleration"
         )
     phases = _phases(float(np.hypot(change[0], change[1])), turn, limits, stop.number)
@@ -212,17 +219,19 @@ def _leg(before: _Stop, stop: _Stop, limits: Limits) -> Trajectory:
     return Trajectory(duration, posture, velocity, acceleration)
 
 
-def _phases(way: float, turn: float, limits: Limits, number: int) -> list[_Phase]:
+def _phases(distance: float, turn: float, limits: Limits, number: int) -> list[_Phase]:
     """Of the path coordinate, up to the end of the cruise; what follows is the mirror image."""
-    speed = _tightest((limits.speed, way), (limits.turning_speed, turn))
-    most = _tightest((limits.acceleration, way), (limits.turning_acceleration, turn))
-    jerk = _tightest((limits.jerk, way), (limits.turning_jerk, turn))
+    speed = _tightest((limits.speed, distance), (limits.turning_speed, turn))
+    most = _tightest((limits.acceleration, distance), (limits.turning_acceleration, turn))
+    jerk = _tightest((limits.jerk, distance), (limits.turning_jerk, turn))
     jerk_time, hold, cruise = _times(speed, most, jerk)
     total = 2.0 * (2.0 * jerk_time + hold) + cruise
     cruise = cruise if cruise > _ROUNDING * total else 0.0
     if not 0.0 < total < _LARGEST or turn * _PIECES > _MOST_PIECES:
-        raise InputError(f"waypoint {number}: the way to it takes {total:.3g} s; expected limits that suit the way")
-    speed = 1.0 / (2.0 * jerk_time + hold + cruise)  # from the times, so that the way is exact
+        raise InputError(
+            f"waypoint {number}: the leg to it takes {total:.3g} s; expected limits that suit the distance"
+        )
+    speed = 1.0 / (2.0 * jerk_time + hold + cruise)  # from the times, so that the distance is exact
     top = speed / (jerk_time + hold)
     ramp = [(jerk_time, 0.0, top), (hold, top, top), (jerk_time, top, 0.0)]
 
@@ -235,12 +244,12 @@ def _phases(way: float, turn: float, limits: Limits, number: int) -> list[_Phase
 
 
 def _tightest(*pairs: tuple[float | None, float]) -> float:
-    """The least of limits over sizes; without end where none counts."""
+    """The least of limits over sizes; infinite where none counts."""
     return min((limit / size for limit, size in pairs if limit is not None and size > 0.0), default=math.inf)
 
 
 def _times(speed: float, acceleration: float, jerk: float) -> tuple[float, float, float]:
-    """Times of the fastest way from 0 to 1 [s]: of each phase of jerk, of even acceleration, of even speed."""
+    """Times of the fastest motion from 0 to 1 [s]: of each phase of jerk, of even acceleration, of even speed."""
     if jerk < math.inf:
         try:
             return fastest_ramp(1.0, speed, acceleration, jerk)
@@ -256,10 +265,10 @@ def _coordinate(phases: Sequence[_Phase]) -> tuple[Array, ...]:
     for p in phases[:-1]:
         t = np.linspace(0.0, p.time, p.pieces + 1)
         bend = (p.end - p.start) / p.time
-        way = s + t * (v + t * (p.start / 2.0 + t * (bend / 6.0)))
+        place = s + t * (v + t * (p.start / 2.0 + t * (bend / 6.0)))
         rate = v + t * (p.start + t * (bend / 2.0))
-        rising.append(_ends(p, way, rate, p.start + t * bend))
-        s, v = float(way[-1]), float(rate[-1])
+        rising.append(_ends(p, place, rate, p.start + t * bend))
+        s, v = float(place[-1]), float(rate[-1])
     cruise, level = phases[-1], []
     if cruise.time > 0.0:
         along = np.linspace(s, 1.0 - s, cruise.pieces + 1)
@@ -269,7 +278,7 @@ def _coordinate(phases: Sequence[_Phase]) -> tuple[Array, ...]:
 
 
 def _mirrored(duration: Array, s: Array, v: Array, a: Array) -> tuple[Array, Array, Array, Array]:
-    """A part of the way up to speed as the same part of the way down from it."""
+    """A part of the acceleration as the mirrored part of the deceleration."""
     return duration[::-1], 1.0 - s[::-1, ::-1], v[::-1, ::-1], -a[::-1, ::-1]
 
 

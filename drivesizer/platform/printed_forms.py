@@ -1,6 +1,6 @@
-"""What is right and wrong with the printed form of a platform equation: found by evaluating it, not claimed.
+"""Units and values of the printed form of a platform equation, checked by evaluating it.
 
-Units, by measuring anew: every figure of a sample robot is told in other base units (a length of 0.3 m, a mass of
+Units, by measuring anew: every figure of a sample robot is given in other base units (a length of 0.3 m, a mass of
 1.7 kg, a time of 0.6 s). A form whose units agree gives the same result in them; one that adds lengths
 to areas does not. This works for whatever can be computed, matrices with entries of several units among it.
 Values, by comparing: what the printed form gives of the sample robot, beside what the computed form gives.
@@ -161,19 +161,19 @@ def find(key: str) -> MatrixEquation | None:
 def rows(declared: MatrixEquation) -> list[tuple[str, str]]:
     """An equation as rows of a name and words: as printed, what was found, as computed, note, result, terms, source."""
     found, left = finding(declared), declared.symbol
-    told = [
+    lines = [
         ("as printed", f"{declared.printed_symbol or left} = {matrix_equation.text(declared.printed)}"),
         ("unit check", f"fails: {found.units}" if found.units else "passes"),
         ("value check", f"fails: {found.values}" if found.values else "passes"),
         ("as computed", f"{left} = {matrix_equation.text(matrix_equation.computed(declared))}"),
     ]
     if declared.note:
-        told.append(("note", declared.note))
-    told.append(("result", _told(declared.result)))
-    told += [(matrix_equation.symbol(t.name), _told(t)) for t in declared.terms]
-    return [*told, ("source", SOURCE)]
+        lines.append(("note", declared.note))
+    lines.append(("result", _meaning(declared.result)))
+    lines += [(matrix_equation.symbol(t.name), _meaning(t)) for t in declared.terms]
+    return [*lines, ("source", SOURCE)]
 
 
-def _told(term: Term) -> str:
+def _meaning(term: Term) -> str:
     unit = term.unit.replace("*", "·").replace("^2", "²")
     return f"{term.meaning} [{unit}]"

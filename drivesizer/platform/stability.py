@@ -103,6 +103,11 @@ def edge_distances(platform: Platform, point: Any) -> Array:
     point
         In the robot's frame [m], shape (2, ...).
 
+    Returns
+    -------
+    array
+        Distances [m], shape (edges, ...).
+
     Raises
     ------
     InputError
@@ -148,6 +153,11 @@ def tipping_acceleration(platform: Platform, direction: float | None = None, gra
     gravity
         [m/s^2].
 
+    Returns
+    -------
+    float
+        Acceleration [m/s^2].
+
     Raises
     ------
     InputError
@@ -168,7 +178,17 @@ def tipping_acceleration(platform: Platform, direction: float | None = None, gra
 def lift_off_acceleration(platform: Platform, direction: float | None = None, gravity: float = LEVEL.gravity) -> float:
     """Largest acceleration on a level floor before a wheel or caster carries nothing [m/s^2].
 
-    Parameters are those of ``tipping_acceleration``. On three contacts both are the same.
+    On three contacts both are the same.
+
+    Parameters
+    ----------
+    platform, direction, gravity
+        As in ``tipping_acceleration``.
+
+    Returns
+    -------
+    float
+        Acceleration [m/s^2].
     """
     return _largest(*_lifting(platform, gravity), direction)
 
@@ -229,6 +249,11 @@ def used_footing(
     gravity
         [m/s^2].
 
+    Returns
+    -------
+    float
+        Share [1]; infinite where a contact carries nothing at rest.
+
     Raises
     ------
     InputError
@@ -252,7 +277,7 @@ def _largest(at_rest: Array, change: Array, direction: float | None) -> float:
 
 
 def tipping_slope(platform: Platform, uphill: float | None = None) -> float:
-    """Steepest slope on which a platform that stands does not tip over [rad].
+    """Steepest slope on which a platform at rest does not tip over [rad].
 
     Parameters
     ----------
@@ -260,12 +285,28 @@ def tipping_slope(platform: Platform, uphill: float | None = None) -> float:
         Contact points and centre of mass.
     uphill
         In the robot's frame [rad]; the worst of all directions where it is not given.
+
+    Returns
+    -------
+    float
+        Slope [rad].
     """
     return math.atan(tipping_acceleration(platform, uphill, 1.0))
 
 
 def lift_off_slope(platform: Platform, uphill: float | None = None) -> float:
-    """Steepest slope on which every wheel and caster still carries something [rad]; parameters of ``tipping_slope``."""
+    """Steepest slope on which every wheel and caster still carries something [rad].
+
+    Parameters
+    ----------
+    platform, uphill
+        As in ``tipping_slope``.
+
+    Returns
+    -------
+    float
+        Slope [rad].
+    """
     return math.atan(lift_off_acceleration(platform, uphill, 1.0))
 
 
@@ -282,6 +323,11 @@ def zero_moment_point(
         Heading in the world [rad], and the floor.
     accelerated
         Acceleration of the centre of mass in the robot's axes [m/s^2], shape (2, ...).
+
+    Returns
+    -------
+    array
+        Along and across the robot [m], shape (2, ...).
     """
     pull = weight_along(platform, theta, ground)[:2]
     lever = platform.height / (platform.mass * ground.gravity * np.cos(ground.slope))

@@ -26,7 +26,20 @@ class Moment(NamedTuple):
 
 
 def of_centre(platform: Platform, trajectory: Trajectory) -> Array:
-    """Acceleration of the centre of mass along a trajectory, in the robot's axes [m/s^2]; shape (2, n, 2)."""
+    """Acceleration of the centre of mass along a trajectory, in the robot's axes [m/s^2]; shape (2, n, 2).
+
+    Parameters
+    ----------
+    platform
+        Where its centre of mass is.
+    trajectory
+        In the world, n pieces.
+
+    Returns
+    -------
+    array
+        Along and across the robot [m/s^2], shape (2, n, 2).
+    """
     return centre_acceleration(platform, *trajectory.in_robot())
 
 
@@ -42,6 +55,11 @@ def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVE
     ground
         The floor, the same everywhere.
 
+    Returns
+    -------
+    Moment
+        Load [N], time [s] and number of the contact.
+
     Raises
     ------
     InputError
@@ -56,7 +74,17 @@ def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVE
 def least_share(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
     """The least that a wheel or caster carries over a trajectory as a share of what it does on a level floor at rest.
 
-    Below 0 it has lifted off; minus infinity where it carries nothing at rest. Parameters are those of ``least_load``.
+    Below 0 it has lifted off; minus infinity where it carries nothing at rest.
+
+    Parameters
+    ----------
+    platform, trajectory, ground
+        As in ``least_load``.
+
+    Returns
+    -------
+    Moment
+        Share [1], time [s] and number of the contact.
 
     Raises
     ------
@@ -73,7 +101,15 @@ def least_share(platform: Platform, trajectory: Trajectory, ground: Ground = LEV
 def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
     """The least distance of the zero moment point from the edge of the support polygon [m], where, and when.
 
-    Parameters are those of ``least_load``.
+    Parameters
+    ----------
+    platform, trajectory, ground
+        As in ``least_load``.
+
+    Returns
+    -------
+    Moment
+        Distance [m], time [s] and number of the contact where the edge begins.
 
     Raises
     ------
@@ -88,7 +124,15 @@ def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LE
 def least_margin_share(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
     """The same as a share of the distance at rest on a level floor; minus infinity where there is none.
 
-    Parameters are those of ``least_load``.
+    Parameters
+    ----------
+    platform, trajectory, ground
+        As in ``least_load``.
+
+    Returns
+    -------
+    Moment
+        Share [1], time [s] and number of the contact where the edge begins.
 
     Raises
     ------
@@ -103,8 +147,8 @@ def least_margin_share(platform: Platform, trajectory: Trajectory, ground: Groun
 
 def _share(found: Array, at_rest: Array) -> Array:
     """Figures over (row, piece, end) as shares of those at rest."""
-    standing = carrying(at_rest)[:, None, None]
-    return np.where(standing, found / np.where(standing, at_rest[:, None, None], 1.0), -math.inf)
+    carries = carrying(at_rest)[:, None, None]
+    return np.where(carries, found / np.where(carries, at_rest[:, None, None], 1.0), -math.inf)
 
 
 def _worst(found: Array, trajectory: Trajectory, contacts: tuple[int, ...]) -> Moment:

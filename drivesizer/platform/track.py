@@ -3,9 +3,9 @@ r"""A file of postures as a trajectory: timed ones as they are, waypoints by the
 Two kinds of CSV, both with a row of units below the header and columns in any order:
 
 - a timed track has the columns t (or time), x, y and heading (or theta). A cubic spline goes through all postures, see
-  ``curve``: velocity and acceleration are its own. Headings are taken the short way from sample to sample, so they may
-  be wrapped or not.
-- waypoints have x and y, with heading and pause where they are wanted; an empty cell is a heading along the way, or
+  ``curve``: velocity and acceleration are its own. Headings are taken through the smaller angle from sample to
+  sample, so they may be wrapped or not.
+- waypoints have x and y, with heading and pause where they are wanted; an empty cell is a heading along the leg, or
   no pause. They are planned within limits, see ``planner``.
 
 A load cycle repeats, so a track starts and ends at rest, and the spline is clamped to it: a parabola through its first
@@ -17,7 +17,7 @@ the limits where they are given; else up to 50 m/s and 10 g, turning 100 rad/s a
 floor makes of a platform. With smoothing that holds from knot to knot, and no sample between may be off by more than is
 driven at that speed from one to the next.
 
-Nor is a spline through rounded figures: 0.01 mm every 10 ms is up to 0.6 m/s² of acceleration that nobody asked for,
+Nor is a spline through rounded figures: 0.01 mm every 10 ms is up to 0.6 m/s² of acceleration that no motion has,
 6 q/h² of the last digit q. Where that is more than a fifth of the largest acceleration the track needs more digits, or
 smoothing: a spline whose knots are that far apart, as near to all samples as least squares brings it. It also takes
 noise out, and rounds what changes faster. Digits coarser than 1 mm or 1 mrad are taken as exact.
@@ -79,6 +79,11 @@ def read_track(
         Least time between the knots of a timed track's spline [s]; 0 goes through all samples.
     where
         What a message calls it: where a spec has it.
+
+    Returns
+    -------
+    Trajectory
+        From rest to rest.
 
     Raises
     ------
@@ -175,13 +180,13 @@ def _no_jumps(path: Path, time: Array, posture: Array, limits: Limits | None, ke
 
 
 def _no_outliers(path: Path, time: Array, posture: Array, limits: Limits | None, kept: Any) -> None:
-    """Refuse rows between the knots that are farther from the way than a platform gets between two of them."""
+    """Refuse rows between the knots that are farther from the path than a platform gets between two of them."""
     off = posture - np.array([np.interp(time, time[kept], row[kept]) for row in posture])
     for column, (rows, (fastest, _)) in _most(limits).items():
         size, bound = np.hypot.reduce(off[rows], axis=0), fastest * float(np.diff(time[kept]).max())
         if not (size <= bound).all():
             at, unit = int(np.argmin(size <= bound)), _UNITS[column][0].removesuffix("/s")
-            word = f"a jump, {size[at]:.4g} {unit} off the way between its neighbours"
+            word = f"a jump, {size[at]:.4g} {unit} off the path between its neighbours"
             raise InputError(f"{path}:{at + _ABOVE}: {column}: {word}; expected {bound:.4g} {unit} at most")
 
 

@@ -54,7 +54,7 @@ class Trajectory:
 
     @property
     def length(self) -> float:
-        """Length of the way, by the mean speed of both ends of each piece [m]."""
+        """Length of the path, by the mean speed of both ends of each piece [m]."""
         return float(np.hypot(*self.velocity[:2]).mean(axis=1) @ self.duration)
 
     def in_robot(self) -> tuple[Array, Array]:
@@ -71,7 +71,7 @@ class Trajectory:
 
 
 def rest(posture: Array, time: float) -> Trajectory:
-    """Standing at a posture as one piece.
+    """Rest at a posture, as one piece.
 
     Parameters
     ----------
@@ -79,6 +79,11 @@ def rest(posture: Array, time: float) -> Trajectory:
         Where [m, m, rad], shape (3,).
     time
         How long [s].
+
+    Returns
+    -------
+    Trajectory
+        One piece.
     """
     still = np.zeros((3, 1, 2))
     return Trajectory(np.array([time]), still + np.reshape(posture, (3, 1, 1)), still, still.copy())

@@ -65,6 +65,11 @@ def wheel_cycles(
         How far the trajectory may be off what the wheels allow, as a share of its largest speed; the wheels follow
         what they can of it. Sampled tracks need some.
 
+    Returns
+    -------
+    tuple of LoadCycle
+        One for each driven wheel.
+
     Raises
     ------
     InputError
@@ -124,6 +129,11 @@ def wheel_loads(d: Dynamics, m: Motion) -> Array:
         The platform.
     m
         Its motion, see ``motion``.
+
+    Returns
+    -------
+    array
+        Loads [N], shape (wheels and casters, n, 2).
     """
     return contact_loads(d.platform, m.facing, m.ground, accelerated=centre_acceleration(d.platform, m.eta, m.eta_dot))
 
@@ -135,6 +145,11 @@ def contact_forces(d: Dynamics, m: Motion) -> Array:
     ----------
     d, m
         The platform and its motion, see ``motion``.
+
+    Returns
+    -------
+    array
+        Forces [N], shape (n driven, n, 2).
     """
     forces = floor_forces(d, m.eta, m.eta_dot, theta=m.facing, ground=m.ground, towards=m.towards)
     return np.asarray(np.hypot(*forces)[list(d.kinematics.driven)])

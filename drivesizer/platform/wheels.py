@@ -1,7 +1,7 @@
-"""Wheels, casters and the platform that stands on them, as records; all lengths in the robot's frame.
+"""Wheels, casters and the platform on them, as records; all lengths in the robot's frame.
 
-The frame's x points forward, y to the left; its origin, the reference point, is where the posture is told. A wheel that
-turns forwards (positive speed) rolls along its heading. What it does to the floor is told by its rollers:
+The frame's x points forward, y to the left; its origin, the reference point, is where the posture is counted. A wheel
+that turns forwards (positive speed) rolls along its heading. Its force on the floor depends on its rollers:
 
 - mecanum: rollers at an angle γ, usually 45°. It pulls along the roller's axis only.
 - omni: rollers that let it slide sideways, γ = 0. It pulls along its heading only.
@@ -55,7 +55,7 @@ class Wheel:
     held: bool = False  # no rollers: does not move sideways
     drive: Drive = "motor"
     inertia: float = 0.0  # kg*m^2 about the axle: wheel and shaft
-    rotor_inertia: float = 0.0  # kg*m^2 at the wheel: K² (J_m + J_g) of its motor set
+    rotor_inertia: float = 0.0  # kg*m^2 at the wheel: K² (J_m + J_g) of its drive
     rolling_resistance: float = 0.0  # C_rr, of the wheel on its axle [1]
     roller_resistance: float = 0.0  # the same of the roller on its pin [1]
     friction: float = 0.0  # N*m, against the wheel's turning whatever it carries
@@ -105,6 +105,11 @@ def table_wheel(L: float, alpha: float, beta: float, gamma: float, radius: float
     more
         Further fields of a wheel.
 
+    Returns
+    -------
+    Wheel
+        In the robot's frame.
+
     Examples
     --------
     >>> table_wheel(0.3, 0.5, math.pi / 2 - 0.5, 0.7, 0.08).heading
@@ -146,7 +151,7 @@ class Payload:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Platform:
-    """Wheels and the mass that stands on them, the wheels' own included."""
+    """Wheels and the mass on them, the wheels' own included."""
 
     wheels: tuple[Wheel, ...]
     mass: float  # kg
@@ -205,7 +210,7 @@ def loaded(platform: Platform, *payloads: Payload) -> Platform:
 
 
 def without_motor(platform: Platform, wheel: int, *, blocked: bool = False) -> Platform:
-    """The platform after a motor set has failed: its wheel turns freely with the rotor, or not at all.
+    """The platform after a motor has failed: its wheel turns freely with the rotor, or not at all.
 
     Parameters
     ----------
@@ -215,6 +220,11 @@ def without_motor(platform: Platform, wheel: int, *, blocked: bool = False) -> P
         Which one, counted from 1 as in Table 1.
     blocked
         Whether brake or gear hold the wheel.
+
+    Returns
+    -------
+    Platform
+        With that wheel free or blocked.
 
     Raises
     ------

@@ -47,7 +47,7 @@ def test_turning_on_the_spot_takes_the_time_of_a_trapezoid(degrees):
 
 def by_hand_s_curve(way, v, a, j):
     """Seven phases in closed form, as in any textbook: which of the limits are reached decides."""
-    if v * j < a * a:  # the greatest acceleration is not reached on the way to the greatest speed
+    if v * j < a * a:  # the greatest acceleration is not reached before the greatest speed
         if way >= 2 * v * math.sqrt(v / j):
             return way / v + 2 * math.sqrt(v / j)
         return 4 * (way / (2 * j)) ** (1 / 3)
@@ -86,7 +86,7 @@ def test_the_tighter_limit_counts_where_it_drives_and_turns():
     assert t.posture[0] == pytest.approx(t.posture[2] * 2.0 / (math.pi / 2), abs=1e-12)
 
 
-# --- the way ----------------------------------------------------------------------------------------------------------
+# --- the path ---------------------------------------------------------------------------------------------------------
 
 
 def test_without_a_heading_it_turns_towards_the_next_waypoint_then_drives():
@@ -210,14 +210,14 @@ def test_pieces_are_fine_enough_for_straight_lines(monkeypatch):
         (lambda: plan([ORIGIN, ORIGIN], BOTH), "waypoints: 2 given and nothing moves"),
         (lambda: plan([ORIGIN], BOTH), "waypoints: 1 given and nothing moves"),
         (lambda: plan([], BOTH), "waypoints: 0 given and nothing moves"),
-        (lambda: plan([ORIGIN, turned(90)], Limits(**DRIVING)), "waypoint 2: the way to it turns by 90 deg; expected"),
+        (lambda: plan([ORIGIN, turned(90)], Limits(**DRIVING)), "waypoint 2: the leg to it turns by 90 deg; expected"),
         (
             lambda: plan([ORIGIN, Waypoint(x=1.0, y=1.0)], Limits(**DRIVING)),
-            "waypoint 2: the way to it turns by 45",
+            "waypoint 2: the leg to it turns by 45",
         ),
-        (lambda: plan([ORIGIN, turned(1e8)], BOTH), "waypoint 2: the way to it takes"),
-        (lambda: plan([ORIGIN, Waypoint(x=1.0, y=0.0)], Limits(speed=1e-12, acceleration=1.0)), "waypoint 2: the way"),
-        (lambda: plan([ORIGIN, *(turned(a) for _ in range(20) for a in (4e5, 0))], BOTH), "waypoints: the way turns"),
+        (lambda: plan([ORIGIN, turned(1e8)], BOTH), "waypoint 2: the leg to it takes"),
+        (lambda: plan([ORIGIN, Waypoint(x=1.0, y=0.0)], Limits(speed=1e-12, acceleration=1.0)), "waypoint 2: the leg"),
+        (lambda: plan([ORIGIN, *(turned(a) for _ in range(20) for a in (4e5, 0))], BOTH), "waypoints: the path turns"),
         (lambda: Waypoint(x=math.nan, y=0.0), "waypoint: x must be a number below 1e+09, got nan"),
         (lambda: Waypoint(x=0.0, y=0.0, pause=-1.0), "waypoint: pause must be 0 or more, got -1.0"),
         (lambda: Limits(speed=0.0, acceleration=1.0), "limits: speed must be a number above 0"),

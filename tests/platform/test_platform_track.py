@@ -182,7 +182,7 @@ def test_a_sample_far_off_between_knots_is_a_jump(file, row, column, value):
     columns = [time, x, y, heading]
     columns[column][row] = value
     with pytest.raises(
-        InputError, match=rf"run\.csv:{row + 3}: x, y: a jump, .* m off the way .*; expected 20 m at most"
+        InputError, match=rf"run\.csv:{row + 3}: x, y: a jump, .* m off the path .*; expected 20 m at most"
     ):
         read_track(file("t,x,y,theta\ns,m,m,rad", *columns), smoothing=0.3)
 
