@@ -1,4 +1,4 @@
-"""What draws from a battery, as rows that terminal and reports print."""
+"""Consumers of a battery, as rows that terminal and reports print."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class ConsumerRow(NamedTuple):
 
 
 def consumer_rows(budget: EnergyBudget) -> list[ConsumerRow]:
-    """Drive, equipment and their sum, with what each draws at the battery."""
+    """Drive, equipment and their total, with the power of each at the battery."""
     rows = [
         ConsumerRow(
             name=one.name,
@@ -37,4 +37,4 @@ def consumer_rows(budget: EnergyBudget) -> list[ConsumerRow]:
         if one.mean or isnan(one.mean)
     ]
     total = show(budget.mean_power, "W", "power"), show(budget.peak_power, "W", "power")
-    return [*rows, ConsumerRow("together", "", *total, "", "")]
+    return [*rows, ConsumerRow("total", "", *total, "", "")]

@@ -263,8 +263,8 @@ def test_a_parts_page(run, small):
     assert "price 99.50 EUR" in said
     assert "mass 54 g recalled" in said
     assert "no load 9560 rpm 0 unknown nominal unknown 26.3 mN·m unknown stall 0 243 mN·m unknown" in said
-    assert "gearheads: 1 in 1 families: G 26 (1)" in said
-    assert "encoders: 1 in 1 families: E 1 (1)" in said
+    assert "gearheads: 1 in 1 family: G 26 (1)" in said
+    assert "encoders: 1 in 1 family: E 1 (1)" in said
     assert "note: mass: weighed; recalled" in said
     assert "source: data sheet, page 3, 2024-05 (quoted)" in said
     assert "inductance" not in said  # unknown: not on the page
@@ -286,7 +286,7 @@ def test_where_each_figure_is_from(run, small):
 
 
 def test_what_goes_with_a_gearhead(run, small):
-    assert "motors: 4 in 1 families: M 20 (4)" in words(run("show", "G27", "--catalog", small)[1])
+    assert "motors: 4 in 1 family: M 20 (4)" in words(run("show", "G27", "--catalog", small)[1])
     assert "motors: none is listed; one may still exist" in words(run("show", "G5", "--catalog", small)[1])
     assert "excluded from sizing by a note" in words(run("show", "M4", "--catalog", small)[1])
     assert partners(find(open_all([str(small)]), "C50")[0]) == {}

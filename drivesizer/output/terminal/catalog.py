@@ -22,7 +22,7 @@ from drivesizer.catalog.query import OPTIONS, Hit, Selection
 from drivesizer.output.terminal.tables import bare, console, heading
 from drivesizer.units import label, show
 
-__all__ = ["comparison", "counted", "figure", "listing", "overview", "searched"]
+__all__ = ["comparison", "counted", "figure", "listing", "of_families", "overview", "searched"]
 
 _SHOWN: dict[str, tuple[tuple[str, str], ...]] = {  # head, column
     "motors": (
@@ -108,7 +108,7 @@ def overview(shelf: Mapping[str, Catalog]) -> None:
         hits = [hit for some in names.values() for hit in some]
         if not hits:
             continue
-        heading(out, section, f"{len(hits)} parts in {len(names)} famil{'ies' if len(names) > 1 else 'y'}")
+        heading(out, section, f"{len(hits)} parts in {of_families(len(names))}")
         if len(shelf) > _FEW:
             counts: Mapping[str, int] = dict(Counter(hit["manufacturer"] for hit in hits).most_common())
         else:
@@ -118,6 +118,15 @@ def overview(shelf: Mapping[str, Catalog]) -> None:
     if len(shelf) > _FEW:
         out.print(Text("drivesizer catalog list --catalog maxon shows the families of one catalogue."))
     out.print(Text("drivesizer catalog list motors --family 'RE 25' lists a family, '--power >=20W' more than one."))
+
+
+def of_families(count: int) -> str:
+    """A number of families.
+
+    >>> of_families(1), of_families(2)
+    ('1 family', '2 families')
+    """
+    return f"{count} family" if count == 1 else f"{count} families"
 
 
 def counted(counts: Mapping[str, int], width: int, head: str = "") -> Text:

@@ -23,7 +23,7 @@ __all__ = ["driven"]
 
 _OF_A_WHEEL = (  # requirement, head of its column
     ("nominal_speed", "speed"), ("maximum_torque_per_motor", "torque"), ("rms_torque_per_motor", "RMS"),
-    ("maximum_power_per_motor", "power"), ("returned_power_per_motor", "back"),
+    ("maximum_power_per_motor", "power"), ("returned_power_per_motor", "returned"),
 )  # fmt: skip
 
 
@@ -70,7 +70,7 @@ def _followed(runs: Mapping[str, Followed]) -> Table:
 
 def _compared(runs: Mapping[str, Followed], found: Driving) -> Table:
     """A row for each run, below those that were measured."""
-    heads = [(head, "left") for head in ("model", "loops", "poses", "it knows")]
+    heads = [(head, "left") for head in ("model", "loops", "poses", "model knows")]
     figures = [(head, "right") for head in ("position", "heading", "at limit")]
     table = tables.bare(*heads, *figures, title="Path following: largest deviations")
     section = found.spec.platform

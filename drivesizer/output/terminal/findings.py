@@ -16,7 +16,7 @@ from drivesizer.catalog.exchange.importing import Imported
 from drivesizer.catalog.laws.check import Finding
 from drivesizer.catalog.parts import printed
 from drivesizer.catalog.tables import CONFIDENCE
-from drivesizer.output.terminal.catalog import counted
+from drivesizer.output.terminal.catalog import counted, of_families
 from drivesizer.output.terminal.tables import bare, console, heading
 from drivesizer.units import show
 
@@ -118,7 +118,7 @@ def _share(count: int, total: int) -> str:
 def taken(found: Imported) -> None:
     """Print the parts and columns that an import read, and those that it left out."""
     out = console()
-    out.print(counted(found.families, out.width, f"{found.parts} parts in {len(found.families)} families: "))
+    out.print(counted(found.families, out.width, f"{found.parts} parts in {of_families(len(found.families))}: "))
     for theirs, ours in found.columns.items():
         if theirs != ours:
             out.print(Text(f"  {theirs} → {ours}"))

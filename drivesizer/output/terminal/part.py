@@ -17,7 +17,7 @@ from drivesizer.catalog.query import Hit
 from drivesizer.catalog.search_view import CLAMPING_HUB
 from drivesizer.output.datasheet import datasheet
 from drivesizer.output.terminal.battery import discharge_tables
-from drivesizer.output.terminal.catalog import counted, figure
+from drivesizer.output.terminal.catalog import counted, figure, of_families
 from drivesizer.output.terminal.chart import Axis, Series, chart
 from drivesizer.output.terminal.tables import bare, console, heading
 from drivesizer.physics.part_curves import HEAT, Line, continuous_curve, line, overload_times, permitted_current
@@ -113,7 +113,7 @@ def _documents(hit: Hit) -> list[str]:
 def _partners(out: Console, hit: Hit) -> None:
     for section, counts in partners(hit).items():
         if counts:
-            out.print(counted(counts, out.width, f"{section}: {sum(counts.values())} in {len(counts)} families: "))
+            out.print(counted(counts, out.width, f"{section}: {sum(counts.values())} in {of_families(len(counts))}: "))
         else:
             out.print(Text(f"{section}: none is listed; one may still exist"))
     if hit.section == "gearheads" and hit["mounting"] == CLAMPING_HUB:
