@@ -309,10 +309,10 @@ def _tops(found: Periodic, body: int) -> Array:
 
 
 def _moved(
-    motor: TwoBodies, offset: float, most: tuple[Array, Array, Array], deviates: tuple[Array, Array, Array]
+    motor: TwoBodies, offset: float, most: tuple[Array, Array, Array], deviations: tuple[Array, Array, Array]
 ) -> tuple[Array, Array]:
     """How far U may be below and above U_0 [K]: from the highest rises and housing loss, and what deviates."""
-    (peak, warm, loss), (above, below, housing) = most, deviates
+    (peak, warm, loss), (above, below, housing) = most, deviations
     R_1, R_2, ratio = motor.R_th1, motor.R_th2, motor.capacity_w / motor.capacity_h
     u, v, more = offset + peak, offset + warm, 1.0 + R_1 / R_2
     m, m_h = R_2 * u / offset, R_2 * v / offset
