@@ -177,7 +177,7 @@ def tables(findings: list[Finding]) -> list[Finding]:
     return [f for f in findings if "discharges" in f.fields]
 
 
-def test_what_ships_contradicts_itself_in_one_place_that_is_told() -> None:
+def test_the_shipped_tables_have_one_contradiction_which_is_found() -> None:
     found = [f for maker in sorted(COUNTS) for f in tables(check(load([maker])))]
     assert [(f.part, f.identity, bool(f.accepted)) for f in found] == [("SP12-7.5T1", "mean voltage", True)]
     assert found[0].found == pytest.approx(34.2 / 14.3 * CELLS)

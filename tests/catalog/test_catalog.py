@@ -17,6 +17,7 @@ from drivesizer.catalog.joining import joined
 from drivesizer.catalog.search_view import search_view
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.machine.problem import problem
 from drivesizer.search.columns.controllers import selected
 from drivesizer.search.search import candidates
 from drivesizer.spec.select import Choice
@@ -147,7 +148,7 @@ def test_confidence_is_the_sources_until_a_note_changes_it() -> None:
     assert set(first.values()) == {"quoted"}
     assert {name for name, value in second.items() if value != "quoted"} == {"stall_torque"}
     assert second["stall_torque"] == "derived"
-    assert "mass" in first and "mass" not in second  # unknown: nothing to be sure of
+    assert "mass" in first and "mass" not in second  # unknown figures have no confidence
     assert set(catalog.confidence("motors", 2).values()) == {"secondary"}
 
 
@@ -167,10 +168,10 @@ def test_an_excluded_part_stays_in_the_file_and_is_not_offered() -> None:
 
 def test_no_candidate_holds_an_excluded_part(spec, catalog: Catalog) -> None:
     free = spec.model_copy(update={"select": type(spec.select)()})
-    given_ = candidates(free, catalog)
-    assert len(given_.motor) > 50_000
-    assert not catalog.motors.excluded[given_.motor].any()
-    assert not catalog.gearheads.excluded[given_.gearhead].any()
+    found = candidates(problem(free, catalog))
+    assert len(found.motor) > 50_000
+    assert not catalog.motors.excluded[found.motor].any()
+    assert not catalog.gearheads.excluded[found.gearhead].any()
 
 
 def test_a_catalogue_may_hold_nothing_but_its_head() -> None:
@@ -381,7 +382,7 @@ WRONG = [
     ("part in common", "diameter: 40 mm", "part: X", "9: motors[1].common.part", "part is a column of this table as well"),
     ("family as a column", "columns: [part, ratio]", "columns: [part, family]", "34: gearheads[2].columns[2]", "family stands at the head of its table"),
     ("family in common", "diameter: 40 mm", "family: X", "9: motors[1].common.family", "family stands at the head of its table"),
-    ("unknown confidence", "confidence: quoted}", "confidence: sure}", "4: sources.sheet", 'confidence "sure" is not one of quoted, secondary, derived, recalled'),
+    ("unknown confidence", "confidence: quoted}", "confidence: certain}", "4: sources.sheet", 'confidence "certain" is not one of quoted, secondary, derived, recalled'),
     ("source without document", 'document: "Acme M40, rev. C", ', "", "4: sources.sheet", '"document" is missing'),
     ("no sources", ACME[ACME.index("  sheet:") : ACME.index("motors:\n")], "", "3: sources", "expected at least one, e.g. sheet: {document:"),
     ("note on an unknown part", 'parts: ["M40-48"], fields', 'parts: ["M40-49"], fields', "15: motors[1].notes[1].parts", '"M40-49" is not a part of this table'),
@@ -410,7 +411,7 @@ def test_a_wrong_file_is_one_line_with_its_place(old: str, new: str, place: str 
     assert said in message
 
 
-def test_every_column_asks_for_its_unit() -> None:
+def test_every_column_needs_its_unit() -> None:
     """No field of any part can be given as a bare number, except ratios and plain numbers."""
     for section in PARTS:
         for name, column in columns_of(section).items():

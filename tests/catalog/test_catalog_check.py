@@ -165,7 +165,7 @@ def test_figures_that_agree_to_their_last_digit_are_no_finding(catalog: Catalog)
 
 
 def test_a_maker_that_prints_fewer_digits_gets_more_room(catalog: Catalog) -> None:
-    """0.05 ohm that stands for 0.0457 ohm: wrong beside 0.0512 ohm, right where all have two places."""
+    """0.05 ohm rounded from 0.0457 ohm: wrong beside 0.0512 ohm, right where all have two places."""
     rows = np.flatnonzero(catalog.motors["family"] == "RE 65")
     small = rows_of(catalog, {s: rows if s == "motors" else np.zeros(0, np.intp) for s in PARTS})
     volts = small.motors["nominal_voltage"]

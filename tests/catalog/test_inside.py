@@ -22,7 +22,7 @@ RPM = 2 * pi / 60
 
 # What the maker prints, and the same machine as motor and gearhead, by hand: i = 10, e = 0.9.
 #   k_t 0.9 N*m/A / (10 x 0.9) = 0.1 N*m/A; 8.1 N*m / 9 = 0.9 N*m; J 0.0075 kg*m^2 / 100 = 750 g*cm^2; 228 rpm x 10,
-#   which 24 V turn it to by the same k_t, as a speed that the controller inside sets would tell nothing of k_e.
+#   which 24 V turn it to by the same k_t, for a speed limited by the controller inside has no relation to k_e.
 WHOLE = """
 catalog: 1
 manufacturer: Example Actuators
@@ -84,8 +84,8 @@ def one(shop, motor: str, gearhead: str = "") -> DriveSet:
 
 
 def test_the_motor_inside_has_the_figures_of_the_rotor(shop):
-    apart = split_actuators(load(["whole.yaml"], beside=shop))
-    motor = apart.motors.record(apart.motors.rows["XA70-10"])
+    split = split_actuators(load(["whole.yaml"], beside=shop))
+    motor = split.motors.record(split.motors.rows["XA70-10"])
     assert motor.torque_constant == pytest.approx(0.1)
     assert motor.nominal_torque == pytest.approx(0.9)
     assert motor.rotor_inertia == pytest.approx(750e-7)
@@ -97,8 +97,8 @@ def test_the_motor_inside_has_the_figures_of_the_rotor(shop):
 
 
 def test_the_gearhead_inside_weighs_and_costs_nothing(shop):
-    apart = split_actuators(load(["whole.yaml"], beside=shop))
-    gearhead = apart.gearheads.record(apart.gearheads.rows["XA70-10"])
+    split = split_actuators(load(["whole.yaml"], beside=shop))
+    gearhead = split.gearheads.record(split.gearheads.rows["XA70-10"])
     assert (gearhead.ratio, gearhead.efficiency, gearhead.kind) == (10.0, 0.9, "planetary")
     assert (gearhead.continuous_torque, gearhead.intermittent_torque) == (8.1, 24.0)
     assert (gearhead.mass, gearhead.price, gearhead.inertia) == (0.0, 0.0, 0.0)
@@ -109,23 +109,23 @@ def test_the_gearhead_inside_weighs_and_costs_nothing(shop):
 def test_a_rotor_constant_that_is_printed_goes_before_the_outputs(shop):
     text = (WHOLE % OWN_CONTROLLER).replace("torque_constant (N*m/A)", "motor_torque_constant (N*m/A)")
     (shop / "whole.yaml").write_text(text.replace("28, 0.9, 0.3", "28, 0.11, 0.3"))
-    apart = split_actuators(load(["whole.yaml"], beside=shop))
-    assert apart.motors["torque_constant"][apart.motors.rows["XA70-10"]] == pytest.approx(0.11)
+    split = split_actuators(load(["whole.yaml"], beside=shop))
+    assert split.motors["torque_constant"][split.motors.rows["XA70-10"]] == pytest.approx(0.11)
 
 
 def test_what_is_not_printed_stays_unknown(shop):
     text = (WHOLE % OWN_CONTROLLER).replace(", 10, 90, 24,", ", 10, ~, 24,")
     (shop / "whole.yaml").write_text(text)
-    apart = split_actuators(load(["whole.yaml"], beside=shop))
-    motor = apart.motors.record(apart.motors.rows["XA70-10"])
+    split = split_actuators(load(["whole.yaml"], beside=shop))
+    motor = split.motors.record(split.motors.rows["XA70-10"])
     assert isnan(motor.torque_constant) and isnan(motor.nominal_torque) and not isnan(motor.rotor_inertia)
 
 
 def test_taking_apart_is_done_once_and_leaves_the_catalogue_as_printed(shop):
     catalog = load(["whole.yaml"], beside=shop)
-    apart = split_actuators(catalog)
-    assert split_actuators(apart) is apart
-    assert (len(catalog.motors), len(apart.motors), len(apart.actuators)) == (0, 1, 1)
+    split = split_actuators(catalog)
+    assert split_actuators(split) is split
+    assert (len(catalog.motors), len(split.motors), len(split.actuators)) == (0, 1, 1)
     assert catalog.actuators.record(0).nominal_torque == 8.1
 
 
@@ -162,7 +162,7 @@ def test_one_without_a_controller_takes_one_from_the_shelf(shop):
 def test_nobody_elses_motor_gets_the_controller_inside(shop, monkeypatch):
     monkeypatch.setattr(
         "drivesizer.search.set_record.overload_time", lambda *_: nan
-    )  # of hundreds of sets, and nobody asks
+    )  # of hundreds of drives, irrelevant here
     path = shop / "robot.yaml"
     families = "motor: {family: [XA 70, XM, EC-i 40, EC 45 flat]}"
     path.write_text(path.read_text().replace("maxon]}", f"maxon], {families}}}"))

@@ -83,8 +83,8 @@ def test_what_every_motor_has(one: Catalog) -> None:
     for field in ("nominal_voltage", "torque_constant", "resistance", "rotor_inertia", "mass"):
         assert (motors[field] > 0).all(), field
     assert set(motors["kind"].tolist()) <= {"brushed", "brushless"}
-    told = np.isfinite(motors["no_load_speed"]) | np.isfinite(motors["speed_constant"])
-    assert set(motors["part"][~told].tolist()) <= {"G30 KV290"}  # its source prints a no-load speed that cannot be
+    stated = np.isfinite(motors["no_load_speed"]) | np.isfinite(motors["speed_constant"])
+    assert set(motors["part"][~stated].tolist()) <= {"G30 KV290"}  # its source prints a no-load speed that cannot be
 
 
 def test_no_figure_is_infinite(one: Catalog) -> None:
@@ -320,9 +320,9 @@ def test_the_u8_is_converted_from_phase_to_terminals(tmotor: Catalog) -> None:
     assert motor.torque_constant * motor.nominal_current == pytest.approx(0.14 * 7.6, rel=1e-3)
     assert motor.resistance * motor.nominal_current**2 == pytest.approx(1.5 * 0.186 * 7.6**2, rel=1e-3)
     assert motor.inductance / motor.resistance == pytest.approx(0.138e-3 / 0.186, rel=1e-3)
-    sure = tmotor.confidence("motors", row)
+    confidence = tmotor.confidence("motors", row)
     derived = {"torque_constant", "resistance", "inductance", "nominal_current", "speed_constant"}
-    assert {field for field, how in sure.items() if how == "derived"} == derived
+    assert {field for field, how in confidence.items() if how == "derived"} == derived
 
 
 def test_the_g_motors_have_no_current_and_no_thermal_limit(tmotor: Catalog) -> None:
@@ -344,10 +344,10 @@ def test_a_pittman_row_as_printed(pittman: Catalog) -> None:
     }  # fmt: skip
     for field, figure in printed.items():
         assert getattr(motor, field) == pytest.approx(figure, rel=1e-9), field
-    sure = pittman.confidence("motors", pittman.motors.rows["9233S013"])
+    confidence = pittman.confidence("motors", pittman.motors.rows["9233S013"])
     derived = {"nominal_voltage", "resistance", "thermal_resistance_winding"}
-    assert {field for field, how in sure.items() if how == "derived"} == derived
-    assert set(sure.values()) == {"derived", "quoted"}
+    assert {field for field, how in confidence.items() if how == "derived"} == derived
+    assert set(confidence.values()) == {"derived", "quoted"}
 
 
 def test_pittman_resistance_is_that_of_the_motor_constant(pittman: Catalog) -> None:

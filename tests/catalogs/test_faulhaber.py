@@ -122,11 +122,11 @@ def test_a_gearhead_as_given(faulhaber: Catalog) -> None:
     assert faulhaber.gearheads["inertia"][faulhaber.gearheads.rows["42GPT 11:1"]] == pytest.approx(20e-7)
 
 
-def test_how_sure_a_figure_is(faulhaber: Catalog, motors: Table[Motor]) -> None:
+def test_the_confidence_of_figures(faulhaber: Catalog, motors: Table[Motor]) -> None:
     """Of 1331T006SR the data sheet and MGDB print another current: the rated speed decides for MGDB's."""
     row = motors.rows["1331T006SR"]
-    motor, sure = motors.record(row), faulhaber.confidence("motors", row)
-    assert {n for n, how in sure.items() if how != "quoted"} == {"nominal_current", "nominal_speed"}
+    motor, confidence = motors.record(row), faulhaber.confidence("motors", row)
+    assert {n for n, how in confidence.items() if how != "quoted"} == {"nominal_current", "nominal_speed"}
     at_rated_speed = (motor.nominal_voltage - motor.torque_constant * motor.nominal_speed) / motor.resistance
     assert motor.nominal_current == pytest.approx(at_rated_speed, rel=0.02)
     assert any("0.81 A" in note.text for note in faulhaber.notes_on("motors", "1331T006SR"))

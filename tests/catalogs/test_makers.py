@@ -2,9 +2,9 @@
 
 maxon, Faulhaber, Allied Motion, T-Motor and Pittman have tests of their own. ``MAKERS`` says how many parts each file
 has. Numbers behind ``counted`` were counted in the source's own table, less what the file's head leaves out; a ``pin``
-is what is there, so that nothing appears or goes unseen, and a remark tells what of it was counted. ``ROWS`` are
+is what is there, so that nothing appears or goes unseen, and a remark says what of it was counted. ``ROWS`` are
 figures in the units in which the source prints them, ``WORKED`` those that follow from printed ones by the arithmetic
-that stands beside them.
+beside them.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def full() -> dict[str, Catalog]:
 
 
 def _noted(catalog: Catalog, part: str, field: str, *, accepted: bool) -> bool:
-    """Whether a note on an actuator names a field, and accepts it where that is asked."""
+    """Whether a note on an actuator names a field, and accepts it where required."""
     return any(
         field in note.fields and note.text.strip() and (note.accepted or not accepted)
         for note in catalog.notes_on("actuators", part)
@@ -520,7 +520,7 @@ def _compare(catalog: Catalog, section: str, part: str, figures: Figures, within
         assert found == pytest.approx(expected, rel=within), f"{field} in {column.unit}"
 
 
-# --- the taken-apart motor of every actuator -------------------------------------------------------------------------
+# --- the motor inside every actuator -------------------------------------------------------------------------------
 
 STRAIGHT = ("pololu", "gobilda", "tetrix", "dfrobot", "feetech", "robotis")  # one line from no load to stall
 NO_LINE = 0.10  # what `catalog check` lets a no-load speed be above V / (i k_t)
@@ -552,7 +552,7 @@ class Inside:
 
 @pytest.fixture(scope="module")
 def insides(shelf: dict[str, Catalog]) -> dict[str, list[Inside]]:
-    """Every actuator taken apart, by file."""
+    """Every actuator split, by file."""
     found: dict[str, list[Inside]] = {}
     for name, catalog in shelf.items():
         if len(catalog.actuators):
@@ -566,7 +566,7 @@ def _all(insides: dict[str, list[Inside]]) -> Iterable[Inside]:
     return (one for group in insides.values() for one in group)
 
 
-def test_all_actuators_are_taken_apart(insides: dict[str, list[Inside]]) -> None:
+def test_all_actuators_are_split(insides: dict[str, list[Inside]]) -> None:
     expected = {name: n["actuators"] for name, n in MAKERS.items() if "actuators" in n}
     assert {name: len(group) for name, group in insides.items()} == expected
 
@@ -671,8 +671,8 @@ def test_every_figure_has_a_document_and_a_confidence(shelf: dict[str, Catalog])
     figures = 0
     for hit in every(shelf):
         found = origins(hit)
-        sure = hit.catalog.confidence(hit.section, hit.row)
-        assert set(found) == set(sure)
+        confidence = hit.catalog.confidence(hit.section, hit.row)
+        assert set(found) == set(confidence)
         for field, source in found.items():
             assert source.document.strip(), (hit.part, field)
             assert source.confidence in CONFIDENCES, (hit.part, field)
@@ -702,9 +702,9 @@ def test_what_is_derived_or_recalled_says_how(shelf: dict[str, Catalog]) -> None
     for hit in every(shelf):
         base = hit.catalog.sources[hit.table.source[hit.row]].confidence
         notes = hit.catalog.notes_on(hit.section, hit.part)
-        for field, sure in hit.catalog.confidence(hit.section, hit.row).items():
-            if sure in ("derived", "recalled") and sure != base:
-                texts = [n.text for n in notes if n.confidence == sure and (field in n.fields or not n.fields)]
+        for field, confidence in hit.catalog.confidence(hit.section, hit.row).items():
+            if confidence in ("derived", "recalled") and confidence != base:
+                texts = [n.text for n in notes if n.confidence == confidence and (field in n.fields or not n.fields)]
                 assert any(len(text.strip()) > 2 for text in texts), (hit.part, field)
 
 

@@ -34,7 +34,7 @@ def sized(everything):
     def of(name):
         text = (resources.files("drivesizer.spec") / "starters" / f"{name}.yaml").read_text(encoding="utf-8")
         spec = read_spec(YamlSource(text.replace("catalogs: [maxon]", "catalogs: [all]"), "all.yaml"))
-        with pytest.MonkeyPatch.context() as patch:  # of hundreds of sets a figure that nobody asks for here
+        with pytest.MonkeyPatch.context() as patch:  # of hundreds of drives a figure that is irrelevant here
             patch.setattr("drivesizer.search.set_record.overload_time", lambda *_: math.nan)
             return size(spec, catalog=everything, top=400)
 
@@ -79,7 +79,7 @@ def fits_together(s, catalog, listed):
 
 
 def test_what_lacks_figures_does_not_pass(sized):
-    """Faulhaber gives no input speed of its gearheads, and of most no inertia: such sets are unknown."""
+    """Faulhaber gives no input speed of its gearheads, and of most no inertia: such drives are unknown."""
     for s in sized("fan").sets:
         if s.motor.manufacturer == "Faulhaber" and s.gearhead.kind != "direct":
             assert s.status == "unknown"

@@ -133,11 +133,11 @@ def test_what_is_not_known_of_the_papers_motor_is_unknown_and_what_is_worked_out
     motor = catalog.motors.record(row)
     for name in ("max_speed", "max_winding_temperature", "nominal_speed", "winding_time_constant", "price"):
         assert math.isnan(getattr(motor, name)), name
-    sure = catalog.confidence("motors", row)
+    confidence = catalog.confidence("motors", row)
     derived = {"nominal_torque", "speed_torque_gradient", "mechanical_time_constant", "length",
                "thermal_resistance_winding", "thermal_resistance_housing"}  # fmt: skip
-    assert {name for name, how in sure.items() if how == "derived"} == derived
-    assert set(sure.values()) == {"derived", "secondary"}
+    assert {name for name, how in confidence.items() if how == "derived"} == derived
+    assert set(confidence.values()) == {"derived", "secondary"}
     assert motor.nominal_torque == pytest.approx(23.4e-3 * (1.16 - 0.0369), rel=2e-3)  # k_t (I_N - I_0)
     assert motor.speed_torque_gradient == pytest.approx(2.32 / 23.4e-3**2, rel=2e-3)  # R / k_t^2
 

@@ -1,4 +1,4 @@
-"""``drivesizer catalog``: what each command shows, its exit status, and that parts survive the way out and in."""
+"""``drivesizer catalog``: what each command shows, its exit status, and that parts survive export and import."""
 
 from __future__ import annotations
 
@@ -241,9 +241,9 @@ def test_all_fits_80_columns(run, args):
 
 
 def test_further_columns_take_the_place_of_others_and_break_no_part_number(run):
-    asked = ("list", "motors", "--family", "ECX SPEED 13 L", "--where", "winding_time_constant>0 s")
-    parts = parts_of(run(*asked, "--json")[1])
-    out = run(*asked, "--limit", "99")[1]
+    listing_options = ("list", "motors", "--family", "ECX SPEED 13 L", "--where", "winding_time_constant>0 s")
+    parts = parts_of(run(*listing_options, "--json")[1])
+    out = run(*listing_options, "--limit", "99")[1]
     assert "winding" in out
     assert "power" in out
     assert "price" not in out
@@ -350,8 +350,8 @@ def test_the_shares_are_those_of_the_catalogue(catalog, section):
     columns = columns_of(section)
     counts: dict[str, int] = dict.fromkeys(("quoted", "secondary", "derived", "recalled"), 0)
     for row in range(len(catalog.table(section))):
-        for name, sure in catalog.confidence(section, row).items():
-            counts[sure] += columns[name].kind != "text"
+        for name, confidence in catalog.confidence(section, row).items():
+            counts[confidence] += columns[name].kind != "text"
     assert coverage(catalog, section).sure == counts
 
 
@@ -368,7 +368,7 @@ motors:
 """
 
 
-def test_check_tells_what_is_unexplained(run, tmp_path):
+def test_check_lists_unexplained_findings(run, tmp_path):
     (tmp_path / "fast.yaml").write_text(FAST)
     status, out, _ = run("check", "--catalog", "fast.yaml")
     said = words(out)
@@ -441,8 +441,8 @@ def test_what_is_exported_and_imported_is_the_same(run, section, name):
     assert len(catalog.table(section)) > 3
     status, out, _ = run("export", section, "--catalog", name, "-o", "parts.csv")
     assert (status, out) == (0, f"parts.csv: {len(catalog.table(section))} parts\n")
-    told = ("--document", "the export", "--confidence", "secondary")
-    status, out, err = run("import", "parts.csv", "--section", section, "-o", "mine.yaml", *told)
+    given = ("--document", "the export", "--confidence", "secondary")
+    status, out, err = run("import", "parts.csv", "--section", section, "-o", "mine.yaml", *given)
     assert (status, err) == (0, "")
     assert "left out: catalog, document, confidence, excluded" in words(out)
     again = load(["mine.yaml"])
@@ -464,8 +464,8 @@ def test_the_csv_has_units_and_empty_cells(run, small):
 
 def test_the_formula_comes_back_as_it_was(run, small):
     run("list", "motors", "--catalog", small, "--csv", "motors.csv")
-    told = ("--document", "x", "--confidence", "recalled")
-    assert run("import", "motors.csv", "--section", "motors", "-o", "mine.yaml", *told)[0] == 0
+    given = ("--document", "x", "--confidence", "recalled")
+    assert run("import", "motors.csv", "--section", "motors", "-o", "mine.yaml", *given)[0] == 0
     again = load(["mine.yaml"]).motors
     assert again["bearing"][again.rows["M1"]] == "=ball"
     assert "007" in again.rows
@@ -591,7 +591,7 @@ def test_a_wrong_table_is_one_line_and_writes_nothing(run, sheet, old, new, said
     [
         ("columns:", "colums:", "unknown key"),
         ("Weight: mass", "Weight: mas", "the nearest"),
-        ("confidence: secondary", "confidence: sure", "expected one of quoted"),
+        ("confidence: secondary", "confidence: certain", "expected one of quoted"),
         ('document: "price list: 2024", ', "", "--document"),
         ("manufacturer: Other & Sons\n", "", "--manufacturer"),
         ('["-"]', "none", "expected a list"),
@@ -648,8 +648,8 @@ def test_hostile_cells_stay_text(run, tmp_path):
     with (tmp_path / "t.csv").open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerows([["part", "bearing"], ["", ""], *([f"P{n}", cell] for n, cell in enumerate(cells))])
-    told = ("--manufacturer", "true", "--family", "~x: [", "--document", "d", "--confidence", "quoted")
-    assert run("import", "t.csv", "--section", "motors", "-o", "t.yaml", *told)[0] == 0
+    given = ("--manufacturer", "true", "--family", "~x: [", "--document", "d", "--confidence", "quoted")
+    assert run("import", "t.csv", "--section", "motors", "-o", "t.yaml", *given)[0] == 0
     motors = load(["t.yaml"]).motors
     assert motors["bearing"].tolist() == cells
     assert set(motors["manufacturer"]) == {"true"}

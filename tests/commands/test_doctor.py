@@ -31,8 +31,8 @@ def test_this_installation_works():
 def test_at_the_terminal_and_as_json():
     shown = RUN.invoke(app, ["doctor"])
     assert shown.exit_code == 0 and "Everything works." in shown.stdout
-    told = json.loads(RUN.invoke(app, ["doctor", "--json"]).stdout)
-    assert [one["subject"] for one in told["findings"]][:2] == ["drivesizer", "Python"]
+    document = json.loads(RUN.invoke(app, ["doctor", "--json"]).stdout)
+    assert [one["subject"] for one in document["findings"]][:2] == ["drivesizer", "Python"]
 
 
 def test_a_cache_that_cannot_be_written(tmp_path, monkeypatch):
@@ -47,14 +47,14 @@ def test_a_cache_that_cannot_be_written(tmp_path, monkeypatch):
 def test_a_library_that_is_old_or_missing(version, monkeypatch):
     known = metadata.version
 
-    def told(name):
+    def version_of(name):
         if name != "typst":
             return known(name)
         if version is None:
             raise metadata.PackageNotFoundError(name)
         return version
 
-    monkeypatch.setattr(doctor.metadata, "version", told)
+    monkeypatch.setattr(doctor.metadata, "version", version_of)
     found = by_subject(doctor.examined())["typst"]
     assert (found.works, found.found) == (False, version or "missing")
     assert found.remedy.startswith("pip install 'typst>=")
@@ -64,19 +64,19 @@ def test_a_library_that_is_old_or_missing(version, monkeypatch):
 def test_a_library_of_an_extra_may_be_missing_but_not_old(version, works, monkeypatch):
     named = ["pyarrow>=18.0; extra == 'study'", "pyarrow>=18.0; extra == 'dev'", "lxml>=5.2; extra == 'dev'"]
 
-    def told(name):
+    def version_of(name):
         if version is None:
             raise metadata.PackageNotFoundError(name)
         return version
 
     monkeypatch.setattr(doctor.metadata, "requires", lambda name: named)
-    monkeypatch.setattr(doctor.metadata, "version", told)
+    monkeypatch.setattr(doctor.metadata, "version", version_of)
     (found,) = doctor._libraries()
     assert (found.subject, found.works) == ("pyarrow", works)
     assert found.found == (version or "not installed, optional: pip install drivesizer[study]")
 
 
-def test_what_breaks_on_the_way_is_a_finding(monkeypatch):
+def test_an_error_during_the_checks_is_a_finding(monkeypatch):
     from drivesizer.output.report.figures import style
 
     def broken(*_):

@@ -1,4 +1,4 @@
-"""A platform's trajectory as the load of its motor sets: against the sizing part, by hand, and what is refused."""
+"""A platform's trajectory as the load of its drives: against the sizing part, by hand, and what is refused."""
 
 import csv
 import io
@@ -40,19 +40,19 @@ platform:
 STRAIGHT = "motion: {speed: 1.4 m/s, acceleration_time: 2 s, cruise_time: 8 s}\n"
 
 
-def way(*points: str) -> str:
+def waypoints(*points: str) -> str:
     return f"motion: {{waypoints: [{', '.join(f'{{{p}}}' for p in points)}]}}\n"
 
 
 START = "x: 0 m, y: 0 m, heading: 0 deg"
-AHEAD = way(START, "x: 14 m, y: 0 m, heading: 0 deg")  # 1.4 m/s · (8 + 2) s
+AHEAD = waypoints(START, "x: 14 m, y: 0 m, heading: 0 deg")  # 1.4 m/s · (8 + 2) s
 
 
 def spec_of(*parts: str) -> RobotSpec:
     return read_spec(YamlSource("".join(parts), "robot.yaml"))
 
 
-# --- the same machine in two ways -------------------------------------------------------------------------------------
+# --- the same machine twice -----------------------------------------------------------------------------------------
 
 
 def test_straight_ahead_is_the_vehicle_s_own_load_cycle():
@@ -68,12 +68,12 @@ def test_straight_ahead_is_the_vehicle_s_own_load_cycle():
     assert cycle.inertia == pytest.approx(vehicle.inertia)
 
 
-def test_the_same_sets_stand_for_the_way_and_for_the_trapezoid():
+def test_the_same_drives_pass_for_the_path_and_for_the_trapezoid():
     """Straight ahead and all wheels alike: every check that both have is the same, but for traction."""
     one, other = (size(spec_of(VEHICLE, *parts)) for parts in ((STRAIGHT,), (PLATFORM, AHEAD)))
     assert [s.label for s in one.sets] == [s.label for s in other.sets] and len(one.sets) > 2
-    fell = [(found.counts.considered, found.counts.feasible, found.counts.failed_by) for found in (one, other)]
-    assert fell[0] == fell[1]
+    counts = [(found.counts.considered, found.counts.feasible, found.counts.failed_by) for found in (one, other)]
+    assert counts[0] == counts[1]
     for a, b in zip(one.sets, other.sets, strict=True):
         mine, theirs = ({c.name: c for c in s.checks if c.name != "traction"} for s in (a, b))
         assert mine.keys() == theirs.keys()
@@ -96,12 +96,14 @@ def test_sideways_and_diagonal():
     level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg")
     aside = driving(
         with_trajectory(
-            spec_of(level, PLATFORM, way("x: 0 m, y: 0 m, heading: 0 deg", "x: 0 m, y: 5 m, heading: 0 deg")), None
+            spec_of(level, PLATFORM, waypoints("x: 0 m, y: 0 m, heading: 0 deg", "x: 0 m, y: 5 m, heading: 0 deg")),
+            None,
         )
     )
     slant = driving(
         with_trajectory(
-            spec_of(level, PLATFORM, way("x: 0 m, y: 0 m, heading: 0 deg", "x: 5 m, y: 5 m, heading: 0 deg")), None
+            spec_of(level, PLATFORM, waypoints("x: 0 m, y: 0 m, heading: 0 deg", "x: 5 m, y: 5 m, heading: 0 deg")),
+            None,
         )
     )
     top = 1.4 / 0.0762
@@ -113,12 +115,12 @@ def test_sideways_and_diagonal():
 
 # --- the command's pieces ---------------------------------------------------------------------------------------------
 
-TURNING = way(
+TURNING = waypoints(
     "x: 0 m, y: 0 m, heading: 0 deg", "x: 6 m, y: 0 m, heading: 90 deg, pause: 2 s", "x: 6 m, y: -3 m, heading: 0 deg"
 )
 
 
-def test_work_over_the_way_is_what_the_wheels_roll_off():
+def test_work_over_the_path_is_that_of_rolling_resistance():
     """From rest to rest on a level floor no energy is left: all work goes into rolling, C_rr N r |ω| at each wheel."""
     level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg")
     found = driving(with_trajectory(spec_of(level, PLATFORM, TURNING), None))
@@ -152,7 +154,7 @@ def test_columns_over_time():
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "robot.yaml").write_text(VEHICLE + PLATFORM + TURNING, encoding="utf-8")
-    (tmp_path / "way.csv").write_text("x,y,heading\nm,m,deg\n0,0,0\n0,2,0\n", encoding="utf-8")
+    (tmp_path / "track.csv").write_text("x,y,heading\nm,m,deg\n0,0,0\n0,2,0\n", encoding="utf-8")
     return tmp_path
 
 
@@ -170,17 +172,17 @@ def drive(folder, monkeypatch, capsys):
 def test_the_command(folder, drive):
     status, out, _ = drive()
     assert status == 0 and "wheel" in out and "9 m in" in out and "Friction needed" in out
-    status, out, _ = drive("robot.yaml", "way.csv", "--csv", "over.csv", "--json")
-    told = json.loads(out)
-    assert status in (0, 1) and told["length_m"] == pytest.approx(2.0)
-    assert [w["number"] for w in told["wheels"]] == [1, 2, 3, 4]
+    status, out, _ = drive("robot.yaml", "track.csv", "--csv", "over.csv", "--json")
+    document = json.loads(out)
+    assert status in (0, 1) and document["length_m"] == pytest.approx(2.0)
+    assert [w["number"] for w in document["wheels"]] == [1, 2, 3, 4]
     rows = list(csv.reader(io.StringIO((folder / "over.csv").read_text())))
     assert rows[0][:4] == ["time (s)", "x (m)", "y (m)", "heading (deg)"]
     assert float(rows[-1][2]) == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize(
-    ("changed", "told"),
+    ("changed", "expected"),
     [
         ({"robot.yaml": VEHICLE + STRAIGHT}, "no section platform"),
         ({"robot.yaml": VEHICLE + PLATFORM + STRAIGHT}, "TRAJECTORY.CSV is missing"),
@@ -196,18 +198,18 @@ def test_the_command(folder, drive):
         ),
         ({"robot.yaml": VEHICLE + PLATFORM.replace("limits", "limit") + TURNING}, "platform.limit"),
         ({"robot.yaml": VEHICLE + PLATFORM.replace("track: 270 mm", "track: 0 mm") + TURNING}, "track"),
-        ({"way.csv": "x,z\nm,m\n0,0\n"}, "way.csv:1: header"),
-        ({"way.csv": "t,x,y,heading\ns,m,m,deg\n0,0,0,0\n1,0,0,0\n2,90,0,0\n3,90,0,0\n4,90,0,0\n"}, "way.csv"),
-        ({"way.csv": "t,x,y\ns,m,m\n0,0,0\n"}, "way.csv:1: header"),
+        ({"track.csv": "x,z\nm,m\n0,0\n"}, "track.csv:1: header"),
+        ({"track.csv": "t,x,y,heading\ns,m,m,deg\n0,0,0,0\n1,0,0,0\n2,90,0,0\n3,90,0,0\n4,90,0,0\n"}, "track.csv"),
+        ({"track.csv": "t,x,y\ns,m,m\n0,0,0\n"}, "track.csv:1: header"),
     ],
 )
-def test_what_is_wrong_is_one_line(folder, drive, changed, told):
+def test_what_is_wrong_is_one_line(folder, drive, changed, expected):
     for name, text in changed.items():
         (folder / name).write_text(text, encoding="utf-8")
-    arguments = ("robot.yaml", "way.csv") if "way.csv" in changed else ("robot.yaml",)
+    arguments = ("robot.yaml", "track.csv") if "track.csv" in changed else ("robot.yaml",)
     before = sorted(p.name for p in folder.iterdir())
     status, out, err = drive(*arguments, "--csv", "out.csv")
-    assert status == 2 and out == "" and err.count("\n") == 1 and told in err, err
+    assert status == 2 and out == "" and err.count("\n") == 1 and expected in err, err
     assert sorted(p.name for p in folder.iterdir()) == before
 
 
@@ -228,7 +230,7 @@ WALKER = """
 
 
 def test_wheels_that_cannot_hold_a_platform_are_refused():
-    """Two fixed wheels at right angles allow turning about one point only: no way leads anywhere."""
+    """Two fixed wheels at right angles allow turning about one point only: no path leads anywhere."""
     text = VEHICLE.replace("driven_wheels: 4", "driven_wheels: 2") + PLATFORM.replace(
         "\n  layout: {kind: mecanum, wheelbase: 477 mm, track: 270 mm}", WALKER.rstrip()
     )
@@ -281,7 +283,7 @@ def test_explain_counts_the_machine_too():
 
 
 def test_cases_keep_their_names(tmp_path: Path):
-    """A further load case of a platform is taken apart as well; grip is that of the worst."""
+    """A further load case of a platform is split into wheels as well; grip is that of the worst."""
     text = VEHICLE + PLATFORM + TURNING + "cases: [{name: loaded, load: {mass: 60 kg}}]\n"
     names = [name for _, name, _ in load_cases(spec_of(text))]
     assert len(names) == 8 and all(n.startswith("wheel") for n in names[:4])
@@ -291,24 +293,24 @@ def test_cases_keep_their_names(tmp_path: Path):
     assert next(c for c in shown.budget if c.name == "grip_motion").case in ("as specified", "loaded")
 
 
-def test_the_energy_of_a_way_is_summed_over_its_wheels():
-    """What the sizing tells of a cycle is what the battery's side adds up from each wheel."""
+def test_the_energy_of_a_path_is_summed_over_its_wheels():
+    """The energy of a cycle in the sizing is what the battery's side adds up from each wheel."""
     spec = spec_of(VEHICLE, PLATFORM, TURNING)
     result = size(spec, top=1)
     (best,) = result.sets
     parts = [case.spec for case in result.problem.cases]
     power = together([drive_power(case, best) for case in parts])
     drawn, returned = (power.total * power.mean(column) for column in (power.drawn, power.returned))
-    told = {f.name: f.value for f in best.figures}
+    figures = {f.name: f.value for f in best.figures}
     assert len(parts) == 4
-    assert told["energy"] == pytest.approx(drawn - 0.7 * returned, rel=1e-3)
-    assert told["returned"] == pytest.approx(returned, rel=1e-3)
+    assert figures["energy"] == pytest.approx(drawn - 0.7 * returned, rel=1e-3)
+    assert figures["returned"] == pytest.approx(returned, rel=1e-3)
 
 
 # --- a motor that has failed ------------------------------------------------------------------------------------------
 
 
-def test_three_motors_of_four_still_drive_the_way():
+def test_three_motors_of_four_still_drive_the_path():
     """Straight on without wheel 2: t1 + t3 = t4 for no force aside, t1 + t4 = t3 for no moment: by the rear axle."""
     level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg").replace("rolling_resistance: 0.02", "rolling_resistance: 0")
     spec = spec_of(level, PLATFORM, AHEAD)
@@ -321,7 +323,7 @@ def test_three_motors_of_four_still_drive_the_way():
 
 
 def test_a_load_case_with_a_failed_motor_is_sized_for():
-    """Torque doubles in the case without one motor, and the sets are sized for it; all four are still bought."""
+    """Torque doubles in the case without one motor, and the drives are sized for it; all four are still bought."""
     text = VEHICLE + PLATFORM + AHEAD
     plain, spare = (
         size(spec_of(text, case), top=1) for case in ("", "cases: [{name: lost, platform: {failed: [2]}}]\n")
@@ -334,11 +336,11 @@ def test_a_load_case_with_a_failed_motor_is_sized_for():
 
 
 @pytest.mark.parametrize(
-    ("failed", "told"),
+    ("failed", "expected"),
     [((5,), "there is no wheel 5"), ((2, 3), "with its driven wheels at rest"), ((1, 2, 3, 4), "no wheel is driven")],
 )
-def test_what_cannot_be_driven_any_more(failed, told):
-    with pytest.raises(InputError, match=told):
+def test_what_cannot_be_driven_any_more(failed, expected):
+    with pytest.raises(InputError, match=expected):
         driving(with_trajectory(spec_of(VEHICLE, PLATFORM, TURNING), None, failed))
 
 
@@ -347,12 +349,12 @@ def test_omni_wheels_that_all_roll_ahead_hold_no_platform():
         f"{{kind: omni, x: {x} m, y: {y} m}}" for x, y in ((0.3, -0.2), (0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2))
     )
     text = PLATFORM.replace("layout: {kind: mecanum, wheelbase: 477 mm, track: 270 mm}", f"wheels: [{places}]")
-    with pytest.raises(InputError, match="driven wheels at rest") as told:
+    with pytest.raises(InputError, match="driven wheels at rest") as error:
         spec_of(VEHICLE, text, AHEAD)
-    assert str(told.value).count("\n") == 0
+    assert str(error.value).count("\n") == 0
 
 
-def test_a_wheel_that_lifts_off_is_told(drive, folder):
+def test_a_wheel_that_lifts_off_is_reported(drive, folder):
     """The centre of mass lies before the front axle: the rear wheels carry nothing, and no friction holds them."""
     text = (folder / "robot.yaml").read_text().replace("centre_of_mass: {", "centre_of_mass: {x: 300 mm, ")
     (folder / "robot.yaml").write_text(text)

@@ -1,4 +1,4 @@
-"""Inputs that are wrong in ordinary ways: each is one line that says where, and none takes long or holds anybody up."""
+"""Inputs with ordinary mistakes: each is one line that says where, and none takes long or holds anybody up."""
 
 import os
 import time
@@ -36,7 +36,7 @@ FLYWHEEL = (STARTERS / "flywheel.yaml").read_text(encoding="utf-8")
         ('name: "a\\u2066b"\n', r"f.yaml:1: the character '\u2066' is not used here"),
     ],
 )
-def test_no_yaml_is_told_by_the_line_that_is_to_be_mended(text, said):
+def test_a_syntax_error_has_the_line_to_be_mended(text, said):
     with pytest.raises(InputError) as error:
         YamlSource(text, "f.yaml")
     assert str(error.value).startswith(said)
@@ -118,7 +118,7 @@ def test_all_that_ships_lies_inside(tmp_path, monkeypatch):
         ("sources: {s: {document: data sheet,", "sources: -1 #", ": sources: expected fields such as sheet"),
     ],
 )  # fmt: skip
-def test_a_catalogue_with_an_impossible_figure_is_refused_where_it_stands(was, put, said, tmp_path):
+def test_a_catalogue_with_an_impossible_figure_is_refused_with_its_line(was, put, said, tmp_path):
     assert was in CATALOGUE
     text = CATALOGUE.replace(was, put, 1)
     line = text[: text.index(put)].count("\n") + 1
@@ -129,14 +129,14 @@ def test_a_catalogue_with_an_impossible_figure_is_refused_where_it_stands(was, p
     assert said.removeprefix(": ") in str(error.value)
 
 
-def test_a_spec_with_an_impossible_figure_is_refused_where_it_stands():
+def test_a_spec_with_an_impossible_figure_is_refused_with_its_line():
     with pytest.raises(
         InputError, match=r'f.yaml:\d+: load.inertia: "1e300 kg\*cm\^2" is no inertia of a machine; exp'
     ):
         read_spec(YamlSource(FLYWHEEL.replace("inertia: ", "inertia: 1e300 kg*cm^2 #", 1), "f.yaml"))
 
 
-def test_a_recording_with_an_impossible_figure_is_refused_where_it_stands(tmp_path):
+def test_a_recording_with_an_impossible_figure_is_refused_with_its_line(tmp_path):
     from drivesizer.files.csv_columns import columns
 
     (tmp_path / "c.csv").write_text("time,speed\ns,rpm\n0,0\n1,1e300\n2,0\n")
@@ -217,7 +217,7 @@ def test_a_map_that_names_what_is_not_there_is_one_line(was, put, said, tmp_path
         ),
     ],
 )
-def test_a_study_is_told_with_its_line(text, said, tmp_path):
+def test_an_error_of_a_study_has_its_line(text, said, tmp_path):
     from drivesizer.study.plan import read_study
 
     (tmp_path / "robot.yaml").write_text(FLYWHEEL)

@@ -47,7 +47,7 @@ def alone(catalog: Catalog, section: str) -> Catalog:
 
 
 def held_to(catalog: Catalog, laws: Sequence[Law]) -> list[Finding]:
-    """What some of the laws find: of one broken figure the others need not be asked, there are hundreds."""
+    """What some of the laws find: of one broken figure the others need not be checked, there are hundreds."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("drivesizer.catalog.laws.check.LAWS", laws)
         return check(catalog)

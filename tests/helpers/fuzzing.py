@@ -114,12 +114,12 @@ def changed(data: Any, chance: random.Random) -> Any:
         owner = data
         for step in above:
             owner = owner[step]
-        way = chance.random()
-        if way < 0.55:
+        draw = chance.random()
+        if draw < 0.55:
             owner[last] = scaled(owner[last], chance)
-        elif way < 0.8:
+        elif draw < 0.8:
             owner[last] = copy.deepcopy(chance.choice(ODD))
-        elif way < 0.9:
+        elif draw < 0.9:
             del owner[last]
         elif isinstance(owner, list):
             owner.append(copy.deepcopy(owner[last]))
@@ -235,16 +235,16 @@ def fault_of(kind: str, seed: int, folder: Path) -> str:
 
 
 def main(count: int, first: int, kinds: list[str]) -> None:
-    told: Counter[str] = Counter()
+    counted: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as name:
         for kind in kinds:
             for seed in range(first, first + count):
                 if fault := fault_of(kind, seed, Path(name)):
                     key = f"{kind}: {fault.partition(': ')[0]}"
-                    told[key] += 1
-                    if told[key] == 1:
+                    counted[key] += 1
+                    if counted[key] == 1:
                         print(f"{kind} {seed}: {fault}", flush=True)
-    print(told)
+    print(counted)
 
 
 if __name__ == "__main__":

@@ -134,7 +134,7 @@ def test_payloads_are_part_of_the_loads_mass():
     assert not section(payloads=[payload | {"height": None}], centre_of_mass={"height": "0.11 m"}).height_known
 
 
-def test_casters_roll_as_the_wheels_do_unless_told():
+def test_casters_roll_as_the_wheels_do_by_default():
     layout = {"kind": "differential", "track": "500 mm"}
     casters = [{"x": "-0.4 m", "y": "0 m"}, {"x": "0.4 m", "y": "0 m", "rolling_resistance": 0.05}]
     found = section(layout=layout, casters=casters)

@@ -44,7 +44,7 @@ def test_the_example_of_a_study_obeys_the_schema():
     "change",
     [
         lambda c: c.pop("sources"),
-        lambda c: c["sources"]["sheet"].update(confidence="sure"),
+        lambda c: c["sources"]["sheet"].update(confidence="certain"),
         lambda c: c["motors"][0]["columns"].append("torqe (N*m)"),
         lambda c: c["motors"][0]["columns"].remove("part"),
         lambda c: c["motors"][0]["common"].update(weight="1 kg"),

@@ -69,7 +69,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("text", WRONG)
-def test_what_makes_no_sense_is_told_in_one_line(text: str) -> None:
+def test_a_malformed_tolerance_is_one_line(text: str) -> None:
     with pytest.raises(InputError, match=WRONG[text].replace("(", r"\(")) as caught:
         tolerance(text)
     assert "\n" not in str(caught.value)

@@ -261,16 +261,16 @@ def test_the_best_sets_are_those_of_size(spec, objective):
 
 
 def _alike(ours, theirs):
-    """The same sets; figures but for the last digits, which depend on how many sets are computed together."""
+    """The same sets; figures but for the last digits, which depend on how many drives are computed together."""
     for a, b in zip(ours, theirs, strict=True):
         assert (a.label, a.status) == (b.label, b.status)
         assert [part and part.part for part in a.parts.values()] == [part and part.part for part in b.parts.values()]
         checks = list(zip(a.deciding, b.deciding, strict=True))
         assert all((x.name, x.status, x.case) == (y.name, y.status, y.case) for x, y in checks)
-        told = [(x.demand, y.demand) for x, y in checks] + [(x.margin, y.margin) for x, y in checks]
-        told += [(x.value, y.value) for x, y in zip(a.figures, b.figures, strict=True)]
-        told += [(a.mass, b.mass), (a.objective, b.objective)]
-        np.testing.assert_allclose(*zip(*told, strict=True), rtol=1e-9)
+        figure_pairs = [(x.demand, y.demand) for x, y in checks] + [(x.margin, y.margin) for x, y in checks]
+        figure_pairs += [(x.value, y.value) for x, y in zip(a.figures, b.figures, strict=True)]
+        figure_pairs += [(a.mass, b.mass), (a.objective, b.objective)]
+        np.testing.assert_allclose(*zip(*figure_pairs, strict=True), rtol=1e-9)
     return True
 
 
@@ -301,7 +301,7 @@ def test_what_is_not_known_is_empty_and_named(tmp_path):
     assert math.isclose(row["mass_kg"], 0.130 + 0.077) and row["mass_lacks"] == ""
 
 
-def test_where_nothing_stands_the_nearest_is_named_and_the_set_is_empty(tmp_path):
+def test_without_a_passing_drive_the_closest_is_named_and_the_drive_is_empty(tmp_path):
     (row,) = table(planned(tmp_path, "spec: robot.yaml\nvary: {load.mass: [450 kg]}\n"))
     assert (row["status"], row["set"], row["mass_kg"], row["rank"]) == ("fail", "", None, None)
     assert row["smallest_margin"] < 0.0 and row["smallest_margin_check"]
@@ -318,7 +318,7 @@ def test_a_variant_that_is_no_machine_is_a_row_and_the_others_go_on(tmp_path):
     assert rows[2]["sets_examined"] is None and rows[2]["load.mass (kg)"] == -5.0
 
 
-def test_a_fault_of_the_program_is_told_as_one_and_does_not_end_the_study(tmp_path, monkeypatch):
+def test_a_fault_of_the_program_is_reported_as_one_and_does_not_end_the_study(tmp_path, monkeypatch):
     monkeypatch.setattr("drivesizer.study.variant.best", lambda *_, **__: 1 / 0)
     (row,) = table(planned(tmp_path, "spec: robot.yaml\n"))
     assert (row["status"], row["error"]) == (
@@ -357,13 +357,15 @@ def test_what_results_are_made_of(tmp_path):
 def test_a_recording_counts_as_well(tmp_path):
     spec = CHEAP.replace("method: paper", "method: physics")
     spec = (
-        spec[: spec.index("motion:")] + "motion: {profile: csv, file: way.csv}\n" + spec[spec.index("transmission:") :]
+        spec[: spec.index("motion:")]
+        + "motion: {profile: csv, file: cycle.csv}\n"
+        + spec[spec.index("transmission:") :]
     )
-    (tmp_path / "way.csv").write_text("time,speed\ns,m/s\n0,0\n1,1\n2,0\n")
+    (tmp_path / "cycle.csv").write_text("time,speed\ns,m/s\n0,0\n1,1\n2,0\n")
     first = made_of(planned(tmp_path, "spec: robot.yaml\n", spec))
-    (tmp_path / "way.csv").write_text("time,speed\ns,m/s\n0,0\n1,1.1\n2,0\n")
+    (tmp_path / "cycle.csv").write_text("time,speed\ns,m/s\n0,0\n1,1.1\n2,0\n")
     second = made_of(planned(tmp_path, "spec: robot.yaml\n", spec))
-    assert {key for key in first if first[key] != second[key]} == {"way.csv"}
+    assert {key for key in first if first[key] != second[key]} == {"cycle.csv"}
 
 
 def test_many_plans_every_variant_of_the_grid(tmp_path):

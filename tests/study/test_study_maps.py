@@ -37,7 +37,7 @@ def texts(svg):
     return [" ".join(t.itertext()).strip() for t in etree.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")]
 
 
-def test_a_map_of_sets_numbers_them_and_tells_what_they_are(tmp_path):
+def test_a_map_of_drives_numbers_and_names_them(tmp_path):
     over, found, _ = mapped(tmp_path, GRID)
     made, said = drawings(over, found)
     assert said == [] and list(made) == ["best_set", "mass", "price", "smallest_margin"]
@@ -53,7 +53,7 @@ def test_a_map_of_sets_numbers_them_and_tells_what_they_are(tmp_path):
 
 
 def many(sets):
-    """A grid of ten by ten with so many sets in turn, and one price."""
+    """A grid of ten by ten with so many drives in turn, and one price."""
     across, up = (Dimension(name, f"{name} (kg)", tuple(float(n) for n in range(10)), True) for name in "ab")
     rows = [
         {"a (kg)": float(n // 10), "b (kg)": float(n % 10), "status": "pass", "set": f"set {n % sets}",
@@ -79,7 +79,7 @@ def test_no_two_sets_look_alike_however_many_there_are(sets):
     assert (f"…  {sets - 56} other drives" in seen) == (sets > 56)
 
 
-def test_colours_of_sets_are_told_apart_by_the_colour_blind():
+def test_the_colour_blind_distinguish_the_colours_of_drives():
     """As seen without red or green cones (Viénot, Brettel, Mollon 1999): CIE 1976 differences above 10 throughout."""
     short = {
         "protan": [[0.11238, 0.88762, 0.0], [0.11238, 0.88762, 0.0], [0.00401, -0.00401, 1.0]],
@@ -124,7 +124,7 @@ def test_the_same_drawing_has_the_same_bytes(tmp_path):
     assert b"<text" not in made["mass"]("svg") and made["mass"]("png").startswith(b"\x89PNG")
 
 
-def test_cells_reach_half_of_the_way_to_the_next(tmp_path):
+def test_cells_reach_halfway_to_the_next(tmp_path):
     over, _, _ = mapped(tmp_path, GRID)
     assert _edges(over.across).tolist() == [-22.5, 12.5, 45.0, 75.0, 105.0]
     assert _edges(over.up).tolist() == pytest.approx([0.85, 1.55, 2.25])
@@ -141,7 +141,7 @@ def test_what_varies_beside_has_a_panel_each(tmp_path):
     assert (over.across.name, over.up.name, len(found)) == ("supply.max", "objective", 4)
 
 
-def test_more_panels_than_a_page_holds_are_told(tmp_path):
+def test_more_panels_than_a_page_holds_are_a_note(tmp_path):
     wheels = ", ".join(str(n) for n in range(2, 15))
     over, found, _ = mapped(
         tmp_path, GRID.replace("60 kg, 90 kg, -5 kg", "60 kg") + f"  load.driven_wheels: [{wheels}]\n"
@@ -159,8 +159,8 @@ def test_samples_are_points_and_fields_beside_them_lie_as_they_fall(tmp_path):
     over, found, _ = mapped(tmp_path, study)
     assert (len(found[()]), over.beside, over.grid) == (12, (), False)
     svg = drawings(over, found)[0]["mass"]("svg").decode()
-    stands = [row for row in found[()] if row["set"]]
-    assert 0 < len(stands) < 12
+    passing = [row for row in found[()] if row["set"]]
+    assert 0 < len(passing) < 12
     marks = [
         len(re.findall("<use ", part)) for part in re.findall(r'(?s)<g id="PathCollection_\d+">.*?</g>\s*</g>', svg)
     ]
@@ -189,21 +189,21 @@ def test_one_name_alone_is_refused(tmp_path):
 
 
 def test_probabilities_are_drawn_where_the_spec_has_tolerances(tmp_path):
-    """Of each variant what `size` tells of the same machine."""
+    """Each variant has the probabilities that `size` reports for the same machine."""
     spec = CHEAP.replace("mass: 45 kg", "mass: 45 kg +- 3 kg") + "tolerances: {samples: 256}\n"
     study = "spec: robot.yaml\nvary:\n  motion.speed: [1.2 m/s, 1.5 m/s]\n  supply.current: [5 A, 8 A]\n"
     over, found, plan = mapped(tmp_path, study, spec=spec)
-    told = [row["none_fails"] for row in found[()]]
-    assert 0.0 < min(told) < 0.95 < max(told)
+    probabilities = [row["none_fails"] for row in found[()]]
+    assert 0.0 < min(probabilities) < 0.95 < max(probabilities)
     seen = texts(drawings(over, found)[0]["none_fails"]("typeset"))
-    assert all(f"{100 * share:.3g}" in seen for share in told)
-    for number, share in enumerate(told, 1):
+    assert all(f"{100 * share:.3g}" in seen for share in probabilities)
+    for number, share in enumerate(probabilities, 1):
         alone = size(spec_of(plan.job, plan.variant(number))).sets[0].reliability
         assert alone and alone.probability == share
 
 
 def test_tolerances_vary_as_they_are_written(tmp_path):
-    """With the same nominal mass what is less uncertain is nearer to sure, either way."""
+    """With the same nominal mass what is less uncertain is nearer to 0 or 1."""
     spec = CHEAP + "tolerances: {samples: 256}\n"
     study = "spec: robot.yaml\nvary: {load.mass: [45 kg +- 1 kg, 45 kg +- 20 kg], supply.current: [5 A, 8 A]}\n"
     over, found, plan = mapped(tmp_path, study, spec=spec)

@@ -92,7 +92,7 @@ def test_the_table_has_every_variant_in_order(whole):
 
 
 def test_heavier_is_never_easier(whole):
-    """What falls at some mass falls at any larger one: more mass asks for more of everything."""
+    """A drive that fails with some mass fails with any larger one: more mass needs more of everything."""
     found = rows(whole["results.csv"])
     for speed in {row["motion.speed (m/s)"] for row in found}:
         line = [row["status"] for row in found if row["motion.speed (m/s)"] == speed]
@@ -238,7 +238,7 @@ def test_a_second_process_is_refused(run, tmp_path):
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert f"drivesizer: study: process {os.getpid()} on " in err
     assert "is at work on this study; wait until it is done, or choose another folder with -o" in err
-    assert run("--no-maps")[0] == 0  # what it leaves behind is in nobody's way
+    assert run("--no-maps")[0] == 0  # the lock that it leaves behind is free
 
 
 @pytest.mark.usefixtures("here")
@@ -342,7 +342,7 @@ def test_wrong_studies_are_one_line_at_the_command(run, tmp_path):
 
 
 @pytest.mark.usefixtures("here")
-def test_a_study_where_nothing_stands_is_status_1(run, tmp_path):
+def test_a_study_without_a_passing_drive_is_status_1(run, tmp_path):
     laid(tmp_path, "spec: robot.yaml\nvary: {load.mass: [450 kg, -5 kg]}\n")
     status, out, err = run()
     assert (status, err) == (1, "")
