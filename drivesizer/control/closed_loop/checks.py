@@ -232,15 +232,7 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
         note="while running",
     )
     yield _check(
-        _most(
-            case,
-            "gear_torque",
-            lambda x: at_most(
-                "gearhead_intermittent_torque",
-                x,
-                gearhead.intermittent_torque,
-            ),
-        ),
+        _most(case, "gear_torque", lambda x: at_most("gearhead_intermittent_torque", x, gearhead.intermittent_torque)),
         case.figure("gear_torque_time"),
     )
     moved = course(case.profile)
@@ -268,10 +260,7 @@ def _speed(case: ClosedLoop) -> Iterator[Check]:
     yield _check(limited("motor_speed", 1.0, motor.max_speed), when)
     yield _check(limited("encoder_speed", 1.0, encoder.max_speed, **encoder_check), when)
     for name, limit in (("encoder", encoder.max_frequency), ("controller", controller.max_encoder_frequency)):
-        yield _check(
-            limited(f"{name}_frequency", per_turn, limit, **encoder_check),
-            when,
-        )
+        yield _check(limited(f"{name}_frequency", per_turn, limit, **encoder_check), when)
     if motor.kind == "brushless":
         yield _check(
             limited("controller_electrical_speed", motor.pole_pairs, controller.max_speed_sine),
