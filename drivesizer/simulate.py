@@ -177,7 +177,7 @@ def _own_units(case: ClosedLoop) -> tuple[tuple[ControllerGain, ...], list[str]]
 
 def _assumptions(case: ClosedLoop) -> list[str]:
     """Assumptions of the model, as sentences."""
-    spec, shaft = case.spec, case.shaft
+    spec = case.spec
     over = case.controller.counted_over
     periods = "each period" if over == 1 else f"{over} periods"
     measured = f"counted by the encoder, its speed over {periods} of the loop" if over else "measured exactly"
@@ -207,8 +207,8 @@ def _assumptions(case: ClosedLoop) -> list[str]:
         error = case.figure("load_angle_error")  # rad: an error of the sine of as much at most
         arm = f": an error of up to {error:.2%} of an arm's largest weight torque" if isinstance(spec.load, Arm) else ""
         said.append(f"load torque beyond inertia and friction follows the reference's time, not the drive's{arm}")
-    if shaft:
-        said.append(f"motor and load are two masses on a shaft of {shaft.stiffness:.4g} N·m/rad, seen at the load")
+    if case.train.flexible:
+        said.append(f"motor and load are two masses on a shaft of {case.train.stiffness:.4g} N·m/rad, seen at the load")
     return said
 
 
@@ -247,8 +247,8 @@ def _of_the_controller(case: ClosedLoop) -> list[str]:
 def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
     """Warnings, each with its remedy where there is one."""
     said = loop_warnings(case.loops.all, case.profile)
-    if case.shaft:
-        said += resonance_warning(case.loops, case.shaft)
+    if case.train.flexible:
+        said += resonance_warning(case.loops, case.train.stiffness)
     said += [*_resolution(case), *_kept_at_rest(case), *grip_warning(case.spec)]
     failed = {check.name for check in found if check.status == "fail" and not check.advice}
     if "stability" in failed:

@@ -24,7 +24,7 @@ from drivesizer.physics.thermal import of_unstated_temperature, resistance_25
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "matrices", "modes", "within_reach"]
+__all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "elastic", "matrices", "modes", "within_reach"]
 
 _NO_INDUCTANCE = 1e-3  # electrical time constant in control periods, where the inductance is unknown: none to speak of
 _FASTEST = 1e9  # rad/s at the motor: beyond any machine, and small enough that squares stay finite
@@ -198,6 +198,33 @@ def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[Dr
     if not all(isfinite(getattr(train, f.name)) for f in fields(train) if f.name != "stiffness"):
         raise InputError("the load's figures leave the range of numbers that can be computed with")
     return train, said
+
+
+def elastic(train: DriveTrain, stiffness: float, damping: float = 0.0, gap: float = 0.0) -> DriveTrain:
+    """A drive train with an elastic shaft between motor and load.
+
+    Parameters
+    ----------
+    train
+        The rigid drive train.
+    stiffness, damping, gap
+        At the driven shaft [N*m/rad], [N*m*s/rad], [rad]; no damping is the worst case.
+
+    Returns
+    -------
+    DriveTrain
+        Two masses.
+
+    Raises
+    ------
+    InputError
+        When a figure is out of range.
+    """
+    if not 0.0 < stiffness < inf:
+        raise InputError(f"stiffness: {stiffness:g} N*m/rad is no stiffness; expected a positive number")
+    if not 0.0 <= damping < inf:
+        raise InputError(f"damping of the shaft: {damping:g} N*m*s/rad is none; expected 0 or more")
+    return replace(train, stiffness=stiffness, damping=damping, gap=gap)
 
 
 def within_reach(train: DriveTrain, profile: Profile) -> None:

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, Mode, Regime, modes
 from drivesizer.control.loop_models import (
-    Shaft,
     current_open_loop,
     position_open_loop,
     resonance,
@@ -42,15 +41,13 @@ _SETTLED = 0.02  # of the final value
 _DIRECTIONS = {"driving": Regime.FORWARD_DRIVING, "braking": Regime.FORWARD_BRAKING}
 
 
-def analyse(train: DriveTrain, controller: Cascade | Gains, shaft: Shaft | None = None) -> Loops:
+def analyse(train: DriveTrain, controller: Cascade | Gains) -> Loops:
     """The loops of a controller around a drive train, rigid or with an elastic shaft.
 
     Parameters
     ----------
     train, controller
-        The rigid drive train and its controller; feedforward is left out.
-    shaft
-        The elastic shaft between motor and load; None: rigid.
+        The drive train, rigid or elastic, and its controller; feedforward is left out.
 
     Returns
     -------
@@ -59,26 +56,26 @@ def analyse(train: DriveTrain, controller: Cascade | Gains, shaft: Shaft | None 
     """
     every = modes(train)
 
-    def velocity(shaft: Shaft | None) -> Loop:
+    def velocity(train: DriveTrain) -> Loop:
         if isinstance(controller, Gains):
-            return _worse("velocity", every, lambda mode: voltage_open_loop(train, mode, controller, shaft))
-        return _worse("velocity", every, lambda mode: velocity_open_loop(train, mode, controller, shaft))
+            return _worse("velocity", every, lambda mode: voltage_open_loop(train, mode, controller))
+        return _worse("velocity", every, lambda mode: velocity_open_loop(train, mode, controller))
 
-    outer, inner = velocity(shaft), None
+    outer, inner = velocity(train), None
     position = None
     if isinstance(controller, Cascade):
         inner = loop_of("current", current_open_loop(train, controller))
         if controller.position_kp and controller.position_period:
-            position = _worse("position", every, lambda mode: position_open_loop(train, mode, controller, shaft))
+            position = _worse("position", every, lambda mode: position_open_loop(train, mode, controller))
     # braking, the load's inertia counts less: that resonance is the lower one
-    found = resonance(train, every[Regime.FORWARD_BRAKING], shaft) if shaft else (math.nan, math.nan)
+    found = resonance(train, every[Regime.FORWARD_BRAKING]) if train.flexible else (math.nan, math.nan)
     return Loops(
         current=inner,
         velocity=outer,
         position=position,
         anti_resonance=found[0],
         resonance=found[1],
-        rigid_bandwidth=(velocity(None) if shaft else outer).bandwidth,
+        rigid_bandwidth=(velocity(replace(train, stiffness=math.inf)) if train.flexible else outer).bandwidth,
     )
 
 

@@ -14,8 +14,7 @@ from drivesizer.catalog import EDGES, Controller
 from drivesizer.control.cascade import LEAST_PHASE_MARGIN, Cascade, rates
 from drivesizer.control.cascade_design import Wanted, design_cascade
 from drivesizer.control.cascade_rules import SPREAD, margin_of
-from drivesizer.control.drive_train import DriveTrain, drive_train
-from drivesizer.control.loop_models import Shaft
+from drivesizer.control.drive_train import DriveTrain, drive_train, elastic
 from drivesizer.control.loop_tuning import Required, Tuned, tuned
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import design
@@ -26,7 +25,7 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["designed", "edges_of", "gap_of", "shaft_of", "stated_margin"]
+__all__ = ["designed", "edges_of", "stated_margin"]
 
 _PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's is unknown
 
@@ -52,19 +51,23 @@ def designed(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Gains | 
     if spec.control.structure == "cascade":
         return _cascade(spec, drive_set)
     period, said = _period(spec, drive_set.controller)
-    train, assumed = drive_train(spec, drive_set, period)
+    rigid, assumed = drive_train(spec, drive_set, period)
+    train = _with_shaft(spec, drive_set, rigid)
     counts, more = _counts(spec, drive_set, train, period)
     said += [*assumed, *more]
     if spec.control.kp is not None:
         return train, design(spec, train, period, counts), said
-    gains, slower = tuned(lambda factor: design(spec, train, period, counts, factor), _required(spec, drive_set, train))
+    gains, slower = tuned(
+        lambda factor: design(spec, train, period, counts, factor), Required(train, stated_margin(spec))
+    )
     _refuse_slower(spec, ("control", "bandwidth"), spec.control.bandwidth, slower)
     return train, gains, [*said, *_reported(slower)]
 
 
 def _cascade(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Cascade, list[str]]:
     every, said = rates(drive_set.controller, spec.control.rate)
-    train, assumed = drive_train(spec, drive_set, every.current)
+    rigid, assumed = drive_train(spec, drive_set, every.current)
+    train = _with_shaft(spec, drive_set, rigid)
     counts, more = _counts(spec, drive_set, train, every.velocity)
     wanted = _wanted(spec)
     rules: list[str] = []
@@ -78,7 +81,7 @@ def _cascade(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Cascade,
 
     if wanted.velocity_kp is not None or wanted.velocity_ki is not None:
         return train, make(1.0), [*said, *assumed, *more, *rules]
-    cascade, slower = tuned(make, _required(spec, drive_set, train))
+    cascade, slower = tuned(make, Required(train, stated_margin(spec)))
     _refuse_slower(spec, ("control", "velocity", "bandwidth"), wanted.bandwidth, slower)
     return train, cascade, [*said, *assumed, *more, *rules, *_reported(slower)]
 
@@ -169,54 +172,21 @@ def stated_margin(spec: RobotSpec) -> float:
     return LEAST_PHASE_MARGIN if placed else margin_of(SPREAD)
 
 
-def _required(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain) -> Required:
-    return Required(train, shaft_of(spec, train), gap_of(spec, drive_set), stated_margin(spec))
-
-
-def shaft_of(spec: RobotSpec, train: DriveTrain) -> Shaft | None:
-    """The elastic shaft between motor and load that a spec gives.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    train
-        Its rigid drive train.
-
-    Returns
-    -------
-    Shaft or None
-        None for a rigid model.
-
-    Raises
-    ------
-    InputError
-        When the model is two masses, and its stiffness or the load's inertia is missing.
-    """
+def _with_shaft(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain) -> DriveTrain:
+    """The drive train with the elastic shaft that a spec gives; the same one of a rigid model."""
     if spec.plant.model == "rigid":
-        return None
+        return train
     where, stiffness = spec.where(("plant", "model")), spec.plant.stiffness or (spec.belt and spec.belt.stiffness)
     if not stiffness:
         raise InputError(f"{where}: two_mass needs plant.stiffness or the belt's, e.g. stiffness: 500 N*m/rad")
     if not train.load_inertia > 0.0:
         raise InputError(f"{where}: two_mass needs an inertia of the load, e.g. inertia: 0.02 kg*m^2")
     damping = 2.0 * spec.plant.damping_ratio * math.sqrt(stiffness * train.load_inertia)
-    return Shaft(stiffness=stiffness, damping=damping)
+    return elastic(train, stiffness, damping, _gap(spec, drive_set))
 
 
-def gap_of(spec: RobotSpec, drive_set: DriveSet) -> float:
-    """Backlash at the driven shaft: the spec's, else the gearhead's.
-
-    Parameters
-    ----------
-    spec, drive_set
-        The machine and the drive.
-
-    Returns
-    -------
-    float
-        [rad]; 0 where neither is known.
-    """
+def _gap(spec: RobotSpec, drive_set: DriveSet) -> float:
+    """Backlash at the driven shaft [rad]: the spec's, else the gearhead's; 0 where neither is known."""
     own = drive_set.gearhead.backlash / drive_set.belt_ratio
     gap = spec.plant.backlash if spec.plant.backlash is not None else own
     return 0.0 if math.isnan(gap) else float(gap)

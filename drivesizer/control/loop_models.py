@@ -21,7 +21,6 @@ Symbols: i current [A], w motor speed [rad/s], u voltage [V], e efficiency, K to
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -30,10 +29,8 @@ from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, Mode, matrices
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import COMPUTING
-from drivesizer.errors import InputError
 
 __all__ = [
-    "Shaft",
     "current_open_loop",
     "plant",
     "position_open_loop",
@@ -43,21 +40,7 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Shaft:
-    """The elastic shaft between motor and load, seen at the load's shaft."""
-
-    stiffness: float  # N*m/rad
-    damping: float = 0.0  # N*m*s/rad; none is the worst case
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.stiffness < math.inf:
-            raise InputError(f"stiffness: {self.stiffness:g} N*m/rad is no stiffness; expected a positive number")
-        if not 0.0 <= self.damping < math.inf:
-            raise InputError(f"damping of the shaft: {self.damping:g} N*m*s/rad is none; expected 0 or more")
-
-
-def resonance(train: DriveTrain, mode: Mode, shaft: Shaft) -> tuple[float, float]:
+def resonance(train: DriveTrain, mode: Mode) -> tuple[float, float]:
     r"""Frequencies of the anti-resonance and the resonance of motor and load, undamped [Hz].
 
     .. math:: \omega_a = \sqrt{c / J_L}, \qquad \omega_r = \omega_a \sqrt{1 + \frac{J_L}{e K^2 J_M}}
@@ -65,28 +48,25 @@ def resonance(train: DriveTrain, mode: Mode, shaft: Shaft) -> tuple[float, float
     Parameters
     ----------
     train, mode
-        The drive train and the direction of power: driving, the load's inertia counts 1/(e K^2), braking e/K^2.
-    shaft
-        The stiffness c at the load's shaft.
+        A drive train with an elastic shaft of stiffness c, and the direction of power: driving, the load's inertia
+        counts 1/(e K^2), braking e/K^2.
 
     Returns
     -------
     tuple
         Anti-resonance, at which the load swings against a motor at rest, and resonance [Hz]; [2].
     """
-    anti = math.sqrt(shaft.stiffness / train.load_inertia)
+    anti = math.sqrt(train.stiffness / train.load_inertia)
     return anti / (2.0 * math.pi), anti * math.sqrt(mode.inertia / train.motor_inertia) / (2.0 * math.pi)
 
 
-def plant(train: DriveTrain, mode: Mode, shaft: Shaft | None = None, *, angle: bool = False) -> Any:
+def plant(train: DriveTrain, mode: Mode, *, angle: bool = False) -> Any:
     """The drive train in continuous time, from voltage to current and motor speed, linearised about a moving point.
 
     Parameters
     ----------
     train, mode
-        The drive train and the direction of power.
-    shaft
-        The elastic shaft; None: rigid.
+        The drive train, rigid or elastic, and the direction of power.
     angle
         Whether the motor's angle is a third output.
 
@@ -98,8 +78,8 @@ def plant(train: DriveTrain, mode: Mode, shaft: Shaft | None = None, *, angle: b
     import control
 
     A, B = matrices(train, mode)
-    if shaft is not None:
-        A, B = _two_masses(train, mode, shaft, A)
+    if train.flexible:
+        A, B = _two_masses(train, mode, A)
     C = np.eye(2, len(A))
     if angle:
         n = len(A)
@@ -108,11 +88,11 @@ def plant(train: DriveTrain, mode: Mode, shaft: Shaft | None = None, *, angle: b
     return control.ss(A, B, C, np.zeros((len(C), 1)))
 
 
-def _two_masses(train: DriveTrain, mode: Mode, shaft: Shaft, rigid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _two_masses(train: DriveTrain, mode: Mode, rigid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """State matrices of motor and load; states i, w, the load's speed and the twist as at the motor."""
     J_M, J_L = train.motor_inertia, mode.inertia - train.motor_inertia
     share = J_L / train.load_inertia  # 1/(e K^2) or e/K^2: a stiffness goes to the motor as an inertia does
-    c, d = shaft.stiffness * share, shaft.damping * share
+    c, d = train.stiffness * share, train.damping * share
     A = np.array(
         [
             [rigid[0, 0], rigid[0, 1], 0.0, 0.0],
@@ -174,17 +154,15 @@ def _counted(held: Any, periods: int, row: int, *, angle: bool = False) -> Any:
     return control.ss(A, B, C, np.zeros((2, 1)), held.dt)
 
 
-def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains, shaft: Shaft | None = None) -> Any:
+def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains) -> Any:
     """Open velocity loop that acts on the voltage: from the speed error to the motor's speed.
 
     Parameters
     ----------
     train, mode
-        The rigid drive train and the direction of power.
+        The drive train, rigid or elastic, and the direction of power.
     gains
         The voltage PID.
-    shaft
-        The elastic shaft; None: rigid.
 
     Returns
     -------
@@ -192,7 +170,7 @@ def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains, shaft: Shaft 
         Sampled; with a counted speed two outputs, of which the second is fed back.
     """
     counted = gains.counted_over
-    held = plant(train, mode, shaft, angle=counted > 0).sample(gains.period, "zoh")
+    held = plant(train, mode, angle=counted > 0).sample(gains.period, "zoh")
     forward = _counted(held, counted, 1) if counted else held[1, 0]
     return forward * _pid(gains.kp, gains.ki, gains.period, gains.kd, gains.filter_time)
 
@@ -219,28 +197,26 @@ def current_open_loop(train: DriveTrain, cascade: Cascade) -> Any:
     return winding * _pid(cascade.current_kp, cascade.current_ki, period)
 
 
-def _current_closed(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: Shaft | None, angle: bool) -> Any:
+def _current_closed(train: DriveTrain, mode: Mode, cascade: Cascade, angle: bool) -> Any:
     """From the current demand to current, speed (and angle), at the rate of the velocity loop; back-EMF and all."""
     import control
 
     period = cascade.current_period
-    forward = plant(train, mode, shaft, angle=angle).sample(period, "zoh")
+    forward = plant(train, mode, angle=angle).sample(period, "zoh")
     forward = forward * _pid(cascade.current_kp, cascade.current_ki, period)
     current = control.ss([], [], [], np.eye(1, forward.noutputs), period)
     return _lifted(control.feedback(forward, current), cascade.current_steps)
 
 
-def velocity_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: Shaft | None = None) -> Any:
+def velocity_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade) -> Any:
     """Open velocity loop around the closed current loop: from the speed error to the motor's speed.
 
     Parameters
     ----------
     train, mode
-        The rigid drive train and the direction of power.
+        The drive train, rigid or elastic, and the direction of power.
     cascade
         The controller.
-    shaft
-        The elastic shaft; None: rigid.
 
     Returns
     -------
@@ -248,7 +224,7 @@ def velocity_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: S
         Sampled; with a counted speed two outputs, of which the second is fed back.
     """
     counted = cascade.counted_over
-    held = _current_closed(train, mode, cascade, shaft, angle=counted > 0)
+    held = _current_closed(train, mode, cascade, angle=counted > 0)
     return (_counted(held, counted, 1) if counted else held[1, 0]) * _velocity_pid(cascade)
 
 
@@ -257,17 +233,15 @@ def _velocity_pid(cascade: Cascade) -> Any:
     return _pid(cascade.velocity_kp, cascade.velocity_ki, cascade.velocity_period, kd, filter_time)
 
 
-def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: Shaft | None = None) -> Any:
+def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade) -> Any:
     """Open position loop around the closed velocity loop: from the position error to the motor's angle.
 
     Parameters
     ----------
     train, mode
-        The rigid drive train and the direction of power.
+        The drive train, rigid or elastic, and the direction of power.
     cascade
         The controller.
-    shaft
-        The elastic shaft; None: rigid.
 
     Returns
     -------
@@ -276,7 +250,7 @@ def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, shaft: S
     """
     import control
 
-    held = _current_closed(train, mode, cascade, shaft, angle=True)
+    held = _current_closed(train, mode, cascade, angle=True)
     # outputs: angle, and the speed that is fed back
     forward = _counted(held, cascade.counted_over, 2, angle=True) if cascade.counted_over else held[[2, 1], 0]
     speed = control.ss([], [], [], [[0.0, 1.0]], cascade.velocity_period)

@@ -14,12 +14,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import NamedTuple, TypeVar
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, Mode, Regime, modes
 from drivesizer.control.loop_analysis import margin_and_bandwidth
-from drivesizer.control.loop_models import Shaft, position_open_loop, resonance, velocity_open_loop, voltage_open_loop
+from drivesizer.control.loop_models import position_open_loop, resonance, velocity_open_loop, voltage_open_loop
 from drivesizer.control.loop_warnings import RESONANCE_SHARE
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
@@ -37,8 +38,6 @@ class Required(NamedTuple):
     """A drive train, and the margins that designed gains must meet around it."""
 
     train: DriveTrain
-    shaft: Shaft | None
-    gap: float  # rad of backlash at the driven shaft
     margin: float  # rad, of phase, at least
 
 
@@ -116,27 +115,27 @@ def _degrees(angle: float) -> str:
 
 
 def _resonance(required: Required) -> float:
-    assert required.shaft is not None
-    return resonance(required.train, modes(required.train)[Regime.FORWARD_BRAKING], required.shaft)[1]
+    return resonance(required.train, modes(required.train)[Regime.FORWARD_BRAKING])[1]
 
 
 def _opened(controller: Gains | Cascade, required: Required) -> Iterator[tuple[str, object]]:
     """The loops to be checked, with their names."""
-    every = modes(required.train)
+    train = required.train
+    every, rigid = modes(train), replace(train, stiffness=math.inf)
     directions = {"driving": every[Regime.FORWARD_DRIVING], "braking": every[Regime.FORWARD_BRAKING]}
     for direction, mode in directions.items():
-        if required.shaft is not None:
-            yield f"velocity loop with a stiff shaft, {direction},", _velocity(controller, required.train, mode, None)
-        yield f"velocity loop, {direction},", _velocity(controller, required.train, mode, required.shaft)
+        if train.flexible:
+            yield f"velocity loop with a stiff shaft, {direction},", _velocity(controller, rigid, mode)
+        yield f"velocity loop, {direction},", _velocity(controller, train, mode)
         if isinstance(controller, Cascade) and controller.position_kp and controller.position_period:
-            opened = position_open_loop(required.train, mode, controller, required.shaft)
+            opened = position_open_loop(train, mode, controller)
             yield f"position loop, {direction},", opened
-    if required.shaft is not None and required.gap:
-        alone = Mode(regime=Regime.FORWARD_DRIVING, inertia=required.train.motor_inertia, drag=required.train.friction)
-        yield "velocity loop of the motor alone, in the backlash,", _velocity(controller, required.train, alone, None)
+    if train.flexible and train.gap:
+        alone = Mode(regime=Regime.FORWARD_DRIVING, inertia=train.motor_inertia, drag=train.friction)
+        yield "velocity loop of the motor alone, in the backlash,", _velocity(controller, rigid, alone)
 
 
-def _velocity(controller: Gains | Cascade, train: DriveTrain, mode: Mode, shaft: Shaft | None) -> object:
+def _velocity(controller: Gains | Cascade, train: DriveTrain, mode: Mode) -> object:
     if isinstance(controller, Gains):
-        return voltage_open_loop(train, mode, controller, shaft)
-    return velocity_open_loop(train, mode, controller, shaft)
+        return voltage_open_loop(train, mode, controller)
+    return velocity_open_loop(train, mode, controller)

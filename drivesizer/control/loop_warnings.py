@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterable
 
 from drivesizer.control.cascade import LEAST_PHASE_MARGIN
-from drivesizer.control.loop_models import Shaft
 from drivesizer.control.loop_records import Loop, Loops
 from drivesizer.loads.course import Profile
 from drivesizer.physics.counted_speed import COUNT_SHARE, speed_quantum
@@ -74,15 +73,15 @@ def shortest_ramp(profile: Profile) -> float:
     return min(ramps, default=math.nan)
 
 
-def resonance_warning(loops: Loops, shaft: Shaft) -> list[str]:
+def resonance_warning(loops: Loops, stiffness: float) -> list[str]:
     """Warning where the bandwidth that the gains have on a stiff shaft reaches the resonance [2].
 
     Parameters
     ----------
     loops
         With resonance, anti-resonance and the bandwidth on a stiff shaft.
-    shaft
-        The elastic shaft.
+    stiffness
+        Of the shaft [N*m/rad].
 
     Returns
     -------
@@ -93,7 +92,7 @@ def resonance_warning(loops: Loops, shaft: Shaft) -> list[str]:
     if not wanted > most:
         return []
     inside = "within" if wanted >= loops.anti_resonance else "near"
-    stiffer = shaft.stiffness * (wanted / most) ** 2  # a frequency goes with the root of the stiffness
+    stiffer = stiffness * (wanted / most) ** 2  # a frequency goes with the root of the stiffness
     return [
         f"the load swings against the motor {inside} the bandwidth of {_hertz(wanted)} that the velocity loop has with "
         f"a stiff shaft: anti-resonance at {_hertz(loops.anti_resonance)}, resonance at {_hertz(loops.resonance)}; "

@@ -24,10 +24,9 @@ from drivesizer.control.cascade_rules import (
     spread_of,
     symmetrical_optimum,
 )
-from drivesizer.control.drive_train import DriveTrain, Regime, modes
+from drivesizer.control.drive_train import DriveTrain, Regime, elastic, modes
 from drivesizer.control.loop_analysis import analyse, loop_of
 from drivesizer.control.loop_models import (
-    Shaft,
     current_open_loop,
     plant,
     position_open_loop,
@@ -187,10 +186,10 @@ def test_the_epos4_s_position_pid_is_the_cascade_with_the_path_s_velocity():
 # --- sampled loops
 
 
-def by_hand(train, cascade, shaft, samples):
+def by_hand(train, cascade, samples):
     """A step of the angle and of the speed, simulated by current periods in plain Python; physical coordinates."""
     share = 1.0 / (K * E)  # driving: torque at the wheel to torque at the motor
-    d, c = shaft.damping, shaft.stiffness
+    d, c = train.damping, train.stiffness
     twist = np.array([[0, 1 / K, -1, 0, 0]]), np.array([[0, 0, 0, 1 / K, -1]])  # of speeds, of angles, at the wheel
     torque = d * twist[0] + c * twist[1]
     A = np.zeros((5, 5))  # i, w motor, w wheel, angle motor, angle wheel
@@ -228,15 +227,15 @@ def by_hand(train, cascade, shaft, samples):
 
 
 def test_the_lifted_loops_are_exact():
-    train, shaft = TRAIN, Shaft(stiffness=30_000.0, damping=2.0)
+    train = elastic(TRAIN, 30_000.0, 2.0)
     cascade = replace(
         designed(train, Rates(4e-5, 4e-4, 1.2e-3), bandwidth=4.0, position=True), velocity_kd=2e-5, filter_time=5e-4
     )
     assert (cascade.current_steps, cascade.velocity_steps) == (10, 3)
-    simulated = by_hand(train, cascade, shaft, 120)
+    simulated = by_hand(train, cascade, 120)
     mode = modes(train)[Regime.FORWARD_DRIVING]
     for kind, opened in (("velocity", velocity_open_loop), ("position", position_open_loop)):
-        closed = control.feedback(opened(train, mode, cascade, shaft), 1)
+        closed = control.feedback(opened(train, mode, cascade), 1)
         y = control.step_response(closed, np.arange(120) * closed.dt).outputs
         assert y == pytest.approx(simulated[kind], rel=1e-7, abs=1e-9)
         assert 0.1 < y[-1] < 1.5  # it does something
@@ -341,20 +340,20 @@ def test_the_position_loop_does_not_overshoot(wanted):
 def test_resonances_are_the_closed_forms(regime):
     """Schröder: c/J_L, and c (1/J_L + 1/(e K^2 J_M)); both also as poles and zeros of the plant."""
     c, e = 500.0, E if regime == Regime.FORWARD_DRIVING else 1 / E
-    mode, shaft = modes(TRAIN)[regime], Shaft(stiffness=c)
-    anti, main = (2 * math.pi * f for f in resonance(TRAIN, mode, shaft))
+    mode, train = modes(TRAIN)[regime], elastic(TRAIN, c)
+    anti, main = (2 * math.pi * f for f in resonance(train, mode))
     assert anti == pytest.approx(math.sqrt(c / J_L), rel=1e-12)
     assert main == pytest.approx(math.sqrt(c * (1 / J_L + 1 / (e * K * K * J_M))), rel=1e-12)
     stiff = np.array([[c / (e * K * K), -c / (e * K)], [-c / K, c]]) / np.array([[J_M], [J_L]])  # angles motor, wheel
     assert math.sqrt(max(np.linalg.eigvals(stiff).real)) == pytest.approx(main, rel=1e-9)
-    elastic = plant(TRAIN, mode, shaft)
-    assert np.abs(elastic[1, 0].zeros().imag) == pytest.approx([anti, anti], rel=1e-6)
-    assert max(np.abs(np.linalg.eigvals(elastic.A[1:, 1:]).imag)) == pytest.approx(main, rel=1e-9)
+    soft = plant(train, mode)
+    assert np.abs(soft[1, 0].zeros().imag) == pytest.approx([anti, anti], rel=1e-6)
+    assert max(np.abs(np.linalg.eigvals(soft.A[1:, 1:]).imag)) == pytest.approx(main, rel=1e-9)
 
 
 def test_a_stiff_shaft_is_a_rigid_one():
     cascade = designed(bandwidth=20.0, position=True)
-    rigid, stiff = analyse(TRAIN, cascade), analyse(TRAIN, cascade, Shaft(stiffness=1e9, damping=1e4))
+    rigid, stiff = analyse(TRAIN, cascade), analyse(elastic(TRAIN, 1e9, 1e4), cascade)
     for a, b in zip(rigid.all, stiff.all, strict=True):
         assert b.bandwidth == pytest.approx(a.bandwidth, rel=1e-3)
         assert b.phase_margin == pytest.approx(a.phase_margin, rel=1e-3)
@@ -362,20 +361,20 @@ def test_a_stiff_shaft_is_a_rigid_one():
 
 
 def test_resonance_near_the_bandwidth_is_reported_and_its_cure_is_one():
-    cascade, shaft = designed(bandwidth=20.0), Shaft(stiffness=500.0)
-    loops = analyse(TRAIN, cascade, shaft)
-    (said,) = resonance_warning(loops, shaft)
+    cascade = designed(bandwidth=20.0)
+    loops = analyse(elastic(TRAIN, 500.0), cascade)
+    (said,) = resonance_warning(loops, 500.0)
     assert "within the bandwidth" in said and "a fifth" in said
-    stiffer = Shaft(stiffness=1.01 * float(said.rsplit("above ", 1)[1].split()[0]))
-    assert resonance_warning(analyse(TRAIN, cascade, stiffer), stiffer) == []
+    stiffer = 1.01 * float(said.rsplit("above ", 1)[1].split()[0])
+    assert resonance_warning(analyse(elastic(TRAIN, stiffer), cascade), stiffer) == []
     for figures in ({"stiffness": 0.0}, {"stiffness": math.nan}, {"stiffness": 5.0, "damping": -1.0}):
         with pytest.raises(InputError, match=r"expected"):
-            Shaft(**figures)
+            elastic(TRAIN, **figures)
 
 
 def test_a_sharp_resonance_is_not_missed_between_two_frequencies():
-    mode, shaft = modes(TRAIN)[Regime.FORWARD_DRIVING], Shaft(stiffness=500.0, damping=1e-4)
-    opened = velocity_open_loop(TRAIN, mode, designed(bandwidth=1.0), shaft)
+    mode, train = modes(TRAIN)[Regime.FORWARD_DRIVING], elastic(TRAIN, 500.0, 1e-4)
+    opened = velocity_open_loop(train, mode, designed(bandwidth=1.0))
     f = max(abs(np.angle(p)) for p in opened.poles() if abs(p) > 0.99 and p.imag > 0.0) / (2 * math.pi * opened.dt)
     near = f * (1.0 + np.linspace(-1e-3, 1e-3, 2001))
     peak = np.abs(opened(np.exp(2j * math.pi * near * opened.dt))).max()

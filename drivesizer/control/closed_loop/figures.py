@@ -50,7 +50,7 @@ def _tracking(case: ClosedLoop) -> list[_Row]:
         ("position_error_peak", "Position error at the load, peak", case.figure("load_angle_error") * radius, travel,
          case.figure("load_angle_error_time")),
         ("distance_error", "Final position error, load", left, travel, None),
-        *(_of_the_motor(case) if case.shaft else ()),
+        *(_of_the_motor(case) if case.train.flexible else ()),
         ("voltage_saturation", "Time at the voltage limit", case.figure("time_at_voltage_limit") / time, _SHARE, None),
         ("current_limitation", "Time at the current limit", case.figure("time_at_current_limit") / time, _SHARE, None),
         ("speed_quantum", "One encoder count, at the load",
@@ -84,7 +84,7 @@ def _loop(case: ClosedLoop) -> list[_Row]:
     ]
     if loops.current:
         rows.insert(0, ("current_bandwidth", "Current loop, bandwidth (-3 dB)", loops.current.bandwidth, _HERTZ, None))
-    if case.shaft:
+    if case.train.flexible:
         rows.append(("resonance", "Resonance of motor and load", loops.resonance, _HERTZ, None))
     return rows
 
@@ -155,6 +155,6 @@ def series(case: ClosedLoop) -> dict[str, NDArray[np.float64]]:
     }
     if not case.periodic:
         del found["winding_temperature"]  # it is held at 25 degC
-    if not case.shaft:  # rigid, the motor's errors are the load's
+    if not case.train.flexible:  # rigid, the motor's errors are the load's
         del found["motor_error"], found["motor_position_error"]
     return found

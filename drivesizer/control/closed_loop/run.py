@@ -20,7 +20,6 @@ from drivesizer.control.closed_loop.set_up import prepared
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.engine import CurrentLimit, Drive, Simulation, Task, simulate
 from drivesizer.control.loop_analysis import analyse
-from drivesizer.control.loop_models import Shaft
 from drivesizer.control.loop_records import Loops
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
@@ -46,7 +45,6 @@ class ClosedLoop(NamedTuple):
     profile: Profile
     train: DriveTrain
     controller: Gains | Cascade
-    shaft: Shaft | None
     loops: Loops
     usable_voltage: float  # V, NaN unknown
     task: Task
@@ -109,7 +107,7 @@ def run(spec: RobotSpec, drive_set: DriveSet, profile: Profile) -> ClosedLoop:
         profile cannot be sampled, or the loop leaves the range of numbers.
     """
     made = prepared(spec, drive_set, profile)
-    loops = analyse(made.train, made.controller, made.shaft)
+    loops = analyse(made.train, made.controller)
     drive, task = made.drive, made.task
     whole = _whole(drive, task)
     out = whole.out
@@ -122,7 +120,7 @@ def run(spec: RobotSpec, drive_set: DriveSet, profile: Profile) -> ClosedLoop:
     warm = () if last is out else _warm(start, last, cycle, loops)  # else it is the first one
     begins = (start.heat.winding, start.heat.housing) if warm and start.heat else None
     return ClosedLoop(
-        spec, drive_set, profile, made.train, made.controller, made.shaft, loops, made.usable_voltage, task, out,
+        spec, drive_set, profile, made.train, made.controller, loops, made.usable_voltage, task, out,
         free.out, found, made.assumptions, (whole.allowed, free.allowed), whole.windows, warm, begins,
     )  # fmt: skip
 

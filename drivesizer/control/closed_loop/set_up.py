@@ -6,7 +6,7 @@ Gains are those of ``loop_design``. Assumptions are kept with the result.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +14,7 @@ import numpy as np
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, within_reach
 from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Resolution, Supply, Task
-from drivesizer.control.loop_design import designed, edges_of, gap_of, shaft_of
-from drivesizer.control.loop_models import Shaft
+from drivesizer.control.loop_design import designed, edges_of
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.load_cases.at_shaft import at_shaft, remaining_torque
@@ -37,7 +36,6 @@ class Prepared(NamedTuple):
 
     train: DriveTrain
     controller: Gains | Cascade
-    shaft: Shaft | None
     usable_voltage: float  # V, NaN unknown
     drive: Drive
     task: Task
@@ -72,13 +70,10 @@ def prepared(
     controller = controller or own
     within_reach(train, profile)
     _sampled(controller, profile)
-    shaft = shaft_of(spec, train)
-    if shaft is not None:
-        train = replace(train, stiffness=shaft.stiffness, damping=shaft.damping, gap=gap_of(spec, drive_set))
     usable = usable_in(spec.supply.lowest, drive_set.controller)
     heat, lacks = _heat(spec, drive_set)
     drive = _drive(spec, drive_set, train, controller, heat, usable)
-    return Prepared(train, controller, shaft, usable, drive, _task(spec, profile, train), (*said, *lacks))
+    return Prepared(train, controller, usable, drive, _task(spec, profile, train), (*said, *lacks))
 
 
 # --- the task

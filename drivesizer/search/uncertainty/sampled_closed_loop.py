@@ -177,7 +177,7 @@ def _checks(
     if out.problems[0]:
         return (replace(checks(nominal)[0], status="fail", title=_LOST),)
     case = ClosedLoop(
-        *machine, motion, made.train, made.controller, made.shaft, nominal.loops, made.usable_voltage, made.task,
+        *machine, motion, made.train, made.controller, nominal.loops, made.usable_voltage, made.task,
         out, _freed(made, out, nominal), {}, made.assumptions, steady_cycle=warm,
     )  # fmt: skip
     return tuple(check for check in checks(case) if check.name not in _LEFT)
