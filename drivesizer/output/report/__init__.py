@@ -119,6 +119,18 @@ def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
 def write_sets(result: SizingResult, path: Path) -> list[Path]:
     """Write the drives as CSV, one row each.
 
+    Parameters
+    ----------
+    result
+        The sizing.
+    path
+        Where to.
+
+    Returns
+    -------
+    list[Path]
+        The files that were written.
+
     Raises
     ------
     InputError
@@ -133,6 +145,18 @@ def write_sets(result: SizingResult, path: Path) -> list[Path]:
 
 def write_series(validation: Validation, path: Path) -> list[Path]:
     """Write the closed loop over time as CSV.
+
+    Parameters
+    ----------
+    validation
+        The closed loop.
+    path
+        Where to.
+
+    Returns
+    -------
+    list[Path]
+        The files that were written.
 
     Raises
     ------
@@ -149,6 +173,18 @@ def write_series(validation: Validation, path: Path) -> list[Path]:
 def write_driving(found: Driving, path: Path) -> list[Path]:
     """Write a platform's path with speeds and torques of its wheels as CSV.
 
+    Parameters
+    ----------
+    found
+        The platform on its path.
+    path
+        Where to.
+
+    Returns
+    -------
+    list[Path]
+        The files that were written.
+
     Raises
     ------
     InputError
@@ -164,6 +200,18 @@ def write_driving(found: Driving, path: Path) -> list[Path]:
 
 def write_path(runs: Mapping[str, Followed], folder: Path) -> list[Path]:
     """Write the path of a platform and its errors along it as ``path.svg`` and ``path.png``.
+
+    Parameters
+    ----------
+    runs
+        Each run by its name.
+    folder
+        Where to; it is made where it does not exist.
+
+    Returns
+    -------
+    list[Path]
+        The files that were written.
 
     Raises
     ------
@@ -203,7 +251,20 @@ def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:
 
 
 def write_figures(result: SizingResult, validation: Validation | None, folder: Path) -> list[Path]:
-    """Write every figure of a report as SVG and as PNG; see :func:`write_loop_figures`."""
+    """Write every figure of a report as SVG and as PNG; see :func:`write_loop_figures`.
+
+    Parameters
+    ----------
+    result, validation
+        The sizing, and the closed loop where it was simulated.
+    folder
+        Where to; it is made where it does not exist.
+
+    Returns
+    -------
+    list[Path]
+        The files that were written.
+    """
     from drivesizer.output.report.figure_files import figures_into
     from drivesizer.output.report.figures.all_figures import report_drawings
 

@@ -1,6 +1,6 @@
 """Figures by matplotlib, for reports and as files.
 
-May import: what output may.
+May import: ``lines`` and what output may.
 """
 
 from __future__ import annotations

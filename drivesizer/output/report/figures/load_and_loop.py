@@ -186,7 +186,20 @@ def closed_loop_rows(validation: Validation) -> list[tuple[tuple[str, ...], str]
 
 
 def closed_loop(validation: Validation, form: Form = "svg") -> bytes:
-    """Reference and speed, errors, current, voltage and winding over the moments in which something changes."""
+    """Reference and speed, errors, current, voltage and winding over the moments in which something changes.
+
+    Parameters
+    ----------
+    validation
+        The closed loop.
+    form
+        ``svg``, ``png`` or ``typeset``.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
+    """
     shown, rows = strip(windows(validation.series)), closed_loop_rows(validation)
 
     def draw(figure: Figure) -> None:

@@ -33,7 +33,17 @@ class Box(NamedTuple):
 
 
 def overlap(a: Box, b: Box) -> bool:
-    """Whether two rectangles share more than an edge."""
+    """Whether two rectangles share more than an edge.
+
+    Parameters
+    ----------
+    a, b
+        The rectangles.
+
+    Returns
+    -------
+    bool
+    """
     return a.left < b.right and b.left < a.right and a.low < b.high and b.low < a.high
 
 

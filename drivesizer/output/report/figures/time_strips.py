@@ -48,7 +48,20 @@ def strip(windows: Sequence[Window]) -> Strip:
 def within(
     time: NDArray[np.float64], values: NDArray[np.float64], window: Window
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A record in a stretch, thinned, from its very start to its very end."""
+    """A record in a stretch, thinned, from its very start to its very end.
+
+    Parameters
+    ----------
+    time, values
+        The record, shape (samples,), time in [s].
+    window
+        The stretch.
+
+    Returns
+    -------
+    tuple of NDArray
+        Time [s] and values.
+    """
     rows = thinned(time, values, window)
     t, v = time[rows], values[rows]
     inside = (t >= window.start) & (t <= window.end)
@@ -60,7 +73,17 @@ def within(
 
 
 def across(axes: Axes, shown: Strip, *, titled: bool = False) -> None:
-    """Ticks of each stretch by its own times, a gap with marks between them, and their titles."""
+    """Ticks of each stretch by its own times, a gap with marks between them, and their titles.
+
+    Parameters
+    ----------
+    axes
+        Where to.
+    shown
+        The stretches beside each other.
+    titled
+        Whether their titles are above.
+    """
     places: list[float] = []
     names: list[str] = []
     for number, window in enumerate(shown.windows):

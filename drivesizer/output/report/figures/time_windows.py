@@ -55,6 +55,18 @@ def thinned(time: NDArray[np.float64], values: NDArray[np.float64], window: Wind
 
     The neighbours outside the window are among them, and both ends of every step in time that can be seen: where
     nothing changes a record may have few samples.
+
+    Parameters
+    ----------
+    time, values
+        The record, shape (samples,), time in [s].
+    window
+        The stretch.
+
+    Returns
+    -------
+    NDArray
+        Indices of samples, ascending.
     """
     first, last = np.searchsorted(time, [window.start, window.end])
     start, end = max(first - 1, 0), min(last + 1, len(time))

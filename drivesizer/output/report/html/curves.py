@@ -25,6 +25,19 @@ Plot = dict[str, Any]
 def numbers(values: Iterable[float], digits: int = 6) -> list[float | None]:
     """Values as JSON has them: to so many digits, None where unknown.
 
+    Parameters
+    ----------
+    values
+        Numbers; NaN is unknown.
+    digits
+        Significant digits.
+
+    Returns
+    -------
+    list of float or None
+
+    Examples
+    --------
     >>> numbers([1.23456789, float("nan")])
     [1.23457, None]
     """
@@ -57,7 +70,22 @@ def whole(time: NDArray[np.float64]) -> Window:
 def sampled(
     time: NDArray[np.float64], columns: Sequence[NDArray[np.float64]], stretches: Sequence[Window]
 ) -> NDArray[np.int64]:
-    """Rows of a record to draw: peaks and troughs of all of it, and finer in the stretches to be looked at."""
+    """Rows of a record to draw: peaks and troughs of all of it, and finer in the stretches to be looked at.
+
+    Parameters
+    ----------
+    time
+        Shape (samples,) [s].
+    columns
+        Values over time, of the same shape.
+    stretches
+        Where a reader may zoom in.
+
+    Returns
+    -------
+    NDArray
+        Indices of samples, ascending.
+    """
     kept = [thinned(time, column, window) for column in columns for window in (whole(time), *stretches)]
     found: NDArray[np.int64] = np.unique(np.concatenate(kept))
     return found

@@ -42,7 +42,19 @@ _BREAK = "\u200b"  # where a PDF may end a line; a browser finds such places its
 def render(
     result: SizingResult, validation: Validation | None, path: Path, *, date: str | None = None
 ) -> dict[Path, bytes]:
-    """The file of an HTML report; see :func:`report_html`."""
+    """The file of an HTML report; see :func:`report_html`.
+
+    Parameters
+    ----------
+    result, validation, date
+        As there.
+    path
+        Where to.
+
+    Returns
+    -------
+    dict[Path, bytes]
+    """
     return {path: report_html(result, validation, date=date)}
 
 

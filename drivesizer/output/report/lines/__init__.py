@@ -1,6 +1,6 @@
-"""What a report says, line by line, for every kind of report.
+"""Texts and rows of plain data, for the sections and for figures.
 
-May import: what output may; no kind of report.
+May import: what output may.
 """
 
 from __future__ import annotations

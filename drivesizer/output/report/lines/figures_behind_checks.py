@@ -103,7 +103,20 @@ _OF_THE_SPEC = "a figure of the load or of the spec"
 
 
 def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
-    """Figures that are only derived or recalled and that a check rests on: their values, confidences and checks."""
+    """Figures that are only derived or recalled and that a check rests on: their values, confidences and checks.
+
+    Parameters
+    ----------
+    drive_set
+        The drive.
+    catalog
+        The catalogue of its parts.
+
+    Returns
+    -------
+    list of list
+        Name, value, confidence and titles of checks, as texts.
+    """
     resting: dict[str, list[str]] = {}
     for check in drive_set.every_check:
         for name in rests_on(check, drive_set):

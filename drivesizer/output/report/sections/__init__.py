@@ -1,7 +1,7 @@
 """The sections of a report in their order: the one list that PDF, HTML, XLSX and CSV print.
 
 A new section is a function from the content to blocks, a ``Section`` made of it, and its place below.
-May import: what output may; no kind of report but the rows in ``table``.
+May import: ``lines``, ``figures`` and what output may; no kind of report.
 """
 
 from __future__ import annotations

@@ -99,7 +99,7 @@ def quantity(value: float, unit: str, kind: str) -> Number:
     Examples
     --------
     >>> quantity(0.25, "mN*m", "torque").text
-    '250.0 mN·m'
+    '250 mN·m'
     """
     known = value == value
     return Number(

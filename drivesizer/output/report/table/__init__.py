@@ -1,6 +1,6 @@
-"""Results as tables of figures: CSV files, and what workbooks hold as well.
+"""Results as CSV files.
 
-May import: what output may.
+May import: ``sections``, ``lines`` and what output may.
 """
 
 from __future__ import annotations

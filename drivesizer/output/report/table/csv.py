@@ -37,7 +37,19 @@ __all__ = ["COLUMNS", "parts_csv", "render", "report_csv", "sets_csv", "timeseri
 
 
 def render(result: SizingResult, validation: Validation | None, path: Path) -> dict[Path, bytes]:
-    """The files of a CSV report: the table, and beside it the parts list and the time series when there are such."""
+    """The files of a CSV report: the table, and beside it the parts list and the time series when there are such.
+
+    Parameters
+    ----------
+    result, validation
+        The sizing, and the closed loop where it was simulated.
+    path
+        Of the table; the others have its name with ``-parts`` and ``-timeseries``.
+
+    Returns
+    -------
+    dict[Path, bytes]
+    """
     files = {path: report_csv(result, validation)}
     if result.sets:
         files[path.with_name(f"{path.stem}-parts{path.suffix}")] = parts_csv(Content(result).bought)
@@ -50,6 +62,15 @@ def report_csv(result: SizingResult, validation: Validation | None) -> bytes:
     """Requirements, sets, what they do, checks, changes, the Pareto front, the parts list, the closed loop.
 
     One figure in a row.
+
+    Parameters
+    ----------
+    result, validation
+        The sizing, and the closed loop where it was simulated.
+
+    Returns
+    -------
+    bytes
     """
     columns = COLUMNS if result.uncertainty is None else (*COLUMNS, *QUANTILES)
     return _encoded(columns, ([row.get(column, "") for column in columns] for row in _rows(result, validation)))
