@@ -139,16 +139,16 @@ def from_xlsx(folder: Path, result: SizingResult) -> Numbers:
              "loop error": "its error, 95 % (%)"}  # fmt: skip
     found: Numbers = {}
     for row in sheet(book, "Tolerances"):
-        found |= {(row["set"], name): number(row[head]) for name, head in (whole | heads).items()}
+        found |= {(row["drive"], name): number(row[head]) for name, head in (whole | heads).items()}
     for row in sheet(book, "Tolerance checks"):
         of_a_check = heads | {"passes": "passes (%)"}
-        found |= {(row["set"], row["check"], name): number(row[head]) for name, head in of_a_check.items()}
+        found |= {(row["drive"], row["check"], name): number(row[head]) for name, head in of_a_check.items()}
     written = {driver.title.split(" ")[0]: driver.title for driver in of(result.sets[0]).drivers if "." in driver.title}
     for row in sheet(book, "Uncertain figures"):
         title = written.get(row["figure"], f"{row['figure']} {row['tolerance']}")
         which = {"share": "share of variance (%)", "low": "smallest margin at low (%)",
                  "high": "smallest margin at high (%)"}  # fmt: skip
-        if row["set"] == 1:
+        if row["drive"] == 1:
             found |= {("driver", title, name): number(row[head]) for name, head in which.items()}
     return found
 
@@ -198,7 +198,7 @@ def from_text(text: str, result: SizingResult) -> Numbers:
         names = ("probability", "error", "5", "50", "loop", "loop error")
         found |= {(one.rank, name): value_of(digits) / 100.0 for name, digits in zip(names, match.groups(), strict=True)
                   if digits}  # fmt: skip
-    told = text[text.index("that samples move") :]
+    told = text[text.index("that samples change") :]
     for check in moved(of(result.sets[0]))[:PRINTED]:
         match = re.search(rf"{words(check.title)} {share} " + " ".join([rf"(?:{share}|–)"] * 3), told)
         assert match, check.title
