@@ -256,8 +256,9 @@ def test_the_report_has_table_figures_and_the_controllers_own_units(result, proo
     content = pdf.report_pdf(result, replace(proof, loops=(*UNSTABLE, CASCADE[2]), controller_gains=(own,)))
     text = text_of(content)
     for said in (
-        "The loops by linear theory", "velocity, braking unstable", "1.6", "Frequency response", "Answer of each loop",
-        "An unstable loop has no margins", "0x30A0:01", "250000 µV/A", "position error, current, voltage and winding",
+        "The loops by linear theory", "velocity, braking unstable", "1.6", "Frequency response",
+        "Response of each loop", "An unstable loop has no margins", "0x30A0:01", "250000 µV/A",
+        "position error, current, voltage and winding",
     ):  # fmt: skip
         assert said in text, said
     with blank_figures():

@@ -254,7 +254,7 @@ def test_explain_tells_how_sure_a_pair_is(
 
 
 def test_explain_samples_nothing_without_tolerances(spec, monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr("drivesizer.search.uncertainty.run.judged", pytest.fail)
+    monkeypatch.setattr("drivesizer.search.uncertainty.run.sample_drives", pytest.fail)
     pair = explained(spec, "118752", "406764")
     assert pair.uncertainty is None and pair.sets[0].reliability is None
     assert json_documents.explanation(pair)["uncertainty"] is None
