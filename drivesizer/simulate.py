@@ -155,16 +155,16 @@ def validate_all(
         As :func:`validate`, where no drive can be simulated.
     """
     found: list[Validation] = []
-    said: list[str] = []
+    errors: list[str] = []
     for one in result.sets:
         try:
             driven = hardest_case(result.spec, one) if load_case is None else load_case
             found.append(validate(result.spec, one, profile=profile, load_case=driven))
         except InputError as error:
-            said.append(f"{one.label}: {error}")
+            errors.append(f"{one.label}: {error}")
     if not found:
-        raise InputError(said[0])
-    return sorted(found, key=lambda proof: ("pass", "unknown", "fail").index(proof.status)), said
+        raise InputError(errors[0])
+    return sorted(found, key=lambda proof: ("pass", "unknown", "fail").index(proof.status)), errors
 
 
 def _own_units(case: ClosedLoop) -> tuple[tuple[ControllerGain, ...], list[str]]:
@@ -182,7 +182,7 @@ def _assumptions(case: ClosedLoop) -> list[str]:
     periods = "each period" if over == 1 else f"{over} periods"
     measured = f"counted by the encoder, its speed over {periods} of the loop" if over else "measured exactly"
     turns = "the wheel turns at speed over radius; " if isinstance(spec.load, WheeledVehicle) else ""
-    said = [
+    assumptions = [
         f"{turns}all drives share the load equally; one is simulated",
         "a gear's efficiency is the catalogue's maximum, at any torque and in either direction of power",
         f"friction of a brushed motor is Coulomb's, of a brushless one viscous; the motor's angle is {measured}",
@@ -192,24 +192,28 @@ def _assumptions(case: ClosedLoop) -> list[str]:
         "the motors, without the controllers' own losses",
     ]
     if math.isnan(case.usable_voltage):
-        said.append("the controller's voltage limit is unknown and taken as the lowest supply voltage")
+        assumptions.append("the controller's voltage limit is unknown and taken as the lowest supply voltage")
     if case.periodic:
-        said.append("friction and iron losses heat the housing, iron losses by the square of the speed")
+        assumptions.append("friction and iron losses heat the housing, iron losses by the square of the speed")
     else:
-        said.append(
+        assumptions.append(
             _STILL_COLD if spec.plant.warming else "the winding's resistance is that at 25 °C: plant.warming is off"
         )
     simulated, lasts = case.figure("time_simulated"), case.figure("time")
     if simulated < (1.0 - _ALL) * lasts:
-        said.append(f"{simulated:.4g} s of {lasts:.6g} s are simulated; the rest repeats them and is added")
-    said += _in_windows(case)
+        assumptions.append(f"{simulated:.4g} s of {lasts:.6g} s are simulated; the rest repeats them and is added")
+    assumptions += _in_windows(case)
     if len(case.task.load_time):
         error = case.figure("load_angle_error")  # rad: an error of the sine of as much at most
         arm = f": an error of up to {error:.2%} of an arm's largest weight torque" if isinstance(spec.load, Arm) else ""
-        said.append(f"load torque beyond inertia and friction follows the reference's time, not the drive's{arm}")
+        assumptions.append(
+            f"load torque beyond inertia and friction follows the reference's time, not the drive's{arm}"
+        )
     if case.train.flexible:
-        said.append(f"motor and load are two masses on a shaft of {case.train.stiffness:.4g} N·m/rad, seen at the load")
-    return said
+        assumptions.append(
+            f"motor and load are two masses on a shaft of {case.train.stiffness:.4g} N·m/rad, seen at the load"
+        )
+    return assumptions
 
 
 def _in_windows(case: ClosedLoop) -> list[str]:
@@ -246,21 +250,21 @@ def _of_the_controller(case: ClosedLoop) -> list[str]:
 
 def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
     """Warnings, each with its remedy where there is one."""
-    said = loop_warnings(case.loops.all, case.profile)
+    warnings = loop_warnings(case.loops.all, case.profile)
     if case.train.flexible:
-        said += resonance_warning(case.loops, case.train.stiffness)
-    said += [*_resolution(case), *_kept_at_rest(case), *grip_warning(case.spec)]
+        warnings += resonance_warning(case.loops, case.train.stiffness)
+    warnings += [*_resolution(case), *_kept_at_rest(case), *grip_warning(case.spec)]
     failed = {check.name for check in found if check.status == "fail" and not check.advice}
     if "stability" in failed:
-        said.append("the loop is unstable with these gains: lower them, or leave them out to have them designed")
+        warnings.append("the loop is unstable with these gains: lower them, or leave them out to have them designed")
     if "tracking_error" in failed:
-        said.append(_does_not_follow(case))
+        warnings.append(_does_not_follow(case))
     if math.isinf(next(check.demand for check in found if check.name == "winding_temperature")):
-        said.append("thermal runaway of the winding at this current")
+        warnings.append("thermal runaway of the winding at this current")
     unknown = [check.title for check in found if check.status == "unknown" and not check.advice]
     if unknown:
-        said.append(f"unknown: {', '.join(unknown)}")
-    return said
+        warnings.append(f"unknown: {', '.join(unknown)}")
+    return warnings
 
 
 def _resolution(case: ClosedLoop) -> list[str]:

@@ -134,7 +134,7 @@ def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
 def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
     """Assumptions of the method, as sentences."""
     if spec.method == "physics":
-        said = [
+        sentences = [
             "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well; "
             "where a gearhead's no-load torque is printed, that is lost at any torque and the rest in proportion",
             "brushed motors lose k_t I_0 at any speed; of brushless ones the no-load loss rises with speed",
@@ -149,9 +149,9 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
             "by the mean while running; Apex Dynamics, Harmonic Drive and Wittenstein limit that mean alone",
         ]
         if spec.paper_applies:
-            said.append("the paper's method is shown beside it; its factors enter neither requirements nor checks")
-        return tuple(said)
-    said = [
+            sentences.append("the paper's method is shown beside it; its factors enter neither requirements nor checks")
+        return tuple(sentences)
+    sentences = [
         "J_m of (10) is each candidate's own rotor inertia at the motor shaft, without K², as the paper has it",
         "the motor's speed is its no-load speed at nominal voltage, its maximum torque the stall torque",
         "a gearhead's efficiency is the catalogue's maximum, at rated torque",
@@ -160,33 +160,35 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
     factors = spec.paper_factors
     left = [name for name in type(factors).model_fields if getattr(factors, name) == 1.0]
     if left:
-        said.append(f"paper factors at 1, no allowance: {', '.join(left)}")
-    return tuple(said)
+        sentences.append(f"paper factors at 1, no allowance: {', '.join(left)}")
+    return tuple(sentences)
 
 
 def _warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """Warnings: what the method leaves out, and what limits the best drive."""
     spec = problem.spec
-    said = list(dict.fromkeys(line for case in problem.cases for line in grip_warning(case.spec)))
+    sentences = list(dict.fromkeys(line for case in problem.cases for line in grip_warning(case.spec)))
     if spec.method == "paper":
-        said.append(
+        sentences.append(
             "the paper's rule does not look at heat, permissible motor speed or supply sag; the physics beside it does"
         )
-    said += _not_returning(problem)
+    sentences += _not_returning(problem)
     if not sets:
-        return tuple(said)
+        return tuple(sentences)
     best = sets[0]
     missing = [check.title for check in best.deciding if check.status == "unknown"]
     if missing:
-        said.append(f"unknown for the best drive: {', '.join(missing)}")
+        sentences.append(f"unknown for the best drive: {', '.join(missing)}")
     figures = {figure.name: figure for figure in best.figures}
     if "current_limit" in figures and figures["current_limit"].value < figures["peak_current"].value:
         both = figures["current_limit"].text, figures["peak_current"].text
-        said.append(f"the current limit that protects the gearhead at a jam is {both[0]}, the cycle takes {both[1]}")
+        sentences.append(
+            f"the current limit that protects the gearhead at a jam is {both[0]}, the cycle takes {both[1]}"
+        )
     if spec.method == "paper" and best.motor.nominal_voltage > spec.supply.highest:
         volts = [show(v, "V", "voltage") for v in (best.motor.nominal_voltage, spec.supply.highest)]
-        said.append(f"the best drive's motor is wound for {volts[0]}, the supply gives {volts[1]} at most")
-    return tuple(said)
+        sentences.append(f"the best drive's motor is wound for {volts[0]}, the supply gives {volts[1]} at most")
+    return tuple(sentences)
 
 
 def _not_returning(problem: Problem) -> list[str]:
@@ -255,9 +257,9 @@ def explained(
     family = str(catalog.gearheads["family"][rows[1]])
     select = spec.select.model_copy(update={"motor": Choice(part=[motor]), "gearhead": Choice(family=[family])})
     narrowed = problem.with_sections(select=select, transmission=spec.behind(gearhead).transmission)
-    given: Candidates = candidates(narrowed, also=rows)
-    evaluation = evaluate(narrowed, given)
-    found = np.flatnonzero((given.motor == rows[0]) & (given.gearhead == rows[1]))
+    combinations: Candidates = candidates(narrowed, also=rows)
+    evaluation = evaluate(narrowed, combinations)
+    found = np.flatnonzero((combinations.motor == rows[0]) & (combinations.gearhead == rows[1]))
     machine = of_the_platform(problem.machine)
     alone = [drive_set(evaluation, int(i), n, objective) for n, i in enumerate(found, 1)]
     both = with_both_methods(problem, [with_budget(problem, one, machine) for one in alone])
@@ -273,8 +275,8 @@ def _sampled(problem: Problem, sets: list[DriveSet], how: Sampling) -> Explanati
 
     catalog = problem.catalog
     sampled = sample_drives(problem, {n: subject_of(catalog, one) for n, one in enumerate(sets)}, how)
-    standing = [n for n, one in enumerate(sets) if one.status != "fail"]
-    reliable = with_reliability(sampled, catalog, dict(enumerate(sets)), standing)
+    passing = [n for n, one in enumerate(sets) if one.status != "fail"]
+    reliable = with_reliability(sampled, catalog, dict(enumerate(sets)), passing)
     return Explanation([*reliable.values()], uncertainty(sampled))
 
 

@@ -50,31 +50,31 @@ class Load(NamedTuple):
     highest: Any = nan  # V there, at the largest return
 
 
-def required_autonomy(spec: RobotSpec, given: Battery) -> Any:
+def required_autonomy(spec: RobotSpec, section: Battery) -> Any:
     """How long a battery must last [s]: as its section says, else the mission; NaN where neither is given."""
     mission = spec.mission.duration if spec.mission else nan
-    return mission if given.autonomy is None else given.autonomy
+    return mission if section.autonomy is None else section.autonomy
 
 
-def battery_checks(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> tuple[Check, ...]:
+def battery_checks(spec: RobotSpec, section: Battery, pack: Pack, load: Load) -> tuple[Check, ...]:
     """Every limit of a battery, in the order in which people read them.
 
     Parameters
     ----------
     spec
         The machine: its supply's voltages and its margins.
-    given
+    section
         The spec's section: what is required, and the reserve.
     pack, load
         The battery, and its load.
     """
-    return tuple(column.at((), "budget") for column in battery_columns(spec, given, pack, load))
+    return tuple(column.at((), "budget") for column in battery_columns(spec, section, pack, load))
 
 
-def battery_columns(spec: Any, given: Battery, pack: Pack, load: Any) -> tuple[CheckColumn, ...]:
+def battery_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> tuple[CheckColumn, ...]:
     """The same before they are records: single figures, or columns where the figures of spec and load are columns."""
     *raised, current = charging(spec, pack, load)
-    checks = (*_lasting(spec, given, pack, load), *_voltages(spec, pack, load), *raised, *_room(pack, load))
+    checks = (*_lasting(spec, section, pack, load), *_voltages(spec, pack, load), *raised, *_room(pack, load))
     return (*checks, *_currents(spec, pack, load), current)
 
 
@@ -134,14 +134,14 @@ def _room(pack: Pack, load: Load) -> list[CheckColumn]:
     return [at_most("battery_room", more, room)]
 
 
-def _lasting(spec: RobotSpec, given: Battery, pack: Pack, load: Load) -> list[CheckColumn]:
+def _lasting(spec: RobotSpec, section: Battery, pack: Pack, load: Load) -> list[CheckColumn]:
     """Autonomy and range, where some is required."""
     lasts = load.full * pack.available
-    required, found = required_autonomy(spec, given), []
+    required, found = required_autonomy(spec, section), []
     if not np.isnan(required).all():
-        found.append(at_least("battery_autonomy", required, lasts, needed=given.reserve))
-    if given.range is not None:
-        found.append(at_least("battery_range", given.range, load.speed * lasts, needed=given.reserve))
+        found.append(at_least("battery_autonomy", required, lasts, needed=section.reserve))
+    if section.range is not None:
+        found.append(at_least("battery_range", section.range, load.speed * lasts, needed=section.reserve))
     return found
 
 

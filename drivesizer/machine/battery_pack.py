@@ -113,12 +113,12 @@ class Pack:
 _LITHIUM = ("Li-ion", "LiFePO4")  # whose charge hardly depends on the current, as long as that is permitted
 
 
-def pack_of(given: Battery, catalog: Catalog) -> Pack:
+def pack_of(section: Battery, catalog: Catalog) -> Pack:
     """The battery that a spec describes.
 
     Parameters
     ----------
-    given
+    section
         The spec's section; what it gives itself counts before the catalogue's figures.
     catalog
         Where its part is listed.
@@ -128,27 +128,27 @@ def pack_of(given: Battery, catalog: Catalog) -> Pack:
     InputError
         When the catalogues have no such battery.
     """
-    row = _row(given, catalog)
+    row = _row(section, catalog)
     record = catalog.batteries.record(row) if row is not None else parts.Battery()
-    one = {name: _first(getattr(given, name), getattr(record, name)) for name in _ONE}
-    s, p = given.series, given.parallel
-    rest, more = given.open_circuit, given.polarisation
+    one = {name: _first(getattr(section, name), getattr(record, name)) for name in _ONE}
+    s, p = section.series, section.parallel
+    rest, more = section.open_circuit, section.polarisation
     return Pack(
-        name=f"{s} x {p} " * (s * p > 1) + (given.part or f"{given.chemistry or chr(32)} battery".strip()),
-        chemistry=given.chemistry or record.chemistry, series=s, parallel=p,
+        name=f"{s} x {p} " * (s * p > 1) + (section.part or f"{section.chemistry or chr(32)} battery".strip()),
+        chemistry=section.chemistry or record.chemistry, series=s, parallel=p,
         nominal_voltage=_times(s, one["nominal_voltage"]), charge_voltage=_times(s, one["charge_voltage"]),
         cutoff_voltage=_times(s, one["cutoff_voltage"]),
         rests=rest is not None,
         emf_full=_times(s, rest.full if rest else one["nominal_voltage"]),
         emf_empty=_times(s, rest.empty if rest else one["nominal_voltage"]),
-        capacity=p * one["capacity"], health=given.health, usable=given.usable, start=given.start,
+        capacity=p * one["capacity"], health=section.health, usable=section.usable, start=section.start,
         rated_time=one["rated_time"],
         peukert_exponent=one["peukert_exponent"], resistance=one["resistance"] * s / p,
         polarisation=more.resistance * s / p if more else 0.0, time_constant=more.time_constant if more else nan,
         continuous_current=p * one["continuous_current"], peak_current=p * one["peak_current"],
-        max_charge_current=p * one["max_charge_current"], mass=s * p * _first(given.mass, record.mass),
+        max_charge_current=p * one["max_charge_current"], mass=s * p * _first(section.mass, record.mass),
         price=s * p * record.price,
-        table=_table(given, catalog, row, one["cutoff_voltage"]),
+        table=_table(section, catalog, row, one["cutoff_voltage"]),
     )  # fmt: skip
 
 
@@ -166,25 +166,25 @@ def _unknown(value: Any) -> bool:
     return bool(np.isnan(value).all())
 
 
-def _row(given: Battery, catalog: Catalog) -> int | None:
-    if given.part is None:
+def _row(section: Battery, catalog: Catalog) -> int | None:
+    if section.part is None:
         return None
     rows = catalog.batteries.rows
-    if given.part not in rows:
+    if section.part not in rows:
         names = ", ".join(catalog.digests)
-        hint = nearest(given.part, rows) or "; a catalogue of its maker belongs under select.catalogs"
-        raise InputError(f"battery.part: {quoted(given.part)} is not in {names}{hint}")
-    return rows[given.part]
+        hint = nearest(section.part, rows) or "; a catalogue of its maker belongs under select.catalogs"
+        raise InputError(f"battery.part: {quoted(section.part)} is not in {names}{hint}")
+    return rows[section.part]
 
 
-def _table(given: Battery, catalog: Catalog, row: int | None, cutoff: float) -> Table | None:
+def _table(section: Battery, catalog: Catalog, row: int | None, cutoff: float) -> Table | None:
     """The discharge table of the whole battery, at its end voltage or the next above; powers before currents."""
-    s, p, health = given.series, given.parallel, given.health
-    if given.discharge:
-        held = "current" if given.discharge[0].power is None else "power"
-        draw, time = (np.array([getattr(run, name) for run in given.discharge], float) for name in (held, "time"))
+    s, p, health = section.series, section.parallel, section.health
+    if section.discharge:
+        held = "current" if section.discharge[0].power is None else "power"
+        draw, time = (np.array([getattr(run, name) for run in section.discharge], float) for name in (held, "time"))
         return Table(held, draw * (p * health if held == "current" else s * p * health), time, s * cutoff)
-    if row is None or given.model_fields_set & _OWN:
+    if row is None or section.model_fields_set & _OWN:
         return None
     own = catalog.discharges.on(catalog.discharges.battery == row)
     for held, parts_of in (("power", s * p), ("current", p)):

@@ -22,7 +22,7 @@ from drivesizer.machine.battery_pack import pack_of
 from drivesizer.machine.energy_budget import energy_budget
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.machine.platform_budget import MechanicalBudget, mass_part, platform_part
-from drivesizer.machine.platform_checks import Standing, machine_mass
+from drivesizer.machine.platform_checks import PlatformOnFloor, machine_mass
 from drivesizer.machine.supply_power import drive_power, together
 from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet
@@ -64,18 +64,20 @@ def of_the_platform(spec: RobotSpec) -> MechanicalBudget | None:
     """
     if spec.platform is None:
         return None
-    found = [(name, platform_part(_standing(case, spec.margins.torque))) for name, case in spec.load_cases]
+    found = [(name, platform_part(_on_floor(case, spec.margins.torque))) for name, case in spec.load_cases]
     checks = _worst([(name, part.checks) for name, part in found])
     return replace(found[0][1], checks=checks, status=verdict(checks))
 
 
-def _standing(case: RobotSpec, needed: float) -> Standing:
+def _on_floor(case: RobotSpec, needed: float) -> PlatformOnFloor:
     assert case.platform is not None and isinstance(case.load, WheeledVehicle)
-    way, gains = trajectory_of(case), None
-    if way is None:
+    trajectory, gains = trajectory_of(case), None
+    if trajectory is None:
         cycle = load_cycle(case)
         gains = cycle.radius * float(np.abs(cycle.acceleration).max())
-    return Standing(case.platform, case.load, dynamics_of(case), case.environment.gravity, needed, way, gains)
+    return PlatformOnFloor(
+        case.platform, case.load, dynamics_of(case), case.environment.gravity, needed, trajectory, gains
+    )
 
 
 def with_budget(problem: Problem, one: DriveSet, machine: MechanicalBudget | None = None) -> DriveSet:

@@ -58,10 +58,10 @@ def operation(found: SetCycle, torque: Array, speed: Array) -> Operation:
     functions[:, 0, SPEED] = speed.ravel()
     k_t = found.motor["torque_constant"]
     ends = wave(
-        np.ones(torque.size), np.repeat(functions, 2, axis=1), found.asked.coefficients, found.volts, k_t
+        np.ones(torque.size), np.repeat(functions, 2, axis=1), found.demands.coefficients, found.volts, k_t
     )  # fmt: skip
     current, voltage = (x[0, :, 0].reshape(torque.shape) for x in (ends.current, ends.voltage))
-    taken = balanced(ends, found.asked.surplus(k_t), speed.reshape(-1, 1))
+    taken = balanced(ends, found.demands.surplus(k_t), speed.reshape(-1, 1))
     every = taken.current.shape[1] // torque.size
     electrical = (taken.current * taken.voltage)[0, ::every, 0].reshape(torque.shape)
     mechanical = torque * speed

@@ -5,7 +5,7 @@ r"""Where the energy of a cycle goes: from the supply through winding, motor, ge
 Each is the integral of a product of straight lines, exact; those at the motor's shaft are a coefficient of the drive
 model times a moment of its functions (see ``physics``). Where the makers' k_e and k_t differ, so do the electrical and
 the mechanical power of the winding: the difference is counted with the motor's friction and iron, as a loss whichever
-way the power goes (see ``waveform.balanced``).
+direction the power flows (see ``waveform.balanced``).
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def energy_flow(found: SetCycle) -> EnergyFlow:
         The drive over the cycle. Where its current is only a least one, everything that hangs on it is unknown.
     """
     power = _at_the_supply(found) | _at_the_shaft(found)
-    sets = found.spec.load.motors * found.at.cycle.total
+    sets = found.spec.load.motors * found.cycle_at_gearhead.cycle.total
     unknown = set() if found.known else set(power) - _OF_THE_LOAD
     return EnergyFlow(**{name: np.nan if name in unknown else sets * value for name, value in power.items()})
 
@@ -71,7 +71,7 @@ _OF_THE_LOAD = {"gearhead", "belt", "load"}
 
 def _at_the_supply(found: SetCycle) -> dict[str, float]:
     """Electrical power, means over the cycle [W]."""
-    sums, total = energy(supplied(found), storing=False), found.at.cycle.total
+    sums, total = energy(supplied(found), storing=False), found.cycle_at_gearhead.cycle.total
     returned = float(sums.returned[0]) / total
     return {
         "drawn": float(sums.drawn[0]) / total,
@@ -83,8 +83,8 @@ def _at_the_supply(found: SetCycle) -> dict[str, float]:
 
 def _at_the_shaft(found: SetCycle) -> dict[str, float]:
     """Mechanical power, means over the cycle [W]."""
-    cycle, moments = found.at.cycle, found.at.moments
-    c, i = found.asked.coefficients[0], float(found.asked.total_ratio[0])
+    cycle, moments = found.cycle_at_gearhead.cycle, found.cycle_at_gearhead.moments
+    c, i = found.demands.coefficients[0], float(found.demands.total_ratio[0])
     (e,), (idle,) = gear_loss(found.gearhead)
     (coulomb,), _ = friction(found.motor)
     driving, braking = moments[DRIVING, SPEED], moments[BRAKING, SPEED]  # at the gearhead's output

@@ -73,8 +73,8 @@ class OperatingField:
 
 def hot_winding(found: OperatingField) -> str:
     """How warm the hot winding is, in words; what is no permitted temperature is called what it is."""
-    said = show(found.hot, "degC", "temperature", 3)
-    return said if found.hot_permitted or np.isnan(found.hot) else f"{said}, the cycle's mean"
+    temperature = show(found.hot, "degC", "temperature", 3)
+    return temperature if found.hot_permitted or np.isnan(found.hot) else f"{temperature}, the cycle's mean"
 
 
 def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
@@ -93,12 +93,14 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
     motor, gearhead, encoder = (OneRow(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
-    at = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
-    asked = _as_far_as_known(demands(at, motor, gearhead, encoder), motor)
-    cycle_speed, cycle_torque = _cycle(at, asked)
-    rms_speed, rms_torque = _rms(at, asked, drive_set)
+    cycle_at_gearhead = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
+    demand = _as_far_as_known(demands(cycle_at_gearhead, motor, gearhead, encoder), motor)
+    cycle_speed, cycle_torque = _cycle(cycle_at_gearhead, demand)
+    rms_speed, rms_torque = _rms(cycle_at_gearhead, demand, drive_set)
     return OperatingField(
-        **_lines(spec, drive_set, asked, _hot(spec, at, asked, motor), float(np.abs(cycle_speed).max())),
+        **_lines(
+            spec, drive_set, demand, _hot(spec, cycle_at_gearhead, demand, motor), float(np.abs(cycle_speed).max())
+        ),
         hot_permitted=not np.isnan(drive_set.motor.max_winding_temperature),
         permissible_speed=float(np.fmin(drive_set.motor.max_speed, drive_set.gearhead.intermittent_input_speed)),
         cycle_speed=cycle_speed,
@@ -108,24 +110,24 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     )
 
 
-def _as_far_as_known(asked: Demands, motor: Any) -> Demands:
+def _as_far_as_known(demand: Demands, motor: Any) -> Demands:
     """The motor's demand; where it is incomplete, or friction is unknown, NaN."""
-    c = np.where(asked.left_out, np.nan, asked.coefficients)
+    c = np.where(demand.left_out, np.nan, demand.coefficients)
     for place, figure in zip((DIRECTION, SPEED), friction(motor), strict=True):
         c[np.isnan(figure), place] = np.nan
-    if asked.complete.all():
-        return asked._replace(coefficients=c)
-    unknown = np.full_like(asked.rms_current, np.nan)
-    return asked._replace(coefficients=c, rms_torque=unknown, rms_current=unknown)
+    if demand.complete.all():
+        return demand._replace(coefficients=c)
+    unknown = np.full_like(demand.rms_current, np.nan)
+    return demand._replace(coefficients=c, rms_torque=unknown, rms_current=unknown)
 
 
-def _lines(spec: RobotSpec, drive_set: DriveSet, asked: Demands, hot: float, fastest: float) -> dict[str, Any]:
+def _lines(spec: RobotSpec, drive_set: DriveSet, demand: Demands, hot: float, fastest: float) -> dict[str, Any]:
     """What the motor can do at speeds from 0 to no load, or to the fastest of the cycle [rad/s]."""
     voltage, ambient = _voltage(spec, drive_set), spec.environment.ambient
-    (cold_at_rest, cold_slope), (at_rest, slope) = (_line(asked, drive_set, voltage, T) for T in (ambient, hot))
+    (cold_at_rest, cold_slope), (at_rest, slope) = (_line(demand, drive_set, voltage, T) for T in (ambient, hot))
     no_load = -cold_at_rest / cold_slope if cold_slope < 0.0 else 0.0
     w = np.linspace(0.0, np.fmax(no_load, fastest), _POINTS)  # as far as the cycle goes where friction is unknown
-    continuous, thermal = _continuous(spec, asked, OneRow(drive_set.motor), w)
+    continuous, thermal = _continuous(spec, demand, OneRow(drive_set.motor), w)
     return {
         "voltage": voltage,
         "ambient": ambient,
@@ -135,22 +137,22 @@ def _lines(spec: RobotSpec, drive_set: DriveSet, asked: Demands, hot: float, fas
         "voltage_hot": at_rest + slope * w,
         "continuous": continuous,
         "thermal": thermal,
-        "intermittent": _intermittent(asked, drive_set, w),
+        "intermittent": _intermittent(demand, drive_set, w),
     }
 
 
-def _friction(asked: Demands, w: Any) -> Any:
+def _friction(demand: Demands, w: Any) -> Any:
     """What the motor itself loses of its torque at a speed [N*m], turning."""
-    return asked.coefficients[0, DIRECTION] + asked.coefficients[0, SPEED] / asked.total_ratio[0] * w
+    return demand.coefficients[0, DIRECTION] + demand.coefficients[0, SPEED] / demand.total_ratio[0] * w
 
 
-def _hot(spec: RobotSpec, at: AtGearhead, asked: Demands, motor: OneRow) -> float:
+def _hot(spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, motor: OneRow) -> float:
     """Temperature of the hot winding [K]: the permitted one, for a line that is valid in any permitted cycle.
 
     Where that is unknown it is the mean of this cycle in the long run, and the line is this cycle's alone.
     """
     permitted = float(motor["max_winding_temperature"][0])
-    steady = float(heat(spec.environment.ambient, at, asked, motor).winding[0])
+    steady = float(heat(spec.environment.ambient, cycle_at_gearhead, demand, motor).winding[0])
     return steady if np.isnan(permitted) and np.isfinite(steady) else permitted
 
 
@@ -161,45 +163,45 @@ def _voltage(spec: RobotSpec, drive_set: DriveSet) -> float:
     return lowest if np.isnan(usable) else usable
 
 
-def _line(asked: Demands, drive_set: DriveSet, voltage: float, temperature: float) -> tuple[float, float]:
+def _line(demand: Demands, drive_set: DriveSet, voltage: float, temperature: float) -> tuple[float, float]:
     """Torque at standstill [N*m] and its change with speed [N*m s/rad] at a voltage."""
     k_t = drive_set.motor.torque_constant
     resistance = float(resistance_at(resistance_25(asdict(drive_set.motor)), temperature))
-    volts = volts_of(asked, np.array([k_t]), np.array([resistance]))[0]
+    volts = volts_of(demand, np.array([k_t]), np.array([resistance]))[0]
     per_volt = k_t / resistance
-    return float((voltage - volts[DIRECTION]) * per_volt), float(-volts[SPEED] / asked.total_ratio[0] * per_volt)
+    return float((voltage - volts[DIRECTION]) * per_volt), float(-volts[SPEED] / demand.total_ratio[0] * per_volt)
 
 
-def _continuous(spec: RobotSpec, asked: Demands, motor: OneRow, w: Array) -> tuple[Array, bool]:
+def _continuous(spec: RobotSpec, demand: Demands, motor: OneRow, w: Array) -> tuple[Array, bool]:
     """Continuous torque over speed [N*m], and whether it is from thermal data."""
     rubbing, iron = housing_loss(motor, np.ones(1))
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     permitted, ambient = motor["max_winding_temperature"], spec.environment.ambient
     current = continuous_current(resistance_25(motor), *R_th, permitted, ambient, rubbing * w + iron * w**2)
-    torque = np.asarray(np.maximum(motor["torque_constant"] * current - _friction(asked, w), 0.0))
+    torque = np.asarray(np.maximum(motor["torque_constant"] * current - _friction(demand, w), 0.0))
     if not np.isnan(torque).any():
         return torque, True
     share = current_derating(ambient, permitted, rated_ambient(motor))
     return np.broadcast_to(motor["nominal_torque"] * share, w.shape).copy(), False
 
 
-def _intermittent(asked: Demands, drive_set: DriveSet, w: Array) -> Array:
+def _intermittent(demand: Demands, drive_set: DriveSet, w: Array) -> Array:
     """The lesser of what controller and gearhead permit for a while [N*m]; one of them where the other is unknown."""
     peak = float(OneRow(drive_set.controller)["peak_current"][0])
-    by_controller = drive_set.motor.torque_constant * peak - _friction(asked, w)
-    found: Array = np.fmin(by_controller, drive_set.gearhead.intermittent_torque * asked.coefficients[0, DRIVING])
+    by_controller = drive_set.motor.torque_constant * peak - _friction(demand, w)
+    found: Array = np.fmin(by_controller, drive_set.gearhead.intermittent_torque * demand.coefficients[0, DRIVING])
     return found
 
 
-def _cycle(at: AtGearhead, asked: Demands) -> tuple[Ends, Ends]:
+def _cycle(cycle_at_gearhead: AtGearhead, demand: Demands) -> tuple[Ends, Ends]:
     """Speed [rad/s] and torque [N*m] at the motor's shaft at both ends of each segment."""
-    at_shaft = asked.coefficients[0].copy()
+    at_shaft = demand.coefficients[0].copy()
     at_shaft[[DIRECTION, SPEED]] = 0.0
-    return at.functions[:, :, SPEED] * asked.total_ratio[0], at.functions @ at_shaft
+    return cycle_at_gearhead.functions[:, :, SPEED] * demand.total_ratio[0], cycle_at_gearhead.functions @ at_shaft
 
 
-def _rms(at: AtGearhead, asked: Demands, drive_set: DriveSet) -> tuple[float, float]:
+def _rms(cycle_at_gearhead: AtGearhead, demand: Demands, drive_set: DriveSet) -> tuple[float, float]:
     """RMS speed [rad/s], and the torque there that draws the RMS current [N*m]."""
-    w = float(np.sqrt(at.moments[SPEED, SPEED]) * asked.total_ratio[0])
-    torque = drive_set.motor.torque_constant * asked.rms_current[0] - _friction(asked, w)
+    w = float(np.sqrt(cycle_at_gearhead.moments[SPEED, SPEED]) * demand.total_ratio[0])
+    torque = drive_set.motor.torque_constant * demand.rms_current[0] - _friction(demand, w)
     return w, float(np.maximum(torque, 0.0))

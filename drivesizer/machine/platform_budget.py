@@ -13,7 +13,7 @@ from math import nan
 from drivesizer.load_cases.platform_record import platform_assumptions
 from drivesizer.machine.mass_budget import MassBudget
 from drivesizer.machine.platform_checks import (
-    Standing,
+    PlatformOnFloor,
     envelope_checks,
     grip_checks,
     mass_checks,
@@ -51,16 +51,16 @@ def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBud
         The load's mass [kg], where the load is the machine itself.
     """
     checks = mass_checks(mass, sized_for)
-    said, figures = _without(mass), tuple(_of_mass(mass))
-    return MechanicalBudget(mass=mass, status=verdict(checks), checks=checks, figures=figures, assumptions=said)
+    assumptions, figures = _without(mass), tuple(_of_mass(mass))
+    return MechanicalBudget(mass=mass, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
 
 
-def platform_part(s: Standing) -> MechanicalBudget:
+def platform_part(s: PlatformOnFloor) -> MechanicalBudget:
     """Room, footing and grip of a platform, whatever drives it."""
     checks = envelope_checks(s.section, s.trajectory) + stability_checks(s) + grip_checks(s)
     figures = (*_of_envelope(s.section), *_of_footing(s), *_of_grip(s))
-    said = platform_assumptions(s.section, s.load) + _taken(s)
-    return MechanicalBudget(mass=None, status=verdict(checks), checks=checks, figures=figures, assumptions=said)
+    assumptions = platform_assumptions(s.section, s.load) + _taken(s)
+    return MechanicalBudget(mass=None, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
 
 
 def _without(mass: MassBudget) -> tuple[str, ...]:
@@ -69,7 +69,7 @@ def _without(mass: MassBudget) -> tuple[str, ...]:
     return (f"The machine's mass is without {', '.join(dict.fromkeys(mass.unknown))}: unknown.",)
 
 
-def _taken(s: Standing) -> tuple[str, ...]:
+def _taken(s: PlatformOnFloor) -> tuple[str, ...]:
     """What footing and grip rest on."""
     return (
         "Wheels and casters are equally stiff on a stiff frame.",
@@ -107,13 +107,13 @@ def _of_envelope(section: Platform) -> Iterator[Figure]:
         yield _figure("heading_driving", f"Heading error in {p.name}, driving along it", driving, "angle", "deg")
 
 
-def _of_footing(s: Standing) -> Iterator[Figure]:
+def _of_footing(s: PlatformOnFloor) -> Iterator[Figure]:
     p = s.d.platform
     if not s.upright:
         return
     known = s.section.height_known
     edge = tipping_edges(p)[0]
-    braking = min(lift_off_acceleration(p, way, s.gravity) for way in s.ways)
+    braking = min(lift_off_acceleration(p, direction, s.gravity) for direction in s.directions)
     yield _figure("tipping_distance", "Centre of mass from the nearest tipping edge", edge.distance, "length", "mm")
     yield _figure("lift_off_slope", "Slope that lifts a wheel", lift_off_slope(p) if known else nan, "angle", "deg")
     yield _figure("tipping_slope", "Slope that tips it over", tipping_slope(p) if known else nan, "angle", "deg")
@@ -125,12 +125,16 @@ def _of_footing(s: Standing) -> Iterator[Figure]:
         yield _figure("tipping_margin", "Least way to the tipping edge", margin.value, "length", "mm", margin.time)
 
 
-def _of_grip(s: Standing) -> Iterator[Figure]:
+def _of_grip(s: PlatformOnFloor) -> Iterator[Figure]:
     if s.load.friction_coefficient is None or not s.upright:
         return
     friction, known = s.load.friction_coefficient, s.section.height_known
     slope = grip_slope(s.d, friction) if known else nan
-    faster = min(grip_acceleration(s.d, friction, way, gravity=s.gravity) for way in s.ways) if known else nan
+    faster = (
+        min(grip_acceleration(s.d, friction, direction, gravity=s.gravity) for direction in s.directions)
+        if known
+        else nan
+    )
     yield _figure("grip_slope", "Slope that the floor's grip holds, worst direction", slope, "angle", "deg")
     yield _figure(
         "grip_acceleration",

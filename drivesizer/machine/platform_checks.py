@@ -31,7 +31,7 @@ from drivesizer.results.sizing import Check
 from drivesizer.spec.platform import Budget, PassageSection, Platform
 
 __all__ = [
-    "Standing",
+    "PlatformOnFloor",
     "envelope_checks",
     "grip_checks",
     "machine_mass",
@@ -42,7 +42,7 @@ __all__ = [
 ]
 
 
-class Standing(NamedTuple):
+class PlatformOnFloor(NamedTuple):
     """A platform on its floor, as the checks below take it; ``d`` is that of ``platform_of(section, load)``."""
 
     section: Platform
@@ -77,7 +77,7 @@ class Standing(NamedTuple):
             return False
 
     @property
-    def ways(self) -> tuple[float | None, ...]:
+    def directions(self) -> tuple[float | None, ...]:
         """Directions in which it gains speed [rad]; None is any."""
         angles = translations(self.d)
         return (None,) if len(angles) > 2 else tuple(float(a) for a in angles)
@@ -162,13 +162,13 @@ def envelope_checks(section: Platform, trajectory: Trajectory | None = None) -> 
         How the robot moves in the world, where that is known; held against passages that have a place there.
     """
     placed = [p for p in section.passages if p.x is not None]
-    ways = {}
+    clearance_at = {}
     if trajectory is not None and section.size is not None:
         records = tuple(p.record for p in placed)
-        ways = {c.passage: c for c in clearances(trajectory, section.size.record, records)}
+        clearance_at = {c.passage: c for c in clearances(trajectory, section.size.record, records)}
     found: list[Check] = []
     for passage in section.passages:
-        columns = [*_passage(section, passage), *_along(passage, ways.get(passage.name))]
+        columns = [*_passage(section, passage), *_along(passage, clearance_at.get(passage.name))]
         found += _noted(columns, passage.name)
     return tuple(found)
 
@@ -187,12 +187,12 @@ def _passage(section: Platform, passage: PassageSection) -> Iterator[CheckColumn
         yield at_most("passage_corner", size.width, room)
 
 
-def _along(passage: PassageSection, way: Clearance | None) -> Iterator[CheckColumn]:
+def _along(passage: PassageSection, clearance: Clearance | None) -> Iterator[CheckColumn]:
     """Width that is taken to both sides alike; one that hits a jamb takes more than there is."""
-    if way is not None:
-        note = f"nearest to the {way.side} jamb" if way.side else "the trajectory does not lead through it"
-        taken = passage.width - 2.0 * way.least
-        time = np.asarray(way.time)
+    if clearance is not None:
+        note = f"nearest to the {clearance.side} jamb" if clearance.side else "the trajectory does not lead through it"
+        taken = passage.width - 2.0 * clearance.least
+        time = np.asarray(clearance.time)
         yield at_most("passage_clearance", taken, passage.width, note=note, time=time)
 
 
@@ -203,7 +203,7 @@ _NO_CASTERS = "unknown: what keeps it upright, its contacts lie on one line"
 _NO_FRICTION = "unknown: friction_coefficient"
 
 
-def stability_checks(s: Standing) -> tuple[Check, ...]:
+def stability_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
     """Whether every wheel stays on the floor, at the limits of the motion on the load's slope, and along a trajectory.
 
     Acceleration and slope may point anywhere that the wheels allow, and are held together against what both may be at
@@ -219,20 +219,20 @@ def stability_checks(s: Standing) -> tuple[Check, ...]:
     return _noted(found)
 
 
-def _limit(s: Standing, name: str) -> CheckColumn:
+def _limit(s: PlatformOnFloor, name: str) -> CheckColumn:
     """The acceleration of the limits and that of the slope, worst in their directions."""
     gains, falls = (s.faster or 0.0) / cos(s.steepest), s.gravity * tan(s.steepest)
-    asked = gains + falls
+    required = gains + falls
     if not s.section.height_known:
-        return at_most(name, asked or nan, nan, note=_NO_HEIGHT)
+        return at_most(name, required or nan, nan, note=_NO_HEIGHT)
     used = max(
-        used_footing(s.d.platform, ((gains, way), (falls, None)), tips=name == "tipping", gravity=s.gravity)
-        for way in s.ways
+        used_footing(s.d.platform, ((gains, direction), (falls, None)), tips=name == "tipping", gravity=s.gravity)
+        for direction in s.directions
     )
-    return at_most(name, asked, asked / used if used else inf)
+    return at_most(name, required, required / used if used else inf)
 
 
-def _off(s: Standing, name: str, least: Moment) -> CheckColumn:
+def _off(s: PlatformOnFloor, name: str, least: Moment) -> CheckColumn:
     """What the worst moment takes off, as a share."""
     if not s.section.height_known:
         return at_most(name, nan, 1.0, note=_NO_HEIGHT)
@@ -240,7 +240,7 @@ def _off(s: Standing, name: str, least: Moment) -> CheckColumn:
     return at_most(name, 1.0 - least.value, 1.0, time=time, note=_contact(s, least.contact))
 
 
-def _contact(s: Standing, number: int) -> str:
+def _contact(s: PlatformOnFloor, number: int) -> str:
     wheels = len(s.d.platform.wheels)
     return f"wheel {number}" if number <= wheels else f"caster {number - wheels}"
 
@@ -248,7 +248,7 @@ def _contact(s: Standing, number: int) -> str:
 # --- grip -------------------------------------------------------------------------------------------------------------
 
 
-def grip_checks(s: Standing) -> tuple[Check, ...]:
+def grip_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
     """Whether the floor transmits what the driven wheels must put on it: on the slope, gaining speed, on the path.
 
     Without the height of the centre of mass a check may fail, but does not pass.
@@ -260,13 +260,16 @@ def grip_checks(s: Standing) -> tuple[Check, ...]:
     return _noted(columns if s.section.height_known else [_unknown(column, _NO_HEIGHT) for column in columns])
 
 
-def _grip(s: Standing, friction: float) -> Iterator[CheckColumn]:
+def _grip(s: PlatformOnFloor, friction: float) -> Iterator[CheckColumn]:
     known, faster = friction == friction, s.faster
     if s.steepest:
         limit = grip_slope(s.d, friction) if known else nan
         yield at_most("grip_slope", s.steepest, limit, needed=s.needed)
     if faster is not None:
-        limits = [grip_acceleration(s.d, friction, way, slope=s.steepest, gravity=s.gravity) for way in s.ways * known]
+        limits = [
+            grip_acceleration(s.d, friction, direction, slope=s.steepest, gravity=s.gravity)
+            for direction in s.directions * known
+        ]
         yield at_most("grip_acceleration", faster, min(limits, default=nan), needed=s.needed)
     if s.trajectory is not None:
         worst = worst_friction(s.d, s.trajectory, s.ground)

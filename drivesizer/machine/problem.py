@@ -59,12 +59,12 @@ def quickest_winding(catalog: Catalog) -> float:
     return float(np.nanmin(catalog.motors["winding_time_constant"], initial=np.inf))
 
 
-def changed(given: Problem, change: Callable[[RobotSpec], RobotSpec]) -> Problem:
+def changed(problem: Problem, change: Callable[[RobotSpec], RobotSpec]) -> Problem:
     """The problem with one figure changed in the machine and in all load cases, whose cycles are made anew.
 
     Parameters
     ----------
-    given
+    problem
         The problem.
     change
         Makes the copy of a spec with the other figure.
@@ -74,10 +74,10 @@ def changed(given: Problem, change: Callable[[RobotSpec], RobotSpec]) -> Problem
     Problem
         Wheels of a platform keep the load of the trajectory that was planned.
     """
-    quickest = quickest_winding(given.catalog)
-    specs = [change(case.spec) for case in given.cases]
+    quickest = quickest_winding(problem.catalog)
+    specs = [change(case.spec) for case in problem.cases]
     cases = [
         replace(case, spec=spec, at_belt=_at_belt(spec, quickest))
-        for case, spec in zip(given.cases, specs, strict=True)
+        for case, spec in zip(problem.cases, specs, strict=True)
     ]
-    return replace(given, machine=given.machine.changed(change), cases=tuple(cases))
+    return replace(problem, machine=problem.machine.changed(change), cases=tuple(cases))

@@ -115,10 +115,10 @@ def _stock(table: Table[Any], section: str) -> str:
         kinds.setdefault(kind, set()).add(float(table["width"][row]))
     if not kinds:
         return f"they list no {section}: select.catalogs needs some that do, e.g. wcp, or all"
-    said = (
+    sentences = (
         f"{profile} {_mm(pitch)} of {', '.join(map(_mm, sorted(w)))}" for (profile, pitch), w in sorted(kinds.items())
     )
-    return f"there are {'; '.join(said)} width"
+    return f"there are {'; '.join(sentences)} width"
 
 
 def _layouts(required: Pulleys, pulleys: Array, belts: Array) -> _Layouts:
@@ -234,26 +234,26 @@ def _pulley(table: Table[Any], rows: NDArray[Any], teeth: float, maker: str) -> 
     return min(alike, key=lambda r: (table["manufacturer"][r] != maker, table["width"][r], table["part"][r]))
 
 
-def assumptions(given: Problem) -> tuple[str, ...]:
+def assumptions(problem: Problem) -> tuple[str, ...]:
     """Assumptions on a belt out of the catalogues, as sentences."""
-    belt = given.machine.belt
-    if belt is None or belt.pulleys is None or given.belts is None:
+    belt = problem.machine.belt
+    if belt is None or belt.pulleys is None or problem.belts is None:
         return ()
-    said = [
+    sentences = [
         "the torque that a belt withstands is in no catalogue: "
         + ("only max_tension is checked" if belt.max_tension else "it is not checked; max_tension gives a limit"),
         "of each belt ratio the smallest pulleys that keep 6 teeth in mesh; their bores are not compared with the "
         "shafts, their inertia is what the spec gives for the belt",
     ]
     if belt.pulleys.centre_distance is None:
-        said.append("no centre distance is given: the shortest belt from 0.2 p (z1 + z2) on is taken")
-    drives, ratios = given.belts
+        sentences.append("no centre distance is given: the shortest belt from 0.2 p (z1 + z2) on is taken")
+    drives, ratios = problem.belts
     if len(drives) < ratios:
-        said.append(
+        sentences.append(
             f"the pulleys give {ratios} ratios: {len(drives)} that cover the range best are searched, of those with "
             "6 teeth in mesh where there are such"
         )
-    return tuple(said)
+    return tuple(sentences)
 
 
 def _mm(length: float) -> str:

@@ -34,17 +34,17 @@ class SetCycle(NamedTuple):
     spec: RobotSpec
     motor: OneRow
     gearhead: OneRow
-    at: AtGearhead
-    asked: Demands
-    warm: Heat
-    under: Stress
+    cycle_at_gearhead: AtGearhead
+    demands: Demands
+    heat: Heat
+    stress: Stress
     flows: Wave  # current, and the voltage that the motion induces, over the pieces that a winding feels
     course: WindingCourse  # how warm the winding is over these
 
     @property
     def known(self) -> bool:
         """Whether the motor's current is known, and not only a least one."""
-        return bool(self.asked.complete.all() and np.isfinite(self.asked.rms_current).all())
+        return bool(self.demands.complete.all() and np.isfinite(self.demands.rms_current).all())
 
     @property
     def hot(self) -> Array:
@@ -55,7 +55,7 @@ class SetCycle(NamedTuple):
     @property
     def volts(self) -> Array:
         """Coefficients of the voltage from the six functions, winding hot."""
-        return volts_of(self.asked, self.motor["torque_constant"], self.hot)
+        return volts_of(self.demands, self.motor["torque_constant"], self.hot)
 
     @property
     def copper(self) -> float:
@@ -92,12 +92,20 @@ def set_cycle(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> SetCycl
     motor, gearhead, encoder = (OneRow(part) for part in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     if base is None:  # cut as the search cut it
         base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)
-    at = base.behind(drive_set.belt_ratio)
-    asked = demands(at, motor, gearhead, encoder)
-    warm = heat(spec.environment.ambient, at, asked, motor)
-    flows, course = current_and_winding(spec.environment.ambient, at, asked, warm, motor)
+    cycle_at_gearhead = base.behind(drive_set.belt_ratio)
+    demand = demands(cycle_at_gearhead, motor, gearhead, encoder)
+    heating = heat(spec.environment.ambient, cycle_at_gearhead, demand, motor)
+    flows, course = current_and_winding(spec.environment.ambient, cycle_at_gearhead, demand, heating, motor)
     return SetCycle(
-        spec, motor, gearhead, at, asked, warm, stress(spec.environment.ambient, at, asked, motor), flows, course
+        spec,
+        motor,
+        gearhead,
+        cycle_at_gearhead,
+        demand,
+        heating,
+        stress(spec.environment.ambient, cycle_at_gearhead, demand, motor),
+        flows,
+        course,
     )
 
 
@@ -128,12 +136,12 @@ def lost_in_winding(found: SetCycle) -> float:
 
 
 def _surplus(found: SetCycle) -> tuple[Array, Array]:
-    return found.asked.surplus(found.motor["torque_constant"]), found.at.warming.functions[:, :, SPEED]
+    return found.demands.surplus(found.motor["torque_constant"]), found.cycle_at_gearhead.warming.functions[:, :, SPEED]
 
 
 def warming(found: SetCycle) -> Warming:
     """Mean square current and loss at the housing over the pieces of which a winding feels the mean."""
-    duration, functions = found.at.warming
+    duration, functions = found.cycle_at_gearhead.warming
     speed, square = functions[:, :, SPEED], mean_square(found.flows)[0]
-    loss = found.warm.friction[0] * np.abs(speed).mean(1) + found.warm.iron[0] * mean_product(speed, speed)
+    loss = found.heat.friction[0] * np.abs(speed).mean(1) + found.heat.iron[0] * mean_product(speed, speed)
     return Warming(duration, square, loss)

@@ -72,14 +72,14 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> Drive
     one = Wave(np.ones(1), *(x[:, None] for x in _pieces(supplied(found, mean=False))[1:]))
     back = largest_power(one._replace(voltage=-one.voltage))[0]
     peak = largest_power(one)[0]
-    sets = spec.load.alike if found.asked.complete.all() else np.nan  # an incomplete demand is only a lower bound
+    sets = spec.load.alike if found.demands.complete.all() else np.nan  # an incomplete demand is only a lower bound
     return DrivePower(
         duration=duration,
         drawn=sums.drawn * sets,
         returned=sums.returned * sets,
         peak=np.maximum(peak, 0.0) * sets,
         returned_peak=np.maximum(back, 0.0) * sets,
-        distance=distance_of(spec, found.at.cycle),
+        distance=distance_of(spec, found.cycle_at_gearhead.cycle),
     )
 
 

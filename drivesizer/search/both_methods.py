@@ -76,9 +76,9 @@ def _other(problem: Problem, one: DriveSet) -> tuple[Check, ...]:
         select=problem.spec.select.model_copy(update=fixed), method=method
     )
     rows = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
-    given = candidates(narrowed, also=rows)
-    evaluation = evaluate(narrowed, given)
-    found = (given.motor == rows[0]) & (given.gearhead == rows[1]) & (given.belt == one.belt_ratio)
+    offered = candidates(narrowed, also=rows)
+    evaluation = evaluate(narrowed, offered)
+    found = (offered.motor == rows[0]) & (offered.gearhead == rows[1]) & (offered.belt == one.belt_ratio)
     return evaluation.checks_of(int(np.flatnonzero(found)[0]))
 
 

@@ -55,8 +55,8 @@ def weighing(problem: Problem, machine: MechanicalBudget | None, objective: Rank
     made: dict[tuple[int, int, float], DriveSet] = {}
 
     def weigh(sets: Evaluation, row: int) -> DriveSet:
-        given = sets.candidates
-        key = int(given.motor[row]), int(given.gearhead[row]), float(given.belt[row])
+        candidates = sets.candidates
+        key = int(candidates.motor[row]), int(candidates.gearhead[row]), float(candidates.belt[row])
         if key not in made or not isinstance(objective, str):  # several objectives are shares of the best shown
             made[key] = with_budget(problem, drive_set(sets, row, 0, objective), machine)
         return made[key]
@@ -166,8 +166,8 @@ def passes_budgets(problem: Problem, one: DriveSet) -> bool:
 
 def _fails(problem: Problem, checks: tuple[Check, ...]) -> bool:
     """Whether a machine's checks reject its drive: one fails, or is unknown where the spec rejects that."""
-    said = verdict(checks)
-    return said == "fail" or (said == "unknown" and problem.spec.select.unknown != "allow")
+    status = verdict(checks)
+    return status == "fail" or (status == "unknown" and problem.spec.select.unknown != "allow")
 
 
 def _failed(checks: tuple[Check, ...]) -> set[str]:

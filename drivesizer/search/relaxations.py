@@ -111,15 +111,15 @@ def _other_reductions(problem: Problem, one: DriveSet) -> Iterator[Relaxation]:
         return
     fixed = {"motor": Choice(part=[one.motor.part]), "gearhead": Choice(family=[one.gearhead.family])}
     narrowed, catalog = problem.with_sections(select=problem.spec.select.model_copy(update=fixed)), problem.catalog
-    given = candidates(narrowed)
-    if not len(given.motor):
+    found = candidates(narrowed)
+    if not len(found.motor):
         return
-    failed = evaluate(narrowed, given).failed
-    ratio = catalog.gearheads["ratio"][given.gearhead]
-    rows = np.flatnonzero(~failed & (given.belt == one.belt_ratio))
+    failed = evaluate(narrowed, found).failed
+    ratio = catalog.gearheads["ratio"][found.gearhead]
+    rows = np.flatnonzero(~failed & (found.belt == one.belt_ratio))
     if len(rows):
         row = rows[np.abs(np.log(ratio[rows] / one.gearhead.ratio)).argmin()]
-        other = catalog.gearheads.record(int(given.gearhead[row]))
+        other = catalog.gearheads.record(int(found.gearhead[row]))
         label = one.label.replace(f"{one.gearhead.reduction} {one.gearhead.part}", f"{other.reduction} {other.part}")
         share = abs(other.ratio / one.gearhead.ratio - 1.0)
         yield Relaxation(

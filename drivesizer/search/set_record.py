@@ -27,9 +27,9 @@ __all__ = ["drive_set"]
 
 def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Ranking) -> DriveSet:
     """One row of an evaluation as a record."""
-    problem, catalog, given = evaluation.problem, evaluation.catalog, evaluation.candidates
-    motor = catalog.motors.record(int(given.motor[index]))
-    gearhead = catalog.gearheads.record(int(given.gearhead[index]))
+    problem, catalog, candidates = evaluation.problem, evaluation.catalog, evaluation.candidates
+    motor = catalog.motors.record(int(candidates.motor[index]))
+    gearhead = catalog.gearheads.record(int(candidates.gearhead[index]))
     encoder, controller = int(evaluation.encoder[index]), int(evaluation.controller[index])
     mass, mass_of = _summed({"motor": motor, "gearhead": gearhead}, "mass", ("motor", "gearhead"))
     value, value_of = _objective(evaluation, index, objective, motor, gearhead)
@@ -40,10 +40,10 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Ranking)
         gearhead=gearhead,
         encoder=catalog.encoders.record(encoder) if encoder >= 0 else None,
         controller=catalog.controllers.record(controller) if controller >= 0 else None,
-        belt_ratio=float(given.belt[index]),
+        belt_ratio=float(candidates.belt[index]),
         belt_efficiency=evaluation.spec.belt_efficiency,
-        belt_drive=problem.belt_drive(float(given.belt[index])),
-        total_ratio=float(gearhead.ratio * given.belt[index]),
+        belt_drive=problem.belt_drive(float(candidates.belt[index])),
+        total_ratio=float(gearhead.ratio * candidates.belt[index]),
         mass=mass,
         mass_of=mass_of,
         objective=value,
@@ -137,8 +137,8 @@ def _overloads(evaluation: Evaluation, values: dict[str, float], motor: Motor, c
     """Overload time of the motor at the controller's peak current, cold and at its highest temperature."""
     bodies = two_bodies(asdict(motor))
     ambient, current = evaluation.spec.environment.ambient, controller.peak_current
-    warm = values["winding_temperature"]
-    starts = {"cold": cold(ambient), "warm": State(warm, warm)}
+    hot = values["winding_temperature"]
+    starts = {"cold": cold(ambient), "warm": State(hot, hot)}
     return [
         Figure(
             name=f"overload_time_{name}", title=f"Time at the controller's peak current, {name}",

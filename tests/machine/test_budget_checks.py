@@ -13,7 +13,7 @@ from drivesizer import size
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform_record import platform_of
 from drivesizer.machine.platform_budget import mass_part, platform_part
-from drivesizer.machine.platform_checks import Standing, envelope_checks, grip_checks, machine_mass, mass_checks
+from drivesizer.machine.platform_checks import PlatformOnFloor, envelope_checks, grip_checks, machine_mass, mass_checks
 from drivesizer.machine.platform_checks import stability_checks as footing
 from drivesizer.platform.dynamics import dynamics
 from drivesizer.results.check_kinds import CHECKS
@@ -40,7 +40,7 @@ def of(checks):
 
 def standing(load=None, trajectory=None, needed=0.0, **given):
     found, moved = section(**({"centre_of_mass": LOW} | given)), vehicle(**(load or {}))
-    return Standing(found, moved, dynamics(platform_of(found, moved)), G, needed, trajectory)
+    return PlatformOnFloor(found, moved, dynamics(platform_of(found, moved)), G, needed, trajectory)
 
 
 # --- mass -------------------------------------------------------------------------------------------------------------

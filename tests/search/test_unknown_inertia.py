@@ -114,9 +114,9 @@ motion: {profile: trapezoid, speed: 1.5 m/s, acceleration_time: 0.2 s, cruise_ti
     made = set_cycle(spec, replace(unknown, motor=replace(unknown.motor, rotor_inertia=inertia)))
     open_ = set_cycle(spec, unknown)
     for ours, theirs in (
-        (open_.asked.rms_current, made.asked.rms_current),
-        (open_.under.current.value, made.under.current.value),
-        (open_.under.cold_voltage.value, made.under.cold_voltage.value),
+        (open_.demands.rms_current, made.demands.rms_current),
+        (open_.stress.current.value, made.stress.current.value),
+        (open_.stress.cold_voltage.value, made.stress.cold_voltage.value),
     ):
         assert (ours <= theirs * (1 + 1e-12)).all()
 

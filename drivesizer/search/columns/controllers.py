@@ -132,10 +132,10 @@ def controllers(
     enough &= ~(figure["peak_current"] < peak_current[:, None])
     lacking = np.isnan(figure["continuous_current"]).astype(np.int8) + np.isnan(figure["peak_current"])
     if voltage is not None:
-        given = usable_voltage(lowest, figure["max_duty"], figure["voltage_drop"])
-        enough &= ~(np.fmin(given, lowest) < voltage[:, None])
+        delivered = usable_voltage(lowest, figure["max_duty"], figure["voltage_drop"])
+        enough &= ~(np.fmin(delivered, lowest) < voltage[:, None])
         timed = figure["continuous_current"] < peak_current[:, None]
-        lacking = lacking + np.isnan(given) + (np.isnan(figure["peak_time"]) & timed)
+        lacking = lacking + np.isnan(delivered) + (np.isnan(figure["peak_time"]) & timed)
     if speeds is not None:
         for name, demand in speeds._asdict().items():
             limit, demand = table[name][order], demand[:, None]

@@ -69,14 +69,14 @@ class Evaluation(NamedTuple):
         )
 
 
-def evaluate(problem: Problem, given: Candidates, *, exact: bool = True) -> Evaluation:
+def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True) -> Evaluation:
     """Every candidate's checks by the spec's method; by the paper's, with its requirements.
 
     Parameters
     ----------
     problem
         With its load cycles and catalogues.
-    given
+    candidates
         The candidates.
     exact
         Compute what needs the waveform from it; else by bounds where they decide.
@@ -86,30 +86,34 @@ def evaluate(problem: Problem, given: Candidates, *, exact: bool = True) -> Eval
     Evaluation
         Columns over the candidates.
     """
-    return by_physics(problem, given, exact) if problem.spec.method == "physics" else _by_the_paper(problem, given)
+    return (
+        by_physics(problem, candidates, exact)
+        if problem.spec.method == "physics"
+        else _by_the_paper(problem, candidates)
+    )
 
 
-def _by_the_paper(problem: Problem, given: Candidates) -> Evaluation:
+def _by_the_paper(problem: Problem, candidates: Candidates) -> Evaluation:
     """The rule of section 3.1.3, and the controller by the torques of (17) and (18)."""
     spec, catalog = problem.spec, problem.catalog
-    motor, gearhead = Rows(catalog.motors, given.motor), Rows(catalog.gearheads, given.gearhead)
+    motor, gearhead = Rows(catalog.motors, candidates.motor), Rows(catalog.gearheads, candidates.gearhead)
     wheel = paper_method.vehicle(spec, motor["rotor_inertia"]).steps
-    shaft = paper_method.at_the_motor(spec, wheel, motor, gearhead, given.belt).steps
-    checks = paper_method.rule(spec, wheel, shaft, motor, gearhead, given.belt)
+    shaft = paper_method.at_the_motor(spec, wheel, motor, gearhead, candidates.belt).steps
+    checks = paper_method.rule(spec, wheel, shaft, motor, gearhead, candidates.belt)
     gear = [check for check in checks if check.name.startswith("gearhead")]
-    total = gearhead["ratio"] * given.belt
-    checks.append(paper_method.largest_allowed(catalog, given.motor, given.gearhead, total, gear))
+    total = gearhead["ratio"] * candidates.belt
+    checks.append(paper_method.largest_allowed(catalog, candidates.motor, candidates.gearhead, total, gear))
     torques = shaft["rms_torque_at_motor"].value, paper_method.largest_torque_at_motor(shaft)
     currents = (torque / motor["torque_constant"] + motor["no_load_current"] for torque in torques)
-    controller = controllers(spec, catalog, given.motor, *currents)
+    controller = controllers(spec, catalog, candidates.motor, *currents)
     speed = wheel["nominal_speed"].value * total  # of (1), as the paper's other limits of speed take it
-    encoder = encoders_for(spec, offered_encoders(spec, catalog), given.motor, speed, total)
+    encoder = encoders_for(spec, offered_encoders(spec, catalog), candidates.motor, speed, total)
     counted = counts_check(spec, catalog, encoder)
-    checks = [fits("compatibility", True, given.listed), *checks, *controller.checks, *counted]
-    return Evaluation(problem, given, wheel, shaft, checks, encoder, controller.row, {})
+    checks = [fits("compatibility", True, candidates.listed), *checks, *controller.checks, *counted]
+    return Evaluation(problem, candidates, wheel, shaft, checks, encoder, controller.row, {})
 
 
-def by_physics(problem: Problem, given: Candidates, exact: bool) -> Evaluation:
+def by_physics(problem: Problem, candidates: Candidates, exact: bool) -> Evaluation:
     """Every limit against the whole load cycle, whatever the spec's method.
 
     Parameters
@@ -122,16 +126,16 @@ def by_physics(problem: Problem, given: Candidates, exact: bool) -> Evaluation:
     Evaluation
         Columns over the candidates.
     """
-    belts = [np.flatnonzero(given.belt == belt) for belt in np.unique(given.belt)]
-    several = [(float(given.belt[rows[0]]), given.on(rows)) for rows in belts]
+    belts = [np.flatnonzero(candidates.belt == belt) for belt in np.unique(candidates.belt)]
+    several = [(float(candidates.belt[rows[0]]), candidates.on(rows)) for rows in belts]
     found = list(zip(belts, examine(problem, several, staged=False, exact=exact), strict=True))
-    count = len(given.motor)
+    count = len(candidates.motor)
     names = found[0][1].figures if found else {}
     figures = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}
     controller = _scattered([(rows, one.controller) for rows, one in found], count, np.int64)
     encoder = _scattered([(rows, one.encoder) for rows, one in found], count, np.int64)
     checks = _in_order(found, count)
-    return Evaluation(problem, given, {}, {}, checks, encoder, controller, figures)
+    return Evaluation(problem, candidates, {}, {}, checks, encoder, controller, figures)
 
 
 def _scattered(parts: list[tuple[NDArray[Any], NDArray[Any]]], count: int, dtype: Any = np.float64) -> NDArray[Any]:

@@ -52,7 +52,7 @@ class Powered(NamedTuple):
 def powered(
     problem: Problem,
     offered: Offers,
-    ats: Sequence[AtGearhead],
+    cycles_at_gearhead: Sequence[AtGearhead],
     cases: Sequence[Moving],
     parts: Parts,
     *,
@@ -64,7 +64,7 @@ def powered(
     ----------
     problem, offered
         The problem with its load cycles, and its controllers.
-    ats
+    cycles_at_gearhead
         The load cycles behind the belts of the candidates.
     cases, parts
         Columns over candidates.
@@ -72,8 +72,11 @@ def powered(
         Compute the waveform of all; else only of those that safe bounds leave undecided.
     """
     ambients = [case.spec.environment.ambient for case in problem.cases]
-    stresses = [stress(ambient, at, c.demand, parts.motor) for ambient, at, c in zip(ambients, ats, cases, strict=True)]
-    case = _Cases(problem, offered, ats, cases, stresses, parts, exactly)
+    stresses = [
+        stress(ambient, cycle_at_gearhead, c.demand, parts.motor)
+        for ambient, cycle_at_gearhead, c in zip(ambients, cycles_at_gearhead, cases, strict=True)
+    ]
+    case = _Cases(problem, offered, cycles_at_gearhead, cases, stresses, parts, exactly)
     continuous = np.zeros(len(parts.motor.rows), bool)
     chosen = case.controllers([u.cold_voltage.value for u in case.stresses], continuous)
     row, found = chosen.row, case.judged(chosen.row, None)
@@ -126,7 +129,7 @@ class _Cases(NamedTuple):
 
     problem: Problem
     offered: Offers
-    ats: Sequence[AtGearhead]
+    cycles_at_gearhead: Sequence[AtGearhead]
     moving: Sequence[Moving]
     stresses: Sequence[Stress]
     parts: Parts
@@ -135,8 +138,10 @@ class _Cases(NamedTuple):
     def some(self, rows: NDArray[np.int64]) -> _Cases:
         """Some of the candidates."""
         moving, stresses = [on(case, rows) for case in self.moving], [on(u, rows) for u in self.stresses]
-        ats = [at.on(rows) for at in self.ats]
-        return self._replace(ats=ats, moving=moving, stresses=stresses, parts=self.parts.on(rows))
+        cycles_at_gearhead = [cycle_at_gearhead.on(rows) for cycle_at_gearhead in self.cycles_at_gearhead]
+        return self._replace(
+            cycles_at_gearhead=cycles_at_gearhead, moving=moving, stresses=stresses, parts=self.parts.on(rows)
+        )
 
     def controllers(self, voltage: Sequence[Array], continuous: NDArray[np.bool_]) -> Chosen:
         """The smallest that suffices in the worst of all cases, with the margins that the spec requires."""
@@ -159,7 +164,9 @@ class _Cases(NamedTuple):
         parts = self.parts._replace(controller=Rows(self.problem.catalog.controllers, row))
 
         def electrical(k: int) -> list[CheckColumn]:
-            checks = electrical_limits(specs[k], self.ats[k], self.moving[k].demand, self.stresses[k], parts)
+            checks = electrical_limits(
+                specs[k], self.cycles_at_gearhead[k], self.moving[k].demand, self.stresses[k], parts
+            )
             return unknown_where_doubtful(checks, complete[k])
 
         first = worst_of_all(self.problem, electrical)
@@ -177,12 +184,12 @@ class _Cases(NamedTuple):
 
     def _pair(self, k: int, parts: Parts, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
         """Peaks and heat over the waveform of one load case."""
-        args = (self.problem.cases[k].spec, self.ats[k], *self.moving[k], self.stresses[k], parts)
+        args = (self.problem.cases[k].spec, self.cycles_at_gearhead[k], *self.moving[k], self.stresses[k], parts)
         if not self.exactly:
             return decided(*args, ~dead, before)
         if before is None:
             return exact(*args)
-        above = time_above(self.ats[k], self.moving[k].demand, parts)
+        above = time_above(self.cycles_at_gearhead[k], self.moving[k].demand, parts)
         return before[0]._replace(above=above), before[1]._replace(above=above)
 
 
@@ -203,12 +210,12 @@ def _again(
     other = np.flatnonzero(chosen != row[rows])
     if not len(other):
         return row, found, changed
-    at = rows[other]
-    new = some.some(other).judged(chosen[other], [(on(low, at), on(high, at)) for low, high in found.pairs])
+    retried = rows[other]
+    new = some.some(other).judged(chosen[other], [(on(low, retried), on(high, retried)) for low, high in found.pairs])
     # where heat is unknown a controller is none the worse that does for a cold winding and not for a hot one
     better = np.flatnonzero(~opened[other] | ~new.weak)
-    changed[at[better]] = True
-    return put(row, at[better], chosen[other[better]]), found.replaced(at[better], new, better), changed
+    changed[retried[better]] = True
+    return put(row, retried[better], chosen[other[better]]), found.replaced(retried[better], new, better), changed
 
 
 def _where_known(figures: dict[str, Array], cases: Sequence[Moving]) -> dict[str, Array]:

@@ -125,7 +125,7 @@ class Behaviour:
         housing = winding - motor.thermal_resistance_winding * copper
         rows = [
             ("Copper loss, mean", copper, "W", "power"),
-            ("Friction and iron loss, mean", float(found.warm.mean[0]), "W", "power"),
+            ("Friction and iron loss, mean", float(found.heat.mean[0]), "W", "power"),
             ("Thermal resistance, winding to housing", motor.thermal_resistance_winding, "K/W", "thermal_resistance"),
             ("Thermal resistance, housing to ambient", motor.thermal_resistance_housing, "K/W", "thermal_resistance"),
             ("Ambient", found.spec.environment.ambient, "degC", "temperature"),
