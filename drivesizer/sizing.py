@@ -211,7 +211,22 @@ def _unrestricted(problem: Problem, objective: Ranking) -> DriveSet | None:
 
 
 def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog | None = None) -> list[DriveSet]:
-    """One combination of motor and gearhead with every belt ratio of the spec: the drives of :func:`explained`."""
+    """One combination of motor and gearhead with every belt ratio of the spec: the drives of :func:`explained`.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    motor, gearhead
+        As for :func:`explained`.
+    catalog
+        Parts to choose from; those that the spec names when not given.
+
+    Returns
+    -------
+    list[DriveSet]
+        One for each belt ratio.
+    """
     return explained(spec, motor, gearhead, catalog=catalog).sets
 
 
@@ -225,7 +240,7 @@ def explained(
 ) -> Explanation:
     """One combination of motor and gearhead, check by check, and its probability where the spec has tolerances.
 
-    Where the drive's own mass counts the machine is as heavy as ``size`` makes it, for any pair.
+    Where the drive's own mass counts the machine is as heavy as ``size`` makes it, for any combination.
 
     Parameters
     ----------
@@ -237,7 +252,7 @@ def explained(
     catalog
         Parts to choose from; those that the spec names when not given.
     sampling
-        How the pair is sampled for its tolerances; as the spec says when not given.
+        How the combination is sampled for its tolerances; as the spec says when not given.
 
     Returns
     -------

@@ -51,7 +51,20 @@ class Load(NamedTuple):
 
 
 def required_autonomy(spec: RobotSpec, section: Battery) -> Any:
-    """How long a battery must last [s]: as its section says, else the mission; NaN where neither is given."""
+    """Time that a battery must last: the autonomy of its section, else the mission.
+
+    Parameters
+    ----------
+    spec
+        The machine, with its mission.
+    section
+        The spec's battery.
+
+    Returns
+    -------
+    float
+        [s]; NaN where neither is given.
+    """
     mission = spec.mission.duration if spec.mission else nan
     return mission if section.autonomy is None else section.autonomy
 
@@ -67,12 +80,30 @@ def battery_checks(spec: RobotSpec, section: Battery, pack: Pack, load: Load) ->
         The spec's section: what is required, and the reserve.
     pack, load
         The battery, and its load.
+
+    Returns
+    -------
+    tuple[Check, ...]
+        One record for each limit that applies.
     """
     return tuple(column.at((), "budget") for column in battery_columns(spec, section, pack, load))
 
 
 def battery_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> tuple[CheckColumn, ...]:
-    """The same before they are records: single figures, or columns where the figures of spec and load are columns."""
+    """The same before they are records: single figures, or columns where the figures of spec and load are columns.
+
+    Parameters
+    ----------
+    spec, section, pack
+        As for ``battery_checks``.
+    load
+        Figures, or columns over samples.
+
+    Returns
+    -------
+    tuple[CheckColumn, ...]
+        One for each limit that applies.
+    """
     *raised, current = charging(spec, pack, load)
     checks = (*_lasting(spec, section, pack, load), *_voltages(spec, pack, load), *raised, *_room(pack, load))
     return (*checks, *_currents(spec, pack, load), current)
@@ -84,7 +115,20 @@ def accepted(spec: Any) -> Any:
 
 
 def at_rest(pack: Pack, mean: Any) -> Any:
-    """Highest voltage at rest [V]: that of the start, or of a full battery where more is regenerated than drawn."""
+    """Highest voltage at rest: that of the start, or of a full battery where more is regenerated than drawn.
+
+    Parameters
+    ----------
+    pack
+        The battery.
+    mean
+        Mean power drawn [W]; below 0 regenerated.
+
+    Returns
+    -------
+    float or Array
+        [V], in the shape of ``mean``.
+    """
     return pack.emf(np.where(np.asarray(mean) < 0.0, 1.0, pack.start))[()]
 
 
@@ -99,6 +143,11 @@ def raised_voltage(pack: Pack, back: Any, emf: Any) -> Any:
         Power into it [W].
     emf
         Its voltage without that [V].
+
+    Returns
+    -------
+    float or Array
+        [V], in the common shape of ``back`` and ``emf``.
     """
     raised = terminal_voltage(-_returned_current(pack, back, emf), emf, pack.resistance)
     return np.where(np.asarray(back) == 0.0, emf, raised)[()]
@@ -113,6 +162,18 @@ def charging(spec: Any, pack: Pack, load: Load) -> tuple[CheckColumn, ...]:
     """Highest voltage and charge current, from the largest regenerated power; without any no limit applies.
 
     The margin to the voltage at which a charge ends counts from the voltage at rest: by so much the current may grow.
+
+    Parameters
+    ----------
+    spec
+        The machine: its supply's highest voltage and its margins.
+    pack, load
+        The battery, and its load.
+
+    Returns
+    -------
+    tuple[CheckColumn, ...]
+        Overcharge, voltage of the supply, charge current.
     """
     rest, lacking = at_rest(pack, load.mean), _RESISTED if np.isnan(pack.resistance).all() else ""
     zero = np.where((np.asarray(load.back) == 0.0) | (np.asarray(load.highest) > rest), rest, 0.0)[()]

@@ -123,6 +123,11 @@ def pack_of(section: Battery, catalog: Catalog) -> Pack:
     catalog
         Where its part is listed.
 
+    Returns
+    -------
+    Pack
+        Figures of the whole battery.
+
     Raises
     ------
     InputError
@@ -209,6 +214,11 @@ def run_time(pack: Pack, power: Any) -> Any:
         The battery.
     power
         At its terminals [W].
+
+    Returns
+    -------
+    float or Array
+        [s], in the shape of ``power``.
     """
     current = np.asarray(power, float) / pack.mean_voltage
     if pack.table:
@@ -237,6 +247,11 @@ def capacity_needed(pack: Pack, power: float, time: float) -> float:
         Constant [W].
     time
         That the share which is available must last for [s].
+
+    Returns
+    -------
+    float
+        [A*s]; NaN where nothing relates run time to load.
     """
     whole = time / pack.available
     if power <= 0.0:
@@ -249,6 +264,19 @@ def capacity_needed(pack: Pack, power: float, time: float) -> float:
 
 
 def strings_needed(pack: Pack, needed: float) -> float:
-    """Parallel strings that have a capacity [A*s]; NaN where it is unknown."""
+    """Number of parallel strings for a capacity.
+
+    Parameters
+    ----------
+    pack
+        The battery, whose strings are the unit.
+    needed
+        Capacity [A*s].
+
+    Returns
+    -------
+    float
+        At least 1; NaN where the capacity is unknown.
+    """
     share = needed / pack.capacity * pack.parallel
     return nan if isnan(share) else float(max(1, ceil(share * (1.0 - _NEARLY))))

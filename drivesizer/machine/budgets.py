@@ -41,6 +41,13 @@ _GRAVE = ("fail", "unknown", "pass")
 def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
     """Refuse a battery that no catalogue lists, before the search.
 
+    Parameters
+    ----------
+    spec
+        The machine.
+    catalog
+        Where its battery should be listed.
+
     Raises
     ------
     InputError
@@ -129,12 +136,38 @@ def _of_the_battery(problem: Problem, battery: Battery, one: DriveSet) -> list[t
 
 
 def drive_mass(one: DriveSet, sets: int) -> float:
-    """Known mass of all drives together [kg]."""
+    """Known mass of all drives together.
+
+    Parameters
+    ----------
+    one
+        The drive.
+    sets
+        How many of it the machine has.
+
+    Returns
+    -------
+    float
+        [kg], parts of unknown mass left out.
+    """
     return math.fsum(row.total for row in drive_rows(one, sets) if not isnan(row.total))
 
 
 def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
-    """Known mass of the machine beside its drive: structure, equipment, payloads, battery [kg]."""
+    """Known mass of the machine beside its drive: structure, equipment, payloads, battery.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    catalog
+        Where its battery is listed.
+
+    Returns
+    -------
+    float
+        [kg], what is unknown left out.
+    """
     budget, platform = spec.budget, spec.platform
     assert budget is not None
     found = [budget.structure or 0.0, *(item.mass * item.number for item in budget.others)]

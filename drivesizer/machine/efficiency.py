@@ -49,6 +49,11 @@ def operation(found: SetCycle, torque: Array, speed: Array) -> Operation:
         At the gearhead's output, below 0 where it brakes [N*m].
     speed
         There [rad/s], not below 0.
+
+    Returns
+    -------
+    Operation
+        Current [A], voltage [V] and efficiency [1] at each point, shape of ``torque``.
     """
     torque, speed = np.broadcast_arrays(torque, speed)
     functions = np.zeros((torque.size, 1, 6))

@@ -253,6 +253,11 @@ def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINT
         How long [s].
     most
         Points at most.
+
+    Returns
+    -------
+    tuple[Array, Array]
+        Times and shares, each of shape (points,).
     """
     all_of_it = budget.mean_power * budget.full_time
     cycle = float(budget.duration.sum())

@@ -64,6 +64,11 @@ def drive_rows(drive_set: DriveSet, sets: int) -> tuple[MassRow, ...]:
         The drive. Its mass alone counts motor and gearhead only; here are encoder, controller and belt too.
     sets
         How many there are.
+
+    Returns
+    -------
+    tuple[MassRow, ...]
+        One row for each kind of part.
     """
     rows = [
         MassRow(name=role, each=getattr(part, "mass", math.nan), number=sets) for role, part in drive_set.parts.items()
@@ -95,6 +100,11 @@ def mass_budget(
         Equipment and payloads: name and mass [kg].
     limit
         What all may weigh [kg].
+
+    Returns
+    -------
+    MassBudget
+        Rows and limit; the limit is NaN without one.
 
     Raises
     ------

@@ -87,6 +87,11 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     drive_set
         What drives it.
 
+    Returns
+    -------
+    OperatingField
+        Limits of the motor over speed, and the cycle's points.
+
     Raises
     ------
     InputError

@@ -41,7 +41,7 @@ class MechanicalBudget:
 
 
 def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBudget:
-    """What a machine weighs against its limits.
+    """Mass of a machine against its limits.
 
     Parameters
     ----------
@@ -49,6 +49,11 @@ def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBud
         Of ``machine_mass``.
     sized_for
         The load's mass [kg], where the load is the machine itself.
+
+    Returns
+    -------
+    MechanicalBudget
+        Checks and figures of the mass.
     """
     checks = mass_checks(mass, sized_for)
     assumptions, figures = _without(mass), tuple(_of_mass(mass))

@@ -110,6 +110,11 @@ def machine_mass(
         With its payloads.
     battery
         Mass of it [kg]; NaN where it is unknown, None where there is none or ``others`` has it.
+
+    Returns
+    -------
+    MassBudget
+        Drives and the rest of the machine.
     """
     return rest_of_machine(budget, drive_rows(drive_set, sets), platform=platform, battery=battery)
 
@@ -117,7 +122,22 @@ def machine_mass(
 def rest_of_machine(
     budget: Budget, drive: Sequence[MassRow], *, platform: Platform | None = None, battery: float | None = None
 ) -> MassBudget:
-    """The same with the rows of the drives given; without any, the mass of the machine beside its drive."""
+    """The mass budget of a machine with given rows of its drives.
+
+    Parameters
+    ----------
+    budget
+        The spec's section.
+    drive
+        Rows of the drives; none for the machine beside its drive.
+    platform, battery
+        As for ``machine_mass``.
+
+    Returns
+    -------
+    MassBudget
+        The rows given, then those of the machine.
+    """
     carried = [(item.name if item.number == 1 else f"{item.number} x {item.name}", item.mass * item.number)
                for item in budget.others]  # fmt: skip
     carried += [(payload.name, payload.mass) for payload in (platform.payloads if platform else ())]
@@ -125,7 +145,7 @@ def rest_of_machine(
 
 
 def mass_checks(found: MassBudget, sized_for: float | None = None) -> tuple[Check, ...]:
-    """What is known of the mass against the limit, and against the mass that the drive is sized for.
+    """The known mass against the limit, and against the mass that the drive is sized for.
 
     Parameters
     ----------
@@ -133,6 +153,11 @@ def mass_checks(found: MassBudget, sized_for: float | None = None) -> tuple[Chec
         Of ``machine_mass``. What is unknown leaves a check unknown, unless the rest is too much already.
     sized_for
         The load's mass [kg], where the load is the machine itself.
+
+    Returns
+    -------
+    tuple[Check, ...]
+        One for each limit that is given.
     """
     columns = mass_columns(found.known, bool(found.unknown), found.limit, sized_for)
     if not found.unknown:
@@ -142,7 +167,22 @@ def mass_checks(found: MassBudget, sized_for: float | None = None) -> tuple[Chec
 
 
 def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
-    """Masses as far as they are known [kg], and whether some are not, against the limits that there are: columns."""
+    """The known mass against the limits, as columns.
+
+    Parameters
+    ----------
+    known
+        Known mass of the machine [kg], a figure or a column.
+    lacking
+        Whether some mass is unknown, in the same shape.
+    limit, sized_for
+        Limit, and mass that the drive is sized for [kg]; None where there is none.
+
+    Returns
+    -------
+    list[CheckColumn]
+        One for each limit that is given.
+    """
     limits = {"mass": nan if limit is None else limit, "mass_sized_for": nan if sized_for is None else sized_for}
     columns = [at_most(name, known, most) for name, most in limits.items() if most == most]
     return [replace(column, passed=column.passed & ~np.asarray(lacking, bool)) for column in columns]
@@ -160,6 +200,11 @@ def envelope_checks(section: Platform, trajectory: Trajectory | None = None) -> 
         Size and passages.
     trajectory
         How the robot moves in the world, where that is known; held against passages that have a place there.
+
+    Returns
+    -------
+    tuple[Check, ...]
+        Width, height, turning, corner and clearance of each passage, as far as they apply.
     """
     placed = [p for p in section.passages if p.x is not None]
     clearance_at = {}

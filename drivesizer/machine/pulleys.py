@@ -191,6 +191,18 @@ def _fewer(required: Pulleys, best: _Layouts) -> _Layouts:
 def spread(values: Array, most: int) -> NDArray[np.int64]:
     """Rows of at most so many values that cover their range best: each further one is farthest from those before.
 
+    Parameters
+    ----------
+    values
+        Shape (n,).
+    most
+        Number of rows at most.
+
+    Returns
+    -------
+    array of int
+        Rows, ascending, shape (``most``,) or fewer.
+
     >>> spread(np.array([0.0, 1.0, 1.1, 4.0, 10.0]), 3).tolist()
     [0, 3, 4]
     """

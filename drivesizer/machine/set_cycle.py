@@ -84,6 +84,11 @@ def set_cycle(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> SetCycl
     base
         Its load cycle before a belt's ratio, of ``at_gearhead``, where it is at hand.
 
+    Returns
+    -------
+    SetCycle
+        Its demands, heat and stress, each of one row.
+
     Raises
     ------
     InputError
@@ -118,6 +123,11 @@ def waveform(found: SetCycle, *, mean: bool = False) -> Wave:
         The drive over its cycle.
     mean
         Take the winding in each piece at its mean temperature, which makes its energy; else as it is at its ends.
+
+    Returns
+    -------
+    Wave
+        Voltage [V] and current [A] of one candidate, piece by piece.
     """
     T = found.course.means[:, :, None] if mean else found.course.ends
     resistance = resistance_at(resistance_25(found.motor), T)
@@ -125,7 +135,20 @@ def waveform(found: SetCycle, *, mean: bool = False) -> Wave:
 
 
 def supplied(found: SetCycle, *, mean: bool = True) -> Wave:
-    """Current, and the voltage that makes of it the power that the motor takes, over the cycle's pieces."""
+    """Current, and the voltage that gives with it the electrical power of the motor, over the cycle's pieces.
+
+    Parameters
+    ----------
+    found
+        The drive over its cycle.
+    mean
+        As ``waveform`` takes it.
+
+    Returns
+    -------
+    Wave
+        Its product of current and voltage is the power drawn [W].
+    """
     taken = balanced(waveform(found, mean=mean), *_surplus(found))
     return taken if taken.duration.ndim == 1 else taken._replace(duration=taken.duration[0])
 

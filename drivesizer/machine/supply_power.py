@@ -61,6 +61,11 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> Drive
     base
         As ``set_cycle`` takes it.
 
+    Returns
+    -------
+    DrivePower
+        Powers of all drives together [W] over the cycle's pieces.
+
     Raises
     ------
     InputError
@@ -84,7 +89,20 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> Drive
 
 
 def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
-    """How far a vehicle goes in a cycle [m]."""
+    """Distance that a vehicle travels in a cycle.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    cycle
+        Its load cycle.
+
+    Returns
+    -------
+    float
+        [m]; NaN of a load that is no vehicle.
+    """
     if isinstance(spec.load, WheelLoad):
         return spec.load.distance
     if not isinstance(spec.load, WheeledVehicle):

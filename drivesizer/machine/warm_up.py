@@ -47,6 +47,11 @@ def finer(found: Warming, constant: float) -> Warming:
         Pieces of constant losses.
     constant
         Time constant of the winding [s].
+
+    Returns
+    -------
+    Warming
+        More pieces, of the same losses and total time.
     """
     first = np.minimum(_STEP * constant / found.duration, 1.0)
     count = np.where(first < 1.0 / _PIECES, _PIECES, np.ceil(1.0 / first)).astype(np.int64)
@@ -68,6 +73,11 @@ def warm_up(motor: TwoBodies, ambient: float, found: Warming) -> WarmUp | None:
         Temperature around the motor, and of the motor at the start [K].
     found
         The losses over the cycle.
+
+    Returns
+    -------
+    WarmUp or None
+        Temperatures [K] over time [s].
     """
     if not motor.known:
         return None

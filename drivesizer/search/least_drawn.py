@@ -40,6 +40,11 @@ def battery_failures(problem: Problem, sets: Candidates) -> dict[str, NDArray[np
         The machine with its load cycles.
     sets
         Drives that pass their own checks, by physics.
+
+    Returns
+    -------
+    dict[str, array of bool]
+        By name of the check, each of shape (rows,).
     """
     found = dict[str, NDArray[np.bool_]]()
     battery = problem.spec.battery
@@ -69,6 +74,11 @@ def least_power(problem: Problem, number: int, sets: Candidates) -> Array:
         Of the load case.
     sets
         With that motor.
+
+    Returns
+    -------
+    Array
+        [W], shape (rows,).
     """
     found, offered = np.empty(len(sets.motor)), offers(problem)
     for belt in np.unique(sets.belt).tolist():

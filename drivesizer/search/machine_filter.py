@@ -51,6 +51,11 @@ def weighing(problem: Problem, machine: MechanicalBudget | None, objective: Rank
         Checks that are the same for every drive, of ``budgets.of_the_platform``.
     objective
         It ranks the drives.
+
+    Returns
+    -------
+    Weigh
+        From an evaluation and a row of it to a drive.
     """
     made: dict[tuple[int, int, float], DriveSet] = {}
 
@@ -80,6 +85,11 @@ def in_machine(
         Of ``weighing``.
     aside
         Names of budgets that are not looked at.
+
+    Returns
+    -------
+    Judge or None
+        As ``search`` takes it.
     """
     spec = problem.spec
     if not (spec.battery or spec.budget or machine):
@@ -149,6 +159,11 @@ def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] 
         As ``search`` takes them.
     aside
         Names of budgets that are not looked at.
+
+    Returns
+    -------
+    DriveSet or None
+        With its checks and budgets.
     """
     machine = of_the_platform(problem.machine)
     judge = in_machine(problem, machine, weighing(problem, machine, objective), aside)
@@ -157,7 +172,20 @@ def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] 
 
 
 def passes_budgets(problem: Problem, one: DriveSet) -> bool:
-    """Whether a drive passes the budgets of its machine, which need not have been computed."""
+    """Whether a drive passes the budgets of its machine, which need not have been computed.
+
+    Parameters
+    ----------
+    problem
+        The machine with its load cycles.
+    one
+        The drive.
+
+    Returns
+    -------
+    bool
+        Whether none fails, and unknown ones are allowed.
+    """
     machine = of_the_platform(problem.machine)
     if machine and _fails(problem, machine.checks):
         return False
@@ -189,6 +217,11 @@ def divided(
         How many of each.
     rows
         Of drives that pass their own checks, in order.
+
+    Returns
+    -------
+    tuple[dict[int, DriveSet], dict[int, DriveSet]]
+        Drives that pass and drives that fail, by row.
     """
     best: dict[int, DriveSet] = {}
     short: dict[int, DriveSet] = {}
@@ -201,17 +234,56 @@ def divided(
 
 
 def on_the_front(found: Found, weigh: Weigh) -> tuple[DriveSet, ...]:
-    """The drives of the Pareto front that pass the machine's budgets, in its order."""
+    """The drives of the Pareto front that pass the machine's budgets, in its order.
+
+    Parameters
+    ----------
+    found
+        Of the search.
+    weigh
+        Of ``weighing``.
+
+    Returns
+    -------
+    tuple[DriveSet, ...]
+        Drives in order of the first objective.
+    """
     return ranked(weigh(found.evaluation, row) for row in found.front)
 
 
 def ranked(sets: Iterable[DriveSet], before: int = 0) -> tuple[DriveSet, ...]:
-    """Drives by the rank in which they are shown."""
+    """Drives by the rank in which they are shown.
+
+    Parameters
+    ----------
+    sets
+        Drives in order.
+    before
+        Number of drives shown before them.
+
+    Returns
+    -------
+    tuple[DriveSet, ...]
+        The same drives with their ranks, from ``before`` + 1 on.
+    """
     return tuple(replace(one, rank=rank) for rank, one in enumerate(sets, before + 1))
 
 
 def shortfall(short: dict[int, DriveSet], better: int) -> list[str]:
-    """A warning that better drives fail on a budget: how many, and which budgets."""
+    """A warning that better drives fail on a budget: how many, and which budgets.
+
+    Parameters
+    ----------
+    short
+        Drives that fail on budgets, by row.
+    better
+        Number of drives that fail on a budget before the first that passes.
+
+    Returns
+    -------
+    list[str]
+        One sentence or none.
+    """
     names = sorted({check.title.lower() for one in short.values() for check in one.budget if check.status == "fail"})
     if not better or not names:
         return []

@@ -78,6 +78,11 @@ def values(
         Their energy [J], peak current [A], winding temperature [K] and smallest margin, as far as objectives need them.
     objective
         One, or several with weights: then shares of the best value that any of the drives has are summed.
+
+    Returns
+    -------
+    tuple[Array, array of int]
+        The objective and the number of unknown parts, each of shape (rows,).
     """
     if isinstance(objective, str):
         return _single(catalog, sets, figures, objective)
@@ -119,7 +124,21 @@ def order(
     """Drives from best to worst.
 
     An objective that is known of all parts goes before one that is not, then the better one, then part numbers: the
-    same input gives the same order. ``before``: columns that go before all of that, the first one first.
+    same input gives the same order.
+
+    Parameters
+    ----------
+    catalog, sets
+        The parts, and the candidates.
+    value, missing
+        Of ``values``, each of shape (rows,).
+    before
+        Columns that go before all of these, the first one first.
+
+    Returns
+    -------
+    array of int
+        Rows, the best first, shape (rows,).
     """
     return np.lexsort((
         sets.belt,
@@ -142,6 +161,18 @@ def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name
     """Drives that no other drive equals or beats in every one of several objectives, in order of the first.
 
     Drives of which one of the objectives is not wholly known are left out.
+
+    Parameters
+    ----------
+    catalog, sets, figures
+        As for ``values``.
+    names
+        Objectives.
+
+    Returns
+    -------
+    array of int
+        Rows on the front.
     """
     columns = [_single(catalog, sets, figures, name) for name in names]
     known = np.flatnonzero(sum(missing for _, missing in columns) == 0)

@@ -96,6 +96,11 @@ def search(
         Called after each chunk.
     judge
         Which of those that pass their own checks pass the machine's budgets; all of them where not given.
+
+    Returns
+    -------
+    Found
+        The best, the closest rejected, the front, and the counts.
     """
     if problem.spec.method == "paper":
         return _by_the_paper(problem, top, objective, misses, pareto, judge)

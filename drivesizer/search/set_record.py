@@ -26,7 +26,24 @@ __all__ = ["drive_set"]
 
 
 def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Ranking) -> DriveSet:
-    """One row of an evaluation as a record."""
+    """One row of an evaluation as a record.
+
+    Parameters
+    ----------
+    evaluation
+        Of the candidates.
+    index
+        The row.
+    rank
+        Place in which it is shown.
+    objective
+        What ranked it.
+
+    Returns
+    -------
+    DriveSet
+        With its checks, requirements and figures.
+    """
     problem, catalog, candidates = evaluation.problem, evaluation.catalog, evaluation.candidates
     motor = catalog.motors.record(int(candidates.motor[index]))
     gearhead = catalog.gearheads.record(int(candidates.gearhead[index]))

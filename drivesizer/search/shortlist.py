@@ -95,6 +95,11 @@ def shortlist(
     brief
         Of what is sampled the probabilities alone: not what they hang on, nor the closed loop.
 
+    Returns
+    -------
+    Shortlist
+        Drives by their rows in the result of the search.
+
     Raises
     ------
     InputError

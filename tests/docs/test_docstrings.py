@@ -11,7 +11,7 @@ import drivesizer
 
 PACKAGE = Path(drivesizer.__file__).parent
 ROOMS = sorted(p.name for p in PACKAGE.iterdir() if (p.is_dir() and p.name != "__pycache__") or p.suffix == ".py")
-ROOMS_LEFT = {"commands", "machine", "output", "platform", "search", "sizing.py"}
+ROOMS_LEFT = {"commands", "output", "platform"}
 
 
 def public(tree: ast.Module) -> set[str]:

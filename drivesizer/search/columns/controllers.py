@@ -46,7 +46,20 @@ class Speeds(NamedTuple):
 
 
 def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
-    """Which rows a choice of families and part numbers leaves."""
+    """Rows that a choice of families and part numbers leaves.
+
+    Parameters
+    ----------
+    table
+        A section of the catalogue.
+    choice
+        Families and part numbers; empty ones allow all.
+
+    Returns
+    -------
+    array of bool
+        Shape (rows,).
+    """
     keep = ~table.excluded
     if choice.family:
         keep &= np.isin(table["family"], choice.family)
@@ -56,7 +69,20 @@ def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
 
 
 def in_order(table: Table[Any], figure: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Rows by a figure, then by part number; unknown figures last."""
+    """Rows by a figure, then by part number; unknown figures last.
+
+    Parameters
+    ----------
+    table
+        A section of the catalogue.
+    figure
+        Shape (rows,); NaN unknown.
+
+    Returns
+    -------
+    array of int
+        Row numbers, shape (rows,).
+    """
     return np.lexsort((table["part"], figure))
 
 
@@ -77,7 +103,7 @@ class Usable(NamedTuple):
 
 
 def usable_controllers(spec: RobotSpec, catalog: Catalog, supply: tuple[float, float] | None = None) -> Usable:
-    """Which controllers fit each motor, whatever its load.
+    """Controllers that fit each motor, whatever its load.
 
     Parameters
     ----------
@@ -85,6 +111,11 @@ def usable_controllers(spec: RobotSpec, catalog: Catalog, supply: tuple[float, f
         The requirements, and the parts to choose from.
     supply
         Lowest and highest voltage of the supply in all load cases [V]; the spec's own when not given.
+
+    Returns
+    -------
+    Usable
+        Rows by rising current, and which of them each motor may have, shape (motors, controllers).
     """
     table, (lowest, highest) = catalog.controllers, supply or (spec.supply.lowest, spec.supply.highest)
     order = in_order(table, table["continuous_current"])
@@ -122,6 +153,11 @@ def controllers(
         What each candidate's controller has to keep up with, where the method looks at it.
     usable
         Which there are for each motor, where that is at hand; it knows the supply in all load cases.
+
+    Returns
+    -------
+    Chosen
+        Row of each candidate's controller, shape (rows,), -1 where there is none, and its checks.
     """
     table = catalog.controllers
     order, allowed, lowest = usable or usable_controllers(spec, catalog)
@@ -185,6 +221,18 @@ def _split(buses: str) -> list[str]:
 
 def offers(offered: str, bus: str) -> bool:
     """Whether an entry such as ``EtherCAT option card`` is the required bus.
+
+    Parameters
+    ----------
+    offered
+        Entry of the catalogue.
+    bus
+        Name of the required bus.
+
+    Returns
+    -------
+    bool
+        Whether the entry begins with the name of the bus, in any case of letters.
 
     >>> offers("EtherCAT option card", "ethercat")
     True

@@ -97,12 +97,17 @@ def decided(
 
     Parameters
     ----------
-    spec, at, demand, heating, stresses, parts
+    spec, cycle_at_gearhead, demand, heating, stresses, parts
         As ``limits_over_time.exact`` takes them.
     alive
-        Which of them stand so far.
+        Candidates that have failed on nothing so far.
     before
         What was found with another controller.
+
+    Returns
+    -------
+    Pair
+        Lower and upper bounds, equal where they are exact.
     """
     case = _Case(spec, cycle_at_gearhead, demand, heating, stresses, parts)
     if before:
@@ -191,6 +196,20 @@ def _replaced(found: Pair, mask: NDArray[np.bool_], few: Sequence[Moments]) -> P
 
 def put(column: NDArray[Any], rows: NDArray[Any], some: NDArray[Any]) -> NDArray[Any]:
     """A column with some of its rows replaced.
+
+    Parameters
+    ----------
+    column
+        Shape (rows, ...).
+    rows
+        Row numbers or a mask.
+    some
+        New values of these rows.
+
+    Returns
+    -------
+    Array
+        A copy of the column.
 
     >>> put(np.array([1, 2, 3]), np.array([True, False, True]), np.array([7, 8])).tolist()
     [7, 2, 8]

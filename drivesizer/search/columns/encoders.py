@@ -34,7 +34,20 @@ class Offered(NamedTuple):
 
 
 def angle_per_edge(counts: Any, reduction: Any) -> Any:
-    """Angle of the load per edge of an encoder [rad]: of so many lines, at a motor behind a total ratio."""
+    """Angle of the load per edge of an encoder at the motor.
+
+    Parameters
+    ----------
+    counts
+        Lines per turn of the encoder.
+    reduction
+        Total ratio from the motor to the load.
+
+    Returns
+    -------
+    float or Array
+        [rad].
+    """
     return 2 * np.pi / (EDGES * counts * reduction)
 
 
@@ -45,6 +58,11 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> Offered:
     ----------
     spec, catalog
         The requirements, and the parts to choose from.
+
+    Returns
+    -------
+    Offered
+        Encoders of each motor, shape (motors, most of any).
     """
     table, choice = catalog.encoders, spec.select.encoder
     counted = lines(table)
@@ -89,6 +107,11 @@ def encoders_for(
     reduction
         From its motor to the load.
 
+    Returns
+    -------
+    array of int
+        Shape (rows,).
+
     Notes
     -----
     Where none has counts enough it is the one with the most, so that its check can say by how much it falls short.
@@ -109,8 +132,20 @@ def encoders_for(
 def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> list[CheckColumn]:
     """The counts of some encoders against those required; no check where the spec requires no encoder.
 
-    A motor without any listed encoder has an unknown one, for tables of what fits are partial: a reason to fall only
+    A motor without any listed encoder has an unknown one, for tables of what fits are partial: a reason to fail only
     where the spec requires counts, a family or a part.
+
+    Parameters
+    ----------
+    spec, catalog
+        The requirements, and the parts.
+    row
+        Encoder of each candidate, shape (rows,); -1 none.
+
+    Returns
+    -------
+    list[CheckColumn]
+        One column or none.
     """
     choice = spec.select.encoder
     least = max(spec.needs.encoder_counts or 0, choice.min_counts or 0)

@@ -84,7 +84,22 @@ def _belt_limits(
 
 
 def gearhead_limits(spec: RobotSpec, cycle_at_gearhead: AtGearhead, gearhead: Any) -> list[CheckColumn]:
-    """Limits of the gearhead, whatever motor drives it."""
+    """Limits of the gearhead, whatever motor drives it.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    cycle_at_gearhead
+        The load cycle at the gearhead's output.
+    gearhead
+        Columns over candidates by field name.
+
+    Returns
+    -------
+    list[CheckColumn]
+        Torque, speed and power, and what the spec requires of the gearhead.
+    """
     i, ambient = gearhead["ratio"], spec.environment.ambient
     torque: dict[str, Any] = {"needed": spec.margins.torque}
     speed: dict[str, Any] = {"needed": spec.margins.speed}
@@ -112,7 +127,20 @@ def gearhead_limits(spec: RobotSpec, cycle_at_gearhead: AtGearhead, gearhead: An
 
 
 def motor_limits(spec: RobotSpec, motor: Any) -> list[CheckColumn]:
-    """Limits of the motor, whatever it drives."""
+    """Limits of the motor, whatever it drives.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    motor
+        Columns over candidates by field name.
+
+    Returns
+    -------
+    list[CheckColumn]
+        Its range of ambient temperatures.
+    """
     ambient = spec.environment.ambient
     return [_in_range("motor_temperature_range", ambient, motor["ambient_min"], motor["ambient_max"])]
 
@@ -127,7 +155,20 @@ def _in_range(name: str, ambient: float, least: Any, most: Any) -> CheckColumn:
 
 
 def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]:
-    """Room, mass and money, where the spec limits them."""
+    """Dimensions, mass and price, where the spec limits them.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    motor, gearhead
+        Columns over candidates by field name.
+
+    Returns
+    -------
+    list[CheckColumn]
+        One for each limit that the spec sets.
+    """
     needs = spec.needs
     sums = {name: motor[name] + gearhead[name] for name in ("length", "mass", "price") if getattr(needs, name)}
     if needs.diameter:
@@ -136,7 +177,20 @@ def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]
 
 
 def shaft_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]:
-    """What pulls at the motor's shaft, where no gearhead is between it and the load."""
+    """Radial load on the motor's shaft, where no gearhead is between it and the load.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    motor, gearhead
+        Columns over candidates by field name.
+
+    Returns
+    -------
+    list[CheckColumn]
+        One column or none.
+    """
     if spec.needs.radial_load is None:
         return []
     limit = np.where(gearhead["kind"] == DIRECT, motor["max_radial_load"], np.inf)
@@ -147,7 +201,24 @@ def shaft_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn
 def moving_limits(
     spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, heating: Heat, parts: Parts
 ) -> list[CheckColumn]:
-    """Limits of the pair in motion that the moments decide; that of the winding by its mean, which is no more."""
+    """Limits of a combination in motion that the moments decide; that of the winding by its mean, which is no more.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    cycle_at_gearhead
+        The load cycle at the gearhead's output.
+    demand, heating
+        Columns over candidates, of ``demands`` and ``heat``.
+    parts
+        The parts of each candidate.
+
+    Returns
+    -------
+    list[CheckColumn]
+        Columns over candidates.
+    """
     motor, ambient = parts.motor, spec.environment.ambient
     torque, speed = spec.margins.torque, spec.margins.speed
     found = [
@@ -200,7 +271,24 @@ def _peak_torque(demand: Demands, stresses: Stress, motor: Any, needed: float) -
 def electrical_limits(
     spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, stresses: Stress, parts: Parts
 ) -> list[CheckColumn]:
-    """Limits of controller and encoder by current and speed."""
+    """Limits of controller and encoder by current and speed.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    cycle_at_gearhead
+        The load cycle at the gearhead's output.
+    demand, stresses
+        Columns over candidates, of ``demands`` and ``stress``.
+    parts
+        The parts of each candidate.
+
+    Returns
+    -------
+    list[CheckColumn]
+        Columns over candidates.
+    """
     controller, torque = parts.controller, spec.margins.torque
     return [
         _peak_torque(demand, stresses, parts.motor, torque),
@@ -214,12 +302,38 @@ def electrical_limits(
 
 
 def electrical_speed(demand: Demands, motor: Any) -> Array:
-    """Speed times pole pairs [rad/s], where the controller commutates; 0 of a brushed motor, which does so itself."""
+    """Speed times pole pairs, where the controller commutates; 0 of a brushed motor, which does so itself.
+
+    Parameters
+    ----------
+    demand
+        Columns over candidates, of ``demands``.
+    motor
+        Columns over candidates by field name.
+
+    Returns
+    -------
+    Array
+        [rad/s], shape (rows,).
+    """
     return np.where(motor["kind"] == "brushed", 0.0, demand.peak_speed * motor["pole_pairs"])
 
 
 def line_frequency(demand: Demands, encoder: Any) -> Array:
-    """Lines of the encoder per second at the highest speed [Hz]."""
+    """Lines of the encoder per second at the highest speed.
+
+    Parameters
+    ----------
+    demand
+        Columns over candidates, of ``demands``.
+    encoder
+        Columns over candidates by field name.
+
+    Returns
+    -------
+    Array
+        [Hz], shape (rows,).
+    """
     return np.asarray(lines(encoder) * demand.peak_speed / (2 * np.pi))
 
 

@@ -153,6 +153,11 @@ def between_bounds(high: Moments, cold: Moments, rows: Any, mean: Array, steady:
         Which they are.
     mean, steady
         Temperature of all windings in the long run at the cycle's RMS current, and at its largest [K].
+
+    Returns
+    -------
+    Pair
+        Lower and upper bounds of all candidates.
     """
     low = Moments(*(column.copy() for column in high))
     for name in ("voltage", "voltage_time", "power", "power_time"):
@@ -171,6 +176,11 @@ def least(found: Pair, demand: Demands, heating: Heat, stresses: Stress) -> Pair
         Lower and upper bounds over the waveform.
     demand, heating, stresses
         What it was computed from.
+
+    Returns
+    -------
+    Pair
+        The bounds; of candidates with incomplete demands the upper ones are NaN.
     """
     if demand.complete.all():
         return found
@@ -182,9 +192,23 @@ def least(found: Pair, demand: Demands, heating: Heat, stresses: Stress) -> Pair
 
 
 def hottest(spec: RobotSpec, cycle_at_gearhead: AtGearhead, heating: Heat, stresses: Stress, motor: Any) -> Array:
-    """Temperature that a winding of unknown heat does not exceed, or must not: the demand then is a safe bound [K].
+    """Temperature that a winding of unknown heat does not exceed, or must not: the demand then is a safe bound.
 
-    NaN where neither is known.
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    cycle_at_gearhead
+        The load cycle at the gearhead's output.
+    heating, stresses
+        Columns over candidates, of ``heat`` and ``stress``.
+    motor
+        Columns over candidates by field name.
+
+    Returns
+    -------
+    Array
+        [K], shape (rows,); NaN where neither is known.
     """
     found = temperature_at_most(spec.environment.ambient, cycle_at_gearhead, heating, stresses, motor)
     bound: Array = np.fmin(np.where(np.isfinite(found), found, np.nan), motor["max_winding_temperature"])
@@ -229,7 +253,22 @@ def _moments(
 
 
 def time_above(cycle_at_gearhead: AtGearhead, demand: Demands, parts: Parts) -> Array:
-    """Longest uninterrupted time above the controller's continuous current [s]."""
+    """Longest uninterrupted time above the controller's continuous current.
+
+    Parameters
+    ----------
+    cycle_at_gearhead
+        The load cycle at the gearhead's output.
+    demand
+        Columns over candidates, of ``demands``.
+    parts
+        The parts of each candidate, with its controller.
+
+    Returns
+    -------
+    Array
+        [s], shape (rows,).
+    """
     figures = parts.motor["torque_constant"], parts.controller["continuous_current"]
     found: Array = behind_each(cycle_at_gearhead, _time_above, demand.coefficients, *figures)
     return found
@@ -262,7 +301,22 @@ def _largest_voltage(found: Wave, cold: Peak) -> Peak:
 
 
 def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) -> list[CheckColumn]:
-    """Bounds over the waveform against the limits; all drives draw from one supply."""
+    """Bounds over the waveform against the limits; all drives draw from one supply.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    low, high
+        Lower and upper bounds; one object where they are exact.
+    parts
+        The parts of each candidate, with its controller.
+
+    Returns
+    -------
+    list[CheckColumn]
+        Columns over candidates; where only bounds are known a check may stay undecided.
+    """
     if low is high:
         return _limits(spec, high, parts)
     return [between(*both) for both in zip(*(_limits(spec, side, parts) for side in (low, high)), strict=True)]

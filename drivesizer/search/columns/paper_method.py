@@ -68,6 +68,11 @@ def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
         The robot.
     rotor_inertia
         J_m of (10) [kg*m^2], one figure or a column over candidates.
+
+    Returns
+    -------
+    Derivation
+        Each step with its inputs and its value.
     """
     d, load, motion, factors = Derivation(), spec.load, spec.motion, spec.paper_factors
     assert isinstance(load, WheeledVehicle) and isinstance(motion, Trapezoid)  # nothing else: RobotSpec.paper_applies
@@ -144,6 +149,11 @@ def at_the_motor(spec: RobotSpec, wheel: dict[str, Requirement], motor: Any, gea
         Figures of the candidates' parts by field name: a record's or columns'.
     belt
         Belt ratio of each candidate.
+
+    Returns
+    -------
+    Derivation
+        Each step with its inputs and its value.
     """
     d = Derivation()
     geared = {"K_g": gearhead["ratio"], "eta_gear": gearhead["efficiency"]}
@@ -202,7 +212,22 @@ def _speed_constant(shaft: dict[str, Requirement], motor: Any) -> Any:
 def rule(
     spec: RobotSpec, wheel: dict[str, Requirement], shaft: dict[str, Requirement], motor: Any, gearhead: Any, belt: Any
 ) -> list[CheckColumn]:
-    """The paper's conditions on gearhead and motor (section 3.1.3), as columns over the candidates."""
+    """The paper's conditions on gearhead and motor (section 3.1.3), as columns over the candidates.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    wheel, shaft
+        Requirements (1)-(16) and (17)-(20) by name.
+    motor, gearhead, belt
+        As for ``at_the_motor``.
+
+    Returns
+    -------
+    list[CheckColumn]
+        Columns over candidates.
+    """
     at_gearhead = belt * spec.belt_efficiency
     n_motor = wheel["nominal_speed"].value * gearhead["ratio"] * belt
     torque = wheel["rms_torque_per_motor"].value / at_gearhead, largest_torque(wheel) / at_gearhead
@@ -239,6 +264,11 @@ def largest_allowed(
     gear
         The checks on the gearhead's torques and input speed. Where a family has no reduction that passes them and
         some that are unknown, the largest of those remains.
+
+    Returns
+    -------
+    CheckColumn
+        Columns over candidates.
     """
     allowed = np.logical_and.reduce([check.passed for check in gear])
     possible = ~np.logical_or.reduce([check.failed for check in gear])

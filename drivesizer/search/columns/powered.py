@@ -70,6 +70,11 @@ def powered(
         Columns over candidates.
     exactly
         Compute the waveform of all; else only of those that safe bounds leave undecided.
+
+    Returns
+    -------
+    Powered
+        Row of each candidate's controller, its checks, and its figures.
     """
     ambients = [case.spec.environment.ambient for case in problem.cases]
     stresses = [

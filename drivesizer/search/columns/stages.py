@@ -81,6 +81,11 @@ def examine(
         Compute the waveform of all that come so far; else only of those that safe bounds leave undecided.
     margins
         Compute the smallest margin of each.
+
+    Yields
+    ------
+    Examined
+        One for each belt, in order.
     """
     offered, waiting = offers(problem), list[_Moved]()
     for belt, sets in several:
@@ -111,11 +116,8 @@ def _together(waiting: Sequence[_Moved]) -> bool:
 
 def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, staged: bool, margins: bool) -> _Moved:
     """The stages up to what moves."""
-    spec, catalog, cycles_at_gearhead = (
-        problem.spec,
-        problem.catalog,
-        [case.at_belt.behind(belt) for case in problem.cases],
-    )
+    spec, catalog = problem.spec, problem.catalog
+    cycles_at_gearhead = [case.at_belt.behind(belt) for case in problem.cases]
     sieve = Sieve(sets, staged, margins)
     sieve.parts(_alone(problem, offered, cycles_at_gearhead, staged))
     motor = Rows(catalog.motors, sets.motor[sieve.rows])

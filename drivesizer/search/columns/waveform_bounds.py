@@ -35,7 +35,24 @@ _SOME = 1e-300  # more than nothing, of an amount that is not known yet
 def bounds(
     spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
 ) -> Pair:
-    """Lower and upper bounds over the waveform, from moments and extremes alone."""
+    """Lower and upper bounds over the waveform, from moments and extremes alone.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    cycle_at_gearhead
+        The load cycle at the gearhead's output.
+    demand, heating, stresses
+        Columns over candidates, as ``demands``, ``heat`` and ``stress`` give them.
+    parts
+        The parts of each candidate.
+
+    Returns
+    -------
+    Pair
+        Lower and upper bounds, columns over candidates.
+    """
     nothing = np.full_like(demand.rms_current, np.nan)
     none = Moments(*[nothing] * len(Moments._fields))
     T_low, T_high = winding_limits(spec, cycle_at_gearhead, demand, heating, stresses, parts.motor)
@@ -106,7 +123,24 @@ def _resisted(
 def most_cold_power(
     spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
 ) -> Array:
-    """More than the electrical power ever is while the winding is at the ambient's temperature [W]."""
+    """Upper bound of the electrical power while the winding is at the ambient temperature.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    cycle_at_gearhead
+        The load cycle at the gearhead's output.
+    demand, heating, stresses
+        Columns over candidates, as ``demands``, ``heat`` and ``stress`` give them.
+    parts
+        The parts of each candidate.
+
+    Returns
+    -------
+    Array
+        [W], shape (rows,).
+    """
     k_t = parts.motor["torque_constant"]
     cold = np.asarray(resistance_at(resistance_25(parts.motor), spec.environment.ambient))
     return _power_bound(cycle_at_gearhead, demand, cold, k_t) + _most_beyond(cycle_at_gearhead, demand, stresses, k_t)
@@ -160,12 +194,17 @@ def closer(
 
     Parameters
     ----------
-    spec, at, demand, heating, stresses, parts
+    spec, cycle_at_gearhead, demand, heating, stresses, parts
         As in ``bounds``.
     found
         Its result.
     count
         Of blocks at most.
+
+    Returns
+    -------
+    Pair
+        Lower and upper bounds, no wider than those of ``found``.
     """
     T = _bracketed(cycle_at_gearhead, demand, heating, parts, spec.environment.ambient, count)
     pair = found[0]._replace(winding=T.lower), found[1]._replace(winding=T.upper)
@@ -236,6 +275,22 @@ def above_bounds(
     """Bounds of the uninterrupted time above the continuous current, from a cycle in so many pieces at most [s].
 
     That of the pieces that certainly are above, and of those that may be.
+
+    Parameters
+    ----------
+    cycle_at_gearhead
+        The load cycle at the gearhead's output.
+    demand, stresses
+        Columns over candidates, of ``demands`` and ``stress``.
+    parts
+        The parts of each candidate, with its controller.
+    pieces
+        Into which the cycle is cut, at most.
+
+    Returns
+    -------
+    tuple[Array, Array]
+        Lower and upper bound [s], each of shape (rows,).
     """
     store, name = cycle_at_gearhead.base.coarse, ("envelope", pieces)
     if name not in store:
