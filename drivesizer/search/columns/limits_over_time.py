@@ -87,7 +87,7 @@ def exact(
 
     Parameters
     ----------
-    spec, at, demand, heating, stresses, parts
+    spec, cycle_at_gearhead, demand, heating, stresses, parts
         The spec, its load cycle at the gearhead, and columns over candidates.
     what
         Which to compute: of the ``winding`` temperature, voltage and heat; its ``power`` and time of overload too;

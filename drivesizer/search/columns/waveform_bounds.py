@@ -83,7 +83,7 @@ def _resisted(
 
     Parameters
     ----------
-    spec, at, demand, heating, stresses, parts
+    spec, cycle_at_gearhead, demand, heating, stresses, parts
         As in ``bounds``.
     found
         Bounds of the winding's peak, and all else that does not hang on its resistance.
