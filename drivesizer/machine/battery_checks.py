@@ -207,7 +207,7 @@ def _lasting(spec: RobotSpec, section: Battery, pack: Pack, load: Load) -> list[
 
 
 def _voltages(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:
-    """What the drive was sized for: the supply's lowest and highest voltage."""
+    """Limits of the supply that the drive was sized for: its lowest and highest voltage."""
     emf = pack.emf(load.charge)
     found = [
         at_most("battery_power", load.peak, largest_power(emf, pack.resistance)),

@@ -92,7 +92,7 @@ class Pack:
 
     @property
     def rule(self) -> str:
-        """What its run times come from, in words; empty where nothing says how they go with the load."""
+        """Source of its run times, in words; empty where nothing says how they go with the load."""
         if self.table:
             return f"discharge table at constant {self.table.held}"
         if self.peukert:

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 class Operation(NamedTuple):
-    """What a drive does at points of torque and speed: arrays of their shape."""
+    """Operating points of a drive over torque and speed: arrays of their shape."""
 
     current: Array  # A
     voltage: Array  # V

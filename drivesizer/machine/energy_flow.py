@@ -43,7 +43,7 @@ class EnergyFlow(NamedTuple):
 
     @property
     def net(self) -> float:
-        """What the cycle costs the supply [J]."""
+        """Net energy from the supply over the cycle [J]."""
         return self.drawn - self.stored
 
     @property

@@ -1,4 +1,4 @@
-"""What a machine weighs, part by part, against what it may weigh; and the mass at which a drive carries itself.
+"""Mass of a machine, part by part, against its limit; and the mass at which a drive carries itself.
 
 A mass that is not known has a row of its own and no figure: the sum is that of what is known, and may break a limit but
 not keep it. Where the drive's own mass counts, a heavier machine may need a heavier drive: ``settle`` goes round until
@@ -29,7 +29,7 @@ _HEAVIEST = 1e6  # kg, beyond which masses run away
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MassBudget:
-    """What a machine weighs."""
+    """Mass of a machine, part by part."""
 
     rows: tuple[MassRow, ...]
     limit: float = math.nan  # kg; NaN where there is none
@@ -41,7 +41,7 @@ class MassBudget:
 
     @property
     def unknown(self) -> tuple[str, ...]:
-        """What has no figure."""
+        """Parts of unknown mass."""
         return tuple(row.name for row in self.rows if math.isnan(row.each))
 
     @property

@@ -127,7 +127,7 @@ def _as_far_as_known(demand: Demands, motor: Any) -> Demands:
 
 
 def _lines(spec: RobotSpec, drive_set: DriveSet, demand: Demands, hot: float, fastest: float) -> dict[str, Any]:
-    """What the motor can do at speeds from 0 to no load, or to the fastest of the cycle [rad/s]."""
+    """Torque of the motor at speeds from 0 to no load, or to the fastest of the cycle [rad/s]."""
     voltage, ambient = _voltage(spec, drive_set), spec.environment.ambient
     (cold_at_rest, cold_slope), (at_rest, slope) = (_line(demand, drive_set, voltage, T) for T in (ambient, hot))
     no_load = -cold_at_rest / cold_slope if cold_slope < 0.0 else 0.0
@@ -147,7 +147,7 @@ def _lines(spec: RobotSpec, drive_set: DriveSet, demand: Demands, hot: float, fa
 
 
 def _friction(demand: Demands, w: Any) -> Any:
-    """What the motor itself loses of its torque at a speed [N*m], turning."""
+    """Friction torque of the motor itself at a speed [N*m], turning."""
     return demand.coefficients[0, DIRECTION] + demand.coefficients[0, SPEED] / demand.total_ratio[0] * w
 
 

@@ -75,7 +75,7 @@ def _without(mass: MassBudget) -> tuple[str, ...]:
 
 
 def _taken(s: PlatformOnFloor) -> tuple[str, ...]:
-    """What footing and grip rest on."""
+    """Assumptions of footing and grip."""
     return (
         "Wheels and casters are equally stiff on a stiff frame.",
         "The motors share torque by least squares, not as would suit the floor best.",

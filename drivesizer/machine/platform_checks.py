@@ -278,7 +278,7 @@ def _limit(s: PlatformOnFloor, name: str) -> CheckColumn:
 
 
 def _off(s: PlatformOnFloor, name: str, least: Moment) -> CheckColumn:
-    """What the worst moment takes off, as a share."""
+    """Largest loss of load or margin over the motion, as a share."""
     if not s.section.height_known:
         return at_most(name, nan, 1.0, note=_NO_HEIGHT)
     time = np.asarray(least.time)

@@ -107,7 +107,7 @@ def _taking(required: Pulleys, table: Table[Any], section: str) -> NDArray[np.in
 
 
 def _stock(table: Table[Any], section: str) -> str:
-    """What a table has of belts or pulleys, in words."""
+    """Belts or pulleys of a table, in words."""
     kinds: dict[tuple[str, float], set[float]] = {}
     known = ~table.excluded & (table["profile"] != "") & ~np.isnan(table["pitch"] + table["width"])
     for row in np.flatnonzero(known):

@@ -65,7 +65,7 @@ class SetCycle(NamedTuple):
 
 
 class Warming(NamedTuple):
-    """What warms a motor: pieces of the cycle in order."""
+    """Heat sources of a motor: pieces of the cycle in order."""
 
     duration: Array  # s
     square: Array  # A^2, mean square current
@@ -154,7 +154,7 @@ def supplied(found: SetCycle, *, mean: bool = True) -> Wave:
 
 
 def lost_in_winding(found: SetCycle) -> float:
-    """What is lost over the cycle as the winding's two constants differ [J]."""
+    """Energy lost over the cycle as the winding's two constants differ [J]."""
     return float(lost(waveform(found, mean=True), *_surplus(found))[0])
 
 

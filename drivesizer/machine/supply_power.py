@@ -111,7 +111,7 @@ def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
 
 
 def together(powers: Sequence[DrivePower]) -> DrivePower:
-    """What the wheels of one platform draw at the same time: their sum, cut where any of them is.
+    """Power that the wheels of one platform draw at the same time: their sum, cut where any of them is.
 
     Largest powers are summed piece by piece, whether they fall together or not.
     """

@@ -87,7 +87,7 @@ def _summed(parts: dict[str, Any], figure: str, over: tuple[str, ...]) -> tuple[
 def _objective(
     evaluation: Evaluation, index: int, objective: Ranking, motor: Motor, gearhead: Gearhead
 ) -> tuple[float, tuple[str, ...]]:
-    """What it is ranked by, as it is shown: the margin itself, not what makes less of it better."""
+    """The objective, as it is shown: the margin itself, not what makes less of it better."""
     if objective == "margin":
         least = float(smallest_margin(evaluation.checks)[index])
         return (math.nan if math.isinf(least) else least), (OBJECTIVES[objective].note,)

@@ -60,11 +60,11 @@ class Moments(NamedTuple):
     above: Array  # s, longest uninterrupted time above the controller's continuous current
 
     def agreed(self, other: Moments) -> Moments:
-        """What two bounds agree on; unknown where they do not."""
+        """Figures on which two bounds agree; unknown where they do not."""
         return Moments(*(np.where(a == b, a, np.nan) for a, b in zip(self, other, strict=True)))
 
     def over(self, other: Moments, what: Wanted) -> Moments:
-        """What was computed of it, the rest of another."""
+        """Its computed figures, the rest those of another."""
         return self if what not in _TOLD else other._replace(**{name: getattr(self, name) for name in _TOLD[what]})
 
 

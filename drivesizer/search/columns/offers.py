@@ -1,4 +1,4 @@
-"""What all load cases of a problem share: the encoders and controllers of every motor, and the worst of each check."""
+"""Columns common to all load cases: the encoders and controllers of every motor, and the worst of each check."""
 
 from __future__ import annotations
 

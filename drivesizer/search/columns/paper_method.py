@@ -198,7 +198,7 @@ def largest_torque_at_motor(shaft: dict[str, Requirement]) -> Any:
 
 
 def _speed_constant(shaft: dict[str, Requirement], motor: Any) -> Any:
-    """What the speed constant must be at least, by (19) and (20): at the end of acceleration or where braking begins.
+    """Least speed constant by (19) and (20): at the end of acceleration or where braking begins.
 
     Uphill and on level ground it is the first, as printed.
     """

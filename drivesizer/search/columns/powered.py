@@ -37,7 +37,7 @@ class Moving(NamedTuple):
 
 
 class Powered(NamedTuple):
-    """What was found of candidates with their controllers."""
+    """Candidates with their controllers."""
 
     controller: NDArray[np.int64]  # row of each
     checks: list[CheckColumn]
@@ -99,7 +99,7 @@ def powered(
 
 
 class _Found(NamedTuple):
-    """What was found of candidates with some controllers."""
+    """Checks and bounds of candidates with some controllers."""
 
     checks: list[CheckColumn]
     dead: NDArray[np.bool_]  # by the electrical limits already
@@ -230,7 +230,7 @@ def _where_known(figures: dict[str, Array], cases: Sequence[Moving]) -> dict[str
 
 
 def _figures(problem: Problem, found: Sequence[Moments], stresses: Sequence[Stress]) -> dict[str, Array]:
-    """What objectives and records count: the first case's energy and heat, the largest current and temperature."""
+    """Figures for objectives and records: the first case's energy and heat, the largest current and temperature."""
     loads, share = [case.spec.load for case in problem.cases], problem.spec.supply.regeneration
     machines = problem.machine_cases
     power = [np.sum([loads[i].alike * found[i].power for i in wheels], 0) for wheels in machines]

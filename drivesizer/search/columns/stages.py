@@ -42,7 +42,7 @@ _BELTS = 16
 
 
 class Examined(NamedTuple):
-    """What was found of the candidates that came through, in their order."""
+    """Results of the candidates that came through, in their order."""
 
     sets: Candidates  # all that were looked at
     rows: NDArray[np.int64]  # which of them these are
@@ -177,7 +177,7 @@ def encoders_of(
 
 
 def _alone(problem: Problem, offered: Offers, cycles_at_gearhead: Sequence[AtGearhead], staged: bool) -> Alone:
-    """What concerns the load, a gearhead or a motor alone: once per part, not per pair.
+    """Limits of the load, a gearhead or a motor alone: once per part, not per combination.
 
     In stages the counts of a motor's best encoder are checked as well.
     """
@@ -220,7 +220,7 @@ def _joined(moved: Sequence[_Moved], which: NDArray[np.int64]) -> tuple[list[AtG
 
 
 def _examined(moved: _Moved, found: Powered) -> Examined:
-    """What was found of one belt's candidates."""
+    """Results of one belt's candidates."""
     sieve = moved.sieve
     sieve.checks = [check for check in sieve.checks if check.name != "winding_temperature"]
     sieve.failed_by["winding_temperature"] = sieve.failed_by["winding_temperature"] if sieve.staged else 0
