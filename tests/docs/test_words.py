@@ -42,7 +42,7 @@ RETIRED = {
     r"bears?": "withstands, is rated for",
     r"(sets?|drives?|none|many|nothing|that|which|still) stands?(?! for\b)|standing sets?": "meets all limits",
     r"pairs? of (a )?(motors?|gearheads?)|motor[- ]gearhead pairs?": "combination",
-    r"(motor|drive) sets?": "drive",
+    r"(?-i:([Mm]otor|[Dd]rive) sets?)": "drive",
     r"(best|better|each|every|another|other|these|those|many|all|some|such) sets?(?! of\b)": "drive",
     r"ways? (left|ahead|behind|travelled)|on (its|their) way": "path, travel, distance, route",
 }  # fmt: skip
