@@ -1,0 +1,178 @@
+"""Which figure follows from which others: log-linear laws, declared once.
+
+A law ``y = exp(b_0 + b_1 ln x_1 + ...)`` holds within one class of parts. Inertia grows about as mass times diameter
+squared, heat capacity as mass, thermal resistance against the surface, friction and loss with size and stages. Several
+laws may give one figure: a part is served by the one with the narrowest band whose terms it has.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from functools import cache
+from importlib import resources
+from typing import Any, NamedTuple
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from drivesizer.catalog.tables import Table
+
+__all__ = ["LAWS", "Law", "column", "laws", "members_of"]
+
+
+class Law(NamedTuple):
+    """One figure of one class of parts, from terms in logarithms."""
+
+    section: str
+    of: str  # class of parts, "" for all
+    figure: str
+    terms: tuple[str, ...]  # columns, or names of ``_DERIVED``
+
+
+# figure | terms of one law; terms of the next ...
+_MOTOR = """
+rotor_inertia | mass diameter; mass; mass motor_constant; mass diameter motor_constant; mass diameter length
+friction | nominal_torque; mass; mass diameter; mass motor_constant; mass diameter motor_constant
+thermal_resistance_winding | mass diameter; mass; mass motor_constant
+thermal_resistance_housing | mass diameter; mass
+winding_time_constant | thermal_resistance_winding mass; thermal_resistance_winding mass motor_constant
+motor_time_constant | thermal_resistance_housing mass; thermal_resistance_housing mass diameter
+inductance | resistance torque_constant mass; resistance mass; resistance
+diameter | mass
+length | mass diameter; diameter
+mass | diameter length; diameter; nominal_torque
+"""
+_GEARHEAD = """
+inertia | diameter ratio stages; mass ratio stages; continuous_torque ratio stages
+loss_per_stage | diameter ratio_per_stage; ratio_per_stage; -
+no_load_torque | continuous_torque ratio
+mass | diameter stages; continuous_torque stages
+length | diameter stages
+diameter | continuous_torque stages; continuous_torque
+backlash | diameter stages; stages
+"""
+_ACTUATOR = """
+rotor_inertia | mass; mass ratio; mass diameter; mass diameter ratio
+friction | mass
+loss | ratio; -
+mass | nominal_torque
+"""
+_ENCODER = """
+inertia | diameter
+mass | -
+current_draw | -
+"""
+_CLASSES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "motors": (_MOTOR, ("brushed", "inrunner", "outrunner", "frameless", "brushless")),
+    "gearheads": (_GEARHEAD, ("planetary", "spur")),
+    "actuators": (_ACTUATOR, ("planetary", "spur", "strain wave")),
+    "encoders": (_ENCODER, ("",)),
+}
+
+
+def _declared() -> Iterator[Law]:
+    for section, (listed, classes) in _CLASSES.items():
+        for line in listed.strip().splitlines():
+            figure, choices = (cell.strip() for cell in line.split("|"))
+            for terms in choices.split(";"):
+                names = tuple(term for term in terms.split() if term != "-")
+                yield from (Law(section, of, figure, names) for of in classes)
+
+
+LAWS: tuple[Law, ...] = tuple(_declared())
+
+
+def laws(section: str, figure: str) -> list[Law]:
+    """All laws of one figure.
+
+    >>> [law.terms for law in laws("encoders", "inertia")]
+    [('diameter',)]
+    """
+    return [law for law in LAWS if (law.section, law.figure) == (section, figure)]
+
+
+# What is no column of its own: known where all that it is made of is.
+_DERIVED: dict[str, Callable[[Table[Any]], NDArray[np.float64]]] = {
+    "motor_constant": lambda table: table["torque_constant"] ** 2 / table["resistance"],  # k_m^2 [N^2*m^2/W]
+    "ratio_per_stage": lambda table: table["ratio"] ** (1.0 / _stages(table)),
+    "loss_per_stage": lambda table: 1.0 - table["efficiency"] ** (1.0 / _stages(table)),
+    "loss": lambda table: 1.0 - table["efficiency"],
+    "friction": lambda table: _torque_constant(table) * table["no_load_current"],  # k_t I_0 [N*m]
+}
+
+
+def column(table: Table[Any], name: str) -> NDArray[np.float64]:
+    """A column of a law, as the catalogue has it or derived from it; NaN where that is unknown or not above 0.
+
+    Parameters
+    ----------
+    table
+        Parts of one kind.
+    name
+        Of a column, or of what is made of columns.
+
+    Returns
+    -------
+    NDArray
+        Shape (parts,), in SI.
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        values = _DERIVED[name](table) if name in _DERIVED else table[name]
+        return np.where(values > 0.0, values, np.nan)
+
+
+def _stages(table: Table[Any]) -> NDArray[np.float64]:
+    return np.where(table["stages"] > 0.0, table["stages"], np.nan)
+
+
+def _torque_constant(table: Table[Any]) -> NDArray[np.float64]:
+    """k_t at the rotor: an actuator's own is printed as ``motor_torque_constant``."""
+    return table["motor_torque_constant" if table.section == "actuators" else "torque_constant"]
+
+
+def members_of(table: Table[Any], of: str) -> NDArray[np.bool_]:
+    """Which parts belong to a class.
+
+    Parameters
+    ----------
+    table
+        Parts of one kind.
+    of
+        Name of the class: for motors ``brushed``, ``brushless`` or a construction; for gearheads their kind, for
+        actuators their gearing; "" for all.
+
+    Returns
+    -------
+    NDArray
+        Shape (parts,).
+    """
+    if not of:
+        return np.ones(len(table), bool)
+    if table.section == "motors" and of not in ("brushed", "brushless"):
+        return np.asarray(_constructions(table) == of, np.bool_)
+    rows: NDArray[np.bool_] = table["gearing" if table.section == "actuators" else "kind"] == of
+    if table.section == "gearheads":
+        rows &= table["ratio"] > 1.0  # none is a gearhead of its own in the table
+    return rows
+
+
+def _constructions(table: Table[Any]) -> NDArray[np.str_]:
+    """How each brushless motor is built, "" where that is not known."""
+    families = np.char.add(np.char.add(table["manufacturer"].astype(str), "\n"), table["family"].astype(str))
+    names, back = np.unique(families, return_inverse=True)
+    return np.where(table["kind"] == "brushless", np.array([_construction(n) for n in names.tolist()])[back], "")
+
+
+@cache
+def _patterns() -> list[dict[str, str]]:
+    text = (resources.files(__package__) / "constructions.yaml").read_text(encoding="utf-8")
+    found: list[dict[str, str]] = yaml.safe_load(text)
+    return found
+
+
+def _construction(name: str) -> str:
+    maker, family = name.split("\n", 1)
+    fits = (p["construction"] for p in _patterns() if p["maker"] == maker and re.match(p["family"], family))
+    return next(fits, "")
