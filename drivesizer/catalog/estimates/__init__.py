@@ -9,6 +9,6 @@ catalogues and measures each on families that were left out; ``fitted.json`` kee
 
 from __future__ import annotations
 
-from drivesizer.catalog.estimates.estimate import Estimate, estimates_of
+from drivesizer.catalog.estimates.estimate import Estimate, as_records, estimates_of
 
-__all__ = ["Estimate", "estimates_of"]
+__all__ = ["Estimate", "as_records", "estimates_of"]

@@ -17,7 +17,7 @@ from drivesizer.catalog.estimates.fit import Fit
 from drivesizer.catalog.estimates.laws import Law, column, members_of
 from drivesizer.catalog.tables import Table
 
-__all__ = ["Estimate", "Estimates", "estimate", "estimates_of", "kept", "written"]
+__all__ = ["Estimate", "Estimates", "as_records", "estimate", "estimates_of", "kept", "written"]
 
 _BEYOND = np.log(2.0)  # a term may lie this far outside the parts that the law was fitted to
 _STRANGER = (
@@ -111,6 +111,28 @@ def estimates_of(table: Table[Any], row: int) -> list[Estimate]:
         for figure, e in found
         if e.fit[0] >= 0
     ]
+
+
+def as_records(table: Table[Any], row: int) -> list[dict[str, Any]]:
+    """The estimates of a part for JSON: figures in SI, the band from the 5th to the 95th percentile.
+
+    Parameters
+    ----------
+    table
+        Parts of one kind.
+    row
+        Of the part.
+
+    Returns
+    -------
+    list
+        A record per figure: ``figure``, ``value``, ``low``, ``high``, ``terms``, ``peers``, ``parts``, ``families``.
+    """
+    return [
+        {"figure": one.figure, "value": one.value, "low": one.low, "high": one.high, "terms": list(one.fit.law.terms),
+         "peers": one.fit.law.of or one.fit.law.section, "parts": one.fit.parts, "families": one.fit.families}
+        for one in estimates_of(table, row)
+    ]  # fmt: skip
 
 
 @cache

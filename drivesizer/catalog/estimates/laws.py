@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.tables import Table
 
-__all__ = ["LAWS", "Law", "column", "laws", "members_of"]
+__all__ = ["LAWS", "Law", "column", "members_of"]
 
 
 class Law(NamedTuple):
@@ -82,15 +82,6 @@ def _declared() -> Iterator[Law]:
 
 
 LAWS: tuple[Law, ...] = tuple(_declared())
-
-
-def laws(section: str, figure: str) -> list[Law]:
-    """All laws of one figure.
-
-    >>> [law.terms for law in laws("encoders", "inertia")]
-    [('diameter',)]
-    """
-    return [law for law in LAWS if (law.section, law.figure) == (section, figure)]
 
 
 # What is no column of its own: known where all that it is made of is.
