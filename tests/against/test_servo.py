@@ -315,7 +315,7 @@ def test_a_long_profile_says_where_it_was_simulated_in_full_and_is_unknown_where
     one = chosen(spec)
     case = closed_loop_run.run(spec, one, long)
     told = next(said for said in validate(spec, one, profile=long).assumptions if said.startswith("the whole motion"))
-    assert "from 0 to 2, " in told and "unknown where that decides" in told
+    assert "from 0 to 2, " in told and "unknown where it decides" in told
 
     def status(more):
         found = checks(case._replace(allowed=({"load_speed_error": more}, {})))
@@ -336,7 +336,7 @@ def test_the_best_sets_of_the_search_are_ranked_anew(tmp_path, monkeypatch):
     assert status == sorted(status)
     assert sorted(proof["set"]["rank"] for proof in proofs) == [1, 2, 3]
     shown = CliRunner().invoke(app, ["validate", "--all", "--top", "2"])
-    assert "2 sets in closed loop" in shown.stdout and "tightest" in shown.stdout
+    assert "2 drives in closed loop" in shown.stdout and "tightest" in shown.stdout
     refused = CliRunner().invoke(app, ["validate", "--all", "--csv", "x.csv"])
     assert isinstance(refused.exception, InputError) and not (tmp_path / "x.csv").exists()
 

@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from drivesizer.physics.part_curves import bears_for
+from drivesizer.physics.part_curves import overload_times
 from drivesizer.physics.thermal import TwoBodies
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -121,7 +121,7 @@ def test_neither_reading_of_one_no_load_current_is_friction_over_speed():
 
 def test_without_thermal_figures_nothing_is_said_about_heat():
     for part in (ri50(), servo()):
-        assert np.isnan(bears_for(part, 5.0)).all()
+        assert np.isnan(overload_times(part, 5.0)).all()
 
 
 # --- the refinements -------------------------------------------------------------------------------------------------

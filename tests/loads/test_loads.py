@@ -187,7 +187,7 @@ def test_the_places_of_a_platform_tell_what_its_wheels_carry():
     assert held_by_the_floor(spec, 20.0) == pytest.approx(0.5 * (0.6 * 40.0 * G - 2 * 20.0 * 0.3 / 0.4) / 2)
     low = read_spec(YamlSource((CASTERS % VEHICLE).replace(", height: 0.3 m", ""), "x.yaml"))
     assert math.isnan(held_by_the_floor(low, 20.0))
-    with pytest.raises(InputError, match=r"x\.yaml.*load\.driven_share: the platform's places tell"):
+    with pytest.raises(InputError, match=r"x\.yaml.*load\.driven_share: each wheel's share follows from the platform"):
         read_spec(YamlSource(CASTERS % f"{VEHICLE}, driven_share: 60 %", "x.yaml"))
 
 
