@@ -164,7 +164,7 @@ ROWS: list[tuple[str, str, str, Figures]] = [
      "stall_current": "5.9 A", "no_load_speed": "88 rpm", "mass": "185 g"}),
     ("robotis", "actuators", "XH540-V270", {"ratio": "272.5", "stall_torque": "9.2 N*m", "stall_current": "2.4 A",
      "no_load_speed": "34 rpm", "max_radial_load": "40 N", "max_axial_load": "20 N"}),
-    ("robotis", "actuators", "MX-64 12 V", {"ratio": "200", "stall_torque": "6.0 N*m", "stall_current": "4.1 A",
+    ("robotis", "actuators", "MX-64 12 V", {"ratio": "200", "output_inertia": "0.012 kg*m^2", "stall_torque": "6.0 N*m", "stall_current": "4.1 A",
      "no_load_speed": "63 rpm", "mass": "165 g", "backlash": "20 arcmin"}),
     ("robotis", "actuators", "PH54-200-S500-R", {"ratio": "501.923", "no_load_speed": "33.1 rpm", "mass": "855 g",
      "no_load_current": "1.65 A", "nominal_speed": "29 rpm", "nominal_torque": "44.7 N*m", "nominal_current": "9.3 A"}),
