@@ -132,7 +132,8 @@ def discretised(machine: dict[str, Array], resistance: Array, period: Array) -> 
     Scaling and squaring of the exponential less one, F(2h) = 2 F + F^2: the digits of a slow state's small change
     are not lost beside 1 (C. Moler, C. Van Loan, SIAM Rev. 45 (2003) 3, method 3). All matrices of a batch are computed
     at once; ``scipy.linalg.expm`` loops over them, 11 exponentials per mode and node of temperature, and takes some
-    hundred times as long (0.8 s instead of 1 ms for one rigid drive train) without being more precise.
+    hundred times as long (0.8 s instead of 1 ms for one rigid drive train). Against 60 digits both are right to 1e-15
+    for a rigid drive train; where the inductance is unknown expm is closer, 1e-13 against 2e-12.
     """
     G = generators(machine, resistance)
     states = G.shape[-1] - 6
