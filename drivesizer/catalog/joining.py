@@ -105,8 +105,7 @@ def _kept(table: Table[Any], place: NDArray[np.int32]) -> Table[Any]:
         return table
     rows = np.empty(place.max() + 1, np.int64)
     rows[place] = np.arange(len(place))  # the last assignment counts
-    columns = {name: column[rows] for name, column in table.columns.items()}
-    return Table(table.section, columns, table.source[rows], table.excluded[rows])
+    return table.taken(rows)
 
 
 def _moved(pairs: Pairs, left: NDArray[np.int32], right: NDArray[np.int32]) -> Pairs:

@@ -75,6 +75,11 @@ class Table(Generic[Part]):
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.columns[name]
 
+    def taken(self, rows: NDArray[np.int64] | slice) -> Table[Part]:
+        """Some of the parts, as a table."""
+        columns = {name: values[rows] for name, values in self.columns.items()}
+        return Table(self.section, columns, self.source[rows], self.excluded[rows])
+
     def record(self, row: int) -> Part:
         """One part, as its record."""
         kind: type[Part] = PARTS[self.section]

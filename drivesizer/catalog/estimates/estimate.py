@@ -102,8 +102,7 @@ def estimates_of(table: Table[Any], row: int) -> list[Estimate]:
     list
         In the order in which the laws are declared.
     """
-    one: Table[Any] = Table(table.section, {name: values[row : row + 1] for name, values in table.columns.items()},
-                table.source[row : row + 1], table.excluded[row : row + 1])  # fmt: skip
+    one = table.taken(slice(row, row + 1))
     figures = dict.fromkeys(fit.law.figure for fit in kept() if fit.law.section == table.section)
     found = ((figure, estimate(one, figure)) for figure in figures)
     return [

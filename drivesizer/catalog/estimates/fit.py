@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.estimates.laws import LAWS, Law, column, members_of
+from drivesizer.catalog.estimates.laws import LAWS, Law, column, families_of, members_of
 from drivesizer.catalog.tables import Catalog, Table
 
 __all__ = ["Fit", "fit", "fits", "left_out"]
@@ -67,7 +67,7 @@ def fit(law: Law, table: Table[Any]) -> Fit | None:
     """
     x, y, rows = _logarithms(law, table)
     maker = table["manufacturer"][rows].astype(str)
-    family = np.char.add(np.char.add(maker, "\n"), table["family"][rows].astype(str))
+    family = families_of(table)[rows]
     families, makers = np.unique(family), np.unique(maker)
     if len(y) < _PARTS or len(families) < _FAMILIES:
         return None

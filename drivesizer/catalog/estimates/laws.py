@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.tables import Table
 
-__all__ = ["LAWS", "Law", "column", "members_of"]
+__all__ = ["LAWS", "Law", "column", "families_of", "members_of"]
 
 
 class Law(NamedTuple):
@@ -149,10 +149,14 @@ def members_of(table: Table[Any], of: str) -> NDArray[np.bool_]:
     return rows
 
 
+def families_of(table: Table[Any]) -> NDArray[np.str_]:
+    """Maker and family of each part, with a line's end between: families of two makers may have one name."""
+    return np.char.add(np.char.add(table["manufacturer"].astype(str), "\n"), table["family"].astype(str))
+
+
 def _constructions(table: Table[Any]) -> NDArray[np.str_]:
     """How each brushless motor is built, "" where that is not known."""
-    families = np.char.add(np.char.add(table["manufacturer"].astype(str), "\n"), table["family"].astype(str))
-    names, back = np.unique(families, return_inverse=True)
+    names, back = np.unique(families_of(table), return_inverse=True)
     return np.where(table["kind"] == "brushless", np.array([_construction(n) for n in names.tolist()])[back], "")
 
 

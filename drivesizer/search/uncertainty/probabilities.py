@@ -103,9 +103,7 @@ def _shared(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], proc
 
 def _over(check: CheckColumn, count: int) -> _Over:
     """Figures that are kept of a check; one figure where all samples have the same."""
-    margin = check.margin
-    tight = np.where(np.isnan(margin) | (check.by_choice & check.passed), np.inf, margin)
-    return _Over(*(_as_many(x, count) for x in (check.passed, check.failed, margin, tight)))
+    return _Over(*(_as_many(x, count) for x in (check.passed, check.failed, check.margin, check.tightness)))
 
 
 def _as_many(column: NDArray[Any], count: int) -> NDArray[Any]:
