@@ -61,7 +61,7 @@ def energy_flow(found: SetCycle) -> EnergyFlow:
         The drive over the cycle. Where its current is only a least one, everything that hangs on it is unknown.
     """
     power = _at_the_supply(found) | _at_the_shaft(found)
-    sets = found.spec.load.motors * found.cycle_at_gearhead.cycle.total
+    sets = found.spec.load.motors * found.cycle.load_cycle.total
     unknown = set() if found.known else set(power) - _OF_THE_LOAD
     return EnergyFlow(**{name: np.nan if name in unknown else sets * value for name, value in power.items()})
 
@@ -71,7 +71,7 @@ _OF_THE_LOAD = {"gearhead", "belt", "load"}
 
 def _at_the_supply(found: SetCycle) -> dict[str, float]:
     """Electrical power, means over the cycle [W]."""
-    sums, total = energy(supplied(found), storing=False), found.cycle_at_gearhead.cycle.total
+    sums, total = energy(supplied(found), storing=False), found.cycle.load_cycle.total
     returned = float(sums.returned[0]) / total
     return {
         "drawn": float(sums.drawn[0]) / total,
@@ -83,7 +83,7 @@ def _at_the_supply(found: SetCycle) -> dict[str, float]:
 
 def _at_the_shaft(found: SetCycle) -> dict[str, float]:
     """Mechanical power, means over the cycle [W]."""
-    cycle, moments = found.cycle_at_gearhead.cycle, found.cycle_at_gearhead.moments
+    cycle, moments = found.cycle.load_cycle, found.cycle.moments
     c, i = found.demands.coefficients[0], float(found.demands.total_ratio[0])
     (e,), (idle,) = gear_loss(found.gearhead)
     (coulomb,), _ = friction(found.motor)

@@ -33,13 +33,7 @@ from drivesizer.physics.motor_demand import (
 )
 from drivesizer.physics.stress import heat, housing_loss, volts_of
 from drivesizer.physics.supply_voltage import usable_voltage
-from drivesizer.physics.thermal import (
-    continuous_current,
-    current_derating,
-    rated_ambient,
-    resistance_25,
-    resistance_at,
-)
+from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
@@ -98,14 +92,12 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
     motor, gearhead, encoder = (OneRow(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
-    cycle_at_gearhead = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
-    demand = _as_far_as_known(demands(cycle_at_gearhead, motor, gearhead, encoder), motor)
-    cycle_speed, cycle_torque = _cycle(cycle_at_gearhead, demand)
-    rms_speed, rms_torque = _rms(cycle_at_gearhead, demand, drive_set)
+    cycle = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
+    demand = _as_far_as_known(demands(cycle, motor, gearhead, encoder), motor)
+    cycle_speed, cycle_torque = _cycle(cycle, demand)
+    rms_speed, rms_torque = _rms(cycle, demand, drive_set)
     return OperatingField(
-        **_lines(
-            spec, drive_set, demand, _hot(spec, cycle_at_gearhead, demand, motor), float(np.abs(cycle_speed).max())
-        ),
+        **_lines(spec, drive_set, demand, _hot(spec, cycle, demand, motor), float(np.abs(cycle_speed).max())),
         hot_permitted=not np.isnan(drive_set.motor.max_winding_temperature),
         permissible_speed=float(np.fmin(drive_set.motor.max_speed, drive_set.gearhead.intermittent_input_speed)),
         cycle_speed=cycle_speed,
@@ -151,13 +143,13 @@ def _friction(demand: Demands, w: Any) -> Any:
     return demand.coefficients[0, DIRECTION] + demand.coefficients[0, SPEED] / demand.total_ratio[0] * w
 
 
-def _hot(spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, motor: OneRow) -> float:
+def _hot(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: OneRow) -> float:
     """Temperature of the hot winding [K]: the permitted one, for a line that is valid in any permitted cycle.
 
     Where that is unknown it is the mean of this cycle in the long run, and the line is this cycle's alone.
     """
     permitted = float(motor["max_winding_temperature"][0])
-    steady = float(heat(spec.environment.ambient, cycle_at_gearhead, demand, motor).winding[0])
+    steady = float(heat(spec.environment.ambient, cycle, demand, motor).winding[0])
     return steady if np.isnan(permitted) and np.isfinite(steady) else permitted
 
 
@@ -198,15 +190,15 @@ def _intermittent(demand: Demands, drive_set: DriveSet, w: Array) -> Array:
     return found
 
 
-def _cycle(cycle_at_gearhead: AtGearhead, demand: Demands) -> tuple[Ends, Ends]:
+def _cycle(cycle: AtGearhead, demand: Demands) -> tuple[Ends, Ends]:
     """Speed [rad/s] and torque [N*m] at the motor's shaft at both ends of each segment."""
     at_shaft = demand.coefficients[0].copy()
     at_shaft[[DIRECTION, SPEED]] = 0.0
-    return cycle_at_gearhead.functions[:, :, SPEED] * demand.total_ratio[0], cycle_at_gearhead.functions @ at_shaft
+    return cycle.functions[:, :, SPEED] * demand.total_ratio[0], cycle.functions @ at_shaft
 
 
-def _rms(cycle_at_gearhead: AtGearhead, demand: Demands, drive_set: DriveSet) -> tuple[float, float]:
+def _rms(cycle: AtGearhead, demand: Demands, drive_set: DriveSet) -> tuple[float, float]:
     """RMS speed [rad/s], and the torque there that draws the RMS current [N*m]."""
-    w = float(np.sqrt(cycle_at_gearhead.moments[SPEED, SPEED]) * demand.total_ratio[0])
+    w = float(np.sqrt(cycle.moments[SPEED, SPEED]) * demand.total_ratio[0])
     torque = drive_set.motor.torque_constant * demand.rms_current[0] - _friction(demand, w)
     return w, float(np.maximum(torque, 0.0))

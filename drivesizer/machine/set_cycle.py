@@ -34,7 +34,7 @@ class SetCycle(NamedTuple):
     spec: RobotSpec
     motor: OneRow
     gearhead: OneRow
-    cycle_at_gearhead: AtGearhead
+    cycle: AtGearhead
     demands: Demands
     heat: Heat
     stress: Stress
@@ -97,18 +97,18 @@ def set_cycle(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> SetCycl
     motor, gearhead, encoder = (OneRow(part) for part in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     if base is None:  # cut as the search cut it
         base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)
-    cycle_at_gearhead = base.behind(drive_set.belt_ratio)
-    demand = demands(cycle_at_gearhead, motor, gearhead, encoder)
-    heating = heat(spec.environment.ambient, cycle_at_gearhead, demand, motor)
-    flows, course = current_and_winding(spec.environment.ambient, cycle_at_gearhead, demand, heating, motor)
+    cycle = base.behind(drive_set.belt_ratio)
+    demand = demands(cycle, motor, gearhead, encoder)
+    heating = heat(spec.environment.ambient, cycle, demand, motor)
+    flows, course = current_and_winding(spec.environment.ambient, cycle, demand, heating, motor)
     return SetCycle(
         spec,
         motor,
         gearhead,
-        cycle_at_gearhead,
+        cycle,
         demand,
         heating,
-        stress(spec.environment.ambient, cycle_at_gearhead, demand, motor),
+        stress(spec.environment.ambient, cycle, demand, motor),
         flows,
         course,
     )
@@ -159,12 +159,12 @@ def lost_in_winding(found: SetCycle) -> float:
 
 
 def _surplus(found: SetCycle) -> tuple[Array, Array]:
-    return found.demands.surplus(found.motor["torque_constant"]), found.cycle_at_gearhead.warming.functions[:, :, SPEED]
+    return found.demands.surplus(found.motor["torque_constant"]), found.cycle.warming.functions[:, :, SPEED]
 
 
 def warming(found: SetCycle) -> Warming:
     """Mean square current and loss at the housing over the pieces of which a winding feels the mean."""
-    duration, functions = found.cycle_at_gearhead.warming
+    duration, functions = found.cycle.warming
     speed, square = functions[:, :, SPEED], mean_square(found.flows)[0]
     loss = found.heat.friction[0] * np.abs(speed).mean(1) + found.heat.iron[0] * mean_product(speed, speed)
     return Warming(duration, square, loss)

@@ -84,7 +84,7 @@ def drive_power(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> Drive
         returned=sums.returned * sets,
         peak=np.maximum(peak, 0.0) * sets,
         returned_peak=np.maximum(back, 0.0) * sets,
-        distance=distance_of(spec, found.cycle_at_gearhead.cycle),
+        distance=distance_of(spec, found.cycle.load_cycle),
     )
 
 

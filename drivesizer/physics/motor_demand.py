@@ -72,7 +72,7 @@ class Scalars(NamedTuple):
 class CycleAtBelt:
     """A load cycle, or several, through a belt of ratio 1, its efficiency included."""
 
-    cycle: Any  # at the load: a LoadCycle, or several with the same fields as columns
+    load_cycle: Any  # at the load: a LoadCycle, or several with the same fields as columns
     functions: (
         Array  # the six at both ends of each segment: (segments, 2, 6); of several cycles (6, segments, 2, cycles)
     )
@@ -85,7 +85,7 @@ class CycleAtBelt:
     @cached_property
     def time(self) -> Array:
         """Time at both ends of each segment [s]: shape (segments, 2, ...)."""
-        return end_times(self.cycle.duration)
+        return end_times(self.load_cycle.duration)
 
     @cached_property
     def extremes(self) -> Extremes:
@@ -95,7 +95,7 @@ class CycleAtBelt:
     @cached_property
     def warming(self) -> Pieces:
         """Of one cycle: it in pieces so fine that a winding follows the mean of each, to 0.1 %."""
-        duration, functions = self.cycle.duration, self.functions
+        duration, functions = self.load_cycle.duration, self.functions
         changing = (functions[:, 0] != functions[:, 1]).any(axis=1)
         count = piece_counts(duration, np.where(changing, self.quickest, inf), 1e-3)
         if count.max() == 1:
@@ -127,9 +127,9 @@ class AtGearhead:
         self.load_torque, self.load_speed = one.load_torque, one.peak_speed  # N*m, rad/s, largest at the load
 
     @property
-    def cycle(self) -> Any:
+    def load_cycle(self) -> Any:
         """The load cycle at the load."""
-        return self.base.cycle
+        return self.base.load_cycle
 
     @property
     def extremes(self) -> Extremes:

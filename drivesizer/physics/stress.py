@@ -108,11 +108,7 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
 
 
 def heat(
-    ambient: Figure,
-    cycle_at_gearhead: AtGearhead,
-    demands: Demands,
-    motor: Any,
-    losses: tuple[Array, Array] | None = None,
+    ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Any, losses: tuple[Array, Array] | None = None
 ) -> Heat:
     """Losses at the housing, and mean temperature of the winding in the long run.
 
@@ -120,7 +116,7 @@ def heat(
     ----------
     ambient
         Temperature around the motors [K].
-    cycle_at_gearhead
+    cycle
         The load cycle at the gearhead's output.
     demands
         Required torque and current of each candidate.
@@ -135,9 +131,9 @@ def heat(
         Columns over candidates.
     """
     rubbing, iron = losses or housing_loss(motor, demands.total_ratio)
-    if not cycle_at_gearhead.acts[SPEED]:  # no friction at rest
+    if not cycle.acts[SPEED]:  # no friction at rest
         rubbing, iron = np.zeros_like(rubbing), np.zeros_like(iron)
-    moments = cycle_at_gearhead.moments
+    moments = cycle.moments
     mean = rubbing * moments[DIRECTION, SPEED] + iron * moments[SPEED, SPEED]
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     R_25 = resistance_25(motor)
@@ -145,14 +141,14 @@ def heat(
     return Heat(rubbing, iron, mean, np.asarray(winding))
 
 
-def stress(ambient: Figure, cycle_at_gearhead: AtGearhead, demands: Demands, motor: Any) -> Stress:
+def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Any) -> Stress:
     """Largest current of candidates, and largest voltage while the winding is cold; warm: see ``limits_over_time``.
 
     Parameters
     ----------
     ambient
         Temperature around the motors [K].
-    cycle_at_gearhead
+    cycle
         The load cycle at the gearhead's output.
     demands
         Required torque and current of each candidate.
@@ -166,21 +162,19 @@ def stress(ambient: Figure, cycle_at_gearhead: AtGearhead, demands: Demands, mot
     """
     k_t = motor["torque_constant"]
     cold = resistance_at(resistance_25(motor), ambient)
-    torque = peak(cycle_at_gearhead, demands.coefficients, demands.left_out)
-    volts = peak(cycle_at_gearhead, volts_of(demands, k_t, np.asarray(cold)), demands.left_out)
+    torque = peak(cycle, demands.coefficients, demands.left_out)
+    volts = peak(cycle, volts_of(demands, k_t, np.asarray(cold)), demands.left_out)
     return Stress(Peak(torque.value / k_t, torque.time), volts)
 
 
-def temperature_at_most(
-    ambient: Figure, cycle_at_gearhead: AtGearhead, heat: Heat, stress: Stress, motor: Any
-) -> Array:
+def temperature_at_most(ambient: Figure, cycle: AtGearhead, heat: Heat, stress: Stress, motor: Any) -> Array:
     """Temperature that no winding exceeds: in the long run at the largest current and loss all the time [K].
 
     Parameters
     ----------
     ambient
         Temperature around the motors [K].
-    cycle_at_gearhead
+    cycle
         The load cycle at the gearhead's output.
     heat, stress
         Losses and largest current of each candidate.
@@ -192,7 +186,7 @@ def temperature_at_most(
     array
         Temperature of each candidate [K]; infinite at thermal runaway, NaN where a figure is unknown.
     """
-    fast = cycle_at_gearhead.peak_speed
+    fast = cycle.peak_speed
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     loss = heat.friction * fast + heat.iron * fast**2
     return np.asarray(steady_winding_temperature(ambient, resistance_25(motor), *R_th, stress.current.value, loss))

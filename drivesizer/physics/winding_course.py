@@ -49,7 +49,7 @@ class Rises(NamedTuple):
 
 
 def current_and_winding(
-    ambient: float, cycle_at_gearhead: AtGearhead, demands: Demands, heat: Heat, motor: Any
+    ambient: float, cycle: AtGearhead, demands: Demands, heat: Heat, motor: Any
 ) -> tuple[Wave, WindingCourse]:
     """Current and induced voltage over the pieces of the cycle, and the winding's temperature.
 
@@ -57,7 +57,7 @@ def current_and_winding(
     ----------
     ambient
         Temperature around the motors [K].
-    cycle_at_gearhead
+    cycle
         The load cycle behind the belts of the candidates.
     demands, heat
         Required torque and current, and losses of the candidates: columns.
@@ -71,9 +71,9 @@ def current_and_winding(
         fails, one of unknown time constants at its mean in the long run, as a cycle makes it that is short against
         them.
     """
-    duration = cycle_at_gearhead.base.warming.duration
-    flowing, loss = behind_each(cycle_at_gearhead, _flowing, demands, heat, motor["torque_constant"])
-    flows, steady = Wave(duration, *flowing), cycle_at_gearhead.turning.steady
+    duration = cycle.base.warming.duration
+    flowing, loss = behind_each(cycle, _flowing, demands, heat, motor["torque_constant"])
+    flows, steady = Wave(duration, *flowing), cycle.turning.steady
     course = winding_course(two_bodies(motor), ambient, duration, mean_square(flows), loss, steady)
     mean = np.where(np.isfinite(heat.winding), heat.winding, np.nan)
     for rows, T in ((np.isinf(course.peak), motor["max_winding_temperature"]), (np.isnan(course.peak), mean)):

@@ -36,7 +36,7 @@ class LoadCase:
     @property
     def cycle(self) -> LoadCycle:
         """The load cycle at the driven shaft of one motor."""
-        cycle: LoadCycle = self.at_belt.cycle
+        cycle: LoadCycle = self.at_belt.load_cycle
         return cycle
 
 

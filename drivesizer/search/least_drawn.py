@@ -89,13 +89,13 @@ def least_power(problem: Problem, number: int, sets: Candidates) -> Array:
 
 def _behind(problem: Problem, offered: Offers, number: int, belt: float, sets: Candidates) -> Array:
     """The same of drives behind one belt."""
-    cycles_at_gearhead = [case.at_belt.behind(belt) for case in problem.cases]
+    cycles = [case.at_belt.behind(belt) for case in problem.cases]
     catalog, ambient = problem.catalog, problem.cases[number].spec.environment.ambient
     motor, gearhead = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
-    encoder = Rows(catalog.encoders, encoders_of(problem, offered, cycles_at_gearhead, sets.motor, gearhead["ratio"]))
-    demand = demands(cycles_at_gearhead[number], motor, gearhead, encoder)
+    encoder = Rows(catalog.encoders, encoders_of(problem, offered, cycles, sets.motor, gearhead["ratio"]))
+    demand = demands(cycles[number], motor, gearhead, encoder)
     cold = np.asarray(resistance_at(resistance_25(motor), ambient))
-    turning = demand.total_ratio * (demand.coefficients @ cycles_at_gearhead[number].moments[:, SPEED])
-    winding = heat(ambient, cycles_at_gearhead[number], demand, motor).winding
+    turning = demand.total_ratio * (demand.coefficients @ cycles[number].moments[:, SPEED])
+    winding = heat(ambient, cycles[number], demand, motor).winding
     known = demand.complete & np.isfinite(winding) & np.isfinite(motor["max_winding_temperature"])
     return np.where(known, cold * demand.rms_current**2 + turning, np.nan)

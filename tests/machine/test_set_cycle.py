@@ -80,11 +80,11 @@ def test_the_account_sums_to_what_is_drawn_and_agrees_with_the_result(kind, tmp_
         assert parts == pytest.approx(flow.drawn, rel=1e-9)
         assert flow.net == pytest.approx(told["energy"], rel=1e-9)
         assert flow.returned == pytest.approx(told["returned"], abs=1e-9 * flow.drawn)
-        heat = told["joule_heat"] * found.cycle_at_gearhead.cycle.total * result.spec.load.motors
+        heat = told["joule_heat"] * found.cycle.load_cycle.total * result.spec.load.motors
         assert flow.copper == pytest.approx(heat, rel=1e-9)
         assert flow.stored == pytest.approx(result.spec.supply.regeneration * flow.returned)
         pieces = by_hand.drive(one.motor, one.gearhead, _inertia(one), one.belt_ratio, one.belt_efficiency,
-                               by_hand.segments_of(found.cycle_at_gearhead.cycle))  # fmt: skip
+                               by_hand.segments_of(found.cycle.load_cycle))  # fmt: skip
         steady = by_hand.asked(pieces, one.motor, one.gearhead, result.spec.environment.ambient).settled
         fine, warm, _ = by_hand.periodic(pieces, one.motor, result.spec.environment.ambient, steady)
         drawn, returned, _ = by_hand.energy(fine, one.motor, [T.mean for T in warm])

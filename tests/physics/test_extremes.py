@@ -95,8 +95,8 @@ def test_the_peak_of_a_long_recording_is_that_of_every_moment():
     found = peak(at, c)
     assert found.value == pytest.approx(np.abs(values).max(axis=0), rel=1e-12)
     worst = np.abs(values).argmax(axis=0)
-    same = at.cycle.time.reshape(-1)[worst] == found.time
-    shown = np.abs(values[np.searchsorted(at.cycle.time[:, 0], found.time).clip(max=len(values) - 1)])
+    same = at.load_cycle.time.reshape(-1)[worst] == found.time
+    shown = np.abs(values[np.searchsorted(at.load_cycle.time[:, 0], found.time).clip(max=len(values) - 1)])
     assert same.mean() > 0.5  # of equal ones another may be told
     assert len(shown) == len(c)
 

@@ -37,15 +37,9 @@ class _Case:
     """One load case and its candidates: what all bounds and the waveform are computed from."""
 
     def __init__(
-        self,
-        spec: RobotSpec,
-        cycle_at_gearhead: AtGearhead,
-        demand: Demands,
-        heating: Heat,
-        stresses: Stress,
-        parts: Parts,
+        self, spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
     ) -> None:
-        self.spec, self.cycle_at_gearhead, self.columns = spec, cycle_at_gearhead, (demand, heating, stresses, parts)
+        self.spec, self.cycle, self.columns = spec, cycle, (demand, heating, stresses, parts)
         self.told = (
             two_bodies(parts.motor).known & ~np.isnan(heating.winding) & demand.complete
         )  # whose winding is known from the waveform
@@ -53,14 +47,7 @@ class _Case:
     def some(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
         """Of some of the candidates."""
         demand, heating, stresses, parts = self.columns
-        return (
-            self.spec,
-            self.cycle_at_gearhead.on(mask),
-            on(demand, mask),
-            on(heating, mask),
-            on(stresses, mask),
-            parts.on(mask),
-        )
+        return (self.spec, self.cycle.on(mask), on(demand, mask), on(heating, mask), on(stresses, mask), parts.on(mask))
 
     def open(self, found: Pair, alive: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
         """Of each limit, where the two bounds differ in the status of a candidate that passes so far."""
@@ -77,15 +64,13 @@ class _Case:
     @cached_property
     def coldest(self) -> Array:
         """An upper bound of the cycle's power with a cold winding [W]."""
-        found: Array = behind_each(
-            self.cycle_at_gearhead, partial(waveform_bounds.most_cold_power, self.spec), *self.columns
-        )
+        found: Array = behind_each(self.cycle, partial(waveform_bounds.most_cold_power, self.spec), *self.columns)
         return found
 
 
 def decided(
     spec: RobotSpec,
-    cycle_at_gearhead: AtGearhead,
+    cycle: AtGearhead,
     demand: Demands,
     heating: Heat,
     stresses: Stress,
@@ -97,7 +82,7 @@ def decided(
 
     Parameters
     ----------
-    spec, cycle_at_gearhead, demand, heating, stresses, parts
+    spec, cycle, demand, heating, stresses, parts
         As ``limits_over_time.exact`` takes them.
     alive
         Candidates that have failed on nothing so far.
@@ -109,14 +94,14 @@ def decided(
     Pair
         Lower and upper bounds, equal where they are exact.
     """
-    case = _Case(spec, cycle_at_gearhead, demand, heating, stresses, parts)
+    case = _Case(spec, cycle, demand, heating, stresses, parts)
     if before:
-        shortest, longest = behind_each(cycle_at_gearhead, waveform_bounds.above_bounds, demand, stresses, parts)
+        shortest, longest = behind_each(cycle, waveform_bounds.above_bounds, demand, stresses, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
     else:
-        found = behind_each(cycle_at_gearhead, partial(waveform_bounds.bounds, spec), demand, heating, stresses, parts)
+        found = behind_each(cycle, partial(waveform_bounds.bounds, spec), demand, heating, stresses, parts)
     left = case.open(found, alive)
-    long = len(cycle_at_gearhead.base.warming.duration) > _LONG
+    long = len(cycle.base.warming.duration) > _LONG
     if long:
         found, left = _closer(case, alive, found, left)
     return _exactly(case, alive, found, left, long)
@@ -130,9 +115,7 @@ def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDAr
     winding, every = np.logical_or.reduce(left[:_WINDING]), np.logical_or.reduce(left)
     first = winding if long else every
     what: Wanted = "winding" if long else _wanted(left)
-    wants: NDArray[np.bool_] = behind_each(
-        case.cycle_at_gearhead, lambda _, bus: np.full(len(bus), bus.any()), left[_BUS]
-    )
+    wants: NDArray[np.bool_] = behind_each(case.cycle, lambda _, bus: np.full(len(bus), bus.any()), left[_BUS])
     few = exact(*case.some(first), what) if first.any() else found
     if winding.any():
         new = [on(side, winding[first]).over(on(old, winding), "winding") for side, old in zip(few, found, strict=True)]
@@ -174,13 +157,13 @@ def _closer(
             left = case.open(found, alive)
     mask = left[_WINDING]
     if mask.any():
-        _, cycle_at_gearhead, demand, _, stresses, parts = case.some(mask)
-        times = waveform_bounds.above_bounds(cycle_at_gearhead, demand, stresses, parts, _PIECES)
+        _, cycle, demand, _, stresses, parts = case.some(mask)
+        times = waveform_bounds.above_bounds(cycle, demand, stresses, parts, _PIECES)
         found = _replaced(found, mask, [on(m, mask)._replace(above=a) for m, a in zip(found, times, strict=True)])
         left = case.open(found, alive)
     if (mask := left[_WINDING]).any():  # the current alone decides
-        _, cycle_at_gearhead, demand, _, _, parts = case.some(mask)
-        above = time_above(cycle_at_gearhead, demand, parts)
+        _, cycle, demand, _, _, parts = case.some(mask)
+        above = time_above(cycle, demand, parts)
         found = _replaced(found, mask, [on(m, mask)._replace(above=above) for m in found])
         left = case.open(found, alive)
     return found, left

@@ -41,14 +41,14 @@ __all__ = [
 Array = NDArray[np.float64]
 
 
-def load_limits(spec: RobotSpec, cycle_at_gearhead: AtGearhead, drive: BeltDrive | None = None) -> list[CheckColumn]:
+def load_limits(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None = None) -> list[CheckColumn]:
     """Limits of the load and of the belt, the same for all candidates.
 
     Parameters
     ----------
     spec
         The load case.
-    cycle_at_gearhead
+    cycle
         Its load cycle at the gearhead's output.
     drive
         Belt and pulleys of its ratio, where they are out of the catalogues.
@@ -60,22 +60,19 @@ def load_limits(spec: RobotSpec, cycle_at_gearhead: AtGearhead, drive: BeltDrive
     """
     grip = spec.margins.torque
     found = [
-        at_most(own.name, own.demand, own.limit, needed=grip, time=np.array(own.time))
-        for own in cycle_at_gearhead.cycle.own
+        at_most(own.name, own.demand, own.limit, needed=grip, time=np.array(own.time)) for own in cycle.load_cycle.own
     ]
-    return found + _belt_limits(spec, spec.belt, cycle_at_gearhead, drive) if spec.belt else found
+    return found + _belt_limits(spec, spec.belt, cycle, drive) if spec.belt else found
 
 
-def _belt_limits(
-    spec: RobotSpec, belt: BeltStage, cycle_at_gearhead: AtGearhead, drive: BeltDrive | None
-) -> list[CheckColumn]:
+def _belt_limits(spec: RobotSpec, belt: BeltStage, cycle: AtGearhead, drive: BeltDrive | None) -> list[CheckColumn]:
     """Limits of the belt of this ratio, as far as its pulleys are known."""
     found, diameter = [], drive.driven_diameter if drive else belt.pulley_diameter
     if diameter is not None and belt.max_tension is not None:
-        pull = cycle_at_gearhead.load_torque / (diameter / 2)
+        pull = cycle.load_torque / (diameter / 2)
         found.append(at_most("belt_tension", pull, belt.max_tension, needed=spec.margins.torque))
     if diameter is not None and belt.max_speed is not None:
-        fast = cycle_at_gearhead.load_speed * diameter / 2
+        fast = cycle.load_speed * diameter / 2
         found.append(at_most("belt_speed", fast, belt.max_speed, needed=spec.margins.speed))
     if drive is not None:  # passed by selection: the smallest pulleys with enough teeth are taken
         held = drive.teeth_in_mesh
@@ -83,14 +80,14 @@ def _belt_limits(
     return found
 
 
-def gearhead_limits(spec: RobotSpec, cycle_at_gearhead: AtGearhead, gearhead: Any) -> list[CheckColumn]:
+def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[CheckColumn]:
     """Limits of the gearhead, whatever motor drives it.
 
     Parameters
     ----------
     spec
         The machine, or one of its load cases.
-    cycle_at_gearhead
+    cycle
         The load cycle at the gearhead's output.
     gearhead
         Columns over candidates by field name.
@@ -103,23 +100,21 @@ def gearhead_limits(spec: RobotSpec, cycle_at_gearhead: AtGearhead, gearhead: An
     i, ambient = gearhead["ratio"], spec.environment.ambient
     torque: dict[str, Any] = {"needed": spec.margins.torque}
     speed: dict[str, Any] = {"needed": spec.margins.speed}
-    lasting = continuous_speed(
-        gearhead["manufacturer"], cycle_at_gearhead.mean_speed, cycle_at_gearhead.sustained_speed
-    )
-    peak_torque = cycle_at_gearhead.peak_torque
+    lasting = continuous_speed(gearhead["manufacturer"], cycle.mean_speed, cycle.sustained_speed)
+    peak_torque = cycle.peak_torque
     found = [
-        at_most("gearhead_continuous_torque", cycle_at_gearhead.rms_torque, gearhead["continuous_torque"], **torque),
+        at_most("gearhead_continuous_torque", cycle.rms_torque, gearhead["continuous_torque"], **torque),
         at_most("gearhead_intermittent_torque", peak_torque, gearhead["intermittent_torque"], **torque),
         at_most("gearhead_continuous_speed", lasting * i, gearhead["continuous_input_speed"], **speed),
-        at_most("gearhead_intermittent_speed", cycle_at_gearhead.peak_speed * i, gearhead["intermittent_input_speed"],
+        at_most("gearhead_intermittent_speed", cycle.peak_speed * i, gearhead["intermittent_input_speed"],
                 **speed),
-        at_most("gearhead_continuous_power", cycle_at_gearhead.mean_power, gearhead["continuous_power"], **torque),
-        at_most("gearhead_intermittent_power", cycle_at_gearhead.peak_power, gearhead["intermittent_power"], **torque),
+        at_most("gearhead_continuous_power", cycle.mean_power, gearhead["continuous_power"], **torque),
+        at_most("gearhead_intermittent_power", cycle.peak_power, gearhead["intermittent_power"], **torque),
         _in_range("gearhead_temperature_range", ambient, gearhead["temperature_min"], gearhead["temperature_max"]),
     ]  # fmt: skip
     needs = spec.needs
     if needs.backlash_at_load is not None:
-        found.append(at_most("backlash_at_load", gearhead["backlash"] / cycle_at_gearhead.belt, needs.backlash_at_load))
+        found.append(at_most("backlash_at_load", gearhead["backlash"] / cycle.belt, needs.backlash_at_load))
     if needs.radial_load is not None:
         load = at_most("gearhead_radial_load", needs.radial_load, gearhead["max_radial_load"], **torque)
         found.append(load)
@@ -199,7 +194,7 @@ def shaft_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn
 
 
 def moving_limits(
-    spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, heating: Heat, parts: Parts
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts
 ) -> list[CheckColumn]:
     """Limits of a combination in motion that the moments decide; that of the winding by its mean, which is no more.
 
@@ -207,7 +202,7 @@ def moving_limits(
     ----------
     spec
         The machine, or one of its load cases.
-    cycle_at_gearhead
+    cycle
         The load cycle at the gearhead's output.
     demand, heating
         Columns over candidates, of ``demands`` and ``heat``.
@@ -226,7 +221,7 @@ def moving_limits(
         nominal_current_limit(demand.rms_current, motor, ambient, torque),
         winding_limit(spec, heating.winding, motor),
     ]  # fmt: skip
-    return [*found, *_inertias(spec, cycle_at_gearhead, demand, parts), *_holding(spec, cycle_at_gearhead, parts)]
+    return [*found, *_inertias(spec, cycle, demand, parts), *_holding(spec, cycle, parts)]
 
 
 def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | None = None) -> CheckColumn:
@@ -237,26 +232,24 @@ def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | Non
     )  # fmt: skip
 
 
-def _inertias(spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
+def _inertias(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
     """Inertia ratio and first resonance: motor and load as two masses on the belt's stiffness."""
     needs, found = spec.needs, []
-    own = (parts.motor["rotor_inertia"] + parts.gearhead["inertia"]) * (
-        demand.total_ratio * cycle_at_gearhead.belt
-    ) ** 2
+    own = (parts.motor["rotor_inertia"] + parts.gearhead["inertia"]) * (demand.total_ratio * cycle.belt) ** 2
     if needs.inertia_ratio is not None:
-        found.append(at_most("inertia_ratio", cycle_at_gearhead.cycle.inertia / own, needs.inertia_ratio))
+        found.append(at_most("inertia_ratio", cycle.load_cycle.inertia / own, needs.inertia_ratio))
     if needs.resonance is not None:
         stiffness = spec.belt.stiffness if spec.belt and spec.belt.stiffness is not None else np.nan
-        found_at = np.sqrt(stiffness * (1 / own + 1 / cycle_at_gearhead.cycle.inertia)) / (2 * np.pi)
+        found_at = np.sqrt(stiffness * (1 / own + 1 / cycle.load_cycle.inertia)) / (2 * np.pi)
         found.append(at_least("first_resonance", needs.resonance, found_at))
     return found
 
 
-def _holding(spec: RobotSpec, cycle_at_gearhead: AtGearhead, parts: Parts) -> list[CheckColumn]:
+def _holding(spec: RobotSpec, cycle: AtGearhead, parts: Parts) -> list[CheckColumn]:
     """Torque at rest that reaches the motor, against its friction at standstill, which catalogues do not give."""
     if not spec.needs.hold_unpowered:
         return []
-    reaches = cycle_at_gearhead.torque_at_rest * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
+    reaches = cycle.torque_at_rest * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
     return [at_most("holding", reaches, np.full(reaches.shape, np.nan))]
 
 
@@ -269,7 +262,7 @@ def _peak_torque(demand: Demands, stresses: Stress, motor: Any, needed: float) -
 
 
 def electrical_limits(
-    spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, stresses: Stress, parts: Parts
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, stresses: Stress, parts: Parts
 ) -> list[CheckColumn]:
     """Limits of controller and encoder by current and speed.
 
@@ -277,7 +270,7 @@ def electrical_limits(
     ----------
     spec
         The machine, or one of its load cases.
-    cycle_at_gearhead
+    cycle
         The load cycle at the gearhead's output.
     demand, stresses
         Columns over candidates, of ``demands`` and ``stress``.
@@ -296,7 +289,7 @@ def electrical_limits(
                 needed=torque),
         at_most("controller_peak_current", stresses.current.value, controller["peak_current"],
                 needed=torque, time=stresses.current.time),
-        *_counting(spec, cycle_at_gearhead.belt, demand, parts),
+        *_counting(spec, cycle.belt, demand, parts),
         *_commutation(spec, demand, parts),
     ]  # fmt: skip
 

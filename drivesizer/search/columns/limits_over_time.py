@@ -76,7 +76,7 @@ Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds
 
 def exact(
     spec: RobotSpec,
-    cycle_at_gearhead: AtGearhead,
+    cycle: AtGearhead,
     demand: Demands,
     heating: Heat,
     stresses: Stress,
@@ -87,7 +87,7 @@ def exact(
 
     Parameters
     ----------
-    spec, cycle_at_gearhead, demand, heating, stresses, parts
+    spec, cycle, demand, heating, stresses, parts
         The spec, its load cycle at the gearhead, and columns over candidates.
     what
         Which to compute: of the ``winding`` temperature, voltage and heat; its ``power`` and time of overload too;
@@ -98,45 +98,34 @@ def exact(
     pair of Moments
         The same where heat is known; else the demand with the winding cold, and as warm as it may be.
     """
-    slices = _slices(cycle_at_gearhead, len(demand.rms_current))
+    slices = _slices(cycle, len(demand.rms_current))
     if len(slices) == 1:
-        return _pair(spec, cycle_at_gearhead, demand, heating, stresses, parts, what)
+        return _pair(spec, cycle, demand, heating, stresses, parts, what)
     found = [
-        _pair(spec, cycle_at_gearhead.on(k), on(demand, k), on(heating, k), on(stresses, k), parts.on(k), what)
-        for k in slices
+        _pair(spec, cycle.on(k), on(demand, k), on(heating, k), on(stresses, k), parts.on(k), what) for k in slices
     ]
     low, high = (Moments(*(np.concatenate(c) for c in zip(*side, strict=True))) for side in zip(*found, strict=True))
     return low, high
 
 
 def _pair(
-    spec: RobotSpec,
-    cycle_at_gearhead: AtGearhead,
-    demand: Demands,
-    heating: Heat,
-    stresses: Stress,
-    parts: Parts,
-    what: Wanted,
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts, what: Wanted
 ) -> Pair:
     ambient, motor = spec.environment.ambient, parts.motor
-    flows, course = current_and_winding(spec.environment.ambient, cycle_at_gearhead, demand, heating, motor)
+    flows, course = current_and_winding(spec.environment.ambient, cycle, demand, heating, motor)
     rows = np.flatnonzero(np.isnan(course.peak))
     T, R_25 = (course.ends, course.means), np.asarray(resistance_25(motor))
-    course.ends[rows] = hottest(spec, cycle_at_gearhead, heating, stresses, motor)[rows, None, None]
-    surplus, speed = demand.surplus(motor["torque_constant"]), cycle_at_gearhead.turning.speed
-    high = _moments(spec, cycle_at_gearhead, flows, (R_25, *T), (surplus, speed), stresses, parts, what)
+    course.ends[rows] = hottest(spec, cycle, heating, stresses, motor)[rows, None, None]
+    surplus, speed = demand.surplus(motor["torque_constant"]), cycle.turning.speed
+    high = _moments(spec, cycle, flows, (R_25, *T), (surplus, speed), stresses, parts, what)
     high = high._replace(winding=course.peak, winding_time=course.peak_time)
     if not len(rows):
         return high, high
     some, cold = Wave(flows.duration, flows.current[rows], flows.voltage[rows]), np.full((len(rows), 1, 1), ambient)
     winding, turning = (R_25[rows], cold, cold[..., 0]), (surplus[rows], speed if speed.ndim == 2 else speed[rows])
-    low = _moments(spec, cycle_at_gearhead.on(rows), some, winding, turning, on(stresses, rows), parts.on(rows), what)
+    low = _moments(spec, cycle.on(rows), some, winding, turning, on(stresses, rows), parts.on(rows), what)
     return between_bounds(
-        high,
-        low,
-        rows,
-        heating.winding,
-        temperature_at_most(spec.environment.ambient, cycle_at_gearhead, heating, stresses, motor),
+        high, low, rows, heating.winding, temperature_at_most(spec.environment.ambient, cycle, heating, stresses, motor)
     )
 
 
@@ -191,14 +180,14 @@ def least(found: Pair, demand: Demands, heating: Heat, stresses: Stress) -> Pair
     return low._replace(**filled), high
 
 
-def hottest(spec: RobotSpec, cycle_at_gearhead: AtGearhead, heating: Heat, stresses: Stress, motor: Any) -> Array:
+def hottest(spec: RobotSpec, cycle: AtGearhead, heating: Heat, stresses: Stress, motor: Any) -> Array:
     """Temperature that a winding of unknown heat does not exceed, or must not: the demand then is a safe bound.
 
     Parameters
     ----------
     spec
         The machine, or one of its load cases.
-    cycle_at_gearhead
+    cycle
         The load cycle at the gearhead's output.
     heating, stresses
         Columns over candidates, of ``heat`` and ``stress``.
@@ -210,14 +199,14 @@ def hottest(spec: RobotSpec, cycle_at_gearhead: AtGearhead, heating: Heat, stres
     Array
         [K], shape (rows,); NaN where neither is known.
     """
-    found = temperature_at_most(spec.environment.ambient, cycle_at_gearhead, heating, stresses, motor)
+    found = temperature_at_most(spec.environment.ambient, cycle, heating, stresses, motor)
     bound: Array = np.fmin(np.where(np.isfinite(found), found, np.nan), motor["max_winding_temperature"])
     return bound
 
 
 def _moments(
     spec: RobotSpec,
-    cycle_at_gearhead: AtGearhead,
+    cycle: AtGearhead,
     flows: Wave,
     winding: tuple[Array, Array, Array],
     turning: tuple[Array, Array],
@@ -234,7 +223,7 @@ def _moments(
     at_ends = flows._replace(voltage=flows.voltage + ends * flows.current)
     voltage, when = _largest_voltage(at_ends, stresses.cold_voltage)
     lost, total = means * mean_square(flows), flows.duration.sum()
-    copper = behind_each(cycle_at_gearhead, lambda _, some: some @ flows.duration, lost) / total
+    copper = behind_each(cycle, lambda _, some: some @ flows.duration, lost) / total
     nothing = np.full_like(voltage, np.nan)
     found = Moments(nothing, nothing, voltage, when, copper, *[nothing] * 6)
     if what == "winding":
@@ -252,12 +241,12 @@ def _moments(
     return found._replace(**(sums._asdict() | ({} if kept > 0.0 else {"stored": np.zeros_like(power)})))
 
 
-def time_above(cycle_at_gearhead: AtGearhead, demand: Demands, parts: Parts) -> Array:
+def time_above(cycle: AtGearhead, demand: Demands, parts: Parts) -> Array:
     """Longest uninterrupted time above the controller's continuous current.
 
     Parameters
     ----------
-    cycle_at_gearhead
+    cycle
         The load cycle at the gearhead's output.
     demand
         Columns over candidates, of ``demands``.
@@ -270,23 +259,21 @@ def time_above(cycle_at_gearhead: AtGearhead, demand: Demands, parts: Parts) -> 
         [s], shape (rows,).
     """
     figures = parts.motor["torque_constant"], parts.controller["continuous_current"]
-    found: Array = behind_each(cycle_at_gearhead, _time_above, demand.coefficients, *figures)
+    found: Array = behind_each(cycle, _time_above, demand.coefficients, *figures)
     return found
 
 
-def _time_above(cycle_at_gearhead: AtGearhead, coefficients: Array, k_t: Array, limit: Array) -> Array:
+def _time_above(cycle: AtGearhead, coefficients: Array, k_t: Array, limit: Array) -> Array:
     found = np.empty(len(limit))
-    for k in _slices(cycle_at_gearhead, len(found)):
+    for k in _slices(cycle, len(found)):
         c = coefficients[k]
-        found[k] = longest_above(
-            wave(cycle_at_gearhead.cycle.duration, cycle_at_gearhead.functions, c, c, k_t[k]), limit[k]
-        )
+        found[k] = longest_above(wave(cycle.load_cycle.duration, cycle.functions, c, c, k_t[k]), limit[k])
     return found
 
 
-def _slices(cycle_at_gearhead: AtGearhead, count: int) -> list[slice]:
+def _slices(cycle: AtGearhead, count: int) -> list[slice]:
     """Pieces of so many candidates; of none one piece without any, so that columns stay columns."""
-    size = max(1, _AT_ONCE // len(cycle_at_gearhead.base.warming.duration))
+    size = max(1, _AT_ONCE // len(cycle.base.warming.duration))
     return [slice(start, start + size) for start in range(0, max(count, 1), size)]
 
 

@@ -52,7 +52,7 @@ class Powered(NamedTuple):
 def powered(
     problem: Problem,
     offered: Offers,
-    cycles_at_gearhead: Sequence[AtGearhead],
+    cycles: Sequence[AtGearhead],
     cases: Sequence[Moving],
     parts: Parts,
     *,
@@ -64,7 +64,7 @@ def powered(
     ----------
     problem, offered
         The problem with its load cycles, and its controllers.
-    cycles_at_gearhead
+    cycles
         The load cycles behind the belts of the candidates.
     cases, parts
         Columns over candidates.
@@ -78,10 +78,9 @@ def powered(
     """
     ambients = [case.spec.environment.ambient for case in problem.cases]
     stresses = [
-        stress(ambient, cycle_at_gearhead, c.demand, parts.motor)
-        for ambient, cycle_at_gearhead, c in zip(ambients, cycles_at_gearhead, cases, strict=True)
+        stress(ambient, cycle, c.demand, parts.motor) for ambient, cycle, c in zip(ambients, cycles, cases, strict=True)
     ]
-    case = _Cases(problem, offered, cycles_at_gearhead, cases, stresses, parts, exactly)
+    case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly)
     continuous = np.zeros(len(parts.motor.rows), bool)
     chosen = case.controllers([u.cold_voltage.value for u in case.stresses], continuous)
     row, found = chosen.row, case.judged(chosen.row, None)
@@ -134,7 +133,7 @@ class _Cases(NamedTuple):
 
     problem: Problem
     offered: Offers
-    cycles_at_gearhead: Sequence[AtGearhead]
+    cycles: Sequence[AtGearhead]
     moving: Sequence[Moving]
     stresses: Sequence[Stress]
     parts: Parts
@@ -143,10 +142,8 @@ class _Cases(NamedTuple):
     def some(self, rows: NDArray[np.int64]) -> _Cases:
         """Some of the candidates."""
         moving, stresses = [on(case, rows) for case in self.moving], [on(u, rows) for u in self.stresses]
-        cycles_at_gearhead = [cycle_at_gearhead.on(rows) for cycle_at_gearhead in self.cycles_at_gearhead]
-        return self._replace(
-            cycles_at_gearhead=cycles_at_gearhead, moving=moving, stresses=stresses, parts=self.parts.on(rows)
-        )
+        cycles = [cycle.on(rows) for cycle in self.cycles]
+        return self._replace(cycles=cycles, moving=moving, stresses=stresses, parts=self.parts.on(rows))
 
     def controllers(self, voltage: Sequence[Array], continuous: NDArray[np.bool_]) -> Chosen:
         """The smallest that suffices in the worst of all cases, with the margins that the spec requires."""
@@ -169,9 +166,7 @@ class _Cases(NamedTuple):
         parts = self.parts._replace(controller=Rows(self.problem.catalog.controllers, row))
 
         def electrical(k: int) -> list[CheckColumn]:
-            checks = electrical_limits(
-                specs[k], self.cycles_at_gearhead[k], self.moving[k].demand, self.stresses[k], parts
-            )
+            checks = electrical_limits(specs[k], self.cycles[k], self.moving[k].demand, self.stresses[k], parts)
             return unknown_where_doubtful(checks, complete[k])
 
         first = worst_of_all(self.problem, electrical)
@@ -189,21 +184,17 @@ class _Cases(NamedTuple):
 
     def _pair(self, k: int, parts: Parts, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
         """Peaks and heat over the waveform of one load case."""
-        args = (self.problem.cases[k].spec, self.cycles_at_gearhead[k], *self.moving[k], self.stresses[k], parts)
+        args = (self.problem.cases[k].spec, self.cycles[k], *self.moving[k], self.stresses[k], parts)
         if not self.exactly:
             return decided(*args, ~dead, before)
         if before is None:
             return exact(*args)
-        above = time_above(self.cycles_at_gearhead[k], self.moving[k].demand, parts)
+        above = time_above(self.cycles[k], self.moving[k].demand, parts)
         return before[0]._replace(above=above), before[1]._replace(above=above)
 
 
 def _again(
-    case: _Cases,
-    row: NDArray[np.int64],
-    found: _Found,
-    continuous: NDArray[np.bool_],
-    rows: NDArray[np.int64],
+    case: _Cases, row: NDArray[np.int64], found: _Found, continuous: NDArray[np.bool_], rows: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], _Found, NDArray[np.bool_]]:
     """Other controllers for some candidates, where there are, what is found with them, and who changed."""
     changed = np.zeros(len(row), bool)

@@ -102,14 +102,14 @@ class _Moved(NamedTuple):
     """One belt's candidates that came through the cheap stages."""
 
     sieve: Sieve
-    cycles_at_gearhead: list[AtGearhead]
+    cycles: list[AtGearhead]
     cases: list[Moving]
     parts: Parts
 
 
 def _together(waiting: Sequence[_Moved]) -> bool:
     """Whether so much is little enough to be looked at in one go."""
-    pieces = max(len(cycle_at_gearhead.base.warming.duration) for cycle_at_gearhead in waiting[0].cycles_at_gearhead)
+    pieces = max(len(cycle.base.warming.duration) for cycle in waiting[0].cycles)
     count = sum(len(one.parts.motor.rows) for one in waiting)
     return len(waiting) <= _BELTS and pieces <= _SHORT and pieces * count <= _CELLS
 
@@ -117,40 +117,37 @@ def _together(waiting: Sequence[_Moved]) -> bool:
 def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, staged: bool, margins: bool) -> _Moved:
     """The stages up to what moves."""
     spec, catalog = problem.spec, problem.catalog
-    cycles_at_gearhead = [case.at_belt.behind(belt) for case in problem.cases]
+    cycles = [case.at_belt.behind(belt) for case in problem.cases]
     sieve = Sieve(sets, staged, margins)
-    sieve.parts(_alone(problem, offered, cycles_at_gearhead, staged))
+    sieve.parts(_alone(problem, offered, cycles, staged))
     motor = Rows(catalog.motors, sets.motor[sieve.rows])
     gearhead = Rows(catalog.gearheads, sets.gearhead[sieve.rows])
     listed = fits("compatibility", True, sets.listed[sieve.rows])
     beside = [*size_limits(spec, motor, gearhead), *shaft_limits(spec, motor, gearhead)]
     keep = sieve.through([listed, *beside])
     motor, gearhead = motor.on(keep), gearhead.on(keep)
-    encoder = encoders_of(problem, offered, cycles_at_gearhead, motor.rows, gearhead["ratio"])
+    encoder = encoders_of(problem, offered, cycles, motor.rows, gearhead["ratio"])
     if not staged:  # in stages each motor was judged by what there is for it
         sieve.through(counts_check(spec, catalog, encoder))
     parts = Parts(motor, gearhead, Rows(catalog.encoders, encoder), None)
-    cases = [
-        _moving(case, cycle_at_gearhead, parts)
-        for case, cycle_at_gearhead in zip(problem.cases, cycles_at_gearhead, strict=True)
-    ]
+    cases = [_moving(case, cycle, parts) for case, cycle in zip(problem.cases, cycles, strict=True)]
 
     def moving(k: int) -> list[CheckColumn]:
-        checks = moving_limits(problem.cases[k].spec, cycles_at_gearhead[k], *cases[k], parts)
+        checks = moving_limits(problem.cases[k].spec, cycles[k], *cases[k], parts)
         return unknown_where_doubtful(checks, cases[k].demand.complete)
 
     keep = sieve.through(worst_of_all(problem, moving))
     cases, parts = [on(case, keep) for case in cases], parts.on(keep)
-    return _Moved(sieve, cycles_at_gearhead, cases, parts)
+    return _Moved(sieve, cycles, cases, parts)
 
 
-def _moving(case: LoadCase, cycle_at_gearhead: AtGearhead, parts: Parts) -> Moving:
-    demand = demands(cycle_at_gearhead, parts.motor, parts.gearhead, parts.encoder)
-    return Moving(demand, heat(case.spec.environment.ambient, cycle_at_gearhead, demand, parts.motor))
+def _moving(case: LoadCase, cycle: AtGearhead, parts: Parts) -> Moving:
+    demand = demands(cycle, parts.motor, parts.gearhead, parts.encoder)
+    return Moving(demand, heat(case.spec.environment.ambient, cycle, demand, parts.motor))
 
 
 def encoders_of(
-    problem: Problem, offered: Offers, cycles_at_gearhead: Sequence[AtGearhead], motor: NDArray[np.int64], ratio: Array
+    problem: Problem, offered: Offers, cycles: Sequence[AtGearhead], motor: NDArray[np.int64], ratio: Array
 ) -> NDArray[np.int64]:
     """An encoder for each candidate that does in the fastest of all load cases.
 
@@ -158,7 +155,7 @@ def encoders_of(
     ----------
     problem, offered
         The problem, and its encoders.
-    cycles_at_gearhead
+    cycles
         The load cycle of each case at the gearhead's output.
     motor, ratio
         Row of each candidate's motor, and ratio of its gearhead, shape (candidates,).
@@ -169,24 +166,21 @@ def encoders_of(
         Row of each candidate's encoder; -1 where none is listed for its motor.
     """
     specs = [case.spec for case in problem.cases]
-    fastest = max(
-        cycle_at_gearhead.peak_speed * (1.0 + spec.margins.speed)
-        for spec, cycle_at_gearhead in zip(specs, cycles_at_gearhead, strict=True)
-    )
-    return encoders_for(problem.spec, offered.encoders, motor, fastest * ratio, ratio * cycles_at_gearhead[0].belt)
+    fastest = max(cycle.peak_speed * (1.0 + spec.margins.speed) for spec, cycle in zip(specs, cycles, strict=True))
+    return encoders_for(problem.spec, offered.encoders, motor, fastest * ratio, ratio * cycles[0].belt)
 
 
-def _alone(problem: Problem, offered: Offers, cycles_at_gearhead: Sequence[AtGearhead], staged: bool) -> Alone:
+def _alone(problem: Problem, offered: Offers, cycles: Sequence[AtGearhead], staged: bool) -> Alone:
     """Limits of the load, a gearhead or a motor alone: once per part, not per combination.
 
     In stages the counts of a motor's best encoder are checked as well.
     """
     catalog, specs = problem.catalog, [case.spec for case in problem.cases]
     counted = counts_check(problem.spec, catalog, offered.encoders.last) if staged else []
-    drive = problem.belt_drive(cycles_at_gearhead[0].belt)
+    drive = problem.belt_drive(cycles[0].belt)
     return Alone(
-        worst_of_all(problem, lambda k: load_limits(specs[k], cycles_at_gearhead[k], drive)),
-        worst_of_all(problem, lambda k: gearhead_limits(specs[k], cycles_at_gearhead[k], catalog.gearheads)),
+        worst_of_all(problem, lambda k: load_limits(specs[k], cycles[k], drive)),
+        worst_of_all(problem, lambda k: gearhead_limits(specs[k], cycles[k], catalog.gearheads)),
         [*worst_of_all(problem, lambda k: motor_limits(specs[k], catalog.motors)), *counted],
     )
 
@@ -194,8 +188,8 @@ def _alone(problem: Problem, offered: Offers, cycles_at_gearhead: Sequence[AtGea
 def _powered(problem: Problem, offered: Offers, moved: Sequence[_Moved], exact: bool) -> list[Examined]:
     """Current, and what needs the waveform, with the smallest controller that does for all cases."""
     counts = [len(one.parts.motor.rows) for one in moved]
-    cycles_at_gearhead, cases, parts = _joined(moved, np.repeat(np.arange(len(moved)), counts))
-    found = powered(problem, offered, cycles_at_gearhead, cases, parts, exactly=exact)
+    cycles, cases, parts = _joined(moved, np.repeat(np.arange(len(moved)), counts))
+    found = powered(problem, offered, cycles, cases, parts, exactly=exact)
     if len(moved) == 1:
         return [_examined(moved[0], found)]
     ends = np.cumsum(counts).tolist()
@@ -206,17 +200,14 @@ def _powered(problem: Problem, offered: Offers, moved: Sequence[_Moved], exact: 
 def _joined(moved: Sequence[_Moved], which: NDArray[np.int64]) -> tuple[list[AtGearhead], list[Moving], Parts]:
     """Several belts' candidates one after the other; ``which``: the number of each one's belt."""
     if len(moved) == 1:
-        return moved[0].cycles_at_gearhead, moved[0].cases, moved[0].parts
-    cycles_at_gearhead = [
-        AtGearheads(same, which).on(slice(None))
-        for same in zip(*(one.cycles_at_gearhead for one in moved), strict=True)
-    ]
+        return moved[0].cycles, moved[0].cases, moved[0].parts
+    cycles = [AtGearheads(same, which).on(slice(None)) for same in zip(*(one.cycles for one in moved), strict=True)]
     cases = [put_together(same) for same in zip(*(one.cases for one in moved), strict=True)]
     motor, gearhead, encoder = (
         Rows(same[0].table, np.concatenate([part.rows for part in same]))
         for same in zip(*(one.parts[:3] for one in moved), strict=True)
     )
-    return cycles_at_gearhead, cases, Parts(motor, gearhead, encoder, None)
+    return cycles, cases, Parts(motor, gearhead, encoder, None)
 
 
 def _examined(moved: _Moved, found: Powered) -> Examined:

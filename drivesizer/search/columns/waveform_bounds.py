@@ -32,16 +32,14 @@ _CELLS = 1 << 16  # candidates times pieces in a block: what stays in the proces
 _SOME = 1e-300  # more than nothing, of an amount that is not known yet
 
 
-def bounds(
-    spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
-) -> Pair:
+def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts) -> Pair:
     """Lower and upper bounds over the waveform, from moments and extremes alone.
 
     Parameters
     ----------
     spec
         The machine, or one of its load cases.
-    cycle_at_gearhead
+    cycle
         The load cycle at the gearhead's output.
     demand, heating, stresses
         Columns over candidates, as ``demands``, ``heat`` and ``stress`` give them.
@@ -55,23 +53,23 @@ def bounds(
     """
     nothing = np.full_like(demand.rms_current, np.nan)
     none = Moments(*[nothing] * len(Moments._fields))
-    T_low, T_high = winding_limits(spec, cycle_at_gearhead, demand, heating, stresses, parts.motor)
-    shortest, longest = above_bounds(cycle_at_gearhead, demand, stresses, parts)
+    T_low, T_high = winding_limits(spec, cycle, demand, heating, stresses, parts.motor)
+    shortest, longest = above_bounds(cycle, demand, stresses, parts)
     low, high = none._replace(winding=T_low, above=shortest), none._replace(winding=T_high, above=longest)
     coolest = coolest_winding(
         two_bodies(parts.motor),
         spec.environment.ambient,
         demand.rms_current,
-        cycle_at_gearhead.cycle.total,
+        cycle.load_cycle.total,
         heating.mean,
         T_low,
     )
-    return _resisted(spec, cycle_at_gearhead, demand, heating, stresses, parts, (low, high), coolest)
+    return _resisted(spec, cycle, demand, heating, stresses, parts, (low, high), coolest)
 
 
 def _resisted(
     spec: RobotSpec,
-    cycle_at_gearhead: AtGearhead,
+    cycle: AtGearhead,
     demand: Demands,
     heating: Heat,
     stresses: Stress,
@@ -83,7 +81,7 @@ def _resisted(
 
     Parameters
     ----------
-    spec, cycle_at_gearhead, demand, heating, stresses, parts
+    spec, cycle, demand, heating, stresses, parts
         As in ``bounds``.
     found
         Bounds of the winding's peak, and all else that does not hang on its resistance.
@@ -92,36 +90,31 @@ def _resisted(
     """
     motor, (low, high) = parts.motor, found
     k_t, permitted = motor["torque_constant"], motor["max_winding_temperature"]
-    bound = hottest(spec, cycle_at_gearhead, heating, stresses, motor)
+    bound = hottest(spec, cycle, heating, stresses, motor)
     warmest = np.fmin(np.where(np.isnan(high.winding), bound, high.winding), permitted)  # else it fails by its heat
     warmest = np.where(np.isfinite(warmest), warmest, np.nan)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
-    at_hot = np.maximum(
-        peak(cycle_at_gearhead, volts_of(demand, k_t, hot), demand.left_out).value, stresses.cold_voltage.value
-    )
-    low = low._replace(voltage=_least_voltage(cycle_at_gearhead, demand, cool, k_t, stresses.cold_voltage.value))
+    at_hot = np.maximum(peak(cycle, volts_of(demand, k_t, hot), demand.left_out).value, stresses.cold_voltage.value)
+    low = low._replace(voltage=_least_voltage(cycle, demand, cool, k_t, stresses.cold_voltage.value))
     high = high._replace(voltage=at_hot)
     keeps, same = kept_on_the_bus(spec) > 0.0, demand.surplus(k_t) == 0.0
     if not keeps:
         low, high = (side._replace(stored=np.zeros_like(k_t)) for side in (low, high))
     if not (spec.supply.current or spec.supply.power or keeps):
         return low, high
-    low = low._replace(power=_corner_power(cycle_at_gearhead, demand, cool, k_t)[0])
+    low = low._replace(power=_corner_power(cycle, demand, cool, k_t)[0])
     if spec.supply.current or spec.supply.power:
-        most = np.minimum(_power_bound(cycle_at_gearhead, demand, hot, k_t), stresses.current.value * at_hot)
-        high = high._replace(power=most + _most_beyond(cycle_at_gearhead, demand, stresses, k_t))
+        most = np.minimum(_power_bound(cycle, demand, hot, k_t), stresses.current.value * at_hot)
+        high = high._replace(power=most + _most_beyond(cycle, demand, stresses, k_t))
     if keeps:
-        least, braked = (
-            _corner_power(cycle_at_gearhead, demand, hot, k_t)[1],
-            braking_torque(cycle_at_gearhead, demand.coefficients),
-        )
+        least, braked = (_corner_power(cycle, demand, hot, k_t)[1], braking_torque(cycle, demand.coefficients))
         low = low._replace(stored=np.where((least < 0.0) & same, _SOME, 0.0))
         high = high._replace(stored=np.where(braked, np.inf, 0.0))
     return low, high
 
 
 def most_cold_power(
-    spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
 ) -> Array:
     """Upper bound of the electrical power while the winding is at the ambient temperature.
 
@@ -129,7 +122,7 @@ def most_cold_power(
     ----------
     spec
         The machine, or one of its load cases.
-    cycle_at_gearhead
+    cycle
         The load cycle at the gearhead's output.
     demand, heating, stresses
         Columns over candidates, as ``demands``, ``heat`` and ``stress`` give them.
@@ -143,46 +136,42 @@ def most_cold_power(
     """
     k_t = parts.motor["torque_constant"]
     cold = np.asarray(resistance_at(resistance_25(parts.motor), spec.environment.ambient))
-    return _power_bound(cycle_at_gearhead, demand, cold, k_t) + _most_beyond(cycle_at_gearhead, demand, stresses, k_t)
+    return _power_bound(cycle, demand, cold, k_t) + _most_beyond(cycle, demand, stresses, k_t)
 
 
-def _most_beyond(cycle_at_gearhead: AtGearhead, demand: Demands, stresses: Stress, k_t: Array) -> Array:
+def _most_beyond(cycle: AtGearhead, demand: Demands, stresses: Stress, k_t: Array) -> Array:
     """What power is above V I at most [W] where two constants differ (``waveform.balanced``); infinite if unknown."""
-    found = 2.0 * np.abs(demand.surplus(k_t)) * cycle_at_gearhead.peak_speed * stresses.current.value
+    found = 2.0 * np.abs(demand.surplus(k_t)) * cycle.peak_speed * stresses.current.value
     return np.where(np.isnan(found), np.inf, found)
 
 
-def _least_voltage(cycle_at_gearhead: AtGearhead, demand: Demands, cool: Array, k_t: Array, cold: Array) -> Array:
+def _least_voltage(cycle: AtGearhead, demand: Demands, cool: Array, k_t: Array, cold: Array) -> Array:
     """Less than the largest voltage: cold at the start, or at a bound where a warmer winding only raises it."""
-    points = np.concatenate([cycle_at_gearhead.extremes.high, cycle_at_gearhead.extremes.low]) * cycle_at_gearhead.scale
+    points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
     volts = product(volts_of(demand, k_t, cool), points.T)
     more = np.where(product(demand.coefficients, points.T) * volts > 0.0, np.abs(volts), 0.0)
     least: Array = np.maximum(more.max(axis=1), cold)
     return least
 
 
-def _bracketed(
-    cycle_at_gearhead: AtGearhead, demand: Demands, heating: Heat, parts: Parts, ambient: float, count: int
-) -> Bracket:
+def _bracketed(cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts, ambient: float, count: int) -> Bracket:
     """Bounds of the winding over a long cycle from so many blocks [K]: closer than those of ``bounds``."""
     current = demand.coefficients / parts.motor["torque_constant"][:, None]
-    return bracket(
-        two_bodies(parts.motor), ambient, _blocks(cycle_at_gearhead, count), current, heating.friction, heating.iron
-    )
+    return bracket(two_bodies(parts.motor), ambient, _blocks(cycle, count), current, heating.friction, heating.iron)
 
 
-def _blocks(cycle_at_gearhead: AtGearhead, count: int) -> Blocks:
+def _blocks(cycle: AtGearhead, count: int) -> Blocks:
     """The cycle in so many blocks at most."""
-    store, name = cycle_at_gearhead.base.coarse, ("blocks", count)
+    store, name = cycle.base.coarse, ("blocks", count)
     if name not in store:
-        store[name] = blocks(cycle_at_gearhead.cycle.duration, cycle_at_gearhead.base.functions, count)
+        store[name] = blocks(cycle.load_cycle.duration, cycle.base.functions, count)
     found: Blocks = store[name]
-    return found.behind(cycle_at_gearhead.scale)
+    return found.behind(cycle.scale)
 
 
 def closer(
     spec: RobotSpec,
-    cycle_at_gearhead: AtGearhead,
+    cycle: AtGearhead,
     demand: Demands,
     heating: Heat,
     stresses: Stress,
@@ -194,7 +183,7 @@ def closer(
 
     Parameters
     ----------
-    spec, cycle_at_gearhead, demand, heating, stresses, parts
+    spec, cycle, demand, heating, stresses, parts
         As in ``bounds``.
     found
         Its result.
@@ -206,10 +195,10 @@ def closer(
     Pair
         Lower and upper bounds, no wider than those of ``found``.
     """
-    T = _bracketed(cycle_at_gearhead, demand, heating, parts, spec.environment.ambient, count)
+    T = _bracketed(cycle, demand, heating, parts, spec.environment.ambient, count)
     pair = found[0]._replace(winding=T.lower), found[1]._replace(winding=T.upper)
-    low, high = _resisted(spec, cycle_at_gearhead, demand, heating, stresses, parts, pair, T.coolest.min(axis=1))
-    least, most = _in_blocks(cycle_at_gearhead, demand, parts.motor, T, _blocks(cycle_at_gearhead, count))
+    low, high = _resisted(spec, cycle, demand, heating, stresses, parts, pair, T.coolest.min(axis=1))
+    least, most = _in_blocks(cycle, demand, parts.motor, T, _blocks(cycle, count))
     most = most[0], np.maximum(most[1], stresses.cold_voltage.value)
     for name, one, other in zip(("power", "voltage"), least, most, strict=True):
         low = low._replace(**{name: np.fmax(getattr(low, name), one)})
@@ -218,27 +207,27 @@ def closer(
 
 
 def _in_blocks(
-    cycle_at_gearhead: AtGearhead, demand: Demands, motor: Any, T: Bracket, cycle: Blocks
+    cycle: AtGearhead, demand: Demands, motor: Any, T: Bracket, pieces: Blocks
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Bounds of the largest power [W] and voltage [V], the winding no cooler and no warmer than it may be there."""
     k_t = motor["torque_constant"]
     c, induced = demand.coefficients / k_t[:, None], volts_of(demand, k_t, np.zeros_like(k_t))
     R_25 = np.asarray(resistance_25(motor))[:, None]
     cool, hot = (np.asarray(resistance_at(R_25, x)) for x in (T.coolest, T.warmest))
-    top, bottom = product(c, cycle.most.T), product(c, cycle.least.T)
+    top, bottom = product(c, pieces.most.T), product(c, pieces.least.T)
     with np.errstate(invalid="ignore"):  # of what runs away
-        high = product(induced, cycle.most.T) + np.maximum(cool * top, hot * top)
-        low = product(induced, cycle.least.T) + np.minimum(cool * bottom, hot * bottom)
+        high = product(induced, pieces.most.T) + np.maximum(cool * top, hot * top)
+        low = product(induced, pieces.least.T) + np.minimum(cool * bottom, hot * bottom)
         both = np.maximum(top, 0.0) * np.maximum(high, 0.0), np.minimum(bottom, 0.0) * np.minimum(low, 0.0)
     powers = np.maximum(*both)
     surplus = demand.surplus(k_t)
     rows = np.flatnonzero(surplus != 0.0)  # an unknown one is among them
-    turning = surplus[rows, None] * cycle.most[:, SPEED], surplus[rows, None] * cycle.least[:, SPEED]
+    turning = surplus[rows, None] * pieces.most[:, SPEED], surplus[rows, None] * pieces.least[:, SPEED]
     powers[rows] += _beyond(np.minimum.reduce([a * b[rows] for a in turning for b in (top, bottom)]))
     most = powers.max(axis=1), np.maximum(high.max(axis=1), -low.min(axis=1))
-    points = np.concatenate([cycle_at_gearhead.extremes.high, cycle_at_gearhead.extremes.low]) * cycle_at_gearhead.scale
-    time = np.concatenate([cycle_at_gearhead.extremes.high_time, cycle_at_gearhead.extremes.low_time])
-    place = np.minimum(np.searchsorted(np.cumsum(cycle.duration), time), len(cycle.duration) - 1)
+    points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
+    time = np.concatenate([cycle.extremes.high_time, cycle.extremes.low_time])
+    place = np.minimum(np.searchsorted(np.cumsum(pieces.duration), time), len(pieces.duration) - 1)
     current = product(c, points.T)
     volts = product(induced, points.T) + cool[:, place] * current
     power = current * volts
@@ -254,23 +243,23 @@ def _beyond(work: Array) -> Array:
 
 
 def winding_limits(
-    spec: RobotSpec, cycle_at_gearhead: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, motor: Any
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, motor: Any
 ) -> tuple[Array, Array]:
     """Bounds of the winding's peak [K]; without time constants the mean, and what the largest current would make."""
-    fast = cycle_at_gearhead.peak_speed
+    fast = cycle.peak_speed
     loss_peak = heating.friction * fast + heating.iron * fast**2
     found = winding_bounds(
         two_bodies(motor), spec.environment.ambient, demand.rms_current, stresses.current.value,
-        cycle_at_gearhead.cycle.total, heating.mean, loss_peak,
+        cycle.load_cycle.total, heating.mean, loss_peak,
     )  # fmt: skip
     without = np.isnan(motor["winding_time_constant"]) | np.isnan(motor["motor_time_constant"])
-    most = temperature_at_most(spec.environment.ambient, cycle_at_gearhead, heating, stresses, motor)
+    most = temperature_at_most(spec.environment.ambient, cycle, heating, stresses, motor)
     low, high = (np.where(without, x, bound) for x, bound in zip((heating.winding, most), found, strict=True))
     return low, high
 
 
 def above_bounds(
-    cycle_at_gearhead: AtGearhead, demand: Demands, stresses: Stress, parts: Parts, pieces: int = _PIECES
+    cycle: AtGearhead, demand: Demands, stresses: Stress, parts: Parts, pieces: int = _PIECES
 ) -> tuple[Array, Array]:
     """Bounds of the uninterrupted time above the continuous current, from a cycle in so many pieces at most [s].
 
@@ -278,7 +267,7 @@ def above_bounds(
 
     Parameters
     ----------
-    cycle_at_gearhead
+    cycle
         The load cycle at the gearhead's output.
     demand, stresses
         Columns over candidates, of ``demands`` and ``stress``.
@@ -292,9 +281,9 @@ def above_bounds(
     tuple[Array, Array]
         Lower and upper bound [s], each of shape (rows,).
     """
-    store, name = cycle_at_gearhead.base.coarse, ("envelope", pieces)
+    store, name = cycle.base.coarse, ("envelope", pieces)
     if name not in store:
-        store[name] = envelope(cycle_at_gearhead.cycle.duration, cycle_at_gearhead.base.functions, pieces)
+        store[name] = envelope(cycle.load_cycle.duration, cycle.base.functions, pieces)
     found: Envelope = store[name]
     peak = stresses.current.value
     k_t, limit = parts.motor["torque_constant"], parts.controller["continuous_current"]
@@ -303,7 +292,7 @@ def above_bounds(
     rows = np.flatnonzero(peak > limit)
     size = max(_CELLS // len(found.duration), 1)
     for some in (rows[first : first + size] for first in range(0, len(rows), size)):
-        c = demand.coefficients[some] / k_t[some, None] * cycle_at_gearhead.scale
+        c = demand.coefficients[some] / k_t[some, None] * cycle.scale
         low[some], high[some] = _runs_above(found, c, limit[some, None])
     return low, high
 
@@ -316,31 +305,28 @@ def _runs_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, A
     return np.maximum(longest_run(*pieces, certainly), _SOME), longest_run(*pieces, perhaps)
 
 
-def braking_torque(cycle_at_gearhead: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
+def braking_torque(cycle: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
     """Whether the motor's torque is ever against its motion: otherwise nothing is regenerated."""
     against = np.zeros(len(coefficients), bool)
-    for points, sign in ((cycle_at_gearhead.extremes.low, +1.0), (cycle_at_gearhead.extremes.high, -1.0)):
-        moving = points[points[:, DIRECTION] == sign] * cycle_at_gearhead.scale
+    for points, sign in ((cycle.extremes.low, +1.0), (cycle.extremes.high, -1.0)):
+        moving = points[points[:, DIRECTION] == sign] * cycle.scale
         if len(moving):
             against |= (sign * product(coefficients, moving.T) < 0.0).any(axis=1)
     return against
 
 
-def _corner_power(cycle_at_gearhead: AtGearhead, demand: Demands, hot: Array, k_t: Array) -> tuple[Array, Array]:
+def _corner_power(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array) -> tuple[Array, Array]:
     """Largest and smallest electrical power at the extreme points [W]: between them it may be more and less."""
-    points = np.concatenate([cycle_at_gearhead.extremes.high, cycle_at_gearhead.extremes.low]) * cycle_at_gearhead.scale
+    points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
     power = product(demand.coefficients / k_t[:, None], points.T) * product(volts_of(demand, k_t, hot), points.T)
     return power.max(axis=1), power.min(axis=1)
 
 
-def _power_bound(cycle_at_gearhead: AtGearhead, demand: Demands, hot: Array, k_t: Array) -> Array:
+def _power_bound(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array) -> Array:
     """More than the electrical power ever is [W]: where current and voltage are both positive, or both negative."""
-    current, volts = (
-        demand.coefficients / k_t[:, None] * cycle_at_gearhead.scale,
-        volts_of(demand, k_t, hot) * cycle_at_gearhead.scale,
-    )
+    current, volts = (demand.coefficients / k_t[:, None] * cycle.scale, volts_of(demand, k_t, hot) * cycle.scale)
     found = np.zeros(len(hot))
-    for points, sign in ((cycle_at_gearhead.extremes.above, 1.0), (cycle_at_gearhead.extremes.below, -1.0)):
+    for points, sign in ((cycle.extremes.above, 1.0), (cycle.extremes.below, -1.0)):
         both = [np.maximum(sign * product(c, points.T), 0.0) for c in (current, volts)]
         found = np.maximum(found, (both[0] * both[1]).max(axis=1))
     return found

@@ -105,7 +105,7 @@ def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Dra
     list of CheckColumn
         Columns over the samples.
     """
-    total = at.cycle.total
+    total = at.load_cycle.total
     speed = _travel(spec, at) / total if feeds.travels else np.full_like(total, nan)
     return columns_of(spec, feeds, total, speed, draws, parts.controller["max_efficiency"])
 
@@ -149,4 +149,4 @@ def columns_of(
 
 def _travel(spec: Any, at: AtSamples) -> Any:
     """Distance that the machine travels in a cycle [m]."""
-    return spec.load.distance if isinstance(spec.load, WheelLoad) else at.cycle.travel
+    return spec.load.distance if isinstance(spec.load, WheelLoad) else at.load_cycle.travel

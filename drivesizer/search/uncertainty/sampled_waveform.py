@@ -18,13 +18,7 @@ from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_mo
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
 from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, longest_above, mean_square
 from drivesizer.physics.winding_course import winding_rises
-from drivesizer.search.columns.limits_over_time import (
-    Moments,
-    Pair,
-    between_bounds,
-    hottest,
-    kept_on_the_bus,
-)
+from drivesizer.search.columns.limits_over_time import Moments, Pair, between_bounds, hottest, kept_on_the_bus
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 
 __all__ = ["moments"]
@@ -34,14 +28,7 @@ _AT_ONCE = 1 << 14  # pieces times samples whose heat is computed at a time: wha
 
 
 def moments(
-    spec: Any,
-    cycles_at_gearhead: AtSamples,
-    demands: Demands,
-    heat: Heat,
-    stress: Stress,
-    parts: Parts,
-    *,
-    energies: bool,
+    spec: Any, cycles: AtSamples, demands: Demands, heat: Heat, stress: Stress, parts: Parts, *, energies: bool
 ) -> Pair:
     """Figures of the waveform of one drive, sample by sample.
 
@@ -49,7 +36,7 @@ def moments(
     ----------
     spec
         With columns in place of the figures that are sampled.
-    cycles_at_gearhead
+    cycles
         Load cycles of the samples.
     demands, heat, stress, parts
         Columns over the samples.
@@ -62,8 +49,8 @@ def moments(
         Columns over the samples: lower and upper bounds, the same where the winding's heat is known.
     """
     k_t, limit = parts.motor["torque_constant"], parts.controller["continuous_current"]
-    current = cycles_at_gearhead.line(demands.coefficients) / k_t
-    induced = cycles_at_gearhead.speeds * (demands.back_emf * demands.total_ratio)
+    current = cycles.line(demands.coefficients) / k_t
+    induced = cycles.speeds * (demands.back_emf * demands.total_ratio)
     kept, count = kept_on_the_bus(spec), current.shape[-1]
     stores = bool(np.any(kept > 0.0))
     limited = spec.supply.current is not None or spec.supply.power is not None
@@ -71,16 +58,14 @@ def moments(
         limited or stores or energies, energies or stores, stores,
         np.broadcast_to(kept, (count,)), np.broadcast_to(demands.surplus(k_t), (count,)),
     )  # fmt: skip
-    top = np.broadcast_to(hottest(spec, cycles_at_gearhead, heat, stress, parts.motor), (count,))
-    sides = _sides(spec, cycles_at_gearhead, heat, parts.motor, (current, induced), top, outputs)
+    top = np.broadcast_to(hottest(spec, cycles, heat, stress, parts.motor), (count,))
+    sides = _sides(spec, cycles, heat, parts.motor, (current, induced), top, outputs)
     limit = np.broadcast_to(limit, (count,))
     above = np.where(np.isnan(limit), np.nan, 0.0)
     if (stress.current.value > limit).any():
-        duration = np.broadcast_to(cycles_at_gearhead.cycle.duration, (len(current), count))
+        duration = np.broadcast_to(cycles.load_cycle.duration, (len(current), count))
         above = longest_above(_wave(duration, current, current), limit)
-    steady = np.broadcast_to(
-        temperature_at_most(spec.environment.ambient, cycles_at_gearhead, heat, stress, parts.motor), (count,)
-    )
+    steady = np.broadcast_to(temperature_at_most(spec.environment.ambient, cycles, heat, stress, parts.motor), (count,))
     mean, cold = np.broadcast_to(heat.winding, (count,)), stress.cold_voltage.value
     return _bounded([one._replace(above=above, voltage=np.maximum(one.voltage, cold)) for one in sides], mean, steady)
 
@@ -110,13 +95,7 @@ def _bounded(sides: list[Moments], mean: Array, steady: Array) -> Pair:
 
 
 def _sides(
-    spec: Any,
-    at: AtSamples,
-    heat: Heat,
-    motor: Any,
-    flows: tuple[Array, Array],
-    top: Array,
-    outputs: _Outputs,
+    spec: Any, at: AtSamples, heat: Heat, motor: Any, flows: tuple[Array, Array], top: Array, outputs: _Outputs
 ) -> list[Moments]:
     """The figures, some samples at a time; where some heat is unknown twice, coldest first."""
     (current, induced), bodies = flows, two_bodies(motor)
@@ -168,7 +147,7 @@ def _cut(at: AtSamples, flows: tuple[Array, Array], pieces: NDArray[np.int64], r
 
     current, induced = flows
     speed = at.speeds[..., rows] if at.speeds.shape[-1] > 1 else at.speeds
-    duration = at.cycle.duration
+    duration = at.load_cycle.duration
     t = (duration[:, rows] if duration.shape[-1] > 1 else duration)[owner] / pieces[owner][:, None]
     level = [(x[:, 0] == x[:, 1]).all(axis=-1) for x in (current, speed)]
     return _Cut(t, cut(current), cut(induced), cut(speed), (level[0] & level[1])[owner][:, None])
@@ -242,6 +221,6 @@ def _pieces(at: AtSamples, current: Array, winding: float, housing: float) -> ND
 
     A current that changes counts by the winding's time constant, a loss at the housing alone by the housing's.
     """
-    duration, steady = at.cycle.duration.max(axis=-1), (at.speeds[:, 0] == at.speeds[:, 1]).all(axis=-1)
+    duration, steady = at.load_cycle.duration.max(axis=-1), (at.speeds[:, 0] == at.speeds[:, 1]).all(axis=-1)
     quickest = np.where((current[:, 0] == current[:, 1]).all(axis=-1), np.where(steady, np.inf, housing), winding)
     return piece_counts(duration, quickest, 1e-2)

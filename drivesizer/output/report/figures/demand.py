@@ -36,7 +36,7 @@ def current_and_voltage(
     cases = cases[: len(CASES)]
     traces, cycles = [], []
     for name, found in cases:
-        ends, cycle = waveform(found), found.cycle_at_gearhead.cycle
+        ends, cycle = waveform(found), found.cycle.load_cycle
         columns = {"current": ends.current[0].ravel(), "voltage": ends.voltage[0].ravel()}
         time = np.cumsum(ends.duration)
         traces.append(Trace(name, np.stack([time - ends.duration, time], axis=1).ravel(), columns))

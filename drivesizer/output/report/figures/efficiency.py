@@ -69,7 +69,7 @@ def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> Effic
 
 def _trace(found: SetCycle) -> tuple[Array, Array]:
     """Torque and speed at the gearhead's output, one way as the other: what brakes is below 0."""
-    functions = found.cycle_at_gearhead.functions
+    functions = found.cycle.functions
     way = np.sign(functions[:, :, SPEED].mean(1))[:, None]
     torque = functions[:, :, : AT_REST + 1].sum(axis=2)
     torque = np.where(way == 0.0, np.abs(torque), way * torque)
