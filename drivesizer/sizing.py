@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from math import isnan
 from pathlib import Path
 
@@ -15,22 +14,23 @@ from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.load_cases.requirements import requirements
 from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
 from drivesizer.machine import pulleys
-from drivesizer.machine.budgets import check_battery, of_the_platform, with_budget
+from drivesizer.machine.budgets import check_battery, of_the_platform
 from drivesizer.physics.thermal import of_unstated_temperature
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
+from drivesizer.results.reliability import Reliability
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Explanation, SizingResult, verdict
-from drivesizer.search.both_methods import with_both_methods
+from drivesizer.search.both_methods import other_checks
 from drivesizer.search.columns import paper_method
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
-from drivesizer.search.machine_filter import best_in_machine, on_the_front, ranked, shortfall
+from drivesizer.search.machine_filter import best_in_machine, shortfall, weighing
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.relaxations import changes_for, relaxations
 from drivesizer.search.search import Found, Progress
-from drivesizer.search.set_record import drive_set
+from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.shortlist import shortlist
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
@@ -89,22 +89,34 @@ def size(
     objective = objective or spec.select.objective
     picked = shortlist(spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling)
     problem, found, short = picked.problem, picked.found, picked.short
-    rejected = [*short.values(), *(drive_set(found.evaluation, row, 0, objective) for row in picked.rejected)]
-    sets = with_both_methods(problem, ranked(picked.best.values()))
-    unsure = with_both_methods(problem, ranked(picked.unsure.values(), len(sets)))
+
+    def passing(rows: list[int], before: int = 0) -> tuple[DriveSet, ...]:
+        return tuple(
+            picked.record(
+                row, rank,
+                beside=other_checks(problem, drive_parts(found.evaluation, row)),
+                reliability=picked.reliability.get(row),
+            )
+            for rank, row in enumerate(rows, before + 1)
+        )  # fmt: skip
+
+    sets = passing(picked.best)
+    unsure = passing(picked.unsure, len(sets))
+    rejected = [*short, *picked.rejected][: None if sets else top]
+    budgets = shortfall((picked.weigh(found.evaluation, row) for row in short), found.better)
     return SizingResult(
         problem=problem,
         method=spec.method,
         objective=title_of(objective),
         requirements=_requirements(found, next(iter((*picked.best, *picked.unsure, *short)), 0)),
         sets=sets,
-        misses=ranked(rejected[: None if sets else top], len(sets) + len(unsure)),
+        misses=tuple(picked.record(row, rank) for rank, row in enumerate(rejected, len(sets) + len(unsure) + 1)),
         relaxations=() if found.passing or found.short else relaxations(problem),
         counts=found.counts,
         assumptions=(*_assumptions(problem.spec), *pulleys.assumptions(problem), *_of_data(spec, (*sets, *unsure))),
-        warnings=(*picked.weighed, *_warnings(problem, sets), *shortfall(short, found.better), *catalog.replaced),
+        warnings=(*picked.weighed, *_warnings(problem, sets), *budgets, *catalog.replaced),
         unrestricted=_unrestricted(problem, objective),
-        front=on_the_front(found, picked.weigh),
+        front=tuple(picked.record(row, rank) for rank, row in enumerate(found.front, 1)),
         pareto=pareto,
         unsure=unsure,
         uncertainty=picked.uncertainty,
@@ -275,24 +287,32 @@ def explained(
     combinations: Candidates = candidates(narrowed, also=rows)
     evaluation = evaluate(narrowed, combinations)
     found = np.flatnonzero((combinations.motor == rows[0]) & (combinations.gearhead == rows[1]))
-    machine = of_the_platform(problem.machine)
-    alone = [drive_set(evaluation, int(i), n, objective) for n, i in enumerate(found, 1)]
-    both = with_both_methods(problem, [with_budget(problem, one, machine) for one in alone])
-    sets = [replace(s, changes=changes_for(problem, s)) if verdict(s.checks) == "fail" else s for s in both]
+    weigh = weighing(problem, of_the_platform(problem.machine))
+    parts = {row: drive_parts(evaluation, row) for row in found.tolist()}
+    beside = {row: other_checks(problem, one) for row, one in parts.items()}
     sampling = sampling or sampling_of(spec)
-    explained = _sampled(problem, sets, sampling) if sampling else Explanation(sets, None)
-    return explained._replace(warnings=tuple(_not_returning(problem)))
+    reliability: dict[int, Reliability] = {}
+    if sampling:
+        from drivesizer.search.uncertainty.run import reliabilities, sample_drives, subject, uncertainty
 
-
-def _sampled(problem: Problem, sets: list[DriveSet], how: Sampling) -> Explanation:
-    """Drives with the reliability of each, also of one that fails at nominal figures."""
-    from drivesizer.search.uncertainty.run import sample_drives, subject_of, uncertainty, with_reliability
-
-    catalog = problem.catalog
-    sampled = sample_drives(problem, {n: subject_of(catalog, one) for n, one in enumerate(sets)}, how)
-    passing = [n for n, one in enumerate(sets) if one.status != "fail"]
-    reliable = with_reliability(sampled, catalog, dict(enumerate(sets)), passing)
-    return Explanation([*reliable.values()], uncertainty(sampled))
+        sampled = sample_drives(problem, {row: subject(evaluation, row, beside[row]) for row in parts}, sampling)
+        passing = {
+            row: one
+            for row, one in parts.items()
+            if not evaluation.failed[row] and verdict(weigh(evaluation, row).checks) != "fail"
+        }
+        reliability = reliabilities(sampled, parts, passing)
+    sets = [
+        drive_set(
+            evaluation, row, rank, objective,
+            budget=weigh(evaluation, row),
+            beside=beside[row],
+            reliability=reliability.get(row),
+            changes=changes_for(problem, one) if evaluation.failed[row] else (),
+        )
+        for rank, (row, one) in enumerate(parts.items(), 1)
+    ]  # fmt: skip
+    return Explanation(sets, uncertainty(sampled) if sampling else None, tuple(_not_returning(problem)))
 
 
 def _pair(catalog: Catalog, motor: str, gearhead: str) -> tuple[int, int]:

@@ -21,7 +21,7 @@ from drivesizer.loads.course import Profile
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.motor_demand import friction, gear_loss
 from drivesizer.physics.thermal import of_unstated_temperature, resistance_25
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "elastic", "matrices", "modes", "within_reach"]
@@ -140,7 +140,7 @@ def matrices(train: DriveTrain, mode: Mode) -> tuple[np.ndarray, np.ndarray]:
     return np.array(A), np.array([[1 / L], [0.0]])
 
 
-def drive_train(spec: RobotSpec, drive_set: DriveSet, period: float) -> tuple[DriveTrain, list[str]]:
+def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[DriveTrain, list[str]]:
     """The rigid drive train of a spec and a drive, with the assumptions made.
 
     Parameters

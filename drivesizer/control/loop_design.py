@@ -21,7 +21,7 @@ from drivesizer.control.voltage_loop_design import design
 from drivesizer.errors import InputError
 from drivesizer.physics.counted_speed import MOST_PERIODS, Counts, answer
 from drivesizer.physics.supply_voltage import usable_in
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
@@ -30,7 +30,7 @@ __all__ = ["designed", "edges_of", "stated_margin"]
 _PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's is unknown
 
 
-def designed(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
+def designed(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
     """The drive train of a spec and a drive, the controller designed for it, and the assumptions of both.
 
     Parameters
@@ -64,7 +64,7 @@ def designed(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Gains | 
     return train, gains, [*said, *_reported(slower)]
 
 
-def _cascade(spec: RobotSpec, drive_set: DriveSet) -> tuple[DriveTrain, Cascade, list[str]]:
+def _cascade(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Cascade, list[str]]:
     every, said = rates(drive_set.controller, spec.control.rate)
     rigid, assumed = drive_train(spec, drive_set, every.current)
     train = _with_shaft(spec, drive_set, rigid)
@@ -116,7 +116,7 @@ def _period(spec: RobotSpec, controller: Controller | None) -> tuple[float, list
 # --- the encoder
 
 
-def edges_of(spec: RobotSpec, drive_set: DriveSet) -> int:
+def edges_of(spec: RobotSpec, drive_set: DriveParts) -> int:
     """Counts per turn of the motor by which speed is measured.
 
     Parameters
@@ -133,7 +133,9 @@ def edges_of(spec: RobotSpec, drive_set: DriveSet) -> int:
     return 0 if spec.control.speed_from == "exact" or math.isnan(lines) else round(EDGES * lines)
 
 
-def _counts(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain, period: float) -> tuple[Counts | None, list[str]]:
+def _counts(
+    spec: RobotSpec, drive_set: DriveParts, train: DriveTrain, period: float
+) -> tuple[Counts | None, list[str]]:
     """How speed is counted, and the assumptions made; None: it is measured exactly."""
     edges = edges_of(spec, drive_set)
     if not edges:
@@ -172,7 +174,7 @@ def stated_margin(spec: RobotSpec) -> float:
     return LEAST_PHASE_MARGIN if placed else margin_of(SPREAD)
 
 
-def _with_shaft(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain) -> DriveTrain:
+def _with_shaft(spec: RobotSpec, drive_set: DriveParts, train: DriveTrain) -> DriveTrain:
     """The drive train with the elastic shaft that a spec gives; the same one of a rigid model."""
     if spec.plant.model == "rigid":
         return train
@@ -185,7 +187,7 @@ def _with_shaft(spec: RobotSpec, drive_set: DriveSet, train: DriveTrain) -> Driv
     return elastic(train, stiffness, damping, _gap(spec, drive_set))
 
 
-def _gap(spec: RobotSpec, drive_set: DriveSet) -> float:
+def _gap(spec: RobotSpec, drive_set: DriveParts) -> float:
     """Backlash at the driven shaft [rad]: the spec's, else the gearhead's; 0 where neither is known."""
     own = drive_set.gearhead.backlash / drive_set.belt_ratio
     gap = spec.plant.backlash if spec.plant.backlash is not None else own

@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from math import isnan
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,18 +25,28 @@ from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.machine.platform_budget import MechanicalBudget, mass_part, platform_part
 from drivesizer.machine.platform_checks import PlatformOnFloor, machine_mass
 from drivesizer.machine.supply_power import drive_power, together
-from drivesizer.results.check import Check
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.check import Check, Figure
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.energy import EnergyBudget
+from drivesizer.results.mass import MassRow
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import verdict
 from drivesizer.spec.battery import Battery
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["check_battery", "drive_mass", "mass_without_drive", "of_the_platform", "with_budget"]
+__all__ = ["MachineBudget", "check_battery", "drive_mass", "machine_budget", "mass_without_drive", "of_the_platform"]
 
 _GRAVE = ("fail", "unknown", "pass")
+
+
+class MachineBudget(NamedTuple):
+    """A machine with a drive in it against its budgets; empty where the spec has none."""
+
+    checks: tuple[Check, ...] = ()
+    figures: tuple[Figure, ...] = ()
+    masses: tuple[MassRow, ...] = ()
+    energy: EnergyBudget | None = None  # of the load case in which the battery lasts least
 
 
 def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
@@ -87,22 +98,22 @@ def _on_floor(case: RobotSpec, needed: float) -> PlatformOnFloor:
     )
 
 
-def with_budget(problem: Problem, one: DriveSet, machine: MechanicalBudget | None = None) -> DriveSet:
-    """The same drive with the checks of the machine that it is in; as it is where the spec has no such budget.
+def machine_budget(problem: Problem, one: DriveParts, machine: MechanicalBudget | None = None) -> MachineBudget:
+    """The machine with a drive in it, against its budgets.
 
     Parameters
     ----------
     problem
         The machine with its load cycles, and the catalogues.
     one
-        The drive as the search found it.
+        The drive.
     machine
         Room, footing and grip, which are the same for every drive, of ``of_the_platform``.
 
     Returns
     -------
-    DriveSet
-        Its status that of all checks.
+    MachineBudget
+        Of several load cases each check where it is worst.
     """
     spec, parts = problem.spec, [machine] if machine else []
     if spec.budget:
@@ -112,19 +123,11 @@ def with_budget(problem: Problem, one: DriveSet, machine: MechanicalBudget | Non
         found = _of_the_battery(problem, spec.battery, one)
         checks += _worst([(name, budget.checks) for name, budget in found])
         energy = min((budget for _, budget in found), key=_lasting)
-    if not checks:
-        return one
-    return replace(
-        one,
-        budget=tuple(checks),
-        machine=tuple(figure for part in parts for figure in part.figures),
-        masses=next((part.mass.rows for part in parts if part.mass), ()),
-        energy=energy,
-        status=verdict((*one.checks, *checks)),
-    )
+    figures = tuple(figure for part in parts for figure in part.figures)
+    return MachineBudget(tuple(checks), figures, next((part.mass.rows for part in parts if part.mass), ()), energy)
 
 
-def _of_the_battery(problem: Problem, battery: Battery, one: DriveSet) -> list[tuple[str, EnergyBudget]]:
+def _of_the_battery(problem: Problem, battery: Battery, one: DriveParts) -> list[tuple[str, EnergyBudget]]:
     """The battery's budget in each load case of the machine, by name."""
     cases, equipment, found = problem.machine.load_cases, problem.spec.equipment, []
     for numbers in problem.machine_cases:
@@ -135,7 +138,7 @@ def _of_the_battery(problem: Problem, battery: Battery, one: DriveSet) -> list[t
     return found
 
 
-def drive_mass(one: DriveSet, sets: int) -> float:
+def drive_mass(one: DriveParts, sets: int) -> float:
     """Known mass of all drives together.
 
     Parameters
@@ -177,7 +180,7 @@ def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
     return math.fsum(mass for mass in found if not isnan(mass))
 
 
-def _mass(problem: Problem, budget: Budget, one: DriveSet) -> MechanicalBudget:
+def _mass(problem: Problem, budget: Budget, one: DriveParts) -> MechanicalBudget:
     spec, load = problem.spec, problem.machine.load
     battery = pack_of(spec.battery, problem.catalog).mass if spec.battery else None
     found = machine_mass(budget, one, spec.load.motors, platform=spec.platform, battery=battery)

@@ -28,7 +28,7 @@ from drivesizer.machine.battery_checks import (
 from drivesizer.machine.battery_pack import Pack, capacity_needed, pack_of, run_time, strings_needed
 from drivesizer.machine.supply_power import DrivePower
 from drivesizer.physics.battery import current_of_power, polarised_voltage, state_of_charge, terminal_voltage
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.energy import Consumption, EnergyBudget
 from drivesizer.results.sizing import Figure, verdict
 from drivesizer.spec.battery import Battery, Consumer
@@ -43,7 +43,7 @@ _POINTS = 2000  # of the state of charge over a mission
 
 def energy_budget(
     spec: RobotSpec,
-    drive_set: DriveSet,
+    drive_set: DriveParts,
     battery: Battery,
     equipment: Sequence[Consumer],
     catalog: Catalog,
@@ -109,17 +109,17 @@ def energy_budget(
 _DRIVE = 3  # lines of the drive: motors, regenerated power, the controllers' losses
 
 
-def _efficiency_known(drive_set: DriveSet) -> bool:
+def _efficiency_known(drive_set: DriveParts) -> bool:
     return drive_set.controller is not None and not isnan(drive_set.controller.max_efficiency)
 
 
-def _controller_efficiency(drive_set: DriveSet) -> float:
+def _controller_efficiency(drive_set: DriveParts) -> float:
     """The controller's greatest; 1 where it is unknown, which is reported."""
     return drive_set.controller.max_efficiency if drive_set.controller and _efficiency_known(drive_set) else 1.0
 
 
 def _at_the_battery(
-    spec: RobotSpec, drive_set: DriveSet, drive: DrivePower, lasting: float, share: float | None = None
+    spec: RobotSpec, drive_set: DriveParts, drive: DrivePower, lasting: float, share: float | None = None
 ) -> Array:
     """Mean power from the battery in each piece [W]; lasting is that of all that is not the drive.
 
@@ -129,7 +129,7 @@ def _at_the_battery(
     return np.asarray(drive.drawn / loss - share * drive.returned * loss + lasting)
 
 
-def _of_the_drive(spec: RobotSpec, drive_set: DriveSet, drive: DrivePower) -> tuple[Consumption, ...]:
+def _of_the_drive(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> tuple[Consumption, ...]:
     loss, share, sets = _controller_efficiency(drive_set), spec.supply.regeneration, spec.load.motors
     drawn, returned, peak = drive.mean(drive.drawn), share * drive.mean(drive.returned), float(drive.peak.max())
     lost = drawn * (1.0 / loss - 1.0) + returned * (1.0 - loss) if _efficiency_known(drive_set) else nan
@@ -156,7 +156,7 @@ def _of_the_equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[C
 
 
 def _load(
-    spec: RobotSpec, drive_set: DriveSet, drive: DrivePower, consumers: Sequence[Consumption], power: Array
+    spec: RobotSpec, drive_set: DriveParts, drive: DrivePower, consumers: Sequence[Consumption], power: Array
 ) -> Load:
     """Powers, and the mean speed of what travels; what depends on the battery is still unknown."""
     loss, others = _controller_efficiency(drive_set), consumers[_DRIVE:]
@@ -276,7 +276,7 @@ def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINT
 # --- what was taken for granted --------------------------------------------------------------------------------------
 
 
-def _assumptions(spec: RobotSpec, drive_set: DriveSet, pack: Pack, equipment: Sequence[Consumer]) -> tuple[str, ...]:
+def _assumptions(spec: RobotSpec, drive_set: DriveParts, pack: Pack, equipment: Sequence[Consumer]) -> tuple[str, ...]:
     unknown = "run time unknown: neither a discharge table nor a Peukert exponent with its rated time is known"
     found = [
         f"run time by {pack.rule}, at the mean power" if pack.rule else unknown,

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from drivesizer.errors import InputError
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.mass import MassRow
 from drivesizer.units import show
 
@@ -55,7 +55,7 @@ class MassBudget:
         return self.limit - self.known
 
 
-def drive_rows(drive_set: DriveSet, sets: int) -> tuple[MassRow, ...]:
+def drive_rows(drive_set: DriveParts, sets: int) -> tuple[MassRow, ...]:
     """Masses of the parts of several drives of one kind; unknown where a part is not chosen or its mass not listed.
 
     Parameters

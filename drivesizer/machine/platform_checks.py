@@ -25,7 +25,7 @@ from drivesizer.platform.stability import carrying, support_polygon, used_footin
 from drivesizer.platform.stability_along import Moment, least_margin_share, least_share
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.mass import MassRow
 from drivesizer.results.sizing import Check
 from drivesizer.spec.platform import Budget, PassageSection, Platform
@@ -96,7 +96,7 @@ def _unknown(column: CheckColumn, note: str) -> CheckColumn:
 
 
 def machine_mass(
-    budget: Budget, drive_set: DriveSet, sets: int, *, platform: Platform | None = None, battery: float | None = None
+    budget: Budget, drive_set: DriveParts, sets: int, *, platform: Platform | None = None, battery: float | None = None
 ) -> MassBudget:
     """The mass budget of a machine.
 

@@ -20,7 +20,7 @@ from drivesizer.physics.stress import Heat, Stress, heat, stress, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.waveform import Wave, balanced, lost, mean_square
 from drivesizer.physics.winding_course import WindingCourse, current_and_winding
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["SetCycle", "Warming", "lost_in_winding", "set_cycle", "supplied", "warming", "waveform"]
@@ -72,7 +72,7 @@ class Warming(NamedTuple):
     loss: Array  # W, at the housing
 
 
-def set_cycle(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> SetCycle:
+def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCycle:
     """A drive over the load cycle of a spec.
 
     Parameters

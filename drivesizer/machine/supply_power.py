@@ -18,7 +18,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.set_cycle import set_cycle, supplied
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.waveform import Wave, energy, largest_power
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["DrivePower", "distance_of", "drive_power", "together"]
@@ -49,7 +49,7 @@ class DrivePower(NamedTuple):
         return float(self.duration @ column) / self.total
 
 
-def drive_power(spec: RobotSpec, drive_set: DriveSet, base: Any = None) -> DrivePower:
+def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> DrivePower:
     """Power over one cycle in periodic steady state; unknown where the winding's temperature is.
 
     Parameters

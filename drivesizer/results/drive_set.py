@@ -15,7 +15,7 @@ from drivesizer.results.reliability import Reliability
 from drivesizer.results.requirement import Requirement
 from drivesizer.units import show
 
-__all__ = ["Comparison", "DriveSet", "Relaxation", "made_by", "section_of"]
+__all__ = ["Comparison", "DriveParts", "DriveSet", "Relaxation", "made_by", "section_of"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,11 +43,9 @@ class Relaxation:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DriveSet:
-    """Motor, gearhead, belt, encoder and controller that belong together, and how they do."""
+class DriveParts:
+    """Motor, gearhead, belt, encoder and controller that belong together."""
 
-    rank: int
-    status: Status
     motor: Motor
     gearhead: Gearhead
     encoder: Encoder | None
@@ -55,39 +53,9 @@ class DriveSet:
     belt_ratio: float
     belt_efficiency: float
     total_ratio: float
-    mass: float
-    mass_of: tuple[str, ...]
-    objective: float
-    objective_of: tuple[str, ...]
-    requirements: tuple[Requirement, ...]  # (17)-(20) for this drive
-    checks: tuple[Check, ...]  # of the method that ranked
-    figures: tuple[Figure, ...] = ()  # what it does that has no limit of its own
-    beside: tuple[Check, ...] = ()  # of the other method, for the same set
-    budget: tuple[Check, ...] = ()  # of the machine with the drive in it: mass, room, footing, grip, battery
-    machine: tuple[Figure, ...] = ()  # of that machine, what has no limit of its own
-    masses: tuple[MassRow, ...] = ()  # what it weighs, part by part
-    energy: EnergyBudget | None = None  # what draws from the battery, and how long it lasts; of the worst load case
-    comparison: tuple[Comparison, ...] = ()  # where both methods look at the same limit
-    changes: tuple[Relaxation, ...] = ()  # where it fails: what would let it pass, each alone
     actuator: Actuator | None = None  # that motor and gearhead are inside of
     belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
-    reliability: Reliability | None = None  # its probability, where tolerances were sampled
     quickest: float = inf  # s, time constant of the quickest winding of its catalogues: as fine its cycle is cut
-
-    @property
-    def own_checks(self) -> tuple[Check, ...]:
-        """The checks of the method that ranked and of the machine."""
-        return (*self.checks, *self.budget)
-
-    @property
-    def deciding(self) -> tuple[Check, ...]:
-        """Those that decide the status: not the informational ones."""
-        return tuple(check for check in self.own_checks if not check.advice)
-
-    @property
-    def every_check(self) -> tuple[Check, ...]:
-        """Those and what the other method says."""
-        return (*self.checks, *self.beside, *self.budget)
 
     @property
     def label(self) -> str:
@@ -147,6 +115,44 @@ class DriveSet:
             return {role: part for role, part in turning.items() if part.part != DIRECT} | belt | controlling
         outside = {role: part for role, part in controlling.items() if part is None or not part.inside}
         return {"actuator": self.actuator} | belt | outside
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveSet(DriveParts):
+    """The parts of a drive with its checks and figures."""
+
+    rank: int
+    status: Status
+    mass: float
+    mass_of: tuple[str, ...]
+    objective: float
+    objective_of: tuple[str, ...]
+    requirements: tuple[Requirement, ...]  # (17)-(20) for this drive
+    checks: tuple[Check, ...]  # of the method that ranked
+    figures: tuple[Figure, ...]  # what it does that has no limit of its own
+    beside: tuple[Check, ...]  # of the other method, for the same set
+    budget: tuple[Check, ...]  # of the machine with the drive in it: mass, room, footing, grip, battery
+    machine: tuple[Figure, ...]  # of that machine, what has no limit of its own
+    masses: tuple[MassRow, ...]  # what it weighs, part by part
+    energy: EnergyBudget | None  # what draws from the battery, and how long it lasts; of the worst load case
+    comparison: tuple[Comparison, ...]  # where both methods look at the same limit
+    changes: tuple[Relaxation, ...]  # where it fails: what would let it pass, each alone
+    reliability: Reliability | None  # its probability, where tolerances were sampled
+
+    @property
+    def own_checks(self) -> tuple[Check, ...]:
+        """The checks of the method that ranked and of the machine."""
+        return (*self.checks, *self.budget)
+
+    @property
+    def deciding(self) -> tuple[Check, ...]:
+        """Those that decide the status: not the informational ones."""
+        return tuple(check for check in self.own_checks if not check.advice)
+
+    @property
+    def every_check(self) -> tuple[Check, ...]:
+        """Those and what the other method says."""
+        return (*self.checks, *self.beside, *self.budget)
 
 
 def section_of(part: Any) -> str:

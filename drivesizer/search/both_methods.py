@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog import Catalog, Table
-from drivesizer.results.drive_set import Comparison, DriveSet
+from drivesizer.results.drive_set import Comparison, DriveParts
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Check
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.spec.select import Choice
 
-__all__ = ["with_both_methods"]
+__all__ = ["compared", "other_checks"]
 
 # what the paper checks, what physics checks in its place, and why the two figures differ
 _PAIRS = (
@@ -33,39 +33,27 @@ _PAIRS = (
 )  # fmt: skip
 
 
-def with_both_methods(problem: Problem, sets: Sequence[DriveSet]) -> tuple[DriveSet, ...]:
-    """The same drives with the checks of the other method, and both compared.
+def compared(checks: Sequence[Check]) -> tuple[Comparison, ...]:
+    """The limits that both methods look at, among the checks of both."""
+    paper, physics = ({c.name: c for c in checks if c.method == method} for method in ("paper", "physics"))
+    both = [(a, b, why) for a, b, why in _PAIRS if a in paper and b in physics]
+    return tuple(Comparison(paper=paper[a], physics=physics[b], why=why) for a, b, why in both)
+
+
+def other_checks(problem: Problem, one: DriveParts) -> tuple[Check, ...]:
+    """The checks of a drive by the other method; none where the paper does not treat the load.
+
+    The gearhead's whole family comes along, as the paper's rule looks at the other reductions too.
 
     Parameters
     ----------
     problem
         The machine with its load cycles, and the catalogues.
-    sets
-        Drives as the search found them.
-
-    Returns
-    -------
-    tuple
-        The drives in their order; as they are where the paper does not treat the load.
+    one
+        The drive.
     """
     if not problem.spec.paper_applies:
-        return tuple(sets)
-    return tuple(_with(one, _other(problem, one)) for one in sets)
-
-
-def _with(one: DriveSet, beside: tuple[Check, ...]) -> DriveSet:
-    by_method = {checks[0].method: {c.name: c for c in checks} for checks in (one.checks, beside) if checks}
-    paper, physics = (by_method.get(method, {}) for method in ("paper", "physics"))
-    both = [(a, b, why) for a, b, why in _PAIRS if a in paper and b in physics]
-    compared = tuple(Comparison(paper=paper[a], physics=physics[b], why=why) for a, b, why in both)
-    return replace(one, beside=beside, comparison=compared)
-
-
-def _other(problem: Problem, one: DriveSet) -> tuple[Check, ...]:
-    """The other method's checks of a drive.
-
-    The gearhead's whole family comes along, as the paper's rule looks at the other reductions too.
-    """
+        return ()
     fixed = {
         "motor": Choice(part=[one.motor.part]),
         "gearhead": Choice(family=[one.gearhead.family]),

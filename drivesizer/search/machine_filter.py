@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.machine.budgets import of_the_platform, with_budget
+from drivesizer.machine.budgets import MachineBudget, machine_budget, of_the_platform
 from drivesizer.machine.platform_budget import MechanicalBudget
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Check, verdict
 from drivesizer.search.budget_columns import certain_failures
@@ -20,16 +19,14 @@ from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.least_drawn import battery_failures
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import Evaluated, Found, Judge, Kept, search
-from drivesizer.search.set_record import drive_set
+from drivesizer.search.set_record import drive_parts, drive_set
 
 __all__ = [
     "Weigh",
     "best_in_machine",
     "divided",
     "in_machine",
-    "on_the_front",
     "passes_budgets",
-    "ranked",
     "shortfall",
     "weighing",
 ]
@@ -37,11 +34,11 @@ __all__ = [
 
 _FIRST = 4  # times as many drives as are wanted are computed in full at first
 _FEWEST, _MORE, _MOST = 64, 8, 1 << 16  # at first at least, times as many each time, at most
-Weigh = Callable[[Evaluation, int], DriveSet]  # a row of an evaluation as a record, with the machine's budgets
+Weigh = Callable[[Evaluation, int], MachineBudget]  # of the drive in a row of an evaluation
 
 
-def weighing(problem: Problem, machine: MechanicalBudget | None, objective: Ranking) -> Weigh:
-    """A function that makes the record of a drive in its machine, of each once.
+def weighing(problem: Problem, machine: MechanicalBudget | None) -> Weigh:
+    """A function that gives the budgets of the machine with a drive in it, of each drive once.
 
     Parameters
     ----------
@@ -49,21 +46,19 @@ def weighing(problem: Problem, machine: MechanicalBudget | None, objective: Rank
         The machine with its load cycles.
     machine
         Checks that are the same for every drive, of ``budgets.of_the_platform``.
-    objective
-        It ranks the drives.
 
     Returns
     -------
     Weigh
-        From an evaluation and a row of it to a drive.
+        From an evaluation and a row of it to the budgets.
     """
-    made: dict[tuple[int, int, float], DriveSet] = {}
+    made: dict[tuple[int, int, float], MachineBudget] = {}
 
-    def weigh(sets: Evaluation, row: int) -> DriveSet:
+    def weigh(sets: Evaluation, row: int) -> MachineBudget:
         candidates = sets.candidates
         key = int(candidates.motor[row]), int(candidates.gearhead[row]), float(candidates.belt[row])
-        if key not in made or not isinstance(objective, str):  # several objectives are shares of the best shown
-            made[key] = with_budget(problem, drive_set(sets, row, 0, objective), machine)
+        if key not in made:
+            made[key] = machine_budget(problem, drive_parts(sets, row), machine)
         return made[key]
 
     return weigh
@@ -116,11 +111,11 @@ def in_machine(
 
 
 def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted: int) -> Kept:
-    """Of evaluated drives those that pass: by columns where these decide, else by their records."""
+    """Of evaluated drives those that pass: by columns where these decide, else one by one."""
     certain = _looked_at(certain_failures(sets), aside)
     rejected, best, by = _any_of(certain, len(sets.candidates.motor)), list[int](), Counter[str]()
     for row in np.flatnonzero(~rejected).tolist():
-        budget = tuple(check for check in weigh(sets, row).budget if check.name not in aside)
+        budget = tuple(check for check in weigh(sets, row).checks if check.name not in aside)
         if _fails(sets.problem, budget):
             rejected[row] = True
             by.update(_failed(budget))
@@ -163,15 +158,15 @@ def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] 
     Returns
     -------
     DriveSet or None
-        With its checks and budgets.
+        With its own checks.
     """
     machine = of_the_platform(problem.machine)
-    judge = in_machine(problem, machine, weighing(problem, machine, objective), aside)
+    judge = in_machine(problem, machine, weighing(problem, machine), aside)
     found = search(problem, top=1, objective=objective, misses=0, judge=judge)
     return drive_set(found.evaluation, 0, 1, objective) if found.passing else None
 
 
-def passes_budgets(problem: Problem, one: DriveSet) -> bool:
+def passes_budgets(problem: Problem, one: DriveParts) -> bool:
     """Whether a drive passes the budgets of its machine, which need not have been computed.
 
     Parameters
@@ -189,7 +184,7 @@ def passes_budgets(problem: Problem, one: DriveSet) -> bool:
     machine = of_the_platform(problem.machine)
     if machine and _fails(problem, machine.checks):
         return False
-    return not _fails(problem, with_budget(problem, one, machine).budget)
+    return not _fails(problem, machine_budget(problem, one, machine).checks)
 
 
 def _fails(problem: Problem, checks: tuple[Check, ...]) -> bool:
@@ -202,9 +197,7 @@ def _failed(checks: tuple[Check, ...]) -> set[str]:
     return {check.name for check in checks if check.status == "fail"}
 
 
-def divided(
-    found: Found, weigh: Weigh, top: int, rows: Iterable[int]
-) -> tuple[dict[int, DriveSet], dict[int, DriveSet]]:
+def divided(found: Found, weigh: Weigh, top: int, rows: Iterable[int]) -> tuple[list[int], list[int]]:
     """Of some rows the best drives that pass the machine's budgets, and the better ones that fail on those.
 
     Parameters
@@ -220,62 +213,26 @@ def divided(
 
     Returns
     -------
-    tuple[dict[int, DriveSet], dict[int, DriveSet]]
-        Drives that pass and drives that fail, by row.
+    tuple[list[int], list[int]]
+        Rows of drives that pass and of drives that fail.
     """
-    best: dict[int, DriveSet] = {}
-    short: dict[int, DriveSet] = {}
+    evaluation = found.evaluation
+    best, short = list[int](), list[int]()
     for row in rows:
-        one = weigh(found.evaluation, row)
-        (short if one.status == "fail" or _fails(found.evaluation.problem, one.budget) else best)[row] = one
+        fails = evaluation.failed[row] or _fails(evaluation.problem, weigh(evaluation, row).checks)
+        (short if fails else best).append(row)
         if len(best) == top:
             break
-    return best, dict(list(short.items())[:top])
+    return best, short[:top]
 
 
-def on_the_front(found: Found, weigh: Weigh) -> tuple[DriveSet, ...]:
-    """The drives of the Pareto front that pass the machine's budgets, in its order.
-
-    Parameters
-    ----------
-    found
-        Of the search.
-    weigh
-        Of ``weighing``.
-
-    Returns
-    -------
-    tuple[DriveSet, ...]
-        Drives in order of the first objective.
-    """
-    return ranked(weigh(found.evaluation, row) for row in found.front)
-
-
-def ranked(sets: Iterable[DriveSet], before: int = 0) -> tuple[DriveSet, ...]:
-    """Drives by the rank in which they are shown.
-
-    Parameters
-    ----------
-    sets
-        Drives in order.
-    before
-        Number of drives shown before them.
-
-    Returns
-    -------
-    tuple[DriveSet, ...]
-        The same drives with their ranks, from ``before`` + 1 on.
-    """
-    return tuple(replace(one, rank=rank) for rank, one in enumerate(sets, before + 1))
-
-
-def shortfall(short: dict[int, DriveSet], better: int) -> list[str]:
+def shortfall(short: Iterable[MachineBudget], better: int) -> list[str]:
     """A warning that better drives fail on a budget: how many, and which budgets.
 
     Parameters
     ----------
     short
-        Drives that fail on budgets, by row.
+        Budgets of drives that fail on them.
     better
         Number of drives that fail on a budget before the first that passes.
 
@@ -284,7 +241,7 @@ def shortfall(short: dict[int, DriveSet], better: int) -> list[str]:
     list[str]
         One sentence or none.
     """
-    names = sorted({check.title.lower() for one in short.values() for check in one.budget if check.status == "fail"})
+    names = sorted({check.title.lower() for one in short for check in one.checks if check.status == "fail"})
     if not better or not names:
         return []
     drives = "1 better drive is" if better == 1 else f"{better} better drives are"

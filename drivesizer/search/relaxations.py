@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.machine.problem import changed
-from drivesizer.results.drive_set import DriveSet, Relaxation
+from drivesizer.results.drive_set import DriveParts, Relaxation
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.machine_filter import best_in_machine, passes_budgets
-from drivesizer.search.set_record import drive_set
+from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice
 from drivesizer.units import show
@@ -76,7 +76,7 @@ def relaxations(problem: Problem) -> tuple[Relaxation, ...]:
     return tuple(_found(problem, best))
 
 
-def changes_for(problem: Problem, one: DriveSet) -> tuple[Relaxation, ...]:
+def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:
     """The changes that would let a drive pass that fails, the least first; another reduction of its family among them.
 
     Parameters
@@ -97,7 +97,7 @@ def changes_for(problem: Problem, one: DriveSet) -> tuple[Relaxation, ...]:
 
     def passes(moved: Problem) -> str | None:
         found = evaluate(moved, only)
-        good = not found.failed[0] and passes_budgets(moved, drive_set(found, 0, 1, moved.spec.select.objective))
+        good = not found.failed[0] and passes_budgets(moved, drive_parts(found, 0))
         return one.label if good else None
 
     if problem.spec.method == "paper":  # its rule looks at the other reductions of the family: those come along
@@ -105,7 +105,7 @@ def changes_for(problem: Problem, one: DriveSet) -> tuple[Relaxation, ...]:
     return (*_other_reductions(problem, one), *_found(problem, passes))
 
 
-def _other_reductions(problem: Problem, one: DriveSet) -> Iterator[Relaxation]:
+def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]:
     """The nearest reduction of the same family that passes with the same motor and belt; not of an actuator."""
     if one.actuator:
         return

@@ -3,30 +3,65 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import Any
 
 import numpy as np
 
 from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
+from drivesizer.machine.budgets import MachineBudget
 from drivesizer.machine.problem import quickest_winding
 from drivesizer.physics.motor_demand import AT_REST
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.physics.waveform import Wave, longest_above, share_above
-from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.sizing import Figure
+from drivesizer.results.check import Check, Figure, Status, verdict
+from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation
+from drivesizer.results.reliability import Reliability
 from drivesizer.search import ranking
+from drivesizer.search.both_methods import compared
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import smallest_margin
 from drivesizer.spec.select import OBJECTIVES
 
-__all__ = ["drive_set"]
+__all__ = ["drive_parts", "drive_set"]
+
+_NO_BUDGET = MachineBudget()
 
 
-def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Ranking) -> DriveSet:
-    """One row of an evaluation as a record.
+def drive_parts(evaluation: Evaluation, index: int) -> DriveParts:
+    """The parts of one row of an evaluation."""
+    problem, catalog, candidates = evaluation.problem, evaluation.catalog, evaluation.candidates
+    motor = catalog.motors.record(int(candidates.motor[index]))
+    gearhead = catalog.gearheads.record(int(candidates.gearhead[index]))
+    encoder, controller = int(evaluation.encoder[index]), int(evaluation.controller[index])
+    return DriveParts(
+        motor=motor,
+        gearhead=gearhead,
+        encoder=catalog.encoders.record(encoder) if encoder >= 0 else None,
+        controller=catalog.controllers.record(controller) if controller >= 0 else None,
+        belt_ratio=float(candidates.belt[index]),
+        belt_efficiency=evaluation.spec.belt_efficiency,
+        belt_drive=problem.belt_drive(float(candidates.belt[index])),
+        total_ratio=float(gearhead.ratio * candidates.belt[index]),
+        actuator=catalog.actuators.record(catalog.actuators.rows[motor.inside]) if motor.inside else None,
+        quickest=quickest_winding(catalog),
+    )
+
+
+def drive_set(
+    evaluation: Evaluation,
+    index: int,
+    rank: int,
+    objective: Ranking,
+    *,
+    budget: MachineBudget = _NO_BUDGET,
+    beside: tuple[Check, ...] = (),
+    reliability: Reliability | None = None,
+    changes: tuple[Relaxation, ...] = (),
+) -> DriveSet:
+    """One row of an evaluation as a record, with what else is known of the drive.
 
     Parameters
     ----------
@@ -38,38 +73,44 @@ def drive_set(evaluation: Evaluation, index: int, rank: int, objective: Ranking)
         Place in which it is shown.
     objective
         What ranked it.
+    budget
+        Of the machine with the drive in it.
+    beside
+        Checks by the other method.
+    reliability
+        Its probability, where it was sampled.
+    changes
+        What would let it pass.
 
     Returns
     -------
     DriveSet
         With its checks, requirements and figures.
     """
-    problem, catalog, candidates = evaluation.problem, evaluation.catalog, evaluation.candidates
-    motor = catalog.motors.record(int(candidates.motor[index]))
-    gearhead = catalog.gearheads.record(int(candidates.gearhead[index]))
-    encoder, controller = int(evaluation.encoder[index]), int(evaluation.controller[index])
-    mass, mass_of = _summed({"motor": motor, "gearhead": gearhead}, "mass", ("motor", "gearhead"))
-    value, value_of = _objective(evaluation, index, objective, motor, gearhead)
+    parts = drive_parts(evaluation, index)
+    mass, mass_of = _summed({"motor": parts.motor, "gearhead": parts.gearhead}, "mass", ("motor", "gearhead"))
+    value, value_of = _objective(evaluation, index, objective, parts.motor, parts.gearhead)
+    checks = evaluation.checks_of(index)
+    alone: Status = "fail" if evaluation.failed[index] else "unknown" if evaluation.unknown[index] else "pass"
     return DriveSet(
+        **{field.name: getattr(parts, field.name) for field in fields(parts)},
         rank=rank,
-        status="fail" if evaluation.failed[index] else "unknown" if evaluation.unknown[index] else "pass",
-        motor=motor,
-        gearhead=gearhead,
-        encoder=catalog.encoders.record(encoder) if encoder >= 0 else None,
-        controller=catalog.controllers.record(controller) if controller >= 0 else None,
-        belt_ratio=float(candidates.belt[index]),
-        belt_efficiency=evaluation.spec.belt_efficiency,
-        belt_drive=problem.belt_drive(float(candidates.belt[index])),
-        total_ratio=float(gearhead.ratio * candidates.belt[index]),
+        status=verdict((*checks, *budget.checks)) if budget.checks else alone,
         mass=mass,
         mass_of=mass_of,
         objective=value,
         objective_of=value_of,
         requirements=tuple(r.at(index) for r in evaluation.shaft.values()),
-        checks=evaluation.checks_of(index),
-        figures=_figures(evaluation, index, motor, gearhead, controller) if evaluation.figures else (),
-        actuator=catalog.actuators.record(catalog.actuators.rows[motor.inside]) if motor.inside else None,
-        quickest=quickest_winding(catalog),
+        checks=checks,
+        figures=_figures(evaluation, index, parts) if evaluation.figures else (),
+        beside=beside,
+        budget=budget.checks,
+        machine=budget.figures,
+        masses=budget.masses,
+        energy=budget.energy,
+        comparison=compared((*checks, *beside)),
+        changes=changes,
+        reliability=reliability,
     )
 
 
@@ -114,13 +155,13 @@ _TABLE = (
 )
 
 
-def _figures(evaluation: Evaluation, index: int, motor: Motor, gearhead: Gearhead, row: int) -> tuple[Figure, ...]:
+def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Figure, ...]:
     """Figures of a drive without a limit, and the settings of its controller."""
     values = {name: float(column[index]) for name, column in evaluation.figures.items()}
     found = [Figure(name=n, title=t, value=values[n], kind=k, unit=u) for n, t, k, u in _TABLE]
-    if row < 0:
+    motor, gearhead, controller = parts.motor, parts.gearhead, parts.controller
+    if controller is None:
         return tuple(found)
-    controller = evaluation.catalog.controllers.record(row)
     at_gear = gearhead.intermittent_torque / (gearhead.ratio * gearhead.efficiency * motor.torque_constant)
     limit = min(controller.peak_current, at_gear) if at_gear == at_gear else controller.peak_current
     title = "Current limit to set" + (": no jam overloads the gearhead" if gearhead.kind != DIRECT else "")

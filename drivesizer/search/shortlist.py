@@ -6,24 +6,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.machine.budgets import check_battery, of_the_platform
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
-from drivesizer.results.reliability import Uncertainty
-from drivesizer.search.both_methods import with_both_methods
+from drivesizer.results.reliability import Reliability, Uncertainty
+from drivesizer.search.both_methods import other_checks
 from drivesizer.search.columns.controllers import offered_buses, offers
 from drivesizer.search.machine_filter import Weigh, divided, in_machine, weighing
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.ranking import COUNTED, Ranking, names_of
 from drivesizer.search.search import Found, Progress, search
-from drivesizer.search.set_record import drive_set
+from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
 
@@ -38,16 +38,18 @@ class Shortlist:
     """Drives by their rows in the result of the search."""
 
     problem: Problem
+    objective: Ranking
     found: Found
-    weigh: Weigh  # makes records of drives in their machine
-    best: dict[int, DriveSet]  # that pass, in order
+    weigh: Weigh  # budgets of the machine with a drive in it
+    best: list[int]  # that pass, in order
     top: int  # how many were requested
-    unsure: dict[int, DriveSet]  # that pass with less than the required probability; the most probable first
+    unsure: list[int]  # that pass with less than the required probability; the most probable first
+    reliability: dict[int, Reliability]  # of the best and the unsure, where drives were sampled
     uncertainty: Uncertainty | None  # None: nothing was sampled
     weighed: tuple[str, ...]  # how the machine's own mass was found
 
     @property
-    def short(self) -> dict[int, DriveSet]:
+    def short(self) -> list[int]:
         """Drives that pass their own checks but fail on a budget of the machine."""
         return divided(self.found, self.weigh, self.top, self.found.short)[1]
 
@@ -58,6 +60,13 @@ class Shortlist:
         rows = range(self.found.passing, len(evaluation.candidates.motor))
         failed = evaluation.failed if rows else ()
         return (row for row in rows if failed[row])
+
+    def record(self, row: int, rank: int = 0, **known: Any) -> DriveSet:
+        """A drive with the machine's budgets, unless it fails by itself; what else is known is as for ``drive_set``."""
+        evaluation = self.found.evaluation
+        if not evaluation.failed[row]:
+            known["budget"] = self.weigh(evaluation, row)
+        return drive_set(evaluation, row, rank, self.objective, **known)
 
 
 def shortlist(
@@ -113,57 +122,53 @@ def shortlist(
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
     machine = of_the_platform(problem.machine)
-    weigh = weighing(problem, machine, objective)
+    weigh = weighing(problem, machine)
     judge = in_machine(problem, machine, weigh)
     found = search(
         problem, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress, judge=judge
     )
     rows: Sequence[int] = range(found.passing)
-    sampled = _sampled(found, objective, rows[:pool], sampling) if sampling and pool else None
+    sampled = _sampled(found, rows[:pool], sampling) if sampling and pool else None
     best, _ = divided(found, weigh, top, sampled.good if sampled else rows)
     if sampling and not sampled and best:
-        sampled = _sampled(found, objective, [*best], sampling)
-    unsure = divided(found, weigh, top, sampled.bad)[0] if sampled else {}
+        sampled = _sampled(found, best, sampling)
+    unsure = divided(found, weigh, top, sampled.bad)[0] if sampled else []
+    finalists = {} if brief else {row: drive_parts(found.evaluation, row) for row in best[:FINALISTS]}
     return Shortlist(
         problem=problem,
+        objective=objective,
         found=found,
         weigh=weigh,
-        best=_with_reliability(sampled, catalog, best, FINALISTS, brief),
+        best=best,
         top=top,
-        unsure=_with_reliability(sampled, catalog, unsure, 0, brief),
+        unsure=unsure,
+        reliability=_reliability(sampled, [*best, *unsure], finalists, brief),
         uncertainty=_uncertainty(sampled),
         weighed=weighed,
     )
 
 
-def _sampled(found: Found, objective: Ranking, rows: Sequence[int], how: Sampling) -> SampledDrives:
+def _sampled(found: Found, rows: Sequence[int], how: Sampling) -> SampledDrives:
     """Some drives over samples, with their checks by physics whatever the method."""
-    from drivesizer.search.uncertainty.run import (  # where nothing is sampled it need not load
-        sample_drives,
-        subject,
-        subject_of,
-    )
+    from drivesizer.search.uncertainty.run import sample_drives, subject  # where nothing is sampled it need not load
 
-    problem = found.evaluation.problem
-    if problem.spec.method == "physics":
-        subjects = {row: subject(found.evaluation, row) for row in rows}
-    else:
-        records = with_both_methods(problem, [drive_set(found.evaluation, row, 0, objective) for row in rows])
-        subjects = {row: subject_of(problem.catalog, one) for row, one in zip(rows, records, strict=True)}
-    return sample_drives(problem, subjects, how)
+    evaluation, problem = found.evaluation, found.evaluation.problem
+    paper = problem.spec.method == "paper"
+    beside = {row: other_checks(problem, drive_parts(evaluation, row)) if paper else () for row in rows}
+    return sample_drives(problem, {row: subject(evaluation, row, beside[row]) for row in rows}, how)
 
 
-def _with_reliability(
-    sampled: SampledDrives | None, catalog: Catalog, sets: dict[int, DriveSet], finalists: int, brief: bool
-) -> dict[int, DriveSet]:
-    """Drives with their reliability, the first of them in closed loop as well."""
+def _reliability(
+    sampled: SampledDrives | None, rows: list[int], finalists: dict[int, DriveParts], brief: bool
+) -> dict[int, Reliability]:
+    """Reliability of drives, of some in closed loop as well."""
     if sampled is None:
-        return sets
-    from drivesizer.search.uncertainty.run import with_reliability
-
+        return {}
     if brief:
-        return {row: replace(one, reliability=sampled.found[row][1].reliability) for row, one in sets.items()}
-    return with_reliability(sampled, catalog, sets, [*sets][:finalists])
+        return {row: sampled.found[row][1].reliability for row in rows}
+    from drivesizer.search.uncertainty.run import reliabilities
+
+    return reliabilities(sampled, rows, finalists)
 
 
 def _uncertainty(sampled: SampledDrives | None) -> Uncertainty | None:

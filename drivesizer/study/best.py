@@ -6,15 +6,13 @@ searches where no drive passes, which is frequent in a study.
 
 from __future__ import annotations
 
-from itertools import chain
+from itertools import chain, islice
 from typing import NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Counts
-from drivesizer.search.machine_filter import ranked
 from drivesizer.search.ranking import Ranking, title_of
-from drivesizer.search.set_record import drive_set
 from drivesizer.search.shortlist import shortlist
 from drivesizer.spec.robot import RobotSpec
 
@@ -56,8 +54,7 @@ def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None,
     """
     objective = objective or spec.select.objective
     found = shortlist(spec, catalog, objective, top, misses=0, brief=True)
-    evaluation = found.found.evaluation
-    rejected = (drive_set(evaluation, row, 0, objective) for row in found.rejected)
-    close = next(chain(found.unsure.values(), found.short.values(), rejected), None)
-    sets = ranked(found.best.values())
-    return Best(sets, None if sets else close, found.found.counts, title_of(objective))
+    first = found.best or [*islice(chain(found.unsure, found.short, found.rejected), 1)]
+    shown = tuple(found.record(row, rank, reliability=found.reliability.get(row)) for rank, row in enumerate(first, 1))
+    sets = shown if found.best else ()
+    return Best(sets, None if sets else next(iter(shown), None), found.found.counts, title_of(objective))

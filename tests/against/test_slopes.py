@@ -8,7 +8,7 @@ import pytest
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
-from drivesizer.search.both_methods import with_both_methods
+from drivesizer.search.both_methods import other_checks
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
 
@@ -75,5 +75,4 @@ def test_requirements_are_those_of_the_method(downhill, catalog):
     assert of["rms_torque_per_motor"].value == pytest.approx(rms, rel=1e-5)
     assert of["nominal_speed"].value == pytest.approx(1.5 / 0.0762)
     assert not any(r.equation for r in (*result.requirements, *result.shown.requirements))
-    (one,) = with_both_methods(problem(spec, catalog), [result.shown])
-    assert {check.method for check in one.beside} == {"paper"}
+    assert {check.method for check in other_checks(problem(spec, catalog), result.shown)} == {"paper"}

@@ -9,13 +9,13 @@ import pytest
 from forty_motors import MOTORS, catalogue
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.budgets import with_budget
+from drivesizer.machine.budgets import machine_budget
 from drivesizer.machine.problem import problem
 from drivesizer.search import machine_filter, search
 from drivesizer.search.columns.candidates import pairs
 from drivesizer.search.columns.evaluation import by_physics
 from drivesizer.search.least_drawn import least_power
-from drivesizer.search.set_record import drive_set
+from drivesizer.search.set_record import drive_parts
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec
 
@@ -52,7 +52,8 @@ def every_record(spec):
     """Each set in full with its own budget, one by one, in the order of their mass."""
     given = problem(spec, load_parts(spec))
     found = by_physics(given, pairs(given), True)
-    return [with_budget(given, drive_set(found, row, 0, "mass")) for row in range(len(found.controller))]
+    alone = [drive_parts(found, row) for row in range(len(found.controller))]
+    return [(one.motor.part, machine_budget(given, one).checks) for one in alone]
 
 
 @pytest.mark.parametrize(("hours", "peak"), [(10, 50), (14, 50), (12, 9.5), (30, 50)])
@@ -64,11 +65,11 @@ def test_sets_and_counts_are_those_of_every_set_judged_by_itself(machine, monkey
     spec = machine(hours, peak)
     given, stand, fell, by = problem(spec, load_parts(spec)), [], [], Counter()
     least = least_power(given, 0, pairs(given))
-    for one, power in zip(every_record(spec), least, strict=True):
+    for (motor, budget), power in zip(every_record(spec), least, strict=True):
         if len(stand) == 3:
             break
-        failed = {check.name for check in one.budget if check.status == "fail"}
-        (fell if failed else stand).append(one.motor.part)
+        failed = {check.name for check in budget if check.status == "fail"}
+        (fell if failed else stand).append(motor)
         assert 20 * 24 / power >= hours or "battery_autonomy" in failed  # of 20 A*h and 24 V
         by.update(failed if 20 * 24 / power >= hours else {"battery_autonomy"})  # the rest is then not looked at
     found = size(spec, top=3)

@@ -34,7 +34,7 @@ from drivesizer.search.search import search
 from drivesizer.search.uncertainty import sampled_closed_loop
 from drivesizer.search.uncertainty.class_of_part import holding, used
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.search.uncertainty.run import SampledDrives, sample_drives, subject, uncertainty, with_reliability
+from drivesizer.search.uncertainty.run import SampledDrives, reliabilities, sample_drives, subject, uncertainty
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import assumptions
 from drivesizer.sizing import size
@@ -192,7 +192,7 @@ def test_only_figures_that_count_for_a_drive_are_reported(makers: Catalog) -> No
     best = size(_spec(), top=3, catalog=makers, sampling=Sampling(4096, 1, None)).sets
     for part, name in sets.items():
         one = next(each for each in best if each.motor.part == part)
-        for found in (one.reliability, with_reliability(result, makers, {row[part]: one})[row[part]].reliability):
+        for found in (one.reliability, reliabilities(result, [row[part]], {})[row[part]]):
             assert found and [driver.name for driver in found.drivers] == [name]
     drivers = {one.motor.part: one.reliability.drivers[0] for one in best if one.reliability}
     assert drivers["Acme-1"].low == "-4.5 %" and drivers["Coil-1"].low == "-9 %"

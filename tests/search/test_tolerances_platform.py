@@ -10,7 +10,7 @@ import pytest
 
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.budgets import with_budget
+from drivesizer.machine.budgets import machine_budget
 from drivesizer.machine.problem import problem
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
@@ -69,7 +69,7 @@ def _plainly(ready: Prepared, parts: Catalog, one: SetRows, values: Any) -> Any:
     given = problem(moved.model_copy(update={"select": select}), parts)
     only = Candidates(np.array([one.motor]), np.array([one.gearhead]), np.array([one.belt]), np.array([True]))
     record = drive_set(evaluate(given, only), 0, 1, "mass")
-    return {check.name: check for check in with_budget(given, record).every_check}
+    return {check.name: check for check in (*record.checks, *machine_budget(given, record).checks)}
 
 
 def test_samples_are_what_the_plain_evaluation_says(ready: Prepared, parts: Catalog) -> None:

@@ -24,7 +24,7 @@ from drivesizer.control.loop_records import Loops
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.loads.course import Profile
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["ClosedLoop", "as_warm", "run", "without_limits"]
@@ -41,7 +41,7 @@ class ClosedLoop(NamedTuple):
     """A simulation in closed loop, with its inputs."""
 
     spec: RobotSpec
-    drive_set: DriveSet
+    drive_set: DriveParts
     profile: Profile
     train: DriveTrain
     controller: Gains | Cascade
@@ -85,7 +85,7 @@ def _largest(runs: Sequence[Simulation], name: str) -> float:
     return float(max(runs, key=lambda one: one.figures[peak][0]).figures[name][0])
 
 
-def run(spec: RobotSpec, drive_set: DriveSet, profile: Profile) -> ClosedLoop:
+def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile) -> ClosedLoop:
     """Design a controller for a drive, analyse its loops and simulate it along a profile for the mission's duration.
 
     Parameters

@@ -22,7 +22,7 @@ from drivesizer.loads.course import Profile
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.supply_voltage import usable_in
 from drivesizer.physics.thermal import TwoBodies, two_bodies
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["FOLLOWS", "Prepared", "prepared"]
@@ -43,7 +43,7 @@ class Prepared(NamedTuple):
 
 
 def prepared(
-    spec: RobotSpec, drive_set: DriveSet, profile: Profile, controller: Gains | Cascade | None = None
+    spec: RobotSpec, drive_set: DriveParts, profile: Profile, controller: Gains | Cascade | None = None
 ) -> Prepared:
     """A drive and its task as the engine takes them.
 
@@ -111,7 +111,12 @@ def _task(spec: RobotSpec, profile: Profile, train: DriveTrain) -> Task:
 
 
 def _drive(
-    spec: RobotSpec, drive_set: DriveSet, train: DriveTrain, own: Gains | Cascade, heat: MotorHeat | None, usable: float
+    spec: RobotSpec,
+    drive_set: DriveParts,
+    train: DriveTrain,
+    own: Gains | Cascade,
+    heat: MotorHeat | None,
+    usable: float,
 ) -> Drive:
     """The drive as the engine takes it; an unknown limit is none there, and unknown in its check."""
     controller, known = drive_set.controller, not math.isnan(usable)
@@ -136,7 +141,7 @@ def _drive(
     )  # fmt: skip
 
 
-def _heat(spec: RobotSpec, drive_set: DriveSet) -> tuple[MotorHeat | None, list[str]]:
+def _heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None, list[str]]:
     """Winding and housing with their losses, and assumptions; None where a figure is unknown."""
     figures = asdict(drive_set.motor)
     bodies: TwoBodies = two_bodies(figures)

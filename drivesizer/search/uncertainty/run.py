@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
 from drivesizer.load_cases.wheel import WheelLoad
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.check import Check
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Reliability, Uncertain, Uncertainty
 from drivesizer.search.columns.evaluation import Evaluation
@@ -21,7 +21,7 @@ from drivesizer.search.uncertainty.sampled_checks import SetRows
 from drivesizer.search.uncertainty.sampling import Sample, sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
 
-__all__ = ["SampledDrives", "sample_drives", "subject", "subject_of", "uncertainty", "with_reliability"]
+__all__ = ["SampledDrives", "reliabilities", "sample_drives", "subject", "uncertainty"]
 
 
 class SampledDrives(NamedTuple):
@@ -65,8 +65,8 @@ def sample_drives(problem: Problem, subjects: Mapping[int, Subject], how: Sampli
     return SampledDrives(good, bad, found, ready, drawn._replace(values=ready.values), how)
 
 
-def subject(evaluation: Evaluation, row: int) -> Subject:
-    """A drive that a search by physics found.
+def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) -> Subject:
+    """A drive that a search found, with its checks by physics.
 
     Parameters
     ----------
@@ -74,6 +74,8 @@ def subject(evaluation: Evaluation, row: int) -> Subject:
         Result of the search.
     row
         Of the drive in it.
+    beside
+        Checks by the other method.
 
     Returns
     -------
@@ -85,74 +87,44 @@ def subject(evaluation: Evaluation, row: int) -> Subject:
         int(given.motor[row]), int(given.gearhead[row]), int(evaluation.encoder[row]), int(evaluation.controller[row]),
         float(given.belt[row]),
     )  # fmt: skip
-    return Subject(rows, evaluation.checks_of(row))
+    return Subject(rows, tuple(c for c in (*evaluation.checks_of(row), *beside) if c.method == "physics"))
 
 
-def subject_of(catalog: Catalog, one: DriveSet) -> Subject:
-    """A drive by its record, with its checks by physics among those of either method.
-
-    Parameters
-    ----------
-    catalog
-        The parts.
-    one
-        The drive.
-
-    Returns
-    -------
-    Subject
-        The drive, ready to be sampled.
-    """
-    rows = SetRows(
-        catalog.motors.rows[one.motor.part],
-        catalog.gearheads.rows[one.gearhead.part],
-        catalog.encoders.rows[one.encoder.part] if one.encoder else -1,
-        catalog.controllers.rows[one.controller.part] if one.controller else -1,
-        one.belt_ratio,
-    )
-    return Subject(rows, tuple(check for check in (*one.checks, *one.beside) if check.method == "physics"))
-
-
-def with_reliability(
-    sampled: SampledDrives, catalog: Catalog, sets: Mapping[int, DriveSet], finalists: Collection[int] = ()
-) -> dict[int, DriveSet]:
-    """Drives with their reliability, and the sensitivities of each.
+def reliabilities(
+    sampled: SampledDrives, rows: Iterable[int], finalists: Mapping[int, DriveParts]
+) -> dict[int, Reliability]:
+    """Reliability of drives, with the sensitivities of each.
 
     Parameters
     ----------
     sampled
         The sampled drives.
-    catalog
-        The parts.
-    sets
-        By their rows.
+    rows
+        Which of them.
     finalists
-        Rows of those that are sampled in closed loop too.
+        Those that are sampled in closed loop too.
 
     Returns
     -------
     dict
-        The drives by their rows.
+        By row.
     """
     ends, described = at_ends(sampled.ready.problem, sampled.ready.given), {}
-    for row, one in sets.items():
+    for row in rows:
         examined_, found = sampled.found[row]
-        matters = drivers(examined_, catalog, ends, sampled.drawn, found.smallest)
-        reliability = replace(found.reliability, drivers=matters)
+        matters = drivers(examined_, sampled.ready.problem.catalog, ends, sampled.drawn, found.smallest)
+        described[row] = replace(found.reliability, drivers=matters)
         if row in finalists and sampled.how.loop > 0:
-            reliability = _in_the_loop(sampled, catalog, examined_, one, reliability)
-        described[row] = replace(one, reliability=reliability)
+            described[row] = _in_the_loop(sampled, examined_, finalists[row], described[row])
     return described
 
 
-def _in_the_loop(
-    sampled: SampledDrives, catalog: Catalog, examined_: Subject, one: DriveSet, found: Reliability
-) -> Reliability:
+def _in_the_loop(sampled: SampledDrives, examined_: Subject, one: DriveParts, found: Reliability) -> Reliability:
     """With the share of samples that pass in closed loop, or why there is none: the model may lack a figure."""
     from drivesizer.search.uncertainty.sampled_closed_loop import loop_share
 
     ready = sampled.ready
-    own = counting(examined_, catalog, ready.spec, ready.given)
+    own = counting(examined_, ready.problem.catalog, ready.spec, ready.given)
     values = sampled.drawn.values[:, own]
     try:
         share = loop_share(ready.spec, one, [ready.given[k] for k in own], values, sampled.how.loop)

@@ -24,7 +24,7 @@ from drivesizer.load_cases.at_shaft import motion_of
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.course import Profile
 from drivesizer.physics.back_emf import back_emf_constant
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.reliability import LoopShare
 from drivesizer.results.sizing import Check
 from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_losses
@@ -40,7 +40,7 @@ _LOST = "the loop does not come to an end"
 
 
 def loop_share(
-    spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Array, samples: int
+    spec: RobotSpec, one: DriveParts, given: Sequence[Assumption], values: Array, samples: int
 ) -> LoopShare | None:
     """Share of samples in which no check of the closed loop fails; None of the wheels of a platform on its path.
 
@@ -77,7 +77,9 @@ def loop_share(
     )  # fmt: skip
 
 
-def deviating(spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], values: Array) -> tuple[RobotSpec, DriveSet]:
+def deviating(
+    spec: RobotSpec, one: DriveParts, given: Sequence[Assumption], values: Array
+) -> tuple[RobotSpec, DriveParts]:
     """Machine and drive with the figures of one sample.
 
     Parameters
@@ -91,7 +93,7 @@ def deviating(spec: RobotSpec, one: DriveSet, given: Sequence[Assumption], value
 
     Returns
     -------
-    tuple of RobotSpec and DriveSet
+    tuple of RobotSpec and DriveParts
         With these figures.
     """
     paths = case_paths(spec, None)
@@ -116,7 +118,7 @@ def _times(part: Any, factors: Mapping[str, float]) -> dict[str, Any]:
     return {name: getattr(part, name) * factor for name, factor in factors.items()}
 
 
-def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveSet]]) -> list[tuple[Check, ...]]:
+def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts]]) -> list[tuple[Check, ...]]:
     """The checks of each machine, with the nominal one's controller."""
     profiles = [_motion(nominal, spec) for spec, _ in machines]
     made = [prepared(*machine, motion, nominal.controller) for machine, motion in zip(machines, profiles, strict=True)]
@@ -169,7 +171,7 @@ def _simulated(made: Sequence[Prepared]) -> list[Simulation]:
 
 
 def _checks(
-    nominal: ClosedLoop, machine: tuple[RobotSpec, DriveSet], motion: Profile, made: Prepared,
+    nominal: ClosedLoop, machine: tuple[RobotSpec, DriveParts], motion: Profile, made: Prepared,
     simulated: tuple[Simulation, tuple[Simulation, ...]],
 ) -> tuple[Check, ...]:  # fmt: skip
     """Demand against limit of one sample, simulated from cold and in periodic steady state."""
