@@ -15,26 +15,15 @@ import typer
 from drivesizer.errors import DrivesizerError, InputError
 
 __all__ = [
-    "DEFAULT",
-    "Chosen",
-    "Json",
-    "More",
-    "NothingFitsError",
-    "Profile",
-    "Spec",
-    "Top",
-    "load",
-    "print_notes",
-    "progress",
-    "working",
-]
+    "DEFAULT", "Chosen", "Json", "More", "NothingFitsError", "Profile", "Spec", "Top", "load", "print_notes",
+    "progress", "working",
+]  # fmt: skip
 
 Spec = Annotated[Path, typer.Argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 Top = Annotated[int, typer.Option(min=1, max=1000, help="How many drives to show.")]
 Chosen = Annotated[
-    str | None,
-    typer.Option("--set", metavar="MOTOR/GEARHEAD", help="A drive, e.g. 118752/406764; else the best."),
+    str | None, typer.Option("--set", metavar="MOTOR/GEARHEAD", help="A drive, e.g. 118752/406764; else the best.")
 ]
 More = Annotated[
     list[str] | None,

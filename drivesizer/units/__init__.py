@@ -25,17 +25,6 @@ from drivesizer.units.reader import (
 )
 
 __all__ = [
-    "KINDS",
-    "Kind",
-    "from_si",
-    "kind_of_unit",
-    "label",
-    "noun",
-    "number",
-    "possible",
-    "registry",
-    "scale",
-    "show",
-    "tabulate",
-    "to_si",
-]
+    "KINDS", "Kind", "from_si", "kind_of_unit", "label", "noun", "number", "possible", "registry", "scale", "show",
+    "tabulate", "to_si",
+]  # fmt: skip

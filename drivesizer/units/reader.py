@@ -21,18 +21,8 @@ if TYPE_CHECKING:
     import pint
 
 __all__ = [
-    "from_si",
-    "kind_of_unit",
-    "label",
-    "noun",
-    "number",
-    "possible",
-    "registry",
-    "scale",
-    "show",
-    "tabulate",
-    "to_si",
-]
+    "from_si", "kind_of_unit", "label", "noun", "number", "possible", "registry", "scale", "show", "tabulate", "to_si",
+]  # fmt: skip
 
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
 _CHARACTERS = str.maketrans("·⋅×µμ²³¹⁻−′″\u00a0\u202f", "***uu231--'\"  ") | {ord("Ω"): "ohm", 0x2126: "ohm"}

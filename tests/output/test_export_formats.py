@@ -79,10 +79,7 @@ def test_limits_follow_what_is_least(spec, found):
     slow = fitted(found, gearhead={"intermittent_input_speed": 100.0, "continuous_input_speed": 50.0})
     limits = export_of(spec, slow).limits
     speeds = limits.peak_speed.value, limits.continuous_speed.value
-    assert speeds == (
-        pytest.approx(100.0 / K),
-        pytest.approx(50.0 / K),
-    )
+    assert speeds == (pytest.approx(100.0 / K), pytest.approx(50.0 / K))
     soft = fitted(found, gearhead={"continuous_torque": 0.1})
     assert export_of(spec, soft).limits.continuous_torque.value == pytest.approx(0.1 * BELT * E_BELT)
     hot = spec.model_copy(update={"environment": spec.environment.model_copy(update={"ambient": 273.15 + 62.5})})

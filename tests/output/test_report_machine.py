@@ -235,11 +235,7 @@ LIGHTER = ("  mass: 45 kg                      # paper: about 45 kg\n  structure
 
 
 @pytest.mark.parametrize(
-    ("change", "title"),
-    [
-        (("autonomy: 1 h", "autonomy: 30 h"), "Battery autonomy"),
-        (LIGHTER, "Mass of the machine"),
-    ],
+    ("change", "title"), [(("autonomy: 1 h", "autonomy: 30 h"), "Battery autonomy"), (LIGHTER, "Mass of the machine")]
 )
 def test_a_drive_that_fails_on_the_machines_budget_says_so_first(change, title):
     result = size(changed(change), top=2)

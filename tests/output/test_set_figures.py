@@ -72,11 +72,7 @@ def test_the_margins_of_a_set_have_a_bar_for_each_check(canvas, result):
         if not isnan(one.margin):
             assert bar.get_width() == pytest.approx(
                 min(100.0 * one.demand / one.limit, 125.0), rel=1e-9
-            ) or one.name in (
-                "encoder_counts",
-                "largest_reduction",
-                "winding_temperature",
-            )
+            ) or one.name in ("encoder_counts", "largest_reduction", "winding_temperature")
 
 
 # -- energy
@@ -128,13 +124,7 @@ def test_lines_of_efficiency_lie_where_the_efficiency_is(canvas, result):
     field = efficiency.efficiency_field([("", found)], 18.9)
     (axes,) = canvas(efficiency, efficiency.efficiency_map, field).axes
     motor, head = result.sets[0].motor, result.sets[0].gearhead
-    R, k, I_0, i, e = (
-        float(found.hot[0]),
-        motor.torque_constant,
-        motor.no_load_current,
-        head.ratio,
-        head.efficiency,
-    )
+    R, k, I_0, i, e = (float(found.hot[0]), motor.torque_constant, motor.no_load_current, head.ratio, head.efficiency)
     seen = 0
     for lines in axes.collections:
         levels = getattr(lines, "levels", ())

@@ -156,9 +156,4 @@ def _alike(names: Any, schema: dict[str, Any]) -> dict[str, Any]:
 
 def _all_of(**properties: Any) -> dict[str, Any]:
     """An object that has all of these and nothing else."""
-    return {
-        "type": "object",
-        "properties": properties,
-        "required": list(properties),
-        "additionalProperties": False,
-    }
+    return {"type": "object", "properties": properties, "required": list(properties), "additionalProperties": False}

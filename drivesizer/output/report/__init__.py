@@ -20,16 +20,9 @@ if TYPE_CHECKING:
     from drivesizer.results.sizing import SizingResult
 
 __all__ = [
-    "KNOWN",
-    "accept",
-    "write",
-    "write_driving",
-    "write_figures",
-    "write_loop_figures",
-    "write_path",
-    "write_series",
+    "KNOWN", "accept", "write", "write_driving", "write_figures", "write_loop_figures", "write_path", "write_series",
     "write_sets",
-]
+]  # fmt: skip
 
 # suffix -> module with a function ``render``, and what it takes beside the records
 _RENDERERS: dict[str, tuple[str, tuple[str, ...]]] = {

@@ -23,19 +23,9 @@ from drivesizer.spec.robot import AS_SPECIFIED
 from drivesizer.units import label, show
 
 __all__ = [
-    "MARK",
-    "STYLE",
-    "bare",
-    "checks",
-    "console",
-    "gains",
-    "heading",
-    "loose",
-    "parts",
-    "percent",
-    "plain",
+    "MARK", "STYLE", "bare", "checks", "console", "gains", "heading", "loose", "parts", "percent", "plain",
     "requirements",
-]
+]  # fmt: skip
 
 STYLE = {"pass": "green", "fail": "bold red", "unknown": "yellow"}
 MARK = {"pass": "pass", "fail": "FAIL", "unknown": "unknown"}

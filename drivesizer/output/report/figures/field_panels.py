@@ -86,9 +86,7 @@ def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> 
              "i_b": drive_set.belt_ratio, "eta_b": drive_set.belt_efficiency}  # fmt: skip
     points = (
         OperatingPoint(
-            name=name,
-            torque=float(eq.maximum_torque_at_motor(torque, **chain)),
-            speed=speed * drive_set.total_ratio,
+            name=name, torque=float(eq.maximum_torque_at_motor(torque, **chain)), speed=speed * drive_set.total_ratio
         )
         for name, (torque, speed) in torques.items()
     )

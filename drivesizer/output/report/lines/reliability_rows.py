@@ -17,13 +17,7 @@ from drivesizer.results.reliability import Driver, Reliability, Spread
 from drivesizer.results.sizing import SizingResult
 
 __all__ = [
-    "QUANTILES",
-    "below_confidence_row",
-    "chance_columns",
-    "chances",
-    "every_list",
-    "method_of",
-    "reliability_rows",
+    "QUANTILES", "below_confidence_row", "chance_columns", "chances", "every_list", "method_of", "reliability_rows",
     "sampling_rows",
 ]  # fmt: skip
 

@@ -203,12 +203,9 @@ def set_rows(s: DriveSet, objective: str) -> Iterator[Row]:
     price, priced = price_of(s)
     yield _figure("set", "mass", "Mass", s.mass, "mass", "g") | _over("sum of", s.mass_of)
     yield _figure("set", "price", "Price", price, "price", "EUR") | _over("sum of", priced)
-    yield {
-        "section": "set",
-        "name": "objective",
-        "title": f"Objective: {objective}",
-        "si_value": s.objective,
-    } | _over("of", s.objective_of)
+    yield {"section": "set", "name": "objective", "title": f"Objective: {objective}", "si_value": s.objective} | _over(
+        "of", s.objective_of
+    )
     yield {"section": "set", "name": "verdict", "title": "All checks", "status": s.status}
 
 

@@ -17,11 +17,7 @@ from drivesizer.results.drive_set import Comparison, DriveSet
 __all__ = ["CHECKS", "DRIVE"]
 
 
-_TITLES = {
-    "found": "The selected drive",
-    "unsure": "The most probable drive",
-    "missed": "The closest rejected drive",
-}
+_TITLES = {"found": "The selected drive", "unsure": "The most probable drive", "missed": "The closest rejected drive"}
 
 
 def _intro(content: Content) -> Iterator[Block]:

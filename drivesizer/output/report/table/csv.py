@@ -18,12 +18,7 @@ from numpy.typing import NDArray
 from drivesizer.control.validation import Validation
 from drivesizer.output.cells import csv_cell
 from drivesizer.output.parts import PartLine
-from drivesizer.output.report.lines.reliability_rows import (
-    QUANTILES,
-    chance_columns,
-    chances,
-    every_list,
-)
+from drivesizer.output.report.lines.reliability_rows import QUANTILES, chance_columns, chances, every_list
 from drivesizer.output.report.lines.rows import COLUMNS, Row
 from drivesizer.output.report.sections import SECTIONS
 from drivesizer.output.report.sections.content import Content
