@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from drivesizer import cli
 from drivesizer.catalog import Catalog, load
 from drivesizer.files.cache import digest_of
 from drivesizer.results.sizing import SizingResult
@@ -104,6 +105,20 @@ def result(spec: RobotSpec) -> SizingResult:
 def example_text(example: Path) -> str:
     """The SPS robot's spec as text, to be changed by a test."""
     return example.read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[Any, str, str]]:
+    """A function that runs the program as a user would: exit status, stdout and stderr."""
+
+    def call(*words: object) -> tuple[Any, str, str]:
+        monkeypatch.setattr(sys, "argv", ["drivesizer", *map(str, words)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        told = capsys.readouterr()
+        return end.value.code, told.out, told.err
+
+    return call
 
 
 @pytest.fixture

@@ -46,16 +46,10 @@ def size(
 ) -> None:
     """Find the drive: requirements, the best drives, and why the others fail."""
     from drivesizer.output.report import accept, write, write_sets
-    from drivesizer.search.uncertainty.options import sampling_of
-    from drivesizer.sizing import size as sized
 
     robot = load(spec, catalogs)
     accept([pdf] if pdf else [], tables=[csv] if csv else [])
-    sampling = sampling_of(robot, confidence, samples, seed, processes, loop_samples)
-    with progress() as advance:
-        result = sized(
-            robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=advance, sampling=sampling
-        )
+    result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))
     if csv:
         write_sets(result, csv)
     if pdf:
@@ -73,11 +67,16 @@ def size(
     raise typer.Exit(0 if result.sets else 1)
 
 
-def _objective(text: str | None) -> Any:
-    """The objective that an option names, None without one."""
+def _sized(robot: Any, top: int, objective: str | None, pareto: str | None, sampling: tuple[Any, ...]) -> Any:
+    """The sizing by the options of ``size`` and ``report``; ``sampling`` are those of the samples."""
     from drivesizer.search.ranking import objective_of
+    from drivesizer.search.uncertainty.options import sampling_of
+    from drivesizer.sizing import size as sized
 
-    return None if text is None else objective_of(text)
+    samples, rank = sampling_of(robot, *sampling), None if objective is None else objective_of(objective)
+    front = _pareto(pareto)
+    with progress() as advance:
+        return sized(robot, top=top, objective=rank, pareto=front, progress=advance, sampling=samples)
 
 
 def _pareto(text: str | None) -> tuple[str, ...]:
@@ -116,16 +115,10 @@ def report(
 ) -> None:
     """Write the report: .pdf, .html, .xlsx, .csv or .json, several at once."""
     from drivesizer.output.report import accept, write, write_figures
-    from drivesizer.search.uncertainty.options import sampling_of
-    from drivesizer.sizing import size as sized
 
     robot = load(spec, catalogs)
     accept(output)
-    sampling = sampling_of(robot, confidence, samples, seed, processes, loop_samples)
-    with progress() as advance:
-        result = sized(
-            robot, top=top, objective=_objective(objective), pareto=_pareto(pareto), progress=advance, sampling=sampling
-        )
+    result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))
     with working("simulating the drive in closed loop"):
         result, proof = _proven(result, profile)
     with working("writing the report"):

@@ -11,7 +11,6 @@ import pytest
 from drivesizer.catalog import Catalog, load, shipped
 from drivesizer.catalog.discharges import Discharges
 from drivesizer.catalog.laws.check import Finding, check
-from drivesizer.cli import main
 from drivesizer.errors import CatalogError
 
 HOUR = 3600.0
@@ -207,15 +206,12 @@ def test_one_wrong_figure_is_found(
     assert all(f.part == part and f.unexplained for f in new)
 
 
-def test_a_battery_is_shown_with_its_discharges(capsys, monkeypatch) -> None:
+def test_a_battery_is_shown_with_its_discharges(run, monkeypatch) -> None:
     """Times down, end voltages across; three figures of the sheet as printed."""
     monkeypatch.setenv("COLUMNS", "80")
-    monkeypatch.setattr("sys.argv", ["drivesizer", "catalog", "show", "SP12-7.5T1", "--catalog", "sigmastek"])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    out = capsys.readouterr().out
+    status, out, _ = run("catalog", "show", "SP12-7.5T1", "--catalog", "sigmastek")
     currents = out.split("Constant power")[0].splitlines()
     rows = {"".join(words[:2]): words[2:] for words in map(str.split, currents) if len(words) == 8}
-    assert ended.value.code in (0, None)
+    assert status in (0, None)
     assert "Constant current (A), down to" in out and "9.6 V" in out and "10.5 V" in out
     assert rows["1h"][0] == "4.71" and rows["20h"][3] == "0.379" and rows["5min"][-1] == "14.3"

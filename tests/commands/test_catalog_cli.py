@@ -5,13 +5,13 @@ from __future__ import annotations
 import csv
 import json
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from catalog_texts import MAP, SHEET
 
-from drivesizer import cli
 from drivesizer.catalog import PARTS, columns_of, load
 from drivesizer.catalog.compare import side_by_side
 from drivesizer.catalog.coverage import coverage
@@ -74,19 +74,11 @@ def small(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
+def run(run, monkeypatch, tmp_path):
     """Run a catalogue command in an empty folder; its status, stdout and stderr."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
-
-    def call(*args):
-        monkeypatch.setattr(sys, "argv", ["drivesizer", "catalog", *map(str, args)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        out = capsys.readouterr()
-        return end.value.code, out.out, out.err
-
-    return call
+    return partial(run, "catalog")
 
 
 def words(text: str) -> str:

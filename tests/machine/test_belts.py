@@ -5,7 +5,6 @@ import itertools
 import json
 import math
 import re
-import sys
 from fractions import Fraction
 
 import numpy as np
@@ -13,7 +12,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivesizer import cli
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.machine import pulleys
@@ -421,7 +419,7 @@ def test_the_papers_method_takes_them_too(shop):
 
 
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path, example_text):
+def run(run, monkeypatch, tmp_path, example_text):
     """The SPS robot with pulleys of West Coast Products; a function that runs the program on it."""
     text = example_text.replace("method: paper", "method: physics").replace(
         "catalogs: [maxon]", "catalogs: [maxon, wcp]"
@@ -432,12 +430,9 @@ def run(monkeypatch, capsys, tmp_path, example_text):
     monkeypatch.setenv("COLUMNS", "80")
 
     def call(*args):
-        monkeypatch.setattr(sys, "argv", ["drivesizer", *map(str, args)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        out = capsys.readouterr()
-        assert "Traceback" not in out.err
-        return end.value.code, out.out
+        status, out, err = run(*args)
+        assert "Traceback" not in err
+        return status, out
 
     return call
 

@@ -19,7 +19,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.report import workbook, write
 from drivesizer.output.report.sections import candidates
 from drivesizer.output.report.sections import loop as loop_section
-from drivesizer.output.report.sections.sheet import Column, Sheet
+from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.output.report.workbook import writer
 from drivesizer.output.report.workbook.writer import shown, written
@@ -198,7 +198,7 @@ def test_very_small_and_large_figures_are_shown_with_an_exponent():
 
 def test_what_has_no_end_is_a_word(result):
     figures = Sheet(
-        name="A", columns=(Column("value", "value"),), rows=[{"value": x} for x in (inf, -inf, nan, None, 2)]
+        name="A", columns=(SheetColumn("value", "value"),), rows=[{"value": x} for x in (inf, -inf, nan, None, 2)]
     )
     values = [row[0] for row in opened([figures])["A"].iter_rows(min_row=2, values_only=True)]
     assert values == ["unbounded", "unbounded below", None, None, 2]
@@ -226,7 +226,7 @@ def test_no_text_is_computed_or_made_a_link(text, result):
 def test_what_a_cell_cannot_hold_is_spelled_out_or_cut(result):
     hostile = "a\x00b\x1b[31m\ud800c\ufffed\u202e 測試 робот 😀 _x0041_ <&>\"'"
     rows = [{"text": hostile}, {"text": "x" * 40_000}, {"text": "line\r\nline"}]
-    page = opened([Sheet(name="A", columns=(Column("text", "text"),), rows=rows)])["A"]
+    page = opened([Sheet(name="A", columns=(SheetColumn("text", "text"),), rows=rows)])["A"]
     first, second, third = (row[0] for row in page.iter_rows(min_row=2, values_only=True))
     assert "\\x00" in first and "\\x1b[31m" in first and "\\ud800" in first and "\\u202e" in first
     assert "測試 робот 😀" in first and first.endswith("<&>\"'")
@@ -245,7 +245,7 @@ def test_hostile_names_of_a_spec_come_through(result, tmp_path):
 def test_more_rows_than_a_sheet_has_are_left_out_and_that_is_told(monkeypatch):
     monkeypatch.setattr(writer, "MOST_ROWS", 10)
     rows = [{"n": n} for n in range(25)]
-    page = opened([Sheet(name="A", columns=(Column("n", "n"),), rows=rows)])["A"]
+    page = opened([Sheet(name="A", columns=(SheetColumn("n", "n"),), rows=rows)])["A"]
     assert page.max_row == 11 and page["A11"].value == 9
     assert page["B1"].value == "the first 10 of 25 rows"
     assert 1 + writer.MOST_ROWS <= 1_048_576

@@ -5,13 +5,11 @@ Expected figures come from the formulas of the trade, written out here.
 
 from __future__ import annotations
 
-import sys
 from math import exp, isnan, log, nan, pi, sqrt
 from pathlib import Path
 
 import pytest
 
-from drivesizer import cli
 from drivesizer.catalog.lookup import find
 from drivesizer.catalog.query import Hit, open_all
 from drivesizer.output.terminal import part as terminal_part
@@ -310,11 +308,8 @@ def test_a_part_without_torque_and_speed_has_its_figures(tmp_path, shown):
     assert "┤" not in said
 
 
-def test_the_command_shows_the_page(part, monkeypatch, capsys, tmp_path):
+def test_the_command_shows_the_page(part, monkeypatch, tmp_path, run):
     part()
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", ["drivesizer", "catalog", "show", "P1", "--catalog", "own.yaml"])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    assert end.value.code == 0
-    assert "nominal point" in capsys.readouterr().out
+    status, out, _ = run("catalog", "show", "P1", "--catalog", "own.yaml")
+    assert status == 0 and "nominal point" in out

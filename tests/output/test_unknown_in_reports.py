@@ -1,7 +1,6 @@
 """What reports say where a figure is unknown: no 0 for it, no figure beside its own "unknown", no name for a number."""
 
 import json
-import sys
 from dataclasses import replace
 from math import isnan, nan
 
@@ -10,7 +9,6 @@ import pytest
 from conftest import ROOT
 from synthetic_validation import labels
 
-from drivesizer import cli
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.operating_field import field
@@ -104,16 +102,14 @@ def test_the_closed_loop_drives_the_hardest_case(several):
     assert "the load case loaded is simulated; 3 further cases are not simulated" in proofs["loaded"].assumptions
 
 
-def test_a_set_that_no_loop_can_drive_is_reported_without(tmp_path, monkeypatch, capsys):
+def test_a_set_that_no_loop_can_drive_is_reported_without(tmp_path, monkeypatch, run):
     """Pololu prints no rotor inertia: everything but the closed loop is reported, and why it is missing."""
     text = STARTER.replace("mass: 30 kg", "mass: 6 kg").replace("speed: 1 m/s", "speed: 0.3 m/s")
     text = text.replace("nominal: 24 V", "nominal: 12 V").replace("catalogs: [maxon]", "catalogs: [pololu]")
     (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", ["drivesizer", "report", "-o", "report.json", "-o", "report.html"])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    assert end.value.code == 0 and "rotor inertia not in the catalogue" in capsys.readouterr().err
+    status, _, err = run("report", "-o", "report.json", "-o", "report.html")
+    assert status == 0 and "rotor inertia not in the catalogue" in err
     document = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     assert document["validation"] is None
     assert any(said.startswith("not simulated in closed loop: motor") for said in document["warnings"])

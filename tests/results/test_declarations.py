@@ -73,7 +73,8 @@ motion: {profile: trapezoid, speed: 0.4 m/s, acceleration_time: 0.5 s, cruise_ti
 supply: {nominal: 24 V}
 """
 SECTION = """
-from drivesizer.output.report.sections.blocks import Column, Row, Table, Words, quantity
+from drivesizer.output.report.sections.blocks import Column, Row, Table, Words
+from drivesizer.output.report.sections.texts import quantity
 from drivesizer.output.report.sections.section import Section
 
 

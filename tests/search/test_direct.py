@@ -103,20 +103,15 @@ def test_a_catalogue_of_ones_own_may_replace_parts(direct):
     assert "motor one-90: mine in place of one" in size(spec).warnings
 
 
-def test_a_catalogue_may_be_named_at_the_command_line(direct, monkeypatch, capsys):
-    from drivesizer import cli
-
+def test_a_catalogue_may_be_named_at_the_command_line(direct, monkeypatch, run):
     (direct / "fan.yaml").write_text(
         FAN.replace("[CATALOGS]", "[two.yaml, maxon], gearhead: {part: direct}"), encoding="utf-8"
     )
     monkeypatch.chdir(direct)
     for more, parts in (([], {"two-90"}), (["--catalog", "one.yaml"], {"one-90", "two-90"})):
-        monkeypatch.setattr("sys.argv", ["drivesizer", "size", "fan.yaml", "--json", *more])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        assert end.value.code == 0
-        document = json.loads(capsys.readouterr().out)
-        assert {s["motor"]["part"] for s in document["sets"]} == parts
+        status, out, _ = run("size", "fan.yaml", "--json", *more)
+        assert status == 0
+        assert {s["motor"]["part"] for s in json.loads(out)["sets"]} == parts
 
 
 def test_a_partner_of_a_catalogue_that_is_not_loaded_is_left_out_alone(direct):
@@ -217,9 +212,7 @@ def test_no_gearhead_is_chosen_where_there_is_to_be_none():
     ],
     ids=lambda words: words[0],
 )
-def test_every_command_takes_such_a_set(unlisted, words, monkeypatch, capsys):
-    from drivesizer import cli
-
+def test_every_command_takes_such_a_set(unlisted, words, monkeypatch, run):
     folder = unlisted.parent
     text = ALONE.replace("CATALOGS]", "one.yaml, maxon], motor: {part: one-90}").replace(
         "cruise_time: 20 s", "cruise_time: 1 s"
@@ -229,10 +222,7 @@ def test_every_command_takes_such_a_set(unlisted, words, monkeypatch, capsys):
     (folder / "robot.yaml").write_text(text, encoding="utf-8")
     (folder / "study.yaml").write_text("spec: robot.yaml\nvary:\n  motion.speed: [1000 rpm, 1200 rpm]\n", "utf-8")
     monkeypatch.chdir(folder)
-    monkeypatch.setattr("sys.argv", ["drivesizer", *words])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    told = capsys.readouterr()
-    assert end.value.code == 0, told.err
+    status, out, err = run(*words)
+    assert status == 0, err
     written = [path.read_text(encoding="utf-8") for path in Path().rglob("*[lv]")]
-    assert any("one-90" in text for text in (told.out, *written))
+    assert any("one-90" in text for text in (out, *written))

@@ -7,7 +7,6 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from drivesizer import cli
 from drivesizer.catalog import shipped
 from drivesizer.catalog.schema import catalog_schema
 from drivesizer.files.yaml_source import read
@@ -68,15 +67,11 @@ def test_what_is_wrong_does_not(change):
     assert not validator.is_valid(catalogue)
 
 
-def test_schemas_from_the_command_line(monkeypatch, capsys):
+def test_schemas_from_the_command_line(run):
     for arguments, title in ((["schema"], "RobotSpec"), (["schema", "catalog"], "drivesizer catalogue")):
-        monkeypatch.setattr("sys.argv", ["drivesizer", *arguments])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        assert end.value.code == 0
-        assert json.loads(capsys.readouterr().out)["title"] == title
-    monkeypatch.setattr("sys.argv", ["drivesizer", "schema", "catalogue"])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    assert end.value.code == 2
-    assert "expected spec or catalog" in capsys.readouterr().err
+        status, out, _ = run(*arguments)
+        assert status == 0
+        assert json.loads(out)["title"] == title
+    status, _, err = run("schema", "catalogue")
+    assert status == 2
+    assert "expected spec or catalog" in err

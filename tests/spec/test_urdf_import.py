@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 import yourdfpy
-from commands_run import run
 from scipy.spatial.transform import Rotation
 
 from drivesizer.errors import InputError
@@ -273,16 +272,16 @@ def test_a_name_is_text_in_the_spec(name, at):
 # --- at the command line
 
 
-def test_init_from_a_urdf(at, tmp_path, capsys, monkeypatch):
+def test_init_from_a_urdf(at, tmp_path, run):
     path, target = at(ROBOT % CART), tmp_path / "robot.yaml"
-    status, out, _ = run(capsys, monkeypatch, "init", "--from-urdf", path, "-o", target)
+    status, out, _ = run("init", "--from-urdf", path, "-o", target)
     assert (status, target.read_text()) == (0, spec_of(path)) and "now: drivesizer size" in out
-    status, _, err = run(capsys, monkeypatch, "init", "--from-urdf", path, "-o", target)
+    status, _, err = run("init", "--from-urdf", path, "-o", target)
     assert status == 2 and "exists" in err
-    status, out, _ = run(capsys, monkeypatch, "init", "--from-urdf", at(ROBOT % ARM), "--joint", "shoulder", "-o", "-")
+    status, out, _ = run("init", "--from-urdf", at(ROBOT % ARM), "--joint", "shoulder", "-o", "-")
     assert status == 0 and "kind: arm" in out
-    status, _, err = run(capsys, monkeypatch, "init", "--joint", "shoulder")
+    status, _, err = run("init", "--joint", "shoulder")
     assert (status, err.count("\n")) == (2, 1)
     broken = tmp_path / "new.yaml"
-    status, _, err = run(capsys, monkeypatch, "init", "--from-urdf", at("<robot>"), "-o", broken)
+    status, _, err = run("init", "--from-urdf", at("<robot>"), "-o", broken)
     assert (status, err.count("\n"), broken.exists()) == (2, 1, False)

@@ -9,12 +9,12 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
 from studies import CHEAP, FEW, MANY, command, laid, ran, results, surroundings
 
-from drivesizer import cli
 from drivesizer.study import cluster
 from drivesizer.study.local import tasks
 from drivesizer.study.lock import locked
@@ -36,18 +36,10 @@ def whole(tmp_path_factory):
 
 
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
+def run(run, monkeypatch, tmp_path):
     """Run the command in an empty folder; its status, stdout and stderr."""
     monkeypatch.chdir(tmp_path)
-
-    def call(*args):
-        monkeypatch.setattr(sys, "argv", ["drivesizer", "study", *map(str, args)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        out = capsys.readouterr()
-        return end.value.code, out.out, out.err
-
-    return call
+    return partial(run, "study")
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.files.writing import put, ready_all
 
 if TYPE_CHECKING:
     from drivesizer.control.path_following.following import Followed
@@ -69,8 +70,6 @@ def write(
         When a suffix is none of the known ones, two paths are one, or a file cannot be written. Nothing is written
         then, and older files stay unchanged.
     """
-    from drivesizer.files.writing import put
-
     accept(paths)
     given = {"paper": paper, "date": date}
     files: dict[Path, bytes] = {}
@@ -100,8 +99,6 @@ def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
     InputError
         When a suffix is none of the known ones, a path is no place for a file or what was read, or two are one file.
     """
-    from drivesizer.files.writing import ready_all
-
     for path in paths:
         if path.suffix.lower() not in _RENDERERS:
             known = f"{', '.join(KNOWN[:-1])} or {KNOWN[-1]}"
@@ -129,10 +126,8 @@ def write_sets(result: SizingResult, path: Path) -> list[Path]:
     InputError
         When the file cannot be written.
     """
-    from drivesizer.files.writing import put, ready
     from drivesizer.output.report.table.csv import sets_csv
 
-    ready(path)
     return put({path: sets_csv(result)})
 
 
@@ -156,10 +151,8 @@ def write_series(validation: Validation, path: Path) -> list[Path]:
     InputError
         When the file cannot be written.
     """
-    from drivesizer.files.writing import put, ready
     from drivesizer.output.report.table.csv import timeseries_csv
 
-    ready(path)
     return put({path: timeseries_csv(validation)})
 
 
@@ -183,11 +176,9 @@ def write_driving(found: Driving, path: Path) -> list[Path]:
     InputError
         When the file cannot be written.
     """
-    from drivesizer.files.writing import put, ready
     from drivesizer.load_cases.platform_drive import over_time
     from drivesizer.output.report.table.csv import columns_csv
 
-    ready(path)
     return put({path: columns_csv(over_time(found))})
 
 

@@ -8,9 +8,7 @@ from collections.abc import Mapping, Sequence
 from math import isnan
 from typing import Any
 
-from rich.console import Console
 from rich.markup import escape
-from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -19,7 +17,7 @@ from drivesizer.catalog.columns import Column
 from drivesizer.catalog.compare import Row
 from drivesizer.catalog.lookup import families
 from drivesizer.catalog.query import OPTIONS, Hit, Selection
-from drivesizer.output.terminal.tables import bare, console, heading
+from drivesizer.output.terminal.tables import bare, console, heading, width_of
 from drivesizer.units import label, show
 
 __all__ = ["comparison", "counted", "figure", "listing", "of_families", "overview", "searched"]
@@ -173,7 +171,7 @@ def listing(section: str, found: Selection, limit: int, extra: Sequence[str]) ->
     there = {column.name for _, column in usual} | {"part", "family", "manufacturer"}
     requested = [(name.replace("_", "\n"), schema[name]) for name in dict.fromkeys(extra) if name not in there]
     hits = found.hits[:limit]
-    while len(usual) > 1 and _width(hits, usual + requested) > out.width:
+    while len(usual) > 1 and width_of(_table(hits, usual + requested)) > out.width:
         usual.pop()  # requested columns go before the last of the usual ones
     if hits:
         out.print(_table(hits, usual + requested))
@@ -189,12 +187,6 @@ def _table(hits: Sequence[Hit], shown: Sequence[tuple[str, Column]]) -> Table:
         mark = Text(" ×" if hit.table.excluded[hit.row] else "", style="red")
         table.add_row(Text(hit.part) + mark, Text(hit["family"]), *(_short(hit[c.name], c) for _, c in shown))
     return table
-
-
-def _width(hits: Sequence[Hit], shown: Sequence[tuple[str, Column]]) -> int:
-    """How wide a table would be that breaks no word."""
-    table = _table(hits, shown)
-    return Measurement.get(Console(width=1000), Console(width=1000).options, table).maximum
 
 
 def _short(value: Any, column: Column) -> Text:

@@ -69,8 +69,7 @@ _NAMES = ("as printed", "unit check", "value check", "as computed", "note", "res
 
 def _print_rows(console: Console, rows: list[tuple[str, str]]) -> None:
     """Rows of a name, or a symbol, and words."""
-    table = tables.bare(("", "left"), ("", "left"))
-    table.show_header = False
+    table = tables.bare(("", "left"), ("", "left"), headed=False)
     for name, words in rows:
         style = "red" if words.startswith("fails") else ""
         table.add_row(Text(name, style="dim" if name in _NAMES else ""), Text(words, style=style))

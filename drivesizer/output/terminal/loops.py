@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich.console import Console
-from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
 from drivesizer.control.loop_records import Loop
 from drivesizer.output.loop_table import cell, loop_figures, loop_name
-from drivesizer.output.terminal.tables import STYLE, bare
+from drivesizer.output.terminal.tables import STYLE, bare, width_of
 
 __all__ = ["loops"]
 
@@ -33,10 +31,10 @@ def loops(found: Sequence[Loop], width: int) -> Table:
     Table
         A row for each loop.
     """
-    every, wide = len(loop_figures(found[0])), Console(width=1000)
+    every = len(loop_figures(found[0]))
     for shown, line in ((every, " "), *((n, "\n") for n in range(every, _FIRST, -1))):
         table = _table(found, shown, line)
-        if Measurement.get(wide, wide.options, table).maximum <= width:
+        if width_of(table) <= width:
             return table
     return _table(found, _FIRST, "\n")
 

@@ -7,7 +7,6 @@ from math import isnan, nan
 from typing import Any
 
 from rich.console import Console, RenderableType
-from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -20,7 +19,7 @@ from drivesizer.output.terminal.battery import discharge_tables
 from drivesizer.output.terminal.catalog import counted, figure, of_families
 from drivesizer.output.terminal.chart import Axis, Series, chart
 from drivesizer.output.terminal.estimates import print_estimates
-from drivesizer.output.terminal.tables import bare, console, heading
+from drivesizer.output.terminal.tables import bare, console, heading, width_of
 from drivesizer.physics.part_curves import HEAT, Line, continuous_curve, line, overload_times, permitted_current
 from drivesizer.physics.thermal import DATA_TEMPERATURE, Value, data_temperature, rated_ambient
 from drivesizer.units import from_si, label, show
@@ -89,8 +88,7 @@ def _figures(out: Console, hit: Hit, sheet: dict[str, Any], sources: bool) -> No
 
 
 def _block(rows: Sequence[Sequence[Text]], sources: bool) -> Table:
-    table = bare(("", "left"), ("", "right"), ("", "left"), *([("source", "right")] if sources else []))
-    table.show_header = sources
+    table = bare(("", "left"), ("", "right"), ("", "left"), *([("source", "right")] if sources else []), headed=sources)
     for row in rows:
         table.add_row(*row)
     return table
@@ -98,8 +96,7 @@ def _block(rows: Sequence[Sequence[Text]], sources: bool) -> Table:
 
 def _beside(out: Console, tables: Sequence[RenderableType]) -> bool:
     """Print tables side by side; False, without printing, where they do not fit."""
-    wide = Console(width=1000)
-    if sum(Measurement.get(wide, wide.options, table).maximum + 2 for table in tables) > out.width:
+    if sum(width_of(table) + 2 for table in tables) > out.width:
         return False
     grid = Table.grid(padding=(0, 2, 0, 0))
     grid.add_row(*tables)

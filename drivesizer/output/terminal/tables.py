@@ -7,7 +7,8 @@ from math import isnan
 from typing import Any
 
 from rich import box
-from rich.console import Console
+from rich.console import Console, RenderableType
+from rich.measure import Measurement
 from rich.rule import Rule
 from rich.table import Table
 from rich.text import Text
@@ -24,7 +25,7 @@ from drivesizer.units import label, show
 
 __all__ = [
     "MARK", "STYLE", "bare", "checks", "console", "gains", "heading", "loose", "parts", "percent", "plain",
-    "requirements",
+    "requirements", "width_of",
 ]  # fmt: skip
 
 STYLE = {"pass": "green", "fail": "bold red", "unknown": "yellow"}
@@ -36,7 +37,7 @@ def console() -> Console:
     return Console(highlight=False, soft_wrap=False)
 
 
-def bare(*columns: tuple[str, str], title: str = "", wide: bool = False) -> Table:
+def bare(*columns: tuple[str, str], title: str = "", headed: bool = True) -> Table:
     """A plain table.
 
     Parameters
@@ -45,20 +46,25 @@ def bare(*columns: tuple[str, str], title: str = "", wide: bool = False) -> Tabl
         Header and alignment of each column.
     title
         Above the table.
-    wide
-        Use the full width.
+    headed
+        Whether the headers are shown.
 
     Returns
     -------
     Table
         Without rows.
     """
-    table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", title_style="bold", pad_edge=False)
-    table.padding = (0, 2, 0, 0)
+    table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", title_style="bold", pad_edge=False,
+                  padding=(0, 2, 0, 0), show_header=headed)  # fmt: skip
     for header, justify in columns:
         table.add_column(header, justify=justify, overflow="fold")  # type: ignore[arg-type]
-    table.expand = wide
     return table
+
+
+def width_of(table: RenderableType) -> int:
+    """How wide a table is that breaks no word [characters]."""
+    wide = Console(width=1000)
+    return Measurement.get(wide, wide.options, table).maximum
 
 
 def percent(margin: float) -> str:
@@ -107,11 +113,10 @@ def requirements(requirements: Iterable[Requirement], title: str) -> Table:
     Table
         A row for each.
     """
-    table = bare(("eq.", "right"), ("", "left"), ("", "left"), ("", "right"), title=title)
+    table = bare(("eq.", "right"), ("", "left"), ("", "left"), ("", "right"), title=title, headed=False)
     for r in requirements:
         number = f"({r.equation})" if r.equation else ""
         table.add_row(number, r.symbol, Text(r.title + (", given" if r.note.startswith("given") else "")), r.text)
-    table.show_header = False
     return table
 
 
@@ -167,36 +172,16 @@ def plain(check: Check, figure: float) -> str:
     return check.shown(figure)
 
 
-_PULLEY = (("teeth", "1", "dimensionless", "teeth"), ("mass", "g", "mass", ""), ("price", "EUR", "price", ""))
-_PARTS: dict[str, tuple[tuple[str, str, str, str], ...]] = {  # figure, unit, kind, words
-    "motor": (
-        ("assigned_power", "W", "power", ""),
-        ("nominal_voltage", "V", "voltage", ""),
-        ("mass", "g", "mass", ""),
-        ("price", "EUR", "price", ""),
-    ),
-    "gearhead": (
-        ("efficiency", "%", "dimensionless", "efficient"),
-        ("mass", "g", "mass", ""),
-        ("price", "EUR", "price", ""),
-    ),
-    "encoder": (),
-    "controller": (("continuous_current", "A", "current", "continuous"), ("peak_current", "A", "current", "peak")),
+_PULLEY = {"teeth": "teeth", "mass": "", "price": ""}
+_PARTS: dict[str, dict[str, str]] = {  # columns of the catalogue, and the words behind each
+    "motor": {"assigned_power": "", "nominal_voltage": "", "mass": "", "price": ""},
+    "gearhead": {"efficiency": "efficient", "mass": "", "price": ""},
+    "encoder": {},
+    "controller": {"continuous_current": "continuous", "peak_current": "peak"},
     "driving pulley": _PULLEY,
-    "belt": (
-        ("teeth", "1", "dimensionless", "teeth"),
-        ("width", "mm", "length", "wide"),
-        ("mass", "g", "mass", ""),
-        ("price", "EUR", "price", ""),
-    ),
+    "belt": {"teeth": "teeth", "width": "wide", "mass": "", "price": ""},
     "driven pulley": _PULLEY,
-    "actuator": (
-        ("nominal_voltage", "V", "voltage", ""),
-        ("nominal_torque", "N*m", "torque", "continuous"),
-        ("peak_torque", "N*m", "torque", "peak"),
-        ("mass", "g", "mass", ""),
-        ("price", "EUR", "price", ""),
-    ),
+    "actuator": {"nominal_voltage": "", "nominal_torque": "continuous", "peak_torque": "peak", "mass": "", "price": ""},
 }
 
 
@@ -215,8 +200,7 @@ def parts(found: DriveSet, catalog: Catalog) -> Table:
     Table
         A row for each part.
     """
-    table = bare(("", "left"), ("", "left"), ("", "left"))
-    table.show_header = False
+    table = bare(("", "left"), ("", "left"), ("", "left"), headed=False)
     for role, part in found.parts.items():
         if part is None:
             table.add_row(role, Text("unknown", style="yellow"), "none is listed for this motor")
@@ -232,8 +216,9 @@ def parts(found: DriveSet, catalog: Catalog) -> Table:
 def _part(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[Text, Text]:
     """Name and number of a part; its main figures and their confidence."""
     reduction = f" {part.reduction}" if role in ("gearhead", "actuator") else ""
-    values = [(getattr(part, field), unit, kind, words) for field, unit, kind, words in _PARTS[role]]
-    shown = [f"{show(v, unit, kind)} {words}".strip() for v, unit, kind, words in values if not isnan(v)]
+    columns = columns_of(section_of(part))
+    values = [(getattr(part, name), columns[name], words) for name, words in _PARTS[role].items()]
+    shown = [f"{show(value, c.unit, c.kind)} {words}".strip() for value, c, words in values if not isnan(value)]
     if role == "encoder":
         shown = [part.resolution]
     if role == "belt":
@@ -287,8 +272,7 @@ def loose(figures: Iterable[Figure], title: str) -> Table:
     Table
         Name, value and, where known, the instant of each.
     """
-    table = bare(("", "left"), ("", "right"), ("", "right"), title=title)
-    table.show_header = False
+    table = bare(("", "left"), ("", "right"), ("", "right"), title=title, headed=False)
     for figure in figures:
         when = f"at {figure.at_time:.4g} s" if figure.at_time is not None else ""
         table.add_row(figure.title, figure.text, when)
@@ -297,8 +281,7 @@ def loose(figures: Iterable[Figure], title: str) -> Table:
 
 def gains(proof: Validation) -> Table:
     """The controller's gains in SI, and in its own units where they are known."""
-    table = bare(("", "left"), ("", "right"), title=f"Gains: {proof.gains.rule}")
-    table.show_header = False
+    table = bare(("", "left"), ("", "right"), title=f"Gains: {proof.gains.rule}", headed=False)
     for row in gain_rows(proof.gains):
         table.add_row(row.title, f"{row.value:.4g} {label(row.unit)}")
     for gain in proof.controller_gains:

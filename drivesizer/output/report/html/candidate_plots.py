@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import isfinite
 from typing import Any
 
-from drivesizer.output.report.html.curves import Plot, figure, line, plain
+from drivesizer.output.report.html.curves import Plot, above, figure, line, plain
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult
 from drivesizer.units import from_si, label
@@ -80,9 +80,8 @@ def _layout(across: str, up: str) -> Plot:
         "hovermode": "closest",
         "xaxis": {"title": {"text": across}},
         "yaxis": {},
-        "annotations": [{"text": up, "x": 0, "y": 1, "xref": "paper", "yref": "paper", "xanchor": "left",
-                         "yanchor": "bottom", "showarrow": False}],
-    }  # fmt: skip
+        "annotations": [above(up)],
+    }
 
 
 def front_plot(result: SizingResult) -> Plot | None:

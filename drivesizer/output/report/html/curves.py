@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drivesizer.output.report.figures.time_windows import Window, thinned
 
-__all__ = ["Plot", "dashes", "figure", "line", "numbers", "plain", "rows", "sampled", "whole"]
+__all__ = ["Plot", "above", "dashes", "figure", "line", "numbers", "plain", "rows", "sampled", "whole"]
 
 Plot = dict[str, Any]
 
@@ -148,7 +148,7 @@ def rows(titles: Sequence[str], height: float = 150.0) -> Plot:
         top = 1.0 - (number * (height + room) + room) / total
         axis = "yaxis" if number == 0 else f"yaxis{number + 1}"
         layout[axis] = {"domain": [max(top - height / total, 0.0), top], "anchor": "x"}
-        layout["annotations"].append(_above(plain(title), top))
+        layout["annotations"].append(above(plain(title), top))
     layout["xaxis"] = {"anchor": "y" if count == 1 else f"y{count}", "showspikes": True}
     return layout
 
@@ -156,7 +156,21 @@ def rows(titles: Sequence[str], height: float = 150.0) -> Plot:
 _BELOW = 46  # px: numbers and title of the lowest axis
 
 
-def _above(text: str, height: float) -> Plot:
+def above(text: str, height: float = 1) -> Plot:
+    """The title of an upright axis, above its upper end.
+
+    Parameters
+    ----------
+    text
+        The title, as HTML.
+    height
+        The axis's upper end, as a share of the figure's height.
+
+    Returns
+    -------
+    dict
+        An annotation.
+    """
     return {"text": text, "x": 0, "y": height, "xref": "paper", "yref": "paper", "xanchor": "left", "yanchor": "bottom",
             "showarrow": False}  # fmt: skip
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivesizer.machine.operating_field import OperatingField, hot_winding
 from drivesizer.output.report.figures.field_panels import Panel, reach_of, signed
 from drivesizer.output.report.figures.style import torque_unit
-from drivesizer.output.report.html.curves import Plot, dashes, figure, line
+from drivesizer.output.report.html.curves import Plot, above, dashes, figure, line
 from drivesizer.output.report.html.load_plots import case_look
 from drivesizer.units import from_si, label, show
 
@@ -61,9 +61,8 @@ def _layout(panel: Panel, unit: str, reach: float) -> Plot:
         "hovermode": "closest",
         "xaxis": {"title": {"text": f"torque at the motor's shaft ({label(unit)})"}, "range": [low, right]},
         "yaxis": {"range": [0.0, 1.06 * _rpm(top)]},
-        "annotations": [{"text": "motor speed (rpm)", "x": 0, "y": 1, "xref": "paper", "yref": "paper",
-                         "xanchor": "left", "yanchor": "bottom", "showarrow": False}],
-    }  # fmt: skip
+        "annotations": [above("motor speed (rpm)")],
+    }
 
 
 def _rpm(speed: Any) -> float:

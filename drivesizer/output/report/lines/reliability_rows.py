@@ -11,7 +11,7 @@ from math import nan
 from typing import Any
 
 from drivesizer.output.probability import confidence
-from drivesizer.output.report.lines.rows import Row
+from drivesizer.output.report.lines.rows import Row, plain_row, row
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.reliability import Driver, Reliability, Spread
 from drivesizer.results.sizing import SizingResult
@@ -38,9 +38,9 @@ def sampling_rows(result: SizingResult) -> Iterator[Row]:
         yield _share("sampling", "confidence", "Required confidence", sampled.confidence)
         counts["sets_that_reach_it"] = ("Drives that reach the required confidence", sampled.reached)
     for name, (title, count) in counts.items():
-        yield {"section": "sampling", "name": name, "title": title, "value": count}
+        yield row("sampling", name, title, value=count)
     for one in sampled.assumptions:
-        yield {"section": "uncertain", "name": one.name, "title": one.title, "value": one.text, "note": one.source}
+        yield row("uncertain", one.name, one.title, value=one.text, note=one.source)
 
 
 def every_list(result: SizingResult, *, front: bool = True) -> list[tuple[str, DriveSet]]:
@@ -65,8 +65,8 @@ def every_list(result: SizingResult, *, front: bool = True) -> list[tuple[str, D
 def below_confidence_row(result: SizingResult) -> Row:
     """The row that marks a drive below the required confidence."""
     wanted = result.uncertainty.confidence if result.uncertainty else None
-    return {"section": "set", "name": "unsure", "title": "Meets all limits, but below the required confidence",
-            "note": f"below the confidence of {confidence(wanted)}"}  # fmt: skip
+    title = "Meets all limits, but below the required confidence"
+    return row("set", "unsure", title, note=f"below the confidence of {confidence(wanted)}")
 
 
 def reliability_rows(one: DriveSet) -> Iterator[Row]:
@@ -78,25 +78,22 @@ def reliability_rows(one: DriveSet) -> Iterator[Row]:
     yield _share("reliability", "all_checks", "All checks pass", found.passing) | _quantiles(*margins)
     yield _share("reliability", "none_fails", "No check fails", found.probability)
     yield _share("reliability", "error_95", "Error of that, 95 % to both sides", found.error)
-    yield {"section": "reliability", "name": "weakest_check", "title": "Weakest check", "value": _weakest(found),
-           "note": found.weakest}  # fmt: skip
+    yield row("reliability", "weakest_check", "Weakest check", value=_weakest(found), note=found.weakest)
     if found.loop:
         said = {"note": f"weakest: {found.loop.weakest}"}
         yield _share("reliability", "closed_loop", "All checks pass in closed loop", found.loop.passing) | said
         yield _share("reliability", "closed_loop_none_fails", "No check fails in closed loop", found.loop.probability)
         yield _share("reliability", "closed_loop_error_95", "Error of that, 95 % to both sides", found.loop.error)
-        yield {"section": "reliability", "name": "closed_loop_samples", "title": "Samples in closed loop",
-               "value": found.loop.samples}  # fmt: skip
+        yield row("reliability", "closed_loop_samples", "Samples in closed loop", value=found.loop.samples)
     if found.no_loop:
-        yield {"section": "reliability", "name": "closed_loop", "title": "All checks pass in closed loop",
-               "status": "unknown", "note": found.no_loop}  # fmt: skip
+        title = "All checks pass in closed loop"
+        yield row("reliability", "closed_loop", title, status="unknown", note=found.no_loop)
     yield from (_check(spread, one) for spread in found.checks)
-    yield from (row for driver in found.drivers for row in _driver(driver))
+    yield from (line for driver in found.drivers for line in _driver(driver))
 
 
 def _share(section: str, name: str, title: str, value: float) -> Row:
-    return {"section": section, "name": name, "title": title, "value": 100.0 * value, "unit": "%", "si_value": value,
-            "si_unit": "1"}  # fmt: skip
+    return row(section, name, title, value=100.0 * value, unit="%", si_value=value, si_unit="1")
 
 
 def _quantiles(*margins: float) -> Row:
@@ -107,8 +104,8 @@ def _check(spread: Spread, one: DriveSet) -> Row:
     """A check's share of samples that pass; what is left neither passes nor fails."""
     unknown = 1.0 - spread.passes - spread.fails
     said = {"status": "unknown", "note": f"unknown in {100.0 * unknown:.4g} % of samples"} if unknown > 0.0 else {}
-    row = _share("reliability", spread.name, f"Passes: {spread.title}", spread.passes) | said
-    return row | {"method": method_of(spread, one)} | _quantiles(spread.low, spread.middle, spread.high)
+    found = _share("reliability", spread.name, f"Passes: {spread.title}", spread.passes) | said
+    return found | {"method": method_of(spread, one)} | _quantiles(spread.low, spread.middle, spread.high)
 
 
 def method_of(spread: Spread, one: DriveSet) -> str:
@@ -133,14 +130,12 @@ def _driver(driver: Driver) -> Iterator[Row]:
     """The effect of one assumption on the smallest margin."""
     of = {"case": driver.name}
     yield _share("driver", "share_of_variance", "Share of the variance of the smallest margin", driver.share) | of
-    sign = {"value": driver.rank_correlation, "unit": "1", "si_value": driver.rank_correlation, "si_unit": "1"}
     title = "Rank correlation with the smallest margin"
-    yield {"section": "driver", "name": "rank_correlation", "title": title} | sign | of
+    yield plain_row("driver", "rank_correlation", title, driver.rank_correlation, "1") | of
     ends = {"5": (driver.low, driver.low_margin), "95": (driver.high, driver.high_margin)}
     for quantile, (said, margin) in ends.items():
         title = f"Smallest margin with this at its {quantile} % quantile"
-        yield {"section": "driver", "name": f"smallest_margin_at_{quantile}", "title": title, "margin": margin,
-               "note": f"at {said}"} | of  # fmt: skip
+        yield row("driver", f"smallest_margin_at_{quantile}", title, margin=margin, note=f"at {said}") | of
 
 
 def _weakest(found: Reliability) -> str:

@@ -24,7 +24,7 @@ from drivesizer.units import KINDS, from_si, show
 
 __all__ = [
     "COLUMNS", "Row", "battery_rows", "change_row", "check_row", "closed_loop_rows", "count_rows", "figure_row",
-    "front_rows", "machine_rows", "part_rows", "requirement_row", "set_rows", "total_rows",
+    "front_rows", "machine_rows", "part_rows", "plain_row", "requirement_row", "row", "set_rows", "total_rows",
 ]  # fmt: skip
 
 Row = dict[str, Any]
@@ -35,16 +35,19 @@ COLUMNS = (
 )  # fmt: skip
 
 
+def row(section: str, name: str, title: str, **more: Any) -> Row:
+    """A row of a section by its name and title, with the further columns that it has."""
+    return {"section": section, "name": name, "title": title} | more
+
+
 def _figure(section: str, name: str, title: str, value: float, kind: str, unit: str) -> Row:
-    return {
-        "section": section,
-        "name": name,
-        "title": title,
-        "value": from_si(value, unit, kind),
-        "unit": unit,
-        "si_value": value,
-        "si_unit": KINDS[kind].si,
-    }
+    si = {"si_value": value, "si_unit": KINDS[kind].si}
+    return row(section, name, title, value=from_si(value, unit, kind), unit=unit, **si)
+
+
+def plain_row(section: str, name: str, title: str, value: float, unit: str) -> Row:
+    """A figure whose unit is the same in SI."""
+    return row(section, name, title, value=value, unit=unit, si_value=value, si_unit=unit)
 
 
 def figure_row(section: str, f: Figure) -> Row:
@@ -67,8 +70,8 @@ def figure_row(section: str, f: Figure) -> Row:
 
 def requirement_row(r: Requirement) -> Row:
     """A requirement of the load, with the paper's symbol and number."""
-    row = _figure("requirement", r.name, r.title, float(r.value), r.kind, r.unit)
-    return row | {"symbol": r.symbol, "equation": r.equation or "", "note": r.note}
+    found = _figure("requirement", r.name, r.title, float(r.value), r.kind, r.unit)
+    return found | {"symbol": r.symbol, "equation": r.equation or "", "note": r.note}
 
 
 def check_row(section: str, c: Check) -> Row:
@@ -103,53 +106,40 @@ def battery_rows(s: DriveSet) -> Iterator[Row]:
     if s.energy is None:
         return
     for one in s.energy.consumers:
-        row = _figure("consumer", one.name, one.name, one.mean, "power", "W")
+        found = _figure("consumer", one.name, one.name, one.mean, "power", "W")
         said = f"{one.number} of them" + (", assumed" if one.assumed else "")
         status = "unknown" if isnan(one.mean) else ""
-        yield row | {"limit": one.peak, "si_limit": one.peak, "note": said, "how_many": one.number, "status": status}
+        yield found | {"limit": one.peak, "si_limit": one.peak, "note": said, "how_many": one.number, "status": status}
     yield from (figure_row("battery", figure) for figure in s.energy.figures)
 
 
 def machine_rows(s: DriveSet) -> Iterator[Row]:
     """The masses of the machine, all pieces of a part together, and its figures with the drive."""
     for one in s.masses:
-        row = _figure("mass", one.name, one.name, one.total, "mass", "kg")
+        found = _figure("mass", one.name, one.name, one.total, "mass", "kg")
         said = f"{one.number} of {show(one.each, 'kg', 'mass')}" if one.number > 1 else ""
-        yield row | {"each": one.each, "how_many": one.number, "note": said,
+        yield found | {"each": one.each, "how_many": one.number, "note": said,
                      "status": "unknown" if isnan(one.each) else ""}  # fmt: skip
     yield from (figure_row("machine", figure) for figure in s.machine)
 
 
 def change_row(r: Relaxation) -> Row:
     """A change after which a drive passes: the figure now as value, the needed one as limit."""
-    row = _figure("change", r.field, "Change of the spec", r.before, r.kind, r.unit)
-    return row | {
-        "limit": from_si(r.after, r.unit, r.kind),
-        "si_limit": r.after,
-        "note": f"{r.now} to {r.needed}: then {r.set_label} passes",
-    }
+    found = _figure("change", r.field, "Change of the spec", r.before, r.kind, r.unit)
+    note = f"{r.now} to {r.needed}: then {r.set_label} passes"
+    return found | {"limit": from_si(r.after, r.unit, r.kind), "si_limit": r.after, "note": note}
 
 
 def count_rows(result: SizingResult) -> Iterator[Row]:
     """The number of combinations examined, of drives that meet all limits, and of those that fail on each check."""
     counts, declared = result.counts, CHECKS[result.method]
-    yield {
-        "section": "count",
-        "name": "considered",
-        "title": "Combinations that were examined",
-        "value": counts.considered,
-    }
-    yield {"section": "count", "name": "feasible", "title": "Drives that meet all limits", "value": counts.feasible}
+    yield row("count", "considered", "Combinations that were examined", value=counts.considered)
+    yield row("count", "feasible", "Drives that meet all limits", value=counts.feasible)
     for name, count in counts.failed_by.items():
-        yield {
-            "section": "count",
-            "name": f"failed_{name}",
-            "title": f"Fails on: {declared[name].title}",
-            "value": count,
-        }
+        yield row("count", f"failed_{name}", f"Fails on: {declared[name].title}", value=count)
     for name, count in counts.failed_by_budget.items():
         title = f"Fails on the machine's budget: {CHECKS['budget'][name].title}"
-        yield {"section": "count", "name": f"failed_budget_{name}", "title": title, "value": count}
+        yield row("count", f"failed_budget_{name}", title, value=count)
 
 
 def front_rows(s: DriveSet, objectives: Iterable[str]) -> Iterator[Row]:
@@ -174,8 +164,7 @@ def front_rows(s: DriveSet, objectives: Iterable[str]) -> Iterator[Row]:
 def _names(section: str, parts: dict[str, Any]) -> Iterator[Row]:
     for name, part in parts.items():
         title = f"{part.manufacturer} {part.family}" if part else ""
-        said = part.part if part else ""
-        yield {"section": section, "name": name, "title": title, "value": said, "status": "" if part else "unknown"}
+        yield row(section, name, title, value=part.part if part else "", status="" if part else "unknown")
 
 
 def set_rows(s: DriveSet, objective: str) -> Iterator[Row]:
@@ -203,10 +192,8 @@ def set_rows(s: DriveSet, objective: str) -> Iterator[Row]:
     price, priced = price_of(s)
     yield _figure("set", "mass", "Mass", s.mass, "mass", "g") | _over("sum of", s.mass_of)
     yield _figure("set", "price", "Price", price, "price", "EUR") | _over("sum of", priced)
-    yield {"section": "set", "name": "objective", "title": f"Objective: {objective}", "si_value": s.objective} | _over(
-        "of", s.objective_of
-    )
-    yield {"section": "set", "name": "verdict", "title": "All checks", "status": s.status}
+    yield row("set", "objective", f"Objective: {objective}", si_value=s.objective) | _over("of", s.objective_of)
+    yield row("set", "verdict", "All checks", status=s.status)
 
 
 def _over(words: str, names: Iterable[str]) -> Row:
@@ -218,41 +205,30 @@ def part_rows(line: PartLine) -> Iterator[Row]:
     """A part as it is bought: its order number, then how many, mass and price of one, as far as they are known."""
     name, bare = line.role.replace(" ", "_"), "" if line.order_number else line.part
     title = " ".join(filter(None, (line.maker, line.family, bare)))
-    yield {"section": "part", "name": name, "title": title or line.role, "value": line.order_number,
-           "status": "" if line.order_number else "unknown",
-           "note": "; ".join(filter(None, (line.said, line.note)))}  # fmt: skip
-    count = {"section": "part", "name": f"{name}_quantity", "title": f"{line.role}, pieces for the machine"}
-    yield count | {"value": line.quantity, "unit": "1", "si_value": line.quantity, "si_unit": "1"}
+    yield row("part", name, title or line.role, value=line.order_number, status="" if line.order_number else "unknown",
+              note="; ".join(filter(None, (line.said, line.note))))  # fmt: skip
+    yield plain_row("part", f"{name}_quantity", f"{line.role}, pieces for the machine", line.quantity, "1")
     yield _figure("part", f"{name}_mass", f"{line.role}, mass of one", line.mass, "mass", "g")
-    yield {"section": "part", "name": f"{name}_price", "title": f"{line.role}, price of one", "value": line.price,
-           "unit": line.currency, "si_value": line.price, "si_unit": line.currency,
-           "note": ", ".join(filter(None, (line.price_source, line.price_date)))}  # fmt: skip
+    note = ", ".join(filter(None, (line.price_source, line.price_date)))
+    yield plain_row("part", f"{name}_price", f"{line.role}, price of one", line.price, line.currency) | {"note": note}
 
 
 def total_rows(totals: Iterable[Total]) -> Iterator[Row]:
     """The sums of a parts list, with the roles that they cover."""
     for total in totals:
-        unit = "g" if total.name == "mass" else total.unit
-        value = from_si(total.value, unit, "mass") if total.name == "mass" else total.value
+        named = "part", f"total_{total.name}", f"All parts, {total.name}", total.value
         lacks = f"; not known and not in the sum: {', '.join(total.lacks)}" if total.lacks else ""
-        yield {"section": "part", "name": f"total_{total.name}", "title": f"All parts, {total.name}", "value": value,
-               "unit": unit, "si_value": total.value, "si_unit": total.unit,
-               "note": f"sum of {', '.join(total.over)}{lacks}"}  # fmt: skip
+        found = _figure(*named, "mass", "g") if total.name == "mass" else plain_row(*named, total.unit)
+        yield found | {"note": f"sum of {', '.join(total.over)}{lacks}"}
 
 
 def closed_loop_rows(v: Validation) -> Iterator[Row]:
     """The closed loop: verdict, checks, figures, gains in SI and in the controller's units, and each linear loop."""
     rank = {"set_rank": v.drive_set.rank}
-    yield {
-        "section": "validation",
-        "name": "verdict",
-        "title": f"Closed loop, {driven_over(v)}",
-        "status": v.status,
-        **rank,
-    }
+    yield row("validation", "verdict", f"Closed loop, {driven_over(v)}", status=v.status) | rank
     yield from (check_row("validation", c) | rank for c in v.checks)
     yield from (figure_row("validation", f) | rank for f in v.figures)
-    yield from (row | rank for row in _gains(v))
+    yield from (one | rank for one in _gains(v))
     for loop in v.loops:
         said = {"case": loop.direction, "status": "pass" if loop.stable else "fail"} | rank
         for f in loop_figures(loop):
@@ -262,9 +238,8 @@ def closed_loop_rows(v: Validation) -> Iterator[Row]:
 
 def _gains(v: Validation) -> Iterator[Row]:
     rule = f"{v.gains.rule}; {v.gains.source}"
-    for name, title, value, unit in gain_rows(v.gains):
-        yield {"section": "validation", "name": name, "title": title, "value": value, "unit": unit, "si_value": value,
-               "si_unit": unit, "note": rule}  # fmt: skip
-    for gain in v.controller_gains:
-        yield {"section": "validation", "name": gain.place, "title": f"{gain.name}, as written into the controller",
-               "value": gain.value, "unit": gain.unit}  # fmt: skip
+    for gain in gain_rows(v.gains):
+        yield plain_row("validation", *gain) | {"note": rule}
+    for own in v.controller_gains:
+        title = f"{own.name}, as written into the controller"
+        yield row("validation", own.place, title, value=own.value, unit=own.unit)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from drivesizer.output.report.sections.blocks import Block, Code, Column, Fragment, Row, Table
+from drivesizer.output.report.sections.blocks import Block, Column, Fragment, Row, Table
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import NO_ROWS, Section, nothing
-from drivesizer.output.report.sections.sheet import Column as SheetColumn
-from drivesizer.output.report.sections.sheet import Sheet
+from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.specification import file_name
 from drivesizer.output.report.sections.summary import texts
+from drivesizer.output.report.sections.texts import Code
 from drivesizer.version import __version__
 
 __all__ = ["REPEAT", "SPEC_FILE", "about"]

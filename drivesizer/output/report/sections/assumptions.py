@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from drivesizer.output.report.lines.figures_behind_checks import marked_figures, unknown_figures
-from drivesizer.output.report.sections.blocks import Block, Bullets, Column, Mark, Row, Strong, Table, Words
+from drivesizer.output.report.sections.blocks import Block, Bullets, Column, Row, Table, Words
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import NO_ROWS, Section, nothing
+from drivesizer.output.report.sections.texts import Mark, Strong
 
 __all__ = ["ASSUMPTIONS"]
 

@@ -1,7 +1,7 @@
 """What a section of a report is made of: paragraphs, lists, tables, checks, figures and equations, as plain records.
 
-A text is a string, or a tuple of strings and of the marks below it. PDF and HTML have one renderer for each kind of
-block (``typst/blocks.typ``, ``html/blocks.html``), by the name of its class in lower case.
+PDF and HTML have one renderer for each kind of block (``typst/blocks.typ``, ``html/blocks.html``), by the name of its
+class in lower case.
 """
 
 from __future__ import annotations
@@ -10,105 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
-from drivesizer.units import KINDS, from_si, show
+from drivesizer.output.report.sections.texts import Text
 
 __all__ = [
-    "Block", "Bullets", "Checks", "Code", "Column", "Equation", "Facts", "Fragment", "Heading", "Mark", "Math",
-    "Number", "Pair", "Picture", "Row", "Status", "Strong", "Table", "TableLink", "Text", "Tiles", "Verdict", "Words",
-    "as_data", "quantity", "text_of",
+    "Block", "Bullets", "Checks", "Column", "Equation", "Facts", "Fragment", "Heading", "Pair", "Picture", "Row",
+    "Table", "Tiles", "Verdict", "Words", "as_data",
 ]  # fmt: skip
-
-
-# -- marks in a text
-
-
-@dataclass(frozen=True, slots=True)
-class Strong:
-    """Bold letters."""
-
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Code:
-    """Letters of one width, such as a file name."""
-
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Status:
-    """``pass``, ``fail`` or ``unknown`` in its colour."""
-
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Mark:
-    """The confidence of a figure that is not quoted, such as ``derived``; nothing where it is empty."""
-
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Math:
-    """Typst mathematics, of our own declarations and of numbers only."""
-
-    symbol: str
-
-
-@dataclass(frozen=True, slots=True)
-class TableLink:
-    """A reference to the table of that name."""
-
-    name: str
-
-
-Inline = Strong | Code | Status | Mark | Math | TableLink
-Text = str | tuple[str | Inline, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Number:
-    """A cell with a number: as it is printed, and as other programs read it."""
-
-    text: str
-    value: float | None  # None: unknown
-    unit: str = "1"
-    si_value: float | None = None
-    si_unit: str = "1"
-
-
-def quantity(value: float, unit: str, kind: str) -> Number:
-    """A cell with a physical quantity.
-
-    Parameters
-    ----------
-    value
-        In SI; NaN is unknown.
-    unit
-        The unit in which it is printed.
-    kind
-        The kind of quantity, such as ``torque``.
-
-    Returns
-    -------
-    Number
-        With its text, its value in ``unit`` and in SI.
-
-    Examples
-    --------
-    >>> quantity(0.25, "mN*m", "torque").text
-    '250 mN·m'
-    """
-    known = value == value
-    return Number(
-        text=show(value, unit, kind), value=float(from_si(value, unit, kind)) if known else None, unit=unit,
-        si_value=value if known else None, si_unit=KINDS[kind].si,
-    )  # fmt: skip
-
-
-# -- blocks
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,15 +158,3 @@ def as_data(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: as_data(entry) for key, entry in value.items()}
     return [as_data(entry) for entry in value] if isinstance(value, list | tuple) else value
-
-
-def text_of(text: Text | Number) -> str:
-    """A text without its marks.
-
-    >>> text_of(("passes on ", Strong("all"), " checks"))
-    'passes on all checks'
-    """
-    if isinstance(text, Number):
-        return text.text
-    parts = (text,) if isinstance(text, str) else text
-    return "".join(part if isinstance(part, str) else getattr(part, "text", "") for part in parts)

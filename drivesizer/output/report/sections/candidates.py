@@ -11,23 +11,12 @@ from drivesizer.output.probability import confidence
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import drive_row
 from drivesizer.output.report.lines.reliability_rows import below_confidence_row, every_list
-from drivesizer.output.report.sections.blocks import (
-    Block,
-    Column,
-    Number,
-    Pair,
-    Picture,
-    Row,
-    Status,
-    Strong,
-    Table,
-    Words,
-)
+from drivesizer.output.report.sections.blocks import Block, Column, Pair, Picture, Row, Table, Words
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import CsvRows, Section
-from drivesizer.output.report.sections.sheet import Column as SheetColumn
-from drivesizer.output.report.sections.sheet import Sheet, headed
+from drivesizer.output.report.sections.sheet import Sheet, SheetColumn, headed
 from drivesizer.output.report.sections.sheets import RANK, STATUS
+from drivesizer.output.report.sections.texts import Number, Status, Strong
 from drivesizer.output.sums import price_of
 from drivesizer.output.text import margin
 from drivesizer.results.check_kinds import CHECKS

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import check_row
-from drivesizer.output.report.sections.blocks import Block, Checks, Column, Row, Status, Table, Words
+from drivesizer.output.report.sections.blocks import Block, Checks, Column, Row, Table, Words
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import NO_ROWS, CsvRows, Section, nothing
-from drivesizer.output.report.sections.sheet import Column as SheetColumn
-from drivesizer.output.report.sections.sheet import Sheet
+from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.sheets import LIMITS, RANK, ranked
+from drivesizer.output.report.sections.texts import Status
 from drivesizer.results.drive_set import Comparison, DriveSet
 
 __all__ = ["CHECKS", "DRIVE"]

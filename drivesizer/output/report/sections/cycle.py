@@ -8,9 +8,10 @@ from drivesizer.output.report.figures.field import MOST_PANELS
 from drivesizer.output.report.figures.field_panels import panels
 from drivesizer.output.report.figures.load_and_loop import stretches
 from drivesizer.output.report.lines.drive import figure_row
-from drivesizer.output.report.sections.blocks import Block, Facts, Picture, TableLink, Text, Words
+from drivesizer.output.report.sections.blocks import Block, Facts, Picture, Words
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import NO_ROWS, Section, nothing
+from drivesizer.output.report.sections.texts import TableLink, Text
 from drivesizer.units import show
 
 __all__ = ["CYCLE", "ENERGY", "HEAT"]

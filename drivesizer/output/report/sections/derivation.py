@@ -8,23 +8,12 @@ from drivesizer.output.derivation import step, symbol
 from drivesizer.output.json.loops import number
 from drivesizer.output.report.figures.load_and_loop import stretches
 from drivesizer.output.report.lines.rows import requirement_row
-from drivesizer.output.report.sections.blocks import (
-    Block,
-    Column,
-    Equation,
-    Heading,
-    Math,
-    Number,
-    Picture,
-    Row,
-    Table,
-    Words,
-)
+from drivesizer.output.report.sections.blocks import Block, Column, Equation, Heading, Picture, Row, Table, Words
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import CsvRows, Section
-from drivesizer.output.report.sections.sheet import Column as SheetColumn
-from drivesizer.output.report.sections.sheet import Sheet
+from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.sheets import NOTE, RANK, VALUES, ranked
+from drivesizer.output.report.sections.texts import Math, Number
 from drivesizer.results.requirement import Requirement
 
 __all__ = ["DERIVATION"]

@@ -15,22 +15,19 @@ from drivesizer.output.report.sections.blocks import (
     Block,
     Bullets,
     Checks,
-    Code,
     Column,
     Facts,
     Pair,
     Picture,
     Row,
-    Status,
-    Strong,
     Table,
     Words,
 )
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import NO_ROWS, CsvRows, Section, nothing
-from drivesizer.output.report.sections.sheet import Column as SheetColumn
-from drivesizer.output.report.sections.sheet import Sheet, headed
+from drivesizer.output.report.sections.sheet import Sheet, SheetColumn, headed
 from drivesizer.output.report.sections.sheets import LIMITS
+from drivesizer.output.report.sections.texts import Code, Status, Strong
 from drivesizer.output.thinning import on_curves
 from drivesizer.units import from_si
 

@@ -14,19 +14,17 @@ from drivesizer.output.report.sections.blocks import (
     Checks,
     Column,
     Facts,
-    Number,
     Pair,
     Picture,
     Row,
     Table,
     Words,
-    quantity,
 )
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import CsvRows, Section
-from drivesizer.output.report.sections.sheet import Column as SheetColumn
-from drivesizer.output.report.sections.sheet import Sheet
+from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.sheets import RANK, STATUS, VALUES, ranked
+from drivesizer.output.report.sections.texts import Number, quantity
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
 

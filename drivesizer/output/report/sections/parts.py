@@ -12,13 +12,13 @@ from drivesizer.catalog.query import Hit
 from drivesizer.output.datasheet import datasheets
 from drivesizer.output.parts import PartLine, ordered_as, parts_list, totals
 from drivesizer.output.report.lines import rows as table
-from drivesizer.output.report.sections.blocks import Block, Column, Fragment, Mark, Row, Table, Words
+from drivesizer.output.report.sections.blocks import Block, Column, Fragment, Row, Table, Words
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import NO_ROWS, CsvRows, Section
-from drivesizer.output.report.sections.sheet import Cell, Sheet
-from drivesizer.output.report.sections.sheet import Column as SheetColumn
+from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
 from drivesizer.output.report.sections.sheets import NOTE, STATUS
 from drivesizer.output.report.sections.summary import OUTCOMES
+from drivesizer.output.report.sections.texts import Mark
 from drivesizer.results.drive_set import section_of
 from drivesizer.units import KINDS, from_si
 

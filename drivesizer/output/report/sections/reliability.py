@@ -9,11 +9,11 @@ from drivesizer.output.probability import confidence, moved
 from drivesizer.output.report.lines.reliability import check_cells, drive_cells, driver_cells, none_reaches, reported
 from drivesizer.output.report.lines.reliability_rows import every_list, method_of, reliability_rows, sampling_rows
 from drivesizer.output.report.lines.rows import Row as SheetRow
-from drivesizer.output.report.sections.blocks import Block, Bullets, Column, Picture, Row, Strong, Table, Text
+from drivesizer.output.report.sections.blocks import Block, Bullets, Column, Picture, Row, Table
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import CsvRows, Section
-from drivesizer.output.report.sections.sheet import Column as SheetColumn
-from drivesizer.output.report.sections.sheet import Sheet
+from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
+from drivesizer.output.report.sections.texts import Strong, Text
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.reliability import Uncertain, Uncertainty
 

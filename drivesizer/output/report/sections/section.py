@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from drivesizer.output.report.lines.rows import Row
-from drivesizer.output.report.sections.blocks import Block, Number, Pair, Table, Words, text_of
+from drivesizer.output.report.sections.blocks import Block, Pair, Table, Words
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.sheet import Column, Sheet
+from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
+from drivesizer.output.report.sections.texts import Number, text_of
 from drivesizer.results.drive_set import DriveSet
 
 __all__ = ["NO_ROWS", "CsvRows", "Section", "nothing", "rows_of", "sheets_of"]
@@ -93,12 +94,12 @@ def _cells(cells: Iterable[Any]) -> Iterator[tuple[str, Any]]:
             yield f"cell {n}", text_of(cell)
 
 
-def _columns(table: Table, rows: list[Row]) -> tuple[Column, ...]:
+def _columns(table: Table, rows: list[Row]) -> tuple[SheetColumn, ...]:
     made = []
     for n, column in enumerate(table.columns):
-        made.append(Column(column.head, f"cell {n}"))
+        made.append(SheetColumn(column.head, f"cell {n}"))
         if any(row.get(f"unit {n}") for row in rows):
-            made.append(Column("unit", f"unit {n}", "unit"))
+            made.append(SheetColumn("unit", f"unit {n}", "unit"))
     return tuple(made)
 
 

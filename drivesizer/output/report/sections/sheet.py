@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 from drivesizer.output.report.lines.rows import Row
 from drivesizer.units import label
 
-__all__ = ["Cell", "Column", "Sheet", "headed"]
+__all__ = ["Cell", "Sheet", "SheetColumn", "headed"]
 
 
-class Column(NamedTuple):
+class SheetColumn(NamedTuple):
     """A column: its head, the key of its cells in a row, and the form in which they are shown."""
 
     head: str
@@ -35,7 +35,7 @@ class Sheet:
     """
 
     name: str
-    columns: tuple[Column, ...]
+    columns: tuple[SheetColumn, ...]
     rows: list[Row]
     note: str = ""  # beside the head
     still: int = 0  # columns that stay when the sheet is scrolled

@@ -7,23 +7,23 @@ from collections.abc import Callable, Iterable, Iterator
 from drivesizer.output.report.lines.reliability_rows import every_list
 from drivesizer.output.report.lines.rows import Row
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.sheet import Column
+from drivesizer.output.report.sections.sheet import SheetColumn
 from drivesizer.results.drive_set import DriveSet
 
 __all__ = ["LIMITS", "NOTE", "RANK", "STATUS", "VALUES", "ranked"]
 
-RANK = Column("drive", "set_rank", "count")
-STATUS = Column("status", "status", "status")
-NOTE = Column("note", "note", "", 70)
+RANK = SheetColumn("drive", "set_rank", "count")
+STATUS = SheetColumn("status", "status", "status")
+NOTE = SheetColumn("note", "note", "", 70)
 VALUES = (
-    Column("value", "value"), Column("unit", "unit", "unit"), Column("SI value", "si_value"),
-    Column("SI unit", "si_unit", "unit"),
+    SheetColumn("value", "value"), SheetColumn("unit", "unit", "unit"), SheetColumn("SI value", "si_value"),
+    SheetColumn("SI unit", "si_unit", "unit"),
 )  # fmt: skip
 LIMITS = (
-    Column("value or demand", "value"), Column("limit", "limit"), Column("unit", "unit", "unit"),
-    Column("SI value", "si_value"), Column("SI limit", "si_limit"), Column("SI unit", "si_unit", "unit"),
-    Column("margin (%)", "margin", "percent"), Column("needed margin (%)", "needed_margin", "needed"), STATUS,
-    Column("at (s)", "at_time_s"), NOTE,
+    SheetColumn("value or demand", "value"), SheetColumn("limit", "limit"), SheetColumn("unit", "unit", "unit"),
+    SheetColumn("SI value", "si_value"), SheetColumn("SI limit", "si_limit"), SheetColumn("SI unit", "si_unit", "unit"),
+    SheetColumn("margin (%)", "margin", "percent"), SheetColumn("needed margin (%)", "needed_margin", "needed"), STATUS,
+    SheetColumn("at (s)", "at_time_s"), NOTE,
 )  # fmt: skip
 
 

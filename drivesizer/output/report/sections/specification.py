@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from drivesizer.output.report.sections.blocks import Block, Code, Fragment, Picture, Words
+from drivesizer.output.report.sections.blocks import Block, Fragment, Picture, Words
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import NO_ROWS, Section, nothing
+from drivesizer.output.report.sections.texts import Code
 
 __all__ = ["SPECIFICATION", "file_name"]
 

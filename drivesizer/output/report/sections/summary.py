@@ -11,25 +11,12 @@ from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import case_of, check_row, drive_row, tightest_checks
 from drivesizer.output.report.lines.machine import driven_over, machine_words
 from drivesizer.output.report.lines.reliability import error_and_weakest, none_reaches, reported
-from drivesizer.output.report.sections.blocks import (
-    Block,
-    Checks,
-    Column,
-    Row,
-    Status,
-    Strong,
-    Table,
-    TableLink,
-    Text,
-    Tiles,
-    Verdict,
-    Words,
-)
+from drivesizer.output.report.sections.blocks import Block, Checks, Column, Row, Table, Tiles, Verdict, Words
 from drivesizer.output.report.sections.changes import changes_table
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import NO_ROWS, Section
-from drivesizer.output.report.sections.sheet import Cell, Sheet
-from drivesizer.output.report.sections.sheet import Column as SheetColumn
+from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
+from drivesizer.output.report.sections.texts import Status, Strong, TableLink, Text
 from drivesizer.output.text import margin
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, worst

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from drivesizer.output.report.figures.style import COLOURS
-from drivesizer.output.report.sections.sheet import Column, Sheet
+from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 
 __all__ = ["draw"]
 
@@ -42,7 +42,7 @@ def draw(book: Any, page: Any, sheet: Sheet, count: int) -> None:
     page.insert_chart(1, len(sheet.columns) + 1, drawing)
 
 
-def _unit(column: Column) -> str:
+def _unit(column: SheetColumn) -> str:
     return column.head.partition("(")[2].removesuffix(")")
 
 

@@ -15,7 +15,7 @@ from typing import Any
 from drivesizer.output.cells import visible
 from drivesizer.output.probability import likely
 from drivesizer.output.report.lines.rows import Row
-from drivesizer.output.report.sections.sheet import Cell, Column, Sheet
+from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
 from drivesizer.output.report.workbook.chart import draw
 from drivesizer.units import label
 
@@ -133,7 +133,9 @@ _LINE = 15  # points
 _ONE_LINE = ("code", "line")
 
 
-def _write_row(page: Any, number: int, columns: Sequence[Column], widths: Sequence[float], row: Row, pen: _Pen) -> int:
+def _write_row(
+    page: Any, number: int, columns: Sequence[SheetColumn], widths: Sequence[float], row: Row, pen: _Pen
+) -> int:
     """One row; how many lines of text it takes."""
     if set(row) <= {"part", "across"}:
         return _write_across(page, number, widths, row, pen)
@@ -191,13 +193,13 @@ def _look(text: str, form: str) -> str:
     return form if form in ("code", "line", "unit") else "text"
 
 
-def _counts(column: Column, rows: Sequence[Row]) -> bool:
+def _counts(column: SheetColumn, rows: Sequence[Row]) -> bool:
     """Whether a column holds a number at all: its head stands to the right then, as numbers do."""
     values = (row.get(column.key) for row in rows)
     return any(isinstance(value, float | int | Cell) for value in values)
 
 
-def _width(column: Column, rows: Sequence[Row]) -> int:
+def _width(column: SheetColumn, rows: Sequence[Row]) -> int:
     """Letters of the longest text, within bounds, and room for a number; a head may wrap."""
     longest = max(8, *(len(word) for word in (column.head or " ").split(" ")))
     values = (row.get(column.key) for row in rows)
