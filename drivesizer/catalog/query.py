@@ -293,12 +293,7 @@ def conditions(section: str, options: Mapping[str, str | None], given: Sequence[
 
 
 def select(
-    shelf: Shelf,
-    section: str,
-    wanted: Sequence[Condition],
-    *,
-    sort: str = "",
-    excluded: bool = False,
+    shelf: Shelf, section: str, wanted: Sequence[Condition], *, sort: str = "", excluded: bool = False
 ) -> Selection:
     """The parts of a section that meet all conditions, sorted by a column; unknown figures come last.
 

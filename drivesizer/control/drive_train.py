@@ -28,10 +28,7 @@ __all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "elastic", "matrices",
 
 _NO_INDUCTANCE = 1e-3  # electrical time constant in control periods, where the inductance is unknown: none to speak of
 _FASTEST = 1e9  # rad/s at the motor: beyond any machine, and small enough that squares stay finite
-_NEEDED = {
-    "motor": ("resistance", "torque_constant", "rotor_inertia"),
-    "gearhead": ("ratio", "efficiency"),
-}
+_NEEDED = {"motor": ("resistance", "torque_constant", "rotor_inertia"), "gearhead": ("ratio", "efficiency")}
 
 
 class Regime(IntEnum):

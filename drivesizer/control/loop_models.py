@@ -30,14 +30,7 @@ from drivesizer.control.drive_train import DriveTrain, Mode, matrices
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import COMPUTING
 
-__all__ = [
-    "current_open_loop",
-    "plant",
-    "position_open_loop",
-    "resonance",
-    "velocity_open_loop",
-    "voltage_open_loop",
-]
+__all__ = ["current_open_loop", "plant", "position_open_loop", "resonance", "velocity_open_loop", "voltage_open_loop"]
 
 
 def resonance(train: DriveTrain, mode: Mode) -> tuple[float, float]:

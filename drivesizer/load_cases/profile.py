@@ -27,17 +27,7 @@ from drivesizer.physics.s_curve import fastest_ramp
 from drivesizer.spec.motions import Csv, Harmonic, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "SPEED",
-    "from_csv",
-    "harmonic",
-    "profile",
-    "profile_of",
-    "s_curve",
-    "segments",
-    "trapezoid",
-    "triangle",
-]
+__all__ = ["SPEED", "from_csv", "harmonic", "profile", "profile_of", "s_curve", "segments", "trapezoid", "triangle"]
 
 SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
 

@@ -25,17 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["AXES", "LAWS", "MODULES", "Load", "TorqueLaw"]
 
-_FILES = (
-    "wheeled_vehicle",
-    "conveyor",
-    "hoist",
-    "screw",
-    "rack_pinion",
-    "rotary_table",
-    "arm",
-    "fan",
-    "recorded",
-)
+_FILES = ("wheeled_vehicle", "conveyor", "hoist", "screw", "rack_pinion", "rotary_table", "arm", "fan", "recorded")
 
 TorqueLaw = Callable[..., LoadCycle]
 _HOMES = {name: import_module(f"drivesizer.loads.{name}") for name in _FILES}

@@ -18,13 +18,7 @@ from numpy.typing import NDArray
 from drivesizer.physics.heat_step import Array, modes
 from drivesizer.physics.thermal import TwoBodies, Value, resistance_at, settled, steady_winding_temperature
 
-__all__ = [
-    "WindingBounds",
-    "coolest_winding",
-    "each_figure",
-    "some_of",
-    "winding_bounds",
-]
+__all__ = ["WindingBounds", "coolest_winding", "each_figure", "some_of", "winding_bounds"]
 
 
 class WindingBounds(NamedTuple):

@@ -30,14 +30,7 @@ from drivesizer.platform.stability import lift_off_acceleration
 from drivesizer.platform.stability_along import Moment, of_centre
 from drivesizer.platform.trajectory import Trajectory
 
-__all__ = [
-    "floor_forces",
-    "grip_acceleration",
-    "grip_slope",
-    "needed_friction",
-    "translations",
-    "worst_friction",
-]
+__all__ = ["floor_forces", "grip_acceleration", "grip_slope", "needed_friction", "translations", "worst_friction"]
 
 _DIRECTIONS = 360  # of the worst: forces are off by 1 - cos 0.5°, 4e-5, at most
 _NOTHING = 1e-9  # of the largest force: rounding

@@ -145,8 +145,7 @@ def finding(declared: MatrixEquation) -> Finding:
         return Finding(finding(no_inverse).units, f"Eᵀ is {rows} × {columns}, and only a square matrix has an inverse")
     units = _where(again / _factors(declared.result.unit), plain)
     return Finding(
-        f"in other base units {units}" if units else None,
-        _where(plain, _value(matrix_equation.computed(declared))),
+        f"in other base units {units}" if units else None, _where(plain, _value(matrix_equation.computed(declared)))
     )
 
 

@@ -32,16 +32,7 @@ from drivesizer.spec.following import Following
 from drivesizer.spec.misjudged import Unknown
 from drivesizer.spec.wheels import CasterPlace, Layout, WheelPlace
 
-__all__ = [
-    "Budget",
-    "CentreOfMass",
-    "Item",
-    "Limits",
-    "PassageSection",
-    "PayloadSection",
-    "Platform",
-    "SizeSection",
-]
+__all__ = ["Budget", "CentreOfMass", "Item", "Limits", "PassageSection", "PayloadSection", "Platform", "SizeSection"]
 
 InertiaAbove = Annotated[float, Quantity("inertia", above=0.0)]
 AccelerationLimit = Annotated[float, Quantity("acceleration", above=0.0)]
@@ -159,8 +150,7 @@ class Platform(Section):
     limits: Limits = Field(default_factory=Limits)
     uphill: Bearing = default("0 deg", description="direction of the load's slope in the world")
     failed: Annotated[list[Annotated[int, Field(ge=1)]], Field(max_length=100)] = Field(
-        default_factory=list,
-        description="wheels whose motor has failed, by number: for a load case",
+        default_factory=list, description="wheels whose motor has failed, by number: for a load case"
     )
     blocked: bool = Field(
         default=False, description="whether those are held by brake or gear; they turn freely otherwise"

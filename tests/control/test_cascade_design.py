@@ -177,10 +177,7 @@ def test_the_epos4_s_position_pid_is_the_cascade_with_the_path_s_velocity():
     ours, theirs = pi * (kv + S), pid["0x30A1:01"] + pid["0x30A1:02"] / S + pid["0x30A1:03"] * S
     for w in (1.0, 30.0, 1000.0):
         assert ours(1j * w) == pytest.approx(theirs(1j * w), rel=1e-5)
-    assert said == [
-        "the EPOS4 has no place for velocity kd",
-        "the EPOS4 has no place for feedforward friction",
-    ]
+    assert said == ["the EPOS4 has no place for velocity kd", "the EPOS4 has no place for feedforward friction"]
 
 
 # --- sampled loops

@@ -10,10 +10,7 @@ from following_ways import AHEAD, CURVED, LEVER, STIFF, STRAIGHT, cart, robot
 from platforms import MASS, RADIUS, WHEEL, car, mecanum
 from routes import route
 
-from drivesizer.control.path_following.deviation import (
-    deviation,
-    extremes,
-)
+from drivesizer.control.path_following.deviation import deviation, extremes
 from drivesizer.control.path_following.following import Followed, follow
 from drivesizer.control.path_following.pose_control import SpeedLoop, pose_loop, speed_loop
 from drivesizer.control.path_following.slip import Contact

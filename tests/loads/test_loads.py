@@ -106,10 +106,7 @@ def test_freight_elevator_of_halliday():
 
 @pytest.mark.parametrize(
     ("load", "speed", "time", "printed"),
-    [
-        ("mass: 820 kg, friction_coefficient: 0.1", 2.0, 1.0, 2440),
-        ("mass: 300 kg, incline: 90 deg", 1.08, 0.27, 4100),
-    ],
+    [("mass: 820 kg, friction_coefficient: 0.1", 2.0, 1.0, 2440), ("mass: 300 kg, incline: 90 deg", 1.08, 0.27, 4100)],
 )
 def test_rack_and_pinion_of_atlanta(load, speed, time, printed):
     """Rack and pinion drives, calculation and selection: 2.44 kN to travel, 4.1 kN to lift."""
@@ -262,9 +259,7 @@ MACHINES = {
         0.01,
     ),
     "ball_screw": Machine(
-        SCREW.format(kind="ball_screw") + "0.9, back_efficiency: 0.8",
-        screw_by_hand(0.9, 0.8),
-        0.008 / (2 * math.pi),
+        SCREW.format(kind="ball_screw") + "0.9, back_efficiency: 0.8", screw_by_hand(0.9, 0.8), 0.008 / (2 * math.pi)
     ),
     "lead_screw": Machine(
         SCREW.format(kind="lead_screw") + "0.4", screw_by_hand(0.4, 2 - 1 / 0.4), 0.008 / (2 * math.pi)

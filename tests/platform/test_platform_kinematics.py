@@ -14,13 +14,7 @@ from wheel_sets import contact_row, figure, turn, wheel_sets
 from drivesizer.errors import InputError
 from drivesizer.platform import equations_dynamics, equations_kinematics, matrix_equation, printed_forms
 from drivesizer.platform.dynamics import dynamics
-from drivesizer.platform.kinematics import (
-    kinematics,
-    to_robot,
-    to_world,
-    velocity,
-    wheel_speeds,
-)
+from drivesizer.platform.kinematics import kinematics, to_robot, to_world, velocity, wheel_speeds
 from drivesizer.platform.matrix_equation import PLATFORM
 from drivesizer.platform.wheels import Caster, Payload, Wheel, loaded, table_wheel, without_motor
 

@@ -211,10 +211,7 @@ def test_pieces_are_fine_enough_for_straight_lines(monkeypatch):
         (lambda: plan([ORIGIN], BOTH), "waypoints: 1 given and nothing moves"),
         (lambda: plan([], BOTH), "waypoints: 0 given and nothing moves"),
         (lambda: plan([ORIGIN, turned(90)], Limits(**DRIVING)), "waypoint 2: the leg to it turns by 90 deg; expected"),
-        (
-            lambda: plan([ORIGIN, Waypoint(x=1.0, y=1.0)], Limits(**DRIVING)),
-            "waypoint 2: the leg to it turns by 45",
-        ),
+        (lambda: plan([ORIGIN, Waypoint(x=1.0, y=1.0)], Limits(**DRIVING)), "waypoint 2: the leg to it turns by 45"),
         (lambda: plan([ORIGIN, turned(1e8)], BOTH), "waypoint 2: the leg to it takes"),
         (lambda: plan([ORIGIN, Waypoint(x=1.0, y=0.0)], Limits(speed=1e-12, acceleration=1.0)), "waypoint 2: the leg"),
         (lambda: plan([ORIGIN, *(turned(a) for _ in range(20) for a in (4e5, 0))], BOTH), "waypoints: the path turns"),

@@ -172,9 +172,7 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
             note="highest state: at 100 % the controller limits to the continuous current",
         )
     yield _check(
-        _most(
-            case, "rms_current", lambda x: at_most("controller_continuous_current", x, controller.continuous_current)
-        ),
+        _most(case, "rms_current", lambda x: at_most("controller_continuous_current", x, controller.continuous_current))
     )
     if supply.current is not None:
         yield _check(
@@ -205,8 +203,7 @@ def _heat(case: ClosedLoop) -> Iterator[Check]:
         note = "thermal runaway: the copper loss grows faster than the heat is dissipated"
     warmer = ambient + (winding - ambient) * case.allowance("rms_current") ** 2
     yield _check(
-        between(*(at_most("winding_temperature", T, limit, zero=ambient) for T in (winding, warmer))),
-        note=note,
+        between(*(at_most("winding_temperature", T, limit, zero=ambient) for T in (winding, warmer))), note=note
     )
 
 
