@@ -38,28 +38,13 @@ _OPTION = re.compile(r"\s*(<=|>=|!=|==|<|>|=)?\s*(.*?)\s*", re.DOTALL)
 # Options of the command line: the column that each tests in a section. A controller serves a range of voltages.
 OPTIONS: dict[str, dict[str, str]] = {
     "family": dict.fromkeys(PARTS, "family"),
-    "voltage": {
-        "motors": "nominal_voltage",
-        "controllers": "supply_min supply_max",
-        "actuators": "nominal_voltage",
-        "brakes": "supply",
-        "batteries": "nominal_voltage",
-    },
+    "voltage": {"motors": "nominal_voltage", "controllers": "supply_min supply_max", "actuators": "nominal_voltage",
+     "brakes": "supply", "batteries": "nominal_voltage"},
     "diameter": dict.fromkeys(("motors", "gearheads", "encoders", "actuators"), "diameter"),
     "power": {"motors": "assigned_power", "gearheads": "continuous_power"},
-    "kind": {
-        "motors": "kind",
-        "gearheads": "kind",
-        "encoders": "kind",
-        "controllers": "drives",
-        "actuators": "gearing",
-        "steppers": "wiring",
-        "belts": "profile",
-        "pulleys": "profile",
-        "batteries": "chemistry",
-        "brakes": "family",
-    },
-}
+    "kind": {"motors": "kind", "gearheads": "kind", "encoders": "kind", "controllers": "drives", "actuators": "gearing",
+     "steppers": "wiring", "belts": "profile", "pulleys": "profile", "batteries": "chemistry", "brakes": "family"},
+}  # fmt: skip
 
 
 class Condition(NamedTuple):

@@ -30,18 +30,13 @@ _SOURCE = {
 }
 _NOTE = {
     "type": "object",
-    "properties": {
-        "text": {"type": "string"},
-        "parts": _NAMES | {"description": "all of the table where not given"},
-        "fields": _NAMES | {"description": "the whole row where not given"},
-        "confidence": _CONFIDENCE,
-        "source": {"type": "string"},
-        "exclude": {"type": "boolean", "description": "leave these parts out of the search"},
-        "accepted": {"type": "boolean", "description": "findings of `catalog check` on these fields are accepted"},
-    },
+    "properties": {"text": {"type": "string"}, "parts": _NAMES | {"description": "all of the table where not given"},
+     "fields": _NAMES | {"description": "the whole row where not given"}, "confidence": _CONFIDENCE,
+     "source": {"type": "string"}, "exclude": {"type": "boolean", "description": "leave these parts out of the search"},
+     "accepted": {"type": "boolean", "description": "findings of `catalog check` on these fields are accepted"}},
     "required": ["text"],
     "additionalProperties": False,
-}
+}  # fmt: skip
 
 
 def catalog_schema() -> dict[str, Any]:

@@ -42,14 +42,9 @@ from drivesizer.loads.model import Count, LoadModel
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit
 
 __all__ = [
-    "Cylinder",
-    "Cylinders",
-    "WheeledVehicle",
-    "held_by_a_wheel",
-    "rolling_resistance",
-    "turning_inertia",
+    "Cylinder", "Cylinders", "WheeledVehicle", "held_by_a_wheel", "rolling_resistance", "turning_inertia",
     "wheeled_vehicle",
-]
+]  # fmt: skip
 
 _PIECES = 64  # of a ramp in wind: the straight lines are off by 1/4 of 1/64² of the drag at its end, 6e-5 of it
 

@@ -27,27 +27,10 @@ from drivesizer.physics.load_cycle import Figure, end_times, integral, mean_prod
 from drivesizer.physics.products import product
 
 __all__ = [
-    "ACCELERATION",
-    "AT_REST",
-    "BRAKING",
-    "DIRECTION",
-    "DRIVING",
-    "SPEED",
-    "AtGearhead",
-    "CycleAtBelt",
-    "Demands",
-    "Peak",
-    "Pieces",
-    "Turning",
-    "at_gearhead",
-    "bounded",
-    "demands",
-    "friction",
-    "gear_loss",
-    "peak",
-    "piece_counts",
+    "ACCELERATION", "AT_REST", "BRAKING", "DIRECTION", "DRIVING", "SPEED", "AtGearhead", "CycleAtBelt", "Demands",
+    "Peak", "Pieces", "Turning", "at_gearhead", "bounded", "demands", "friction", "gear_loss", "peak", "piece_counts",
     "places",
-]
+]  # fmt: skip
 
 _FINEST = 200  # pieces of a segment at most
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)

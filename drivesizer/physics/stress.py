@@ -12,17 +12,8 @@ from drivesizer.physics.motor_demand import DIRECTION, SPEED, AtGearhead, Demand
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding_temperature
 
 __all__ = [
-    "Heat",
-    "Parts",
-    "Record",
-    "Stress",
-    "heat",
-    "housing_loss",
-    "on",
-    "stress",
-    "temperature_at_most",
-    "volts_of",
-]
+    "Heat", "Parts", "Record", "Stress", "heat", "housing_loss", "on", "stress", "temperature_at_most", "volts_of",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 

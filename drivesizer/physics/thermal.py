@@ -17,23 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "COPPER",
-    "DATA_TEMPERATURE",
-    "TwoBodies",
-    "Value",
-    "continuous_current",
-    "continuous_torque",
-    "current_derating",
-    "data_temperature",
-    "nominal_current",
-    "of_unstated_temperature",
-    "rated_ambient",
-    "resistance_25",
-    "resistance_at",
-    "settled",
-    "steady_winding_temperature",
-    "two_bodies",
-]
+    "COPPER", "DATA_TEMPERATURE", "TwoBodies", "Value", "continuous_current", "continuous_torque", "current_derating",
+    "data_temperature", "nominal_current", "of_unstated_temperature", "rated_ambient", "resistance_25", "resistance_at",
+    "settled", "steady_winding_temperature", "two_bodies",
+]  # fmt: skip
 
 Value = float | NDArray[np.float64]
 

@@ -17,18 +17,9 @@ from numpy.typing import NDArray
 from drivesizer.physics.products import product
 
 __all__ = [
-    "Energy",
-    "Wave",
-    "balanced",
-    "energy",
-    "largest_power",
-    "longest_above",
-    "longest_run",
-    "lost",
-    "mean_square",
-    "share_above",
-    "wave",
-]
+    "Energy", "Wave", "balanced", "energy", "largest_power", "longest_above", "longest_run", "lost", "mean_square",
+    "share_above", "wave",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 

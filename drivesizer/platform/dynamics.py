@@ -34,17 +34,9 @@ from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Platform
 
 __all__ = [
-    "Dynamics",
-    "acceleration",
-    "dynamics",
-    "energy",
-    "own_rolling",
-    "required_force",
-    "resistance",
-    "signs",
-    "wheel_space",
-    "wheel_torques",
-]
+    "Dynamics", "acceleration", "dynamics", "energy", "own_rolling", "required_force", "resistance", "signs",
+    "wheel_space", "wheel_torques",
+]  # fmt: skip
 
 _ROUNDING = 1e-9  # of the platform's speed: what turns or rolls no faster stands
 

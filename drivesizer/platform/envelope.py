@@ -17,14 +17,8 @@ from drivesizer.errors import InputError
 from drivesizer.platform.matrix_equation import Array
 
 __all__ = [
-    "Passage",
-    "Size",
-    "corner_width",
-    "heading_tolerance",
-    "heading_tolerance_driving",
-    "turning_circle",
-    "width_at",
-]
+    "Passage", "Size", "corner_width", "heading_tolerance", "heading_tolerance_driving", "turning_circle", "width_at",
+]  # fmt: skip
 
 
 def _checked(record: object, what: str, **figures: float) -> None:

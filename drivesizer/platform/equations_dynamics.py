@@ -13,29 +13,11 @@ import numpy as np
 from drivesizer.platform.matrix_equation import Array, matrix_equation
 
 __all__ = [
-    "coriolis_matrix",
-    "generalised_force",
-    "half_mass_matrix",
-    "half_wheel_inertias",
-    "inertia_matrix",
-    "joint_form",
-    "kinetic_energy",
-    "kinetic_energy_form",
-    "lagrange_operator",
-    "mass_matrix",
-    "motor_torques",
-    "operational_force",
-    "platform_force",
-    "platform_inertia_force",
-    "wheel_acceleration",
-    "wheel_inertia_torque",
-    "wheel_inertias",
-    "wheel_space_coriolis",
-    "wheel_space_inertia",
-    "wheel_space_torque",
-    "wheel_velocities",
-    "world_acceleration",
-]
+    "coriolis_matrix", "generalised_force", "half_mass_matrix", "half_wheel_inertias", "inertia_matrix", "joint_form",
+    "kinetic_energy", "kinetic_energy_form", "lagrange_operator", "mass_matrix", "motor_torques", "operational_force",
+    "platform_force", "platform_inertia_force", "wheel_acceleration", "wheel_inertia_torque", "wheel_inertias",
+    "wheel_space_coriolis", "wheel_space_inertia", "wheel_space_torque", "wheel_velocities", "world_acceleration",
+]  # fmt: skip
 
 
 @matrix_equation(34, "Eᵀ τ", printed="R @ T_xi + E.T @ T_phi")

@@ -15,24 +15,10 @@ import numpy as np
 from drivesizer.platform.matrix_equation import Array, matrix_equation
 
 __all__ = [
-    "configuration_velocity",
-    "contact_velocity",
-    "paper_velocity_map",
-    "paper_wheel_map",
-    "platform_constraint",
-    "posture",
-    "robot_velocity",
-    "roller_frame_rows",
-    "roller_frame_velocity",
-    "rolling_constraint",
-    "rolling_rows",
-    "turning_speed",
-    "velocity",
-    "wheel_map",
-    "wheel_matrix",
-    "wheel_speeds",
-    "world_velocity",
-]
+    "configuration_velocity", "contact_velocity", "paper_velocity_map", "paper_wheel_map", "platform_constraint",
+    "posture", "robot_velocity", "roller_frame_rows", "roller_frame_velocity", "rolling_constraint", "rolling_rows",
+    "turning_speed", "velocity", "wheel_map", "wheel_matrix", "wheel_speeds", "world_velocity",
+]  # fmt: skip
 
 
 @matrix_equation(21, "ξ", printed="array([x, y, theta])")

@@ -26,17 +26,9 @@ from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Wheel
 
 __all__ = [
-    "Kinematics",
-    "check_allowed",
-    "columns",
-    "kinematics",
-    "map_columns",
-    "row_sizes",
-    "to_robot",
-    "to_world",
-    "velocity",
-    "wheel_speeds",
-]
+    "Kinematics", "check_allowed", "columns", "kinematics", "map_columns", "row_sizes", "to_robot", "to_world",
+    "velocity", "wheel_speeds",
+]  # fmt: skip
 
 _ROUNDING = 1e-12  # of what a row makes of a motion in any direction: an entry below it is 0
 _NOTHING = 1e-9  # a singular value below it, with lengths in units of the platform, is rounding

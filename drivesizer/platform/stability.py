@@ -22,18 +22,9 @@ from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Platform
 
 __all__ = [
-    "TippingEdge",
-    "carrying",
-    "edge_distances",
-    "lift_off_acceleration",
-    "lift_off_slope",
-    "support_polygon",
-    "tipping_acceleration",
-    "tipping_edges",
-    "tipping_slope",
-    "used_footing",
-    "zero_moment_point",
-]
+    "TippingEdge", "carrying", "edge_distances", "lift_off_acceleration", "lift_off_slope", "support_polygon",
+    "tipping_acceleration", "tipping_edges", "tipping_slope", "used_footing", "zero_moment_point",
+]  # fmt: skip
 
 _GRID = 10**9  # lines in the platform's size, on which its contacts are put to find their hull
 _FLAT = 1e-6  # of the platform's size: contact points that lie nearer to one line hold nothing up

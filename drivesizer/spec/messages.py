@@ -19,18 +19,8 @@ __all__ = ["explained", "known_keys", "models_at"]
 
 # beginnings of validators' messages that state what was found
 _ALONE = (
-    '"',
-    "give",
-    "expected",
-    "transmission",
-    "platform",
-    "inner",
-    "sinkage",
-    "ki",
-    "motion",
-    "a recorded",
-    "the paper",
-)
+    '"', "give", "expected", "transmission", "platform", "inner", "sinkage", "ki", "motion", "a recorded", "the paper",
+)  # fmt: skip
 
 
 def explained(

@@ -21,18 +21,9 @@ from drivesizer.files.fields import (
 )
 
 __all__ = [
-    "Csv",
-    "Harmonic",
-    "Motion",
-    "SCurve",
-    "Segment",
-    "Segments",
-    "Track",
-    "Trapezoid",
-    "Triangle",
-    "Waypoint",
+    "Csv", "Harmonic", "Motion", "SCurve", "Segment", "Segments", "Track", "Trapezoid", "Triangle", "Waypoint",
     "Waypoints",
-]
+]  # fmt: skip
 
 
 class _Repeated(Section):

@@ -10,15 +10,8 @@ from pydantic import Field
 from drivesizer.files.fields import Names, Ratio, Section
 
 __all__ = [
-    "OBJECTIVES",
-    "Choice",
-    "ControllerChoice",
-    "EncoderChoice",
-    "Objective",
-    "ObjectiveKind",
-    "Select",
-    "Weighted",
-]
+    "OBJECTIVES", "Choice", "ControllerChoice", "EncoderChoice", "Objective", "ObjectiveKind", "Select", "Weighted",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

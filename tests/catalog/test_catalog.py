@@ -329,13 +329,10 @@ def test_two_files_of_one_name(tmp_path: Path) -> None:
         load(["a/own.yaml", "b/own.yaml"], beside=tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("maxom", 'no catalogue is called "maxom"; the nearest is maxon'),
-        ("absent.yaml", "absent.yaml: cannot be read (no such file or directory)"),
-    ],
-)
+@pytest.mark.parametrize(("name", "said"), [
+    ("maxom", 'no catalogue is called "maxom"; the nearest is maxon'),
+    ("absent.yaml", "absent.yaml: cannot be read (no such file or directory)"),
+])  # fmt: skip
 def test_a_catalogue_that_is_not_there(tmp_path: Path, name: str, said: str) -> None:
     with pytest.raises(InputError) as caught:
         load([name], beside=tmp_path)

@@ -356,26 +356,22 @@ TABLE = HEAD + "motors:\n  - {family: F, source: s, columns: [part, mass (g)], r
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (HEAD + "motors: &a [x, x]\nencoders: [*a, *a, *a]\n", "anchors"),
-        (HEAD + "manufacturer: Other\n", "manufacturer"),
-        (HEAD + "motors: !!python/object/apply:os.system [ls]\n", "tag"),
-        (HEAD + "<<: {motors: []}\n", "merge"),
-        (HEAD + "motors:\n\t- {}\n", "tabs"),
-        (HEAD + "motors: " + "[" * 5000, "nested deeper"),
-        (TABLE % "[[M1, heavy]]", "not a number"),
-        (TABLE % "[[M1, 5, 6]]", "cells"),
-        (TABLE % "[[M1, .nan]]", "not a number"),
-        (TABLE % "[[M1, true]]", "not a number"),
-        (TABLE % "{M1: 5}", "list"),
-        (TABLE % ("[" + "[M1, 5], " * 200_000 + "]"), "given twice"),
-        (TABLE % f"[[{'9' * 4_000_000}, 5]]", ""),
-        (HEAD + f"motors: {'x' * 10_000_000}\n", "expected a list"),
-    ],
-    ids=lambda value: value[:24] if len(value) < 200 else "big",
-)
+@pytest.mark.parametrize(("text", "said"), [
+    (HEAD + "motors: &a [x, x]\nencoders: [*a, *a, *a]\n", "anchors"),
+    (HEAD + "manufacturer: Other\n", "manufacturer"),
+    (HEAD + "motors: !!python/object/apply:os.system [ls]\n", "tag"),
+    (HEAD + "<<: {motors: []}\n", "merge"),
+    (HEAD + "motors:\n\t- {}\n", "tabs"),
+    (HEAD + "motors: " + "[" * 5000, "nested deeper"),
+    (TABLE % "[[M1, heavy]]", "not a number"),
+    (TABLE % "[[M1, 5, 6]]", "cells"),
+    (TABLE % "[[M1, .nan]]", "not a number"),
+    (TABLE % "[[M1, true]]", "not a number"),
+    (TABLE % "{M1: 5}", "list"),
+    (TABLE % ("[" + "[M1, 5], " * 200_000 + "]"), "given twice"),
+    (TABLE % f"[[{'9' * 4_000_000}, 5]]", ""),
+    (HEAD + f"motors: {'x' * 10_000_000}\n", "expected a list"),
+], ids=lambda value: value[:24] if len(value) < 200 else "big")  # fmt: skip
 def test_a_hostile_catalogue_is_one_line_in_bounded_time(cache: Path, tmp_path: Path, text: str, said: str) -> None:
     path = tmp_path / "bad.yaml"
     path.write_text(text, encoding="utf-8")

@@ -25,20 +25,17 @@ def cycle(*breaks):
     return np.diff(time), np.stack([speed[:-1], speed[1:]], axis=1)
 
 
-@pytest.mark.parametrize(
-    ("breaks", "expected"),
-    [
-        pytest.param(
-            [(0, 0), (2, 10), (4, 0), (64, 0)], 7.5, id="triangle of 4 s: above 3/4 of its peak for 1 s without a break"
-        ),
-        pytest.param([(0, 0), (0.4, 10), (0.8, 0), (4, 0)], 5.0, id="0.8 s, above half of it for 10 % of 4 s"),
-        pytest.param([(0, 9), (0.9, 9), (0.9001, 1), (90, 1)], 1.0, id="0.9 s and 1 % of the time are no matter"),
-        pytest.param([(0, 9), (1.1, 9), (1.1001, 1), (90, 1)], 9.0, id="1.1 s without a break are"),
-        pytest.param([(0, 9), (0.6, 9), (0.6001, 1), (89.4, 1), (89.4001, 9), (90, 9)], 9.0, id="0.6 s on both sides"),
-        pytest.param([(0, 3), (0.2, 4), (0.4, 3)], 3.9, id="never below 3, above 3.9 for 10 % of the time"),
-        pytest.param([(0, 0), (0.02, 5), (0.04, 0), (60, 0)], 0.0, id="short and seldom: nothing lasts"),
-    ],
-)
+@pytest.mark.parametrize(("breaks", "expected"), [
+    pytest.param(
+        [(0, 0), (2, 10), (4, 0), (64, 0)], 7.5, id="triangle of 4 s: above 3/4 of its peak for 1 s without a break"
+    ),
+    pytest.param([(0, 0), (0.4, 10), (0.8, 0), (4, 0)], 5.0, id="0.8 s, above half of it for 10 % of 4 s"),
+    pytest.param([(0, 9), (0.9, 9), (0.9001, 1), (90, 1)], 1.0, id="0.9 s and 1 % of the time are no matter"),
+    pytest.param([(0, 9), (1.1, 9), (1.1001, 1), (90, 1)], 9.0, id="1.1 s without a break are"),
+    pytest.param([(0, 9), (0.6, 9), (0.6001, 1), (89.4, 1), (89.4001, 9), (90, 9)], 9.0, id="0.6 s on both sides"),
+    pytest.param([(0, 3), (0.2, 4), (0.4, 3)], 3.9, id="never below 3, above 3.9 for 10 % of the time"),
+    pytest.param([(0, 0), (0.02, 5), (0.04, 0), (60, 0)], 0.0, id="short and seldom: nothing lasts"),
+])  # fmt: skip
 def test_by_hand(breaks, expected):
     assert exceeded(*cycle(*breaks), SHORT).item() == pytest.approx(expected, abs=2e-3)
 

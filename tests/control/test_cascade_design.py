@@ -457,23 +457,20 @@ def test_the_widest_bandwidth_is_reachable_and_no_more():
         designed(bandwidth=most + 0.2)
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"velocity_kp": 1e4}, "control.velocity_kp: with 1e+04 no reset time makes the loop stable; expected less"),
-        ({"velocity_ki": 1e6}, "control.velocity_ki: with 1e+06 no reset time"),
-        ({"velocity_kp": math.nan}, "control.velocity_kp: nan is no use; expected 0 to 1e+09"),
-        ({"position_kp": -1.0}, "control.position_kp: -1 is no use"),
-        ({"bandwidth": 0.0}, "control.bandwidth: 0 is no use; expected more"),
-        ({"bandwidth": 9.0, "velocity_kp": 1.0}, "control.bandwidth: velocity_kp is given too"),
-        ({"damping": 1.0}, "control.damping: it belongs to bandwidth, velocity_kp or velocity_ki"),
-        ({"damping": 0.1, "bandwidth": 5.0}, "control.damping: 0.1 leaves a phase margin below 30°"),
-        ({"phase_margin": 0.7, "bandwidth": 5.0}, "control.phase_margin: expected either it, or bandwidth"),
-        ({"phase_margin": 1.6}, "control.phase_margin: expected more than 0°"),
-        ({"filter_time": 0.01}, "control.filter_time: it belongs to velocity_kd; expected both"),
-        ({"current_kp": 0.0}, "control.current_kp: without it and current_ki no current flows"),
-    ],
-)
+@pytest.mark.parametrize(("given", "said"), [
+    ({"velocity_kp": 1e4}, "control.velocity_kp: with 1e+04 no reset time makes the loop stable; expected less"),
+    ({"velocity_ki": 1e6}, "control.velocity_ki: with 1e+06 no reset time"),
+    ({"velocity_kp": math.nan}, "control.velocity_kp: nan is no use; expected 0 to 1e+09"),
+    ({"position_kp": -1.0}, "control.position_kp: -1 is no use"),
+    ({"bandwidth": 0.0}, "control.bandwidth: 0 is no use; expected more"),
+    ({"bandwidth": 9.0, "velocity_kp": 1.0}, "control.bandwidth: velocity_kp is given too"),
+    ({"damping": 1.0}, "control.damping: it belongs to bandwidth, velocity_kp or velocity_ki"),
+    ({"damping": 0.1, "bandwidth": 5.0}, "control.damping: 0.1 leaves a phase margin below 30°"),
+    ({"phase_margin": 0.7, "bandwidth": 5.0}, "control.phase_margin: expected either it, or bandwidth"),
+    ({"phase_margin": 1.6}, "control.phase_margin: expected more than 0°"),
+    ({"filter_time": 0.01}, "control.filter_time: it belongs to velocity_kd; expected both"),
+    ({"current_kp": 0.0}, "control.current_kp: without it and current_ki no current flows"),
+])  # fmt: skip
 def test_bad_input_is_one_line(given, said):
     with pytest.raises(InputError) as error:
         designed(**given)

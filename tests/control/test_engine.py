@@ -304,15 +304,12 @@ def test_unstable_gains_come_to_an_end():
     assert "steps" in few.problems[0] and figure(few, "steps") <= 101 + 2048
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"train": machine(resistance=math.nan)}, "resistance"),
-        ({"controller": replace(SERVO, velocity_period=5e-5)}, "whole multiple"),
-        ({"supply": Supply(voltage=0.5, voltage_drop=1.0)}, "supply"),
-        ({"heat": MotorHeat(bodies=replace(MOTOR, tau_w=math.nan), ambient=300.0)}, "unknown"),
-    ],
-)
+@pytest.mark.parametrize(("change", "message"), [
+    ({"train": machine(resistance=math.nan)}, "resistance"),
+    ({"controller": replace(SERVO, velocity_period=5e-5)}, "whole multiple"),
+    ({"supply": Supply(voltage=0.5, voltage_drop=1.0)}, "supply"),
+    ({"heat": MotorHeat(bodies=replace(MOTOR, tau_w=math.nan), ambient=300.0)}, "unknown"),
+])  # fmt: skip
 def test_what_cannot_be_computed_is_one_line(change, message):
     with pytest.raises(InputError, match=message):
         simulate(replace(open_drive(machine(), 12.0), **change), FAR)

@@ -40,17 +40,13 @@ def all_simulated(monkeypatch, drive, task):
         return simulate(drive, task, rows=0, most_steps=10**9)
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {},
-        {"heat": None},
-        {"encoder": Resolution()},
-        {"train": replace(SET, stiffness=60.0, damping=0.05, gap=4e-3)},
-        {"encoder": Resolution(edges=256, periods=4)},
-    ],
-    ids=["counted and heated", "counted", "heated", "backlash", "few edges"],
-)
+@pytest.mark.parametrize("change", [
+    {},
+    {"heat": None},
+    {"encoder": Resolution()},
+    {"train": replace(SET, stiffness=60.0, damping=0.05, gap=4e-3)},
+    {"encoder": Resolution(edges=256, periods=4)},
+], ids=["counted and heated", "counted", "heated", "backlash", "few edges"])  # fmt: skip
 def test_cycles_that_are_alike_are_added(change, monkeypatch):
     drive = replace(COUNTED, **change)
     added, simulated = simulate(drive, CYCLE), all_simulated(monkeypatch, drive, CYCLE)

@@ -22,28 +22,22 @@ def spec(load, motion, back=""):
     return read_spec(YamlSource(text, "robot.yaml"))
 
 
-@pytest.mark.parametrize(
-    ("load", "motion", "way"),
-    [
-        pytest.param(ARM, ROTARY, "90", id="an arm that only rises"),
-        pytest.param(HOIST, LINEAR, "300", id="a hoist that only lifts"),
-        pytest.param(TABLE % 90, ROTARY, "90", id="a table that gravity pulls round"),
-    ],
-)
+@pytest.mark.parametrize(("load", "motion", "way"), [
+    pytest.param(ARM, ROTARY, "90", id="an arm that only rises"),
+    pytest.param(HOIST, LINEAR, "300", id="a hoist that only lifts"),
+    pytest.param(TABLE % 90, ROTARY, "90", id="a table that gravity pulls round"),
+])  # fmt: skip
 def test_what_does_not_come_back_is_told(load, motion, way):
     (said,) = starts_farther_on("", spec(load, motion))
     assert f" {way} " in said or f" {way}°" in said
     assert not starts_farther_on("", spec(load, motion, ", there_and_back: true"))
 
 
-@pytest.mark.parametrize(
-    ("load", "motion"),
-    [
-        pytest.param(TABLE % 0, ROTARY, id="an indexing table"),
-        pytest.param("{kind: flywheel, inertia: 0.1 kg*m^2}", ROTARY, id="a flywheel"),
-        pytest.param(ARM, ROTARY.replace("cruise_time: 0.5 s", "cruise_time: 3.5 s"), id="an arm that turns once"),
-    ],
-)
+@pytest.mark.parametrize(("load", "motion"), [
+    pytest.param(TABLE % 0, ROTARY, id="an indexing table"),
+    pytest.param("{kind: flywheel, inertia: 0.1 kg*m^2}", ROTARY, id="a flywheel"),
+    pytest.param(ARM, ROTARY.replace("cruise_time: 0.5 s", "cruise_time: 3.5 s"), id="an arm that turns once"),
+])  # fmt: skip
 def test_what_may_go_on_says_nothing(load, motion):
     assert not starts_farther_on("", spec(load, motion))
 

@@ -96,17 +96,9 @@ def test_a_fan_s_drag_comes_with_its_speed():
 
 
 KINDS = [
-    "conveyor",
-    "hoist",
-    "lead_screw",
-    "ball_screw",
-    "rack_pinion",
-    "rotary_table",
-    "arm",
-    "fan",
-    "flywheel",
+    "conveyor", "hoist", "lead_screw", "ball_screw", "rack_pinion", "rotary_table", "arm", "fan", "flywheel",
     "wheeled_vehicle",
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", KINDS)

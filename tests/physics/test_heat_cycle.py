@@ -398,16 +398,13 @@ def test_overload_of_one_body_by_hand():
     assert overload_time(motor, AMBIENT, cold(AMBIENT), AMBIENT + 60.0, 5.0) == pytest.approx(time, rel=1e-7)
 
 
-@pytest.mark.parametrize(
-    ("start", "current", "loss"),
-    [
-        pytest.param(cold(AMBIENT), 4.0, 0.0, id="cold"),
-        pytest.param(steady_state(MOTOR, AMBIENT, 0.9, 0.2), 4.0, 0.2, id="warm"),
-        pytest.param(State(AMBIENT + 60.0, AMBIENT), 1.4, 0.7, id="winding falls towards a cold housing first"),
-        pytest.param(cold(AMBIENT), 12.0, 0.0, id="runs away"),
-        pytest.param(cold(AMBIENT), 0.0, 9.0, id="friction alone"),
-    ],
-)
+@pytest.mark.parametrize(("start", "current", "loss"), [
+    pytest.param(cold(AMBIENT), 4.0, 0.0, id="cold"),
+    pytest.param(steady_state(MOTOR, AMBIENT, 0.9, 0.2), 4.0, 0.2, id="warm"),
+    pytest.param(State(AMBIENT + 60.0, AMBIENT), 1.4, 0.7, id="winding falls towards a cold housing first"),
+    pytest.param(cold(AMBIENT), 12.0, 0.0, id="runs away"),
+    pytest.param(cold(AMBIENT), 0.0, 9.0, id="friction alone"),
+])  # fmt: skip
 def test_overload_against_scipy(start, current, loss):
     T_max = AMBIENT + 80.0
 

@@ -24,13 +24,10 @@ from drivesizer.physics.thermal import (
 CELSIUS = 273.15
 
 
-@pytest.mark.parametrize(
-    ("ambient", "rise"),
-    [
-        pytest.param(25.0, 20.0 / 0.922, id="at 25 degC: 20 W/K-watts over 1 - 0.0039*20"),
-        pytest.param(40.0, 20.0 * 1.0585 / 0.922, id="at 40 degC the winding starts 5.85 % above its datasheet value"),
-    ],
-)
+@pytest.mark.parametrize(("ambient", "rise"), [
+    pytest.param(25.0, 20.0 / 0.922, id="at 25 degC: 20 W/K-watts over 1 - 0.0039*20"),
+    pytest.param(40.0, 20.0 * 1.0585 / 0.922, id="at 40 degC the winding starts 5.85 % above its datasheet value"),
+])  # fmt: skip
 def test_by_hand(ambient, rise):
     # 2 ohm, 10 K/W, 1 A: 20 K were the resistance constant; it grows by 0.39 % per kelvin
     found = steady_winding_temperature(ambient + CELSIUS, 2.0, 3.0, 7.0, 1.0)

@@ -204,24 +204,21 @@ def test_pieces_are_fine_enough_for_straight_lines(monkeypatch):
 # --- refusals ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: plan([ORIGIN, ORIGIN], BOTH), "waypoints: 2 given and nothing moves"),
-        (lambda: plan([ORIGIN], BOTH), "waypoints: 1 given and nothing moves"),
-        (lambda: plan([], BOTH), "waypoints: 0 given and nothing moves"),
-        (lambda: plan([ORIGIN, turned(90)], Limits(**DRIVING)), "waypoint 2: the leg to it turns by 90 deg; expected"),
-        (lambda: plan([ORIGIN, Waypoint(x=1.0, y=1.0)], Limits(**DRIVING)), "waypoint 2: the leg to it turns by 45"),
-        (lambda: plan([ORIGIN, turned(1e8)], BOTH), "waypoint 2: the leg to it takes"),
-        (lambda: plan([ORIGIN, Waypoint(x=1.0, y=0.0)], Limits(speed=1e-12, acceleration=1.0)), "waypoint 2: the leg"),
-        (lambda: plan([ORIGIN, *(turned(a) for _ in range(20) for a in (4e5, 0))], BOTH), "waypoints: the path turns"),
-        (lambda: Waypoint(x=math.nan, y=0.0), "waypoint: x must be a number below 1e+09, got nan"),
-        (lambda: Waypoint(x=0.0, y=0.0, pause=-1.0), "waypoint: pause must be 0 or more, got -1.0"),
-        (lambda: Limits(speed=0.0, acceleration=1.0), "limits: speed must be a number above 0"),
-        (lambda: Limits(**DRIVING, jerk=math.inf), "limits: jerk must be a number above 0"),
-        (lambda: Limits(**DRIVING, turning_speed=1.0), "limits: turning takes both"),
-    ],
-)
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda: plan([ORIGIN, ORIGIN], BOTH), "waypoints: 2 given and nothing moves"),
+    (lambda: plan([ORIGIN], BOTH), "waypoints: 1 given and nothing moves"),
+    (lambda: plan([], BOTH), "waypoints: 0 given and nothing moves"),
+    (lambda: plan([ORIGIN, turned(90)], Limits(**DRIVING)), "waypoint 2: the leg to it turns by 90 deg; expected"),
+    (lambda: plan([ORIGIN, Waypoint(x=1.0, y=1.0)], Limits(**DRIVING)), "waypoint 2: the leg to it turns by 45"),
+    (lambda: plan([ORIGIN, turned(1e8)], BOTH), "waypoint 2: the leg to it takes"),
+    (lambda: plan([ORIGIN, Waypoint(x=1.0, y=0.0)], Limits(speed=1e-12, acceleration=1.0)), "waypoint 2: the leg"),
+    (lambda: plan([ORIGIN, *(turned(a) for _ in range(20) for a in (4e5, 0))], BOTH), "waypoints: the path turns"),
+    (lambda: Waypoint(x=math.nan, y=0.0), "waypoint: x must be a number below 1e+09, got nan"),
+    (lambda: Waypoint(x=0.0, y=0.0, pause=-1.0), "waypoint: pause must be 0 or more, got -1.0"),
+    (lambda: Limits(speed=0.0, acceleration=1.0), "limits: speed must be a number above 0"),
+    (lambda: Limits(**DRIVING, jerk=math.inf), "limits: jerk must be a number above 0"),
+    (lambda: Limits(**DRIVING, turning_speed=1.0), "limits: turning takes both"),
+])  # fmt: skip
 def test_bad_figures_are_refused_in_one_line(make, words):
     with pytest.raises(InputError) as refused:
         make()

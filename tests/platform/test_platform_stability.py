@@ -290,18 +290,14 @@ def test_the_floor_sees_more_than_torque_over_radius():
 # --- grip: force balances ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "p",
-    [
-        replace(mecanum(), height=0.12, x=0.03),
-        replace(differential(0.5, inertia=0.02), casters=(Caster(x=-0.4, y=0.0),), x=-0.08, height=0.2),
-        replace(car(1.1, 0.6, 0.0), x=0.4, height=0.3),
-        Platform(wheels=tuple(omni_three(0.06, 0.25)), mass=20.0, inertia=0.6, height=0.15),
-        without_motor(replace(mecanum(), height=0.1), 2),
-        without_motor(replace(mecanum(), height=0.1), 3, blocked=True),
-    ],
-    ids=["mecanum", "differential", "car", "omni", "free wheel", "blocked wheel"],
-)
+@pytest.mark.parametrize("p", [
+    replace(mecanum(), height=0.12, x=0.03),
+    replace(differential(0.5, inertia=0.02), casters=(Caster(x=-0.4, y=0.0),), x=-0.08, height=0.2),
+    replace(car(1.1, 0.6, 0.0), x=0.4, height=0.3),
+    Platform(wheels=tuple(omni_three(0.06, 0.25)), mass=20.0, inertia=0.6, height=0.15),
+    without_motor(replace(mecanum(), height=0.1), 2),
+    without_motor(replace(mecanum(), height=0.1), 3, blocked=True),
+], ids=["mecanum", "differential", "car", "omni", "free wheel", "blocked wheel"])  # fmt: skip
 def test_the_wheels_forces_make_the_motion(p):
     """Newton and Euler for the body alone: forces of the floor less what the wheels' own spin took is m a and J α."""
     k = kinematics(p.wheels)

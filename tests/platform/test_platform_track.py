@@ -228,33 +228,30 @@ def with_turn(columns):
     return columns
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        (rows(change=with_jump), ":23: x, y: a jump, 200.4 m/s from row to row; expected 50 m/s at most"),
-        (rows(change=lambda c: with_jump(c / [[10], [1], [1], [1]])), ":23: x, y: a jump, 2004 m/s from row to row"),
-        (rows(change=with_turn, step=0.01), ":23: heading: a jump, 300 rad/s from row to row; expected 100 rad/s"),
-        (rows(change=lambda c: c[:, 20:]), ":3: x, y: the track starts at 0.37"),
-        (rows(change=lambda c: c[:, :20]), ":22: x, y: the track ends at 0.37"),
-        (rows(change=lambda c: c[[0, 3, 2, 1], 10:]), ":3: heading: the track starts at 0.2"),
-        (rows(change=lambda c: c[:, [0, 2, 1, *range(3, 41)]]), ":5: time:"),
-        (rows(count=3), ": rows: 3 found; expected at least 4 below the units"),
-        (rows(change=lambda c: c[:, :1]), ": rows: 1 found; expected at least 2 below the units"),
-        (rows(change=lambda c: c * [[1], [0], [1], [1]]), ": rows: nothing moves"),
-        (rows().replace("\n0.1,", "\nnan,"), ':4: time: "nan" is not a finite number'),
-        (rows().replace("\n0.1,", "\n0.1,1,"), ":4: row:"),
-        ("t,x,y\ns,m,m\n0,0,0\n", ':1: header: "t,x,y"; expected t,x,y,heading of a timed track, or x,y of waypoints'),
-        ("t,x,y,heading,theta\n", ':1: header: "t,x,y,heading,theta"; expected'),
-        ("x,y,x\n", ':1: header: "x,y,x"; expected'),
-        ("", ":1: header: nothing; expected t,x,y,heading"),
-        (HEAD.replace("m,m", "m,kg"), ":2: y:"),
-        ("x,y\nm\n", ':2: units: "m"; expected a unit per column, e.g. m,m'),
-        ("x,y\nm,m\n0,0\n1,\n", ':4: y: "" is not a finite number'),
-        ("x,y\nm,m\n0,0\n1,0,3\n", ":4: row:"),
-        ("x,y\nm,m\n0,0\n", ": waypoints: 1 given and nothing moves"),
-        ("x,y,pause\nm,m,s\n0,0,-1\n", ":3: waypoint: pause must be 0 or more"),
-    ],
-)
+@pytest.mark.parametrize(("text", "words"), [
+    (rows(change=with_jump), ":23: x, y: a jump, 200.4 m/s from row to row; expected 50 m/s at most"),
+    (rows(change=lambda c: with_jump(c / [[10], [1], [1], [1]])), ":23: x, y: a jump, 2004 m/s from row to row"),
+    (rows(change=with_turn, step=0.01), ":23: heading: a jump, 300 rad/s from row to row; expected 100 rad/s"),
+    (rows(change=lambda c: c[:, 20:]), ":3: x, y: the track starts at 0.37"),
+    (rows(change=lambda c: c[:, :20]), ":22: x, y: the track ends at 0.37"),
+    (rows(change=lambda c: c[[0, 3, 2, 1], 10:]), ":3: heading: the track starts at 0.2"),
+    (rows(change=lambda c: c[:, [0, 2, 1, *range(3, 41)]]), ":5: time:"),
+    (rows(count=3), ": rows: 3 found; expected at least 4 below the units"),
+    (rows(change=lambda c: c[:, :1]), ": rows: 1 found; expected at least 2 below the units"),
+    (rows(change=lambda c: c * [[1], [0], [1], [1]]), ": rows: nothing moves"),
+    (rows().replace("\n0.1,", "\nnan,"), ':4: time: "nan" is not a finite number'),
+    (rows().replace("\n0.1,", "\n0.1,1,"), ":4: row:"),
+    ("t,x,y\ns,m,m\n0,0,0\n", ':1: header: "t,x,y"; expected t,x,y,heading of a timed track, or x,y of waypoints'),
+    ("t,x,y,heading,theta\n", ':1: header: "t,x,y,heading,theta"; expected'),
+    ("x,y,x\n", ':1: header: "x,y,x"; expected'),
+    ("", ":1: header: nothing; expected t,x,y,heading"),
+    (HEAD.replace("m,m", "m,kg"), ":2: y:"),
+    ("x,y\nm\n", ':2: units: "m"; expected a unit per column, e.g. m,m'),
+    ("x,y\nm,m\n0,0\n1,\n", ':4: y: "" is not a finite number'),
+    ("x,y\nm,m\n0,0\n1,0,3\n", ":4: row:"),
+    ("x,y\nm,m\n0,0\n", ": waypoints: 1 given and nothing moves"),
+    ("x,y,pause\nm,m,s\n0,0,-1\n", ":3: waypoint: pause must be 0 or more"),
+])  # fmt: skip
 def test_a_fault_is_one_line(file, text, words):
     path = file(text)
     with pytest.raises(InputError) as refused:

@@ -156,35 +156,32 @@ def test_what_platform_and_load_contradict():
 ONE = {"kind": "fixed", "x": "0.1 m", "y": "0.2 m"}
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({"layout": None}, "give wheels or layout, exactly one of them"),
-        ({"wheels": [ONE]}, "give wheels or layout, exactly one of them"),
-        ({"size": None}, "give inertia, or size"),
-        ({"size": None, "inertia": "2 kg*m^2", "passages": [DOOR]}, "give size for the passages"),
-        ({"passages": [DOOR, DOOR]}, "expected passages with names of their own"),
-        ({"payloads": 2 * [{"name": "arm", "mass": "3 kg"}]}, "expected payloads with names of their own"),
-        ({"passages": [DOOR | {"x": "1 m"}]}, "give both x and y, or none"),
-        ({"passages": [DOOR | {"width": "0 mm"}]}, "must be above 0 m"),
-        ({"payloads": [{"name": "arm", "mass": "-3 kg"}]}, "must be above 0 kg"),
-        ({"size": SIZE | {"height": "-184 mm"}}, "must be above 0 m"),
-        ({"inertia": "0 kg*m^2"}, "must be above 0 kg·m²"),
-        ({"layout": DIAGONAL | {"track": "0 mm"}}, "must be above 0 m"),
-        ({"layout": DIAGONAL | {"roller_angle": "-45 deg"}}, "expected roller_angle above 0"),
-        ({"layout": DIAGONAL | {"roller_angle": "90 deg"}}, "must be at most"),
-        ({"layout": {"kind": "omni", "radius": "0.2 m", "number": 2}}, "greater than or equal to 3"),
-        ({"casters": [{"x": "238.53 mm", "y": "134.95 mm"}]}, "stand in one place"),
-        ({"layout": None, "wheels": [ONE, ONE]}, "stand in one place"),
-        ({"layout": None, "wheels": [ONE | {"driven": False}]}, "no wheel is driven"),
-        ({"layout": None, "wheels": [ONE | {"kind": "omni"}]}, "it can move with its driven wheels at rest"),
-        ({"layout": None, "wheels": [ONE | {"distance": "0.2 m"}]}, "give x and y with heading, or distance and alpha"),
-        ({"layout": None, "wheels": [{"kind": "fixed", "x": "0.1 m"}]}, "give x and y with heading"),
-        ({"layout": None, "wheels": [{"kind": "fixed", "distance": "0.1 m"}]}, "give x and y with heading"),
-        ({"layout": None, "wheels": [ONE | {"roller_angle": "45 deg"}]}, "give roller_angle for a mecanum wheel"),
-        ({"layout": None, "wheels": [ONE | {"kind": "mecanum"}]}, "give roller_angle for a mecanum wheel"),
-    ],
-)
+@pytest.mark.parametrize(("given", "words"), [
+    ({"layout": None}, "give wheels or layout, exactly one of them"),
+    ({"wheels": [ONE]}, "give wheels or layout, exactly one of them"),
+    ({"size": None}, "give inertia, or size"),
+    ({"size": None, "inertia": "2 kg*m^2", "passages": [DOOR]}, "give size for the passages"),
+    ({"passages": [DOOR, DOOR]}, "expected passages with names of their own"),
+    ({"payloads": 2 * [{"name": "arm", "mass": "3 kg"}]}, "expected payloads with names of their own"),
+    ({"passages": [DOOR | {"x": "1 m"}]}, "give both x and y, or none"),
+    ({"passages": [DOOR | {"width": "0 mm"}]}, "must be above 0 m"),
+    ({"payloads": [{"name": "arm", "mass": "-3 kg"}]}, "must be above 0 kg"),
+    ({"size": SIZE | {"height": "-184 mm"}}, "must be above 0 m"),
+    ({"inertia": "0 kg*m^2"}, "must be above 0 kg·m²"),
+    ({"layout": DIAGONAL | {"track": "0 mm"}}, "must be above 0 m"),
+    ({"layout": DIAGONAL | {"roller_angle": "-45 deg"}}, "expected roller_angle above 0"),
+    ({"layout": DIAGONAL | {"roller_angle": "90 deg"}}, "must be at most"),
+    ({"layout": {"kind": "omni", "radius": "0.2 m", "number": 2}}, "greater than or equal to 3"),
+    ({"casters": [{"x": "238.53 mm", "y": "134.95 mm"}]}, "stand in one place"),
+    ({"layout": None, "wheels": [ONE, ONE]}, "stand in one place"),
+    ({"layout": None, "wheels": [ONE | {"driven": False}]}, "no wheel is driven"),
+    ({"layout": None, "wheels": [ONE | {"kind": "omni"}]}, "it can move with its driven wheels at rest"),
+    ({"layout": None, "wheels": [ONE | {"distance": "0.2 m"}]}, "give x and y with heading, or distance and alpha"),
+    ({"layout": None, "wheels": [{"kind": "fixed", "x": "0.1 m"}]}, "give x and y with heading"),
+    ({"layout": None, "wheels": [{"kind": "fixed", "distance": "0.1 m"}]}, "give x and y with heading"),
+    ({"layout": None, "wheels": [ONE | {"roller_angle": "45 deg"}]}, "give roller_angle for a mecanum wheel"),
+    ({"layout": None, "wheels": [ONE | {"kind": "mecanum"}]}, "give roller_angle for a mecanum wheel"),
+])  # fmt: skip
 def test_a_section_that_is_none_is_refused_in_one_line(given, words):
     assert words in refusal(**given)
 

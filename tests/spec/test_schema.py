@@ -39,19 +39,16 @@ def test_the_example_of_a_study_obeys_the_schema():
             schema.validate(study | wrong)
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda c: c.pop("sources"),
-        lambda c: c["sources"]["sheet"].update(confidence="certain"),
-        lambda c: c["motors"][0]["columns"].append("torqe (N*m)"),
-        lambda c: c["motors"][0]["columns"].remove("part"),
-        lambda c: c["motors"][0]["common"].update(weight="1 kg"),
-        lambda c: c.update(pumps=[]),
-        lambda c: c["compatibility"]["motor_gearhead"][0].pop("source"),
-        lambda c: c.update(catalog=2),
-    ],
-)
+@pytest.mark.parametrize("change", [
+    lambda c: c.pop("sources"),
+    lambda c: c["sources"]["sheet"].update(confidence="certain"),
+    lambda c: c["motors"][0]["columns"].append("torqe (N*m)"),
+    lambda c: c["motors"][0]["columns"].remove("part"),
+    lambda c: c["motors"][0]["common"].update(weight="1 kg"),
+    lambda c: c.update(pumps=[]),
+    lambda c: c["compatibility"]["motor_gearhead"][0].pop("source"),
+    lambda c: c.update(catalog=2),
+])  # fmt: skip
 def test_what_is_wrong_does_not(change):
     catalogue = {
         "catalog": 1,

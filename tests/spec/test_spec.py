@@ -135,26 +135,18 @@ def test_cases_change_what_they_name_and_nothing_else():
     assert slow.environment.ambient == pytest.approx(313.15)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "line", "words"),
-    [
-        ("load: {mass: 12 kg}", "load: {mas: 12 kg}", ":7: cases[1].load.mas", ["unknown key", '"mass"']),
-        ("load: {mass: 12 kg}", "load: {mass: -12 kg}", ":7: cases[1].load.mass", ["above 0 kg"]),
-        ("distance: 600 mm", "distance: 60 deg", ":8: cases[2].motion.distance", ["angle", "length"]),
-        ("name: slow", "name: heavy", ":6: cases", ["names of their own"]),
-        ("name: slow", "nam: slow", ":8: cases[2].nam", ["unknown key"]),
-        ("load: {mass: 12 kg}", "load: [12 kg]", ":7: cases[1].load", ["group of fields"]),
-        ("speed: 0.3 m/s", "speed: 30 rpm", ":4: motion.speed", ["rotary speed"]),
-        ("motion: {speed", "motion: {profile: s_curv, speed", ":4: motion.profile", ["s_curv", "s_curve"]),
-        ("name: a hoist", "name: a hoist\nmethod: paper", ":3: method", ["wheeled_vehicle", "physics"]),
-        (
-            "motion: {speed: 0.3 m/s, acceleration_time: 0.4 s, cruise_time: 2 s}",
-            "",
-            "robot.yaml: motion",
-            ["is missing"],
-        ),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "line", "words"), [
+    ("load: {mass: 12 kg}", "load: {mas: 12 kg}", ":7: cases[1].load.mas", ["unknown key", '"mass"']),
+    ("load: {mass: 12 kg}", "load: {mass: -12 kg}", ":7: cases[1].load.mass", ["above 0 kg"]),
+    ("distance: 600 mm", "distance: 60 deg", ":8: cases[2].motion.distance", ["angle", "length"]),
+    ("name: slow", "name: heavy", ":6: cases", ["names of their own"]),
+    ("name: slow", "nam: slow", ":8: cases[2].nam", ["unknown key"]),
+    ("load: {mass: 12 kg}", "load: [12 kg]", ":7: cases[1].load", ["group of fields"]),
+    ("speed: 0.3 m/s", "speed: 30 rpm", ":4: motion.speed", ["rotary speed"]),
+    ("motion: {speed", "motion: {profile: s_curv, speed", ":4: motion.profile", ["s_curv", "s_curve"]),
+    ("name: a hoist", "name: a hoist\nmethod: paper", ":3: method", ["wheeled_vehicle", "physics"]),
+    ("motion: {speed: 0.3 m/s, acceleration_time: 0.4 s, cruise_time: 2 s}", "", "robot.yaml: motion", ["is missing"]),
+])  # fmt: skip
 def test_wrong_loads_motions_and_cases_are_one_line(old, new, line, words):
     assert old in HOIST
     with pytest.raises(InputError) as caught:

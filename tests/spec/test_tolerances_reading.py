@@ -147,14 +147,11 @@ def test_a_tolerance_that_leads_astray_is_refused(example_text: str, old: str, n
     assert where in said and what in said and "\n" not in said
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--confidence", "1.5"], "--confidence 1.5 is not a probability"),
-        (["--samples", "3"], "--samples 3 is out of range"),
-        (["--seed", "-1"], "--seed -1 is out of range"),
-    ],
-)
+@pytest.mark.parametrize(("options", "said"), [
+    (["--confidence", "1.5"], "--confidence 1.5 is not a probability"),
+    (["--samples", "3"], "--samples 3 is out of range"),
+    (["--seed", "-1"], "--seed -1 is out of range"),
+])  # fmt: skip
 def test_options_out_of_range_end_with_status_2(example: Path, options: list[str], said: str) -> None:
     run = subprocess.run(
         [sys.executable, "-m", "drivesizer", "size", str(example), *options],

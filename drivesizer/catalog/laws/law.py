@@ -253,10 +253,10 @@ def formulas(section: str, rows: Iterable[Formula], source: str) -> Iterator[Law
                   fields=fields, allowance=allowance, reason=reason, source=source)  # fmt: skip
 
 
-def orders(rows: Iterable[tuple[str, str, str, str]]) -> Iterator[Law]:
-    """Figures of one part in their order, which rounding does not change."""
+def orders(rows: dict[str, tuple[str, ...]]) -> Iterator[Law]:
+    """Figures of one part in their order such as ``price_5 <= price``, by section; rounding does not change it."""
     meaning = {"<": "below", "<=": "not above", ">=": "not below"}
-    for section, figure, relation, other in rows:
+    for section, (figure, relation, other) in ((name, row.split()) for name, some in rows.items() for row in some):
         yield Law(section=section, name=f"{words(figure)} and {words(other)}", figure=figure, relation=relation,
                   meaning=f"{meaning[relation]} {words(other)}", expected=_column(other), fields=(other,), rounds=False,
                   reason="none: rounding keeps the order")  # fmt: skip
@@ -295,17 +295,10 @@ def reductions(section: str, gearing: str) -> Iterator[Law]:
     Iterator[Law]
         Printed reduction, and ratio by stages.
     """
-    yield Law(
-        section=section,
-        name="printed reduction",
-        meaning="the reduction is the ratio, rounded",
-        figure="ratio",
-        relation="=",
-        expected=_printed_reduction,
-        fields=("reduction",),
-        allowance=0.03,
-        reason="half of the last digit of the reductions from 17:1 on; 4.8:1 and the like come nearer",
-    )
+    yield Law(section=section, name="printed reduction", meaning="the reduction is the ratio, rounded",
+              figure="ratio", relation="=", expected=_printed_reduction, fields=("reduction",),
+              reason="half of the last digit of the reductions from 17:1 on; 4.8:1 and the like come nearer",
+              allowance=0.03)  # fmt: skip
     yield Law(section=section, name="ratio per stage, at least", meaning="1.5 to the power of the stages at least",
               figure="ratio", relation=">=", expected=lambda g: np.where(g["stages"] > 0, 1.5 ** g["stages"], np.nan),
               fields=("stages",), reason="2.1 to 6.75 of 2215 maxon gearheads, Faulhaber from 1.76",

@@ -166,28 +166,21 @@ def _capacities() -> Iterator[Law]:
 
 # --- tables ----------------------------------------------------------------------------------------------------------
 
-# section, figure, relation, the figure it is compared with
-_ORDERS: list[tuple[str, str, str, str]] = [
-    ("actuators", "nominal_speed", "<", "no_load_speed"),
-    ("actuators", "nominal_speed", "<=", "max_speed"),
-    ("actuators", "nominal_torque", "<", "stall_torque"),
-    ("actuators", "nominal_torque", "<=", "peak_torque"),
-    ("actuators", "nominal_current", "<", "stall_current"),
-    ("actuators", "nominal_current", "<=", "peak_current"),
-    ("actuators", "no_load_current", "<", "nominal_current"),
-    ("actuators", "winding_time_constant", "<", "motor_time_constant"),
-    ("actuators", "ambient_min", "<", "ambient_max"),
-    ("actuators", "ambient_max", "<=", "max_winding_temperature"),
-    ("actuators", "supply_min", "<", "supply_max"),
-    ("actuators", "nominal_voltage", ">=", "supply_min"),
-    ("actuators", "nominal_voltage", "<=", "supply_max"),
-    ("steppers", "supply_min", "<", "supply_max"),
-    ("batteries", "cutoff_voltage", "<", "nominal_voltage"),
-    ("batteries", "nominal_voltage", "<", "charge_voltage"),
-    ("batteries", "capacity_1h", "<=", "capacity_5h"),
-    ("batteries", "capacity_5h", "<=", "capacity_10h"),
-    ("batteries", "peak_current", ">=", "continuous_current"),
-]
+# the orders of two figures, by section
+_ORDERS = {
+    "actuators": (
+        "nominal_speed < no_load_speed", "nominal_speed <= max_speed", "nominal_torque < stall_torque",
+        "nominal_torque <= peak_torque", "nominal_current < stall_current", "nominal_current <= peak_current",
+        "no_load_current < nominal_current", "winding_time_constant < motor_time_constant", "ambient_min < ambient_max",
+        "ambient_max <= max_winding_temperature", "supply_min < supply_max", "nominal_voltage >= supply_min",
+        "nominal_voltage <= supply_max",
+    ),
+    "steppers": ("supply_min < supply_max",),
+    "batteries": (
+        "cutoff_voltage < nominal_voltage", "nominal_voltage < charge_voltage", "capacity_1h <= capacity_5h",
+        "capacity_5h <= capacity_10h", "peak_current >= continuous_current",
+    ),
+}  # fmt: skip
 
 # section, name, figure, expected, least and most share of it, other figures, reason
 _BANDS: list[Band] = [

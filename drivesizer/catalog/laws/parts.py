@@ -154,39 +154,28 @@ _MOTOR_LAWS: list[Formula] = [
      "thermal resistances are typical values: 29 of 334 brushless maxon motors above, by 13.7 %"),
 ]  # fmt: skip
 
-# section, figure, relation, the figure it is compared with
-_ORDERS: list[tuple[str, str, str, str]] = [
-    ("motors", "nominal_speed", "<", "no_load_speed"),
-    ("motors", "nominal_speed", "<=", "max_speed"),
-    ("motors", "nominal_torque", "<", "stall_torque"),
-    ("motors", "nominal_torque", "<=", "peak_torque"),
-    ("motors", "nominal_current", "<", "stall_current"),
-    ("motors", "no_load_current", "<", "nominal_current"),
-    ("motors", "winding_time_constant", "<", "motor_time_constant"),
-    ("motors", "ambient_min", "<", "ambient_max"),
-    ("motors", "ambient_max", "<=", "max_winding_temperature"),
-    ("motors", "half_speed_torque", "<=", "standstill_torque"),
-    ("motors", "top_speed_torque", "<=", "half_speed_torque"),
-    ("motors", "shaft_diameter", "<", "diameter"),
-    ("motors", "price_5", "<=", "price"),
-    ("motors", "price_20", "<=", "price_5"),
-    ("gearheads", "intermittent_torque", ">=", "continuous_torque"),
-    ("gearheads", "emergency_torque", ">=", "intermittent_torque"),
-    ("gearheads", "emergency_torque", ">=", "continuous_torque"),
-    ("gearheads", "intermittent_power", ">=", "continuous_power"),
-    ("gearheads", "intermittent_input_speed", ">=", "continuous_input_speed"),
-    ("gearheads", "temperature_min", "<", "temperature_max"),
-    ("gearheads", "price_5", "<=", "price"),
-    ("gearheads", "price_20", "<=", "price_5"),
-    ("encoders", "max_speed", "<=", "max_mechanical_speed"),
-    ("controllers", "supply_min", "<", "supply_max"),
-    ("controllers", "supply_max", "<=", "absolute_max"),
-    ("controllers", "supply_min", ">=", "absolute_min"),
-    ("controllers", "peak_current", ">=", "continuous_current"),
-    ("controllers", "speed_loop", "<=", "current_loop"),
-    ("controllers", "position_loop", "<=", "speed_loop"),
-    ("controllers", "max_speed_sine", "<=", "max_speed_block"),
-]
+# the orders of two figures, by section
+_ORDERS = {
+    "motors": (
+        "nominal_speed < no_load_speed", "nominal_speed <= max_speed", "nominal_torque < stall_torque",
+        "nominal_torque <= peak_torque", "nominal_current < stall_current", "no_load_current < nominal_current",
+        "winding_time_constant < motor_time_constant", "ambient_min < ambient_max",
+        "ambient_max <= max_winding_temperature", "half_speed_torque <= standstill_torque",
+        "top_speed_torque <= half_speed_torque", "shaft_diameter < diameter", "price_5 <= price", "price_20 <= price_5",
+    ),
+    "gearheads": (
+        "intermittent_torque >= continuous_torque", "emergency_torque >= intermittent_torque",
+        "emergency_torque >= continuous_torque", "intermittent_power >= continuous_power",
+        "intermittent_input_speed >= continuous_input_speed", "temperature_min < temperature_max", "price_5 <= price",
+        "price_20 <= price_5",
+    ),
+    "encoders": ("max_speed <= max_mechanical_speed",),
+    "controllers": (
+        "supply_min < supply_max", "supply_max <= absolute_max", "supply_min >= absolute_min",
+        "peak_current >= continuous_current", "speed_loop <= current_loop", "position_loop <= speed_loop",
+        "max_speed_sine <= max_speed_block",
+    ),
+}  # fmt: skip
 
 _BESIDE: list[Beside] = [
     ("motors", "mass", _of_its_size, 6.0, "of the family's parts of that diameter: rotors of several lengths"),
