@@ -11,7 +11,7 @@ import drivesizer
 
 PACKAGE = Path(drivesizer.__file__).parent
 ROOMS = sorted(p.name for p in PACKAGE.iterdir() if (p.is_dir() and p.name != "__pycache__") or p.suffix == ".py")
-ROOMS_LEFT = {"commands", "output", "platform"}
+EXEMPT = {"commands"}  # docstrings there are --help, and each parameter is an option with a help text of its own
 
 
 def public(tree: ast.Module) -> set[str]:
@@ -41,7 +41,7 @@ def lacking(path: Path) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("room", [room for room in ROOMS if room not in ROOMS_LEFT])
+@pytest.mark.parametrize("room", [room for room in ROOMS if room not in EXEMPT])
 def test_public_functions_have_parameters_and_returns(room: str) -> None:
     place = PACKAGE / room
     modules = [place] if place.is_file() else sorted(place.rglob("*.py"))

@@ -56,9 +56,6 @@ ALLOWED = {  # names that are right as they are: why
     "sure": "a key of catalog stats --json",
 }
 
-# rooms whose strings are not clean yet, and those whose docstrings, comments and names are not
-USERS_LEFT = {"ARCHITECTURE.md", "CONTRIBUTING.md", "docs", "output"}
-READERS_LEFT = {"output", "platform", "results"}
 ROOMS = sorted(p.name for p in PACKAGE.iterdir() if (p.is_dir() and p.name != "__pycache__") or p.suffix == ".py")
 PAGES = ["docs", "README.md", "CONTRIBUTING.md", "ARCHITECTURE.md"]
 
@@ -139,12 +136,12 @@ def in_readers_texts(room: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("room", [r for r in [*ROOMS, *PAGES] if r not in USERS_LEFT])
+@pytest.mark.parametrize("room", [*ROOMS, *PAGES])
 def test_users_read_no_retired_word(room: str) -> None:
     assert not in_users_texts(room)
 
 
-@pytest.mark.parametrize("room", [r for r in ROOMS if r not in READERS_LEFT])
+@pytest.mark.parametrize("room", ROOMS)
 def test_docstrings_comments_and_names_have_no_retired_word(room: str) -> None:
     assert not in_readers_texts(room)
 
@@ -155,7 +152,7 @@ def test_the_table_finds_its_words() -> None:
     assert not list(retired("a row that stands for no gearhead; the voltage falls by 2 V; sets of samples"))
 
 
-if __name__ == "__main__":  # python tests/docs/test_words.py [ROOM ...]: all that is left, whatever the sets above say
+if __name__ == "__main__":  # python tests/docs/test_words.py [ROOM ...]: all that is left
     import sys
 
     for room_ in sys.argv[1:] or [*ROOMS, *PAGES]:
