@@ -16,7 +16,7 @@ from drivesizer.catalog.query import Hit
 from drivesizer.results.drive_set import DriveSet, made_by, section_of
 from drivesizer.units import show
 
-__all__ = ["PartLine", "Total", "ordered_as", "parts", "parts_list", "totals"]
+__all__ = ["HEADS", "PartLine", "Total", "ordered_as", "parts", "parts_list", "totals"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,6 +42,11 @@ class PartLine:
     confidence: str = ""  # of its number
     url: str = ""
     note: str = ""  # what the catalogue remarks on number, price, mass or the part as a whole
+
+
+HEADS = {"said": "is", "mass": "mass_kg", "pieces": "price_from_pieces", "confidence": "part_confidence",
+         "document": "part_source", "date": "part_source_date"}  # fmt: skip
+"""Names of a line's figures in CSV and JSON, where they differ."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -39,20 +39,18 @@ def text(said: str) -> str:
     return _NO_XML.sub(lambda found: repr(found[0])[1:-1], said)
 
 
-def identifier(said: str, otherwise: str = "drive") -> str:
+def identifier(said: str) -> str:
     """A text as a name that simulators accept: letters, digits and underscores.
 
     Parameters
     ----------
     said
         Any text.
-    otherwise
-        The name where nothing is left of it.
 
     Returns
     -------
     str
-        The name.
+        The name; ``drive`` where nothing is left of it.
 
     Examples
     --------
@@ -62,7 +60,7 @@ def identifier(said: str, otherwise: str = "drive") -> str:
     name = re.sub(r"[^A-Za-z0-9]+", "_", said).strip("_")
     if name[:1].isdigit():
         name = f"_{name}"
-    return name or otherwise
+    return name or "drive"
 
 
 def remark(parent: Element, *lines: str) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.json.documents import as_text, sizing, validation
-from drivesizer.output.parts import PartLine, parts_list
+from drivesizer.output.parts import HEADS, PartLine, parts_list
 from drivesizer.output.thinning import on_curves
 from drivesizer.results.sizing import SizingResult
 from drivesizer.units import KINDS
@@ -68,12 +68,8 @@ def document(result: SizingResult, proof: Validation | None) -> schema.Report:
 
 
 def _line(line: PartLine) -> schema.Line:
-    found = {_KEYS.get(name, name): _known(value) for name, value in asdict(line).items()}
+    found = {HEADS.get(name, name): _known(value) for name, value in asdict(line).items()}
     return cast("schema.Line", found)
-
-
-_KEYS = {"said": "is", "mass": "mass_kg", "pieces": "price_from_pieces", "confidence": "part_confidence",
-         "document": "part_source", "date": "part_source_date"}  # fmt: skip
 
 
 def _known(value: Any) -> Any:

@@ -66,7 +66,7 @@ def report_drawings(
     certain = reported(result)
     if certain and certain.reliability and swings(certain.reliability.drivers):
         drivers = certain.reliability.drivers
-        made["tornado"] = lambda form: tornado(drivers, form=form)
+        made["tornado"] = lambda form: tornado(drivers, form)
     if best:
         made |= _of_set(result, best, does or Behaviour(result.problem, best))
     if validation:

@@ -42,15 +42,13 @@ def _swing(one: Driver) -> float:
     return abs(one.high_margin - one.low_margin)
 
 
-def tornado(drivers: Sequence[Driver], required: float = 0.0, form: Form = "svg") -> bytes:
+def tornado(drivers: Sequence[Driver], form: Form = "svg") -> bytes:
     """Smallest margin with one assumption at its 5 % and at its 95 % quantile, all others nominal.
 
     Parameters
     ----------
     drivers
         At least one of ``swings``.
-    required
-        Margin below which the drive does not pass, 0 without one.
 
     Returns
     -------
@@ -63,12 +61,12 @@ def tornado(drivers: Sequence[Driver], required: float = 0.0, form: Form = "svg"
         axes = placed(figure, left=_NAMES, right=_SHARES, top=0.26)[0][0]
         for place, one in enumerate(shown):
             _bar(axes, place, one)
-        axes.axvline(100.0 * required, color="black", linewidth=1.2, zorder=2)
+        axes.axvline(0.0, color="black", linewidth=1.2, zorder=2)
         axes.set_yticks(range(len(shown)), [short(clean(one.title), _LETTERS) for one in shown])
         axes.tick_params(axis="y", length=0)
         axes.grid(axis="y", visible=False)
         across = 72.0 * (figure.get_size_inches()[0] - _NAMES - _SHARES)
-        axes.set(xlim=_extent(shown, required, across), ylim=(-0.6, len(shown) - 0.4))
+        axes.set(xlim=_extent(shown, across), ylim=(-0.6, len(shown) - 0.4))
         axes.set_xlabel("smallest margin of all checks (%)")
         axes.annotate("share of variance", (1.0, len(shown) - 0.4), xycoords=("axes fraction", "data"), xytext=(32, 3),
                       textcoords="offset points", ha="right", fontsize=6.5)  # fmt: skip
@@ -76,9 +74,9 @@ def tornado(drivers: Sequence[Driver], required: float = 0.0, form: Form = "svg"
     return drawn(draw, _ROW * len(shown) + 0.75, form)
 
 
-def _extent(shown: Sequence[Driver], required: float, across: float) -> tuple[float, float]:
+def _extent(shown: Sequence[Driver], across: float) -> tuple[float, float]:
     """Ends of an axis so many points wide [%]: all bars, and beside them their values."""
-    ends = [100.0 * end for one in shown for end in (one.low_margin, one.high_margin)] + [100.0 * required]
+    ends = [100.0 * end for one in shown for end in (one.low_margin, one.high_margin)] + [0.0]
     sides = [_GAP + width(longest, _SIZE) for longest in map(_longest, zip(*map(_sides, shown), strict=True))]
     scale = (max(ends) - min(ends) or 1.0) / (across - sum(sides))
     return min(ends) - scale * sides[0], max(ends) + scale * sides[1]

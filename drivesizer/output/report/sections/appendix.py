@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from drivesizer.output.report.sections.blocks import Block, Column, Fragment, Row, Table
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.section import NO_ROWS, Section, nothing
+from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.specification import file_name
 from drivesizer.output.report.sections.summary import texts
@@ -29,9 +29,7 @@ def _repeat(content: Content) -> Iterator[Block]:
         yield Fragment("digests", [list(one) for one in digests])
 
 
-REPEAT = Section(
-    name="repeat", title="How to repeat this", blocks=_repeat, appendix=True, sheets=nothing, csv=NO_ROWS
-)  # fmt: skip
+REPEAT = Section(name="repeat", title="How to repeat this", blocks=_repeat, appendix=True, tabled=False)
 
 
 def _file(content: Content) -> Iterator[Block]:
@@ -51,9 +49,7 @@ def _sheet(content: Content) -> list[Sheet]:
     return [Sheet(name="Spec", columns=columns, rows=rows, filtered=False)]
 
 
-SPEC_FILE = Section(
-    name="file", title="The spec file", blocks=_file, appendix=True, sheets=_sheet, csv=NO_ROWS
-)  # fmt: skip
+SPEC_FILE = Section(name="file", title="The spec file", blocks=_file, appendix=True, sheets=_sheet, tabled=False)
 
 
 _MEANING = (

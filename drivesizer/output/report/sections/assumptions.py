@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from drivesizer.output.report.lines.figures_behind_checks import marked_figures, unknown_figures
 from drivesizer.output.report.sections.blocks import Block, Bullets, Column, Row, Table, Words
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.section import NO_ROWS, Section, nothing
+from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.texts import Mark, Strong
 
 __all__ = ["ASSUMPTIONS"]
@@ -36,6 +36,4 @@ def _blocks(content: Content) -> Iterator[Block]:
                 "built", columns, marked, "marked")  # fmt: skip
 
 
-ASSUMPTIONS = Section(
-    name="assumptions", title="Assumptions and unknowns", blocks=_blocks, sheets=nothing, csv=NO_ROWS
-)  # fmt: skip
+ASSUMPTIONS = Section(name="assumptions", title="Assumptions and unknowns", blocks=_blocks, tabled=False)

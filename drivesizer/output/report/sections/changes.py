@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from drivesizer.output.report.lines.rows import change_row
 from drivesizer.output.report.sections.blocks import Block, Column, Row, Table
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.section import CsvRows, Section, nothing
+from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.results.drive_set import Relaxation
 
 __all__ = ["CHANGES", "changes_table"]
@@ -43,6 +43,6 @@ def _blocks(content: Content) -> Iterator[Block]:
 
 
 CHANGES = Section(
-    name="changes", title="What would let it pass", level=2, blocks=_blocks, sheets=nothing,
+    name="changes", title="What would let it pass", level=2, blocks=_blocks, tabled=False,
     csv=CsvRows(of_drive=lambda content, _, drive: map(change_row, drive.changes)),
 )  # fmt: skip

@@ -8,7 +8,7 @@ from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import check_row
 from drivesizer.output.report.sections.blocks import Block, Checks, Column, Row, Table, Words
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.section import NO_ROWS, CsvRows, Section, nothing
+from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.sheets import LIMITS, RANK, ranked
 from drivesizer.output.report.sections.texts import Status
@@ -25,9 +25,7 @@ def _intro(content: Content) -> Iterator[Block]:
         yield Words((f"{content.drive.label}: ", Status(content.drive.status)))
 
 
-DRIVE = Section(
-    name="drive", title=lambda content: _TITLES[content.outcome], blocks=_intro, sheets=nothing, csv=NO_ROWS
-)
+DRIVE = Section(name="drive", title=lambda content: _TITLES[content.outcome], blocks=_intro, tabled=False)
 
 
 def _blocks(content: Content) -> Iterator[Block]:

@@ -10,7 +10,7 @@ from drivesizer.output.report.figures.load_and_loop import stretches
 from drivesizer.output.report.lines.drive import figure_row
 from drivesizer.output.report.sections.blocks import Block, Facts, Picture, Words
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.section import NO_ROWS, Section, nothing
+from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.texts import TableLink, Text
 from drivesizer.units import show
 
@@ -90,7 +90,7 @@ def _field(content: Content) -> Picture:
         on_page=f"{_ON_PAGE} {_VOLTAGE} {_DOT}{more}")  # fmt: skip
 
 
-CYCLE = Section(name="cycle", title="Over the cycle", level=2, blocks=_cycle, sheets=nothing, csv=NO_ROWS)
+CYCLE = Section(name="cycle", title="Over the cycle", level=2, blocks=_cycle, tabled=False)
 
 
 # -- heat
@@ -113,7 +113,7 @@ def _heat(content: Content) -> Iterator[Block]:
                   about="shows the motor warming up.")  # fmt: skip
 
 
-HEAT = Section(name="heat", title="Heat", level=2, blocks=_heat, sheets=nothing, csv=NO_ROWS)
+HEAT = Section(name="heat", title="Heat", level=2, blocks=_heat, tabled=False)
 
 
 # -- energy
@@ -135,4 +135,4 @@ def _energy(content: Content) -> Iterator[Block]:
                   about="splits the energy that the supply gives in a cycle; the parts sum to the whole.")  # fmt: skip
 
 
-ENERGY = Section(name="energy", title="Energy", level=2, blocks=_energy, sheets=nothing, csv=NO_ROWS)
+ENERGY = Section(name="energy", title="Energy", level=2, blocks=_energy, tabled=False)

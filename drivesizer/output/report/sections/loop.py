@@ -24,7 +24,7 @@ from drivesizer.output.report.sections.blocks import (
     Words,
 )
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.section import NO_ROWS, CsvRows, Section, nothing
+from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn, headed
 from drivesizer.output.report.sections.sheets import LIMITS
 from drivesizer.output.report.sections.texts import Code, Status, Strong
@@ -141,6 +141,4 @@ def _linear(content: Content) -> Iterator[Block]:
                   on_page=f"Response of each stable loop to a step of its reference. {band}")  # fmt: skip
 
 
-LINEAR_LOOPS = Section(
-    name="linear", title="The loops by linear theory", level=2, blocks=_linear, sheets=nothing, csv=NO_ROWS
-)
+LINEAR_LOOPS = Section(name="linear", title="The loops by linear theory", level=2, blocks=_linear, tabled=False)

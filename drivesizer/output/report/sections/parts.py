@@ -14,7 +14,7 @@ from drivesizer.output.parts import PartLine, ordered_as, parts_list, totals
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.sections.blocks import Block, Column, Fragment, Row, Table, Words
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.section import NO_ROWS, CsvRows, Section
+from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
 from drivesizer.output.report.sections.sheets import NOTE, STATUS
 from drivesizer.output.report.sections.summary import OUTCOMES
@@ -175,5 +175,5 @@ def _sourced(source: Any) -> table.Row:
 
 
 DATA_SHEETS = Section(
-    name="datasheets", title="Data sheets", level=2, blocks=_datasheets, sheets=_figures_sheet, csv=NO_ROWS
+    name="datasheets", title="Data sheets", level=2, blocks=_datasheets, sheets=_figures_sheet, tabled=False
 )

@@ -19,11 +19,10 @@ from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.texts import Number, text_of
 from drivesizer.results.drive_set import DriveSet
 
-__all__ = ["NO_ROWS", "CsvRows", "Section", "nothing", "rows_of", "sheets_of"]
+__all__ = ["CsvRows", "Section", "rows_of", "sheets_of"]
 
 
-def nothing(*_: Any) -> tuple[()]:
-    """No block, sheet or row."""
+def _nothing(*_: Any) -> tuple[()]:
     return ()
 
 
@@ -31,12 +30,9 @@ def nothing(*_: Any) -> tuple[()]:
 class CsvRows:
     """Rows of the CSV: before those of the drives, of each drive with the list that it is on, and after them."""
 
-    before: Callable[[Content], Iterable[Row]] = nothing
-    of_drive: Callable[[Content, str, DriveSet], Iterable[Row]] = nothing
-    after: Callable[[Content], Iterable[Row]] = nothing
-
-
-NO_ROWS = CsvRows()
+    before: Callable[[Content], Iterable[Row]] = _nothing
+    of_drive: Callable[[Content, str, DriveSet], Iterable[Row]] = _nothing
+    after: Callable[[Content], Iterable[Row]] = _nothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,8 +45,9 @@ class Section:
     level: int = 1  # 2: inside the section of level 1 above it
     new_page: bool = False  # on paper
     appendix: bool = False
-    sheets: Callable[[Content], Iterable[Sheet]] | None = None  # None: of the tables in its blocks
-    csv: CsvRows | None = None  # None: of the tables in its blocks
+    tabled: bool = True  # tables in its blocks make sheets and rows of the CSV, where it gives none itself
+    sheets: Callable[[Content], Iterable[Sheet]] | None = None
+    csv: CsvRows | None = None
 
     def headed(self, content: Content) -> str:
         """The title in a report of that content."""
@@ -72,8 +69,8 @@ def sheets_of(section: Section, content: Content) -> list[Sheet]:
     list[Sheet]
         Those that the section gives; else one for each of its tables, with the paragraphs below the first.
     """
-    if section.sheets is not None:
-        return [*section.sheets(content)]
+    if section.sheets or not section.tabled:
+        return [*section.sheets(content)] if section.sheets else []
     blocks = [*_flat(section.blocks(content))]
     words = [{"across": text_of(block.text)} for block in blocks if isinstance(block, Words)]
     made: list[Sheet] = []
@@ -118,8 +115,8 @@ def rows_of(section: Section, content: Content) -> CsvRows:
     CsvRows
         Those that the section gives; else one for each number in its tables, after the rows of the drives.
     """
-    if section.csv is not None:
-        return section.csv
+    if section.csv or not section.tabled:
+        return section.csv or CsvRows()
     tables = [block for block in _flat(section.blocks(content)) if isinstance(block, Table)]
     return CsvRows(after=lambda _: (row for table in tables for row in _numbers(section.name, table)))
 

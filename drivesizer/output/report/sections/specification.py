@@ -7,7 +7,7 @@ from typing import Any
 
 from drivesizer.output.report.sections.blocks import Block, Fragment, Picture, Words
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.section import NO_ROWS, Section, nothing
+from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.texts import Code
 
 __all__ = ["SPECIFICATION", "file_name"]
@@ -69,6 +69,4 @@ def _scalar(value: Any) -> str:
     return "" if value is None else str(value)
 
 
-SPECIFICATION = Section(
-    name="specification", title="Specification", blocks=_blocks, new_page=True, sheets=nothing, csv=NO_ROWS
-)
+SPECIFICATION = Section(name="specification", title="Specification", blocks=_blocks, new_page=True, tabled=False)

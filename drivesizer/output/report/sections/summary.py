@@ -14,7 +14,7 @@ from drivesizer.output.report.lines.reliability import error_and_weakest, none_r
 from drivesizer.output.report.sections.blocks import Block, Checks, Column, Row, Table, Tiles, Verdict, Words
 from drivesizer.output.report.sections.changes import changes_table
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.section import NO_ROWS, Section
+from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
 from drivesizer.output.report.sections.texts import Status, Strong, TableLink, Text
 from drivesizer.output.text import margin
@@ -251,4 +251,4 @@ def _closed_loop(content: Content) -> Iterator[table.Row]:
     yield from texts("Warnings of the simulation", v.warnings)
 
 
-SUMMARY = Section(name="summary", title="Summary", blocks=_blocks, sheets=_sheet, csv=NO_ROWS)
+SUMMARY = Section(name="summary", title="Summary", blocks=_blocks, sheets=_sheet, tabled=False)

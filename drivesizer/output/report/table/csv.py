@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.cells import csv_cell
-from drivesizer.output.parts import PartLine
+from drivesizer.output.parts import HEADS, PartLine
 from drivesizer.output.report.lines.reliability_rows import QUANTILES, chance_columns, chances, every_list
 from drivesizer.output.report.lines.rows import COLUMNS, Row
 from drivesizer.output.report.sections import SECTIONS
@@ -84,18 +84,16 @@ def _rows(result: SizingResult, validation: Validation | None) -> Iterator[Row]:
         yield from one.after(content)
 
 
-_PARTS = (  # head, attribute of a line
-    ("role", "role"), ("maker", "maker"), ("family", "family"), ("part", "part"), ("order_number", "order_number"),
-    ("is", "said"), ("quantity", "quantity"), ("mass_kg", "mass"), ("price", "price"), ("currency", "currency"),
-    ("price_from_pieces", "pieces"), ("price_date", "price_date"), ("price_confidence", "price_confidence"),
-    ("price_source", "price_source"), ("part_confidence", "confidence"), ("part_source", "document"),
-    ("part_source_date", "date"), ("url", "url"), ("note", "note"),
+_PARTS = (
+    "role", "maker", "family", "part", "order_number", "said", "quantity", "mass", "price", "currency", "pieces",
+    "price_date", "price_confidence", "price_source", "confidence", "document", "date", "url", "note",
 )  # fmt: skip
 
 
 def parts_csv(lines: Iterable[PartLine]) -> bytes:
     """A parts list: a row for each part, mass and price of one piece, and how many the machine has."""
-    return _encoded((head for head, _ in _PARTS), ([getattr(line, name) for _, name in _PARTS] for line in lines))
+    heads = (HEADS.get(name, name) for name in _PARTS)
+    return _encoded(heads, ([getattr(line, name) for name in _PARTS] for line in lines))
 
 
 def timeseries_csv(validation: Validation) -> bytes:
