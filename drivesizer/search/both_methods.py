@@ -51,6 +51,11 @@ def other_checks(problem: Problem, one: DriveParts) -> tuple[Check, ...]:
         The machine with its load cycles, and the catalogues.
     one
         The drive.
+
+    Returns
+    -------
+    tuple
+        Its checks.
     """
     if not problem.spec.paper_applies:
         return ()

@@ -31,7 +31,18 @@ _NO_BUDGET = MachineBudget()
 
 
 def drive_parts(evaluation: Evaluation, index: int) -> DriveParts:
-    """The parts of one row of an evaluation."""
+    """The parts of one row of an evaluation.
+
+    Parameters
+    ----------
+    evaluation, index
+        As for ``drive_set``.
+
+    Returns
+    -------
+    DriveParts
+        Out of its catalogues.
+    """
     problem, catalog, candidates = evaluation.problem, evaluation.catalog, evaluation.candidates
     motor = catalog.motors.record(int(candidates.motor[index]))
     gearhead = catalog.gearheads.record(int(candidates.gearhead[index]))

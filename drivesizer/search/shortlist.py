@@ -44,7 +44,7 @@ class Shortlist:
     best: list[int]  # that pass, in order
     top: int  # how many were requested
     unsure: list[int]  # that pass with less than the required probability; the most probable first
-    reliability: dict[int, Reliability]  # of the best and the unsure, where drives were sampled
+    reliability: dict[int, Reliability]  # of both, where drives were sampled
     uncertainty: Uncertainty | None  # None: nothing was sampled
     weighed: tuple[str, ...]  # how the machine's own mass was found
 
