@@ -27,6 +27,9 @@ class Actuator:
     stages: float = figure("dimensionless", "1")
     direction: float = figure("dimensionless", "1", least=-1.0)
     efficiency: float = figure("dimensionless", "%")  # of the gear inside
+    coulomb_friction: float = figure("torque", "N*m")  # of motor and gear at the output, unloaded, at any speed
+    viscous_friction: float = figure("damping", "N*m*s/rad")  # the same, per speed of the output
+    load_friction: float = figure("dimensionless", "%")  # share of the load's torque lost; where no efficiency is known
     nominal_voltage: float = figure("voltage", "V")
     no_load_speed: float = figure("rotary_speed", "rpm")  # of the output, like all speeds here
     no_load_current: float = figure("current", "A")

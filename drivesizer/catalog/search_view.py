@@ -40,7 +40,7 @@ _MOTOR = (
     "motor_time_constant", "max_winding_temperature", "ambient_min", "ambient_max", "diameter", "length", "mass",
     "price",
 )  # fmt: skip
-_GEARHEAD = ("reduction", "ratio", "stages", "direction", "efficiency", "backlash", "max_radial_load", "max_axial_load")
+_GEARHEAD = ("reduction", "ratio", "stages", "direction", "backlash", "max_radial_load", "max_axial_load")
 
 
 class _Inside(NamedTuple):
@@ -104,7 +104,7 @@ def _paired(pairs: Pairs, actuators: Table[Any], of: NDArray[np.int64], motors: 
 
 
 def _motor(actuators: Table[Any]) -> _Inside:
-    i, e = actuators["ratio"], actuators["efficiency"]
+    i, e, loaded = actuators["ratio"], _efficiency(actuators), _loaded_efficiency(actuators)
     k_t = np.where(
         np.isnan(actuators["motor_torque_constant"]),
         actuators["torque_constant"] / (i * e),
@@ -112,15 +112,32 @@ def _motor(actuators: Table[Any]) -> _Inside:
     )
     figures: Columns = {name: actuators[name] for name in _MOTOR}
     figures |= {name: i * actuators[name] for name in ("no_load_speed", "nominal_speed")}
-    figures |= {name: actuators[name] / (i * e) for name in ("nominal_torque", "stall_torque")}
+    figures |= {name: actuators[name] / (i * loaded) for name in ("nominal_torque", "stall_torque")}
     figures["max_speed"] = i * _top_speed(actuators)
     figures["torque_constant"] = k_t
     figures["back_emf_constant"] = actuators["motor_back_emf_constant"]
+    figures["friction_torque"] = actuators["coulomb_friction"] / i
+    figures["viscous_friction"] = actuators["viscous_friction"] / i**2
     figures["commutation"] = np.where(actuators["controller"] != "", ELECTRONICS, "")
     figures["rotor_inertia"] = np.where(
         np.isnan(actuators["rotor_inertia"]), actuators["output_inertia"] / i**2, actuators["rotor_inertia"]
     )
     return _Inside(np.arange(len(actuators)), figures)
+
+
+def _efficiency(actuators: Table[Any]) -> NDArray[np.float64]:
+    """Efficiency of the gear inside as the row has it, else by the friction that grows with the load."""
+    e = actuators["efficiency"]
+    return np.where(np.isnan(e), 1.0 / (1.0 + actuators["load_friction"]), e)
+
+
+def _loaded_efficiency(actuators: Table[Any]) -> NDArray[np.float64]:
+    """The same without Coulomb friction: it is the motor's here."""
+    e, stall = _efficiency(actuators), actuators["stall_torque"]
+    coulomb = actuators["coulomb_friction"] / np.where(np.isnan(stall), actuators["nominal_torque"], stall)
+    known = ~np.isnan(coulomb + actuators["viscous_friction"] + actuators["efficiency"])
+    counted = known & np.isnan(actuators["no_load_current"])
+    return np.where(counted, 1.0 / np.maximum(1.0 / e - coulomb, 1.0), e)
 
 
 def _top_speed(actuators: Table[Any]) -> NDArray[np.float64]:
@@ -136,6 +153,7 @@ def _gearhead(actuators: Table[Any]) -> _Inside:
     figures: dict[str, Any] = {name: actuators[name] for name in _GEARHEAD}
     return _Inside(np.arange(len(actuators)), figures | own | free | {
         "kind": actuators["gearing"],
+        "efficiency": _loaded_efficiency(actuators),
         "continuous_torque": actuators["nominal_torque"],
         "intermittent_torque": np.fmax(actuators["peak_torque"], actuators["nominal_torque"]),
         "continuous_input_speed": speed,

@@ -19,7 +19,7 @@ from drivesizer.catalog.laws.parts import LAWS
 #   A10: k = 0.40, M_H = 7.8,    M_N = 2.0,  M_peak = 6.0,   w_0 = 46.8, w_N = 34.8, i^2 J = 2e-3
 #   A20: k = 0.75, M_H = 14.625, M_N = 3.75, M_peak = 11.25, w_0 = 23.4, w_N = 17.4, i^2 J = 8e-3
 #   A30: k = 1.05, M_H = 20.475, M_N = 5.25, M_peak = 15.75, w_0 = 15.6, w_N = 11.6, i^2 J = 18e-3
-# Output inertia: a tenth more. 0.5 kg in pi/4 60^2 50 mm^3: 3540 kg/m^3; 0.5 kg / (60 mm)^3: 2310 kg/m^3.
+# Friction: M_c + b w_0 = 0.1 + 0.0032 46.8 = 0.25 N*m = 10 0.05 0.5; 1 / 1.25 = 0.8. Output inertia: a tenth more. 0.5 kg in pi/4 60^2 50 mm^3: 3540 kg/m^3; 0.5 kg / (60 mm)^3: 2310 kg/m^3.
 # Brakes: 8 to 11 N*m/kg, 0.12 to 0.29 N*m/W.
 # Steppers: 2 I^2 R = 8, 14.4 and 7.2 W, 20 to 27 W/kg; 1.4 to 1.6 N*m/kg; 2 to 3.75 ms; J / m^(5/3) about 4e-5.
 # Belts: 4 kg/m^2 of length x width. Pulleys: 2800 kg/m^3 of (p z)^2 w / 4 pi.
@@ -44,11 +44,11 @@ actuators:
     supply_max: 48 V, diameter: 60 mm, length: 50 mm, mass: 500 g}
   columns: [part, reduction, ratio, stages, efficiency (%), torque_constant (N*m/A), stall_torque (N*m),
     nominal_torque (N*m), peak_torque (N*m), no_load_speed (rad/s), nominal_speed (rad/s), max_speed (rad/s),
-    output_inertia (kg*m^2), price (EUR)]
+    output_inertia (kg*m^2), price (EUR), coulomb_friction (N*m), viscous_friction (N*m*s/rad), load_friction (%)]
   rows:
-  - [A10, "10:1", 10, 2, 80, 0.40, 7.8, 2.0, 6.0, 46.8, 34.8, 52, 0.0022, 100]
-  - [A20, "20:1", 20, 2, 75, 0.75, 14.625, 3.75, 11.25, 23.4, 17.4, 26, 0.0088, 120]
-  - [A30, "30:1", 30, 3, 70, 1.05, 20.475, 5.25, 15.75, 15.6, 11.6, 17, 0.0198, 150]
+  - [A10, "10:1", 10, 2, 80, 0.40, 7.8, 2.0, 6.0, 46.8, 34.8, 52, 0.0022, 100, 0.1, 0.0032, 25]
+  - [A20, "20:1", 20, 2, 75, 0.75, 14.625, 3.75, 11.25, 23.4, 17.4, 26, 0.0088, 120, 0.2, 0.0128, 33.3]
+  - [A30, "30:1", 30, 3, 70, 1.05, 20.475, 5.25, 15.75, 15.6, 11.6, 17, 0.0198, 150, 0.3, 0.0288, 42.9]
 brakes:
 - family: B
   source: s
@@ -161,6 +161,8 @@ SLIPS: list[tuple[str, str, str, float, str]] = [
     ("actuators", "A10", "torque_constant", 10.0, "torque constant beside i eta k_m, at most"),  # the ratio twice
     ("actuators", "A20", "no_load_speed", 20.0, "no-load speed without friction"),  # the motor's
     ("actuators", "A20", "no_load_speed", 60 / (2 * np.pi), "energy at stall and no load"),  # rpm for rad/s
+    ("actuators", "A30", "viscous_friction", 30.0, "no-load current beside (M_c + b w_0) / (i k_m), at least"),  # rpm
+    ("actuators", "A30", "load_friction", 10.0, "efficiency beside 1 / (1 + s), at most"),
     ("actuators", "A30", "output_inertia", 1 / 900, "output inertia beside i^2 J, at least"),  # the motor's
     ("actuators", "A30", "stall_torque", 9.80665 / 100, "stall torque"),  # N*m for kgf*cm
     ("actuators", "A30", "nominal_torque", 1.5, "nominal torque without friction"),

@@ -47,6 +47,12 @@ def _idle_speed(a: Table[Any], current: Any) -> Numbers:
     return np.asarray((a["nominal_voltage"] - current * a["resistance"]) / (a["ratio"] * k_e))
 
 
+def _idle_current(a: Table[Any]) -> Numbers:
+    """Current that friction takes at the no-load speed."""
+    torque = a["coulomb_friction"] + a["viscous_friction"] * a["no_load_speed"]
+    return np.asarray(torque / (a["ratio"] * a["motor_torque_constant"]))
+
+
 _GEARED = ("ratio", "efficiency", "motor_torque_constant")
 _IDLE = ("nominal_voltage", "ratio", "motor_torque_constant")
 
@@ -171,7 +177,8 @@ _ORDERS = {
     "actuators": (
         "nominal_speed < no_load_speed", "nominal_speed <= max_speed", "nominal_torque < stall_torque",
         "nominal_torque <= peak_torque", "nominal_current < stall_current", "nominal_current <= peak_current",
-        "no_load_current < nominal_current", "winding_time_constant < motor_time_constant", "ambient_min < ambient_max",
+        "no_load_current < nominal_current", "coulomb_friction < stall_torque", "coulomb_friction < nominal_torque",
+        "winding_time_constant < motor_time_constant", "ambient_min < ambient_max",
         "ambient_max <= max_winding_temperature", "supply_min < supply_max", "nominal_voltage >= supply_min",
         "nominal_voltage <= supply_max",
     ),
@@ -191,6 +198,11 @@ _BANDS: list[Band] = [
      "some count friction, stall torque by stall current: 0.86 to 0.94 of Feetech; 0.96 to 1.01 of 45 others"),
     ("actuators", "output inertia beside i^2 J", "output_inertia", lambda a: a["ratio"] ** 2 * a["rotor_inertia"],
      1.0, 1.3, ("ratio", "ratio", "rotor_inertia"), "the flange and the last stage, which the motor hardly feels"),
+    ("actuators", "no-load current beside (M_c + b w_0) / (i k_m)", "no_load_current", _idle_current, 0.4, 2.5,
+     ("coulomb_friction", "viscous_friction", "no_load_speed", "ratio", "motor_torque_constant"),
+     "one printed, the other identified: 0.66 of STS3215, 1.5 of XL-320"),
+    ("actuators", "efficiency beside 1 / (1 + s)", "efficiency", lambda a: 1.0 / (1.0 + a["load_friction"]), 0.7, 1.4,
+     ("load_friction",), "one of the stall figures, the other identified: 0.79 to 1.28 of Dynamixel and STS3215"),
     ("actuators", "power by mass", "nominal_torque", lambda a: a["mass"] / a["nominal_speed"], 1.0, 1500.0,
      ("mass", "nominal_speed"), "W/kg: 11 to 760 of 91 actuators"),
     ("actuators", "torque by mass", "nominal_torque", lambda a: a["mass"], 0.05, 200.0, ("mass",),
