@@ -185,7 +185,8 @@ def _assumptions(case: ClosedLoop) -> list[str]:
     assumptions = [
         f"{turns}all drives share the load equally; one is simulated",
         "a gear's efficiency is the catalogue's maximum, at any torque and in either direction of power",
-        f"friction of a brushed motor is Coulomb's, of a brushless one viscous; the motor's angle is {measured}",
+        "friction of a motor is as identified, else Coulomb's of a brushed one, viscous of a brushless one; "
+        f"its angle is {measured}",
         "currents are those of a DC motor between two terminals",
         *_of_the_controller(case),
         "the profile starts in equilibrium at its first speed and at the ambient temperature; supply power is that of "

@@ -19,7 +19,8 @@ from drivesizer.catalog.laws.parts import LAWS
 #   A10: k = 0.40, M_H = 7.8,    M_N = 2.0,  M_peak = 6.0,   w_0 = 46.8, w_N = 34.8, i^2 J = 2e-3
 #   A20: k = 0.75, M_H = 14.625, M_N = 3.75, M_peak = 11.25, w_0 = 23.4, w_N = 17.4, i^2 J = 8e-3
 #   A30: k = 1.05, M_H = 20.475, M_N = 5.25, M_peak = 15.75, w_0 = 15.6, w_N = 11.6, i^2 J = 18e-3
-# Friction: M_c + b w_0 = 0.1 + 0.0032 46.8 = 0.25 N*m = 10 0.05 0.5; 1 / 1.25 = 0.8. Output inertia: a tenth more. 0.5 kg in pi/4 60^2 50 mm^3: 3540 kg/m^3; 0.5 kg / (60 mm)^3: 2310 kg/m^3.
+# Friction: M_c + b w_0 = 0.1 + 0.0032 46.8 = 0.25 N*m = 10 0.05 0.5; 1 / 1.25 = 0.8.
+# Output inertia: a tenth more. 0.5 kg in pi/4 60^2 50 mm^3: 3540 kg/m^3; 0.5 kg / (60 mm)^3: 2310 kg/m^3.
 # Brakes: 8 to 11 N*m/kg, 0.12 to 0.29 N*m/W.
 # Steppers: 2 I^2 R = 8, 14.4 and 7.2 W, 20 to 27 W/kg; 1.4 to 1.6 N*m/kg; 2 to 3.75 ms; J / m^(5/3) about 4e-5.
 # Belts: 4 kg/m^2 of length x width. Pulleys: 2800 kg/m^3 of (p z)^2 w / 4 pi.

@@ -227,3 +227,77 @@ def test_the_closed_loop_checks_nothing_that_nobody_limits(shop):
     names = {check.name for check in proof.checks}
     assert "motor_speed" in names and not names & {"encoder_frequency", "encoder_speed", "controller_frequency"}
     assert all(check.limit < inf or isnan(check.limit) for check in proof.checks)
+
+
+# --- identified friction
+
+
+def rubbing(shop, *, efficiency: str = "90", idle: str = "0.4", stall: str = "") -> None:
+    """The actuator with friction: 0.3 N*m and 0.02 N*m*s/rad at the output, and a quarter of the load."""
+    columns = "price (EUR), coulomb_friction (N*m), viscous_friction (N*m*s/rad), load_friction (%)"
+    columns += ", stall_torque (N*m)]" if stall else "]"
+    text = (WHOLE % OWN_CONTROLLER).replace("price (EUR)]", columns)
+    text = text.replace(", 10, 90, 24, 228, 0.4,", f", 10, {efficiency}, 24, 228, {idle},")
+    text = text.replace("torque_constant (N*m/A)", "motor_torque_constant (N*m/A)").replace(
+        "28, 0.9, 0.3", "28, 0.1, 0.3"
+    )
+    (shop / "whole.yaml").write_text(text.replace("520, 310]", f"520, 310, 0.3, 0.02, 25{stall and f', {stall}'}]"))
+
+
+@pytest.mark.parametrize(
+    ("given", "efficiency"),
+    [
+        pytest.param({}, 0.9, id="beside a no-load current"),
+        pytest.param({"efficiency": "~"}, 1 / 1.25, id="none: by the share of the load"),
+        pytest.param({"idle": "~"}, 1 / (1 / 0.9 - 0.3 / 8.1), id="of the nominal point"),
+        pytest.param({"idle": "~", "stall": "60"}, 1 / (1 / 0.9 - 0.3 / 60), id="of stall"),
+        pytest.param({"idle": "~", "efficiency": "99"}, 1.0, id="all of it"),
+    ],
+)
+def test_each_loss_of_an_actuator_counts_once(shop, given, efficiency):
+    rubbing(shop, **given)
+    split = split_actuators(load(["whole.yaml"], beside=shop))
+    motor, gearhead = (table.record(table.rows["XA70-10"]) for table in (split.motors, split.gearheads))
+    assert motor.friction_torque == pytest.approx(0.03) and motor.viscous_friction == pytest.approx(0.0002)
+    assert gearhead.efficiency == pytest.approx(efficiency) and isnan(gearhead.no_load_torque)
+    assert motor.nominal_torque == pytest.approx(8.1 / (10 * efficiency))
+
+
+def test_an_actuator_with_friction_does_what_its_pieces_do(shop):
+    rubbing(shop)
+    columns = "price (EUR), friction_torque (N*m), viscous_friction (N*m*s/rad)]"
+    text = PIECES.replace("price (EUR)]", columns, 1).replace("500, 300]", "500, 300, 0.03, 0.0002]")
+    (shop / "pieces.yaml").write_text(text)
+    whole, pieces = one(shop, "XA70-10"), one(shop, "XM-1", "XG-10")
+    beside = {c.name: c for c in pieces.checks}
+    for name in ("motor_nominal_current", "winding_temperature", "gearhead_continuous_torque"):
+        demand = {c.name: c for c in whole.checks}[name].demand
+        assert demand == pytest.approx(beside[name].demand, rel=1e-9) and demand > 0.0
+
+
+WINCH = """
+name: winch
+load: {kind: hoist, mass: 40 kg, drum_diameter: 60 mm}
+motion: {profile: trapezoid, speed: 0.2 m/s, acceleration_time: 0.2 s, cruise_time: 30 s}
+transmission: [{kind: gearhead}]
+supply: {nominal: 24 V, min: 24 V, max: 24 V}
+select: {catalogs: [whole.yaml]}
+"""
+
+
+@pytest.mark.parametrize("efficiency", ["90", "~"])
+def test_sizing_and_closed_loop_have_the_same_friction(shop, efficiency):
+    """At constant speed, by hand: (m g r (1 + s) + M_c + b w) / (i k_t), s where there is no efficiency."""
+    rubbing(shop, efficiency=efficiency)
+    (shop / "winch.yaml").write_text(WINCH)
+    spec = load_spec(shop / "winch.yaml")
+    drive = explain(spec, "XA70-10")[0]
+    found = validate(spec, drive)
+    w = 0.2 / 0.03
+    share = 1.25 if efficiency == "~" else 1 / 0.9
+    current = (40 * 9.80665 * 0.03 * share + 0.3 + 0.02 * w) / (10 * 0.1)
+    cruise = (found.series["time"] > 5.0) & (found.series["time"] < 30.0)
+    assert found.series["current"][cruise].mean() == pytest.approx(current, rel=1e-3)  # its encoder's counts add ripple
+    rms = {f.name: f.value for f in found.figures}["rms_current"]
+    sized = {c.name: c.demand for c in drive.checks}["motor_nominal_current"]
+    assert rms == pytest.approx(sized, rel=1e-2) and sized == pytest.approx(current, rel=1e-2)
