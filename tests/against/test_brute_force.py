@@ -223,7 +223,7 @@ def test_these_loads_really_drive_back(name, worked):
 
 
 @pytest.mark.parametrize("name", LOADS)
-def test_the_peak_of_the_winding_by_a_march_in_small_steps(name, worked, catalog):
+def test_the_peak_of_the_winding_by_simulation_in_small_steps(name, worked, catalog):
     """The closed form of ``by_hand`` and of the program against nothing but the two differential equations."""
     spec, sets, mine = worked(name)
     ambient, seen = spec.environment.ambient, 0
@@ -231,7 +231,7 @@ def test_the_peak_of_the_winding_by_a_march_in_small_steps(name, worked, catalog
         motor, (_, _, asked, pieces) = records("motors")[int(sets.motor[row])], mine[row]
         if not 1.0 < asked.winding[0] - ambient < 400.0 or math.isnan(motor.winding_time_constant):
             continue
-        rise = by_hand.marched_peak(pieces, motor, ambient, 8) - ambient  # with the current of each moment
+        rise = by_hand.simulated_peak(pieces, motor, ambient, 8) - ambient  # with the current of each moment
         assert rise == pytest.approx(asked.winding[0] - ambient, rel=2e-3)
         seen += 1
         if seen == (1 if len(pieces) > 60 else 4):
@@ -241,7 +241,7 @@ def test_the_peak_of_the_winding_by_a_march_in_small_steps(name, worked, catalog
 
 def ranked(spec, sets, mine, objective):
     """Rows of the sets that stand: pass before unknown, then what is known of all parts, then the better one."""
-    rows, idle = [], () if by_hand.encoder_asked(spec) else ("encoder_speed", "encoder_frequency")
+    rows, idle = [], () if by_hand.encoder_required(spec) else ("encoder_speed", "encoder_frequency")
     for row, (every, _, asked, _) in enumerate(mine):
         checks = {name: verdict for name, verdict in every.items() if name not in idle}
         status = {v.status for v in checks.values()}
@@ -400,6 +400,6 @@ def test_the_winding_follows_a_torque_that_rises_slowly(tmp_path, catalog):
         motor = records("motors")[int(sets.motor[row])]
         if seen < 4 and 2.0 < asked.winding[0] - ambient < 200.0 and motor.winding_time_constant < 4.0:
             seen += 1
-            rise = by_hand.marched_peak(pieces, motor, ambient, 200) - ambient
+            rise = by_hand.simulated_peak(pieces, motor, ambient, 200) - ambient
             assert check.demand[row] - ambient == pytest.approx(rise, rel=2e-3)
     assert seen

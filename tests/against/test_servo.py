@@ -106,7 +106,7 @@ def test_energy_is_the_work_and_the_losses(rigid):
     assert work / gear < net < 2.0 * work / gear
 
 
-def test_the_winding_in_the_cycle_repeated_for_ever(rigid):
+def test_the_winding_in_periodic_steady_state(rigid):
     """Its mean follows from the mean losses in the long run; its highest lies above by the swing of one cycle."""
     found = rigid.drive_set.motor
     limit = next(check for check in rigid.checks if check.name == "winding_temperature")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from following_ways import AHEAD, CURVED, STIFF, robot
+from following_paths import AHEAD, CURVED, STIFF, robot
 from routes import route
 
 from drivesizer.control.path_following.deviation import deviation, extremes

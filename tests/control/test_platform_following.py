@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from following_ways import AHEAD, CURVED, LEVER, STIFF, STRAIGHT, cart, robot
+from following_paths import AHEAD, CURVED, LEVER, STIFF, STRAIGHT, cart, robot
 from platforms import MASS, RADIUS, WHEEL, car, mecanum
 from routes import route
 

@@ -443,15 +443,15 @@ class _Step:
         return self.after(x, at)[0] if 0 < at < time else -math.inf
 
 
-def marched_peak(pieces: list[Piece], motor: Any, ambient: float, least_steps: int) -> float:
-    """The same peak by a march in small steps (Runge-Kutta) with the current of each moment: no closed form."""
+def simulated_peak(pieces: list[Piece], motor: Any, ambient: float, least_steps: int) -> float:
+    """The same peak by simulation in small steps (Runge-Kutta) with the current of each moment: no closed form."""
 
     def rates(x: Pair, p: Piece, share: float) -> Pair:
         square = (p.current[0] + share * (p.current[1] - p.current[0])) ** 2
         A, b = _network(motor, ambient, square, housing(p, motor) / p.time)
         return A[0] * x[0] + A[1] * x[1] + b[0], A[2] * x[0] + A[3] * x[1] + b[1]
 
-    def march(x: Pair) -> tuple[Pair, float]:
+    def simulate(x: Pair) -> tuple[Pair, float]:
         peak = x[0]
         for p in pieces:
             steps = max(least_steps, math.ceil(20 * p.time / motor.winding_time_constant))
@@ -466,11 +466,11 @@ def marched_peak(pieces: list[Piece], motor: Any, ambient: float, least_steps: i
                 peak = max(peak, x[0])
         return x, peak
 
-    g, (p1, _), (p2, _) = march((0.0, 0.0))[0], march((1.0, 0.0)), march((0.0, 1.0))
+    g, (p1, _), (p2, _) = simulate((0.0, 0.0))[0], simulate((1.0, 0.0)), simulate((0.0, 1.0))
     a, c = 1 - (p1[0] - g[0]), -(p1[1] - g[1])
     b, d = -(p2[0] - g[0]), 1 - (p2[1] - g[1])
     whole = a * d - b * c
-    return ambient + march(((g[0] * d - b * g[1]) / whole, (a * g[1] - c * g[0]) / whole))[1]
+    return ambient + simulate(((g[0] * d - b * g[1]) / whole, (a * g[1] - c * g[0]) / whole))[1]
 
 
 # --- limits ---
@@ -564,7 +564,7 @@ def encoder_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -
     return min(enough, key=lambda c: (standing(c), enough.index(c)))
 
 
-def encoder_asked(spec: Any) -> bool:
+def encoder_required(spec: Any) -> bool:
     """Whether the spec says anything of an encoder."""
     needs, choice = spec.needs, spec.select.encoder
     return any((needs.encoder_counts, needs.resolution_at_load, choice.min_counts, choice.family, choice.part))
@@ -653,7 +653,7 @@ def _controller(
         return Wanted(
             more * found.I_rms, more * found.I_peak, fast * volts,
             0.0 if motor.kind == "brushed" else fast * found.speed * motor.pole_pairs,
-            fast * figure(encoder, "counts_per_turn") * found.speed / (2 * math.pi) if encoder_asked(spec) else 0.0,
+            fast * figure(encoder, "counts_per_turn") * found.speed / (2 * math.pi) if encoder_required(spec) else 0.0,
         )  # fmt: skip
 
     wanted = wanted_of(found.V_peak[1])

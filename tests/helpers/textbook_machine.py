@@ -1,4 +1,4 @@
-"""A motor and its load as a textbook has them, marched by SciPy."""
+"""A motor and its load as a textbook has them, simulated by SciPy."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class Rigid:
         return int(np.sign(speed)) or (1 if push > up else -1 if push < down else 0)
 
     def advance(self, u, duration):
-        """March on under a voltage; whatever stops or starts on the way ends a stretch."""
+        """Simulate on under a voltage; whatever stops or starts on its way ends a stretch."""
         done, sides = 0.0, self.sides()
         while done < duration:
             ends = self.ends(sides)

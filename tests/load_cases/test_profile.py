@@ -76,7 +76,7 @@ def pieces(*legs):
     return Segments(profile="segments", segments=listed)
 
 
-def test_segments_stand_as_they_are_listed():
+def test_segments_remain_as_they_are_listed():
     found = segments(pieces(("1 s", None), ("2 s", "3 m/s"), ("1 s", None), ("4 s", "-1 m/s"), ("1 s", "0 m/s")))
     assert found.time == (0.0, 1.0, 3.0, 4.0, 8.0, 9.0)
     assert found.speed == (0.0, 0.0, 3.0, 3.0, -1.0, 0.0)
@@ -110,7 +110,7 @@ def test_figures_of_no_machine_are_refused_by_their_field(made, message):
 
 
 @pytest.mark.parametrize(("made", "message"), BEYOND.values(), ids=BEYOND)
-def test_figures_beyond_numbers_are_told_by_their_field(made, message):
+def test_figures_beyond_numbers_are_named_by_their_field(made, message):
     with pytest.raises(InputError) as caught:
         made()
     assert str(caught.value).startswith("motion." + message)
@@ -272,7 +272,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize(("text", "message"), WRONG.values(), ids=WRONG)
-def test_what_is_wrong_is_told_in_a_line(tmp_path, text, message):
+def test_what_is_wrong_is_reported_in_a_line(tmp_path, text, message):
     with pytest.raises(InputError) as caught:
         from_csv(write(tmp_path, text))
     assert message in str(caught.value)
@@ -330,7 +330,7 @@ def test_the_specs_own_motion_has_its_name(robot, name):
         profile(spec, "trapezoid")
 
 
-def test_a_load_that_turns_is_asked_in_its_own_units(robot, tmp_path):
+def test_a_load_that_turns_has_its_own_units(robot, tmp_path):
     spec = robot(motion={"profile": "triangle", "distance": "90 deg", "time": "2 s"}, rotary=True)
     assert profile_of(spec).top_speed == pytest.approx(math.pi / 2)
     path = write(tmp_path, "time,speed\ns,rpm\n0,0\n2,30\n3,0\n")

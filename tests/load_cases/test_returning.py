@@ -27,7 +27,7 @@ def spec(load, motion, back=""):
     pytest.param(HOIST, LINEAR, "300", id="a hoist that only lifts"),
     pytest.param(TABLE % 90, ROTARY, "90", id="a table that gravity pulls round"),
 ])  # fmt: skip
-def test_what_does_not_come_back_is_told(load, motion, way):
+def test_a_motion_that_does_not_return_is_reported(load, motion, way):
     (said,) = starts_farther_on("", spec(load, motion))
     assert f" {way} " in said or f" {way}°" in said
     assert not starts_farther_on("", spec(load, motion, ", there_and_back: true"))

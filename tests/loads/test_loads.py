@@ -539,7 +539,7 @@ def test_a_joint_upright_feels_no_gravity():
 
 
 @pytest.mark.parametrize("tilt", ["90 deg", "-90 deg", "1.5708 rad", "1.570796 rad"])
-def test_a_joint_upright_may_turn_for_ever(tilt):
+def test_a_joint_upright_may_turn_without_limit(tilt):
     """No weight acts on it, so its turns need not be followed; 1.5708 rad is 90 deg as most files have it."""
     load = f"kind: arm, mass: 7 kg, length: 0.5 m, friction_torque: 2 N*m, tilt: {tilt}"
     c = cycle_of(load, (0, 0.0), (1, 6.0), (2001, 6.0), (2002, 0.0))

@@ -171,7 +171,7 @@ def test_noise_of_a_position_does_not_grow_with_the_rate(shaft, rate):
 
 
 @pytest.mark.parametrize(("name", "window"), [("speed", 0.5), ("position", 0.05), ("position", 2.0)])
-def test_what_stands_in_a_recording_stands_when_it_is_smoothed(shaft, name, window):
+def test_rest_in_a_recording_remains_rest_when_it_is_smoothed(shaft, name, window):
     """Sums over windows leave 1e-12 rad/s: as a motion it would have a direction, friction and a gear's efficiency."""
     time = np.arange(0.0, 6.0, 0.002)
     place = 5.0 * np.where(time < 2.0, time / 2.0 - np.sin(math.pi * time) / (2.0 * math.pi), 1.0) + 1.234567
@@ -193,7 +193,7 @@ def test_noise_through_three_points(shaft):
     assert whole.std() == pytest.approx(SIGMA / h**2, rel=0.1)
 
 
-def test_a_recorded_speed_is_smoothed_when_asked(shaft):
+def test_a_recorded_speed_is_smoothed_on_request(shaft):
     window, time = 0.2, np.arange(8000) / 1000
     noise = np.random.default_rng(2).normal(0.0, SIGMA, len(time))
     columns = (SPEED, time, 5.0 + np.sin(time) + noise, np.ones_like(time))
@@ -232,7 +232,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize(("text", "message"), WRONG.values(), ids=WRONG)
-def test_what_is_wrong_is_told_in_a_line(tmp_path, text, message):
+def test_what_is_wrong_is_reported_in_a_line(tmp_path, text, message):
     (tmp_path / "run.csv").write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as caught:
         load_cycle(spec_of(tmp_path))
@@ -245,7 +245,7 @@ def test_a_window_longer_than_the_recording(shaft):
         shaft(POSITION, CORNERS, CORNERS, CORNERS, smoothing="9 s")
 
 
-def test_the_file_stands_beside_the_spec(tmp_path, monkeypatch):
+def test_the_file_is_beside_the_spec(tmp_path, monkeypatch):
     (tmp_path / "run.csv").write_text(SPEED + "\n0,0,0\n1,1,1\n")
     spec = spec_of(tmp_path)
     monkeypatch.chdir("/")

@@ -33,7 +33,7 @@ def test_what_is_not_taken_stays_whatever_share_is_taken(catalog):
         assert demand**2 - 24**2 == pytest.approx((1 - share) * (none**2 - 24**2), rel=1e-9, abs=1e-9)
 
 
-def test_the_capacitor_is_emptied_before_the_supply_is_asked():
+def test_the_capacitor_is_emptied_before_the_supply_delivers():
     """8 J back, 5 J drawn, 4 J back: of all 8 and then 7 J are held, of half 4 J and then 2 J."""
     back = Wave(np.ones(4), np.array([[[-8.0, -8.0], [5.0, 5.0], [-4.0, -4.0], [9.0, 9.0]]]), np.ones((1, 4, 2)))
     assert [energy(back, kept).stored[0] for kept in (1.0, 0.5, 0.0)] == pytest.approx([8.0, 4.0, 0.0])

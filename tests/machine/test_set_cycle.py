@@ -143,7 +143,7 @@ def test_finer_pieces_last_as_long_and_show_the_quick_start():
     assert len(some.duration[some.square == 9.0]) == 1
 
 
-def _marched(ambient: float, found: Warming, cycles: int):
+def _simulated(ambient: float, found: Warming, cycles: int):
     """The two bodies by SciPy's integrator, piece by piece from cold: time, winding, housing."""
     C_w, C_h = BODIES.tau_w / BODIES.R_th1, BODIES.tau_h / BODIES.R_th2
     state, now, rows = np.array([ambient, ambient]), 0.0, []
@@ -166,7 +166,7 @@ def test_the_way_from_cold_is_that_of_an_integrator():
     found = Warming(np.array([3.0, 20.0, 7.0]), np.array([16.0, 0.5, 4.0]), np.array([0.4, 0.1, 0.2]))
     way = warm_up(BODIES, ambient, found)
     assert way is not None and len(way.time) == 61 and way.time[0] == 0.0
-    rows = np.vstack([[0.0, ambient, ambient], _marched(ambient, found, 12)])
+    rows = np.vstack([[0.0, ambient, ambient], _simulated(ambient, found, 12)])
     numbers = np.round(way.time[1:] / 30.0).astype(int) - 1
     assert len([n for n in numbers if n < 12]) >= 4
     for number in (n for n in numbers if n < 12):

@@ -67,7 +67,7 @@ def test_an_exponent_of_two_rates_tells_the_times_between() -> None:
 
 
 @pytest.mark.parametrize("place", range(1, 10))
-def test_a_printed_time_is_told_by_its_neighbours(place: int) -> None:
+def test_a_printed_time_follows_from_its_neighbours(place: int) -> None:
     """Each inner point of the table left out in turn: 6 % at most, where neighbours are up to a factor 2 apart."""
     found = table_time(AMPERES[place], np.delete(AMPERES, place), np.delete(HOURS, place))
     assert found == pytest.approx(HOURS[place], rel=0.06)

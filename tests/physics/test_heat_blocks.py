@@ -145,7 +145,7 @@ def test_constant_segments_are_blocks_that_leave_nothing_open():
     assert np.isfinite(peak).sum() > 50
 
 
-def test_a_long_noisy_trapezoid_is_told_to_a_per_cent():
+def test_a_long_noisy_trapezoid_is_known_to_a_per_cent():
     random = np.random.default_rng(9)
     t = np.linspace(0.0, 4.0, 36001)
     speed = np.interp(t % 1.0, [0.0, 0.2, 0.4, 0.6, 1.0], [0.0, 1.0, 1.0, 0.0, 0.0])
@@ -190,7 +190,7 @@ def driven(squares):
     return functions
 
 
-def test_heat_that_comes_early_or_late_in_blocks_is_told_closely():
+def test_heat_early_or_late_in_blocks_is_known_closely():
     """Heat that comes late warms, early heat cools; what it did to the housing before makes either worse."""
     late = EARLY[::-1]
     assert heat_within_blocks(EARLY, late)[0] < 0.05  # K, of a rise of 250 K

@@ -453,7 +453,7 @@ def test_a_hot_housing_lifts_the_winding_over_its_limit_for_a_while():
     assert overload_time(MOTOR, AMBIENT, start, AMBIENT + 108.0, 0.5) == inf  # its top is lower than that
 
 
-def test_a_warm_motor_bears_less():
+def test_a_warm_motor_withstands_less():
     times = [
         overload_time(MOTOR, AMBIENT, steady_state(MOTOR, AMBIENT, rms), 398.15, 4.0) for rms in (0.0, 0.4, 0.8, 1.2)
     ]

@@ -223,7 +223,7 @@ def test_the_margin_is_that_of_the_worst_case_too(catalog):
     assert both.margin[in_heat] == pytest.approx(hot.margin[in_heat], rel=1e-9)
 
 
-def test_the_name_of_the_case_is_told(catalog):
+def test_the_name_of_the_case_is_reported(catalog):
     spec = spec_from(LIFT + CASES + ONE)
     best = size(spec, catalog=catalog, top=1).sets[0]
     told = {c.name: c.case for c in best.checks}

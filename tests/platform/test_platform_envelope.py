@@ -204,7 +204,7 @@ def test_what_does_not_lead_through_has_no_clearance():
     assert (found.least, found.side) == (pytest.approx(0.2 - 0.3 - 0.175), "left")
 
 
-def test_several_passages_and_pieces_are_told_apart():
+def test_several_passages_and_pieces_are_distinguished():
     way = joined(straight((-2.0, 0.0), (2.0, 0.0), 0.0, 4.0), turning(0.0, 0.4, 1.0, at=(2.0, 0.0)))
     doors = (Passage(name="first", width=0.4, x=-1.0), Passage(name="second", width=0.5, x=1.0, y=-0.02))
     first, second = clearances(way, ROBOT, doors)

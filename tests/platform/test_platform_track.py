@@ -83,7 +83,7 @@ def test_coarse_samples_fall_into_finer_pieces():
     assert np.abs(parabola - straight)[:2].max() < 1e-3 * np.hypot(*t.velocity[:2]).max()
 
 
-def test_where_it_stands_it_stands():
+def test_where_it_rests_it_rests():
     """Two moves with a rest between, evenly accelerated: without a spline of its own each would shake the rest."""
     time = np.arange(0.0, 7.001, 0.05)
     ramp = np.where(time < 1, time**2 / 2, np.where(time < 2, 1 - (2 - time) ** 2 / 2, 1.0))

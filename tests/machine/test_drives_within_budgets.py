@@ -1,4 +1,4 @@
-"""Every set that a search finds is held against the machine's budgets until enough stand, whatever their rank.
+"""Drives that a search finds are checked against the machine's budgets until enough pass, whatever their rank.
 
 Forty motors alike, the lighter the more they lose: by hand each draws at 1200 rpm, with its winding at 25 degC,
     I = M / k_t + I_0,  P = (R I + k_t w) I,  M = 0.3 N*m (1200/1500)^2,  I_0 = 3 A - 0.07 A n

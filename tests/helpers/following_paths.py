@@ -1,4 +1,4 @@
-"""Platforms and ways of the tests of following."""
+"""Platforms and paths of the tests of following."""
 
 import math
 
