@@ -105,11 +105,8 @@ def _paired(pairs: Pairs, actuators: Table[Any], of: NDArray[np.int64], motors: 
 
 def _motor(actuators: Table[Any]) -> _Inside:
     i, e, loaded = actuators["ratio"], _efficiency(actuators), _loaded_efficiency(actuators)
-    k_t = np.where(
-        np.isnan(actuators["motor_torque_constant"]),
-        actuators["torque_constant"] / (i * e),
-        actuators["motor_torque_constant"],
-    )
+    own = actuators["motor_torque_constant"]
+    k_t = np.where(np.isnan(own), actuators["torque_constant"] / (i * e), own)
     figures: Columns = {name: actuators[name] for name in _MOTOR}
     figures |= {name: i * actuators[name] for name in ("no_load_speed", "nominal_speed")}
     figures |= {name: actuators[name] / (i * loaded) for name in ("nominal_torque", "stall_torque")}

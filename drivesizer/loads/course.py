@@ -13,7 +13,7 @@ from math import fsum, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, cut_points
+from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, cut_points, places
 
 __all__ = ["Course", "Profile", "course"]
 
@@ -79,8 +79,7 @@ class Course:
 
     def _in_pieces(self, pieces: NDArray[np.int64], shares: NDArray[np.float64]) -> Course:
         """Each segment in pieces that all take the same share of it, but for the last, which takes the rest."""
-        owner = np.repeat(np.arange(len(pieces)), pieces)
-        place = np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+        owner, place = places(pieces)
         start = place * shares[owner]
         end = np.where(place + 1 == pieces[owner], 1.0, (place + 1) * shares[owner])
         share = np.stack([start, end], axis=1)

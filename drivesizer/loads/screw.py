@@ -93,16 +93,10 @@ def screw(load: Screw, gravity: float, course: Course) -> LoadCycle:
         When a figure leaves the range of numbers that can be computed with.
     """
     force = force_along(course, load, gravity, load.mass)
-    return through_stage(
-        course,
-        force,
-        load.lead / (2 * math.pi),
-        (load.efficiency, _back_efficiency(load)),
-        mass=load.mass,
-        turning=load.inertia,
-        motors=load.motors,
-        drag=load.preload_torque,
-    )
+    losses = (load.efficiency, _back_efficiency(load))
+    radius = load.lead / (2 * math.pi)
+    return through_stage(course, force, radius, losses, mass=load.mass, turning=load.inertia, motors=load.motors,
+                         drag=load.preload_torque)  # fmt: skip
 
 
 def _back_efficiency(load: Screw) -> float:

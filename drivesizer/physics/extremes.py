@@ -57,11 +57,8 @@ def envelope(duration: Array, functions: Array, pieces: int) -> Envelope:
         Bounds of each function in each piece.
     """
     starts = np.unique(np.linspace(0, len(duration), pieces, endpoint=False).astype(np.int64))
-    return Envelope(
-        np.add.reduceat(duration, starts),
-        np.maximum.reduceat(functions.max(axis=1), starts),
-        np.minimum.reduceat(functions.min(axis=1), starts),
-    )
+    high, low = np.maximum.reduceat(functions.max(axis=1), starts), np.minimum.reduceat(functions.min(axis=1), starts)
+    return Envelope(np.add.reduceat(duration, starts), high, low)
 
 
 def extremes(functions: Array, time: Array) -> Extremes:

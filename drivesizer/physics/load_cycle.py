@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
 
-__all__ = ["Ends", "Figure", "LoadCycle", "OwnLimit", "cut_points", "end_times", "integral", "mean_product", "rms"]
+__all__ = [
+    "Ends", "Figure", "LoadCycle", "OwnLimit", "cut_points", "end_times", "integral", "mean_product", "places", "rms",
+]  # fmt: skip
 
 Ends = NDArray[np.float64]  # at the left and the right end: (segments, 2); of several cycles (segments, 2, cycles)
 Figure = Any  # a float of one cycle; of several a column, shape (cycles,)
@@ -131,6 +133,16 @@ def cut_points(column: Ends) -> tuple[NDArray[np.int64], NDArray[np.float64], En
     column = np.where(np.stack([crosses & (share <= _NO_PART), crosses & (share >= 1.0)], axis=1), 0.0, column)
     crosses &= (share > _NO_PART) & (share < 1.0)
     return np.where(crosses, 2, 1), np.where(crosses, share, 1.0), column
+
+
+def places(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The segment of each piece, and the piece's number within it, of so many pieces a segment.
+
+    >>> [x.tolist() for x in places(np.array([2, 3]))]
+    [[0, 0, 1, 1, 1], [0, 1, 0, 1, 2]]
+    """
+    owner = np.repeat(np.arange(len(count)), count)
+    return owner, np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
 
 
 def end_times(duration: NDArray[np.float64]) -> Ends:

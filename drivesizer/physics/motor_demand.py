@@ -23,13 +23,12 @@ from numpy.typing import NDArray
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.extremes import Extremes, extremes
 from drivesizer.physics.lasting_speed import lasting_speeds
-from drivesizer.physics.load_cycle import Figure, end_times, integral, mean_product, rms
+from drivesizer.physics.load_cycle import Figure, end_times, integral, mean_product, places, rms
 from drivesizer.physics.products import product
 
 __all__ = [
     "ACCELERATION", "AT_REST", "BRAKING", "DIRECTION", "DRIVING", "SPEED", "AtGearhead", "CycleAtBelt", "Demands",
     "Peak", "Pieces", "Turning", "at_gearhead", "bounded", "demands", "friction", "gear_loss", "peak", "piece_counts",
-    "places",
 ]  # fmt: skip
 
 _FINEST = 200  # pieces of a segment at most
@@ -273,16 +272,6 @@ def piece_counts(duration: Array, time_constant: Array, error: float) -> NDArray
     """
     count = np.ceil(np.sqrt(duration / time_constant / (12.0 * error)))
     return np.clip(count, 1, _FINEST).astype(np.int64)
-
-
-def places(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The segment of each piece, and the piece's number within it, of so many pieces a segment.
-
-    >>> [x.tolist() for x in places(np.array([2, 3]))]
-    [[0, 0, 1, 1, 1], [0, 1, 0, 1, 2]]
-    """
-    owner = np.repeat(np.arange(len(count)), count)
-    return owner, np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
 
 
 def _moments(duration: Array, total: float, six: Sequence[Array], acts: NDArray[np.bool_]) -> Array:

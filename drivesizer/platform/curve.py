@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.load_cycle import places
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory, joined, rest
 
@@ -77,8 +78,7 @@ def _moving(time: Array, posture: Array, top: Array, smoothing: float) -> Trajec
     turned = np.abs(curve(time, 1)[2])
     turned = np.maximum(turned[1:], turned[:-1]) * step
     count = np.ceil(np.maximum(np.sqrt(share / _BEND), turned / _TURN)).clip(1.0, _MOST_PARTS).astype(np.int64)
-    owner = np.repeat(np.arange(len(step)), count)
-    place = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+    owner, place = places(count)
     knots = np.append(time[owner] + step[owner] * (place / count[owner]), time[-1])
     columns = [curve(knots, order) for order in range(3)]
     columns[0][:, [0, -1]], columns[1][:, [0, -1]] = posture[:, [0, -1]], 0.0

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from drivesizer.physics.load_cycle import places
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory
 
@@ -53,8 +54,7 @@ def finer(trajectory: Trajectory, turning: float = 0.05) -> Trajectory:
     parts = np.maximum(np.ceil(turned / turning), 1.0).astype(int)
     if parts.max(initial=1) == 1:
         return trajectory
-    piece = np.repeat(np.arange(len(parts)), parts)
-    step = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
+    piece, step = places(parts)
     share = (step[:, None] + np.array([0.0, 1.0])) / parts[piece, None]  # (pieces, 2)
     points = control_points(trajectory)[:, piece, None, :]
     weights = np.stack([(1 - share) ** 3, 3 * share * (1 - share) ** 2, 3 * share**2 * (1 - share), share**3], axis=-1)

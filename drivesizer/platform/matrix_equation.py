@@ -88,17 +88,8 @@ def matrix_equation(
     def declared(formula: Callable[..., Any]) -> MatrixEquation:
         sections = equation.terms(formula)
         title = (inspect.getdoc(formula) or "").splitlines()[0].rstrip(".")
-        made = MatrixEquation(
-            number,
-            symbol,
-            formula,
-            title,
-            sections["Parameters"],
-            sections["Returns"][0],
-            printed,
-            note,
-            printed_symbol,
-        )
+        terms, result = sections["Parameters"], sections["Returns"][0]
+        made = MatrixEquation(number, symbol, formula, title, terms, result, printed, note, printed_symbol)
         PLATFORM[number] = made
         return made
 

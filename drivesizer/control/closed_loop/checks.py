@@ -62,9 +62,8 @@ def _check(column: CheckColumn, at_time: float | None = None, note: str = "", *,
 
 def _most(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn], *, required: bool = False) -> CheckColumn:
     """A check of the largest value of a figure; for a long motion unknown where it fails only with its allowance."""
-    return _allowed(
-        check, case.required(name) if required else case.figure(name), case.allowance(name, required=required)
-    )
+    value = case.required(name) if required else case.figure(name)
+    return _allowed(check, value, case.allowance(name, required=required))
 
 
 def _allowed(check: Callable[[float], CheckColumn], value: float, more: float) -> CheckColumn:
@@ -150,21 +149,16 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
     """Voltage and current that the controller must supply."""
     controller, supply = _controller(case), case.spec.supply
     ideal = "required to follow the profile without limits"
+
+    def peak(x: float) -> CheckColumn:
+        return at_most("controller_peak_current", x, controller.peak_current)
+
     yield _check(
         _resisted(case, "voltage_demand", lambda x: at_most("supply_voltage", x, case.usable_voltage)),
         case.required("voltage_demand_time"),
         f"{ideal}; limit: output of the controller at the lowest supply voltage",
     )
-    yield _check(
-        _most(
-            case,
-            "current_demand",
-            lambda x: at_most("controller_peak_current", x, controller.peak_current),
-            required=True,
-        ),
-        case.required("current_demand_time"),
-        ideal,
-    )
+    yield _check(_most(case, "current_demand", peak, required=True), case.required("current_demand_time"), ideal)
     share = _peak_share(case)
     if share != 0.0:
         yield _check(
@@ -220,14 +214,11 @@ def _winding(case: ClosedLoop) -> tuple[float, str]:
 def _gearhead(case: ClosedLoop) -> Iterator[Check]:
     """Torque and speed of the gearhead."""
     gearhead, speed, when = case.drive_set.gearhead, case.figure("speed"), case.figure("speed_time")
-    yield _check(
-        _most(
-            case,
-            "rms_gear_torque_running",
-            lambda x: at_most("gearhead_continuous_torque", x if speed else 0.0, gearhead.continuous_torque),
-        ),
-        note="while running",
-    )
+
+    def running(x: float) -> CheckColumn:
+        return at_most("gearhead_continuous_torque", x if speed else 0.0, gearhead.continuous_torque)
+
+    yield _check(_most(case, "rms_gear_torque_running", running), note="while running")
     yield _check(
         _most(case, "gear_torque", lambda x: at_most("gearhead_intermittent_torque", x, gearhead.intermittent_torque)),
         case.figure("gear_torque_time"),

@@ -123,16 +123,11 @@ def follow_case(
     speeds = _speeds(d, section.following, chosen, case.integral)
     poses = pose_loop(d, speeds, period=section.following.pose_period, speed=_fastest(found)) if case.poses else None
     off = EXACT if case.exact else misjudged or section.misjudged.record
+    floor, ground = _floor(found), ground_of(found.spec)
     return follow(
-        found.trajectory,
-        d.platform,
-        model=case.model,
-        misjudged=off,
-        contact=_floor(found),
-        speeds=speeds,
-        poses=poses,
-        ground=ground_of(found.spec),
-    )
+        found.trajectory, d.platform, model=case.model, misjudged=off, contact=floor, speeds=speeds, poses=poses,
+        ground=ground,
+    )  # fmt: skip
 
 
 def drawn(runs: Mapping[str, Followed]) -> dict[str, Followed]:
