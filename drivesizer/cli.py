@@ -19,6 +19,7 @@ from drivesizer.commands.catalog import app as catalog_commands
 from drivesizer.commands.drive import drive
 from drivesizer.commands.ends import ended
 from drivesizer.commands.export import export
+from drivesizer.commands.predict import predict
 from drivesizer.commands.setup import doctor, equations, init, schema
 from drivesizer.commands.sizing import explain, report, size
 from drivesizer.commands.study import study
@@ -48,6 +49,8 @@ _COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
     (drive, "Drive a platform along a trajectory, wheel by wheel.",
      "drive examples/sps_platform.yaml examples/sps_way.csv"),
     (report, "Write the report: PDF, HTML, XLSX, CSV or JSON.", "report examples/sps_robot.yaml -o report.pdf"),
+    (predict, "Predict what is measured of a set at the bench, with bands.",
+     "predict 118752 --gearhead 406764 --voltage '24 V' --load '0.5 N*m'"),
     (export, "Write the drive for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
      "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
     (study, "Size every variant of a spec: tables and maps.", "study examples/study.yaml"),

@@ -30,7 +30,7 @@ ORDER = (
     ("machine", "control"),
     ("simulate",),
     ("search",),
-    ("sizing",),
+    ("sizing", "prediction"),
     ("output",),
     ("study",),
     ("commands",),
@@ -38,7 +38,8 @@ ORDER = (
     ("__main__",),
 )
 RANK = {room: rank for rank, line in enumerate(ORDER) for room in line}
-APART = {"output": {"search", "sizing", "simulate"}}  # above it, and yet not to be imported: commands join them
+# above it, and yet not to be imported: commands join them
+APART = {"output": {"search", "sizing", "simulate", "prediction"}}
 FILES = {
     ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__"): path
     for path in PACKAGE.rglob("*.py")

@@ -76,19 +76,22 @@ def _start(text: str, output: Path) -> None:
 
 
 def schema(
-    of: Annotated[str, typer.Argument(metavar="WHAT", help="spec, study, catalog, report or export.")] = "spec",
+    of: Annotated[
+        str, typer.Argument(metavar="WHAT", help="spec, study, catalog, report, prediction or export.")
+    ] = "spec",
 ) -> None:
     """Print the JSON Schema of robot.yaml, a study or a catalogue, for editors, or of a JSON document, for programs."""
     import json
 
     from drivesizer.catalog.schema import catalog_schema
     from drivesizer.output.export.json_document import export_schema
+    from drivesizer.output.json.prediction import prediction_schema
     from drivesizer.output.json.schema import report_schema
     from drivesizer.spec.robot import RobotSpec
     from drivesizer.study.schema import StudyFile
 
     made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": report_schema}
-    made |= {"study": StudyFile.model_json_schema, "export": export_schema}
+    made |= {"study": StudyFile.model_json_schema, "prediction": prediction_schema, "export": export_schema}
     if of not in made:
         raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")
     typer.echo(json.dumps(made[of](), indent=2, ensure_ascii=False))

@@ -18,7 +18,7 @@ from drivesizer.catalog import columns_of
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.units import KINDS
 
-__all__ = ["report_schema"]
+__all__ = ["Generator", "report_schema"]
 
 
 class _PartOf(NamedTuple):
@@ -160,16 +160,17 @@ class Report(Sizing):
     validation: Validation | None
 
 
-class _Generator(GenerateJsonSchema):
+class Generator(GenerateJsonSchema):
     """Schemas without the titles that only repeat their keys."""
 
     def field_title_should_be_set(self, schema: Any) -> bool:
+        """None of them."""
         return False
 
 
 def report_schema() -> dict[str, Any]:
     """The JSON Schema of ``drivesizer report -o report.json``."""
-    every = TypeAdapter(list[Report], config=ConfigDict(extra="forbid")).json_schema(schema_generator=_Generator)
+    every = TypeAdapter(list[Report], config=ConfigDict(extra="forbid")).json_schema(schema_generator=Generator)
     report: dict[str, Any] = every["$defs"].pop("Report")
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "drivesizer report"}
     return report | dialect | {"$defs": every["$defs"]}

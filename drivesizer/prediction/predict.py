@@ -1,0 +1,352 @@
+"""Everything that is predicted of a set at the bench, as one record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import isnan, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import columns_of
+from drivesizer.catalog.estimates import Estimate
+from drivesizer.catalog.query import Hit
+from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
+from drivesizer.physics.overload import State, cold
+from drivesizer.physics.thermal import resistance_at
+from drivesizer.prediction.sampled_parts import SampledParts, sampled_parts
+from drivesizer.prediction.set_at_voltage import SetAtVoltage, at_rest, hottest_phase, set_at_voltage
+from drivesizer.prediction.warming import Heating, in_the_long_run, over_time, time_to_limit
+from drivesizer.results.estimated import EstimatedFigure
+from drivesizer.results.prediction import Band, Conditions, Predicted, Prediction, WarmingCourse
+
+__all__ = ["completed", "predict"]
+
+Array = NDArray[np.float64]
+_POWER = 9  # of two: samples
+_MOMENTS = 121  # over the duration
+_POINTS = 41  # of the line of speed over torque
+_PER_CENT = (0.05, 0.5, 0.95)
+
+
+class _Declared(NamedTuple):
+    """A predicted figure: its name, what it is called, and the figures of parts that it rests on."""
+
+    name: str
+    title: str
+    kind: str
+    unit: str
+    needs: str
+
+
+# name | title | kind | unit | kinds of figures that it rests on; groups by a line of one word
+_FIGURES = """
+free
+free_speed | free speed | rotary_speed | rpm | winding friction voltage
+no_load_current | no-load current | current | A | winding friction voltage
+stall
+stall_torque | stall torque | torque | N*m | winding friction gear voltage peak
+stall_current | stall current | current | A | stalling
+stall_time_cold | to the winding's limit, from cold | time | s | stalling heat limit
+stall_time_warm | to the winding's limit, from warm | time | s | stalling heat limit warm
+load
+load_speed | speed | rotary_speed | rpm | running
+load_current | current of the motor | current | A | running
+load_power | power at the output | power | W | running
+load_electrical_power | power of the supply | power | W | running
+load_efficiency | efficiency | dimensionless | % | running
+step
+step_time_63 | to 63 % of free speed | time | s | moving peak
+step_time_95 | to 95 % of free speed | time | s | moving peak
+step_peak_current | peak current | current | A | moving peak
+coast
+coast_time_half | to half of free speed | time | s | moving
+coast_time | to standstill | time | s | moving
+hold
+hold_current | current | current | A | holding
+hold_heat | heat at the start | power | W | holding
+hold_winding | winding at the end, from cold | temperature | degC | holding heat
+hold_housing | housing at the end, from cold | temperature | degC | holding heat
+hold_winding_settled | winding in the long run | temperature | degC | holding heat
+hold_time_cold | to the winding's limit, from cold | time | s | holding heat limit
+hold_time_warm | to the winding's limit, from warm | time | s | holding heat limit warm
+work
+work_winding_cold | winding at the end, from cold | temperature | degC | running heat iron
+work_housing_cold | housing at the end, from cold | temperature | degC | running heat iron
+work_winding_warm | winding at the end, from warm | temperature | degC | running heat iron warm
+work_winding_settled | winding in the long run | temperature | degC | running heat iron
+work_time_cold | to the winding's limit, from cold | time | s | running heat iron limit
+work_time_warm | to the winding's limit, from warm | time | s | running heat iron limit warm
+"""
+_HEAT = ("thermal_resistance_winding", "thermal_resistance_housing", "winding_time_constant", "motor_time_constant")
+_SEVERAL = {  # kinds of needs, by one word
+    "running": "winding friction gear load voltage", "holding": "winding friction gear load",
+    "moving": "winding friction gear inertia voltage", "stalling": "winding voltage peak",
+}  # fmt: skip
+_NEEDS: dict[str, tuple[tuple[str, str], ...]] = {  # part and figure, by kind of need
+    "winding": (("motor", "resistance"), ("motor", "torque_constant")),
+    "friction": (("motor", "no_load_current"), ("motor", "no_load_speed")),
+    "gear": (("gearhead", "efficiency"),),
+    "inertia": (("motor", "rotor_inertia"), ("gearhead", "inertia")),
+    "heat": tuple(("motor", name) for name in _HEAT),
+    "limit": (("motor", "max_winding_temperature"),),
+    "iron": tuple(("motor", name) for name in ("max_winding_temperature", "nominal_current", "nominal_speed")),
+    "voltage": (("controller", "max_duty"), ("controller", "voltage_drop")),
+    "peak": (("controller", "peak_current"),),
+}
+_CONDITIONS = {"voltage": ("voltage", "--voltage"), "load": ("load", "--load"), "warm": ("warm", "--warm")}
+
+
+def completed(given: Conditions, motor: Hit, gearhead: Hit | None) -> Conditions:
+    """Conditions with those that are not given: the motor's nominal voltage, the set's continuous torque.
+
+    Parameters
+    ----------
+    given
+        NaN where not given.
+    motor, gearhead
+        The set.
+
+    Returns
+    -------
+    Conditions
+        NaN where nothing gives them.
+    """
+    torque = motor["nominal_torque"]
+    if gearhead is not None:
+        own = torque * gearhead["ratio"] * gearhead["efficiency"]
+        torque = float(np.fmin(own, gearhead["continuous_torque"]))
+    load = torque if isnan(given.load) else given.load
+    voltage = motor["nominal_voltage"] if isnan(given.voltage) else given.voltage
+    return given._replace(voltage=voltage, load=load, hold=load if isnan(given.hold) else given.hold)
+
+
+def predict(motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions) -> Prediction:
+    """Predict what is measured of a set at the bench.
+
+    Parameters
+    ----------
+    motor
+        A motor or an actuator.
+    gearhead, controller
+        None without.
+    given
+        What is done; see ``completed``.
+
+    Returns
+    -------
+    Prediction
+        Figures, a line, temperatures over time.
+    """
+    parts = sampled_parts(motor, gearhead, controller, _POWER)
+    with np.errstate(all="ignore"):
+        one = set_at_voltage(parts, given)
+        given = given._replace(warm=_warm(one, given))
+        columns, courses = _mechanical(one, given), list[WarmingCourse]()
+        held = at_rest(one, parts, given.hold)
+        columns |= {"hold_current": held.current, "hold_heat": resistance_at(one.R_25, given.ambient) * held.current**2}
+        heated = _heated(one, parts, given, held.current)
+        for name, heating in heated.items():
+            more, ways = _thermal(name, heating, one, given)
+            columns, courses = columns | more, [*courses, *ways]
+        torque, speed = _line(one, columns["stall_torque"], given)
+    hits = {
+        "actuator" if motor.section == "actuators" else "motor": motor,
+        "gearhead": gearhead,
+        "controller": controller,
+    }
+    bought = {role: hit for role, hit in hits.items() if hit is not None}
+    return Prediction(
+        parts={role: hit.part for role, hit in bought.items()},
+        label=" + ".join(_called(hit) for hit in bought.values()),
+        digests={name: digest for hit in bought.values() for name, digest in hit.catalog.digests.items()},
+        conditions=given,
+        figures=tuple(_figures(columns, parts, given)),
+        torque=torque,
+        speed=speed,
+        courses=tuple(courses),
+        limit=float(one.motor["max_winding_temperature"][0]),
+        estimates=tuple(_estimated(role, section, found) for role, section, found in parts.estimates),
+        tolerances=tuple((c.title, c.text, c.why) for c in parts.classes),
+        assumptions=tuple(_assumptions(one, parts, given)),
+        warnings=tuple(_warnings(motor, gearhead, controller, given)),
+        samples=1 << _POWER,
+    )
+
+
+def _mechanical(one: SetAtVoltage, given: Conditions) -> dict[str, Array]:
+    """Figures with the winding at ambient temperature."""
+    ambient, winding = given.ambient, one.winding(given.ambient)
+    free, idle = one.running(0.0, ambient)
+    stall = one.stall_current(ambient)
+    torque = np.maximum(one.k_t * stall - one.coulomb, 0.0) * one.ratio * one.efficiency
+    speed, current = one.running(given.load, ambient)
+    power, drawn = given.load * speed / one.ratio, given.voltage * one.duty * current
+    driving = one.inertia + given.inertia / (one.ratio**2 * one.efficiency)
+    driven = one.inertia + given.inertia * one.efficiency / one.ratio**2
+    stepped = (winding, one.voltage, one.coulomb, one.viscous, driving)
+    coasted = (driven, one.coulomb, one.viscous, free)
+    return {
+        "free_speed": free / one.ratio,
+        "no_load_current": idle,
+        "stall_torque": torque,
+        "stall_current": stall,
+        "load_speed": speed / one.ratio,
+        "load_current": current,
+        "load_power": power,
+        "load_electrical_power": drawn,
+        "load_efficiency": power / drawn,
+        "step_time_63": step_time(*stepped, share=1.0 - np.exp(-1.0), limit=one.most_current),
+        "step_time_95": step_time(*stepped, share=0.95, limit=one.most_current),
+        "step_peak_current": step_peak_current(winding, one.voltage, one.coulomb, driving, one.most_current),
+        "coast_time_half": coast_down_time(*coasted, free / 2.0),
+        "coast_time": coast_down_time(*coasted),
+    }
+
+
+def _warm(one: SetAtVoltage, given: Conditions) -> float:
+    """Temperature at a warm start: given, or the housing's after long work at the nominal point [K]."""
+    if not isnan(given.warm):
+        return given.warm
+    motor = {name: one.motor[name][0] for name in ("nominal_current", "nominal_speed")}
+    speed = motor["nominal_speed"]
+    first = np.zeros(1, np.int64)
+    heating = Heating(_rows(one.bodies, first), given.ambient,
+                      lambda w: (motor["nominal_current"] + 0.0 * w,
+                                 (one.losses[0][first] * speed + one.losses[1][first] * speed**2)))  # fmt: skip
+    return float(in_the_long_run(heating)[1][0]) if heating.known else nan
+
+
+def _rows(bodies: Any, rows: NDArray[np.int64]) -> Any:
+    return type(bodies)(**{name: getattr(bodies, name)[rows] for name in ("R_25", "R_th1", "R_th2", "tau_w", "tau_h")})
+
+
+def _heated(one: SetAtVoltage, parts: SampledParts, given: Conditions, held: Array) -> dict[str, Heating]:
+    """The set stalled, holding and working, as bodies that warm up."""
+
+    def working(winding: Array) -> tuple[Array, Array]:
+        speed, current = one.running(given.load, winding)
+        return current, one.losses[0] * speed + np.where(speed > 0.0, one.losses[1] * speed**2, 0.0)
+
+    still, phase = np.zeros_like(held), hottest_phase(one, parts)
+    return {
+        "stall": Heating(phase, given.ambient, lambda winding: (one.stall_current(winding), still)),
+        "hold": Heating(phase, given.ambient, lambda _: (held, still)),
+        "work": Heating(one.bodies, given.ambient, working),
+    }
+
+
+def _thermal(
+    name: str, heating: Heating, one: SetAtVoltage, given: Conditions
+) -> tuple[dict[str, Array], list[WarmingCourse]]:
+    """Temperatures and times to the limit of one way of heating; nothing where a thermal figure is unknown."""
+    if not heating.known:
+        return {}, []
+    limit = one.motor["max_winding_temperature"]
+    starts = {"cold": cold(given.ambient)} | ({} if isnan(given.warm) else {"warm": State(given.warm, given.warm)})
+    columns: dict[str, Array] = {}
+    if not np.isnan(limit).any():
+        columns |= {f"{name}_time_{at}": time_to_limit(heating, start, limit) for at, start in starts.items()}
+    if name == "stall":
+        return columns, []
+    columns[f"{name}_winding_settled"] = in_the_long_run(heating)[0]
+    times, courses = np.linspace(0.0, given.duration, _MOMENTS), []
+    for at, start in starts.items():
+        winding, housing = over_time(heating, start, times)
+        ends = {f"{name}_winding_{at}": winding[-1], f"{name}_housing_{at}": housing[-1]}
+        columns |= ends | {f"{name}_winding": winding[-1], f"{name}_housing": housing[-1]} if at == "cold" else ends
+        title = f"{'holding' if name == 'hold' else 'at the load'}, from {at}"
+        courses.append(WarmingCourse(f"{name}_from_{at}", title, times, _band(winding), _band(housing)))
+    return columns, courses
+
+
+def _line(one: SetAtVoltage, stall: Array, given: Conditions) -> tuple[Array, Band]:
+    """Speed over torque at the output, winding at ambient temperature."""
+    torque = np.linspace(0.0, float(np.nan_to_num(stall).max()), _POINTS)
+    speed = np.array([one.running(x, given.ambient)[0] / one.ratio for x in torque])
+    return torque, _band(speed)
+
+
+def _band(values: Array) -> Band:
+    """Nominal value and percentiles over the last axis; NaN where one is unknown."""
+    known = ~np.isnan(values).any(axis=-1)
+    found = [
+        values[..., 0],
+        *np.quantile(np.nan_to_num(values[..., 1:], posinf=np.inf), _PER_CENT, axis=-1, method="inverted_cdf"),
+    ]
+    return Band(*(np.where(known, x, np.nan)[()] for x in found))
+
+
+def _figures(columns: dict[str, Array], parts: SampledParts, given: Conditions) -> Iterable[Predicted]:
+    """Predicted figures in the order of their declaration."""
+    group, unknown = "", np.full(2, np.nan)
+    for line in _FIGURES.strip().splitlines():
+        cells = [cell.strip() for cell in line.split("|")]
+        if len(cells) == 1:
+            group = cells[0]
+            continue
+        declared, values = _Declared(*cells), columns.get(cells[0], unknown)
+        band = Band(*(float(x) for x in _band(values)))
+        never = float(np.isinf(values[1:]).mean()) if not isnan(band.nominal) else nan
+        lacking = () if not isnan(band.nominal) else tuple(dict.fromkeys(_missing(declared.needs, parts, given)))
+        yield Predicted(declared.name, group, declared.title, declared.kind, declared.unit, band, never, lacking)
+
+
+def _missing(needs: str, parts: SampledParts, given: Conditions) -> Iterable[str]:
+    """Names of unknown figures among those that a prediction rests on."""
+    figures: dict[str, Any] = {"motor": parts.motor, "gearhead": parts.gearhead, "controller": parts.controller}
+    brushless = parts.motor["kind"][0] != "brushed"
+    for need in " ".join(_SEVERAL.get(need, need) for need in needs.split()).split():
+        if need == "iron" and not brushless:
+            continue
+        for role, name in _NEEDS.get(need, ()):
+            if name == "no_load_speed" and not brushless:
+                continue
+            if figures[role] is not None and np.isnan(figures[role][name][0]):
+                yield f"{role} {name.replace('_', ' ')}"
+        if need in _CONDITIONS and isnan(getattr(given, _CONDITIONS[need][0])):
+            yield _CONDITIONS[need][1]
+
+
+def _called(hit: Hit) -> str:
+    """Family, reduction and number of a part."""
+    reduction = f" {hit['reduction']}" if hit.section in ("gearheads", "actuators") and hit["reduction"] else ""
+    family = "" if hit["family"] == hit.part else f"{hit['family']} "
+    return f"{family}{hit.part}{reduction}"
+
+
+def _estimated(role: str, section: str, one: Estimate) -> EstimatedFigure:
+    column, law = columns_of(section)[one.figure], one.fit.law
+    terms = ", ".join(term.replace("_", " ") for term in law.terms)
+    peers = f"{one.fit.parts} {law.of} {law.section}".replace("  ", " ")
+    text = f"{terms or 'all alike'}; {peers}, {one.fit.families} families"
+    return EstimatedFigure(role, one.figure, one.value, one.low, one.high, column.kind, column.unit, text)
+
+
+def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> Iterable[str]:
+    """What is assumed, as sentences."""
+    yield "the winding is at ambient temperature in all but the temperatures and the times to its limit"
+    if (
+        parts.gearhead["ratio"][0] != 1.0
+        and np.isnan(parts.gearhead["no_load_torque"][0])
+        and not parts.motor["inside"][0]
+    ):
+        yield "the gearhead's own friction without load is not printed and left out: free running takes more current"
+    if one.motor["kind"][0] == "brushless":
+        yield ("at standstill the hottest phase has 1.5 to 2 times the mean loss, by the rotor's angle, and its "
+               "neighbours lead none of it away")  # fmt: skip
+    yield "at rest friction and gear loss carry any part of the torque between helping and hindering"
+    if parts.controller is None and not np.isfinite(one.most_current[0]):
+        yield "without a controller the winding is connected to the supply: nothing limits the current"
+    elif parts.controller is None:
+        yield "the controller inside limits the current to the printed stall current"
+
+
+def _warnings(motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions) -> Iterable[str]:
+    if gearhead is not None and gearhead.catalogue == motor.catalogue:
+        pairs = motor.catalog.motor_gearhead
+        if not ((pairs.left == motor.row) & (pairs.right == gearhead.row)).any():
+            yield f"the catalogue does not list gearhead {gearhead.part} with motor {motor.part}"
+    if controller is not None and not controller["supply_min"] <= given.voltage <= controller["supply_max"]:
+        yield f"{given.voltage:.4g} V is outside the controller's supply, or that is unknown"

@@ -1,0 +1,159 @@
+"""The parts of a set over samples: figures times tolerances, estimated figures within their bands.
+
+One row is one machine; the first has every figure as printed, or at the middle of its band. An estimated figure is
+log-normal with the ends of its band as 5th and 95th percentile, and has no tolerance beside that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import PARTS, RELATIONS, Catalog, Table, columns_of
+from drivesizer.catalog.estimates import Estimate, estimates_of
+from drivesizer.catalog.parts import NO_GEARHEAD
+from drivesizer.catalog.query import Hit
+from drivesizer.catalog.search_view import split_actuators
+from drivesizer.catalog.tables import Pairs, empty
+from drivesizer.catalog.tolerances.classes import Class
+from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.search.uncertainty.class_of_part import holding
+from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_losses
+from drivesizer.search.uncertainty.sobol_sequence import sobol
+
+__all__ = ["Figures", "SampledParts", "sampled_parts"]
+
+Array = NDArray[np.float64]
+Figures = Mapping[str, NDArray[Any]]
+_END = 1.6448536269514722  # standard deviations from the middle of a band to its ends
+_SEED = 1
+_NO_PAIRS = Pairs(*(np.zeros(0, np.int32) for _ in range(3)))
+
+
+class SampledParts(NamedTuple):
+    """Figures of motor, gearhead and controller by field name: columns, the first row nominal."""
+
+    motor: Figures
+    gearhead: Figures
+    controller: Figures | None
+    free: Array  # (samples + 1, 2): two more uniform figures, 0 to 1; the first row 0.5
+    estimates: tuple[tuple[str, str, Estimate], ...]  # role, section, estimate
+    classes: tuple[Class, ...]
+
+
+def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, power: int) -> SampledParts:
+    """The parts of a set over 2 to the power samples, and their nominal figures before them.
+
+    Parameters
+    ----------
+    motor
+        A motor or an actuator.
+    gearhead, controller
+        None without.
+    power
+        Of two: number of samples.
+
+    Returns
+    -------
+    SampledParts
+        Columns of 1 + 2^power rows.
+    """
+    sold = {"actuator" if motor.section == "actuators" else "motor": motor} | (
+        {"gearhead": gearhead} if gearhead else {}
+    )
+    estimated = [
+        (role, hit.section, one)
+        for role, hit in sold.items()
+        for one in estimates_of(hit.table, hit.row)
+        if one.figure in columns_of(hit.section)
+    ]
+    drawn = [one for one in _classes(motor, gearhead) if one.factor is not None]
+    cube = sobol(len(estimated) + len(drawn) + 2, power, [(_SEED, 0)])
+    cube = np.concatenate([np.full((1, cube.shape[1]), 0.5), cube])
+    changed: dict[str, dict[str, Array]] = {role: {} for role in sold}
+    for (role, _, figure), share in zip(estimated, cube.T, strict=False):
+        changed[role][figure.figure] = _within(figure, share)
+    tables = {role: _drawn(hit, len(cube), changed[role]) for role, hit in sold.items()}
+    bought, gear = _split(motor, tables)
+    factors: dict[str, dict[str, Array]] = {part: {} for part in ("motor", "gearhead")}
+    for one, share in zip(drawn, cube.T[len(estimated) :], strict=False):
+        factors[one.part][one.figure] = _factor(one, share)
+    names = {one.figure for _, _, one in estimated}
+    return SampledParts(
+        _motor(bought, factors["motor"], names),
+        _gearhead(gear, factors["gearhead"], names),
+        None if controller is None else _drawn(controller, len(cube), {}),
+        cube[:, -2:],
+        tuple(estimated),
+        tuple(drawn),
+    )
+
+
+def _within(one: Estimate, share: Array) -> Array:
+    """Log-normal values of an estimated figure."""
+    from scipy.special import ndtri
+
+    deviations = ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)) / _END
+    far = np.where(deviations > 0.0, np.log(one.high / one.value), np.log(one.value / one.low))
+    values = one.value * np.exp(far * deviations)
+    return np.asarray(np.minimum(values, 1.0 if one.figure == "efficiency" else np.inf))
+
+
+def _factor(one: Class, share: Array) -> Array:
+    """Factors of a printed figure; 1 in the nominal row."""
+    assert one.factor is not None
+    found = one.factor.at(share)
+    found[0] = 1.0
+    return found
+
+
+def _drawn(hit: Hit, count: int, changed: Mapping[str, Array]) -> Figures:
+    """Figures of a part, in as many rows."""
+    return {name: np.full(count, hit.table[name][hit.row]) for name in hit.table.columns} | dict(changed)
+
+
+def _split(motor: Hit, tables: Mapping[str, Figures]) -> tuple[Figures, Figures]:
+    """Motor and gearhead; of an actuator those inside it."""
+    if motor.section == "actuators":
+        inside = _inside(
+            motor.catalog, tables["actuator"], np.full(len(tables["actuator"]["part"]), motor.table.source[motor.row])
+        )
+        return inside.motors.columns, inside.gearheads.columns
+    bought = tables["motor"]
+    none = {name: np.full(len(bought["part"]), getattr(NO_GEARHEAD, name)) for name in columns_of("gearheads")}
+    return bought, tables.get("gearhead", none)
+
+
+def _inside(catalog: Catalog, columns: Figures, source: NDArray[np.int32]) -> Catalog:
+    """A catalogue of one actuator in many rows, split."""
+    tables: dict[str, Any] = {section: empty(section) for section in PARTS}
+    tables["actuators"] = Table("actuators", columns, source, np.zeros(len(source), bool))
+    return split_actuators(catalog.with_tables(tables, dict.fromkeys(RELATIONS, _NO_PAIRS)))
+
+
+def _classes(motor: Hit, gearhead: Hit | None) -> tuple[Class, ...]:
+    """Tolerance classes of the figures of motor and gearhead."""
+    if motor.section == "actuators":
+        one = _inside(motor.catalog, _drawn(motor, 1, {}), motor.table.source[motor.row : motor.row + 1])
+        return holding(one, {}, "motor", 0) + holding(one, {}, "gearhead", 0)
+    own = holding(motor.catalog, {}, "motor", motor.row)
+    return own + (holding(gearhead.catalog, {}, "gearhead", gearhead.row) if gearhead else ())
+
+
+def _motor(bought: Figures, factors: Mapping[str, Array], estimated: set[str]) -> Figures:
+    """A motor's figures, each times its factor."""
+    times = motor_factors(factors)
+    k_e = back_emf_constant(bought) * times["back_emf_constant"]
+    changed = {name: bought[name] * factor for name, factor in times.items() if name not in estimated}
+    return dict(bought) | changed | {"back_emf_constant": k_e}
+
+
+def _gearhead(gear: Figures, factors: Mapping[str, Array], estimated: set[str]) -> Figures:
+    """A gearhead's figures, each times its factor."""
+    losses, inertia = factors.get("efficiency", 1.0), factors.get("inertia", 1.0)
+    changed = {"no_load_torque": gear["no_load_torque"] * losses, "inertia": gear["inertia"] * inertia}
+    changed["efficiency"] = with_losses(gear["efficiency"], losses)
+    return dict(gear) | {name: values for name, values in changed.items() if name not in estimated}

@@ -1,0 +1,87 @@
+"""A set at the bench as it is predicted: figures with bands, temperatures over time, the line of speed over torque."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.results.estimated import EstimatedFigure
+
+__all__ = ["Band", "Conditions", "Predicted", "Prediction", "WarmingCourse"]
+
+Array = NDArray[np.float64]
+
+
+class Conditions(NamedTuple):
+    """What is done at the bench; SI, torques and inertia at the output."""
+
+    voltage: float  # of the supply
+    ambient: float
+    load: float  # torque against which it runs
+    hold: float  # torque that it holds at rest
+    inertia: float  # of what is mounted at the output
+    duration: float  # s, of running and of holding
+    warm: float  # temperature of winding and housing at a warm start; NaN unknown
+    resistance: float  # of supply and leads
+
+
+class Band(NamedTuple):
+    """A figure with all others as printed or at the middle of their bands, and percentiles over the samples.
+
+    Figures [SI], or arrays over an axis; infinite: not within any time; NaN: unknown.
+    """
+
+    nominal: Any
+    p5: Any
+    p50: Any
+    p95: Any
+
+
+class Predicted(NamedTuple):
+    """One predicted figure."""
+
+    name: str
+    group: str  # free, stall, load, step, coast, hold, work
+    title: str
+    kind: str
+    unit: str  # of the trade
+    band: Band  # SI
+    never: float  # share of the samples in which it is not reached; NaN unknown
+    missing: tuple[str, ...]  # figures that no data sheet gives, where it is unknown
+
+
+class WarmingCourse(NamedTuple):
+    """Temperatures over time."""
+
+    name: str
+    title: str
+    time: Array  # s
+    winding: Band  # K, hottest phase
+    housing: Band  # K
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Prediction:
+    """A motor with its gearhead, or an actuator, at the bench."""
+
+    parts: dict[str, str]  # part number by role: motor or actuator, gearhead, controller
+    label: str
+    digests: dict[str, str]  # of the catalogues
+    conditions: Conditions
+    figures: tuple[Predicted, ...]
+    torque: Array  # N*m, at the output: of the line
+    speed: Band  # rad/s, at the output
+    courses: tuple[WarmingCourse, ...]  # none where a thermal figure is unknown
+    limit: float  # K, that the winding may have; NaN unknown
+    estimates: tuple[EstimatedFigure, ...]
+    tolerances: tuple[tuple[str, str, str], ...]  # name, tolerance, source
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+    samples: int
+
+    def figure(self, name: str) -> Predicted:
+        """A figure by its name."""
+        return next(one for one in self.figures if one.name == name)

@@ -1,0 +1,184 @@
+"""A set at the bench against what its makers print, and against SciPy's integrator."""
+
+from __future__ import annotations
+
+from math import inf, isnan, nan
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from drivesizer.catalog import load
+from drivesizer.catalog.query import Hit
+from drivesizer.physics.overload import State, cold, overload_time
+from drivesizer.physics.thermal import TwoBodies
+from drivesizer.prediction.predict import completed, predict
+from drivesizer.prediction.warming import Heating, in_the_long_run, over_time, time_to_limit
+from drivesizer.results.prediction import Conditions
+
+ROOM = 298.15
+NOTHING = Conditions(voltage=nan, ambient=ROOM, load=nan, hold=nan, inertia=0.0, duration=3600.0, warm=nan,
+                     resistance=0.0)  # fmt: skip
+DCX = "DCX22S01EBKL598"
+
+
+def hit(part, section="motors", catalogue="maxon"):
+    catalog = load([catalogue])
+    return Hit(catalogue, catalog, section, catalog.table(section).rows[part])
+
+
+def of(motor, gearhead=None, **changes):
+    return predict(motor, gearhead, None, completed(NOTHING._replace(**changes), motor, gearhead))
+
+
+def nominal(found, name):
+    return found.figure(name).band.nominal
+
+
+@pytest.fixture(scope="module")
+def brushed():
+    return of(hit(DCX))
+
+
+@pytest.mark.parametrize(
+    ("part", "band"),
+    # speed, current and torque in free running, stalled and at the nominal point: the largest errors
+    [(DCX, 0.01), ("118743", 0.01), ("236662", 0.02), ("200142", 0.025)],
+)
+def test_data_sheet_is_met(part, band):
+    """Figures at nominal voltage as maxon prints them; the stall torque of a data sheet is that without friction."""
+    motor = hit(part)
+    found = of(motor)
+    printed = {
+        "free_speed": "no_load_speed", "no_load_current": "no_load_current", "stall_current": "stall_current",
+    }  # fmt: skip
+    if motor["kind"] == "brushed":  # iron of brushless ones saturates
+        printed |= {"load_current": "nominal_current", "load_speed": "nominal_speed"}
+    for name, figure in printed.items():
+        assert nominal(found, name) == pytest.approx(motor[figure], rel=band), name
+    friction = motor["torque_constant"] * motor["no_load_current"] * (motor["kind"] == "brushed")
+    assert nominal(found, "stall_torque") == pytest.approx(motor["stall_torque"] - friction, rel=band)
+
+
+def test_step_has_the_printed_time_constant(brushed):
+    constant = hit(DCX)["mechanical_time_constant"]
+    assert nominal(brushed, "step_time_63") == pytest.approx(constant, rel=0.01)
+    assert nominal(brushed, "step_time_95") == pytest.approx(-np.log(0.05) * constant, rel=0.02)
+
+
+def test_nominal_current_keeps_the_winding_at_its_limit(brushed):
+    """In the long run at 25 °C; a shop's nominal current is rounded, and its nominal speed comes of a hot winding."""
+    rise = nominal(brushed, "work_winding_settled") - ROOM
+    assert rise == pytest.approx(75.0, rel=0.06)
+    band = brushed.figure("work_winding_settled").band
+    assert band.p5 < 373.15 < band.p95
+    never = brushed.figure("work_time_cold").never
+    assert 0.0 < never < 1.0
+
+
+def test_percentiles_are_in_order_and_enclose_the_nominal(brushed):
+    for one in brushed.figures:
+        assert one.band.p5 <= one.band.p50 <= one.band.p95 and not one.missing
+        assert one.band.p5 <= one.band.nominal <= one.band.p95
+    assert (np.diff(brushed.speed.nominal) <= 0.0).all()
+
+
+def test_supply_and_leads_take_of_the_voltage(brushed):
+    motor = hit(DCX)
+    found = of(motor, resistance=motor["resistance"])
+    assert nominal(found, "stall_current") == pytest.approx(nominal(brushed, "stall_current") / 2)
+    assert nominal(found, "free_speed") < nominal(brushed, "free_speed")
+
+
+def test_gearhead_and_mounted_inertia():
+    motor, gearhead = hit(DCX), hit("GPX22HPKLSL44D0CPLW", "gearheads")
+    bare, found = of(motor), of(motor, gearhead, inertia=3e-4)
+    i, e = gearhead["ratio"], gearhead["efficiency"]
+    assert nominal(found, "free_speed") == pytest.approx(nominal(bare, "free_speed") / i)
+    assert nominal(found, "stall_torque") == pytest.approx(nominal(bare, "stall_torque") * i * e)
+    J = motor["rotor_inertia"] + gearhead["inertia"]
+    loss = motor["torque_constant"] * motor["no_load_current"]
+    driven = (J + 3e-4 * e / i**2) * nominal(bare, "free_speed") / loss
+    assert nominal(found, "coast_time") == pytest.approx(driven, rel=1e-6)
+
+
+def test_a_held_torque_of_nothing_takes_no_current_at_the_least(brushed):
+    found = of(hit(DCX), hold=0.0)
+    assert nominal(found, "hold_current") == 0.0 and nominal(found, "hold_winding_settled") == ROOM
+    assert nominal(found, "hold_time_cold") == inf and found.figure("hold_time_cold").never == 1.0
+
+
+def test_a_load_that_is_too_much_stalls_the_motor():
+    found = of(hit(DCX), load=0.2)
+    assert nominal(found, "load_speed") == nominal(found, "load_power") == 0.0
+    assert nominal(found, "load_current") == nominal(found, "stall_current")
+    assert nominal(found, "work_time_cold") < 60.0
+
+
+def test_what_is_unknown_is_named():
+    found = of(hit("XL330-M288-T 5 V", "actuators", "robotis"))
+    one = found.figure("stall_time_cold")
+    assert isnan(one.band.nominal) and "motor thermal resistance winding" in one.missing
+    assert not any(isnan(f.band.nominal) and not f.missing for f in found.figures)
+    assert nominal(found, "stall_current") == pytest.approx(1.47, rel=0.01)  # as printed
+
+
+def test_estimated_figures_are_listed_and_widen_the_band():
+    """RE 25, 118752: the catalogue has no thermal time constants of this winding."""
+    found = of(hit("118752"))
+    names = {one.figure for one in found.estimates}
+    assert {"winding_time_constant", "motor_time_constant"} <= names
+    assert all(one.low < one.value < one.high and one.law for one in found.estimates)
+
+
+# --- temperatures
+
+BODIES = TwoBodies(R_25=np.array([2.32]), R_th1=np.array([3.1]), R_th2=np.array([14.0]), tau_w=np.array([12.4]),
+                   tau_h=np.array([612.0]))  # fmt: skip
+
+
+def test_temperatures_at_a_constant_voltage_are_those_of_an_integrator():
+    """Current falls as the winding warms: no closed form."""
+    volts = 7.0
+
+    def resistance(winding):
+        return 2.32 * (1.0 + 0.0039 * (winding - 298.15)) + 0.4
+
+    heating = Heating(BODIES, ROOM, lambda w: (volts / resistance(w), 0.3 + 0.0 * w))
+
+    def slopes(_, x):
+        copper = (resistance(x[0]) - 0.4) * (volts / resistance(x[0])) ** 2
+        flow = (x[0] - x[1]) / 3.1
+        return [(copper - flow) / (12.4 / 3.1), (flow + 0.3 - (x[1] - ROOM) / 14.0) / (612.0 / 14.0)]
+
+    times = np.linspace(0.0, 1800.0, 241)
+    exact = solve_ivp(slopes, (0, 1800), [ROOM, ROOM], rtol=1e-9, atol=1e-9, t_eval=times, method="LSODA").y
+    winding, housing = over_time(heating, cold(ROOM), times)
+    assert np.abs(winding[:, 0] - exact[0]).max() < 0.3 and np.abs(housing[:, 0] - exact[1]).max() < 0.1  # K
+    settled = in_the_long_run(heating)
+    assert np.allclose(np.ravel(settled), solve_ivp(slopes, (0, 5e4), [ROOM, ROOM], rtol=1e-9, method="LSODA").y[:, -1],
+                       rtol=1e-5)  # fmt: skip
+    crossed = solve_ivp(slopes, (0, 1800), [ROOM, ROOM], rtol=1e-10, atol=1e-10, method="LSODA",
+                        events=lambda _, x: x[0] - 398.15).t_events[0][0]  # fmt: skip
+    assert time_to_limit(heating, cold(ROOM), 398.15)[0] == pytest.approx(crossed, rel=5e-3)
+
+
+@pytest.mark.parametrize("current", [1.1, 2.0, 6.0])
+def test_time_to_the_limit_at_a_constant_current_is_that_of_one_motor(current):
+    heating = Heating(BODIES, ROOM, lambda w: (current + 0.0 * w, 0.0 * w))
+    for start in (cold(ROOM), State(350.0, 350.0), State(420.0, 400.0)):
+        one = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)
+        expected = overload_time(one, ROOM, start, 398.15, current)
+        assert time_to_limit(heating, start, 398.15)[0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_stalled_brushless_motor_is_hottest_in_one_phase():
+    """It reaches the limit before the mean of the phases does."""
+    motor = hit("200142")
+    mean = TwoBodies(R_25=motor["resistance"], R_th1=motor["thermal_resistance_winding"],
+                     R_th2=motor["thermal_resistance_housing"], tau_w=motor["winding_time_constant"],
+                     tau_h=motor["motor_time_constant"])  # fmt: skip
+    torque = 1.7 * motor["nominal_torque"]
+    found = of(motor, hold=torque)
+    alone = overload_time(mean, ROOM, cold(ROOM), motor["max_winding_temperature"], nominal(found, "hold_current"))
+    assert 0.0 < nominal(found, "hold_time_cold") < alone
