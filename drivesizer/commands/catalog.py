@@ -129,12 +129,13 @@ def show(
     hits = find(shelf, part)
     if json:
         from drivesizer.catalog.estimates import as_records
+        from drivesizer.catalog.estimates.family_limits import limit_records
         from drivesizer.catalog.exchange.exporting import as_document
 
         document = as_document(shelf, hits, sources=True)
         for one, hit in zip(document["parts"], hits, strict=True):
             one["goes_with"] = partners(hit)
-            one["estimates"] = as_records(hit.table, hit.row)
+            one["estimates"] = as_records(hit.table, hit.row) + limit_records(hit.table, hit.row)
         print_document(document)
         return
     from drivesizer.output.terminal import part as terminal_part
