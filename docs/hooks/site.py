@@ -10,7 +10,7 @@ from typing import Any
 import mathematics
 from command_page import commands
 from equation_page import equations
-from figures_of import closed_loop, followed
+from figures_of import at_the_bench, closed_loop, followed
 from following_page import sensitivities
 from load_page import loads
 from mkdocs.structure.files import File
@@ -32,7 +32,8 @@ def on_files(files: Any, config: Any) -> Any:
     for name, page in _PROJECT.items():
         text = _LINK.sub(_relinked, (ROOT / name).read_text(encoding="utf-8"))
         files.append(File.generated(config, page, content=text))
-    for name, figure in (("closed_loop", closed_loop), ("followed", followed)):
+    drawn = {"at_the_bench": at_the_bench, "closed_loop": closed_loop, "followed": followed}
+    for name, figure in drawn.items():
         files.append(File.generated(config, f"figures/{name}.svg", content=figure(ROOT)))
     return files
 

@@ -9,8 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import columns_of
-from drivesizer.catalog.estimates import Estimate
 from drivesizer.catalog.query import Hit
 from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
 from drivesizer.physics.overload import State, cold
@@ -18,8 +16,8 @@ from drivesizer.physics.thermal import resistance_at
 from drivesizer.prediction.sampled_parts import SampledParts, sampled_parts
 from drivesizer.prediction.set_at_voltage import SetAtVoltage, at_rest, hottest_phase, set_at_voltage
 from drivesizer.prediction.warming import Heating, in_the_long_run, over_time, time_to_limit
-from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.results.prediction import Band, Conditions, Predicted, Prediction, WarmingCourse
+from drivesizer.units import show
 
 __all__ = ["completed", "predict"]
 
@@ -48,8 +46,8 @@ no_load_current | no-load current | current | A | winding friction voltage
 stall
 stall_torque | stall torque | torque | N*m | winding friction gear voltage peak
 stall_current | stall current | current | A | stalling
-stall_time_cold | to the winding's limit, from cold | time | s | stalling heat limit
-stall_time_warm | to the winding's limit, from warm | time | s | stalling heat limit warm
+stall_time_cold | to the limit, from cold | time | s | stalling heat limit
+stall_time_warm | to the limit, from warm | time | s | stalling heat limit warm
 load
 load_speed | speed | rotary_speed | rpm | running
 load_current | current of the motor | current | A | running
@@ -69,15 +67,16 @@ hold_heat | heat at the start | power | W | holding
 hold_winding | winding at the end, from cold | temperature | degC | holding heat
 hold_housing | housing at the end, from cold | temperature | degC | holding heat
 hold_winding_settled | winding in the long run | temperature | degC | holding heat
-hold_time_cold | to the winding's limit, from cold | time | s | holding heat limit
-hold_time_warm | to the winding's limit, from warm | time | s | holding heat limit warm
+hold_time_cold | to the limit, from cold | time | s | holding heat limit
+hold_time_warm | to the limit, from warm | time | s | holding heat limit warm
 work
 work_winding_cold | winding at the end, from cold | temperature | degC | running heat iron
 work_housing_cold | housing at the end, from cold | temperature | degC | running heat iron
+work_speed | speed at the end, from cold | rotary_speed | rpm | running heat iron
 work_winding_warm | winding at the end, from warm | temperature | degC | running heat iron warm
 work_winding_settled | winding in the long run | temperature | degC | running heat iron
-work_time_cold | to the winding's limit, from cold | time | s | running heat iron limit
-work_time_warm | to the winding's limit, from warm | time | s | running heat iron limit warm
+work_time_cold | to the limit, from cold | time | s | running heat iron limit
+work_time_warm | to the limit, from warm | time | s | running heat iron limit warm
 """
 _HEAT = ("thermal_resistance_winding", "thermal_resistance_housing", "winding_time_constant", "motor_time_constant")
 _SEVERAL = {  # kinds of needs, by one word
@@ -167,10 +166,10 @@ def predict(motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Con
         speed=speed,
         courses=tuple(courses),
         limit=float(one.motor["max_winding_temperature"][0]),
-        estimates=tuple(_estimated(role, section, found) for role, section, found in parts.estimates),
+        estimates=parts.estimates,
         tolerances=tuple((c.title, c.text, c.why) for c in parts.classes),
         assumptions=tuple(_assumptions(one, parts, given)),
-        warnings=tuple(_warnings(motor, gearhead, controller, given)),
+        warnings=tuple(_warnings(motor, gearhead, controller, given, columns)),
         samples=1 << _POWER,
     )
 
@@ -255,7 +254,11 @@ def _thermal(
     for at, start in starts.items():
         winding, housing = over_time(heating, start, times)
         ends = {f"{name}_winding_{at}": winding[-1], f"{name}_housing_{at}": housing[-1]}
-        columns |= ends | {f"{name}_winding": winding[-1], f"{name}_housing": housing[-1]} if at == "cold" else ends
+        columns |= ends
+        if at == "cold":
+            columns |= {f"{name}_winding": winding[-1], f"{name}_housing": housing[-1]}
+            if name == "work":
+                columns["work_speed"] = one.running(given.load, winding[-1])[0] / one.ratio
         title = f"{'holding' if name == 'hold' else 'at the load'}, from {at}"
         courses.append(WarmingCourse(f"{name}_from_{at}", title, times, _band(winding), _band(housing)))
     return columns, courses
@@ -316,14 +319,6 @@ def _called(hit: Hit) -> str:
     return f"{family}{hit.part}{reduction}"
 
 
-def _estimated(role: str, section: str, one: Estimate) -> EstimatedFigure:
-    column, law = columns_of(section)[one.figure], one.fit.law
-    terms = ", ".join(term.replace("_", " ") for term in law.terms)
-    peers = f"{one.fit.parts} {law.of} {law.section}".replace("  ", " ")
-    text = f"{terms or 'all alike'}; {peers}, {one.fit.families} families"
-    return EstimatedFigure(role, one.figure, one.value, one.low, one.high, column.kind, column.unit, text)
-
-
 def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> Iterable[str]:
     """What is assumed, as sentences."""
     yield "the winding is at ambient temperature in all but the temperatures and the times to its limit"
@@ -343,10 +338,17 @@ def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> I
         yield "the controller inside limits the current to the printed stall current"
 
 
-def _warnings(motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions) -> Iterable[str]:
+def _warnings(
+    motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions, columns: dict[str, Array]
+) -> Iterable[str]:
+    """What the reader must know, as sentences."""
     if gearhead is not None and gearhead.catalogue == motor.catalogue:
         pairs = motor.catalog.motor_gearhead
         if not ((pairs.left == motor.row) & (pairs.right == gearhead.row)).any():
             yield f"the catalogue does not list gearhead {gearhead.part} with motor {motor.part}"
     if controller is not None and not controller["supply_min"] <= given.voltage <= controller["supply_max"]:
-        yield f"{given.voltage:.4g} V is outside the controller's supply, or that is unknown"
+        yield f"{show(given.voltage, 'V', 'voltage')} is outside the controller's supply, or that is unknown"
+    for name, what in (("stall_current", "stalled"), ("load_current", "at the load"), ("hold_current", "holding")):
+        if controller is not None and columns[name][0] > controller["continuous_current"]:
+            continuous = show(controller["continuous_current"], "A", "current")
+            yield f"{what} the motor takes more than the controller's continuous {continuous}: briefly only"

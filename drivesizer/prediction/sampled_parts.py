@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import PARTS, RELATIONS, Catalog, Table, columns_of
 from drivesizer.catalog.estimates import Estimate, estimates_of
+from drivesizer.catalog.estimates.family_limits import SAME_FAMILY, FamilyLimit, family_limits
 from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.search_view import split_actuators
 from drivesizer.catalog.tables import Pairs, empty
 from drivesizer.catalog.tolerances.classes import Class
 from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.search.uncertainty.class_of_part import holding
 from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_losses
 from drivesizer.search.uncertainty.sobol_sequence import sobol
@@ -30,6 +32,7 @@ Array = NDArray[np.float64]
 Figures = Mapping[str, NDArray[Any]]
 _END = 1.6448536269514722  # standard deviations from the middle of a band to its ends
 _SEED = 1
+_STAGE = {"max_duty": (0.9, 1.0), "voltage_drop": (0.0, 1.0)}  # [1], [V]: to those of maxon's EPOS4
 _NO_PAIRS = Pairs(*(np.zeros(0, np.int32) for _ in range(3)))
 
 
@@ -40,7 +43,7 @@ class SampledParts(NamedTuple):
     gearhead: Figures
     controller: Figures | None
     free: Array  # (samples + 1, 2): two more uniform figures, 0 to 1; the first row 0.5
-    estimates: tuple[tuple[str, str, Estimate], ...]  # role, section, estimate
+    estimates: tuple[EstimatedFigure, ...]
     classes: tuple[Class, ...]
 
 
@@ -71,9 +74,10 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
         if one.figure in columns_of(hit.section)
     ]
     drawn = [one for one in _classes(motor, gearhead) if one.factor is not None]
-    cube = sobol(len(estimated) + len(drawn) + 2, power, [(_SEED, 0)])
+    cube = sobol(len(estimated) + len(drawn) + 4, power, [(_SEED, 0)])
     cube = np.concatenate([np.full((1, cube.shape[1]), 0.5), cube])
-    changed: dict[str, dict[str, Array]] = {role: {} for role in sold}
+    limits = [(role, hit.section, one) for role, hit in sold.items() for one in family_limits(hit.table, hit.row)]
+    changed = {role: {one.figure: np.full(len(cube), one.value) for r, _, one in limits if r == role} for role in sold}
     for (role, _, figure), share in zip(estimated, cube.T, strict=False):
         changed[role][figure.figure] = _within(figure, share)
     tables = {role: _drawn(hit, len(cube), changed[role]) for role, hit in sold.items()}
@@ -85,11 +89,45 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
     return SampledParts(
         _motor(bought, factors["motor"], names),
         _gearhead(gear, factors["gearhead"], names),
-        None if controller is None else _drawn(controller, len(cube), {}),
+        None if controller is None else _drawn(controller, len(cube), _assumed(controller, cube[:, -4:-2])),
         cube[:, -2:],
-        tuple(estimated),
+        (
+            *(_estimated(*one) for one in estimated),
+            *(_alike(*one) for one in limits),
+            *(_of_a_stage(name) for name in (_assumed(controller, cube) if controller else ())),
+        ),
         tuple(drawn),
     )
+
+
+def _estimated(role: str, section: str, one: Estimate) -> EstimatedFigure:
+    """An estimated figure as it is printed."""
+    column, law = columns_of(section)[one.figure], one.fit.law
+    terms = ", ".join(term.replace("_", " ") for term in law.terms)
+    peers = f"{one.fit.parts} {law.of} {law.section}".replace("  ", " ")
+    text = f"{terms or 'all alike'}; {peers}, {one.fit.families} families"
+    return EstimatedFigure(role, one.figure, one.value, one.low, one.high, column.kind, column.unit, text)
+
+
+def _alike(role: str, section: str, one: FamilyLimit) -> EstimatedFigure:
+    """A limit that all others of the family have."""
+    column, law = columns_of(section)[one.figure], f"{SAME_FAMILY}, {one.members} alike"
+    return EstimatedFigure(role, one.figure, one.value, one.value, one.value, column.kind, column.unit, law)
+
+
+def _assumed(controller: Hit, shares: Array) -> dict[str, Array]:
+    """What a controller that does not print it takes of the supply's voltage: columns between the assumed ends."""
+    lacking = [name for name in _STAGE if np.isnan(controller[name])]
+    return {name: low + (high - low) * share for name, share in zip(lacking, shares.T, strict=False)
+            for low, high in (_STAGE[name],)}  # fmt: skip
+
+
+def _of_a_stage(name: str) -> EstimatedFigure:
+    """The same as it is printed."""
+    (low, high), column = _STAGE[name], columns_of("controllers")[name]
+    middle, wide = (low + high) / 2.0, 0.45 * (high - low)
+    law = "assumed: from an ideal power stage to one of 0.9 and 1 V"
+    return EstimatedFigure("controller", name, middle, middle - wide, middle + wide, column.kind, column.unit, law)
 
 
 def _within(one: Estimate, share: Array) -> Array:

@@ -263,6 +263,13 @@ def documents(spec, catalog, proofs):
     return document, json.loads(json_documents.as_text(json_documents.validation(proofs[1])))
 
 
+def test_the_tables_of_a_prediction_are_the_document(run):
+    set_ = ("DCX22S01EBKL598", "--gearhead", "GPX22HPKLSL44D0CPLW", "--catalog", "maxon", "--json")
+    document = json.loads(run("predict", *set_)[1])
+    held_against_the_page("Prediction", [document])
+    held_against_the_page("Predicted figure", document["figures"].values())
+
+
 @pytest.mark.parametrize("heading", RECORDS)
 def test_the_tables_of_the_json_page_are_the_documents(documents, heading):
     held_against_the_page(heading, RECORDS[heading](*documents))

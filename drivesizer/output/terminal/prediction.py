@@ -16,7 +16,7 @@ from drivesizer.units import show
 
 __all__ = ["predicted"]
 
-_DIGITS, _WIDTH = 3, 34
+_DIGITS, _WIDTH = 3, 37
 _HEADS = ("nominal", "5 %", "50 %", "95 %")
 
 
@@ -32,7 +32,8 @@ def predicted(found: Prediction) -> None:
     given = found.conditions
     around = [show(given.voltage, "V", "voltage"), show(given.ambient, "degC", "temperature")]
     mounted = [f"{show(given.inertia, 'kg*m^2', 'inertia')} at the output"] if given.inertia else []
-    tables.heading(out, found.label, ", ".join(around + mounted))
+    tables.heading(out, found.label, "")
+    out.print(Text(", ".join(around + mounted) + "\n"))
     for group, some in groupby(found.figures, key=lambda one: one.group):
         listed = list(some)
         out.print(_group(_TITLES[group].format(**_named(given)), listed))
@@ -63,7 +64,7 @@ def _named(given: Conditions) -> dict[str, str]:
 
 
 def _torque(torque: float) -> str:
-    return "an unknown torque" if isnan(torque) else show(torque, "N*m", "torque")
+    return "an unknown torque" if isnan(torque) else show(torque, "N*m", "torque", _DIGITS)
 
 
 def _time(seconds: float) -> str:
@@ -79,13 +80,13 @@ def _group(title: str, some: list[Predicted]) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     table.add_column(title, min_width=_WIDTH, max_width=_WIDTH)
     for name in _HEADS if some[0].group == "free" else [""] * len(_HEADS):
-        table.add_column(name, justify="right", min_width=9)
+        table.add_column(name, justify="right", min_width=8)
     for one in some:
         if isnan(one.band.nominal):
             table.add_row(one.title, Text("unknown", style="yellow"))
             continue
         shown = [_time(x) if one.kind == "time" else show(x, one.unit, one.kind, _DIGITS) for x in one.band]
-        table.add_row(one.title + (f", never: {likely(one.never)}" if 0.0 < one.never < 1.0 else ""), *shown)
+        table.add_row(one.title + (f"; never {likely(one.never)}" if 0.0 < one.never < 1.0 else ""), *shown)
     return table
 
 

@@ -49,7 +49,7 @@ def bench(found: Prediction, form: Form = "svg") -> bytes:
         for axes in (work, hold):
             axes.set_ylim(_celsius(found.conditions.ambient) - 2.0, top)
         shown = next((axes for axes in (work, hold) if axes.get_legend_handles_labels()[0]), line)
-        heading(figure, *shown.get_legend_handles_labels(), 3)
+        heading(figure, *shown.get_legend_handles_labels(), 4)
 
     return drawn(draw, 2.3, form)
 
