@@ -1,4 +1,4 @@
-"""Figures that the pages show of runs: the closed loop of the tutorial, a set at the bench, the paper's robot on its path."""
+"""Figures that the pages show of runs: a closed loop, a set at the bench, the paper's robot on its path."""
 
 from __future__ import annotations
 
