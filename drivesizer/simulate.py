@@ -29,6 +29,7 @@ from drivesizer.loads.arm import Arm
 from drivesizer.loads.course import Profile
 from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.results.check import GRAVEST
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, SizingResult, verdict
 from drivesizer.spec.robot import RobotSpec
@@ -62,7 +63,7 @@ def hardest_case(spec: RobotSpec, drive_set: DriveSet) -> str:
     """
     names = [name for _, name, _ in load_cases(spec)]
     met = [c for c in drive_set.every_check if c.name in _MET_BY_THE_LOOP and c.case in names]
-    order = {"fail": 0, "unknown": 1, "pass": 1}
+    order = {"fail": 0, "unknown": 1, "open": 1, "pass": 1}
     known = [c for c in met if not math.isnan(c.margin)]
     return min(known, key=lambda c: (order[c.status], c.margin)).case if known else names[0]
 
@@ -164,7 +165,7 @@ def validate_all(
             errors.append(f"{one.label}: {error}")
     if not found:
         raise InputError(errors[0])
-    return sorted(found, key=lambda proof: ("pass", "unknown", "fail").index(proof.status)), errors
+    return sorted(found, key=lambda proof: GRAVEST[::-1].index(proof.status)), errors
 
 
 def _own_units(case: ClosedLoop) -> tuple[tuple[ControllerGain, ...], list[str]]:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
-from drivesizer.catalog.search_view import search_view
+from drivesizer.catalog.view.search_view import search_view
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.load_cases.requirements import requirements
 from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
@@ -29,9 +29,10 @@ from drivesizer.search.machine_filter import best_in_machine, shortfall, weighin
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.relaxations import changes_for, relaxations
-from drivesizer.search.search import Found, Progress
+from drivesizer.search.search import Found
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.shortlist import shortlist
+from drivesizer.search.sifting import Progress
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, ControllerChoice, EncoderChoice
@@ -40,9 +41,23 @@ from drivesizer.units import show
 __all__ = ["explain", "explained", "load_parts", "size"]
 
 
-def load_parts(spec: RobotSpec) -> Catalog:
-    """The catalogues that a spec names; paths count from the spec's folder."""
-    return search_view(load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None))
+def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
+    """The catalogues that a spec names, or one that was loaded, for the search.
+
+    Parameters
+    ----------
+    spec
+        Paths of catalogues count from its folder; it says whether figures are estimated.
+    catalog
+        In place of those that it names.
+
+    Returns
+    -------
+    Catalog
+        Actuators split, gearheads on every shaft, with estimates.
+    """
+    catalog = catalog or load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None)
+    return search_view(catalog, estimates=spec.select.estimates == "on")
 
 
 def size(
@@ -85,7 +100,7 @@ def size(
         When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
         another method.
     """
-    catalog = search_view(catalog) if catalog else load_parts(spec)
+    catalog = load_parts(spec, catalog)
     objective = objective or spec.select.objective
     picked = shortlist(spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling)
     problem, found, short = picked.problem, picked.found, picked.short
@@ -276,7 +291,7 @@ def explained(
     InputError
         When a part number is in no catalogue, the gearhead is missing or inside something else, or no pulleys fit.
     """
-    catalog = search_view(catalog) if catalog else load_parts(spec)
+    catalog = load_parts(spec, catalog)
     check_battery(spec, catalog)
     objective = spec.select.objective
     problem, _ = problem_with_drive_mass(spec, catalog, objective)

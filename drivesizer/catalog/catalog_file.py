@@ -20,9 +20,9 @@ from drivesizer.catalog.discharges import DISCHARGES
 from drivesizer.catalog.field_reader import Reader, did_you_mean
 from drivesizer.catalog.maker_tolerances import TOLERANCES
 from drivesizer.catalog.maker_tolerances_reading import read_maker_tolerances
+from drivesizer.catalog.no_gearhead import NO_GEARHEAD_SOURCE, with_no_gearhead
 from drivesizer.catalog.parts import DIRECT, PARTS, columns_of
 from drivesizer.catalog.relations import relations
-from drivesizer.catalog.search_view import NO_GEARHEAD_SOURCE, with_no_gearhead
 from drivesizer.catalog.tables import CONFIDENCE, Catalog, Note, Source, Table
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -15,10 +15,23 @@ from drivesizer.catalog.maker_tolerances import MakerTolerance
 from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Stepper
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 
-__all__ = ["CONFIDENCE", "Across", "Catalog", "Note", "Pairs", "Source", "Table", "empty", "unique_pairs"]
+__all__ = [
+    "CONFIDENCE",
+    "ESTIMATED",
+    "Across",
+    "Catalog",
+    "Estimates",
+    "Note",
+    "Pairs",
+    "Source",
+    "Table",
+    "empty",
+    "unique_pairs",
+]
 
 Part = TypeVar("Part")
-CONFIDENCE = ("quoted", "secondary", "derived", "recalled")  # from the most to the least reliable
+CONFIDENCE = ("quoted", "secondary", "derived", "recalled")  # from the most to the least reliable; then ESTIMATED
+ESTIMATED = "estimated"  # from peers: no catalogue may say so of its own figures
 
 
 class Source(NamedTuple):
@@ -49,6 +62,16 @@ class Pairs(NamedTuple):
     left: NDArray[np.int32]
     right: NDArray[np.int32]
     source: NDArray[np.int32]  # index into Catalog.sources
+
+
+class Estimates(NamedTuple):
+    """One figure of those parts of a table that lack it and whose peers give it; shape (estimates,), in SI."""
+
+    rows: NDArray[np.int64]
+    value: NDArray[np.float64]
+    low: NDArray[np.float64]  # 5th percentile
+    high: NDArray[np.float64]  # 95th percentile
+    fit: NDArray[np.int64]  # which of the fitted laws
 
 
 class Across(NamedTuple):
@@ -132,6 +155,8 @@ class Catalog:
     discharges: Discharges = NO_DISCHARGES  # of the batteries
     tolerances: tuple[MakerTolerance, ...] = ()  # that makers state for their figures
     replaced: tuple[str, ...] = ()  # parts that an overriding catalogue gives in place of another, in words
+    estimates: Mapping[str, Mapping[str, Estimates]] = field(default_factory=dict)  # by section and figure
+    ends: tuple[Catalog, ...] = ()  # as ``search_view`` makes it: with estimates at either end of their bands
 
     def table(self, section: str) -> Table[Any]:
         """The table of a section, such as ``motors``."""
@@ -147,7 +172,7 @@ class Catalog:
         return [note for note in self.notes if note.section == section and part in note.parts]
 
     def confidence(self, section: str, row: int) -> dict[str, str]:
-        """Confidence of each known figure of a part: that of its row, changed by the notes on it."""
+        """Confidence of each known figure of a part: that of its row, changed by the notes on it; or estimated."""
         table = self.table(section)
         base = self.sources[table.source[row]].confidence
         known = {name for name, column in columns_of(section).items() if _is_known(table[name][row], column.kind)}
@@ -155,7 +180,10 @@ class Catalog:
         for note in self.notes_on(section, str(table["part"][row])):
             if note.confidence:
                 found |= {name: note.confidence for name in (note.fields or known) if name in known}
-        return found
+        inside = str(table["inside"][row]) if "inside" in table.columns else ""
+        place = self.actuators.rows[inside] if inside else row
+        own = self.estimates.get("actuators" if inside else section, {})
+        return found | {name: ESTIMATED for name in own if name in known and place in own[name].rows}
 
 
 def _is_known(value: Any, kind: str) -> bool:

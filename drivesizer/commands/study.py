@@ -15,7 +15,7 @@ from drivesizer.commands.ends import STOPPED
 
 __all__ = ["study"]
 
-_ORDER = ("pass", "unknown", "fail", "error")
+_ORDER = ("pass", "open", "unknown", "fail", "error")
 
 
 def study(
@@ -55,7 +55,7 @@ def study(
     for written in found.written:
         typer.echo(written)
     print_notes(tuple(found.notes))
-    raise typer.Exit(0 if found.variants["pass"] + found.variants["unknown"] else 1)
+    raise typer.Exit(0 if any(found.variants[name] for name in ("pass", "open", "unknown")) else 1)
 
 
 @contextmanager

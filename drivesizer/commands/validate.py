@@ -132,6 +132,7 @@ def pick(robot: Any, chosen: str | None) -> Any:
     InputError
         When the option names no parts.
     """
+    from drivesizer.results.check import GRAVEST
     from drivesizer.sizing import explain as explained
     from drivesizer.sizing import size as sized
 
@@ -147,4 +148,4 @@ def pick(robot: Any, chosen: str | None) -> Any:
     if len(parts) > 2 or not all(parts):
         raise InputError(f"--set: {quoted(chosen)} is not MOTOR/GEARHEAD or ACTUATOR; expected e.g. 118752/406764")
     sets = explained(robot, *parts)
-    return min(sets, key=lambda s: ({"pass": 0, "unknown": 1, "fail": 2}[s.status], s.rank))
+    return min(sets, key=lambda s: (GRAVEST[::-1].index(s.status), s.rank))

@@ -25,7 +25,7 @@ from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.machine.platform_budget import MechanicalBudget, mass_part, platform_part
 from drivesizer.machine.platform_checks import PlatformOnFloor, machine_mass
 from drivesizer.machine.supply_power import drive_power, together
-from drivesizer.results.check import Check, Figure
+from drivesizer.results.check import GRAVEST, Check, Figure
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.mass import MassRow
@@ -36,8 +36,6 @@ from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["MachineBudget", "check_battery", "drive_mass", "machine_budget", "mass_without_drive", "of_the_platform"]
-
-_GRAVE = ("fail", "unknown", "pass")
 
 
 class MachineBudget(NamedTuple):
@@ -198,7 +196,7 @@ def _worst(by_case: Sequence[tuple[str, Sequence[Check]]]) -> tuple[Check, ...]:
 
 
 def _how_bad(check: Check) -> tuple[int, float]:
-    return _GRAVE.index(check.status), 1e99 if isnan(check.margin) else check.margin
+    return GRAVEST.index(check.status), 1e99 if isnan(check.margin) else check.margin
 
 
 def _lasting(budget: EnergyBudget) -> tuple[bool, float]:

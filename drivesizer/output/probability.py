@@ -6,7 +6,7 @@ from math import ceil, inf, isfinite, log10
 
 from drivesizer.results.reliability import Reliability, Spread
 
-__all__ = ["confidence", "in_the_loop", "likely", "moved"]
+__all__ = ["about", "confidence", "in_the_loop", "likely", "moved"]
 
 
 def likely(value: float) -> str:
@@ -21,6 +21,15 @@ def likely(value: float) -> str:
         return f"{100 * value:.0f} %"
     digits = 1 if 0.001 <= value <= 0.999 else max(3, ceil(-log10(min(value, 1.0 - value))) - 2)
     return f"{100 * value:.{digits}f} %"
+
+
+def about(value: float) -> str:
+    """A probability out of a hundred samples or so, in whole per cent; empty where there is none.
+
+    >>> about(0.648), about(1.0), about(float("nan"))
+    ('about 65 %', 'about 99 %', '')
+    """
+    return "" if value != value else f"about {min(max(round(100 * value), 1), 99)} %"
 
 
 def in_the_loop(found: Reliability) -> str:

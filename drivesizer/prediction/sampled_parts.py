@@ -17,9 +17,9 @@ from drivesizer.catalog.estimates import Estimate, estimates_of
 from drivesizer.catalog.estimates.family_limits import SAME_FAMILY, FamilyLimit, family_limits
 from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.catalog.query import Hit
-from drivesizer.catalog.search_view import split_actuators
 from drivesizer.catalog.tables import Pairs, empty
 from drivesizer.catalog.tolerances.classes import Class
+from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.search.uncertainty.class_of_part import holding

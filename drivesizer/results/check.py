@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isnan
-from typing import Literal
+from math import isnan, nan
+from typing import Literal, NamedTuple
 
 from drivesizer.units import show
 
-__all__ = ["Check", "Figure", "Status", "verdict", "worst"]
+__all__ = ["GRAVEST", "Band", "Check", "Figure", "Status", "verdict", "worst"]
 
-Status = Literal["pass", "fail", "unknown"]
+Status = Literal["pass", "fail", "open", "unknown"]  # open: estimated figures decide
+
+
+GRAVEST: tuple[Status, ...] = ("fail", "unknown", "open", "pass")
+
+
+class Band(NamedTuple):
+    """A demand at the ends of the band of estimated figures that it rests on."""
+
+    low: float  # SI
+    high: float
+    least_margin: float  # NaN where there is none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +43,8 @@ class Check:
     by_choice: bool = False  # the smallest sufficient part was taken: its margin says nothing of the load
     advice: bool = False  # informational: of a part that is not required; no drive fails on it
     note: str = ""
+    band: Band | None = None  # where estimated figures change the demand
+    probability: float = nan  # that it passes, where it is open
 
     @property
     def is_comparable(self) -> bool:
@@ -61,9 +74,9 @@ class Figure:
 
 
 def verdict(checks: tuple[Check, ...]) -> Status:
-    """The status of all checks together: fail if one fails, else unknown if one is; informational ones do not count."""
+    """The status of all checks together, that of the gravest: fail, unknown, open; informational ones do not count."""
     found = {check.status for check in checks if not check.advice}
-    return "fail" if "fail" in found else "unknown" if "unknown" in found else "pass"
+    return next((status for status in GRAVEST if status in found), "pass")
 
 
 def worst(checks: tuple[Check, ...]) -> Check | None:

@@ -15,17 +15,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.results.check import Check, Status
+from drivesizer.results.check import Band, Check, Status
 from drivesizer.results.check_kinds import CHECKS, refuse_undeclared
 
-__all__ = ["PROPOSAL", "CheckColumn", "at_least", "at_most", "between", "fits", "worst_case"]
+__all__ = ["PROPOSAL", "CheckColumn", "at_least", "at_most", "between", "fits", "over_band", "worst_case"]
 
-_COLUMNS = ("demand", "limit", "passed", "failed", "time", "case")  # what a check has of each candidate
+# what a check has of each candidate
+_COLUMNS = ("demand", "limit", "passed", "failed", "time", "case", "opened", "low", "high", "least_margin")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckColumn:
-    """One check over all candidates; where it neither passed nor failed it is unknown."""
+    """One check over all candidates; where it neither passed nor failed it is open or unknown."""
 
     name: str
     demand: NDArray[np.float64]
@@ -38,6 +39,10 @@ class CheckColumn:
     advice: bool = False  # informational: of what is not required; no drive fails or ranks by it
     time: NDArray[np.float64] | None = None  # s, of the worst moment
     case: NDArray[np.int64] | None = None  # the load case that is worst, by number
+    opened: NDArray[np.bool_] | None = None  # it passes at one end of the band of estimated figures, fails at the other
+    low: NDArray[np.float64] | None = None  # demand at the ends of that band
+    high: NDArray[np.float64] | None = None
+    least_margin: NDArray[np.float64] | None = None  # of the two ends
     note: str = ""
     undecided: str = ""  # the note where the limit is known and the demand not: what would decide it
 
@@ -52,7 +57,8 @@ class CheckColumn:
         """
         with np.errstate(all="ignore"):
             found = (self.limit - self.zero) / (self.demand - self.zero) - 1.0
-        known = (self.passed | self.failed) & (self.demand != self.zero)
+        decided = self.passed | self.failed if self.opened is None else self.passed | self.failed | self.opened
+        known = decided & (self.demand != self.zero)
         return np.where(known & ~np.isinf(found), found, nan)
 
     @property
@@ -89,6 +95,8 @@ class CheckColumn:
         declared = CHECKS[method][self.name]
         kind, unit = declared.rotary if rotary and declared.rotary else (declared.kind, declared.unit)
         status: Status = "pass" if self.passed[index] else "fail" if self.failed[index] else "unknown"
+        if self.opened is not None and self.opened[index]:
+            status = "open"
         time = at_time if self.time is None else float(self.time[index])
         return Check(
             name=self.name,
@@ -106,7 +114,14 @@ class CheckColumn:
             by_choice=self.by_choice,
             advice=self.advice,
             note=note or self.note or self._lacking(index),
+            band=self._band(index),
         )
+
+    def _band(self, index: int | tuple[()]) -> Band | None:
+        if self.low is None or self.high is None or self.least_margin is None:
+            return None
+        band = Band(float(self.low[index]), float(self.high[index]), float(self.least_margin[index]))
+        return band if band.low < band.high or band.least_margin < self.margin[index] else None
 
     def _lacking(self, index: int | tuple[()]) -> str:
         open_ = not (self.passed[index] or self.failed[index] or isnan(self.limit[index]))
@@ -245,6 +260,45 @@ def between(low: CheckColumn, high: CheckColumn) -> CheckColumn:
     demand, limit = (np.where(high.passed, b, a) for a, b in ((low.demand, high.demand), (low.limit, high.limit)))
     time = high.time if low.time is None or high.time is None else np.where(high.passed, high.time, low.time)
     return replace(high, demand=demand, limit=limit, failed=failed, time=time)
+
+
+def over_band(middle: CheckColumn, ends: Sequence[CheckColumn], estimated: NDArray[np.int64]) -> CheckColumn:
+    """A check at estimated figures: it passes where it passes at both ends of their band, and fails where at both.
+
+    Parameters
+    ----------
+    middle
+        The check of all candidates at the middle of the band.
+    ends
+        At its ends, of those that have estimated figures.
+    estimated
+        Which candidates these are.
+
+    Returns
+    -------
+    CheckColumn
+        Open where the ends disagree; unknown where it is at an end.
+
+    Examples
+    --------
+    >>> volts = [at_most("supply_voltage", np.array([demand]), 24.0) for demand in (22.0, 20.0, 25.0)]
+    >>> found = over_band(volts[0], volts[1:], np.array([0])).at(0, "physics")
+    >>> found.status, found.band
+    ('open', Band(low=20.0, high=25.0, least_margin=-0.040000000000000036))
+    """
+    every = [middle.on(estimated), *ends]
+    passed, failed = (np.logical_and.reduce([getattr(c, name) for c in every]) for name in ("passed", "failed"))
+    decided = np.logical_and.reduce([c.passed | c.failed for c in every])
+    demands, margins = np.array([c.demand for c in every]), np.array([c.margin for c in every])
+    columns = {
+        "passed": passed, "failed": failed, "opened": decided & ~passed & ~failed,
+        "low": demands.min(axis=0), "high": demands.max(axis=0), "least_margin": np.fmin.reduce(margins),
+    }  # fmt: skip
+    blank = replace(
+        middle, opened=np.zeros(middle.passed.shape, bool), low=middle.demand, high=middle.demand,
+        least_margin=middle.margin,
+    )  # fmt: skip
+    return blank.with_rows(estimated, replace(every[0], **columns))
 
 
 def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:

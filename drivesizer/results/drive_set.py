@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, nan
 from typing import Any
 
 from drivesizer.catalog import DIRECT, Actuator, Controller, Encoder, Gearhead, Motor
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.results.check import Check, Figure, Status
 from drivesizer.results.energy import EnergyBudget
+from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.results.mass import MassRow
 from drivesizer.results.reliability import Reliability
 from drivesizer.results.requirement import Requirement
@@ -138,6 +139,8 @@ class DriveSet(DriveParts):
     comparison: tuple[Comparison, ...]  # where both methods look at the same limit
     changes: tuple[Relaxation, ...]  # where it fails: what would let it pass, each alone
     reliability: Reliability | None  # its probability, where tolerances were sampled
+    estimated: tuple[EstimatedFigure, ...] = ()  # figures of its parts that no data sheet gives
+    probability: float = nan  # that none of its checks fails, where estimated figures leave one open
 
     @property
     def own_checks(self) -> tuple[Check, ...]:

@@ -8,7 +8,7 @@ drives that are shown are then computed in full.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -19,21 +19,17 @@ from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
 from drivesizer.search import ranking
-from drivesizer.search.columns.candidates import Candidates, candidates, joined, pairs
+from drivesizer.search.columns.candidates import Candidates, candidates, joined
 from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluate
-from drivesizer.search.columns.stages import Examined, examine
-from drivesizer.search.ranking import COUNTED, Ranking
-from drivesizer.spec.select import OBJECTIVES
+from drivesizer.search.ranking import Ranking
+from drivesizer.search.sifting import Progress, sifted
 
 __all__ = ["Evaluated", "Found", "Judge", "Kept", "search", "smallest_margin"]
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, int], None]  # drives examined, drives in all
 
 _FIRST = 1 << 12  # drives that are judged at first
-_CHUNK = 1 << 16  # pairs at a time
-_NEAREST = 32  # of the rejected, kept until all are known
-_WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_waveform}
+_MOST = 1 << 16  # at a time
 
 
 class Found(NamedTuple):
@@ -58,14 +54,6 @@ class Kept(NamedTuple):
 
 Evaluated = Callable[[NDArray[np.int64]], Evaluation]  # some rows of the drives in full
 Judge = Callable[[Candidates, Evaluated, int], Kept]  # drives in order, and how many that pass are wanted
-
-
-class _Kept(NamedTuple):
-    """Candidates as rows of a few numbers."""
-
-    sets: Candidates
-    doubtful: NDArray[np.bool_]  # a check is unknown
-    figures: dict[str, Array]
 
 
 def search(
@@ -105,9 +93,9 @@ def search(
     if problem.spec.method == "paper":
         return _by_the_paper(problem, top, objective, misses, pareto, judge)
     names, catalog = {*ranking.names_of(objective), *pareto}, problem.catalog
-    kept, rejected, counts = _sifted(problem, bool(names & _WAVEFORM), progress)
+    kept, rejected, counts = sifted(problem, names, progress)
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
-    order = ranking.order(catalog, kept.sets, *value, before=[kept.doubtful])
+    order = ranking.order(catalog, kept.sets, *value, before=[kept.certainty])
     kept_in_machine = _passing(
         judge,
         kept.sets,
@@ -142,7 +130,7 @@ def _passing(
         best.append(rows[found.best])
         rejected.append(rows[found.rejected])
         by.update(found.by)
-        start, size = start + found.judged, min(16 * size, _CHUNK)
+        start, size = start + found.judged, min(16 * size, _MOST)
     return Kept(np.concatenate(best), np.concatenate(rejected), start, by)
 
 
@@ -192,65 +180,6 @@ def _on(evaluation: Evaluation, rows: NDArray[np.int64]) -> Evaluation:
         encoder=evaluation.encoder[rows],
         controller=evaluation.controller[rows],
         figures={name: column[rows] for name, column in evaluation.figures.items()},
-    )
-
-
-def _sifted(problem: Problem, exact: bool, progress: Progress | None) -> tuple[_Kept, Candidates, Counts]:
-    """The drives that pass, the closest rejected, and the counts."""
-    every, belts = pairs(problem), problem.belt_ratios
-    total, done, failed_by = len(every.motor) * len(belts), 0, Counter[str]()
-    kept: list[_Kept] = []
-    rejected: list[tuple[Candidates, Array]] = []
-    for one in examine(problem, _chunks(every, belts), staged=True, exact=exact, margins=exact):
-        chunk = one.sets
-        failed_by.update(one.failed_by)
-        figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin}
-        kept.append(_Kept(chunk.on(one.rows), one.doubtful, figures))
-        rejected = [_best([*rejected, _rejected(chunk, one)])]
-        done += len(chunk.motor)
-        if progress:
-            progress(done, total)
-    passing = _joined(kept, every)
-    if problem.spec.select.unknown == "reject":
-        known = np.flatnonzero(~passing.doubtful)
-        figures = {name: column[known] for name, column in passing.figures.items()}
-        passing = _Kept(passing.sets.on(known), passing.doubtful[known], figures)
-    tally = {name: count for name, count in failed_by.items() if count}
-    counts = Counts(considered=total, feasible=len(passing.sets.motor), failed_by=tally)
-    return passing, rejected[0][0] if rejected else every.on(np.zeros(0, np.int64)), counts
-
-
-def _chunks(every: Candidates, belts: list[float]) -> Iterator[tuple[float, Candidates]]:
-    for belt in belts:
-        for start in range(0, len(every.motor), _CHUNK):
-            chunk = every.on(slice(start, start + _CHUNK))
-            yield belt, chunk._replace(belt=np.full(len(chunk.motor), belt))
-
-
-def _rejected(chunk: Candidates, one: Examined) -> tuple[Candidates, Array]:
-    rows, bound = one.rejected, one.bound
-    if len(rows) > _NEAREST:
-        few = np.argpartition(-bound, _NEAREST)[:_NEAREST]
-        rows, bound = rows[few], bound[few]
-    return chunk.on(rows), bound
-
-
-def _best(several: list[tuple[Candidates, Array]]) -> tuple[Candidates, Array]:
-    """The nearest of the rejected in several chunks."""
-    sets = joined([s for s, _ in several])
-    bound = np.concatenate([b for _, b in several])
-    rows = np.lexsort((sets.belt, sets.gearhead, sets.motor, -bound))[:_NEAREST]
-    return sets.on(rows), bound[rows]
-
-
-def _joined(kept: list[_Kept], every: Candidates) -> _Kept:
-    if not kept:
-        none = every.on(slice(0, 0))
-        return _Kept(none, none.listed, dict.fromkeys((*COUNTED, "margin"), none.belt))
-    return _Kept(
-        joined([k.sets for k in kept]),
-        np.concatenate([k.doubtful for k in kept]),
-        {name: np.concatenate([k.figures[name] for k in kept]) for name in kept[0].figures},
     )
 
 

@@ -15,12 +15,13 @@ from drivesizer.physics.motor_demand import AT_REST
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.physics.waveform import Wave, longest_above, share_above
-from drivesizer.results.check import Check, Figure, Status, verdict
+from drivesizer.results.check import Check, Figure, verdict
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation
 from drivesizer.results.reliability import Reliability
 from drivesizer.search import ranking
 from drivesizer.search.both_methods import compared
 from drivesizer.search.columns.evaluation import Evaluation
+from drivesizer.search.estimated import decided, estimated
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import smallest_margin
 from drivesizer.spec.select import OBJECTIVES
@@ -101,12 +102,11 @@ def drive_set(
     parts = drive_parts(evaluation, index)
     mass, mass_of = _summed({"motor": parts.motor, "gearhead": parts.gearhead}, "mass", ("motor", "gearhead"))
     value, value_of = _objective(evaluation, index, objective, parts.motor, parts.gearhead)
-    checks = evaluation.checks_of(index)
-    alone: Status = "fail" if evaluation.failed[index] else "unknown" if evaluation.unknown[index] else "pass"
+    checks, probability = decided(evaluation, index)
     return DriveSet(
         **{field.name: getattr(parts, field.name) for field in fields(parts)},
         rank=rank,
-        status=verdict((*checks, *budget.checks)) if budget.checks else alone,
+        status=verdict((*checks, *budget.checks)) if budget.checks else evaluation.status(index),
         mass=mass,
         mass_of=mass_of,
         objective=value,
@@ -122,6 +122,8 @@ def drive_set(
         comparison=compared((*checks, *beside)),
         changes=changes,
         reliability=reliability,
+        estimated=estimated(evaluation, index),
+        probability=probability,
     )
 
 

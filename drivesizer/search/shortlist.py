@@ -22,8 +22,9 @@ from drivesizer.search.columns.controllers import offered_buses, offers
 from drivesizer.search.machine_filter import Weigh, divided, in_machine, weighing
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.ranking import COUNTED, Ranking, names_of
-from drivesizer.search.search import Found, Progress, search
+from drivesizer.search.search import Found, search
 from drivesizer.search.set_record import drive_parts, drive_set
+from drivesizer.search.sifting import Progress
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
 

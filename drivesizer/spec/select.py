@@ -93,6 +93,10 @@ class Select(Section):
     objective: Objective | Annotated[list[Weighted], Field(min_length=1, max_length=8)] = "mass"
     unknown: Literal["allow", "reject"] = Field(default="allow", description="drives with a check that is unknown")
 
+    estimates: Literal["on", "off"] = Field(
+        default="on", description="figures that data sheets leave out, from those of their peers"
+    )
+
     @property
     def is_restricted(self) -> bool:
         """Whether families or parts are named."""

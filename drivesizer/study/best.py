@@ -36,7 +36,7 @@ def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None,
     spec
         The machine.
     catalog
-        Parts to choose from, as :func:`drivesizer.catalog.search_view.search_view` returns them.
+        Parts to choose from, as :func:`drivesizer.catalog.view.search_view.search_view` returns them.
     objective
         In place of the spec's.
     top

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.search_view import search_view
+from drivesizer.catalog.view.search_view import search_view
 from drivesizer.errors import DrivesizerError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.search.ranking import objective_of, title_of
@@ -37,9 +37,9 @@ def _source(name: str, text: str) -> YamlSource:
 
 
 @lru_cache(maxsize=8)
-def _catalog(names: tuple[str, ...], beside: str) -> Catalog:
+def _catalog(names: tuple[str, ...], beside: str, estimates: bool) -> Catalog:
     """Catalogues for the search, loaded once in a process."""
-    return search_view(load(names, beside=Path(beside)))
+    return search_view(load(names, beside=Path(beside)), estimates)
 
 
 def spec_of(job: Job, variant: Variant) -> RobotSpec:
@@ -73,7 +73,7 @@ def spec_of(job: Job, variant: Variant) -> RobotSpec:
 
 def parts_for(spec: RobotSpec) -> Catalog:
     """The catalogues that a spec names."""
-    return _catalog(tuple(spec.select.catalogs), str(Path(spec.file).parent))
+    return _catalog(tuple(spec.select.catalogs), str(Path(spec.file).parent), spec.select.estimates == "on")
 
 
 def rows_of(job: Job, variants: Sequence[Variant], heads: Sequence[Row]) -> Part:

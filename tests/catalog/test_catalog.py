@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from drivesizer.catalog import PARTS, Catalog, columns_of, load, shipped
 from drivesizer.catalog.catalog_file import parse
 from drivesizer.catalog.joining import joined
-from drivesizer.catalog.search_view import search_view
+from drivesizer.catalog.view.search_view import search_view
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, Table, load, shipped
-from drivesizer.catalog.estimates.estimate import estimate, estimates_of, kept, written
+from drivesizer.catalog.estimates.estimate import estimates, estimates_of, kept, written
 from drivesizer.catalog.estimates.fit import fit, fits, left_out
 from drivesizer.catalog.estimates.laws import LAWS, Law, column, members_of
 
@@ -119,7 +119,7 @@ def test_a_printed_figure_wins_and_an_unknown_one_is_estimated(everything):
     assert "rotor_inertia" not in [e.figure for e in estimates_of(motors, row)]
     columns = {name: values[row : row + 1].copy() for name, values in motors.columns.items()}
     columns["rotor_inertia"][0] = np.nan
-    found = estimate(Table("motors", columns, motors.source[:1], motors.excluded[:1]), "rotor_inertia")
+    found = estimates(Table("motors", columns, motors.source[:1], motors.excluded[:1]))["rotor_inertia"]
     by = kept()[found.fit[0]]
     known = {"mass": 0.13, "diameter": 0.025, "motor_constant": 0.0234**2 / 2.32, "length": 0.0545}
     terms = sum(b * log(known[name]) for b, name in zip(by.coefficients[1:], by.law.terms, strict=True))
@@ -131,7 +131,7 @@ def test_a_part_far_from_all_that_were_fitted_is_not_estimated():
     """A motor of 3 t is no peer of motors up to 20 kg."""
     table = made(1)
     heavy = {**table.columns, "mass": np.array([3000.0]), "rotor_inertia": np.array([np.nan])}
-    assert np.isnan(estimate(replace(table, columns=heavy), "rotor_inertia").value[0])
+    assert "rotor_inertia" not in estimates(replace(table, columns=heavy))
 
 
 def test_another_maker_gets_the_wider_band():
@@ -142,7 +142,7 @@ def test_another_maker_gets_the_wider_band():
         "mass": np.array([0.1]),
         "diameter": np.array([0.025]),
     }
-    found = estimate(replace(table, columns=unknown), "rotor_inertia")
+    found = estimates(replace(table, columns=unknown))["rotor_inertia"]
     by = kept()[found.fit[0]]
     ends = by.other_makers or (2 * by.band[0], 2 * by.band[1])
     assert log(found.high[0] / found.low[0]) == pytest.approx(ends[1] - ends[0], rel=1e-9)

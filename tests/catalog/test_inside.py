@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.catalog import load
-from drivesizer.catalog.search_view import split_actuators
+from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.cli import app
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.results.drive_set import DriveSet

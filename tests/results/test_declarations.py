@@ -33,7 +33,7 @@ ADDED = {  # file: a line before which another goes, or several such
         "        nominal_current_limit(demand.rms_current, motor, ambient, torque),\n",
         '        at_most("below_no_load", demand.peak_speed, motor["no_load_speed"]),\n',
     ),
-    "loads/kinds.py": ('    "hoist",\n', '    "wire_winder",\n'),
+    "loads/kinds.py": ('"hoist", ', '"wire_winder", '),
     "output/report/sections/__init__.py": (
         "from drivesizer.output.report.sections.summary import SUMMARY\n",
         "from drivesizer.output.report.sections.speeds import SPEEDS\n",

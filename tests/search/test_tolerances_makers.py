@@ -22,7 +22,7 @@ from drivesizer.catalog.compiled import recall, store
 from drivesizer.catalog.joining import joined
 from drivesizer.catalog.maker_tolerances import maker_tolerances_of
 from drivesizer.catalog.schema import catalog_schema
-from drivesizer.catalog.search_view import split_actuators
+from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.errors import CatalogError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem

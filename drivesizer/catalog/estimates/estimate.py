@@ -14,24 +14,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.estimates.fit import Fit
-from drivesizer.catalog.estimates.laws import Law, column, members_of
-from drivesizer.catalog.tables import Table
+from drivesizer.catalog.estimates.laws import Law, column, given_column, members_of
+from drivesizer.catalog.tables import Estimates, Table
 
-__all__ = ["Estimate", "Estimates", "as_records", "estimate", "estimates_of", "kept", "written"]
+__all__ = [
+    "Estimate",
+    "as_records",
+    "estimates",
+    "estimates_of",
+    "in_words",
+    "kept",
+    "written",
+]
 
 _BEYOND = np.log(2.0)  # a term may lie this far outside the parts that the law was fitted to
-_STRANGER = (
-    2.0  # times the band, in logarithms, of a maker that no fit has seen: *assumed* where too few makers have it
-)
-
-
-class Estimates(NamedTuple):
-    """One figure of all parts of a table; NaN and -1 where nothing is estimated. Arrays of shape (parts,), in SI."""
-
-    value: NDArray[np.float64]
-    low: NDArray[np.float64]  # 5th percentile
-    high: NDArray[np.float64]  # 95th percentile
-    fit: NDArray[np.int64]  # index into :func:`kept`
+_STRANGER = 2.0  # times the band, in logarithms, of a maker that no fit has seen: assumed where too few have it
+Array = NDArray[np.float64]
 
 
 class Estimate(NamedTuple):
@@ -44,47 +42,95 @@ class Estimate(NamedTuple):
     fit: Fit
 
 
-def estimate(table: Table[Any], figure: str) -> Estimates:
-    """A figure of every part that lacks it, by the narrowest law whose terms the part has.
+class _Term(NamedTuple):
+    """A term of a law: its logarithm, and how far the ends of its own band are where it is estimated itself."""
+
+    middle: Array
+    below: Array
+    above: Array
+
+
+def estimates(table: Table[Any]) -> dict[str, Estimates]:
+    """Every figure that parts of a table lack, by the narrowest law whose terms the part has.
+
+    A term may be an estimate itself, of a figure that is declared before: its band then widens that of the result.
 
     Parameters
     ----------
     table
         Parts of one kind.
-    figure
-        Of a law: a column, or what is made of columns.
 
     Returns
     -------
-    Estimates
-        Value and band [SI], and by which law.
+    dict
+        By column, with values and bands in SI.
     """
+    found: dict[str, Estimates] = {}
+    terms: dict[str, _Term] = {}
+    for figure in dict.fromkeys(fit.law.figure for fit in kept() if fit.law.section == table.section):
+        one = _estimate(table, figure, terms)
+        if len(one.rows):
+            name, found_of = _of_column(table, figure, one)
+            found |= {name: found_of} if len(found_of.rows) else {}
+            terms[figure] = _completed(_printed(table, figure), one)
+    return found
+
+
+def _of_column(table: Table[Any], figure: str, one: Estimates) -> tuple[str, Estimates]:
+    """What a figure gives for a column: of those parts that lack it."""
+    some = table.taken(one.rows)
+    values = [given_column(some, figure, values) for values in (one.value, one.low, one.high)]
+    name, middle = values[0]
+    keep = np.isnan(some[name]) & ~np.isnan(middle)
+    ends = np.sort([end[keep] for _, end in values[1:]], axis=0)
+    return name, Estimates(one.rows[keep], middle[keep], ends[0], ends[1], one.fit[keep])
+
+
+def _estimate(table: Table[Any], figure: str, terms: dict[str, _Term]) -> Estimates:
     count = len(table)
-    value, low, high = (np.full(count, np.nan) for _ in range(3))
-    by = np.full(count, -1)
+    band, by = np.full((3, count), np.nan), np.full(count, -1)
     missing, width = np.isnan(column(table, figure)), np.full(count, np.inf)
     for number, law in enumerate(kept()):
-        if (law.law.section, law.law.figure) != (table.section, figure):
+        if (law.law.section, law.law.figure) != (table.section, figure) or not missing.any():
             continue
-        middle, below, above = _by(law, table)
-        better = missing & (above - below < width)
-        for into, values in ((value, middle), (low, middle + below), (high, middle + above)):
-            into[better] = np.exp(values[better])
-        by[better], width[better] = number, (above - below)[better]
-    return Estimates(value, low, high, by)
+        found = _by(law, table, terms)
+        spread = found.above - found.below
+        better = missing & (spread < width)
+        for place, side in enumerate((np.zeros(count), found.below, found.above)):
+            band[place][better] = np.exp(found.middle + side)[better]
+        by[better], width[better] = number, spread[better]
+    rows = np.flatnonzero(by >= 0)
+    value, low, high = band[:, rows]
+    return Estimates(rows, value, low, high, by[rows])
 
 
-def _by(fit: Fit, table: Table[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Logarithms of the figure by one law, and of the ends of its band over it; NaN where the law does not reach."""
-    rows = members_of(table, fit.law.of)
-    middle = np.where(rows, fit.coefficients[0], np.nan)
-    for factor, name, (low, high) in zip(fit.coefficients[1:], fit.law.terms, fit.ranges, strict=True):
-        term = np.log(column(table, name))
-        middle += factor * np.where((term > low - _BEYOND) & (term < high + _BEYOND), term, np.nan)
+def _by(fit: Fit, table: Table[Any], terms: dict[str, _Term]) -> _Term:
+    """The figure by one law; NaN where the law does not reach. Errors of terms add to it as independent ones."""
+    middle: Array = np.where(members_of(table, fit.law.of), fit.coefficients[0], np.nan)
     known = np.isin(table["manufacturer"], fit.makers)
-    other = fit.other_makers or (_STRANGER * fit.band[0], _STRANGER * fit.band[1])
-    below, above = (np.where(known, fit.band[i], other[i]) + 0.0 * middle for i in range(2))
-    return middle, below, above
+    other = np.array(fit.other_makers or (_STRANGER * fit.band[0], _STRANGER * fit.band[1]))
+    below, above = (np.where(known, one, far) ** 2 for one, far in zip(fit.band, other, strict=True))
+    for factor, name, (low, high) in zip(fit.coefficients[1:], fit.law.terms, fit.ranges, strict=True):
+        term = terms[name] if name in terms else _printed(table, name)
+        inside = (term.middle > low - _BEYOND) & (term.middle < high + _BEYOND)
+        middle += factor * np.where(inside, term.middle, np.nan)
+        ends = (term.below, term.above) if factor > 0.0 else (term.above, term.below)
+        below, above = below + (factor * ends[0]) ** 2, above + (factor * ends[1]) ** 2
+    return _Term(middle, -np.sqrt(below) + 0.0 * middle, np.sqrt(above) + 0.0 * middle)
+
+
+def _printed(table: Table[Any], name: str) -> _Term:
+    exact = np.zeros(len(table))
+    return _Term(np.log(column(table, name)), exact, exact)
+
+
+def _completed(term: _Term, found: Estimates) -> _Term:
+    """A term with what was estimated of it."""
+    columns = [values.copy() for values in term]
+    estimated = (found.value, found.low / found.value, found.high / found.value)
+    for into, values in zip(columns, estimated, strict=True):
+        into[found.rows] = np.log(values)
+    return _Term(*columns)
 
 
 def estimates_of(table: Table[Any], row: int) -> list[Estimate]:
@@ -102,13 +148,10 @@ def estimates_of(table: Table[Any], row: int) -> list[Estimate]:
     list
         In the order in which the laws are declared.
     """
-    one = table.taken(slice(row, row + 1))
-    figures = dict.fromkeys(fit.law.figure for fit in kept() if fit.law.section == table.section)
-    found = ((figure, estimate(one, figure)) for figure in figures)
+    found = estimates(table.taken(slice(row, row + 1)))
     return [
         Estimate(figure, float(e.value[0]), float(e.low[0]), float(e.high[0]), kept()[e.fit[0]])
-        for figure, e in found
-        if e.fit[0] >= 0
+        for figure, e in found.items()
     ]
 
 
@@ -132,6 +175,18 @@ def as_records(table: Table[Any], row: int) -> list[dict[str, Any]]:
          "peers": one.fit.law.of or one.fit.law.section, "parts": one.fit.parts, "families": one.fit.families}
         for one in estimates_of(table, row)
     ]  # fmt: skip
+
+
+def in_words(fit: Fit) -> str:
+    """A law in words: its terms, and the parts it was fitted to.
+
+    >>> law = Law("motors", "brushed", "rotor_inertia", ("mass", "diameter"))
+    >>> in_words(Fit(law, (0, 1, 1), (-0.3, 0.3), None, (), 309, 32, ("m",)))
+    'mass, diameter; 309 brushed motors, 32 families'
+    """
+    terms = ", ".join(term.replace("_", " ") for term in fit.law.terms)
+    peers = f"{fit.parts} {fit.law.of} {fit.law.section}".replace("  ", " ")
+    return f"{terms or 'all alike'}; {peers}, {fit.families} families"
 
 
 @cache

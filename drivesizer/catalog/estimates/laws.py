@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.tables import Table
 
-__all__ = ["LAWS", "Law", "column", "families_of", "members_of"]
+__all__ = ["LAWS", "Law", "column", "families_of", "given_column", "members_of"]
 
 
 class Law(NamedTuple):
@@ -47,7 +47,6 @@ mass | diameter length; diameter; nominal_torque
 _GEARHEAD = """
 inertia | diameter ratio stages; mass ratio stages; continuous_torque ratio stages
 loss_per_stage | diameter ratio_per_stage; ratio_per_stage; -
-no_load_torque | continuous_torque ratio
 mass | diameter stages; continuous_torque stages
 length | diameter stages
 diameter | continuous_torque stages; continuous_torque
@@ -112,6 +111,37 @@ def column(table: Table[Any], name: str) -> NDArray[np.float64]:
     with np.errstate(invalid="ignore", divide="ignore"):
         values = _DERIVED[name](table) if name in _DERIVED else table[name]
         return np.where(values > 0.0, values, np.nan)
+
+
+_MOST = 0.9  # of the power that a stage loses
+
+# the column that such a figure gives, and how; those that no drive is sized by are left out
+_GIVES: dict[str, tuple[str, Callable[[Table[Any], NDArray[np.float64]], NDArray[np.float64]]]] = {
+    "friction": ("no_load_current", lambda table, torque: torque / _torque_constant(table)),
+    "loss": ("efficiency", lambda table, loss: 1.0 - np.minimum(loss, _MOST)),
+    "loss_per_stage": ("efficiency", lambda table, loss: (1.0 - np.minimum(loss, _MOST)) ** _stages(table)),
+}
+
+
+def given_column(table: Table[Any], figure: str, values: NDArray[np.float64]) -> tuple[str, NDArray[np.float64]]:
+    """The column that a law's figure gives, with its values.
+
+    Parameters
+    ----------
+    table
+        Parts of one kind.
+    figure
+        Of a law.
+    values
+        Of it, shape (parts,).
+
+    Returns
+    -------
+    tuple
+        Name and values [SI] of the column; the figure itself where it is one.
+    """
+    name, made = _GIVES.get(figure, (figure, lambda table, values: values))
+    return name, made(table, values)
 
 
 def _stages(table: Table[Any]) -> NDArray[np.float64]:

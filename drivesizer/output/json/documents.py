@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Final
 
 from drivesizer.catalog import Actuator, Belt, Controller, Encoder, Gearhead, Motor, Pulley
+from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.control.validation import Validation
 from drivesizer.output.json.loops import loop_document, number
 from drivesizer.output.json.reliability import reliability, uncertainty
 from drivesizer.results.drive_set import DriveSet, Relaxation
 from drivesizer.results.energy import EnergyBudget
+from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.results.mass import MassRow
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check, Explanation, Figure, SizingResult, verdict, worst
@@ -77,7 +79,15 @@ def _check(check: Check) -> schema.Check:
         "advice": check.advice,
         "at_time_s": check.at_time,
         "note": check.note,
+        "band": _band(check, shown),
     }
+
+
+def _band(check: Check, shown: Callable[[float], float | None]) -> schema.Band | None:
+    if check.band is None:
+        return None
+    low, high, least_margin = check.band
+    return {"low": shown(low), "high": shown(high), "least_margin": number(least_margin)}
 
 
 def _relaxation(r: Relaxation) -> schema.Relaxation:
@@ -99,6 +109,7 @@ def _result(checks: tuple[Check, ...]) -> schema.Result:
         "smallest_margin": number(tightest.margin) if tightest else None,
         "tightest_check": tightest.name if tightest else None,
         "failed": [c.name for c in checks if c.status == "fail" and not c.advice],
+        "open": [c.name for c in checks if c.status == "open" and not c.advice],
         "unknown": [c.name for c in checks if c.status == "unknown" and not c.advice],
     }
 
@@ -143,7 +154,14 @@ def drive_set(found: DriveSet) -> schema.Set:
         "energy": _energy(found.energy) if found.energy else None,
         "changes": [_relaxation(r) for r in found.changes],
         "reliability": reliability(found.reliability),
+        "estimated": [_estimate(one) for one in found.estimated],
+        "probability": number(found.probability),
     }
+
+
+def _estimate(one: EstimatedFigure) -> schema.Estimate:
+    return {"part": one.part, "figure": one.figure, "value": one.value, "low": one.low, "high": one.high,
+            "si_unit": KINDS[one.kind].si, "confidence": ESTIMATED, "law": one.law}  # fmt: skip
 
 
 def _mass(row: MassRow) -> schema.Mass:

@@ -15,7 +15,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
 from drivesizer.catalog import columns_of
-from drivesizer.catalog.tables import CONFIDENCE
+from drivesizer.catalog.tables import CONFIDENCE, ESTIMATED
 from drivesizer.units import KINDS
 
 __all__ = ["Generator", "report_schema"]
@@ -39,23 +39,26 @@ class _PartOf(NamedTuple):
 Number = Annotated[float | None, Field(description="null: unknown")]
 Count = Annotated[int, Field(ge=0)]
 Text = str | None
-Status = Literal["pass", "fail", "unknown"]
-Confidence = Annotated[str | None, Field(json_schema_extra={"enum": [*CONFIDENCE, None]})]
+Status = Literal["pass", "fail", "open", "unknown"]
+Confidence = Annotated[str | None, Field(json_schema_extra={"enum": [*CONFIDENCE, ESTIMATED, None]})]
 Version = Literal[1]
 Method = Annotated[str, Field(json_schema_extra={"enum": ["paper", "physics"]})]
 
 Requirement = TypedDict("Requirement", {
     "symbol": str, "equation": int | None, "value": Number, "unit": str, "si": Number, "title": str, "note": str,
 })  # fmt: skip
+Band = TypedDict("Band", {"low": Number, "high": Number, "least_margin": Number})
 Check = TypedDict("Check", {
     "name": str, "method": str, "case": Text, "demand": Number, "limit": Number, "unit": str, "margin": Number,
     "needed_margin": float, "status": Status, "advice": bool, "at_time_s": Number, "note": str,
+    "band": Annotated[Band | None, Field(description="demand at the ends of the band of estimated figures")],
 })  # fmt: skip
 Relaxation = TypedDict("Relaxation", {
     "field": str, "now": str, "needed": str, "set": str, "si_now": float, "si_needed": float, "si_unit": str,
 })  # fmt: skip
 Result = TypedDict("Result", {
-    "status": Status, "smallest_margin": Number, "tightest_check": Text, "failed": list[str], "unknown": list[str],
+    "status": Status, "smallest_margin": Number, "tightest_check": Text, "failed": list[str], "open": list[str],
+    "unknown": list[str],
 })  # fmt: skip
 Figure = TypedDict("Figure", {"value": Number, "unit": str, "si": Number, "at_time_s": Number})
 MachineFigure = TypedDict("MachineFigure", {
@@ -97,6 +100,10 @@ Reliability = TypedDict("Reliability", {
     "smallest_margin": Margins, "checks": list[Spread], "drivers": list[Driver], "closed_loop": LoopShare | None,
     "closed_loop_refused": Text,
 })  # fmt: skip
+Estimate = TypedDict("Estimate", {
+    "part": str, "figure": str, "value": float, "low": float, "high": float, "si_unit": str, "confidence": Confidence,
+    "law": str,
+})  # fmt: skip
 Set = TypedDict("Set", {
     "rank": Count, "status": Status, "actuator": Annotated[dict[str, Any], _PartOf("actuators")] | None,
     "motor": Annotated[dict[str, Any], _PartOf("motors")],
@@ -107,6 +114,8 @@ Set = TypedDict("Set", {
     "figures": dict[str, Figure], "results": dict[str, Result], "checks": list[Check],
     "machine": list[MachineFigure], "masses": list[Mass], "energy": Energy | None, "changes": list[Relaxation],
     "reliability": Reliability | None,
+    "estimated": Annotated[list[Estimate], Field(description="that no data sheet gives; 5th to 95th percentile")],
+    "probability": Annotated[Number, Field(description="that no check fails; null where estimates leave none open")],
 })  # fmt: skip
 Assumption = TypedDict("Assumption", {"name": str, "tolerance": str, "source": str})
 Uncertainty = TypedDict("Uncertainty", {

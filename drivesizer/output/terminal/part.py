@@ -13,7 +13,7 @@ from rich.text import Text
 from drivesizer.catalog import columns_of, one_of
 from drivesizer.catalog.lookup import origins, partners, tolerances
 from drivesizer.catalog.query import Hit
-from drivesizer.catalog.search_view import CLAMPING_HUB
+from drivesizer.catalog.view.search_view import CLAMPING_HUB
 from drivesizer.output.datasheet import datasheet
 from drivesizer.output.terminal.battery import discharge_tables
 from drivesizer.output.terminal.catalog import counted, figure, of_families

@@ -68,6 +68,8 @@ def _chosen(console: Console, result: SizingResult, best: DriveSet, words: str, 
     console.print(f"total ratio {best.total_ratio:.4g} · mass {mass}")
     if tight:
         console.print(f"tightest: {tight.title}, margin {percent(tight.margin)}")
+    for hanging in tables.hanging(best):
+        console.print(Text(hanging, style=STYLE["open"]))
     if not quiet:
         console.print()
         if best.requirements:

@@ -15,8 +15,10 @@ from rich.text import Text
 
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.catalog_file import DATA
+from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.control.validation import Validation
 from drivesizer.output.loop_table import gain_rows
+from drivesizer.output.probability import about
 from drivesizer.results.drive_set import DriveSet, made_by, section_of
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check, Figure
@@ -28,8 +30,9 @@ __all__ = [
     "requirements", "width_of",
 ]  # fmt: skip
 
-STYLE = {"pass": "green", "fail": "bold red", "unknown": "yellow"}
-MARK = {"pass": "pass", "fail": "FAIL", "unknown": "unknown"}
+_CLOSE = 0.2  # least margin at the ends of the band of estimates, below which the band is shown
+STYLE = {"pass": "green", "fail": "bold red", "open": "yellow", "unknown": "yellow"}
+MARK = {"pass": "pass", "fail": "FAIL", "open": "open", "unknown": "unknown"}
 
 
 def console() -> Console:
@@ -149,7 +152,19 @@ def checks(checks: Iterable[Check], title: str) -> Table:
         where = f" ({check.case})" if check.case in worst_in and check.case else ""
         needed = f"\nneeds {percent(check.needed)}" if check.needed and not isnan(check.margin) else ""
         table.add_row(Text(check.title + where), *figures, percent(check.margin) + needed, status, *when)
+        if check.band and check.status in ("open", "pass") and check.band.least_margin < _CLOSE:
+            worst = plain(check, check.band.high), plain(check, check.limit)
+            table.add_row(Text("  at worst, by estimates", style="dim"), *worst, percent(check.band.least_margin), "")
     return table
+
+
+def hanging(found: DriveSet) -> list[str]:
+    """Estimated figures of a drive's open checks: a line for each check, with the probability that it passes."""
+    return [
+        f"open: {check.title} {check.note}" + (f" ({about(check.probability)})" if about(check.probability) else "")
+        for check in found.deciding
+        if check.status == "open"
+    ]
 
 
 def plain(check: Check, figure: float) -> str:
@@ -247,7 +262,7 @@ def _doubt(catalog: Catalog, section: str, part: str) -> str:
         if name in confidence and column.kind != "text" and name != DATA  # a condition of the others
     }
     doubts = []
-    for level in ("secondary", "derived", "recalled"):
+    for level in ("secondary", "derived", "recalled", ESTIMATED):
         names = [name.replace("_", " ") for name, value in figures.items() if value == level]
         if names and level == "secondary":
             doubts.append(f"{len(names)} of {len(figures)} figures secondary")

@@ -12,7 +12,10 @@ from drivesizer.catalog import DIRECT, Catalog, Table
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.controllers import selected
 
-__all__ = ["Candidates", "Rows", "candidates", "joined", "pairs"]
+__all__ = ["FREE", "Candidates", "Rows", "candidates", "joined", "pairs"]
+
+
+FREE = -2  # in place of a controller's row: one is chosen
 
 
 class Candidates(NamedTuple):
@@ -22,10 +25,12 @@ class Candidates(NamedTuple):
     gearhead: NDArray[np.int64]
     belt: NDArray[np.float64]
     listed: NDArray[np.bool_]
+    controller: NDArray[np.int64] | None = None  # row of a controller, or FREE; None: one is chosen for each
 
     def on(self, rows: NDArray[Any] | slice) -> Candidates:
         """Some of them."""
-        return Candidates(self.motor[rows], self.gearhead[rows], self.belt[rows], self.listed[rows])
+        controller = None if self.controller is None else self.controller[rows]
+        return Candidates(self.motor[rows], self.gearhead[rows], self.belt[rows], self.listed[rows], controller)
 
 
 def joined(several: Sequence[Candidates]) -> Candidates:

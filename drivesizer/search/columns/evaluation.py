@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.results.check_columns import CheckColumn, fits
+from drivesizer.results.check_columns import CheckColumn, fits, over_band
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
 from drivesizer.results.requirement import Requirement
-from drivesizer.results.sizing import Check
+from drivesizer.results.sizing import Check, Status
 from drivesizer.search.columns import paper_method
-from drivesizer.search.columns.candidates import Candidates, Rows
+from drivesizer.search.columns.bands import at_ends, estimated
+from drivesizer.search.columns.candidates import FREE, Candidates, Rows
 from drivesizer.search.columns.controllers import controllers
 from drivesizer.search.columns.encoders import counts_check, encoders_for, offered_encoders
 from drivesizer.search.columns.stages import Examined, examine
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Evaluation", "by_physics", "evaluate"]
+__all__ = ["Evaluation", "at_figures", "by_physics", "evaluate"]
 
 
 class Evaluation(NamedTuple):
@@ -56,8 +58,17 @@ class Evaluation(NamedTuple):
     @property
     def unknown(self) -> NDArray[np.bool_]:
         """Which have a check that is unknown, and fail none."""
-        passed: NDArray[np.bool_] = np.logical_and.reduce([c.passed for c in self.checks if not c.advice])
-        return ~self.failed & ~passed
+        known = [c.passed if c.opened is None else c.passed | c.opened for c in self.checks if not c.advice]
+        all_known: NDArray[np.bool_] = np.logical_and.reduce(known)
+        return ~self.failed & ~all_known
+
+    def status(self, index: int) -> Status:
+        """What the checks of one candidate amount to."""
+        if self.failed[index]:
+            return "fail"
+        if self.unknown[index]:
+            return "unknown"
+        return "open" if any(c.opened is not None and c.opened[index] for c in self.checks if not c.advice) else "pass"
 
     def checks_of(self, index: int) -> tuple[Check, ...]:
         """The checks of one candidate, but for those that have no limit to it."""
@@ -86,11 +97,9 @@ def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True) ->
     Evaluation
         Columns over the candidates.
     """
-    return (
-        by_physics(problem, candidates, exact)
-        if problem.spec.method == "physics"
-        else _by_the_paper(problem, candidates)
-    )
+    if problem.spec.method == "physics":
+        return by_physics(problem, candidates, exact)
+    return _over_bands(_by_the_paper, problem, candidates)
 
 
 def _by_the_paper(problem: Problem, candidates: Candidates) -> Evaluation:
@@ -118,7 +127,43 @@ def by_physics(problem: Problem, candidates: Candidates, exact: bool) -> Evaluat
 
     Parameters
     ----------
-    problem, given, exact
+    problem, candidates, exact
+        As :func:`evaluate` takes them.
+
+    Returns
+    -------
+    Evaluation
+        Columns over the candidates.
+    """
+    return _over_bands(partial(at_figures, exact=exact), problem, candidates)
+
+
+def _over_bands(
+    at: Callable[[Problem, Candidates], Evaluation], problem: Problem, candidates: Candidates
+) -> Evaluation:
+    """Candidates at the middle of the bands of their estimated figures; each check holds what it is at both ends.
+
+    The controller is that of the unfavourable end: one drive is judged, not three.
+    """
+    rows = estimated(problem, candidates)
+    if not len(rows):
+        return at(problem, candidates)
+    favourable, unfavourable = at_ends(problem)
+    hard = at(unfavourable, candidates.on(rows))
+    easy = at(favourable, candidates.on(rows)._replace(controller=hard.controller))
+    given = np.full(len(candidates.motor), FREE)
+    given[rows] = hard.controller
+    middle = at(problem, candidates._replace(controller=given))
+    every = zip(middle.checks, easy.checks, hard.checks, strict=True)
+    return middle._replace(candidates=candidates, checks=[over_band(m, (e, h), rows) for m, e, h in every])
+
+
+def at_figures(problem: Problem, candidates: Candidates, exact: bool) -> Evaluation:
+    """Every limit at the figures of the problem's catalogue, as they are.
+
+    Parameters
+    ----------
+    problem, candidates, exact
         As :func:`evaluate` takes them.
 
     Returns

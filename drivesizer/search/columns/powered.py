@@ -16,7 +16,7 @@ from drivesizer.physics.motor_demand import AtGearhead, Demands
 from drivesizer.physics.stress import Heat, Parts, Stress, on, stress
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
-from drivesizer.search.columns.candidates import Rows
+from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import Chosen, Speeds, controllers
 from drivesizer.search.columns.decided import decided, put
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed, line_frequency
@@ -67,7 +67,7 @@ def powered(
     cycles
         The load cycles behind the belts of the candidates.
     cases, parts
-        Columns over candidates.
+        Columns over candidates; the controllers are chosen but where a row is given.
     exactly
         Compute the waveform of all; else only of those that safe bounds leave undecided.
 
@@ -83,8 +83,10 @@ def powered(
     case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly)
     continuous = np.zeros(len(parts.motor.rows), bool)
     chosen = case.controllers([u.cold_voltage.value for u in case.stresses], continuous)
-    row, found = chosen.row, case.judged(chosen.row, None)
-    tried, changed = np.zeros_like(continuous), ~continuous
+    free = np.ones_like(continuous) if parts.controller is None else parts.controller.rows == FREE
+    row = chosen.row if parts.controller is None else np.where(free, chosen.row, parts.controller.rows)
+    found = case.judged(row, None)
+    tried, changed = np.zeros_like(continuous), free
     for _ in range(_TRIES):  # what has not changed would be given the same again
         short = found.check("controller_peak_time").failed & ~found.weak & ~found.dead
         again = changed & ((found.weak & ~found.dead & ~tried) | short)

@@ -47,7 +47,7 @@ class Examined(NamedTuple):
     sets: Candidates  # all that were looked at
     rows: NDArray[np.int64]  # which of them these are
     checks: list[CheckColumn]  # theirs; in stages none are kept
-    doubtful: NDArray[np.bool_]  # a check is unknown
+    unknown: NDArray[np.uint64]  # checks that are, as bits: 1 << place in ``check_kinds``
     margin: Array  # the smallest; NaN where margins are not computed
     encoder: NDArray[np.int64]
     controller: NDArray[np.int64]
@@ -129,7 +129,8 @@ def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, sta
     encoder = encoders_of(problem, offered, cycles, motor.rows, gearhead["ratio"])
     if not staged:  # in stages each motor was judged by what there is for it
         sieve.through(counts_check(spec, catalog, encoder))
-    parts = Parts(motor, gearhead, Rows(catalog.encoders, encoder), None)
+    given = None if sets.controller is None else Rows(catalog.controllers, sets.controller[sieve.rows])
+    parts = Parts(motor, gearhead, Rows(catalog.encoders, encoder), given)
     cases = [_moving(case, cycle, parts) for case, cycle in zip(problem.cases, cycles, strict=True)]
 
     def moving(k: int) -> list[CheckColumn]:
@@ -203,11 +204,11 @@ def _joined(moved: Sequence[_Moved], which: NDArray[np.int64]) -> tuple[list[AtG
         return moved[0].cycles, moved[0].cases, moved[0].parts
     cycles = [AtGearheads(same, which).on(slice(None)) for same in zip(*(one.cycles for one in moved), strict=True)]
     cases = [put_together(same) for same in zip(*(one.cases for one in moved), strict=True)]
-    motor, gearhead, encoder = (
-        Rows(same[0].table, np.concatenate([part.rows for part in same]))
-        for same in zip(*(one.parts[:3] for one in moved), strict=True)
+    parts = (
+        None if same[0] is None else Rows(same[0].table, np.concatenate([part.rows for part in same]))
+        for same in zip(*(one.parts for one in moved), strict=True)
     )
-    return cycles, cases, Parts(motor, gearhead, encoder, None)
+    return cycles, cases, Parts(*parts)
 
 
 def _examined(moved: _Moved, found: Powered) -> Examined:
@@ -220,6 +221,6 @@ def _examined(moved: _Moved, found: Powered) -> Examined:
     rejected = np.concatenate([sieve.rows[:0], *(rows for rows, _ in sieve.rejected)])
     bound = np.concatenate([sieve.margin[:0], *(bound for _, bound in sieve.rejected)])
     return Examined(
-        sieve.sets, sieve.rows, sieve.checks, sieve.doubtful, sieve.margin, moved.parts.encoder.on(keep).rows,
+        sieve.sets, sieve.rows, sieve.checks, sieve.unknown, sieve.margin, moved.parts.encoder.on(keep).rows,
         found.controller[keep], figures, sieve.failed_by, rejected, bound,
     )  # fmt: skip

@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.results.check_columns import CheckColumn
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.search.columns.candidates import Candidates
 
 __all__ = ["Alone", "Sieve"]
 
 Array = NDArray[np.float64]
 _ALL = slice(None)
+_BITS = {name: np.uint64(1 << place) for place, name in enumerate(CHECKS["physics"])}
 _ENOUGH = 100  # rejected candidates, to find the closest among
 
 
@@ -31,7 +33,7 @@ class Sieve:
         self.rows = np.arange(len(sets.motor))
         self.checks: list[CheckColumn] = []
         self.failed_by: Counter[str] = Counter()
-        self.doubtful = np.zeros(len(sets.motor), bool)
+        self.unknown = np.zeros(len(sets.motor), np.uint64)  # checks, as bits
         self.margin = np.full(len(sets.motor), np.inf)
         self.rejected: list[tuple[NDArray[np.int64], Array]] = []
 
@@ -65,7 +67,7 @@ class Sieve:
         bound = np.minimum(gearhead[1][self.sets.gearhead[rejected]], load[1])
         self.rejected.append((rejected, np.minimum(bound, motor[1][self.sets.motor[rejected]])))
         self.rows = np.flatnonzero(~fails)
-        self.doubtful, self.margin = self.doubtful[self.rows], self.margin[self.rows]
+        self.unknown, self.margin = self.unknown[self.rows], self.margin[self.rows]
 
     def through(self, found: Sequence[CheckColumn]) -> NDArray[np.bool_] | slice:
         """Keep what does not fail; which of the rows these are: a mask, or a slice of all of them.
@@ -85,7 +87,7 @@ class Sieve:
             return _ALL
         rejected, passing = np.flatnonzero(~keep), np.flatnonzero(keep)
         self.rejected.append((self.rows[rejected], _judged([check.on(rejected) for check in found])[1]))
-        self.rows, self.doubtful, self.margin = self.rows[passing], self.doubtful[passing], self.margin[passing]
+        self.rows, self.unknown, self.margin = self.rows[passing], self.unknown[passing], self.margin[passing]
         self._keep([check.on(passing) for check in found])
         return keep
 
@@ -95,7 +97,7 @@ class Sieve:
             self.checks += found
             return
         for check in found:
-            self.doubtful |= ~check.passed
+            self.unknown |= np.where(check.passed, np.uint64(0), _BITS[check.name])
             if self.margins:
                 self.margin = np.minimum(self.margin, check.tightness)
 

@@ -15,6 +15,7 @@ __all__ = ["front_plot", "sets_plot"]
 
 _LOOKS = {  # of a drive by its status: colour and mark
     "pass": ("blue", "circle"),
+    "open": ("orange", "circle-open"),
     "unknown": ("grey", "circle-open"),
     "fail": ("vermillion", "x-thin-open"),
 }

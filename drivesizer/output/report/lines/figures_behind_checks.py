@@ -11,6 +11,7 @@ from math import isnan
 from typing import Any
 
 from drivesizer.catalog import Catalog, columns_of
+from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check
@@ -129,7 +130,7 @@ def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
         if part is None or part.part not in table.rows:
             continue
         mark = catalog.confidence(section, table.rows[part.part]).get(field, "")
-        if mark in ("derived", "recalled"):
+        if mark in ("derived", "recalled", ESTIMATED):
             column = columns_of(section)[field]
             value = show(getattr(part, field), column.unit, column.kind, 6)
             found.append([_named(role, field), value, mark, "; ".join(dict.fromkeys(titles))])

@@ -13,6 +13,7 @@ from drivesizer.output.report.sections.changes import CHANGES
 from drivesizer.output.report.sections.checks import CHECKS, DRIVE
 from drivesizer.output.report.sections.cycle import CYCLE, ENERGY, HEAT
 from drivesizer.output.report.sections.derivation import DERIVATION
+from drivesizer.output.report.sections.estimates import ESTIMATES
 from drivesizer.output.report.sections.loop import LINEAR_LOOPS, LOOP
 from drivesizer.output.report.sections.machine import BATTERY, MACHINE
 from drivesizer.output.report.sections.parts import DATA_SHEETS, PARTS
@@ -30,6 +31,7 @@ SECTIONS = (
     RELIABILITY,
     DRIVE,
     CHECKS,
+    ESTIMATES,
     CYCLE,
     HEAT,
     ENERGY,

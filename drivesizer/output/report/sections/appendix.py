@@ -54,6 +54,7 @@ SPEC_FILE = Section(name="file", title="The spec file", blocks=_file, appendix=T
 
 _MEANING = (
     ("pass, fail, unknown", "a check with an unknown figure is unknown: it neither passes nor fails"),
+    ("open", "a check that passes at one end of the 5 to 95 % band of estimated figures and fails at the other"),
     ("empty cell", "the figure is unknown; never zero"),
     ("numbers", "with all their digits, shown with four; the unit is beside or in the head"),
     ("SI value", "the same figure in the unit of the SI"),

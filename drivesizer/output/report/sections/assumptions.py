@@ -28,7 +28,7 @@ def _blocks(content: Content) -> Iterator[Block]:
         Row((name, value, (Mark(mark),), checks)) for name, value, mark, checks in marked_figures(best, result.catalog)
     ]
     if not marked:
-        yield Words("No check rests on a figure that is derived or recalled.")
+        yield Words("No check rests on a figure that is derived, recalled or estimated.")
         return
     columns = (Column("figure", "name"), Column("value", "number"), Column("is", "mark"),
                Column("checks that rest on it", "small", 1.0, merged=True))  # fmt: skip

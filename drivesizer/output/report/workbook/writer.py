@@ -17,6 +17,7 @@ from drivesizer.output.probability import likely
 from drivesizer.output.report.lines.rows import Row
 from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
 from drivesizer.output.report.workbook.chart import draw
+from drivesizer.results.check import GRAVEST
 from drivesizer.units import label
 
 __all__ = ["MOST_ROWS", "share", "shown", "written"]
@@ -64,6 +65,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "unquoted": {"font_color": _ALARM, "italic": True, **_LEFT},
     "pass": {"bg_color": "#DDF0E6", "font_color": "#00613F", **_MIDDLE},
     "fail": {"bg_color": _ALARM, "font_color": "white", "bold": True, **_MIDDLE},
+    "open": {"bg_color": "#FDF0D0", "font_color": "#6B4A00", "italic": True, **_MIDDLE},
     "unknown": {"bg_color": "#EBEBEB", "font_color": "#404040", "italic": True, **_MIDDLE},
 }
 _NUMBERS = {  # form -> how a spreadsheet shows it; [Red] is a colour of every spreadsheet
@@ -186,7 +188,7 @@ def _endless(value: float) -> str:
 
 
 def _look(text: str, form: str) -> str:
-    if form == "status" and text in ("pass", "fail", "unknown"):
+    if form == "status" and text in GRAVEST:
         return text
     if form == "confidence" and text not in ("quoted", "computed"):
         return "unquoted"

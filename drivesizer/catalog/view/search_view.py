@@ -15,21 +15,24 @@ which the actuator was measured. Where no permissible speed is printed, the no-l
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.parts import DIRECT, EDGES, NO_GEARHEAD, RELATIONS, Gearhead, columns_of, one_of
-from drivesizer.catalog.tables import Catalog, Pairs, Source, Table, unique_pairs
+from drivesizer.catalog.estimates.of_catalog import estimates_kept
+from drivesizer.catalog.no_gearhead import NO_GEARHEAD_SOURCE, with_no_gearhead
+from drivesizer.catalog.parts import DIRECT, EDGES, RELATIONS, columns_of, one_of
+from drivesizer.catalog.tables import Catalog, Pairs, Table, unique_pairs
+from drivesizer.catalog.view.completing import ENDS, MIDDLE, completed
 from drivesizer.errors import CatalogError, quoted
 from drivesizer.physics.back_emf import ELECTRONICS
 
-__all__ = ["CLAMPING_HUB", "NO_GEARHEAD_SOURCE", "search_view", "split_actuators", "with_no_gearhead"]
+__all__ = ["CLAMPING_HUB", "search_view", "split_actuators"]
 
 CLAMPING_HUB = "clamping hub"  # mounting of a gearhead that takes motors of any maker
 _THINNEST_SHAFT = 0.5  # of the hub's bore: a bushing fills the rest
-NO_GEARHEAD_SOURCE = Source("no gearhead: the motor drives the load itself", "quoted")
 
 Columns = dict[str, NDArray[Any]]
 _NAMES = ("part", "family", "manufacturer")
@@ -50,8 +53,31 @@ class _Inside(NamedTuple):
     columns: Mapping[str, Any]
 
 
-def search_view(catalog: Catalog) -> Catalog:
-    """The catalogue as the search takes it: actuators split, clamping hubs paired, direct drive added."""
+def search_view(catalog: Catalog, estimates: bool = True) -> Catalog:
+    """The catalogue as the search takes it: actuators split, clamping hubs paired, direct drive added.
+
+    Parameters
+    ----------
+    catalog
+        As it was loaded; one that was made by this function is returned as it is.
+    estimates
+        Whether figures that are estimated from peers are put in where there is none.
+
+    Returns
+    -------
+    Catalog
+        With the estimates at the middle of their bands; with them at the ends as ``ends``.
+    """
+    if catalog.ends or not estimates:
+        return _viewed(catalog)
+    found = replace(catalog, estimates=estimates_kept(catalog))
+    if not found.estimates:
+        return _viewed(catalog)
+    middle, *ends = (_viewed(found.with_tables(completed(found, end), {})) for end in (MIDDLE, *ENDS))
+    return replace(middle, ends=tuple(ends))
+
+
+def _viewed(catalog: Catalog) -> Catalog:
     return _with_direct_drive(_with_clamping_hubs(split_actuators(catalog)))
 
 
@@ -196,26 +222,6 @@ def _with_clamping_hubs(catalog: Catalog) -> Catalog:
     sides: tuple[Any, ...] = (left, right, gearheads.source[right])
     both = (np.concatenate([a, b]) for a, b in zip(catalog.motor_gearhead, sides, strict=True))
     return catalog.with_tables({}, {"motor_gearhead": unique_pairs(*both)})
-
-
-def with_no_gearhead(gearheads: Table[Gearhead], source: int) -> Table[Gearhead]:
-    """A table of gearheads with the row of direct drive, which weighs nothing and has no limits, as its last.
-
-    Parameters
-    ----------
-    gearheads
-        The table to extend.
-    source
-        Index of the row's source in ``Catalog.sources``.
-
-    Returns
-    -------
-    Table
-        A new table with one row more.
-    """
-    columns = {name: np.append(gearheads[name], getattr(NO_GEARHEAD, name)) for name in gearheads.columns}
-    sources = np.append(gearheads.source, source).astype(np.int32)
-    return Table(gearheads.section, columns, sources, np.append(gearheads.excluded, False))
 
 
 def _with_direct_drive(catalog: Catalog) -> Catalog:

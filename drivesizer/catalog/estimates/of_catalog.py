@@ -1,0 +1,81 @@
+"""Estimates of all parts of a catalogue, kept in the cache folder once they are found."""
+
+from __future__ import annotations
+
+import io
+import json
+from contextlib import suppress
+from importlib import resources
+
+import numpy as np
+
+from drivesizer.catalog.estimates.estimate import estimates
+from drivesizer.catalog.estimates.laws import LAWS
+from drivesizer.catalog.tables import Catalog, Estimates
+from drivesizer.files.cache import digest_of, folder, keep
+from drivesizer.files.cache import kept as kept_file
+from drivesizer.version import __version__
+
+__all__ = ["estimates_kept"]
+
+_FILES = ("fitted.json", "constructions.yaml")  # beside the code of the laws, which the version stands for
+_SECTIONS = tuple(dict.fromkeys(law.section for law in LAWS))
+_CLASSES = ("manufacturer", "family", "kind", "gearing")  # texts that the laws read
+Found = dict[str, dict[str, Estimates]]
+
+
+def estimates_kept(catalog: Catalog) -> Found:
+    """What the data sheets of a catalogue's parts leave out and peers of the parts have.
+
+    Parameters
+    ----------
+    catalog
+        As it was loaded, or with other parts.
+
+    Returns
+    -------
+    dict
+        By section and column; only where there are some.
+    """
+    path = folder() / f"estimates {digest_of(*map(str.encode, catalog.digests))[:8]}-{_key(catalog)}.npz"
+    body = kept_file(path)
+    if body is not None:
+        return _read(body)
+    every = {section: estimates(catalog.table(section)) for section in _SECTIONS}
+    found = {section: figures for section, figures in every.items() if figures}
+    with suppress(OSError):  # a folder without write access was reported when the catalogue was not kept
+        keep(path, _written(found))
+    return found
+
+
+def _key(catalog: Catalog) -> str:
+    """Digest of the laws and of all that they read: tables may be others than those of the catalogue's files."""
+    laws = resources.files(__package__)
+    parts = [__version__.encode(), *((laws / name).read_bytes() for name in _FILES)]
+    for section in _SECTIONS:
+        columns = catalog.table(section).columns
+        parts += [np.array([column for column in columns.values() if column.dtype.kind == "f"]).tobytes()]
+        parts += [columns[name].tobytes() for name in _CLASSES if name in columns]
+    return digest_of(*parts)
+
+
+def _written(found: Found) -> bytes:
+    listed = [(section, column, one) for section, columns in found.items() for column, one in columns.items()]
+    buffer = io.BytesIO()
+    names = json.dumps([(section, column, len(one.rows)) for section, column, one in listed])
+    figures = np.concatenate([np.zeros((5, 0)), *(np.array(one) for *_, one in listed)], axis=1)
+    np.savez(buffer, names=np.frombuffer(names.encode(), np.uint8), figures=figures)
+    return buffer.getvalue()
+
+
+def _read(body: bytes) -> Found:
+    found: Found = {}
+    with np.load(io.BytesIO(body), allow_pickle=False) as arrays:
+        names, figures = json.loads(arrays["names"].tobytes()), arrays["figures"]
+    start = 0
+    for section, column, count in names:
+        rows, value, low, high, fit = figures[:, start : start + count]
+        one = Estimates(rows.astype(np.int64), value, low, high, fit.astype(np.int64))
+        found.setdefault(section, {})[column] = one
+        start += count
+    return found

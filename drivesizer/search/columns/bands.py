@@ -1,0 +1,57 @@
+"""Candidates with figures that are estimated: which they are, and the problem at both ends of the bands."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog, columns_of
+from drivesizer.results.problem import Problem
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["at_ends", "estimated"]
+
+# sizes and masses: whether a drive moves its load does not hang on them
+_SIZES = {"mass", "length", "diameter", "backlash"}
+_NEEDED = {"length": "length", "mass": "mass", "diameter": "diameter", "backlash": "backlash_at_load"}
+
+
+def at_ends(problem: Problem) -> tuple[Problem, Problem]:
+    """The problem with estimated figures at the favourable and at the unfavourable end of their bands."""
+    favourable, unfavourable = (replace(problem, catalog=end) for end in problem.catalog.ends)
+    return favourable, unfavourable
+
+
+def estimated(problem: Problem, candidates: Candidates) -> NDArray[np.int64]:
+    """Candidates with an estimated figure that a check may hang on.
+
+    Parameters
+    ----------
+    problem
+        Its catalogue with both ends of the bands, or without estimates.
+    candidates
+        The candidates.
+
+    Returns
+    -------
+    array of int
+        Rows of them.
+    """
+    if not problem.catalog.ends:
+        return np.zeros(0, np.int64)
+    motors, gearheads = (_differ(problem.catalog, name, problem.spec) for name in ("motors", "gearheads"))
+    return np.flatnonzero(motors[candidates.motor] | gearheads[candidates.gearhead])
+
+
+def _differ(catalog: Catalog, section: str, spec: RobotSpec) -> NDArray[np.bool_]:
+    """Parts of which a figure that counts is not the same at both ends."""
+    low, high = (end.table(section) for end in catalog.ends)
+    left = {name for name in _SIZES if not getattr(spec.needs, _NEEDED[name])}
+    found = np.zeros(len(low), bool)
+    for name, column in columns_of(section).items():
+        if column.kind != "text" and name not in left:
+            found |= (low[name] != high[name]) & ~np.isnan(low[name])
+    return found

@@ -1,0 +1,99 @@
+"""What estimated figures do to one drive: which they are, and what its open checks hang on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import nan
+
+import numpy as np
+
+from drivesizer.catalog import Catalog, columns_of
+from drivesizer.catalog.estimates.estimate import in_words, kept
+from drivesizer.results.check import Check
+from drivesizer.results.estimated import EstimatedFigure
+from drivesizer.search.columns.evaluation import Evaluation
+from drivesizer.search.open_checks import Turn, passing, turns
+from drivesizer.units import show
+
+__all__ = ["decided", "estimated"]
+
+_PART = {"motors": "motor", "gearheads": "gearhead", "encoders": "encoder", "actuators": "actuator"}
+
+
+def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]:
+    """Figures of a drive's parts that are estimated.
+
+    Parameters
+    ----------
+    evaluation
+        Of the candidates.
+    index
+        The row.
+
+    Returns
+    -------
+    tuple
+        Those of the motor first; of an actuator as its row has them.
+    """
+    catalog, candidates = evaluation.catalog, evaluation.candidates
+    motor, gearhead = int(candidates.motor[index]), int(candidates.gearhead[index])
+    if not catalog.ends:
+        return ()
+    inside = str(catalog.motors["inside"][motor])
+    own = {"motors": motor, "gearheads": gearhead}
+    places = {"actuators": catalog.actuators.rows[inside]} if inside else own
+    if evaluation.encoder[index] >= 0 and not inside:
+        places["encoders"] = int(evaluation.encoder[index])
+    return tuple(one for section, row in places.items() for one in _of_part(catalog, section, row))
+
+
+def _of_part(catalog: Catalog, section: str, row: int) -> list[EstimatedFigure]:
+    found = []
+    for name, figures in catalog.estimates.get(section, {}).items():
+        for place in np.flatnonzero(figures.rows == row).tolist():
+            column, fit = columns_of(section)[name], kept()[figures.fit[place]]
+            ends = float(figures.low[place]), float(figures.high[place])
+            found.append(EstimatedFigure(
+                _PART[section], name, float(figures.value[place]), *ends, column.kind, column.unit, in_words(fit)
+            ))  # fmt: skip
+    return found
+
+
+def decided(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], float]:
+    """The checks of a drive, its open ones with the value at which they turn and how probable it is that they pass.
+
+    Parameters
+    ----------
+    evaluation
+        Of the candidates.
+    index
+        The row.
+
+    Returns
+    -------
+    tuple
+        Checks, and the probability that none of them fails; NaN where none is open.
+    """
+    checks = evaluation.checks_of(index)
+    names = {check.name for check in checks if check.status == "open" and not check.advice}
+    if not names or evaluation.spec.method != "physics":
+        return checks, nan
+    one = evaluation.candidates.on(np.array([index]))._replace(controller=evaluation.controller[[index]])
+    probable, turning = passing(evaluation.problem, one), turns(evaluation.problem, one, names)
+    open_ = {name: (probable[name], _turning(turning.get(name))) for name in names}
+    return tuple(_with(check, *open_[check.name]) if check.name in names else check for check in checks), probable[""]
+
+
+def _with(check: Check, probability: float, note: str) -> Check:
+    return replace(check, probability=probability, note="; ".join(text for text in (note, check.note) if text))
+
+
+def _turning(turn: Turn | None) -> str:
+    """A sentence on where a check turns."""
+    if turn is None:
+        return "hangs on several estimated figures together"
+    section, name = turn.figure
+    column = columns_of(section)[name]
+    side = "at most" if turn.passes_below else "at least"
+    value = show(turn.value, column.unit, column.kind, 2)
+    return f"passes with a {_PART[section]} {name.replace('_', ' ')} of {side} {value}, which is estimated"

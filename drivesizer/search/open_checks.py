@@ -1,0 +1,216 @@
+"""Drives whose checks hang on estimated figures: how probable it is that each passes, and at which value it turns.
+
+Every estimated figure is a random factor of its own, log-normal with the band as its 5th and 95th percentile; those of
+motor and gearhead are independent, and an actuator's torque constant at the rotor follows the loss of its gears.
+One row of a catalogue made for it is one sample, so that the checks are those of the search.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from statistics import NormalDist
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog, Table, columns_of
+from drivesizer.catalog.tables import Pairs
+from drivesizer.results.check_columns import CheckColumn
+from drivesizer.results.problem import Problem
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.search.columns.evaluation import Evaluation, at_figures
+
+__all__ = ["SAMPLES", "Figure", "Turn", "estimated_figures", "passing", "turns"]
+
+Array = NDArray[np.float64]
+Figure = tuple[str, str]  # section and column
+SAMPLES = 128
+_END = 1.6449  # standard deviations from the middle of a band to its ends
+_FARTHEST = 3.0  # standard deviations that a figure is followed
+_STEPS = 49
+_FOLLOWS: dict[Figure, Figure] = {
+    ("motors", name): ("gearheads", "efficiency") for name in ("torque_constant", "nominal_torque", "stall_torque")
+}
+
+
+class Turn(NamedTuple):
+    """Where a check turns when one estimated figure moves and the others stay at the middle of their bands."""
+
+    figure: Figure
+    value: float  # SI
+    passes_below: bool
+
+
+def estimated_figures(problem: Problem, motor: int, gearhead: int) -> list[Figure]:
+    """Figures of a drive's motor and gearhead that are not the same at both ends of their bands.
+
+    Parameters
+    ----------
+    problem
+        Its catalogue with both ends of the bands, or without estimates.
+    motor, gearhead
+        Rows.
+
+    Returns
+    -------
+    list
+        Section and column of each.
+    """
+    if not problem.catalog.ends:
+        return []
+    low, high = problem.catalog.ends
+    inside = problem.catalog.motors["inside"][motor] != ""
+    found = []
+    for section, row in (("motors", motor), ("gearheads", gearhead)):
+        for name, column in columns_of(section).items():
+            ends = low.table(section)[name][row], high.table(section)[name][row]
+            leads = (section, name) not in _FOLLOWS if inside else True
+            if column.kind != "text" and leads and ends[0] != ends[1] and ends[0] == ends[0]:
+                found.append((section, name))
+    return found
+
+
+def passing(problem: Problem, one: Candidates, samples: int = SAMPLES) -> dict[str, float]:
+    """Probability that each check of a drive passes, by name; under "" that none fails.
+
+    Parameters
+    ----------
+    problem
+        Its catalogue with both ends of the bands.
+    one
+        A single candidate, with its controller.
+    samples
+        How many.
+
+    Returns
+    -------
+    dict
+        Of checks that are not unknown in all samples.
+    """
+    figures = estimated_figures(problem, int(one.motor[0]), int(one.gearhead[0]))
+    points = dict(zip(figures, _normal(samples, len(figures)).T, strict=True))
+    checks = [check for check in at_points(problem, one, points, samples).checks if not check.advice]
+    known = [check for check in checks if (check.passed | check.failed).any()]
+    every = np.logical_and.reduce([~check.failed for check in known])
+    return {check.name: float(check.passed.mean()) for check in known} | {"": float(every.mean())}
+
+
+@cache
+def _normal(samples: int, figures: int) -> Array:
+    """Points spread evenly over independent standard normal figures: shape (samples, figures).
+
+    An additive recurrence (M. Roberts, *The unreasonable effectiveness of quasirandom sequences*, 2018): few points are
+    wanted, and nothing need be loaded for them.
+    """
+    ratio = 2.0
+    for _ in range(40):
+        ratio = (1.0 + ratio) ** (1.0 / (figures + 1))
+    steps = ratio ** -np.arange(1.0, figures + 1)
+    cube = (0.5 + np.arange(1, samples + 1)[:, None] * steps) % 1.0
+    return np.array([[NormalDist().inv_cdf(p) for p in row] for row in cube.tolist()]).reshape(samples, figures)
+
+
+def turns(problem: Problem, one: Candidates, names: set[str]) -> dict[str, Turn]:
+    """For some checks of a drive the estimated figure that moves each most, and the value at which it turns.
+
+    Parameters
+    ----------
+    problem, one
+        As for ``passing``.
+    names
+        Of the checks.
+
+    Returns
+    -------
+    dict
+        By name; only checks that turn by one figure alone.
+    """
+    figures = estimated_figures(problem, int(one.motor[0]), int(one.gearhead[0]))
+    if not figures or not names:
+        return {}
+    steps = np.linspace(-_FARTHEST, _FARTHEST, _STEPS)
+    points = {f: np.where(np.arange(len(figures) * _STEPS) // _STEPS == k, np.tile(steps, len(figures)), 0.0)
+              for k, f in enumerate(figures)}  # fmt: skip
+    found = at_points(problem, one, points, len(figures) * _STEPS)
+    return {
+        check.name: turn
+        for check in found.checks
+        if check.name in names and (turn := _turn(problem, one, check, figures, steps)) is not None
+    }
+
+
+def _turn(problem: Problem, one: Candidates, check: CheckColumn, figures: list[Figure], steps: Array) -> Turn | None:
+    """Of the figures that make a check turn, the one that does so nearest to the middle of its band."""
+    best: tuple[float, Turn] | None = None
+    for k, figure in enumerate(figures):
+        passed = check.passed[k * _STEPS : (k + 1) * _STEPS]
+        change = np.flatnonzero(passed[1:] != passed[:-1])
+        if not len(change):
+            continue
+        place = change[np.argmin(np.abs(steps[change]))]
+        at = float(steps[place] + steps[place + 1]) / 2.0
+        row = int((one.motor if figure[0] == "motors" else one.gearhead)[0])
+        values = _moved(
+            problem.catalog, figure, np.array([row, row, row]), np.array([steps[place], at, steps[place + 1]])
+        )
+        turn = Turn(figure, float(values[1]), bool(passed[place]) == bool(values[0] < values[2]))
+        if best is None or abs(at) < best[0]:
+            best = abs(at), turn
+    return best[1] if best else None
+
+
+def at_points(problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int) -> Evaluation:
+    """A drive with its estimated figures at several points of their bands, a row each.
+
+    Parameters
+    ----------
+    problem, one
+        As for ``passing``.
+    points
+        By figure: standard deviations from the middle of the band, towards its unfavourable end; shape (count,).
+    count
+        Number of points.
+
+    Returns
+    -------
+    Evaluation
+        Of ``count`` rows.
+    """
+    catalog, every = problem.catalog, np.arange(count)
+    motor, gearhead = (np.full(count, rows[0]) for rows in (one.motor, one.gearhead))
+    tables = {
+        "motors": _table(catalog, "motors", motor, points),
+        "gearheads": _table(catalog, "gearheads", gearhead, points),
+    }
+    fitting = catalog.motor_encoder
+    mine = fitting.left == one.motor[0]
+    sides = np.repeat(every, mine.sum()), np.tile(fitting.right[mine], count), np.tile(fitting.source[mine], count)
+    pairs = {"motor_encoder": Pairs(*(side.astype(np.int32) for side in sides))}
+    varied = replace(catalog.with_tables(tables, pairs), ends=())
+    given = one.on(np.zeros(count, np.int64))._replace(motor=every, gearhead=every)
+    return at_figures(replace(problem, catalog=varied), given, exact=True)
+
+
+def _table(catalog: Catalog, section: str, rows: NDArray[np.int64], points: Mapping[Figure, Array]) -> Table[Any]:
+    table = catalog.table(section).taken(rows)
+    inside = bool(table["inside"][0] != "")
+    columns = dict(table.columns)
+    for name, column in columns_of(section).items():
+        own = (section, name)
+        by = points.get(_FOLLOWS.get(own, own) if inside else own, points.get(own))
+        if by is not None and column.kind != "text":
+            columns[name] = _moved(catalog, own, rows, by)
+    return replace(table, columns=columns)
+
+
+def _moved(catalog: Catalog, figure: Figure, rows: NDArray[np.int64], by: Array) -> Array:
+    """A figure of some parts, moved from the middle of its band towards its unfavourable end."""
+    section, name = figure
+    easy, middle, hard = (c.table(section)[name][rows] for c in (catalog.ends[0], catalog, catalog.ends[1]))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        far = np.where(by > 0.0, np.log(hard / middle), -np.log(easy / middle))
+    moved: Array = middle * np.exp(np.nan_to_num(far) * by / _END)
+    return np.minimum(moved, 1.0 if name == "efficiency" else np.inf)

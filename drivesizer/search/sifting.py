@@ -1,0 +1,174 @@
+"""Of all candidates those that pass or may pass, and the closest rejected: in chunks, a belt at a time.
+
+A candidate whose figures are all printed is examined once. One with estimated figures is examined at both ends of
+their bands: it passes where it passes at both, is open where at one, and fails where at none.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Set
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.results.problem import Problem
+from drivesizer.results.sizing import Counts
+from drivesizer.search.columns.bands import at_ends, estimated
+from drivesizer.search.columns.candidates import Candidates, joined, pairs
+from drivesizer.search.columns.evaluation import by_physics
+from drivesizer.search.columns.stages import Examined, examine
+from drivesizer.search.ranking import COUNTED
+from drivesizer.spec.select import OBJECTIVES
+
+__all__ = ["OPEN", "PASSES", "Progress", "Sifted", "sifted"]
+
+Array = NDArray[np.float64]
+Progress = Callable[[int, int], None]  # drives examined, drives in all
+PASSES, OPEN, UNKNOWN = range(3)  # certainty
+_WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_waveform}
+_CHUNK = 1 << 16  # pairs at a time
+_NEAREST = 32  # of the rejected, kept until all are known
+
+
+class Sifted(NamedTuple):
+    """Candidates that pass or may pass, as rows of a few numbers."""
+
+    sets: Candidates
+    certainty: NDArray[np.int64]  # PASSES, OPEN by estimated figures, or UNKNOWN by one that has no band
+    figures: dict[str, Array]  # that objectives count
+
+
+class _Found(NamedTuple):
+    """The same of one belt's chunk, with the rejected."""
+
+    examined: int
+    sets: Candidates
+    opened: NDArray[np.bool_]
+    unknown: NDArray[np.uint64]  # checks, as bits
+    figures: dict[str, Array]
+    failed_by: Counter[str]
+    rejected: Candidates
+    bound: Array  # the smallest margin of each of the rejected is no better
+
+
+def sifted(problem: Problem, names: Set[str], progress: Progress | None) -> tuple[Sifted, Candidates, Counts]:
+    """The drives that pass or may pass, the closest rejected, and the counts.
+
+    Parameters
+    ----------
+    problem
+        The machine with its load cycles, and the catalogues.
+    names
+        Objectives.
+    progress
+        Called after each chunk.
+
+    Returns
+    -------
+    tuple
+        Those that pass or may pass, candidates near the limits, and how many failed on what.
+    """
+    every, belts = pairs(problem), problem.belt_ratios
+    total, done, failed_by = len(every.motor) * len(belts), 0, Counter[str]()
+    kept: list[_Found] = []
+    rejected = [(every.on(slice(0, 0)), np.zeros(0))]
+    for one in _examined(problem, every, belts, bool(names & _WAVEFORM)):
+        failed_by.update(one.failed_by)
+        kept.append(one)
+        rejected = [_nearest([*rejected, (one.rejected, one.bound)])]
+        done += one.examined
+        if progress:
+            progress(done, total)
+    passing = _joined(problem, kept, every, names)
+    tally = {name: count for name, count in failed_by.items() if count}
+    opened = int(np.count_nonzero(passing.certainty == OPEN))
+    counts = Counts(considered=total, feasible=len(passing.sets.motor), open=opened, failed_by=tally)
+    return passing, rejected[0][0], counts
+
+
+def _examined(problem: Problem, every: Candidates, belts: list[float], exact: bool) -> Iterator[_Found]:
+    """One belt's chunk after the other."""
+    rows = estimated(problem, every)
+    printed = every.on(np.setdiff1d(np.arange(len(every.motor)), rows)) if len(rows) else every
+    for one in examine(problem, _chunks(printed, belts), staged=True, exact=exact, margins=exact):
+        yield _found(one, np.zeros(len(one.rows), bool))
+    if not len(rows):
+        return
+    favourable, unfavourable = (
+        examine(end, _chunks(every.on(rows), belts), staged=True, exact=exact, margins=exact)
+        for end in at_ends(problem)
+    )
+    for easy, hard in zip(favourable, unfavourable, strict=True):
+        yield _at_both(easy, hard)
+
+
+def _found(one: Examined, opened: NDArray[np.bool_]) -> _Found:
+    figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin}
+    sets, rejected, bound = one.sets, one.rejected, one.bound
+    if len(rejected) > _NEAREST:
+        few = np.argpartition(-bound, _NEAREST)[:_NEAREST]
+        rejected, bound = rejected[few], bound[few]
+    passing, failing = sets.on(one.rows), sets.on(rejected)
+    return _Found(len(sets.motor), passing, opened, one.unknown, figures, one.failed_by, failing, bound)
+
+
+def _at_both(easy: Examined, hard: Examined) -> _Found:
+    """What passes at the unfavourable end, then what passes at the favourable end alone."""
+    both = np.isin(hard.rows, easy.rows)
+    unknown = hard.unknown.copy()
+    unknown[both] |= easy.unknown[np.isin(easy.rows, hard.rows)]  # rows of both rise
+    left = np.flatnonzero(~np.isin(easy.rows, hard.rows))
+    rest = np.flatnonzero(~np.isin(easy.rejected, hard.rows))
+    figures = {name: np.concatenate([hard.figures[name], easy.figures[name][left]]) for name in easy.figures}
+    whole = hard._replace(
+        rows=np.concatenate([hard.rows, easy.rows[left]]),
+        unknown=np.concatenate([unknown, easy.unknown[left]]),
+        margin=np.concatenate([hard.margin, easy.margin[left]]),
+        figures=figures,
+        failed_by=easy.failed_by,
+        rejected=easy.rejected[rest],
+        bound=easy.bound[rest],
+    )
+    return _found(whole, np.concatenate([~both, np.ones(len(left), bool)]))
+
+
+def _chunks(every: Candidates, belts: list[float]) -> Iterator[tuple[float, Candidates]]:
+    for belt in belts:
+        for start in range(0, len(every.motor), _CHUNK):
+            chunk = every.on(slice(start, start + _CHUNK))
+            yield belt, chunk._replace(belt=np.full(len(chunk.motor), belt))
+
+
+def _nearest(several: list[tuple[Candidates, Array]]) -> tuple[Candidates, Array]:
+    """The nearest of the rejected in several chunks."""
+    sets = joined([s for s, _ in several])
+    bound = np.concatenate([b for _, b in several])
+    rows = np.lexsort((sets.belt, sets.gearhead, sets.motor, -bound))[:_NEAREST]
+    return sets.on(rows), bound[rows]
+
+
+def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[str]) -> Sifted:
+    """All that pass or may pass; of estimated figures those that objectives count are at the middle of the band."""
+    if not kept:
+        none = every.on(slice(0, 0))
+        return Sifted(none, np.zeros(0, np.int64), dict.fromkeys((*COUNTED, "margin"), none.belt))
+    sets = joined([k.sets for k in kept])
+    opened, unknown = (np.concatenate([getattr(k, name) for k in kept]) for name in ("opened", "unknown"))
+    figures = {name: np.concatenate([k.figures[name] for k in kept]) for name in kept[0].figures}
+    rows = estimated(problem, sets)
+    if names & set(COUNTED) and len(rows):
+        middle = by_physics(problem, sets.on(rows), True).figures
+        for name in COUNTED:
+            figures[name][rows] = middle[name]
+    if problem.spec.select.unknown == "reject":
+        return _on(Sifted(sets, opened * OPEN, figures), np.flatnonzero(unknown == 0))
+    alike = np.bitwise_and.reduce(unknown) if len(unknown) else np.uint64(0)  # what all lack sets none back
+    certainty = np.where(unknown & ~alike != 0, UNKNOWN, np.where(opened, OPEN, PASSES))
+    return Sifted(sets, certainty, figures)
+
+
+def _on(found: Sifted, rows: NDArray[np.int64]) -> Sifted:
+    figures = {name: column[rows] for name, column in found.figures.items()}
+    return Sifted(found.sets.on(rows), found.certainty[rows], figures)
