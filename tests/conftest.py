@@ -6,7 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -96,9 +96,28 @@ def catalog() -> Catalog:
 
 
 @pytest.fixture(scope="session")
-def result(spec: RobotSpec) -> SizingResult:
+def sized(spec: RobotSpec) -> SizingResult:
     """The sizing of the SPS robot; frozen records, so that all tests of a process share it."""
     return size(spec)
+
+
+@pytest.fixture(scope="session")
+def result(sized: SizingResult) -> SizingResult:
+    """The same, where a module has no result of its own."""
+    return sized
+
+
+@pytest.fixture(scope="module")
+def no_further_searches(sized: SizingResult) -> Iterator[None]:
+    """Sizing without its further searches: what would have to change (sixty), and the whole catalogue's best drive.
+
+    For modules that read neither. The shared sizing is made before, with both.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("drivesizer.sizing.relaxations", lambda *_: ())
+        patch.setattr("drivesizer.sizing.changes_for", lambda *_: ())
+        patch.setattr("drivesizer.sizing._unrestricted", lambda *_: None)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -29,7 +29,7 @@ from drivesizer.search.search import search
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 
-PAIRS = 2000  # sets per load; of the arm, which has hundreds of segments, fewer
+PAIRS = 1000  # sets per load; of the arm, which has hundreds of segments, fewer
 
 RECORDING = """time,speed,torque
 s,rpm,N*m
@@ -169,7 +169,7 @@ def worked(folder, catalog):
     def of(name):
         if name not in done:
             spec = spec_of(name, folder)
-            count = PAIRS // len(spec.belt_ratios) if "arm" not in name else PAIRS // 8
+            count = PAIRS // len(spec.belt_ratios) if "arm" not in name else PAIRS // 5
             sets = with_belts(some_pairs(catalog, count, name), spec.belt_ratios)
             done[name] = spec, sets, all_by_hand(spec, catalog, sets)
         return done[name]

@@ -30,6 +30,8 @@ from drivesizer.spec.robot import read_spec
 mujoco = pytest.importorskip("mujoco", "3.12", reason="MuJoCo with inputs of its dcmotor is not installed")
 from mujoco import rollout  # noqa: E402
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 CASCADE = """control:
   structure: cascade
   speed_from: exact

@@ -27,6 +27,8 @@ from drivesizer.simulate import validate
 from drivesizer.sizing import explain
 from drivesizer.spec.robot import RobotSpec, read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 SPEC = """
 name: a cart uphill
 load: {kind: wheeled_vehicle, mass: 60 kg, driven_wheels: 4, wheel_diameter: 160 mm, rolling_resistance: 0.02, slope: 2 deg, inertia: 0.004 kg*m^2}

@@ -12,6 +12,8 @@ from drivesizer.search.both_methods import other_checks
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 SLOPE = math.radians(-10.0)
 WEIGHT = 45 * 9.80665
 NOM = 0.0762 * WEIGHT * (0.02 * math.cos(SLOPE) + math.sin(SLOPE)) / 0.95  # (3), (2)

@@ -19,6 +19,8 @@ from drivesizer.simulate import validate
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec, read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 SPEC = """
 name: an hour in ten
 load: {kind: rotary_table, inertia: 0.001 kg*m^2, friction_torque: 1.0 N*m}

@@ -18,6 +18,8 @@ from drivesizer.simulate import validate
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 RPM = 2 * pi / 60
 
 # What the maker prints, and the same machine as motor and gearhead, by hand: i = 10, e = 0.9.

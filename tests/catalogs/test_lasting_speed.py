@@ -16,6 +16,8 @@ from drivesizer.physics.lasting_speed import continuous_speed, exceeded, lasting
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 SHORT = (1.0, 0.1)
 
 

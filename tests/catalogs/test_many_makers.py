@@ -11,6 +11,8 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 
 @pytest.fixture(scope="module")
 def everything():

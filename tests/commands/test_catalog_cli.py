@@ -227,7 +227,7 @@ def test_two_catalogues_of_one_name_are_refused(run, small, tmp_path):
         ["compare", "118752", "118743", "236662", "236670", "110212"],
         ["search", "EPOS4"],
         ["stats"],
-        ["check", "--all"],
+        pytest.param(["check", "--all"], marks=pytest.mark.slow),
     ],
     ids=" ".join,
 )

@@ -20,6 +20,8 @@ from drivesizer.machine.supply_power import drive_power, together
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 VEHICLE = """
 name: cart
 load: {kind: wheeled_vehicle, mass: 45 kg, driven_wheels: 4, wheel_diameter: 152.4 mm, rolling_resistance: 0.02,

@@ -29,6 +29,8 @@ from drivesizer.simulate import validate
 from drivesizer.sizing import explain
 from drivesizer.spec.control import Control, Plant
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 EDGES, VOLTS = 2000, 24.0  # counts of a 500-line encoder, and a supply
 
 

@@ -411,12 +411,10 @@ class _Step:
 
     def _modes(self, x: Pair, drive: float) -> tuple[Pair, Pair]:
         m11, m12, m21, m22 = self.matrix
-        d = x[0] - drive * self.rest[0], x[1] - drive * self.rest[1]
-        span = self.slow - self.fast
-        Md = m11 * d[0] + m12 * d[1], m21 * d[0] + m22 * d[1]
-        slow = tuple((Md[n] - self.fast * d[n]) / span for n in (0, 1))
-        fast = tuple((self.slow * d[n] - Md[n]) / span for n in (0, 1))
-        return slow, fast  # type: ignore[return-value]
+        d_1, d_2 = x[0] - drive * self.rest[0], x[1] - drive * self.rest[1]
+        Md_1, Md_2 = m11 * d_1 + m12 * d_2, m21 * d_1 + m22 * d_2
+        s, f, span = self.slow, self.fast, self.slow - self.fast
+        return ((Md_1 - f * d_1) / span, (Md_2 - f * d_2) / span), ((s * d_1 - Md_1) / span, (s * d_2 - Md_2) / span)
 
     def after(self, x: Pair, time: float, drive: float = 1.0) -> Pair:
         slow, fast = self._modes(x, drive)
@@ -426,11 +424,12 @@ class _Step:
     def mean(self, x: Pair, time: float) -> float:
         """Of the winding, over the time: Simpson in steps so fine that nothing is left of the fast mode between."""
         n = 2 * max(8, math.ceil(-40 * self.fast * time))
+        slow, fast = self._modes(x, 1.0)
         if n > 4000:
-            slow, fast = self._modes(x, 1.0)
             parts = ((c, rate) for c, rate in ((slow[0], self.slow), (fast[0], self.fast)))
             return self.rest[0] + sum(c * math.expm1(rate * time) / (rate * time) for c, rate in parts)
-        values = [self.after(x, time * k / n)[0] for k in range(n + 1)]
+        moments = [time * k / n for k in range(n + 1)]
+        values = [self.rest[0] + slow[0] * math.exp(self.slow * t) + fast[0] * math.exp(self.fast * t) for t in moments]
         return (values[0] + values[-1] + 4 * sum(values[1:-1:2]) + 2 * sum(values[2:-1:2])) / (3 * n)
 
     def highest(self, x: Pair, time: float) -> float:

@@ -6,14 +6,13 @@ import io
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-import pypdf
 import pytest
 import typst
 from matplotlib.image import imread
+from pdf_text import texts_of
 
 from drivesizer.output.report import pdf
 from drivesizer.output.report.figures.all_figures import report_drawings
@@ -29,11 +28,9 @@ class Printed(NamedTuple):
     pictures: list[np.ndarray]
 
 
-@lru_cache(maxsize=8)
 def text_of(content: bytes, most: int | None = None) -> str:
     """The text of a PDF or of its first pages, runs of white space as one blank."""
-    pages = pypdf.PdfReader(io.BytesIO(content)).pages[:most]
-    return re.sub(r"\s+", " ", " ".join(page.extract_text() for page in pages)).replace("\u200b", "")
+    return re.sub(r"\s+", " ", " ".join(texts_of(content, most))).replace("\u200b", "")
 
 
 def printed(*given: Any, **more: Any) -> Printed:

@@ -37,7 +37,7 @@ class Rigid:
     speeds = (1,)
 
     def __init__(self, m, i=0.0, w=0.0):
-        self.m = m
+        self.m, self.ratio = m, m.ratio
         self.y = np.array([i, w, 0.0, 0.0, 0.0])
 
     i = property(lambda self: float(self.y[0]))
@@ -46,7 +46,7 @@ class Rigid:
 
     def share(self, T, side):
         """Torque at the motor per torque of the driven shaft, moving in a direction."""
-        return (1.0 / self.m.efficiency if T * side > 0.0 else self.m.efficiency) / self.m.ratio
+        return (1.0 / self.m.efficiency if T * side > 0.0 else self.m.efficiency) / self.ratio
 
     def load(self, side):
         return self.m.forward_torque if side > 0 else self.m.backward_torque
@@ -65,10 +65,10 @@ class Rigid:
         for T in (side, -side):
             s = self.share(T, side)
             net = m.torque_constant * i - side * m.friction - m.viscous * w
-            resisting = self.load(side) + m.load_viscous * w / m.ratio
-            inertia = m.motor_inertia + s * m.load_inertia / m.ratio
+            resisting = self.load(side) + m.load_viscous * w / self.ratio
+            inertia = m.motor_inertia + s * m.load_inertia / self.ratio
             dw = (net - s * resisting) / inertia
-            if (resisting + m.load_inertia / m.ratio * dw) * T >= 0.0:
+            if (resisting + m.load_inertia / self.ratio * dw) * T >= 0.0:
                 break
         return dw, inertia
 
@@ -94,7 +94,7 @@ class Rigid:
             ends = self.ends(sides)
             found = solve_ivp(
                 lambda _, y, now=sides: self.rate(y, u, now), (done, duration), self.y, "DOP853",
-                events=ends, rtol=1e-10, atol=1e-12,
+                events=ends, rtol=1e-10, atol=1e-12, first_step=duration - done,
             )  # fmt: skip
             done, self.y = found.t[-1], found.y[:, -1].copy()
             for event, times in zip(ends, found.t_events, strict=True):
@@ -128,14 +128,14 @@ class TwoMasses(Rigid):
     def __init__(self, m, i=0.0, w=0.0):
         super().__init__(m)
         standing = 0.0 if m.backward_torque <= 0.0 <= m.forward_torque else m.rest_torque
-        T = self.load(w) + m.load_viscous * w / m.ratio if w else standing
+        T = self.load(w) + m.load_viscous * w / self.ratio if w else standing
         twist = T / m.stiffness + math.copysign(m.gap / 2.0, T) * (T != 0.0)
-        self.y = np.array([i, w, twist, w / m.ratio, 0.0, 0.0, 0.0])
+        self.y = np.array([i, w, twist, w / self.ratio, 0.0, 0.0, 0.0])
 
     def torque(self, y):
         """Of the shaft; in the backlash, and where it would pull, none."""
         m = self.m
-        free = m.damping * (y[1] / m.ratio - y[3])
+        free = m.damping * (y[1] / self.ratio - y[3])
         if not m.gap:
             return m.stiffness * y[2] + free
         pressed = abs(y[2]) - m.gap / 2.0
@@ -152,7 +152,7 @@ class TwoMasses(Rigid):
         own = m.torque_constant * i - sides[0] * m.friction - m.viscous * w - self.share(T, sides[0]) * T
         dw = own / m.motor_inertia if sides[0] else 0.0
         dv = (T - self.load(sides[1]) - m.load_viscous * v) / m.load_inertia if sides[1] else 0.0
-        return *self.winding(i, w, u, dw), w / m.ratio - v, dv, w, i, i * i
+        return *self.winding(i, w, u, dw), w / self.ratio - v, dv, w, i, i * i
 
 
 def textbook(m, i=0.0, w=0.0):

@@ -10,6 +10,8 @@ from drivesizer.simulate import validate
 from drivesizer.sizing import explained, size
 from drivesizer.spec.robot import read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 ROTARY = "{speed: 90 deg/s, acceleration_time: 0.5 s, cruise_time: 0.5 s, rest_time: 1 s%s}"  # 22.5 + 45 + 22.5 deg
 LINEAR = "{speed: 0.1 m/s, acceleration_time: 1 s, cruise_time: 2 s, rest_time: 1 s%s}"  # 50 + 200 + 50 mm
 ARM = "{kind: arm, mass: 1 kg, length: 300 mm}"

@@ -18,6 +18,8 @@ from drivesizer.simulate import validate
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 G = 9.80665
 HEAD = "name: a load\nsupply: {nominal: 48 V}\n"
 MOTION = "motion: {speed: 0.3 m/s, acceleration_time: 0.4 s, cruise_time: 1 s, rest_time: 0.5 s}\n"

@@ -25,6 +25,8 @@ from drivesizer.sizing import explain
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.robot import RobotSpec, read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 HOUR = 3600.0
 
 

@@ -18,6 +18,8 @@ from drivesizer.sizing import size
 from drivesizer.spec.battery import Battery
 from drivesizer.spec.robot import RobotSpec, read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 # two blocks in series: E = 25.8 V full and 23.4 V empty, R = 0.05 ohm, 28.8 V and 2 A while charging
 TWO = {"nominal_voltage": "12 V", "capacity": "7 A*h", "chemistry": "lead-acid", "cutoff_voltage": "10.5 V",
        "charge_voltage": "14.4 V", "resistance": "25 mohm", "open_circuit": {"full": "12.9 V", "empty": "11.7 V"},

@@ -30,6 +30,8 @@ from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec.robot import load_spec
 from drivesizer.spec.transmission import Pulleys
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 MM, INCH = 1e-3, 25.4e-3
 
 

@@ -19,6 +19,8 @@ from drivesizer.platform.dynamics import dynamics
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.spec.platform import Budget
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 G = 9.80665
 LOW = {"height": "90 mm"}
 

@@ -10,6 +10,8 @@ from drivesizer.physics.waveform import Wave, energy
 from drivesizer.sizing import explain
 from drivesizer.spec.robot import read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 WHEEL = """
 name: a wheel that is stopped
 load: {kind: flywheel, inertia: %s, friction_torque: 1 mN*m}

@@ -13,6 +13,8 @@ from drivesizer.errors import InputError
 from drivesizer.machine.mass_budget import drive_rows, mass_budget, settle
 from drivesizer.results.mass import MassRow
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 GRAM = 1e-3
 
 

@@ -16,6 +16,8 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 ROOM = 298.15  # K
 
 

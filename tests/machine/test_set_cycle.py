@@ -20,6 +20,8 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 KINDS = ("hoist", "arm", "ball_screw", "wheeled_vehicle", "fan")
 
 

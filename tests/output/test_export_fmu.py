@@ -27,6 +27,8 @@ from drivesizer.output.export.fmu import _UNITS, parameters, render
 from drivesizer.output.export.fmu_motor import FIGURES, INPUTS, OUTPUTS, Drive
 from drivesizer.sizing import explain, size
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 K_T, R, L = 23.4e-3, 2.32, 0.238e-3  # RE 25 118752
 K, E = 3249 / 121 * 1.1, 0.76
 FRICTION, ROTOR = K_T * 36.9e-3, 1.134e-6

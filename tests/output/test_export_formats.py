@@ -23,6 +23,8 @@ from drivesizer.output.export.json_document import document, export_schema, rend
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec, read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 # RE 25 118752, GP 26 A 406764, EPOS4 Compact 50/5, belt 1.1, of the data sheets and the spec
 K_T, R, I_NOMINAL = 23.4e-3, 2.32, 1.16
 RATIO, E_GEAR, E_BELT, BELT = 3249 / 121, 0.80, 0.95, 1.1

@@ -29,6 +29,8 @@ from drivesizer.simulate import validate
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, load_spec, read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 EXAMPLE = ROOT / "examples" / "sps_platform.yaml"
 TEXT = EXAMPLE.read_text(encoding="utf-8")
 

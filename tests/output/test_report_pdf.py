@@ -8,6 +8,7 @@ from math import nan
 import pypdf
 import pytest
 from pdf_pages import SHEETS, assert_within_margins
+from pdf_text import texts_of
 from printed import Printed, printed, text_of
 from report_texts import HOSTILE, changed, starter
 from synthetic_validation import synthetic_validation
@@ -95,8 +96,7 @@ def test_energy_heat_parts_and_what_is_not_known_are_told(text):
 
 def test_a_date_is_printed_where_it_is_given_and_nowhere_else(sheets, text):
     plain, dated = (sheets[paper].content for paper in ("a4", "us-letter"))
-    pages = pypdf.PdfReader(io.BytesIO(dated)).pages
-    assert all(DATED in page.extract_text() for page in pages)
+    assert all(DATED in page for page in texts_of(dated))
     assert DATED not in text
     assert b"CreationDate" not in plain + dated and b"ModDate" not in plain + dated
 

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import openpyxl
-import pypdf
 import pytest
 from lxml import html
 from numbers_read import NUMBER, number, sheet, value_of, words
+from pdf_text import texts_of
 from printed import blank_figures
 
 import drivesizer
@@ -211,8 +211,7 @@ def from_json(folder: Path, run: Run) -> Facts:
 
 
 def from_pdf(folder: Path, run: Run) -> Facts:
-    pages = pypdf.PdfReader(folder / "report.pdf").pages
-    return from_text(" ".join(page.extract_text() for page in pages), run)
+    return from_text(" ".join(texts_of((folder / "report.pdf").read_bytes())), run)
 
 
 def from_html(folder: Path, run: Run) -> Facts:

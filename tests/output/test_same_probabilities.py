@@ -16,10 +16,10 @@ from math import floor, isclose, isfinite, log10, nan
 from pathlib import Path
 
 import openpyxl
-import pypdf
 import pytest
 from lxml import html
 from numbers_read import NUMBER, number, sheet, value_of, words
+from pdf_text import texts_of
 from printed import blank_figures
 
 from drivesizer.files.yaml_source import YamlSource
@@ -31,6 +31,8 @@ from drivesizer.results.sizing import SizingResult
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
+
+pytestmark = pytest.mark.usefixtures("no_further_searches")
 
 Key = tuple[object, ...]  # (rank, figure), (rank, check, figure), ("driver", figure, which)
 Numbers = dict[Key, float]  # shares of 1
@@ -176,8 +178,7 @@ def from_json(folder: Path, result: SizingResult) -> Numbers:
 
 
 def from_pdf(folder: Path, result: SizingResult) -> Numbers:
-    pages = pypdf.PdfReader(folder / "report.pdf").pages
-    return from_text(" ".join(page.extract_text() for page in pages), result)
+    return from_text(" ".join(texts_of((folder / "report.pdf").read_bytes())), result)
 
 
 def from_html(folder: Path, result: SizingResult) -> Numbers:

@@ -21,6 +21,8 @@ from drivesizer.output.report.sections.parts import parts_table
 from drivesizer.results.sizing import Check, SizingResult
 from drivesizer.sizing import size
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 
 @pytest.fixture(scope="module")
 def hoist(tmp_path_factory, catalog) -> SizingResult:

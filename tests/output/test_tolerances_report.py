@@ -33,6 +33,8 @@ from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import explained, size
 from drivesizer.spec.robot import read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 
 @pytest.fixture(scope="module")
 def result(example_text: str) -> SizingResult:

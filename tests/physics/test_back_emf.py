@@ -20,6 +20,8 @@ from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, l
 from drivesizer.sizing import explain, explained
 from drivesizer.spec.robot import load_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 RPM = np.pi / 30
 # No sheet tells how warm the NEO gets; that its winding may not exceed 125 degC is assumed.
 NEO = """catalog: 1

@@ -29,6 +29,8 @@ from drivesizer.search.search import search
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 SPEC = """
 name: x
 load: {{kind: wheeled_vehicle, mass: 35 kg, driven_wheels: 2, wheel_diameter: 190 mm, rolling_resistance: 0.018,

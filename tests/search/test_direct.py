@@ -12,6 +12,8 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 MOTORS = """
 catalog: 1
 manufacturer: NAME

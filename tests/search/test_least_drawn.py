@@ -19,6 +19,8 @@ from drivesizer.search.set_record import drive_parts
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 SPEC = """
 name: something on the shaft
 load: {kind: fan, inertia: 200 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}

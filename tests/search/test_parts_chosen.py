@@ -7,6 +7,8 @@ from drivesizer.output.json.documents import sizing
 from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec.robot import read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 PARTS = """
 catalog: 1
 manufacturer: maker

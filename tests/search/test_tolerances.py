@@ -31,6 +31,8 @@ from drivesizer.search.uncertainty.uncertain_figures import applied, assumptions
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 NONE = "tolerances: {motor: {resistance: none, torque_constant: none, friction: none, rotor_inertia: none, thermal_resistance: none}, gearhead: {efficiency: none, inertia: none}}\n"  # noqa: E501
 MOVED = {
     "mass: 45 kg ": "mass: 45 kg +- 3 kg ",

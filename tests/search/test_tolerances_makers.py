@@ -40,6 +40,8 @@ from drivesizer.search.uncertainty.uncertain_figures import assumptions
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 # A motor without friction, whose nominal current is all that it can fail by. The makers' motors are alike but for the
 # number and, so that the order is known, the mass.
 MAKER = """\

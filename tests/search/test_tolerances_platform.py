@@ -26,6 +26,8 @@ from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.spec.select import ControllerChoice
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 NONE = (
     "tolerances: {motor: {resistance: none, torque_constant: none, friction: none, rotor_inertia: none, "
     "thermal_resistance: none}, gearhead: {efficiency: none, inertia: none}, samples: 64}\n"

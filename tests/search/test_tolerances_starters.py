@@ -25,6 +25,8 @@ from drivesizer.search.uncertainty.uncertain_figures import assumptions
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 FOLDER = Path(drivesizer.__file__).parent / "spec" / "starters"
 STARTERS = sorted(path for path in FOLDER.glob("*.yaml") if path.stem != "recorded")  # which needs a file beside it
 # Parts as printed: an iron loss that is calibrated by the data sheet is not off because the resistance is.

@@ -17,6 +17,8 @@ from drivesizer.simulate import validate
 from drivesizer.sizing import explain, explained
 from drivesizer.spec.robot import load_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 RPM = np.pi / 30
 # brushed, k_t = k_e = 0.05 (speed constant 1/k_e = 190.99 rpm/V), R 1 ohm, I_0 0.2 A
 MOTORS = """catalog: 1

@@ -20,7 +20,7 @@ from drivesizer.results.sizing import SizingResult
 
 __all__ = ["PAPERS", "ReportError", "fonts", "render", "report_pdf"]
 
-_LAST_OWN_LETTER = 0x2FFF  # what the fonts at hand cover ends here; beyond begin the scripts of East Asia and emoji
+_LAST_OWN_LETTER = "\u2fff"  # what the fonts at hand cover ends here; beyond begin the scripts of East Asia and emoji
 
 
 class ReportError(DrivesizerError):
@@ -108,6 +108,6 @@ def fonts(text: str = "") -> Any:
     import typst
 
     return typst.Fonts(
-        include_system_fonts=any(ord(letter) > _LAST_OWN_LETTER for letter in text),
+        include_system_fonts=max(text, default="") > _LAST_OWN_LETTER,
         font_paths=[str(Path(matplotlib.get_data_path()) / "fonts" / "ttf")],
     )
