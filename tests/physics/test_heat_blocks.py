@@ -197,6 +197,20 @@ def test_heat_early_or_late_in_blocks_is_known_closely():
     assert heat_within_blocks(late, EARLY)[1] < 0.05
 
 
+@pytest.mark.parametrize(("R_th1", "seconds", "most"), [(0.3, 200.0, 0.19), (5.0, 20.0, 0.063)])  # K, of 70 K
+def test_a_housing_is_no_warmer_than_where_it_turns_round(R_th1, seconds, most):
+    """Blocks longer than the housing's time constant: its tangent leads far beyond what the highest loss holds."""
+    motor = TwoBodies(R_25=2.0, R_th1=R_th1, R_th2=20.0, tau_w=2.0, tau_h=9.0)
+    squares = np.concatenate([np.tile([1.9, 0.1], 2000), np.tile([0.38, 0.02], 2000)])
+    dt, functions = np.full(8000, seconds / 8000), driven(squares)
+    limit = 1.0 / (COPPER * motor.R_25 * (R_th1 + motor.R_th2))
+    columns = np.array([[np.sqrt(0.3 * limit), 0.0, 0.0, 0.0, 0.0, 0.0]]), np.zeros(1), np.zeros(1)
+    peak = exact(motor, dt, functions, *columns)
+    found = bracket(motor, AMBIENT, blocks(dt, functions, 2), *columns)
+    assert within(peak, found) and 60.0 < peak[0] - AMBIENT < 80.0
+    assert found.upper[0] - peak[0] < most
+
+
 # --- blocks ----------------------------------------------------------------------------------------------------------
 
 
