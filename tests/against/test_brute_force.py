@@ -29,7 +29,10 @@ from drivesizer.search.search import search
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 
-PAIRS = 1000  # sets per load; of the arm, which has hundreds of segments, fewer
+PAIRS = 1000  # sets per load
+COUNTS = {  # fewer of a cycle with hundreds of segments, more where one set in a hundred passes
+    "arm swinging through": 120, "vehicle braking down a slope": 1600, "ball screw upright": 1600,
+}  # fmt: skip
 
 RECORDING = """time,speed,torque
 s,rpm,N*m
@@ -169,7 +172,7 @@ def worked(folder, catalog):
     def of(name):
         if name not in done:
             spec = spec_of(name, folder)
-            count = PAIRS // len(spec.belt_ratios) if "arm" not in name else PAIRS // 5
+            count = COUNTS.get(name, PAIRS) // len(spec.belt_ratios)
             sets = with_belts(some_pairs(catalog, count, name), spec.belt_ratios)
             done[name] = spec, sets, all_by_hand(spec, catalog, sets)
         return done[name]
