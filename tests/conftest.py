@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: workers fill the cores, more threads only wait
+
 import shutil
 import subprocess
 import sys
