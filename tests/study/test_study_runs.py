@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from studies import CHEAP, FEW, MANY, command, laid, ran, results, surroundings
 
+from drivesizer import cli
 from drivesizer.study import cluster
 from drivesizer.study.local import tasks
 from drivesizer.study.lock import locked
@@ -60,7 +61,6 @@ def run(run, monkeypatch, tmp_path):
 @pytest.fixture
 def here(monkeypatch):
     """Variants in this process, of studies where it is not the processes that matter: each takes a second to start."""
-
     monkeypatch.setattr("drivesizer.study.run.on_processes", in_this_process)
 
 
