@@ -99,9 +99,9 @@ def catalog() -> Catalog:
 
 
 @pytest.fixture(scope="session")
-def sized(spec: RobotSpec) -> SizingResult:
+def sized() -> SizingResult:
     """The sizing of the SPS robot; frozen records, so that all tests of a process share it."""
-    return size(spec)
+    return size(load_spec(ROOT / "examples" / "sps_robot.yaml"))
 
 
 @pytest.fixture(scope="session")
