@@ -330,7 +330,7 @@ def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> I
         yield "the gearhead's own friction without load is not printed and left out: free running takes more current"
     if one.motor["kind"][0] == "brushless":
         yield ("at standstill the hottest phase has 1.5 to 2 times the mean loss, by the rotor's angle, and its "
-               "neighbours lead none of it away")  # fmt: skip
+               "neighbours lead away any part of what is above it")  # fmt: skip
     yield "at rest friction and gear loss carry any part of the torque between helping and hindering"
     if parts.controller is None and not np.isfinite(one.most_current[0]):
         yield "without a controller the winding is connected to the supply: nothing limits the current"

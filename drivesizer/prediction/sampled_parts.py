@@ -1,7 +1,8 @@
 """The parts of a set over samples: figures times tolerances, estimated figures within their bands.
 
 One row is one machine; the first has every figure as printed, or at the middle of its band. An estimated figure is
-log-normal with the ends of its band as 5th and 95th percentile, and has no tolerance beside that.
+log-normal with the ends of its band as 5th and 95th percentile, and has no tolerance beside that; where a term of its
+law is estimated too, it follows what was drawn for that.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import PARTS, RELATIONS, Catalog, Table, columns_of
 from drivesizer.catalog.estimates import Estimate, estimates_of
+from drivesizer.catalog.estimates.estimate import estimates
 from drivesizer.catalog.estimates.family_limits import SAME_FAMILY, FamilyLimit, family_limits
 from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.catalog.query import Hit
@@ -42,7 +44,7 @@ class SampledParts(NamedTuple):
     motor: Figures
     gearhead: Figures
     controller: Figures | None
-    free: Array  # (samples + 1, 2): two more uniform figures, 0 to 1; the first row 0.5
+    free: Array  # (samples + 1, 3): three more uniform figures, 0 to 1; the first row 0.5
     estimates: tuple[EstimatedFigure, ...]
     classes: tuple[Class, ...]
 
@@ -67,20 +69,16 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
     sold = {"actuator" if motor.section == "actuators" else "motor": motor} | (
         {"gearhead": gearhead} if gearhead else {}
     )
-    estimated = [
-        (role, hit.section, one)
-        for role, hit in sold.items()
-        for one in estimates_of(hit.table, hit.row)
-        if one.figure in columns_of(hit.section)
-    ]
+    estimated = [(role, hit.section, one) for role, hit in sold.items() for one in estimates_of(hit.table, hit.row)]
     drawn = [one for one in _classes(motor, gearhead) if one.factor is not None]
-    cube = sobol(len(estimated) + len(drawn) + 4, power, [(_SEED, 0)])
+    cube = sobol(len(estimated) + len(drawn) + 5, power, [(_SEED, 0)])
     cube = np.concatenate([np.full((1, cube.shape[1]), 0.5), cube])
     limits = [(role, hit.section, one) for role, hit in sold.items() for one in family_limits(hit.table, hit.row)]
-    changed = {role: {one.figure: np.full(len(cube), one.value) for r, _, one in limits if r == role} for role in sold}
+    tables = {role: _rows(hit, len(cube)) for role, hit in sold.items()}
     for (role, _, figure), share in zip(estimated, cube.T, strict=False):
-        changed[role][figure.figure] = _within(figure, share)
-    tables = {role: _drawn(hit, len(cube), changed[role]) for role, hit in sold.items()}
+        tables[role][figure.figure] = _within(figure, sold[role], tables[role], share)
+    for role, _, limit in limits:
+        tables[role][limit.figure] = np.full(len(cube), limit.value)
     bought, gear = _split(motor, tables)
     factors: dict[str, dict[str, Array]] = {part: {} for part in ("motor", "gearhead")}
     for one, share in zip(drawn, cube.T[len(estimated) :], strict=False):
@@ -89,8 +87,8 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
     return SampledParts(
         _motor(bought, factors["motor"], names),
         _gearhead(gear, factors["gearhead"], names),
-        None if controller is None else _drawn(controller, len(cube), _assumed(controller, cube[:, -4:-2])),
-        cube[:, -2:],
+        None if controller is None else _rows(controller, len(cube)) | _assumed(controller, cube[:, -5:-3]),
+        cube[:, -3:],
         (
             *(_estimated(*one) for one in estimated),
             *(_alike(*one) for one in limits),
@@ -130,13 +128,19 @@ def _of_a_stage(name: str) -> EstimatedFigure:
     return EstimatedFigure("controller", name, middle, middle - wide, middle + wide, column.kind, column.unit, law)
 
 
-def _within(one: Estimate, share: Array) -> Array:
-    """Log-normal values of an estimated figure."""
+def _within(one: Estimate, hit: Hit, columns: Figures, share: Array) -> Array:
+    """Log-normal values of an estimated figure, by its law where terms of it were drawn before: errors go together."""
     from scipy.special import ndtri
 
+    value, low, high = (np.full(len(share), x) for x in (one.value, one.low, one.high))
+    row = np.full(len(share), hit.row)
+    drawn = estimates(Table(hit.section, columns, hit.table.source[row], hit.table.excluded[row]))[one.figure]
+    for into, found in ((value, drawn.value), (low, drawn.low), (high, drawn.high)):
+        into[drawn.rows] = found
     deviations = ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)) / _END
-    far = np.where(deviations > 0.0, np.log(one.high / one.value), np.log(one.value / one.low))
-    values = one.value * np.exp(far * deviations)
+    far = np.where(deviations > 0.0, np.log(high / value), np.log(value / low))
+    values = value * np.exp(far * deviations)
+    values[0] = one.value
     return np.asarray(np.minimum(values, 1.0 if one.figure == "efficiency" else np.inf))
 
 
@@ -148,9 +152,9 @@ def _factor(one: Class, share: Array) -> Array:
     return found
 
 
-def _drawn(hit: Hit, count: int, changed: Mapping[str, Array]) -> Figures:
+def _rows(hit: Hit, count: int) -> dict[str, NDArray[Any]]:
     """Figures of a part, in as many rows."""
-    return {name: np.full(count, hit.table[name][hit.row]) for name in hit.table.columns} | dict(changed)
+    return {name: np.full(count, hit.table[name][hit.row]) for name in hit.table.columns}
 
 
 def _split(motor: Hit, tables: Mapping[str, Figures]) -> tuple[Figures, Figures]:
@@ -175,7 +179,7 @@ def _inside(catalog: Catalog, columns: Figures, source: NDArray[np.int32]) -> Ca
 def _classes(motor: Hit, gearhead: Hit | None) -> tuple[Class, ...]:
     """Tolerance classes of the figures of motor and gearhead."""
     if motor.section == "actuators":
-        one = _inside(motor.catalog, _drawn(motor, 1, {}), motor.table.source[motor.row : motor.row + 1])
+        one = _inside(motor.catalog, _rows(motor, 1), motor.table.source[motor.row : motor.row + 1])
         return holding(one, {}, "motor", 0) + holding(one, {}, "gearhead", 0)
     own = holding(motor.catalog, {}, "motor", motor.row)
     return own + (holding(gearhead.catalog, {}, "gearhead", gearhead.row) if gearhead else ())
