@@ -180,10 +180,33 @@ class Catalog:
         for note in self.notes_on(section, str(table["part"][row])):
             if note.confidence:
                 found |= {name: note.confidence for name in (note.fields or known) if name in known}
+        estimated = (name for name in known if self.estimate_of(section, row, name))
+        return found | dict.fromkeys(estimated, ESTIMATED)
+
+    def estimate_of(self, section: str, row: int, name: str) -> tuple[float, float, float] | None:
+        """What peers give for a figure of a part, or of the actuator that it is inside of; None where they give none.
+
+        Parameters
+        ----------
+        section, row, name
+            Table, part and column.
+
+        Returns
+        -------
+        tuple or None
+            Value, 5th and 95th percentile [SI].
+        """
+        if not self.estimates:
+            return None
+        table = self.table(section)
         inside = str(table["inside"][row]) if "inside" in table.columns else ""
-        place = self.actuators.rows[inside] if inside else row
-        own = self.estimates.get("actuators" if inside else section, {})
-        return found | {name: ESTIMATED for name in own if name in known and place in own[name].rows}
+        found = self.estimates.get("actuators" if inside else section, {}).get(name)
+        if found is None:
+            return None
+        place = np.flatnonzero(found.rows == (self.actuators.rows[inside] if inside else row))
+        if not len(place):
+            return None
+        return float(found.value[place[0]]), float(found.low[place[0]]), float(found.high[place[0]])
 
 
 def _is_known(value: Any, kind: str) -> bool:

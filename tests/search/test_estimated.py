@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from math import isnan, log
+from math import isnan, log, nan
 from pathlib import Path
 from statistics import NormalDist
 
@@ -21,7 +21,9 @@ from drivesizer.catalog.view.search_view import search_view
 from drivesizer.output.json import documents
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
-from drivesizer.sizing import explain, size
+from drivesizer.search.uncertainty.class_of_part import holding_of_a_set
+from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.sizing import explain, explained, size
 from drivesizer.spec.robot import RobotSpec, load_spec
 
 STARTERS = Path(__file__).parents[2] / "drivesizer" / "spec" / "starters"
@@ -174,3 +176,30 @@ def test_the_problem_at_an_end_is_a_problem(maxon, table):
     whole: Problem = problem(table, search_view(with_figure(maxon, "rotor_inertia", np.nan)))
     for end in at_ends(whole):
         assert end.cases is whole.cases and end.machine is whole.machine
+
+
+def test_samples_vary_an_estimated_figure_within_its_band(maxon, table):
+    """Its class is the band of its law, not the tolerance of a printed figure."""
+    poorer = with_figure(maxon, "rotor_inertia", np.nan)
+    view = search_view(poorer)
+    row, gear = view.motors.rows[MOTOR], view.gearheads.rows[GEARHEAD]
+    (held,) = (c for c in holding_of_a_set(view, {}, row, gear) if c.figure == "rotor_inertia")
+    assert held.why == "estimated from peers" and held.factor is not None
+    value, low, high = view.estimate_of("motors", row, "rotor_inertia") or (nan, nan, nan)
+    ends = held.factor.at(np.array([0.05, 0.5, 0.95])) * value
+    assert ends == pytest.approx([low, value, high], rel=1e-3)
+    (printed,) = (c for c in holding_of_a_set(search_view(maxon), {}, row, gear) if c.figure == "rotor_inertia")
+    assert printed.factor is not None and printed.factor.high - 1.0 < (high - value) / value
+
+
+def test_samples_and_bands_give_the_same_probability(maxon, table, lacking):
+    """The estimated figure as the only uncertain one: the share of samples that pass is the probability."""
+    alone = {
+        part: section.model_copy(update=dict.fromkeys(set(type(section).model_fields) - {"rotor_inertia"}, "none"))
+        for part, section in (("motor", table.tolerances.motor), ("gearhead", table.tolerances.gearhead))
+    }
+    spec = table.model_copy(update={"tolerances": table.tolerances.model_copy(update=alone)})
+    poorer = with_figure(maxon, "rotor_inertia", np.nan)
+    found = explained(spec, MOTOR, GEARHEAD, catalog=poorer, sampling=Sampling(2048, 1, None)).sets[0].reliability
+    assert found is not None
+    assert found.probability == pytest.approx(lacking.probability, abs=0.02)

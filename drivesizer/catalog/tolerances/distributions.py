@@ -11,17 +11,21 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CUT", "Distribution"]
+__all__ = ["CUT", "END", "Distribution"]
 
 Array = NDArray[np.float64]
 CUT = 4.0  # standard deviations from the mean, at which a normal distribution ends
+END = 1.6448536269514722  # standard deviations from the median to the 5th and to the 95th percentile
 _TAIL = 3.167124183311986e-05  # of a standard normal distribution, below -CUT
 
 
 class Distribution(NamedTuple):
-    """A figure's values: uniform between ends, triangular with a peak, or normal with its mean and deviation."""
+    """A figure's values: uniform between ends, triangular with a peak, or normal with its mean and deviation.
 
-    shape: Literal["uniform", "normal", "triangular"]
+    A log-normal one has its ends as 5th and 95th percentile and its peak as median; either side has its own deviation.
+    """
+
+    shape: Literal["uniform", "normal", "triangular", "lognormal"]
     low: float
     high: float
     peak: float  # of the density; the middle of a uniform one
@@ -32,6 +36,8 @@ class Distribution(NamedTuple):
         a, b, c = self.low, self.high, self.peak
         if self.shape == "normal":
             return (b - a) / (2 * CUT)
+        if self.shape == "lognormal":
+            return float((b - a) / (2 * END))  # of narrow ones
         if self.shape == "uniform":
             return float((b - a) / np.sqrt(12.0))
         return float(np.sqrt((a * a + b * b + c * c - a * b - a * c - b * c) / 18.0))
@@ -52,12 +58,14 @@ class Distribution(NamedTuple):
         a, b, c = self.low, self.high, self.peak
         if self.shape == "uniform":
             return a + share * (b - a)
-        if self.shape == "normal":
+        if self.shape in ("normal", "lognormal"):
             from scipy.special import ndtri
 
             inner = np.clip(_TAIL + share * (1.0 - 2.0 * _TAIL), _TAIL, 1.0 - _TAIL)
-            found: Array = c + (b - a) / (2 * CUT) * ndtri(inner)
-            return np.clip(found, a, b)
+            deviations: Array = ndtri(inner)
+            if self.shape == "lognormal":
+                return np.asarray(c * np.where(deviations > 0.0, b / c, c / a) ** (deviations / END))
+            return np.clip(c + (b - a) / (2 * CUT) * deviations, a, b)
         rising = share * (b - a) * (c - a)
         falling = (1.0 - share) * (b - a) * (b - c)
         return np.where(share * (b - a) < c - a, a + np.sqrt(rising), b - np.sqrt(falling))

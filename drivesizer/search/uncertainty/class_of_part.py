@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.catalog.maker_tolerances import MakerTolerance, maker_tolerances_of, owner_of
 from drivesizer.catalog.tolerances.classes import CLASSES, Class, class_of, classes
+from drivesizer.catalog.tolerances.distributions import Distribution
 
 __all__ = ["holding", "holding_of_a_set", "used"]
 
@@ -42,9 +43,36 @@ def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class,
     for default in classes(given):
         if default.part == part:
             mine = stated.get(default.figure)
-            own = mine is not None and (part, default.figure) not in given
-            found.append(_of_a_maker(catalog, mine) if own and mine else default)
+            if (part, default.figure) in given:
+                found.append(default)
+            else:
+                stated_or_default = _of_a_maker(catalog, mine) if mine else default
+                found.append(_of_peers(catalog, default, part, row) or stated_or_default)
     return tuple(found)
+
+
+_COLUMNS = {  # of a class: the columns that it varies, as far as they may be estimated
+    ("motor", "friction"): ("no_load_current",),
+    ("motor", "rotor_inertia"): ("rotor_inertia",),
+    ("motor", "thermal_resistance"): ("thermal_resistance_housing", "thermal_resistance_winding"),
+    ("gearhead", "efficiency"): ("efficiency",),
+    ("gearhead", "inertia"): ("inertia",),
+}
+
+
+def _of_peers(catalog: Catalog, default: Class, part: str, row: int) -> Class | None:
+    """The class of a figure that is estimated: the band of its law; None where the catalogue has the figure."""
+    for name in _COLUMNS.get((part, default.figure), ()):
+        one = catalog.estimate_of(_SECTIONS[part], row, name)
+        if one is None:
+            continue
+        value, low, high = (1.0 / x - 1.0 if name == "efficiency" else x for x in one)  # of losses per torque
+        least, most = sorted((low / value, high / value))
+        text = f"{least:.2f} to {most:.2f} times, 5 to 95 %"
+        factor = Distribution("lognormal", least, most, 1.0)
+        whose = str(catalog.table(_SECTIONS[part])["part"][row])
+        return Class(part, default.figure, f"{default.title}, {whose}", text, factor, "estimated from peers", whose)
+    return None
 
 
 def _of_a_maker(catalog: Catalog, one: MakerTolerance) -> Class:
