@@ -63,8 +63,11 @@ class CheckColumn:
 
     @property
     def tightness(self) -> NDArray[np.float64]:
-        """The margin where it depends on the load; infinite where unknown, idle, selected or informational."""
-        margin = self.margin
+        """The margin where it depends on the load; infinite where unknown, idle, selected or informational.
+
+        Of what hangs on estimated figures the smaller one of the two ends of their bands.
+        """
+        margin = self.margin if self.least_margin is None else self.least_margin
         return np.where(np.isnan(margin) | (self.by_choice & self.passed) | self.advice, np.inf, margin)
 
     def at(

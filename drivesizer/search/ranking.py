@@ -14,10 +14,11 @@ from drivesizer.physics.extremes import undominated
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.spec.select import OBJECTIVES, Weighted
 
-__all__ = ["COUNTED", "Ranking", "front", "names_of", "objective_of", "order", "title_of", "values"]
+__all__ = ["COUNTED", "Ranking", "front", "names_of", "objective_of", "order", "rounded", "title_of", "values"]
 
 Array = NDArray[np.float64]
 COUNTED = tuple(name for name, declared in OBJECTIVES.items() if not declared.over and name != "margin")
+_DIGITS = 9  # in which equal objectives agree
 Ranking = str | list[Weighted]  # one objective, or several with weights
 
 
@@ -119,12 +120,17 @@ def _single(
 
 
 def order(
-    catalog: Catalog, sets: Candidates, value: Array, missing: NDArray[np.int64], before: Sequence[NDArray[Any]] = ()
+    catalog: Catalog,
+    sets: Candidates,
+    value: Array,
+    missing: NDArray[np.int64],
+    before: Sequence[NDArray[Any]] = (),
+    margin: Array | None = None,
 ) -> NDArray[np.int64]:
     """Drives from best to worst.
 
-    An objective that is known of all parts goes before one that is not, then the better one, then part numbers: the
-    same input gives the same order.
+    An objective that is known of all parts goes before one that is not, then the better one, then the larger smallest
+    margin where that is at hand, then part numbers: the same input gives the same order.
 
     Parameters
     ----------
@@ -134,6 +140,8 @@ def order(
         Of ``values``, each of shape (rows,).
     before
         Columns that go before all of these, the first one first.
+    margin
+        Smallest margin of each; NaN unknown.
 
     Returns
     -------
@@ -144,10 +152,19 @@ def order(
         sets.belt,
         _alphabetical(catalog.gearheads)[sets.gearhead],
         _alphabetical(catalog.motors)[sets.motor],
-        value,
+        np.zeros(len(value)) if margin is None else -np.nan_to_num(margin, nan=-np.inf),
+        rounded(value),
         missing,
         *reversed(before),
     )).astype(np.int64)  # fmt: skip
+
+
+def rounded(value: Array) -> Array:
+    """Values of which those that differ by rounding alone are equal."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        place = 10.0 ** (_DIGITS - np.ceil(np.log10(np.abs(value))))
+        found: Array = np.round(value * place) / place
+    return np.where(np.isfinite(found), found, value)
 
 
 def _alphabetical(table: Table[Any]) -> NDArray[np.int64]:

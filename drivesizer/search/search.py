@@ -22,7 +22,7 @@ from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates, candidates, joined
 from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluate
 from drivesizer.search.ranking import Ranking
-from drivesizer.search.sifting import Progress, sifted
+from drivesizer.search.sifting import Progress, Sifted, sifted
 
 __all__ = ["Evaluated", "Found", "Judge", "Kept", "search", "smallest_margin"]
 
@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 
 _FIRST = 1 << 12  # drives that are judged at first
 _MOST = 1 << 16  # at a time
+_CELLS = 50_000  # drives times pieces of the load cycle, of which margins are computed to order equals
 
 
 class Found(NamedTuple):
@@ -95,7 +96,7 @@ def search(
     names, catalog = {*ranking.names_of(objective), *pareto}, problem.catalog
     kept, rejected, counts = sifted(problem, names, progress)
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
-    order = ranking.order(catalog, kept.sets, *value, before=[kept.certainty])
+    order = _ties_by_margin(problem, kept, *value, top)
     kept_in_machine = _passing(
         judge,
         kept.sets,
@@ -115,6 +116,29 @@ def search(
     places |= {int(row): len(best) + len(nearest.motor) + n for n, row in enumerate(extra)}
     front, below = (tuple(places[int(row)] for row in rows) for rows in (on_front, short))
     return Found(shown, len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, order))
+
+
+def _ties_by_margin(
+    problem: Problem, kept: Sifted, value: NDArray[np.float64], missing: NDArray[np.int64], top: int
+) -> NDArray[np.int64]:
+    """Drives in order: certainty, objective, and of equal ones the larger smallest margin as far as these are shown.
+
+    Margins need the waveform: they are computed of those that are as good as the last that is shown, in bounds.
+    """
+    order = ranking.order(problem.catalog, kept.sets, value, missing, before=[kept.certainty])
+    if len(order) <= 1 or kept.sets.motor.size == 0:
+        return order
+    same = np.stack([kept.certainty, missing, ranking.rounded(value)])[:, order]
+    last = same[:, [min(top, len(order)) - 1]]
+    count = int(np.flatnonzero((same == last).all(axis=0))[-1]) + 1
+    pieces = max(len(case.at_belt.warming.duration) for case in problem.cases)
+    head = order[: min(count, max(_CELLS // pieces, top))]
+    margin = smallest_margin(by_physics(problem, kept.sets.on(head), True).checks)
+    some = kept.sets.on(head)
+    placed = ranking.order(
+        problem.catalog, some, value[head], missing[head], before=[kept.certainty[head]], margin=margin
+    )
+    return np.concatenate([head[placed], order[len(head) :]])
 
 
 def _passing(
@@ -197,7 +221,7 @@ def _by_the_paper(
     fails = np.sum([check.failed for check in found.checks], axis=0)
     figures = {"margin": margin}
     value = ranking.values(catalog, found.candidates, figures, objective)
-    order = ranking.order(catalog, found.candidates, *value, before=[
+    order = ranking.order(catalog, found.candidates, *value, margin=margin, before=[
         np.where(found.failed, 2, found.unknown.astype(int)),
         np.where(found.failed, -margin, 0.0),
         np.where(found.failed, fails, 0),
