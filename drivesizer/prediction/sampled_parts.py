@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import PARTS, RELATIONS, Catalog, Table, columns_of
 from drivesizer.catalog.estimates import Estimate, estimates_of
-from drivesizer.catalog.estimates.estimate import estimates
+from drivesizer.catalog.estimates.estimate import estimates, in_words
 from drivesizer.catalog.estimates.family_limits import SAME_FAMILY, FamilyLimit, family_limits
 from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.catalog.query import Hit
@@ -100,11 +100,8 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
 
 def _estimated(role: str, section: str, one: Estimate) -> EstimatedFigure:
     """An estimated figure as it is printed."""
-    column, law = columns_of(section)[one.figure], one.fit.law
-    terms = ", ".join(term.replace("_", " ") for term in law.terms)
-    peers = f"{one.fit.parts} {law.of} {law.section}".replace("  ", " ")
-    text = f"{terms or 'all alike'}; {peers}, {one.fit.families} families"
-    return EstimatedFigure(role, one.figure, one.value, one.low, one.high, column.kind, column.unit, text)
+    column, law = columns_of(section)[one.figure], in_words(one.fit)
+    return EstimatedFigure(role, one.figure, one.value, one.low, one.high, column.kind, column.unit, law)
 
 
 def _alike(role: str, section: str, one: FamilyLimit) -> EstimatedFigure:

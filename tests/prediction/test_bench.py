@@ -132,7 +132,6 @@ def test_estimated_figures_are_listed_and_widen_the_band():
 
 
 def test_a_controller_that_prints_no_voltage_drop_takes_up_to_one_volt():
-    """Jameco's motor behind a bridge of 1.1 V runs 15 % slower at 12 V than without one: a drop is not left out."""
     motor, controller = hit(DCX), hit("438725", "controllers")
     assert isnan(controller["voltage_drop"])
     given = completed(NOTHING, motor, None)

@@ -94,7 +94,7 @@ def _estimates(out: Console, found: Prediction) -> None:
     """Figures that no data sheet gives, with their bands and laws."""
     if not found.estimates:
         return
-    table = tables.bare(("estimated from peers", "left"), ("5 to 95 %", "left"), ("from", "left"))
+    table = tables.bare(("not on the data sheet", "left"), ("5 to 95 %", "left"), ("from", "left"))
     for one in found.estimates:
         table.add_row(one.title, one.text, one.law)
     out.print(table)
