@@ -17,6 +17,8 @@ from drivesizer.machine import pulleys
 from drivesizer.machine.budgets import check_battery, of_the_platform
 from drivesizer.physics.thermal import of_unstated_temperature
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.figures_behind_checks import unknown_figures
+from drivesizer.results.objectives import objective_figure
 from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Reliability
 from drivesizer.results.requirement import Requirement
@@ -31,7 +33,7 @@ from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.relaxations import changes_for, relaxations
 from drivesizer.search.search import Found
 from drivesizer.search.set_record import drive_parts, drive_set
-from drivesizer.search.shortlist import shortlist
+from drivesizer.search.shortlist import Shortlist, shortlist
 from drivesizer.search.sifting import Progress
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
@@ -39,6 +41,8 @@ from drivesizer.spec.select import Choice, ControllerChoice, EncoderChoice
 from drivesizer.units import show
 
 __all__ = ["explain", "explained", "load_parts", "size"]
+
+_FEW = 4  # missing figures, of which somebody may ask the maker
 
 
 def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
@@ -129,7 +133,7 @@ def size(
         relaxations=() if found.passing or found.short else relaxations(problem),
         counts=found.counts,
         assumptions=(*_assumptions(problem.spec), *pulleys.assumptions(problem), *_of_data(spec, (*sets, *unsure))),
-        warnings=(*picked.weighed, *_warnings(problem, sets), *budgets, *catalog.replaced),
+        warnings=(*picked.weighed, *_warnings(problem, sets), *_held_back(picked, sets), *budgets, *catalog.replaced),
         unrestricted=_unrestricted(problem, objective),
         front=tuple(picked.record(row, rank) for rank, row in enumerate(found.front, 1)),
         pareto=pareto,
@@ -216,6 +220,26 @@ def _warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
         volts = [show(v, "V", "voltage") for v in (best.motor.nominal_voltage, spec.supply.highest)]
         sentences.append(f"the best drive's motor is wound for {volts[0]}, the supply gives {volts[1]} at most")
     return tuple(sentences)
+
+
+def _held_back(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[str]:
+    """What would be better than the best drive but for a figure that is missing, and what would decide it."""
+    row = picked.found.held_back
+    if row is None or not sets or not isinstance(picked.objective, str):
+        return []
+    better = picked.record(row)
+    if better.status not in ("open", "unknown"):
+        return []
+    figures = [objective_figure(one, picked.objective) for one in (better, sets[0])]
+    hanging = [f"{check.title} {check.note}" for check in better.deciding if check.status == "open"]
+    lacking = dict.fromkeys(name for _, lacks in unknown_figures(better) for name in lacks.split(", "))
+    if len(lacking) > _FEW:
+        return []
+    needed = [*hanging, *([f"no data sheet gives {', '.join(lacking)}"] if lacking else [])]
+    return [
+        f"{better.label}, {figures[0].text} against {figures[1].text}, would be the first were its figures known: "
+        f"{'; '.join(needed)}"
+    ]
 
 
 def _not_returning(problem: Problem) -> list[str]:

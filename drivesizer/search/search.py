@@ -22,7 +22,7 @@ from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates, candidates, joined
 from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluate
 from drivesizer.search.ranking import Ranking
-from drivesizer.search.sifting import Progress, Sifted, sifted
+from drivesizer.search.sifting import PASSES, Progress, Sifted, sifted
 
 __all__ = ["Evaluated", "Found", "Judge", "Kept", "search", "smallest_margin"]
 
@@ -42,6 +42,7 @@ class Found(NamedTuple):
     front: tuple[int, ...]  # rows on the Pareto front, where one was required
     short: tuple[int, ...] = ()  # rows of the best that a budget of the machine rejects
     better: int = 0  # drives that fail on a budget before the first that passes
+    held_back: int | None = None  # row of the best that would be better than the first, did its checks not lack figures
 
 
 class Kept(NamedTuple):
@@ -110,12 +111,29 @@ def search(
     if pareto:
         figures = {name: column[kept_in_machine.best] for name, column in kept.figures.items()}
         on_front = kept_in_machine.best[ranking.front(catalog, kept.sets.on(kept_in_machine.best), figures, pareto)]
-    extra = np.concatenate([on_front[~np.isin(on_front, best)], short])
+    held = _held_back(problem, kept, *value, best)
+    extra = np.concatenate([on_front[~np.isin(on_front, best)], short, held])
     shown = evaluate(problem, joined([kept.sets.on(best), nearest, kept.sets.on(extra)]))
     places = {int(row): n for n, row in enumerate(best)}
     places |= {int(row): len(best) + len(nearest.motor) + n for n, row in enumerate(extra)}
     front, below = (tuple(places[int(row)] for row in rows) for rows in (on_front, short))
-    return Found(shown, len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, order))
+    return Found(
+        shown, len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, order),
+        next((places[int(row)] for row in held), None),
+    )  # fmt: skip
+
+
+def _held_back(
+    problem: Problem, kept: Sifted, value: NDArray[np.float64], missing: NDArray[np.int64], best: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """The best of those that are better than the first shown and only stand behind it for a figure that is missing."""
+    if not len(best) or kept.certainty[best[0]] != PASSES:
+        return best[:0]
+    first, shown = ranking.rounded(value), best[0]
+    rows = np.flatnonzero((kept.certainty != PASSES) & (missing <= missing[shown]) & (first < first[shown]))
+    least = [kept.certainty[rows], kept.lacking[rows]]
+    order = ranking.order(problem.catalog, kept.sets.on(rows), value[rows], missing[rows], before=least)
+    return rows[order[:1]]
 
 
 def _ties_by_margin(

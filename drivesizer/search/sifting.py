@@ -38,6 +38,7 @@ class Sifted(NamedTuple):
     sets: Candidates
     certainty: NDArray[np.int64]  # PASSES, OPEN by estimated figures, or UNKNOWN by one that has no band
     figures: dict[str, Array]  # that objectives count
+    lacking: NDArray[np.int64]  # number of checks that are unknown, but for those that are so of all
 
 
 class _Found(NamedTuple):
@@ -153,7 +154,8 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
     """All that pass or may pass; of estimated figures those that objectives count are at the middle of the band."""
     if not kept:
         none = every.on(slice(0, 0))
-        return Sifted(none, np.zeros(0, np.int64), dict.fromkeys((*COUNTED, "margin"), none.belt))
+        figures, nothing = dict.fromkeys((*COUNTED, "margin"), none.belt), np.zeros(0, np.int64)
+        return Sifted(none, nothing, figures, nothing)
     sets = joined([k.sets for k in kept])
     opened, unknown = (np.concatenate([getattr(k, name) for k in kept]) for name in ("opened", "unknown"))
     figures = {name: np.concatenate([k.figures[name] for k in kept]) for name in kept[0].figures}
@@ -163,12 +165,13 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
         for name in COUNTED:
             figures[name][rows] = middle[name]
     if problem.spec.select.unknown == "reject":
-        return _on(Sifted(sets, opened * OPEN, figures), np.flatnonzero(unknown == 0))
+        known = np.flatnonzero(unknown == 0)
+        return _on(Sifted(sets, opened * OPEN, figures, np.zeros(len(opened), np.int64)), known)
     alike = np.bitwise_and.reduce(unknown) if len(unknown) else np.uint64(0)  # what all lack sets none back
-    certainty = np.where(unknown & ~alike != 0, UNKNOWN, np.where(opened, OPEN, PASSES))
-    return Sifted(sets, certainty, figures)
+    lacking = np.unpackbits((unknown & ~alike).view(np.uint8).reshape(-1, 8), axis=1).sum(axis=1, dtype=np.int64)
+    return Sifted(sets, np.where(lacking > 0, UNKNOWN, np.where(opened, OPEN, PASSES)), figures, lacking)
 
 
 def _on(found: Sifted, rows: NDArray[np.int64]) -> Sifted:
     figures = {name: column[rows] for name, column in found.figures.items()}
-    return Sifted(found.sets.on(rows), found.certainty[rows], figures)
+    return Sifted(found.sets.on(rows), found.certainty[rows], figures, found.lacking[rows])

@@ -19,11 +19,11 @@ from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.figures.time_windows import Window, thinned
 from drivesizer.output.report.html.page import report_html
-from drivesizer.output.report.lines.figures_behind_checks import unknown_figures
 from drivesizer.output.report.lines.machine import driven_over, machine_words
 from drivesizer.output.report.pdf import report_pdf
 from drivesizer.output.report.sections.machine import consumers, masses, unknown_consumers
 from drivesizer.output.report.sections.texts import text_of as text_of_cell
+from drivesizer.results.figures_behind_checks import unknown_figures
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import size

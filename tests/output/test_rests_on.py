@@ -10,8 +10,8 @@ from starters import starter
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.tables import Table
-from drivesizer.output.report.lines.figures_behind_checks import marked_figures, rests_on, unknown_figures
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.figures_behind_checks import marked_figures, rests_on, unknown_figures
 from drivesizer.results.sizing import Check
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from drivesizer.output.report.lines.figures_behind_checks import marked_figures, unknown_figures
 from drivesizer.output.report.sections.blocks import Block, Bullets, Column, Row, Table, Words
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.texts import Mark, Strong
+from drivesizer.results.figures_behind_checks import marked_figures, unknown_figures
 
 __all__ = ["ASSUMPTIONS"]
 
