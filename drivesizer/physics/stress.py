@@ -73,7 +73,7 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
 
     Brushed: the friction, :math:`k_t I_0 |w|` or the catalogue's own. Brushless: a loss that grows with the square of
     the speed and, with the copper's, warms the winding to its permitted temperature at the catalogue's nominal point in
-    the ambient of that rating; not below 0.
+    the ambient of that rating; not below 0. Where a figure of that point is unknown: the friction.
 
     Parameters
     ----------
@@ -94,8 +94,9 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
     copper = hot * motor["nominal_current"] ** 2
     left = (rise - (motor["thermal_resistance_winding"] + R_th2) * copper) / R_th2
     iron = np.maximum(left, 0.0) * (ratio / motor["nominal_speed"]) ** 2
+    rubs = brushed | np.isnan(iron)
     coulomb, viscous = friction(motor)
-    return np.where(brushed, coulomb * ratio, 0.0), np.where(brushed, viscous * ratio**2, iron)
+    return np.where(rubs, coulomb * ratio, 0.0), np.where(rubs, viscous * ratio**2, iron)
 
 
 def heat(

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table, columns_of
 from drivesizer.catalog.tables import Pairs
+from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
@@ -31,6 +32,7 @@ SAMPLES = 128
 _END = 1.6449  # standard deviations from the middle of a band to its ends
 _FARTHEST = 3.0  # standard deviations that a figure is followed
 _STEPS = 49
+_RATED = "max_winding_temperature"  # never a figure of its own: see ``catalog.estimates.assumed.by_rating``
 _FOLLOWS: dict[Figure, Figure] = {
     ("motors", name): ("gearheads", "efficiency") for name in ("torque_constant", "nominal_torque", "stall_torque")
 }
@@ -67,7 +69,7 @@ def estimated_figures(problem: Problem, motor: int, gearhead: int) -> list[Figur
     for section, row in (("motors", motor), ("gearheads", gearhead)):
         for name, column in columns_of(section).items():
             ends = low.table(section)[name][row], high.table(section)[name][row]
-            leads = (section, name) not in _FOLLOWS if inside else True
+            leads = ((section, name) not in _FOLLOWS if inside else True) and name != _RATED
             if column.kind != "text" and leads and ends[0] != ends[1] and ends[0] == ends[0]:
                 found.append((section, name))
     return found
@@ -203,7 +205,19 @@ def _table(catalog: Catalog, section: str, rows: NDArray[np.int64], points: Mapp
         by = points.get(_FOLLOWS.get(own, own) if inside else own, points.get(own))
         if by is not None and column.kind != "text":
             columns[name] = _moved(catalog, own, rows, by)
+    if section == "motors":
+        _with_rated_temperature(catalog, rows, columns)
     return replace(table, columns=columns)
+
+
+def _with_rated_temperature(catalog: Catalog, rows: NDArray[np.int64], columns: dict[str, NDArray[Any]]) -> None:
+    """Put in the permitted temperature that is that of the nominal current: it follows the thermal resistances."""
+    easy, hard = (end.motors[_RATED][rows] for end in catalog.ends)
+    R_th = columns["thermal_resistance_winding"], columns["thermal_resistance_housing"]
+    reached = steady_winding_temperature(
+        rated_ambient(columns), resistance_25(columns), *R_th, columns["nominal_current"]
+    )
+    columns[_RATED] = np.where((easy != hard) & ~np.isnan(easy), reached, columns[_RATED])
 
 
 def _moved(catalog: Catalog, figure: Figure, rows: NDArray[np.int64], by: Array) -> Array:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.estimates.assumed import ASSUMED, by_rating
 from drivesizer.catalog.estimates.fit import Fit
 from drivesizer.catalog.estimates.laws import Law, column, given_column, members_of
 from drivesizer.catalog.tables import Estimates, Table
@@ -73,7 +74,7 @@ def estimates(table: Table[Any]) -> dict[str, Estimates]:
             name, found_of = _of_column(table, figure, one)
             found |= {name: found_of} if len(found_of.rows) else {}
             terms[figure] = _completed(_printed(table, figure), one)
-    return found
+    return by_rating(table, found)
 
 
 def _of_column(table: Table[Any], figure: str, one: Estimates) -> tuple[str, Estimates]:
@@ -95,7 +96,7 @@ def _estimate(table: Table[Any], figure: str, terms: dict[str, _Term]) -> Estima
             continue
         found = _by(law, table, terms)
         spread = found.above - found.below
-        better = missing & (spread < width)
+        better = missing & (spread < width) & ((by < 0) | (law.source == ""))
         for place, side in enumerate((np.zeros(count), found.below, found.above)):
             band[place][better] = np.exp(found.middle + side)[better]
         by[better], width[better] = number, spread[better]
@@ -172,7 +173,8 @@ def as_records(table: Table[Any], row: int) -> list[dict[str, Any]]:
     """
     return [
         {"figure": one.figure, "value": one.value, "low": one.low, "high": one.high, "terms": list(one.fit.law.terms),
-         "peers": one.fit.law.of or one.fit.law.section, "parts": one.fit.parts, "families": one.fit.families}
+         "peers": one.fit.source or one.fit.law.of or one.fit.law.section, "parts": one.fit.parts,
+         "families": one.fit.families}
         for one in estimates_of(table, row)
     ]  # fmt: skip
 
@@ -185,15 +187,17 @@ def in_words(fit: Fit) -> str:
     'mass, diameter; 309 brushed motors, 32 families'
     """
     terms = ", ".join(term.replace("_", " ") for term in fit.law.terms)
+    if fit.source:
+        return f"{terms}; assumed: {fit.source}"
     peers = f"{fit.parts} {fit.law.of} {fit.law.section}".replace("  ", " ")
     return f"{terms or 'all alike'}; {peers}, {fit.families} families"
 
 
 @cache
 def kept() -> tuple[Fit, ...]:
-    """The fitted laws that ship."""
+    """The fitted laws that ship, and behind them those that are assumed."""
     text = (resources.files("drivesizer.catalog.estimates") / "fitted.json").read_text(encoding="utf-8")
-    return tuple(_read(record) for record in json.loads(text))
+    return (*(_read(record) for record in json.loads(text)), *ASSUMED)
 
 
 def _read(record: dict[str, Any]) -> Fit:
@@ -212,12 +216,12 @@ def written(fits: list[Fit]) -> str:
     fits
         Of all laws.
     """
-    lines = (json.dumps(_rounded(fit.law._asdict() | fit._asdict() | {"law": None})) for fit in fits)
+    lines = (json.dumps(_rounded(fit.law._asdict() | fit._asdict() | {"law": None, "source": None})) for fit in fits)
     return "[\n" + ",\n".join(lines) + "\n]\n"
 
 
 def _rounded(record: dict[str, Any]) -> dict[str, Any]:
-    return {name: _six(value) for name, value in record.items() if name != "law"}
+    return {name: _six(value) for name, value in record.items() if name not in ("law", "source")}
 
 
 def _six(value: Any) -> Any:

@@ -32,6 +32,7 @@ class Fit(NamedTuple):
     parts: int
     families: int
     makers: tuple[str, ...]
+    source: str = ""  # of a law that is assumed, not fitted
 
 
 def fits(catalog: Catalog) -> list[Fit]:

@@ -53,10 +53,10 @@ diameter | continuous_torque stages; continuous_torque
 backlash | diameter stages; stages
 """
 _ACTUATOR = """
-rotor_inertia | mass; mass ratio; mass diameter; mass diameter ratio
-friction | mass
+mass | nominal_torque; motor_constant; stall_torque; diameter
+inertia_at_rotor | mass; mass ratio; mass diameter; motor_constant; mass motor_constant; mass torque_at_rotor
+friction | motor_constant; torque_at_rotor
 loss | ratio; -
-mass | nominal_torque
 """
 _ENCODER = """
 inertia | diameter
@@ -66,7 +66,7 @@ current_draw | -
 _CLASSES: dict[str, tuple[str, tuple[str, ...]]] = {
     "motors": (_MOTOR, ("brushed", "inrunner", "outrunner", "frameless", "brushless")),
     "gearheads": (_GEARHEAD, ("planetary", "spur")),
-    "actuators": (_ACTUATOR, ("planetary", "spur", "strain wave")),
+    "actuators": (_ACTUATOR, ("planetary", "spur", "strain wave", "brushed", "brushless", "")),
     "encoders": (_ENCODER, ("",)),
 }
 
@@ -85,11 +85,13 @@ LAWS: tuple[Law, ...] = tuple(_declared())
 
 # What is no column of its own: known where all that it is made of is.
 _DERIVED: dict[str, Callable[[Table[Any]], NDArray[np.float64]]] = {
-    "motor_constant": lambda table: table["torque_constant"] ** 2 / table["resistance"],  # k_m^2 [N^2*m^2/W]
+    "motor_constant": lambda table: _torque_constant(table) ** 2 / table["resistance"],  # k_m^2 [N^2*m^2/W]
+    "torque_at_rotor": lambda table: table["nominal_torque"] / table["ratio"],
+    "inertia_at_rotor": lambda table: _known(table["rotor_inertia"], table["output_inertia"] / table["ratio"] ** 2),
     "ratio_per_stage": lambda table: table["ratio"] ** (1.0 / _stages(table)),
     "loss_per_stage": lambda table: 1.0 - table["efficiency"] ** (1.0 / _stages(table)),
-    "loss": lambda table: 1.0 - table["efficiency"],
-    "friction": lambda table: _torque_constant(table) * table["no_load_current"],  # k_t I_0 [N*m]
+    "loss": lambda table: 1.0 - _known(table["efficiency"], 1.0 / (1.0 + table["load_friction"])),
+    "friction": lambda table: _known(_torque_constant(table) * table["no_load_current"], _identified(table)),  # [N*m]
 }
 
 
@@ -117,6 +119,7 @@ _MOST = 0.9  # of the power that a stage loses
 
 # the column that such a figure gives, and how; those that no drive is sized by are left out
 _GIVES: dict[str, tuple[str, Callable[[Table[Any], NDArray[np.float64]], NDArray[np.float64]]]] = {
+    "inertia_at_rotor": ("rotor_inertia", lambda table, inertia: inertia),
     "friction": ("no_load_current", lambda table, torque: torque / _torque_constant(table)),
     "loss": ("efficiency", lambda table, loss: 1.0 - np.minimum(loss, _MOST)),
     "loss_per_stage": ("efficiency", lambda table, loss: (1.0 - np.minimum(loss, _MOST)) ** _stages(table)),
@@ -153,6 +156,18 @@ def _torque_constant(table: Table[Any]) -> NDArray[np.float64]:
     return table["motor_torque_constant" if table.section == "actuators" else "torque_constant"]
 
 
+def _known(printed: NDArray[np.float64], otherwise: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.where(np.isnan(printed), otherwise, printed)
+
+
+def _identified(table: Table[Any]) -> NDArray[np.float64]:
+    """Friction at the rotor and the no-load speed of actuators whose friction was identified."""
+    if table.section != "actuators":
+        return np.full(len(table), np.nan)
+    output = table["coulomb_friction"] + table["viscous_friction"] * table["no_load_speed"]
+    return np.asarray(output / table["ratio"])
+
+
 def members_of(table: Table[Any], of: str) -> NDArray[np.bool_]:
     """Which parts belong to a class.
 
@@ -162,7 +177,7 @@ def members_of(table: Table[Any], of: str) -> NDArray[np.bool_]:
         Parts of one kind.
     of
         Name of the class: for motors ``brushed``, ``brushless`` or a construction; for gearheads their kind, for
-        actuators their gearing; "" for all.
+        actuators ``brushed``, ``brushless`` or their gearing; "" for all.
 
     Returns
     -------
@@ -173,7 +188,8 @@ def members_of(table: Table[Any], of: str) -> NDArray[np.bool_]:
         return np.ones(len(table), bool)
     if table.section == "motors" and of not in ("brushed", "brushless"):
         return np.asarray(_constructions(table) == of, np.bool_)
-    rows: NDArray[np.bool_] = table["gearing" if table.section == "actuators" else "kind"] == of
+    by_gearing = table.section == "actuators" and of not in ("brushed", "brushless")
+    rows: NDArray[np.bool_] = table["gearing" if by_gearing else "kind"] == of
     if table.section == "gearheads":
         rows &= table["ratio"] > 1.0  # none is a gearhead of its own in the table
     return rows

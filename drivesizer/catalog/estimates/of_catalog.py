@@ -18,7 +18,7 @@ from drivesizer.version import __version__
 
 __all__ = ["estimates_kept"]
 
-_FILES = ("fitted.json", "constructions.yaml")  # beside the code of the laws, which the version stands for
+_FILES = ("fitted.json", "constructions.yaml", "assumed.py", "estimate.py", "laws.py")
 _SECTIONS = tuple(dict.fromkeys(law.section for law in LAWS))
 _CLASSES = ("manufacturer", "family", "kind", "gearing")  # texts that the laws read
 Found = dict[str, dict[str, Estimates]]

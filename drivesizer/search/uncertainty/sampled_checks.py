@@ -20,6 +20,7 @@ from drivesizer.catalog.tolerances.classes import Class
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.stress import Parts, heat, housing_loss, stress
+from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn, fits, worst_case
 from drivesizer.search.columns.limits import (
     electrical_limits,
@@ -143,6 +144,12 @@ def _motor(catalog: Catalog, row: int, block: Block, factors: Mapping[str, Array
         if np.ndim(factor) or name in _WHOLE
     }
     changed["back_emf_constant"] = back_emf_constant(bought) * times["back_emf_constant"]
+    if catalog.estimate_of("motors", row, "max_winding_temperature") is not None:  # that of its nominal current
+        one, other = (changed.get(f"thermal_resistance_{name}", printed(f"thermal_resistance_{name}"))
+                      for name in ("winding", "housing"))  # fmt: skip
+        changed["max_winding_temperature"] = whole * steady_winding_temperature(
+            rated_ambient(bought), resistance_25(bought), one, other, bought["nominal_current"]
+        )
     return _Figures(catalog.motors, row, block.size, changed)
 
 

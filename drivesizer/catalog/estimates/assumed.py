@@ -1,0 +1,130 @@
+r"""Thermal figures where no peer prints any: assumed, with wide bands.
+
+Makers of actuators print no thermal figure. A body of mass m and mean density rho sheds heat over at least the area of
+a cube of it; a winding is a share of its motor's mass. Bands are factors of 2 either
+way, of a brushless winding's resistance 4.
+
+.. math:: R_{th2} = \frac{1}{h\,6\,(m/\rho)^{2/3}}, \quad C_w = c_w m, \quad C_h = c_h m
+
+References
+----------
+.. [1] F. Incropera, D. DeWitt et al., *Fundamentals of Heat and Mass Transfer*, 6th ed., table 1.1: natural convection
+   of gases 2 to 25 W/m^2 K.
+.. [2] Medians of the motors that ship: R_th1 m^(2/3) 0.84 (brushed) and 0.22 (brushless), c_w 43 and 25 J/(kg K),
+   c_h 390 and 500 J/(kg K); the motor is taken as 0.4 of an actuator's mass.
+"""
+
+from __future__ import annotations
+
+from math import inf, log
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog.estimates.fit import Fit
+from drivesizer.catalog.estimates.laws import Law
+from drivesizer.catalog.tables import Estimates, Table
+from drivesizer.physics.thermal import continuous_current, rated_ambient, resistance_25, steady_winding_temperature
+
+__all__ = ["ASSUMED", "CONVECTION", "DENSITY", "by_rating"]
+
+CONVECTION = 10.0  # W/m^2 K
+DENSITY = 2000.0  # kg/m^3, of an actuator whole
+_MOTOR = 0.4  # of an actuator's mass
+_HOTTEST = 453.15  # K, thermal class 180 (H) of IEC 60085
+_R_TH = ("thermal_resistance_winding", "thermal_resistance_housing")
+_TAU = ("winding_time_constant", "motor_time_constant")
+_CONVECTION = "natural convection, 10 W/m^2 K over the case"
+_WINDING, _HOUSING = "a winding like that of motors, 0.4 of the mass", "heat capacity per mass of motors"
+_ALL = (-inf, inf)
+
+
+def _law(of: str, figure: str, factor: float, terms: dict[str, float], source: str, band: float = 2.0) -> Fit:
+    coefficients, ranges = (log(factor), *terms.values()), (_ALL,) * len(terms)
+    ends = (-log(band), log(band))
+    return Fit(Law("actuators", of, figure, tuple(terms)), coefficients, ends, ends, ranges, 0, 0, (), source)
+
+
+ASSUMED: tuple[Fit, ...] = (
+    _law("", _R_TH[1], DENSITY ** (2 / 3) / (6.0 * CONVECTION), {"mass": -2 / 3}, _CONVECTION),
+    _law("brushed", _R_TH[0], 0.84 * _MOTOR ** (-2 / 3), {"mass": -2 / 3}, _WINDING),
+    _law("brushless", _R_TH[0], 0.22 * _MOTOR ** (-2 / 3), {"mass": -2 / 3}, _WINDING, 4.0),
+    _law("brushed", "winding_time_constant", 43.0 * _MOTOR, {_R_TH[0]: 1.0, "mass": 1.0}, _WINDING),
+    _law("brushless", "winding_time_constant", 25.0 * _MOTOR, {_R_TH[0]: 1.0, "mass": 1.0}, _WINDING),
+    _law("brushed", "motor_time_constant", 390.0, {_R_TH[1]: 1.0, "mass": 1.0}, _HOUSING),
+    _law("brushless", "motor_time_constant", 500.0, {_R_TH[1]: 1.0, "mass": 1.0}, _HOUSING),
+    Fit(
+        Law("", "", "max_winding_temperature", ("nominal_current", "resistance", *_R_TH)),
+        (),
+        (0.0, 0.0),
+        (0.0, 0.0),
+        (),
+        0,
+        0,
+        (),
+        "what the nominal current brings about",
+    ),
+)
+_RATED = -1  # the last of all laws: that of ``by_rating``
+
+
+def by_rating(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:
+    """Estimates in accord with the printed nominal current.
+
+    At that current no winding is hotter in the long run than is permitted, or than the best thermal class is where no
+    permitted temperature is printed: estimated thermal resistances are no larger. What such a winding then reaches the
+    maker permits: a permitted temperature by the part's own rating and that of no other part. It moves with the thermal
+    resistances, so that its check is that of a current.
+
+    Parameters
+    ----------
+    table
+        Parts of one kind.
+    found
+        Their estimates by column.
+
+    Returns
+    -------
+    dict
+        Columns as before, and ``max_winding_temperature``.
+    """
+    if "max_winding_temperature" not in table.columns:
+        return found
+    unstated = np.isnan(table["max_winding_temperature"])
+    winding, housing = (_filled(table, found, name) for name in _R_TH)
+    share = np.fmin(1.0, _largest_resistance(table) / (winding + housing))
+    limited = {name: _scaled(found[name], share) for name in _R_TH if name in found}
+    times = {name: _scaled(found[name], share[:1].repeat(3, 0)) for name in _TAU if name in found}
+    found = found | limited | times
+    one, other = (_filled(table, found, name) for name in _R_TH)
+    warm = np.asarray(
+        steady_winding_temperature(rated_ambient(table), resistance_25(table), one, other, table["nominal_current"])
+    )
+    rows = np.flatnonzero(unstated & (warm < _HOTTEST + 0.1).all(axis=0))
+    if not len(rows):
+        return found
+    value, low, high = warm[:, rows]
+    return found | {"max_winding_temperature": Estimates(rows, value, low, high, np.full(len(rows), _RATED))}
+
+
+def _largest_resistance(table: Table[Any]) -> NDArray[np.float64]:
+    """Thermal resistance with which the nominal current brings the winding to what is permitted [K/W]."""
+    one, printed = np.ones(len(table)), table["max_winding_temperature"]
+    hottest = np.where(np.isnan(printed), _HOTTEST, printed)
+    current = continuous_current(np.asarray(resistance_25(table)), one, 0.0 * one, hottest, rated_ambient(table))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(current / table["nominal_current"]) ** 2
+
+
+def _filled(table: Table[Any], found: dict[str, Estimates], name: str) -> NDArray[np.float64]:
+    """Value, low and high of every part, shape (3, parts): printed ones are all three alike."""
+    columns = np.tile(table[name], (3, 1))
+    if name in found:
+        columns[:, found[name].rows] = found[name].value, found[name].low, found[name].high
+    return columns
+
+
+def _scaled(found: Estimates, share: NDArray[np.float64]) -> Estimates:
+    value, low, high = np.array([found.value, found.low, found.high]) * share[:, found.rows]
+    return found._replace(value=value, low=low, high=high)
