@@ -306,7 +306,8 @@ def _missing(needs: str, parts: SampledParts, given: Conditions) -> Iterable[str
         for role, name in _NEEDS.get(need, ()):
             if name == "no_load_speed" and not brushless:
                 continue
-            if figures[role] is not None and np.isnan(figures[role][name][0]):
+            value = nan if figures[role] is None else figures[role][name][0]
+            if figures[role] is not None and (np.isnan(value) or (need == "heat" and not value > 0.0)):
                 yield f"{role} {name.replace('_', ' ')}"
         if need in _CONDITIONS and isnan(getattr(given, _CONDITIONS[need][0])):
             yield _CONDITIONS[need][1]

@@ -123,6 +123,13 @@ def test_what_is_unknown_is_named():
     assert nominal(found, "stall_current") == pytest.approx(1.47, rel=0.01)  # as printed
 
 
+def test_a_thermal_resistance_of_nothing_is_none():
+    """Pittman prints one resistance of winding to ambient: two bodies are not known."""
+    motor = hit("9233S013", catalogue="pittman")
+    assert motor["thermal_resistance_winding"] == 0.0
+    assert of(motor).figure("hold_winding").missing == ("motor thermal resistance winding",)
+
+
 def test_estimated_figures_are_listed_and_widen_the_band():
     """RE 25, 118752: the catalogue has no thermal time constants of this winding."""
     found = of(hit("118752"))
