@@ -117,8 +117,8 @@ def test_a_load_that_is_too_much_stalls_the_motor():
 
 def test_what_is_unknown_is_named():
     found = of(hit("XL330-M288-T 5 V", "actuators", "robotis"))
-    one = found.figure("stall_time_cold")
-    assert isnan(one.band.nominal) and "motor thermal resistance winding" in one.missing
+    one = found.figure("work_time_warm")  # no nominal speed, so that nobody knows how warm it gets at that point
+    assert isnan(one.band.nominal) and one.missing == ("--warm",)
     assert not any(isnan(f.band.nominal) and not f.missing for f in found.figures)
     assert nominal(found, "stall_current") == pytest.approx(1.47, rel=0.01)  # as printed
 
@@ -135,7 +135,8 @@ def test_estimated_figures_are_listed_and_widen_the_band():
     found = of(hit("118752"))
     names = {one.figure for one in found.estimates}
     assert {"winding_time_constant", "motor_time_constant"} <= names
-    assert all(one.low < one.value < one.high and one.law for one in found.estimates)
+    assert all(one.low <= one.value <= one.high and one.law for one in found.estimates)
+    assert all(one.low < one.high for one in found.estimates if one.figure.endswith("time_constant"))
 
 
 def test_a_controller_that_prints_no_voltage_drop_takes_up_to_one_volt():
