@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from specs import estimates_off
 from starters import starter
 
 from drivesizer.catalog import Catalog
@@ -45,6 +46,7 @@ def _of(c: Check) -> tuple[object, ...]:
 
 def taken_away(spec: RobotSpec, catalog: Catalog):
     """For each known figure of the best set which checks change without it, and which say that they rest on it."""
+    spec = estimates_off(spec)
     best = size(spec, catalog=catalog, top=1).sets[0]
     spec = pinned(spec, best)
     (whole,) = explain(spec, best.motor.part, best.gearhead.part, catalog=catalog)
@@ -99,15 +101,15 @@ def test_what_a_check_says_to_rest_on_changes_something(found):
 
 
 def test_the_robots_unknown_and_unsure_figures(spec, catalog):
-    best = size(spec, top=1).sets[0]
+    sized = size(spec, top=1)
+    best = sized.sets[0]
     unknown = dict(unknown_figures(best))
     assert unknown["Motor permissible speed"] == "motor max speed"
-    assert unknown["Winding temperature, peak"] == (
-        "motor winding time constant, motor time constant, motor max winding temperature"
-    )
-    marked = {name: (value, mark) for name, value, mark, _ in marked_figures(best, catalog)}
+    assert unknown["Winding temperature, peak"] == "motor max winding temperature"
+    marked = {name: (value, mark) for name, value, mark, _ in marked_figures(best, sized.catalog)}
     assert marked["encoder max speed"] == ("24000 rpm", "recalled")
     assert marked["motor thermal resistance winding"] == ("3.1 K/W", "derived")
+    assert marked["motor winding time constant"][1] == "estimated"
     assert "motor resistance" not in marked  # copied by others, and quoted there
     alone = replace(best, encoder=None, checks=tuple(replace(c, status="unknown") for c in best.checks))
     assert dict(unknown_figures(alone))["Encoder counts per turn"] == "any encoder"
