@@ -32,7 +32,7 @@ SAMPLES = 128
 _END = 1.6449  # standard deviations from the middle of a band to its ends
 _FARTHEST = 3.0  # standard deviations that a figure is followed
 _STEPS = 49
-_RATED = "max_winding_temperature"  # never a figure of its own: see ``catalog.estimates.assumed.by_rating``
+_RATED = "max_winding_temperature"  # of brushless motors no figure of its own: ``catalog.estimates.assumed.by_rating``
 _FOLLOWS: dict[Figure, Figure] = {
     ("motors", name): ("gearheads", "efficiency") for name in ("torque_constant", "nominal_torque", "stall_torque")
 }
@@ -65,11 +65,12 @@ def estimated_figures(problem: Problem, motor: int, gearhead: int) -> list[Figur
         return []
     low, high = problem.catalog.ends
     inside = problem.catalog.motors["inside"][motor] != ""
+    brushed = problem.catalog.motors["kind"][motor] == "brushed"
     found = []
     for section, row in (("motors", motor), ("gearheads", gearhead)):
         for name, column in columns_of(section).items():
             ends = low.table(section)[name][row], high.table(section)[name][row]
-            leads = ((section, name) not in _FOLLOWS if inside else True) and name != _RATED
+            leads = ((section, name) not in _FOLLOWS if inside else True) and (name != _RATED or brushed)
             if column.kind != "text" and leads and ends[0] != ends[1] and ends[0] == ends[0]:
                 found.append((section, name))
     return found
@@ -217,7 +218,8 @@ def _with_rated_temperature(catalog: Catalog, rows: NDArray[np.int64], columns: 
     reached = steady_winding_temperature(
         rated_ambient(columns), resistance_25(columns), *R_th, columns["nominal_current"]
     )
-    columns[_RATED] = np.where((easy != hard) & ~np.isnan(easy), reached, columns[_RATED])
+    follows = (columns["kind"] != "brushed") & (easy != hard) & ~np.isnan(easy)
+    columns[_RATED] = np.where(follows, reached, columns[_RATED])
 
 
 def _moved(catalog: Catalog, figure: Figure, rows: NDArray[np.int64], by: Array) -> Array:

@@ -116,11 +116,17 @@ def test_a_load_that_is_too_much_stalls_the_motor():
 
 
 def test_what_is_unknown_is_named():
-    found = of(hit("XL330-M288-T 5 V", "actuators", "robotis"))
-    one = found.figure("work_time_warm")  # no nominal speed, so that nobody knows how warm it gets at that point
-    assert isnan(one.band.nominal) and one.missing == ("--warm",)
+    """goBILDA prints no nominal current, and so nothing of what the winding is permitted."""
+    found = of(hit("5203-2402-0139", "actuators", "gobilda"), load=1.0)
+    one = found.figure("stall_time_cold")
+    assert isnan(one.band.nominal) and "motor max winding temperature" in one.missing
     assert not any(isnan(f.band.nominal) and not f.missing for f in found.figures)
-    assert nominal(found, "stall_current") == pytest.approx(1.47, rel=0.01)  # as printed
+    servo = of(hit("XL330-M288-T 5 V", "actuators", "robotis"))
+    assert nominal(servo, "stall_current") == pytest.approx(1.47, rel=0.01)  # as printed
+    one = servo.figure("work_time_warm")  # no nominal speed, so that nobody knows how warm it gets at that point
+    assert isnan(one.band.nominal) and one.missing == ("--warm",)
+    band = servo.figure("stall_time_cold").band
+    assert band.p5 < band.nominal < band.p95 and band.p95 > 20 * band.p5  # by estimates alone
 
 
 def test_a_thermal_resistance_of_nothing_is_none():

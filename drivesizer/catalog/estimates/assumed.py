@@ -74,8 +74,8 @@ def by_rating(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estim
 
     At that current no winding is hotter in the long run than is permitted, or than the best thermal class is where no
     permitted temperature is printed: estimated thermal resistances are no larger. What such a winding then reaches the
-    maker permits: a permitted temperature by the part's own rating and that of no other part. It moves with the thermal
-    resistances, so that its check is that of a current.
+    maker permits, by the part's own rating and that of no other part. A brushed motor, of which brushes or gears may
+    set the rating, permits anything from there to the best class.
 
     Parameters
     ----------
@@ -105,6 +105,9 @@ def by_rating(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estim
     if not len(rows):
         return found
     value, low, high = warm[:, rows]
+    brushed = table["kind"][rows] == "brushed"
+    low, high = np.where(brushed, high, low), np.where(brushed, _HOTTEST + 0.1, high)
+    value = np.where(brushed, (low + high) / 2.0, value)
     return found | {"max_winding_temperature": Estimates(rows, value, low, high, np.full(len(rows), _RATED))}
 
 

@@ -46,6 +46,9 @@ def _table(table: Table[Any], figures: Mapping[str, Estimates], end: End) -> Tab
     for name, found in figures.items():
         columns[name] = columns[name].copy()
         columns[name][found.rows] = _at(found, name, end)
+        if name == "max_winding_temperature" and end != "middle":  # of brushless motors it goes with the resistances
+            brushed = table["kind"][found.rows] == "brushed"
+            columns[name][found.rows] = np.where(brushed == (end == "unfavourable"), found.low, found.high)
     return Table(table.section, columns, table.source, table.excluded)
 
 

@@ -144,7 +144,8 @@ def _motor(catalog: Catalog, row: int, block: Block, factors: Mapping[str, Array
         if np.ndim(factor) or name in _WHOLE
     }
     changed["back_emf_constant"] = back_emf_constant(bought) * times["back_emf_constant"]
-    if catalog.estimate_of("motors", row, "max_winding_temperature") is not None:  # that of its nominal current
+    rated = catalog.estimate_of("motors", row, "max_winding_temperature") is not None  # by its nominal current
+    if rated and catalog.motors["kind"][row] != "brushed":
         one, other = (changed.get(f"thermal_resistance_{name}", printed(f"thermal_resistance_{name}"))
                       for name in ("winding", "housing"))  # fmt: skip
         changed["max_winding_temperature"] = whole * steady_winding_temperature(
