@@ -42,7 +42,7 @@ from drivesizer.units import show
 
 __all__ = ["explain", "explained", "load_parts", "size"]
 
-_FEW = 4  # missing figures, of which somebody may ask the maker
+_FEW = 4  # missing figures at most that are worth a request to the maker
 
 
 def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:

@@ -105,11 +105,11 @@ def test_the_robots_unknown_and_unsure_figures(spec, catalog):
     best = sized.sets[0]
     unknown = dict(unknown_figures(best))
     assert unknown["Motor permissible speed"] == "motor max speed"
-    assert unknown["Winding temperature, peak"] == "motor max winding temperature"
+    assert "Winding temperature, peak" not in unknown
     marked = {name: (value, mark) for name, value, mark, _ in marked_figures(best, sized.catalog)}
     assert marked["encoder max speed"] == ("24000 rpm", "recalled")
     assert marked["motor thermal resistance winding"] == ("3.1 K/W", "derived")
-    assert marked["motor winding time constant"][1] == "estimated"
+    assert marked["motor winding time constant"][1] == marked["motor max winding temperature"][1] == "estimated"
     assert "motor resistance" not in marked  # copied by others, and quoted there
     alone = replace(best, encoder=None, checks=tuple(replace(c, status="unknown") for c in best.checks))
     assert dict(unknown_figures(alone))["Encoder counts per turn"] == "any encoder"

@@ -36,7 +36,20 @@ COLUMNS = (
 
 
 def row(section: str, name: str, title: str, **more: Any) -> Row:
-    """A row of a section by its name and title, with the further columns that it has."""
+    """A row of a section.
+
+    Parameters
+    ----------
+    section, name, title
+        The columns that every row has.
+    more
+        Its further columns.
+
+    Returns
+    -------
+    dict
+        By column.
+    """
     return {"section": section, "name": name, "title": title} | more
 
 
@@ -46,7 +59,20 @@ def _figure(section: str, name: str, title: str, value: float, kind: str, unit: 
 
 
 def plain_row(section: str, name: str, title: str, value: float, unit: str) -> Row:
-    """A figure whose unit is the same in SI."""
+    """A figure whose unit is the same in SI.
+
+    Parameters
+    ----------
+    section, name, title
+        The columns that every row has.
+    value, unit
+        The figure.
+
+    Returns
+    -------
+    dict
+        By column.
+    """
     return row(section, name, title, value=value, unit=unit, si_value=value, si_unit=unit)
 
 
