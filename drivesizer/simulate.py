@@ -124,7 +124,7 @@ def validate(
         gains=case.controller,
         series=series(case),
         series_units=series_units(case),
-        assumptions=(*case.assumptions, *_assumptions(case), *_one_of(len(cases) - 1, driven)),
+        assumptions=(*case.assumptions, *_assumptions(case), *_estimated(drive_set), *_one_of(len(cases) - 1, driven)),
         warnings=(*_warnings(case, found), *lacking, *farther),
         controller_gains=own,
         loops=case.loops.all,
@@ -174,6 +174,12 @@ def _own_units(case: ClosedLoop) -> tuple[tuple[ControllerGain, ...], list[str]]
     if controller is None or not isinstance(case.controller, Cascade):
         return (), []
     return controller_gains(case.controller, controller.family)
+
+
+def _estimated(drive_set: DriveSet) -> list[str]:
+    """Figures that no data sheet gives, as the drive has them."""
+    found = [f"{one.title} {one.text}" for one in drive_set.estimated]
+    return [f"estimated from peers, at the middle of the band: {', '.join(found)}"] if found else []
 
 
 def _assumptions(case: ClosedLoop) -> list[str]:

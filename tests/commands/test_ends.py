@@ -104,7 +104,7 @@ def test_standard_output_as_a_file_name(folder):
         subprocess.run(command, stdout=out, check=True)
     lines = Path("out.txt").read_text(encoding="utf-8").splitlines()
     assert lines[0].startswith("list,rank,status")
-    assert "m1" in lines[1] and len(lines) > 6  # the drives, and the text after them
+    assert "M 25" in lines[1] and len(lines) > 6  # the drives, and the text after them
 
 
 def test_what_is_protected_or_no_place_for_a_file_is_refused(folder, monkeypatch):

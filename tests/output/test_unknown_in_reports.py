@@ -106,7 +106,8 @@ def test_the_closed_loop_drives_the_hardest_case(several):
 def test_a_set_that_no_loop_can_drive_is_reported_without(tmp_path, monkeypatch, run):
     """Pololu prints no rotor inertia: everything but the closed loop is reported, and why it is missing."""
     text = STARTER.replace("mass: 30 kg", "mass: 6 kg").replace("speed: 1 m/s", "speed: 0.3 m/s")
-    text = text.replace("nominal: 24 V", "nominal: 12 V").replace("catalogs: [maxon]", "catalogs: [pololu]")
+    text = text.replace("nominal: 24 V", "nominal: 12 V")
+    text = text.replace("catalogs: [maxon]", "catalogs: [pololu]\n  estimates: off")
     (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     status, _, err = run("report", "-o", "report.json", "-o", "report.html")

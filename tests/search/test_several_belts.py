@@ -19,7 +19,7 @@ def test_belts_together_are_what_each_is_alone(tmp_path, catalog):
         assert sum(len(one.rows) for one in alone) > len(BELTS)
         for one, other in zip(together, alone, strict=True):
             assert one.failed_by == other.failed_by
-            for name in ("rows", "doubtful", "margin", "encoder", "controller", "rejected", "bound"):
+            for name in ("rows", "unknown", "margin", "encoder", "controller", "rejected", "bound"):
                 np.testing.assert_array_equal(getattr(one, name), getattr(other, name), name)
             for name, column in one.figures.items():
                 np.testing.assert_array_equal(column, other.figures[name], name)
