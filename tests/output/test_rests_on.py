@@ -15,7 +15,7 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.figures_behind_checks import marked_figures, rests_on, unknown_figures
 from drivesizer.results.sizing import Check
 from drivesizer.sizing import explain, size
-from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.robot import RobotSpec, load_spec
 
 ROLES = ("motor", "gearhead", "encoder", "controller")
 
@@ -100,8 +100,8 @@ def test_what_a_check_says_to_rest_on_changes_something(found):
     assert idle <= WHERE_IT_BINDS
 
 
-def test_the_robots_unknown_and_unsure_figures(spec, catalog):
-    sized = size(spec, top=1)
+def test_the_robots_unknown_and_estimated_figures(example):
+    sized = size(load_spec(example), top=1)
     best = sized.sets[0]
     unknown = dict(unknown_figures(best))
     assert unknown["Motor permissible speed"] == "motor max speed"
