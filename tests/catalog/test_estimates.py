@@ -153,3 +153,9 @@ def test_limits_are_not_estimated():
     assert not [
         law for law in LAWS if law.figure.startswith(("max_", "peak_", "continuous_", "nominal_", "emergency_"))
     ]
+
+
+def test_every_estimate_lies_within_its_band(everything):
+    for section in ("motors", "gearheads", "actuators", "encoders"):
+        for name, found in estimates(everything.table(section)).items():
+            assert (found.low <= found.value).all() and (found.value <= found.high).all(), (section, name)
