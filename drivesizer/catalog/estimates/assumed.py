@@ -129,6 +129,6 @@ def _filled(table: Table[Any], found: dict[str, Estimates], name: str) -> NDArra
 
 
 def _scaled(found: Estimates, share: NDArray[np.float64]) -> Estimates:
-    value, *ends = np.array([found.value, found.low, found.high]) * share[:, found.rows]
-    low, high = np.sort(ends, axis=0)  # what is cut at each end need not be cut alike in the middle
+    value, low, high = np.array([found.value, found.low, found.high]) * share[:, found.rows]
+    low = np.minimum(low, high)  # what is cut at one end need not be cut alike at the other or in the middle
     return found._replace(value=np.clip(value, low, high), low=low, high=high)
