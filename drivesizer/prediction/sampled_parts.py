@@ -21,6 +21,7 @@ from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Pairs, empty
 from drivesizer.catalog.tolerances.classes import Class
+from drivesizer.catalog.tolerances.distributions import END
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.results.estimated import EstimatedFigure
@@ -32,7 +33,6 @@ __all__ = ["Figures", "SampledParts", "sampled_parts"]
 
 Array = NDArray[np.float64]
 Figures = Mapping[str, NDArray[Any]]
-_END = 1.6448536269514722  # standard deviations from the middle of a band to its ends
 _SEED = 1
 _STAGE = {"max_duty": (0.9, 1.0), "voltage_drop": (0.0, 1.0)}  # [1], [V]: to those of maxon's EPOS4
 _NO_PAIRS = Pairs(*(np.zeros(0, np.int32) for _ in range(3)))
@@ -134,7 +134,7 @@ def _within(one: Estimate, hit: Hit, columns: Figures, share: Array) -> Array:
     drawn = estimates(Table(hit.section, columns, hit.table.source[row], hit.table.excluded[row]))[one.figure]
     for into, found in ((value, drawn.value), (low, drawn.low), (high, drawn.high)):
         into[drawn.rows] = found
-    deviations = ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)) / _END
+    deviations = ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)) / END
     far = np.where(deviations > 0.0, np.log(high / value), np.log(value / low))
     values = value * np.exp(far * deviations)
     values[0] = one.value

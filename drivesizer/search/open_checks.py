@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table, columns_of
 from drivesizer.catalog.tables import Pairs
+from drivesizer.catalog.tolerances.distributions import END
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
@@ -29,7 +30,6 @@ __all__ = ["SAMPLES", "Figure", "Turn", "estimated_figures", "passing", "turns"]
 Array = NDArray[np.float64]
 Figure = tuple[str, str]  # section and column
 SAMPLES = 128
-_END = 1.6449  # standard deviations from the middle of a band to its ends
 _FARTHEST = 3.0  # standard deviations that a figure is followed
 _STEPS = 49
 _RATED = "max_winding_temperature"  # of brushless motors no figure of its own: ``catalog.estimates.assumed.by_rating``
@@ -228,5 +228,5 @@ def _moved(catalog: Catalog, figure: Figure, rows: NDArray[np.int64], by: Array)
     easy, middle, hard = (c.table(section)[name][rows] for c in (catalog.ends[0], catalog, catalog.ends[1]))
     with np.errstate(invalid="ignore", divide="ignore"):
         far = np.where(by > 0.0, np.log(hard / middle), -np.log(easy / middle))
-    moved: Array = middle * np.exp(np.nan_to_num(far) * by / _END)
+    moved: Array = middle * np.exp(np.nan_to_num(far) * by / END)
     return np.minimum(moved, 1.0 if name == "efficiency" else np.inf)

@@ -144,15 +144,15 @@ def _ties_by_margin(
     Margins need the waveform: they are computed of those that are as good as the last that is shown, in bounds.
     """
     order = ranking.order(problem.catalog, kept.sets, value, missing, before=[kept.certainty])
-    if len(order) <= 1 or kept.sets.motor.size == 0:
+    if len(order) <= 1:
         return order
     same = np.stack([kept.certainty, missing, ranking.rounded(value)])[:, order]
     last = same[:, [min(top, len(order)) - 1]]
     count = int(np.flatnonzero((same == last).all(axis=0))[-1]) + 1
     pieces = max(len(case.at_belt.warming.duration) for case in problem.cases)
     head = order[: min(count, max(_CELLS // pieces, top))]
-    margin = smallest_margin(by_physics(problem, kept.sets.on(head), True).checks)
     some = kept.sets.on(head)
+    margin = smallest_margin(by_physics(problem, some, True).checks)
     placed = ranking.order(
         problem.catalog, some, value[head], missing[head], before=[kept.certainty[head]], margin=margin
     )
