@@ -15,11 +15,11 @@ from drivesizer.load_cases.requirements import requirements
 from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
 from drivesizer.machine import pulleys
 from drivesizer.machine.budgets import check_battery, of_the_platform
-from drivesizer.physics.thermal import of_unstated_temperature
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.figures_behind_checks import unknown_figures
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.problem import Problem
+from drivesizer.results.ratings import unstated_temperature
 from drivesizer.results.reliability import Reliability
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Explanation, SizingResult, verdict
@@ -159,7 +159,7 @@ def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
     """Motors whose resistance is of a temperature that nobody states; the paper's method does not use it."""
     if spec.method != "physics":
         return ()
-    return of_unstated_temperature(s.motor.part for s in sets if isnan(s.motor.data_temperature))
+    return unstated_temperature(s.motor.part for s in sets if isnan(s.motor.data_temperature))
 
 
 def _assumptions(spec: RobotSpec) -> tuple[str, ...]:

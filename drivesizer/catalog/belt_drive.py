@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drivesizer.catalog.more_parts import Belt, Pulley
-from drivesizer.physics.belt_geometry import pitch_diameter
+from drivesizer.physics.belt import pitch_diameter
 
 __all__ = ["BeltDrive"]
 

@@ -20,8 +20,9 @@ from drivesizer.load_cases.at_shaft import at_shaft
 from drivesizer.loads.course import Profile
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.motor_demand import friction, gear_loss
-from drivesizer.physics.thermal import of_unstated_temperature, resistance_25
+from drivesizer.physics.thermal import resistance_25
 from drivesizer.results.drive_set import DriveParts
+from drivesizer.results.ratings import unstated_temperature
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "elastic", "matrices", "modes", "within_reach"]
@@ -164,7 +165,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
         missing = [figure.replace("_", " ") for figure in needed if not getattr(part, figure) > 0.0]
         if missing:
             raise NoLoopError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; no closed loop without")
-    said = list(of_unstated_temperature([drive_set.motor.part] if isnan(drive_set.motor.data_temperature) else []))
+    said = list(unstated_temperature([drive_set.motor.part] if isnan(drive_set.motor.data_temperature) else []))
     motor, gearhead, shaft = drive_set.motor, drive_set.gearhead, at_shaft(spec)
     encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0
     gear_efficiency, idle = gear_loss(asdict(gearhead))

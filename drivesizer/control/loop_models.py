@@ -15,12 +15,10 @@ Loops around it have two outputs, the speed and the counted speed; the second is
 Symbols: i current [A], w motor speed [rad/s], u voltage [V], e efficiency, K total ratio [1].
 
 .. [1] K. J. Åström, B. Wittenmark, *Computer-Controlled Systems*, 3rd ed., Prentice Hall 1997, ch. 2: sampled systems.
-.. [2] D. Schröder, *Elektrische Antriebe - Regelung von Antriebssystemen*, Springer: the elastic two-mass system.
 """
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -29,28 +27,27 @@ from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, Mode, matrices
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import COMPUTING
+from drivesizer.physics.belt import resonance as two_masses
 
 __all__ = ["current_open_loop", "plant", "position_open_loop", "resonance", "velocity_open_loop", "voltage_open_loop"]
 
 
 def resonance(train: DriveTrain, mode: Mode) -> tuple[float, float]:
-    r"""Frequencies of the anti-resonance and the resonance of motor and load, undamped [Hz].
-
-    .. math:: \omega_a = \sqrt{c / J_L}, \qquad \omega_r = \omega_a \sqrt{1 + \frac{J_L}{e K^2 J_M}}
+    """Frequencies of the anti-resonance and the resonance of motor and load, undamped [Hz].
 
     Parameters
     ----------
     train, mode
-        A drive train with an elastic shaft of stiffness c, and the direction of power: driving, the load's inertia
-        counts 1/(e K^2), braking e/K^2.
+        A drive train with an elastic shaft, and the direction of power: driving, the load's inertia counts 1/(e K^2),
+        braking e/K^2.
 
     Returns
     -------
     tuple
-        Anti-resonance, at which the load swings against a motor at rest, and resonance [Hz]; [2].
+        Anti-resonance, at which the load swings against a motor at rest, and resonance [Hz].
     """
-    anti = math.sqrt(train.stiffness / train.load_inertia)
-    return anti / (2.0 * math.pi), anti * math.sqrt(mode.inertia / train.motor_inertia) / (2.0 * math.pi)
+    found = two_masses(train.stiffness, train.load_inertia, mode.inertia / train.motor_inertia)
+    return float(found.anti_resonance), float(found.resonance)
 
 
 def plant(train: DriveTrain, mode: Mode, *, angle: bool = False) -> Any:

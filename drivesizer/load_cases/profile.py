@@ -23,7 +23,7 @@ from typing import Any
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.csv_columns import beside, columns
 from drivesizer.loads.course import Profile
-from drivesizer.physics.s_curve import fastest_ramp
+from drivesizer.physics.motion_curves import fastest_ramp
 from drivesizer.spec.motions import Csv, Harmonic, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec
 

@@ -34,7 +34,7 @@ from drivesizer.files.csv_columns import columns
 from drivesizer.files.fields import Axis, Inertia, Pause, default
 from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.physics.smoothing import local_parabola
+from drivesizer.physics.motion_curves import local_parabola
 
 __all__ = ["Recorded", "recorded"]
 

@@ -20,15 +20,13 @@ the cycle repeats: a run over its end continues at its start.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["continuous_speed", "exceeded", "lasting_speeds", "mean_running"]
+__all__ = ["exceeded", "lasting_speeds", "mean_running"]
 
 Array = NDArray[np.float64]
-_BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that limit the mean input speed
 _SHORT = (1.0, 0.1)  # s uninterrupted, share of the time: so long maxon's limit may be exceeded
 _LONG = (1200.0, 1.0)  # and those of the mean
 _ROUNDING = 1e-9  # of a time: by so much sums of times may be off
@@ -51,24 +49,6 @@ def lasting_speeds(duration: Array, speed: Array) -> dict[str, Array]:
     mean = mean_running(duration, speed)
     long, short = (exceeded(duration, speed, permitted) for permitted in (_LONG, _SHORT))
     return {"mean_speed": np.maximum(mean, long), "sustained_speed": np.maximum(mean, short)}
-
-
-def continuous_speed(manufacturer: NDArray[Any], mean_speed: Any, sustained_speed: Any) -> Any:
-    """Speed that a continuous input speed limits, by the rule of each gearhead's maker.
-
-    Parameters
-    ----------
-    manufacturer
-        Of each gearhead.
-    mean_speed, sustained_speed
-        Of the load cycle [rad/s], see :func:`lasting_speeds`.
-
-    Returns
-    -------
-    array
-        Speed at the gearhead's output [rad/s].
-    """
-    return np.where(np.isin(manufacturer, _BY_THE_MEAN), mean_speed, sustained_speed)
 
 
 def mean_running(duration: Array, speed: Array) -> Array:

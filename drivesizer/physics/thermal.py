@@ -9,7 +9,6 @@ constant [N*m/A], I_0 no-load current [A], w speed of the motor [rad/s].
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "COPPER", "DATA_TEMPERATURE", "TwoBodies", "Value", "continuous_current", "continuous_torque", "current_derating",
-    "data_temperature", "nominal_current", "of_unstated_temperature", "rated_ambient", "resistance_25", "resistance_at",
+    "data_temperature", "nominal_current", "rated_ambient", "resistance_25", "resistance_at",
     "settled", "steady_winding_temperature", "two_bodies",
 ]  # fmt: skip
 
@@ -64,12 +63,6 @@ def data_temperature(motor: Any) -> Value:
     stated = np.asarray(motor["data_temperature"], float)
     found: Value = np.where(np.isnan(stated), DATA_TEMPERATURE, stated)[()]
     return found
-
-
-def of_unstated_temperature(parts: Iterable[str]) -> tuple[str, ...]:
-    """Assumption for motors whose catalogue does not state the temperature of their figures."""
-    names = ", ".join(dict.fromkeys(parts))
-    return (f"no catalogue says at which temperature the figures of {names} hold: 25 °C is assumed",) if names else ()
 
 
 def rated_ambient(motor: Any) -> Value:

@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.physics.s_curve import fastest_ramp
+from drivesizer.physics.motion_curves import fastest_ramp
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory, joined, rest
 

@@ -42,7 +42,7 @@ from drivesizer.files.csv_columns import (
     values_of,
 )
 from drivesizer.files.text import read_text
-from drivesizer.physics.smoothing import local_parabola
+from drivesizer.physics.motion_curves import local_parabola
 from drivesizer.platform.curve import spline, thinned
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.planner import Limits, Waypoint, plan

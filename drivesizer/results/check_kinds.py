@@ -12,7 +12,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["CHECKS", "CheckKind", "refuse_undeclared"]
+__all__ = [
+    "BATTERY_LASTING", "BATTERY_SAMPLED", "BATTERY_VOLTAGES", "CHECKS", "CheckKind",
+    "refuse_undeclared",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,6 +186,15 @@ _BUDGET = {  # of the machine with a drive in it
     "battery_peak_current": CheckKind("Battery peak current", *_AMPS, _FED),
     "battery_charge_current": CheckKind("Battery charge current, energy returned", *_AMPS, _FED),
 }
+
+BATTERY_LASTING = ("battery_autonomy", "battery_range")
+BATTERY_VOLTAGES = ("battery_voltage", "battery_cutoff")
+BATTERY_SAMPLED = (
+    *BATTERY_LASTING,
+    "battery_power",
+    "battery_peak_current",
+    *BATTERY_VOLTAGES,
+)  # budgets that are checked sample by sample too
 
 _CLOSED_LOOP = {  # of one drive that was simulated: missing figures are among the checks of the drive
     "stability": CheckKind("Stability of the linear loops"),

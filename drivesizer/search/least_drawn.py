@@ -19,11 +19,12 @@ from drivesizer.machine.supply_power import distance_of
 from drivesizer.physics.motor_demand import SPEED, demands
 from drivesizer.physics.stress import heat
 from drivesizer.physics.thermal import resistance_25, resistance_at
+from drivesizer.results.check_kinds import BATTERY_LASTING
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.offers import Offers, offers
 from drivesizer.search.columns.stages import encoders_of
-from drivesizer.search.uncertainty.sampled_battery import LASTING, Draw, columns_of, feeding
+from drivesizer.search.uncertainty.sampled_battery import Draw, columns_of, feeding
 
 __all__ = ["battery_failures", "least_power"]
 
@@ -58,7 +59,7 @@ def battery_failures(problem: Problem, sets: Candidates) -> dict[str, NDArray[np
         speed = alone * distance_of(case, cycle) / cycle.total
         feeds = feeding(case, battery, problem.catalog)
         for check in columns_of(case, feeds, cycle.total, speed, [draw], alone):
-            if check.name in LASTING:
+            if check.name in BATTERY_LASTING:
                 found[check.name] = found.get(check.name, False) | check.failed
     return found
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.physics.lasting_speed import continuous_speed, exceeded, lasting_speeds, mean_running
+from drivesizer.physics.lasting_speed import exceeded, lasting_speeds, mean_running
+from drivesizer.results.ratings import continuous_speed_limit
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 
@@ -65,8 +66,11 @@ def test_makers_of_servo_gearboxes_limit_the_mean_or_what_lasts_for_20_minutes()
     assert short["sustained_speed"] == long["sustained_speed"] == 8.0
     assert short["mean_speed"].item() == pytest.approx((600 * 8 + 8400 * 2) / 9000)
     assert long["mean_speed"] == 8.0
-    makers = np.array(["Wittenstein", "maxon", "somebody"])
-    assert continuous_speed(makers, 2.0, 8.0).tolist() == [2.0, 8.0, 8.0]
+    gearheads = {
+        "manufacturer": np.array(["Wittenstein", "maxon", "somebody"]),
+        "continuous_input_speed": np.full(3, 10.0),
+    }
+    assert continuous_speed_limit(gearheads, 2.0, 8.0, 3.0).demand.tolist() == [6.0, 24.0, 24.0]
 
 
 @pytest.mark.parametrize("manufacturer", ["Apex Dynamics", "Harmonic Drive", "Wittenstein"])

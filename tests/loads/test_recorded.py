@@ -10,8 +10,8 @@ import pytest
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.physics.load_cycle import integral, rms
+from drivesizer.physics.motion_curves import local_parabola
 from drivesizer.physics.motor_demand import AT_REST, at_gearhead
-from drivesizer.physics.smoothing import local_parabola
 from drivesizer.spec.robot import load_spec
 
 

@@ -20,7 +20,7 @@ from drivesizer.physics.thermal import (
     steady_winding_temperature,
     two_bodies,
 )
-from drivesizer.results.nominal_current import nominal_current_limit
+from drivesizer.results.ratings import nominal_current_limit
 
 ALPHA, CELSIUS = 0.0039, 273.15
 

@@ -20,7 +20,7 @@ from drivesizer.control.loop_design import stated_margin
 from drivesizer.load_cases.platform_wheels import held_by_the_floor
 from drivesizer.loads.course import course
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.physics.lasting_speed import continuous_speed, lasting_speeds
+from drivesizer.physics.lasting_speed import lasting_speeds
 from drivesizer.physics.thermal import (
     DATA_TEMPERATURE,
     rated_ambient,
@@ -30,7 +30,7 @@ from drivesizer.physics.thermal import (
     two_bodies,
 )
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, between, fits
-from drivesizer.results.nominal_current import nominal_current_limit
+from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit
 from drivesizer.results.sizing import Check
 
 __all__ = ["METHOD", "checks"]
@@ -224,10 +224,9 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
         case.figure("gear_torque_time"),
     )
     moved = course(case.profile)
-    lasting = lasting_speeds(moved.duration, moved.speed)
-    speed_demand = continuous_speed(np.array(gearhead.manufacturer), **lasting) * case.train.motor_per_speed
+    mean, sustained = lasting_speeds(moved.duration, moved.speed).values()
     yield _check(
-        at_most("gearhead_continuous_speed", speed_demand, gearhead.continuous_input_speed),
+        continuous_speed_limit(asdict(gearhead), mean, sustained, case.train.motor_per_speed),
         note="of the reference: the lasting speed by the maker's rule, or the mean",
     )
     yield _check(

@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, lines
 from drivesizer.catalog.belt_drive import BeltDrive
-from drivesizer.physics.belt_geometry import LEAST_IN_MESH
-from drivesizer.physics.lasting_speed import continuous_speed
+from drivesizer.physics.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.motor_demand import AtGearhead, Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
-from drivesizer.results.nominal_current import nominal_current_limit
+from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit
 from drivesizer.search.columns.encoders import angle_per_edge
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import BeltStage
@@ -100,12 +99,11 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[C
     i, ambient = gearhead["ratio"], spec.environment.ambient
     torque: dict[str, Any] = {"needed": spec.margins.torque}
     speed: dict[str, Any] = {"needed": spec.margins.speed}
-    lasting = continuous_speed(gearhead["manufacturer"], cycle.mean_speed, cycle.sustained_speed)
     peak_torque = cycle.peak_torque
     found = [
         at_most("gearhead_continuous_torque", cycle.rms_torque, gearhead["continuous_torque"], **torque),
         at_most("gearhead_intermittent_torque", peak_torque, gearhead["intermittent_torque"], **torque),
-        at_most("gearhead_continuous_speed", lasting * i, gearhead["continuous_input_speed"], **speed),
+        continuous_speed_limit(gearhead, cycle.mean_speed, cycle.sustained_speed, i, **speed),
         at_most("gearhead_intermittent_speed", cycle.peak_speed * i, gearhead["intermittent_input_speed"],
                 **speed),
         at_most("gearhead_continuous_power", cycle.mean_power, gearhead["continuous_power"], **torque),
@@ -240,8 +238,8 @@ def _inertias(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts)
         found.append(at_most("inertia_ratio", cycle.load_cycle.inertia / own, needs.inertia_ratio))
     if needs.resonance is not None:
         stiffness = spec.belt.stiffness if spec.belt and spec.belt.stiffness is not None else np.nan
-        found_at = np.sqrt(stiffness * (1 / own + 1 / cycle.load_cycle.inertia)) / (2 * np.pi)
-        found.append(at_least("first_resonance", needs.resonance, found_at))
+        first = resonance(stiffness, cycle.load_cycle.inertia, 1 + cycle.load_cycle.inertia / own)
+        found.append(at_least("first_resonance", needs.resonance, first.resonance))
     return found
 
 

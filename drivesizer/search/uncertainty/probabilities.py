@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.results.check import Check
 from drivesizer.results.check_columns import CheckColumn
-from drivesizer.results.check_kinds import CHECKS
+from drivesizer.results.check_kinds import BATTERY_SAMPLED, CHECKS
 from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Driver, Reliability, Spread
 from drivesizer.search.uncertainty.class_of_part import holding_of_a_set
 from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
-from drivesizer.search.uncertainty.sampled_battery import SAMPLED
 from drivesizer.search.uncertainty.sampled_checks import SetRows, checks_of
 from drivesizer.search.uncertainty.sampling import Sample, mean_and_error
 from drivesizer.search.uncertainty.sensitivity import first_order, rank_correlations
@@ -125,8 +124,9 @@ def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
     count = len(next(iter(joined.values())).passed)
     decide = [check for check in one.nominal if not check.advice]
     every = {check.name: joined.get(check.name) or _constant(check, count) for check in decide}
-    every |= {name: joined[name] for name in SAMPLED if name in joined}
-    titles = {check.name: check.title for check in decide} | {name: CHECKS["budget"][name].title for name in SAMPLED}
+    every |= {name: joined[name] for name in BATTERY_SAMPLED if name in joined}
+    titles = {check.name: check.title for check in decide}
+    titles |= {name: CHECKS["budget"][name].title for name in BATTERY_SAMPLED}
     failed, smallest, place = np.zeros(count, bool), np.full(count, np.inf), np.full(count, -1)
     for number, over in enumerate(every.values()):
         failed |= over.failed
@@ -280,6 +280,6 @@ def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
     for block in blocks(given, catalog, [one.rows.belt]):
         tight = {check.name: np.asarray(_tightness(check)) for check in one.nominal}
         found = checks_of(catalog, one.rows, block)
-        tight |= {name: found[name].tightness for name in found if name in tight or name in SAMPLED}
+        tight |= {name: found[name].tightness for name in found if name in tight or name in BATTERY_SAMPLED}
         parts.append(np.min([np.broadcast_to(column, block.size) for column in tight.values()], axis=0))
     return np.concatenate(parts)

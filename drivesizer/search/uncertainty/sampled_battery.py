@@ -22,17 +22,14 @@ from drivesizer.machine.battery_pack import Pack, pack_of, run_time
 from drivesizer.physics.battery import current_of_power, terminal_voltage
 from drivesizer.physics.stress import Parts
 from drivesizer.results.check_columns import CheckColumn
+from drivesizer.results.check_kinds import BATTERY_LASTING, BATTERY_SAMPLED, BATTERY_VOLTAGES
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 from drivesizer.spec.battery import Battery
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["LASTING", "SAMPLED", "Draw", "Feeding", "battery_limits", "columns_of", "feeding"]
+__all__ = ["Draw", "Feeding", "battery_limits", "columns_of", "feeding"]
 
 Array = NDArray[np.float64]
-LASTING = ("battery_autonomy", "battery_range")
-_PEAKS = ("battery_power", "battery_peak_current")
-_VOLTAGES = ("battery_voltage", "battery_cutoff")
-SAMPLED = (*LASTING, *_PEAKS, *_VOLTAGES)
 
 
 class Feeding(NamedTuple):
@@ -143,7 +140,8 @@ def columns_of(
     emf, resistance = feeds.pack.emf(left), feeds.pack.resistance
     lowest = terminal_voltage(current_of_power(peak, emf, resistance), emf, resistance)
     load = Load(mean=mean, peak=peak, rms=nan, back=nan, speed=speed, full=full, charge=left, lowest=lowest)
-    checked = LASTING if len(draws) > 1 else (*LASTING, *_PEAKS, *(() if feeds.pack.polarisation else _VOLTAGES))
+    checked = {*BATTERY_LASTING} if len(draws) > 1 else {*BATTERY_SAMPLED}
+    checked -= {*BATTERY_VOLTAGES} if feeds.pack.polarisation else set()
     return [check for check in battery_columns(spec, spec.battery, feeds.pack, load) if check.name in checked]
 
 

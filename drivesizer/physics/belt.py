@@ -1,4 +1,4 @@
-"""Geometry of a toothed belt round two pulleys, and the drive that it makes.
+"""Geometry of a toothed belt round two pulleys, and the resonance of motor and load on an elastic shaft or belt.
 
 Everything is along the pitch line, where the belt keeps its length. Teeth are counts, lengths are in m, angles in rad;
 a figure is a float or a column. Which pulley drives makes no difference. Sources: SDP/SI, Handbook of Timing Belts,
@@ -8,13 +8,13 @@ approximation the exact open belt is computed.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 __all__ = [
-    "LEAST_IN_MESH", "belt_length", "centre_distance", "pitch_diameter", "shortest_recommended", "teeth_in_mesh",
-    "wrap_angle",
+    "LEAST_IN_MESH", "TwoMasses", "belt_length", "centre_distance", "pitch_diameter", "resonance",
+    "shortest_recommended", "teeth_in_mesh", "wrap_angle",
 ]  # fmt: skip
 
 LEAST_IN_MESH = 6.0  # teeth, from where a belt's rating counts in full: SDP/SI handbook, section 13.3
@@ -169,3 +169,40 @@ def shortest_recommended(teeth: Any, other: Any, pitch: Any) -> Any:
         Distance [m].
     """
     return 0.2 * pitch * (teeth + other)
+
+
+class TwoMasses(NamedTuple):
+    """Undamped frequencies of motor and load on a spring between them."""
+
+    anti_resonance: Any  # Hz, at which the load swings against a motor at rest
+    resonance: Any  # Hz
+
+
+def resonance(stiffness: Any, load_inertia: Any, ratio: Any) -> TwoMasses:
+    r"""Anti-resonance and resonance of two masses, :math:`\omega_a = \sqrt{c / J_L}, \omega_r = \omega_a \sqrt{r}`.
+
+    Parameters
+    ----------
+    stiffness
+        Of shaft or belt, c, seen at the load [N*m/rad].
+    load_inertia
+        J_L [kg*m^2].
+    ratio
+        Inertia of motor and load over that of the motor, both at the same shaft, r [1].
+
+    Returns
+    -------
+    TwoMasses
+        Frequencies [Hz].
+
+    References
+    ----------
+    .. [1] D. Schröder, *Elektrische Antriebe - Regelung von Antriebssystemen*, Springer: the elastic two-mass system.
+
+    Examples
+    --------
+    >>> [round(float(f), 3) for f in resonance(400.0, 1.0, 4.0)]
+    [3.183, 6.366]
+    """
+    anti = np.sqrt(stiffness / load_inertia)
+    return TwoMasses(anti / (2.0 * np.pi), anti * np.sqrt(ratio) / (2.0 * np.pi))

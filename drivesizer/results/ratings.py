@@ -1,0 +1,79 @@
+"""Demands against makers' ratings, by the rules of what each rating means; the same for search and closed loop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.physics.thermal import current_derating, rated_ambient
+from drivesizer.results.check_columns import CheckColumn, at_most
+
+__all__ = ["continuous_speed_limit", "nominal_current_limit", "unstated_temperature"]
+
+Array = NDArray[np.float64]
+_BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that limit the mean input speed
+
+
+def continuous_speed_limit(
+    gearhead: Any, mean_speed: Any, sustained_speed: Any, ratio: Any, needed: float = 0.0
+) -> CheckColumn:
+    """The lasting speed at a gearhead's input against its continuous one, by the rule of its maker.
+
+    Parameters
+    ----------
+    gearhead
+        Figures by field name.
+    mean_speed, sustained_speed
+        Of the load cycle [rad/s], see ``lasting_speeds``, which has the makers' rules.
+    ratio
+        From there to the gearhead's input [1].
+    needed
+        Margin that must be there.
+
+    Returns
+    -------
+    CheckColumn
+        Of the candidates.
+    """
+    speed = np.where(np.isin(gearhead["manufacturer"], _BY_THE_MEAN), mean_speed, sustained_speed)
+    return at_most("gearhead_continuous_speed", speed * ratio, gearhead["continuous_input_speed"], needed=needed)
+
+
+def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float, needed: float = 0.0) -> CheckColumn:
+    """The RMS current against the nominal one in an ambient.
+
+    Colder than the rating, with an unknown permitted temperature, the motor withstands more by an unknown amount: up
+    to the nominal current it passes, and what is above is unknown.
+
+    Parameters
+    ----------
+    rms
+        RMS current [A].
+    motor
+        Figures by field name.
+    ambient
+        Temperature around the motor [K].
+    needed
+        Margin that must be there.
+
+    Returns
+    -------
+    CheckColumn
+        Of the candidates; unknown where an unknown permitted temperature decides.
+    """
+    T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)
+    limit = np.asarray(motor["nominal_current"] * current_derating(ambient, T_max, rated))
+    found = at_most("motor_nominal_current", rms, limit, needed=needed)
+    least = np.isnan(T_max) & (ambient < np.asarray(rated)) & ~found.passed
+    if not least.any():
+        return found
+    return at_most("motor_nominal_current", rms, np.where(least, np.nan, limit), needed=needed)
+
+
+def unstated_temperature(parts: Iterable[str]) -> tuple[str, ...]:
+    """Assumption for motors whose catalogue does not state the temperature of their figures."""
+    names = ", ".join(dict.fromkeys(parts))
+    return (f"no catalogue says at which temperature the figures of {names} hold: 25 °C is assumed",) if names else ()
