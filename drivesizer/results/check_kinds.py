@@ -189,12 +189,8 @@ _BUDGET = {  # of the machine with a drive in it
 
 BATTERY_LASTING = ("battery_autonomy", "battery_range")
 BATTERY_VOLTAGES = ("battery_voltage", "battery_cutoff")
-BATTERY_SAMPLED = (
-    *BATTERY_LASTING,
-    "battery_power",
-    "battery_peak_current",
-    *BATTERY_VOLTAGES,
-)  # budgets that are checked sample by sample too
+# budgets that are checked sample by sample too
+BATTERY_SAMPLED = (*BATTERY_LASTING, "battery_power", "battery_peak_current", *BATTERY_VOLTAGES)
 
 _CLOSED_LOOP = {  # of one drive that was simulated: missing figures are among the checks of the drive
     "stability": CheckKind("Stability of the linear loops"),

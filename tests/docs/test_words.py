@@ -57,7 +57,7 @@ ALLOWED = {  # names that are right as they are: why
 }
 
 ROOMS = sorted(p.name for p in PACKAGE.iterdir() if (p.is_dir() and p.name != "__pycache__") or p.suffix == ".py")
-PAGES = ["docs", "README.md", "CONTRIBUTING.md", "ARCHITECTURE.md"]
+PAGES = ["docs", "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "ARCHITECTURE.md"]
 
 
 def retired(text: str) -> Iterator[str]:
@@ -122,8 +122,11 @@ def in_users_texts(room: str) -> list[str]:
         for word in retired(text)
     ]
     for path in pages(room):
-        for line, text in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-            found += [f"{path.relative_to(ROOT)}:{line}: {word}" for word in retired(text)]
+        text = path.read_text(encoding="utf-8")
+        if path.name == "CHANGELOG.md":  # which quotes as code what outputs said before
+            text = re.sub(r"`[^`]*`", lambda quoted: "\n" * quoted[0].count("\n"), text)
+        for number, line in enumerate(text.splitlines(), 1):
+            found += [f"{path.relative_to(ROOT)}:{number}: {word}" for word in retired(line)]
     return found
 
 
