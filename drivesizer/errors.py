@@ -1,4 +1,4 @@
-"""What drivesizer raises on purpose; anything else is a bug.
+"""Exceptions that drivesizer raises on purpose; anything else is a bug.
 
     DrivesizerError
     ├── InputError      the user's text, file or option is wrong (also a ValueError)

@@ -223,7 +223,7 @@ def _warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
 
 
 def _held_back(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[str]:
-    """What would be better than the best drive but for a figure that is missing, and what would decide it."""
+    """Drives better than the best one but for a missing figure, and the figure that would decide it."""
     row = picked.found.held_back
     if row is None or not sets or not isinstance(picked.objective, str):
         return []

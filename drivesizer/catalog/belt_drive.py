@@ -37,5 +37,5 @@ class BeltDrive:
 
     @property
     def parts(self) -> dict[str, Belt | Pulley]:
-        """What is bought, by role."""
+        """Parts of the belt drive, by role."""
         return {"driving pulley": self.driving, "belt": self.belt, "driven pulley": self.driven}

@@ -1,4 +1,4 @@
-"""How a record declares the figures of a part: each field with its kind of quantity and its datasheet unit."""
+"""Declaration of a part's figures in a record: each field with its kind of quantity and its datasheet unit."""
 
 from __future__ import annotations
 

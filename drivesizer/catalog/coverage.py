@@ -1,4 +1,4 @@
-"""How complete catalogues are: parts, pairs, how many figures of each column are known, and their confidence."""
+"""Coverage of catalogues: parts, pairs, number of known figures of each column, and their confidence."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Coverage", "coverage", "pairs_of"]
 
 
 class Coverage(NamedTuple):
-    """How much a catalogue knows of one kind of part."""
+    """Coverage of one kind of part in a catalogue."""
 
     parts: int
     families: int
@@ -25,7 +25,7 @@ class Coverage(NamedTuple):
 
 
 def coverage(catalog: Catalog, section: str) -> Coverage:
-    """How complete a section of a catalogue is.
+    """Coverage of a section of a catalogue.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def _levels(catalog: Catalog, section: str, figures: list[str]) -> NDArray[Any]:
 
 
 def pairs_of(catalog: Catalog) -> dict[str, int]:
-    """How many pairs a catalogue states."""
+    """Number of pairs that a catalogue states."""
     direct = catalog.gearheads["part"][catalog.motor_gearhead.right] == DIRECT
     return {
         "motor and gearhead": int((~direct).sum()),

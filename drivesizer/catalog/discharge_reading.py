@@ -81,7 +81,7 @@ def _columns(rows: Sequence[tuple[float, ...]]) -> Discharges:
 
 
 def _held(reader: Reader, text: Any, path: Path_) -> tuple[str, float]:
-    """Which quantity is held, and the factor of its unit: ``current (A)``."""
+    """Quantity that is held, and the factor of its unit: ``current (A)``."""
     name, _, unit = str(text).rstrip(") ").partition("(")
     name = name.strip()
     if name not in HELD or not unit:

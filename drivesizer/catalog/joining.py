@@ -53,7 +53,7 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
 
 
 def _replaced(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
-    """What is in two catalogues; refused where the later one does not mean to replace it."""
+    """Parts that are in two catalogues; refused where the later one does not mean to replace them."""
     owner: dict[tuple[str, str], str] = {}
     said = []
     for catalog in catalogs:
@@ -73,7 +73,7 @@ def _replaced(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
 
 
 def _not_loaded(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
-    """Which catalogues are named by others for parts that go together, and are not among them."""
+    """Catalogues that others name for parts that go together, and that are not among them."""
     loaded = {name for c in catalogs for name in c.digests}
     said: dict[str, None] = {}
     for catalog in catalogs:

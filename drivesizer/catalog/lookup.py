@@ -90,7 +90,7 @@ def families(shelf: Shelf) -> dict[str, dict[str, list[Hit]]]:
 
 
 def partners(hit: Hit) -> dict[str, dict[str, int]]:
-    """How many parts of each family go with a part, by section; only sections that its catalogue pairs it with."""
+    """Number of parts of each family that go with a part, by the sections that its catalogue pairs it with."""
     found: dict[str, dict[str, int]] = {}
     for relation, right in RELATIONS.items():
         pairs = getattr(hit.catalog, relation)

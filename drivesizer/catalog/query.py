@@ -55,7 +55,7 @@ class Condition(NamedTuple):
     value: float | str
 
     def met(self, values: NDArray[Any]) -> NDArray[np.bool_]:
-        """Which of a column's values meet the condition; an unknown one does not."""
+        """Mask of a column's values that meet the condition; an unknown one does not."""
         if isinstance(self.value, str):
             pattern = re.compile(re.escape(self.value).replace(r"\*", ".*"), re.IGNORECASE | re.DOTALL)
             both = "both" if self.column.name == "drives" else None
@@ -68,7 +68,7 @@ class Condition(NamedTuple):
         return found | near if self.sign in ("<=", ">=") else found & ~near
 
     def unknown(self, values: NDArray[Any]) -> NDArray[np.bool_]:
-        """Which of a column's values are not known."""
+        """Mask of a column's values that are not known."""
         return np.asarray(values == "" if isinstance(self.value, str) else np.isnan(values), bool)
 
 

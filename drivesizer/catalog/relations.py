@@ -1,4 +1,4 @@
-"""Which parts of a catalogue file go together: families and part numbers resolved to rows of its tables.
+"""Parts of a catalogue file that go together: families and part numbers resolved to rows of its tables.
 
 A list may name parts of another catalogue, as ``{maxon: GP 26 A}``. Those are kept by name until catalogues are loaded
 together.

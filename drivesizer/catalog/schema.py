@@ -158,7 +158,7 @@ def _tolerances() -> dict[str, Any]:
 
 
 def _compatibility() -> dict[str, Any]:
-    """Which parts go together, by family or part number; `direct` is no gearhead."""
+    """Parts that go together, by family or part number; `direct` is no gearhead."""
     sections: dict[str, tuple[str, ...]] = {name: ("motors", right) for name, right in RELATIONS.items()}
     sections["triples"] = ("motors", "gearheads", "encoders")
     return {

@@ -184,7 +184,7 @@ class Catalog:
         return found | dict.fromkeys(estimated, ESTIMATED)
 
     def estimate_of(self, section: str, row: int, name: str) -> tuple[float, float, float] | None:
-        """What peers give for a figure of a part, or of the actuator that it is inside of; None where they give none.
+        """Estimate of a figure of a part, or of the actuator that it is inside of; None where peers give none.
 
         Parameters
         ----------

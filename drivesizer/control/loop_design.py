@@ -136,7 +136,7 @@ def edges_of(spec: RobotSpec, drive_set: DriveParts) -> int:
 def _counts(
     spec: RobotSpec, drive_set: DriveParts, train: DriveTrain, period: float
 ) -> tuple[Counts | None, list[str]]:
-    """How speed is counted, and the assumptions made; None: it is measured exactly."""
+    """Counting of the speed, and the assumptions made; None: it is measured exactly."""
     edges = edges_of(spec, drive_set)
     if not edges:
         lacks = "the drive has no encoder" if drive_set.encoder is None else "the encoder's resolution is unknown"

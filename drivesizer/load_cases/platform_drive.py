@@ -155,5 +155,5 @@ _VELOCITIES = (("speed", "m/s"), ("speed", "m/s"), ("rotary_speed", "rpm"))
 
 
 def _different(rows: Array) -> NDArray[np.bool_]:
-    """Which columns of a table differ from the one before."""
+    """Columns of a table that differ from the one before."""
     return np.append(True, (np.diff(rows, axis=1) != 0.0).any(axis=0))

@@ -88,7 +88,7 @@ def _located(spec: RobotSpec, *path: str | int) -> Iterator[None]:
 
 
 def limits_of(spec: RobotSpec) -> Limits | None:
-    """What the platform's motion keeps to; None where speed or acceleration is not given."""
+    """Limits of the platform's motion; None where speed or acceleration is not given."""
     given = spec.platform.limits if spec.platform else None
     if given is None or given.speed is None or given.acceleration is None:
         return None

@@ -50,7 +50,7 @@ def _sentence(name: str, off: float, spec: RobotSpec) -> str:
 
 
 def _off(spec: RobotSpec) -> float:
-    """How far the end of a cycle is from its start [m or rad]; 0 where that does not matter."""
+    """Distance of the end of a cycle from its start [m or rad]; 0 where that does not matter."""
     load = spec.load
     lever = load.lever
     pulled = lever is not None and lever.mass * lever.length * lever.share != 0.0

@@ -34,12 +34,12 @@ class WheelLoad(Recorded):
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        """Which of the driven wheels those are, from 0."""
+        """Numbers of these among the driven wheels, from 0."""
         return self._numbers
 
     @property
     def distance(self) -> float:
-        """How far the platform goes in the cycle [m]."""
+        """Distance that the platform travels in the cycle [m]."""
         return self._distance
 
     @property

@@ -1,4 +1,4 @@
-"""How a load moves over one cycle: a profile of speed, and as columns over segments for the torque laws.
+"""Motion of a load over one cycle: a profile of speed, and as columns over segments for the torque laws.
 
 Along a line in metres or about an axis in radians, as the load moves; positions count from the start of the cycle.
 Symbols: s position [m or rad], v speed [m/s or rad/s], a acceleration [m/s^2 or rad/s^2], r radius [m].

@@ -83,7 +83,7 @@ def fan(load: Fan, gravity: float, course: Course) -> LoadCycle:
 
 
 def _flow_torque(load: Fan, course: Course) -> Ends:
-    """What moves the air: T_r |w/w_r|^n, without its sign [N*m]."""
+    """Torque that moves the air: T_r |w/w_r|^n, without its sign [N*m]."""
     if load.rated_speed is None:
         return np.zeros_like(course.speed)
     torque: Ends = load.rated_torque * np.abs(course.speed / load.rated_speed) ** load.exponent

@@ -1,4 +1,4 @@
-"""What the models of all kinds of load have in common."""
+"""Fields that the models of all kinds of load have in common."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ class RotaryTable(SharedLoad):
 
     @property
     def lever(self) -> Lever:
-        """What turns off the axis, about the table's axis."""
+        """Mass off the axis, about the table's axis."""
         return Lever(self.mass, self.eccentricity, math.sin(self.tilt), self.start_angle)
 
 

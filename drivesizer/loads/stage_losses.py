@@ -1,4 +1,4 @@
-r"""What moves along a line, seen from the shaft that moves it through a drum, a pinion or a screw.
+r"""Loads along a line, seen from the shaft that moves them through a drum, a pinion or a screw.
 
 .. math:: T = \frac{1}{N} \left( \frac{F r}{e} + J α + T_d \, \mathrm{sgn} ω \right) \; (F v > 0), \qquad
           \frac{1}{N} \left( F r e_b + J α + T_d \, \mathrm{sgn} ω \right) \; (F v < 0)

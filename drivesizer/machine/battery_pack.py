@@ -203,7 +203,7 @@ def _table(section: Battery, catalog: Catalog, row: int | None, cutoff: float) -
 
 
 def run_time(pack: Pack, power: Any) -> Any:
-    """How long the whole of a full battery lasts at a constant power [s], all of its charge drawn.
+    """Run time of a full battery at a constant power [s], all of its charge drawn.
 
     By its discharge table, inside of it; else by Peukert's law at the current P / V of its mean voltage; a lithium
     battery without an exponent gives its rated charge. Unknown otherwise; infinite where nothing is drawn.

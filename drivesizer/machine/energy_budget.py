@@ -1,4 +1,4 @@
-"""What a machine draws from its battery, how long and how far that lasts, and whether it is enough.
+"""Power that a machine draws from its battery, its autonomy and range, and their checks.
 
 The drive's power is that of its load cycle, repeated without pause; other consumers count by their share of the time.
 The run time is that of the mean power (``battery_pack``); currents and voltage are those of each moment, with every
@@ -171,7 +171,7 @@ def _load(
 
 
 def _lasting(spec: RobotSpec, battery: Battery, pack: Pack, load: Load) -> Load:
-    """How long the battery lasts, how long it must, and what is left of its charge then."""
+    """Autonomy of the battery, the required one, and the charge that is left then."""
     full = float(run_time(pack, load.mean))
     along = nan if battery.range is None else battery.range / load.speed
     required = float(np.fmax(required_autonomy(spec, battery), along))
@@ -205,7 +205,7 @@ def _highest(pack: Pack, duration: Array, power: Array, load: Load) -> float:
 
 
 def _worn(duration: Array, time: Array) -> float:
-    """How long it lasts if every moment wears the battery as it would in a steady load [s]."""
+    """Run time if every moment wears the battery as it would in a steady load [s]."""
     wear = float(duration @ (1.0 / time)) / float(duration.sum())
     return 1.0 / wear if wear > 0.0 else (inf if wear == 0.0 else nan)
 

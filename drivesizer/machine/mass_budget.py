@@ -51,7 +51,7 @@ class MassBudget:
 
     @property
     def left(self) -> float:
-        """What the limit leaves beside what is known [kg]; NaN without a limit."""
+        """Mass that the limit leaves beside the known masses [kg]; NaN without a limit."""
         return self.limit - self.known
 
 
@@ -219,7 +219,7 @@ def _sized(sized: Sized, total: float) -> Step:
 
 
 def _ended(steps: list[Step], base: float, tolerance: float) -> Settled | None:
-    """How the rounds end with the last one, if they do."""
+    """End of the rounds with the last one, if they do end."""
     last = steps[-1]
     if last.key is None:
         return _lost("none", steps, f"No set carries itself: at {_kg(last.total)} none is left.")

@@ -66,7 +66,7 @@ class OperatingField:
 
 
 def hot_winding(found: OperatingField) -> str:
-    """How warm the hot winding is, in words; what is no permitted temperature is called what it is."""
+    """Temperature of the hot winding, in words; one that is not the permitted one is named as what it is."""
     temperature = show(found.hot, "degC", "temperature", 3)
     return temperature if found.hot_permitted or np.isnan(found.hot) else f"{temperature}, the cycle's mean"
 

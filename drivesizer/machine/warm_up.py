@@ -1,4 +1,4 @@
-"""How a motor warms from cold until nothing changes from cycle to cycle: for figures.
+"""Warm-up of a motor from cold to the periodic steady state: for figures.
 
 Within pieces of constant losses both bodies move in closed form (see ``heat_step``); a cycle maps the rises at its
 start to those at its end, so that any later cycle is reached by powers of that map and none has to be gone through.
@@ -101,7 +101,7 @@ def warm_up(motor: TwoBodies, ambient: float, found: Warming) -> WarmUp | None:
 
 
 def _approach(motor: TwoBodies, ambient: float, found: Warming) -> Course:
-    """How what is missing to the cycle that repeats gets less, piece by piece: the same equations without a source."""
+    """Decay of the difference to the periodic steady state, piece by piece: the same equations without a source."""
     some = periodic(motor, ambient, *(x[:, None] for x in found))
     maps = np.zeros((2, 3, len(found.duration), 1))
     for column, unit in enumerate(np.eye(2)):

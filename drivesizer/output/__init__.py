@@ -1,4 +1,4 @@
-"""How results are shown: terminal, JSON, reports, exports to other programs.
+"""Outputs of results: terminal, JSON, reports, exports to other programs.
 
 May import: every room up to machine and control; not search, sizing or study.
 """

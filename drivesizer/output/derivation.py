@@ -122,7 +122,7 @@ def found_failures() -> dict[str, str]:
 
 
 def _expression(r: Requirement) -> str:
-    """What was computed; the printed form where only its quantities were put in (a printed form shown beside ours)."""
+    """Expression that was computed; the printed form where only its quantities were put in (one shown beside ours)."""
     assert r.declared is not None
     used = computed(r.declared)
     return r.declared.printed if r.name.endswith("_as_printed") else used

@@ -1,4 +1,4 @@
-"""How an equation is declared: number, symbols, units, printed form, and the formula itself, once.
+"""Declaration of an equation: number, symbols, units, printed form, and the formula itself, once.
 
 The decorator reads names, meanings and bracketed units from the docstring, so that the documented unit is the
 one that the program uses. A declared equation stays a function: with floats or arrays in SI it computes, with
@@ -83,7 +83,7 @@ class Equation:
 
     @property
     def label(self) -> str:
-        """How the equation is named in text: ``equation (10)``, or its title without a number."""
+        """Name of the equation in text: ``equation (10)``, or its title without a number."""
         return f"equation ({self.number})" if self.number else self.title
 
 

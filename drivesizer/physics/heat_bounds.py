@@ -293,7 +293,7 @@ def _around(motor: TwoBodies, offset: float, found: Periodic, losses: _Losses) -
 
 
 def _bottoms(found: Periodic) -> Array:
-    """What the winding's rise is not below in each block: at its ends, or the tangent before it turns round."""
+    """Lower bounds of the winding's rise in each block: at its ends, or the tangent before it turns round."""
     values, slopes = found.rises[0], found.slopes[0]
     turns = (slopes < 0.0) & (found.pulls[0] > 0.0)
     bottom: Array = np.minimum(np.where(turns, slopes * found.t, 0.0) + values[:-1], values[1:])
@@ -301,7 +301,7 @@ def _bottoms(found: Periodic) -> Array:
 
 
 def _tops(found: Periodic, body: int) -> Array:
-    """What the rise of a body does not exceed in each block: at its ends, or the tangent before it turns round."""
+    """Upper bounds of the rise of a body in each block: at its ends, or the tangent before it turns round."""
     values, slopes = found.rises[body], found.slopes[body]
     turns = (slopes > 0.0) & (found.pulls[body] < 0.0)
     top: Array = np.maximum(np.where(turns, slopes * found.t, 0.0) + values[:-1], values[1:])
@@ -311,7 +311,7 @@ def _tops(found: Periodic, body: int) -> Array:
 def _moved(
     motor: TwoBodies, offset: float, most: tuple[Array, Array, Array], deviations: tuple[Array, Array, Array]
 ) -> tuple[Array, Array]:
-    """How far U may be below and above U_0 [K]: from the highest rises and housing loss, and what deviates."""
+    """Bounds of U below and above U_0 [K]: from the highest rises and housing loss, and what deviates."""
     (peak, warm, loss), (above, below, housing) = most, deviations
     R_1, R_2, ratio = motor.R_th1, motor.R_th2, motor.capacity_w / motor.capacity_h
     u, v, more = offset + peak, offset + warm, 1.0 + R_1 / R_2

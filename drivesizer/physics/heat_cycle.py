@@ -47,7 +47,7 @@ class HeatCycle:
 
 
 def _maps(span: Modes, weight: Weights, constant: tuple[Array, Array]) -> Array:
-    """What each segment adds to the rises: a matrix (exponential less one) times them, and a constant.
+    """Increments of the rises over each segment: a matrix (exponential less one) times them, and a constant.
 
     Rows w and h, columns w, h and constant, then segments and motors. Of the matrix times a vector v the pull is
     (A - fast) A v = slow (A - fast) v, by Cayley and Hamilton.

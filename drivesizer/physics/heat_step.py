@@ -1,4 +1,4 @@
-"""How two bodies of heat, winding and housing, move over a span of constant mean square current and constant losses.
+"""Temperatures of winding and housing, two bodies, over a span of constant mean square current and constant losses.
 
 Copper loss heats the winding, R_th1 leads to the housing, which a loss of its own heats too, R_th2 leads to the
 ambient. The winding's resistance grows with its temperature, so that the square of the current stands in the matrix:
@@ -109,7 +109,7 @@ def drive(motor: TwoBodies, ambient: float, I2: Array, P_h: Array) -> tuple[Arra
 
 
 class Weights(NamedTuple):
-    """What slope and pull at a span's start weigh in the change of temperature after a time, and its integral."""
+    """Weights of slope and pull at a span's start in the change of temperature after a time, and in its integral."""
 
     slope: Array  # s
     pull: Array  # s^2

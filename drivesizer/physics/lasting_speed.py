@@ -146,7 +146,7 @@ def _times(time: Array, ends: Array, levels: Array, place: NDArray[np.int64]) ->
 
 
 def _share(first: Array, last: Array, permitted: Array | np.float64) -> Array:
-    """How far from one level to the next times remain longer than permitted; 0 where they never are."""
+    """Share of the step from one level to the next with times longer than permitted; 0 where they never are."""
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(last >= permitted, 1.0, (first - permitted) / (first - last))
     found: Array = np.where(first > permitted, share, 0.0).max(axis=0)

@@ -135,7 +135,7 @@ class AtGearhead:
 
     @property
     def acts(self) -> NDArray[np.bool_]:
-        """Which of the functions are ever not 0."""
+        """Mask of the functions that are ever not 0."""
         return self.base.acts
 
     def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:

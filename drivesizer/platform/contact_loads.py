@@ -1,4 +1,4 @@
-r"""What the floor does to a platform: its slope pulls, and its wheels share the weight.
+r"""Forces of the floor on a platform: its slope pulls, and its wheels share the weight.
 
 The floor is a plane with a slope; uphill has a direction in the world. Wheels and casters are taken as equally stiff
 on a stiff frame: loads lie on a plane over the contact points, :math:`N_i = a + b x_i + c y_i`, in balance with the
@@ -97,7 +97,7 @@ def contact_loads(
     accelerated: Any = (0.0, 0.0),
     samples: tuple[int, ...] = (),
 ) -> Array:
-    """What wheels, then casters, carry [N]; below 0 where one would lift off.
+    """Loads of wheels, then casters [N]; below 0 where one would lift off.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-r"""What torques turn the wheels of a platform, and what motion they make.
+r"""Torques of a platform's wheels, and the motion that they make.
 
 In the robot's frame, (49): :math:`\bar M \dot η + \bar C η = E^T τ + F`, with
 

@@ -1,4 +1,4 @@
-r"""How much room a platform needs: doors, corridors, turning on the spot, a corner between two corridors.
+r"""Room that a platform needs: doors, corridors, turning on the spot, a corner between two corridors.
 
 Seen from above the platform is a rectangle, length L along its heading and width W across. At a heading error t from
 the direction of a passage it takes up :math:`W \cos t + L \sin t` while it moves along the passage with its heading
@@ -29,7 +29,7 @@ def _checked(record: object, what: str, **figures: float) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Size:
-    """What a platform takes up: a box, its middle at (x, y) from the reference point."""
+    """Outer box of a platform, its middle at (x, y) from the reference point."""
 
     length: float  # m, along the heading
     width: float  # m

@@ -187,7 +187,7 @@ def rolling_rows(phi_i: Array, delta_i: Array, L_i: Array) -> Array:
 
 @matrix_equation(29, "J_2", printed="diag(r_i * cos(gamma_i))")
 def wheel_matrix(r_i: Array, gamma_i: Array) -> Array:
-    """How far the wheels roll along the rollers' axes.
+    """Matrix of the wheels' rolling along the rollers' axes.
 
     Parameters
     ----------

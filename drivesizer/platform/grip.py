@@ -1,4 +1,4 @@
-r"""What the floor must transmit at each wheel, and how much it can.
+r"""Force that the floor must transmit at each wheel, and its limit.
 
 A wheel's torque reaches the floor as a force along its roller's axis,
 :math:`F = (τ - J \ddot ϕ - C_{rr} N_0 r - T_f) / (r \cos γ)`: what is left after the wheel and its rotor have gained

@@ -1,4 +1,4 @@
-r"""How the wheels of a platform turn when it moves, and how it moves when they turn.
+r"""Speeds of a platform's wheels from its motion, and its motion from theirs.
 
 Every wheel rolls along its roller's axis, (26): :math:`J_1 η + J_2 \dot ϕ = 0`, so :math:`\dot ϕ = E η`,
 :math:`E = -J_2^{-1} J_1` (32). A wheel without rollers does not move sideways and one that is blocked does not turn;
@@ -57,7 +57,7 @@ class Kinematics:
 
     @property
     def mobility(self) -> int:
-        """How many motions the set of wheels allows: 3 is omnidirectional."""
+        """Number of motions that the set of wheels allows: 3 is omnidirectional."""
         return int(self.motions.shape[1])
 
 

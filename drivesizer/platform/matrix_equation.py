@@ -1,4 +1,4 @@
-"""How an equation between vectors and matrices is declared, and how it reads as text.
+"""Declaration of an equation between vectors and matrices, and its form as text.
 
 As in ``equation``: the decorator reads names, meanings and bracketed units from the docstring, the computed form is the
 function's own return expression, and the printed form is an expression in our names beside it. A vector's unit lists

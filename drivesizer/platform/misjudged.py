@@ -1,4 +1,4 @@
-"""What a platform is, against what its robot model believes."""
+"""A platform as it is, against its robot model."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class Motion:
 
 
 def motion(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL, sliding: float = 0.02) -> Motion:
-    """What a platform does on a trajectory, for ``dynamics`` to make torques of.
+    """Motion of a platform on a trajectory, for ``dynamics`` to make torques of.
 
     Parameters
     ----------

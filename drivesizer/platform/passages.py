@@ -1,4 +1,4 @@
-"""How near a platform comes to the jambs of a passage while it moves along a trajectory.
+"""Clearance of a platform to the jambs of a passage along a trajectory.
 
 At each moment the part of its rectangle that is between the faces of the wall, |s| <= d/2 along the passage, takes
 up the passage from one side to the other. What is left beside it is the clearance; below 0 the jamb is hit. Pieces of

@@ -42,7 +42,7 @@ _MOST_PIECES = 1_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """How fast a platform may move; without jerk its speed is a trapezoid, without turning it keeps its heading."""
+    """Limits of a platform's motion; without jerk its speed is a trapezoid, without turning it keeps its heading."""
 
     speed: float  # m/s
     acceleration: float  # m/s^2

@@ -33,7 +33,7 @@ SOURCE = "Prados Sesmero et al., Appl. Sci. 2021, 11, 6631, doi:10.3390/app11146
 
 
 class Finding(NamedTuple):
-    """What evaluating a printed form has shown; None where nothing is wrong."""
+    """Findings of the evaluation of a printed form; None where nothing is wrong."""
 
     units: str | None  # why the units fail
     values: str | None  # where it gives something else than the computed form
@@ -96,7 +96,7 @@ def _unit_of() -> dict[str, str]:
 
 @cache
 def _factor(unit: str) -> float:
-    """What a figure in this SI unit is multiplied with when the base units are ours."""
+    """Factor of a figure in this SI unit when the base units are ours."""
     dimension: Any = registry().Quantity(1.0, "" if unit == "1" else unit).dimensionality
     return float(math.prod(_BASE[base] ** -power for base, power in dimension.items()))
 
@@ -130,7 +130,7 @@ def _where(one: Any, other: Any) -> str | None:
 
 @cache
 def finding(declared: MatrixEquation) -> Finding:
-    """What is wrong with the printed form of an equation.
+    """Findings on the printed form of an equation.
 
     >>> finding(PLATFORM[23]).values  # of the sample robot
     'entry 2 is 0.1592, not 0.5408'

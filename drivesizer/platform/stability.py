@@ -1,4 +1,4 @@
-r"""How far a platform is from tipping over, and from lifting a wheel.
+r"""Distance of a platform from tipping over, and from lifting a wheel.
 
 It tips about an edge of the hull of its contact points, casters among them, when the line of weight and inertia from
 the centre of mass meets the floor beyond it. That point is :math:`x_c - h f / N` (zero moment point), f the force
@@ -85,7 +85,7 @@ def _outward(platform: Platform) -> tuple[tuple[int, ...], Array, Array]:
 
 
 def edge_distances(platform: Platform, point: Any) -> Array:
-    """How far a point is inside each edge of the support polygon [m]; shape (edges, ...), below 0 outside.
+    """Distances of a point inside each edge of the support polygon [m]; shape (edges, ...), below 0 outside.
 
     Parameters
     ----------
@@ -185,14 +185,14 @@ def lift_off_acceleration(platform: Platform, direction: float | None = None, gr
 
 
 def _tipping(platform: Platform, gravity: float) -> tuple[Array, Array]:
-    """How far inside each edge the platform is, times gravity, and what an acceleration takes off it."""
+    """Distance of the platform inside each edge, times gravity, and the share that an acceleration takes off it."""
     _, normal, _ = _outward(platform)
     inside = edge_distances(platform, (platform.x, platform.y))
     return inside * gravity, platform.height * normal
 
 
 def _lifting(platform: Platform, gravity: float) -> tuple[Array, Array]:
-    """What each contact carries at rest, and what an acceleration takes off it."""
+    """Load of each contact at rest, and the share that an acceleration takes off it."""
     support_polygon(platform)  # on one line nothing keeps it upright
     at_rest, forward, left = (
         contact_loads(platform, ground=Ground(gravity=gravity), accelerated=a)
@@ -202,7 +202,7 @@ def _lifting(platform: Platform, gravity: float) -> tuple[Array, Array]:
 
 
 def _falls(change: Array, direction: float | None) -> Array:
-    """What 1 m/s² in a direction takes off each figure; in the worst direction where none is given."""
+    """Decrease of each figure by 1 m/s² in a direction; in the worst direction where none is given."""
     if direction is None:
         return np.asarray(np.hypot(change[:, 0], change[:, 1]))
     return np.asarray(-change @ np.array([math.cos(direction), math.sin(direction)]))

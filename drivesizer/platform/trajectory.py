@@ -1,4 +1,4 @@
-"""How a platform moves through the world, as pieces of time."""
+"""Motion of a platform through the world, as pieces of time."""
 
 from __future__ import annotations
 

@@ -121,7 +121,7 @@ def _snapped(values: Array) -> Array:
 
 
 def wheel_loads(d: Dynamics, m: Motion) -> Array:
-    """What wheels, then casters, carry [N], below 0 where one would lift off; shape (wheels and casters, n, 2).
+    """Loads of wheels, then casters [N], below 0 where one would lift off; shape (wheels and casters, n, 2).
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def _grip(time: Array, force: Array, load: Array, friction: float | None) -> Own
 
 
 def _unloading(time: Array, before: float, load: Array, share: float) -> OwnLimit:
-    """What is taken off a wheel at most."""
+    """Largest decrease of a wheel's load."""
     worst = int(load.argmin())
     taken, at = before - float(load.reshape(-1)[worst]), float(time.reshape(-1)[worst])
     return OwnLimit("wheel_unloading", taken, (1.0 - share) * before, at)

@@ -85,7 +85,7 @@ class Wheel:
 
     @property
     def beta(self) -> float:
-        """What turns the wheel against the line to its contact point [rad]."""
+        """Angle of the wheel against the line to its contact point [rad]."""
         return self.heading + math.pi / 2.0 - self.alpha
 
 
@@ -136,7 +136,7 @@ class Caster:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Payload:
-    """What is put on the platform."""
+    """Load that is put on the platform."""
 
     mass: float  # kg
     x: float = 0.0  # m, of its centre of mass

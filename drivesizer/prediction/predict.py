@@ -321,7 +321,7 @@ def _called(hit: Hit) -> str:
 
 
 def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> Iterable[str]:
-    """What is assumed, as sentences."""
+    """Assumptions, as sentences."""
     yield "the winding is at ambient temperature in all but the temperatures and the times to its limit"
     if (
         parts.gearhead["ratio"][0] != 1.0
@@ -342,7 +342,7 @@ def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> I
 def _warnings(
     motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions, columns: dict[str, Array]
 ) -> Iterable[str]:
-    """What the reader must know, as sentences."""
+    """Warnings to the reader, as sentences."""
     if gearhead is not None and gearhead.catalogue == motor.catalogue:
         pairs = motor.catalog.motor_gearhead
         if not ((pairs.left == motor.row) & (pairs.right == gearhead.row)).any():

@@ -111,7 +111,7 @@ def _alike(role: str, section: str, one: FamilyLimit) -> EstimatedFigure:
 
 
 def _assumed(controller: Hit, shares: Array) -> dict[str, Array]:
-    """What a controller that does not print it takes of the supply's voltage: columns between the assumed ends."""
+    """Voltage drop of a controller that does not print it: columns between the assumed ends."""
     lacking = [name for name in _STAGE if np.isnan(controller[name])]
     return {name: low + (high - low) * share for name, share in zip(lacking, shares.T, strict=False)
             for low, high in (_STAGE[name],)}  # fmt: skip

@@ -20,7 +20,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class CheckKind:
-    """What is the same of a check for every candidate."""
+    """Properties of a check that are the same for every candidate."""
 
     title: str
     kind: str = "dimensionless"  # of quantity

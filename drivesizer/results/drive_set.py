@@ -30,7 +30,7 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Relaxation:
-    """How far one figure of the spec must move until a drive passes."""
+    """Change of one figure of the spec at which a drive passes."""
 
     field: str
     now: str
@@ -81,7 +81,7 @@ class DriveParts:
 
     @property
     def belt_running(self) -> tuple[str, ...]:
-        """How the belt runs round its pulleys, in words; nothing where they are not known."""
+        """Course of the belt round its pulleys, in words; nothing where they are not known."""
         drive = self.belt_drive
         if drive is None:
             return ()

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 class Conditions(NamedTuple):
-    """What is done at the bench; SI, torques and inertia at the output."""
+    """Conditions at the bench; SI, torques and inertia at the output."""
 
     voltage: float  # of the supply
     ambient: float

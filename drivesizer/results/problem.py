@@ -42,7 +42,7 @@ class LoadCase:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Problem:
-    """What is sized, and out of what."""
+    """A machine to size, and the catalogues to choose from."""
 
     machine: RobotSpec  # as written, of the mass that it is sized for
     catalog: Catalog

@@ -22,7 +22,7 @@ __all__ = ["Check", "Counts", "Explanation", "Figure", "SizingResult", "Status",
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Counts:
-    """How many drives were considered, how many meet all limits, and how many failed on which check."""
+    """Numbers of drives that were considered, that meet all limits, and that failed on each check."""
 
     considered: int
     feasible: int

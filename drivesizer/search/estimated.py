@@ -1,4 +1,4 @@
-"""What estimated figures do to one drive: which they are, and what its open checks hang on."""
+"""Estimated figures of one drive: which they are, and which of its open checks depend on them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far one figure of a spec must move until a drive passes: found by search, to one per cent.
+"""Changes of one figure of a spec at which a drive passes: found by search, to one per cent.
 
 For a drive that fails, and for a search in which nothing passes. Each figure moves alone, in all load cases alike.
 """

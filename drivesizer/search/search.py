@@ -189,7 +189,7 @@ def _without(counts: Counts, kept_in_machine: Kept) -> Counts:
 
 
 def _before(kept_in_machine: Kept, order: NDArray[np.int64]) -> int:
-    """How many fail on a budget before the first that passes."""
+    """Number of drives that fail on a budget before the first that passes."""
     if not len(kept_in_machine.best):
         return len(kept_in_machine.rejected)
     return int(np.argmax(order == kept_in_machine.best[0]))  # all before it were judged

@@ -187,7 +187,7 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
 
 
 def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:
-    """How long and how often the gearhead is above its continuous torque, in the first load case that is."""
+    """Times of the gearhead above its continuous torque, in the first load case that has any."""
     limit = np.array([gearhead.continuous_torque])
     for case in evaluation.problem.cases:
         torque = case.at_belt.functions[None, :, :, : AT_REST + 1].sum(axis=3) / evaluation.candidates.belt[index]

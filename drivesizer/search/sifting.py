@@ -116,7 +116,7 @@ def _found(one: Examined, opened: NDArray[np.bool_]) -> _Found:
 
 
 def _at_both(easy: Examined, hard: Examined) -> _Found:
-    """What passes at the unfavourable end, then what passes at the favourable end alone."""
+    """Candidates that pass at the unfavourable end, then those that pass at the favourable end alone."""
     both = np.isin(hard.rows, easy.rows)
     unknown = hard.unknown.copy()
     unknown[both] |= easy.unknown[np.isin(easy.rows, hard.rows)]  # rows of both rise

@@ -111,7 +111,7 @@ class PassageSection(Section):
 
 
 class Limits(Section):
-    """What a motion of the robot keeps to."""
+    """Limits of a motion of the robot."""
 
     speed: Speed | None = None
     acceleration: AccelerationLimit | None = None

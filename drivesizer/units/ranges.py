@@ -1,4 +1,4 @@
-"""What figures of machines can be: for each kind of quantity the range that a user's figure must lie in.
+"""Ranges of figures of machines: for each kind of quantity the one that a user's figure must lie in.
 
 A rotor of 5e-324 kg·m² or a torque of 1e300 N·m is a slip of the pen, and behind the door it ends in a division by
 zero or in a unbounded number. The ranges reach some powers of ten beyond what is built, from watch motors to ship

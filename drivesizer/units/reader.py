@@ -154,7 +154,7 @@ def to_si(text: object, kind: str) -> float:
 
 
 def possible(kind: str) -> str:
-    """What a figure of a kind can be, as it stands at the end of a message.
+    """Permitted range of a kind of figure, as it stands at the end of a message.
 
     >>> possible("inertia")
     'expected 1e-15 to 1e+09 kg·m², e.g. 142 g*cm^2'

@@ -1,8 +1,9 @@
-"""Public functions of two or more parameters say what goes in and what comes out."""
+"""Docstrings: a noun phrase or an imperative first; parameters and results of public functions."""
 
 from __future__ import annotations
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ import drivesizer
 
 PACKAGE = Path(drivesizer.__file__).parent
 ROOMS = sorted(p.name for p in PACKAGE.iterdir() if (p.is_dir() and p.name != "__pycache__") or p.suffix == ".py")
+WORDY = re.compile(r"(What|How|Which)\b")
 EXEMPT = {"commands"}  # docstrings there are --help, and each parameter is an option with a help text of its own
 
 
@@ -46,3 +48,23 @@ def test_public_functions_have_parameters_and_returns(room: str) -> None:
     place = PACKAGE / room
     modules = [place] if place.is_file() else sorted(place.rglob("*.py"))
     assert not [line for path in modules for line in lacking(path)]
+
+
+def wordy(path: Path) -> list[str]:
+    """Docstrings of a module that begin with What, How or Which."""
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
+    found = (n for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, documented))
+    firsts = [(getattr(n, "lineno", 1), (ast.get_docstring(n) or "-").splitlines()[0]) for n in found]
+    return [f"{path.relative_to(PACKAGE)}:{line}: {text}" for line, text in firsts if WORDY.match(text)]
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_docstrings_begin_with_a_noun_phrase_or_an_imperative(room: str) -> None:
+    place = PACKAGE / room
+    assert not [line for path in ([place] if place.is_file() else sorted(place.rglob("*.py"))) for line in wordy(path)]
+
+
+def test_the_first_word_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(globals(), "PACKAGE", tmp_path)
+    (tmp_path / "a.py").write_text('"""How a load moves."""\n\ndef f():\n    """Whatever moves."""\n')
+    assert wordy(tmp_path / "a.py") == ["a.py:1: How a load moves."]

@@ -78,7 +78,7 @@ def estimates(table: Table[Any]) -> dict[str, Estimates]:
 
 
 def _of_column(table: Table[Any], figure: str, one: Estimates) -> tuple[str, Estimates]:
-    """What a figure gives for a column: of those parts that lack it."""
+    """Estimates of a column from one figure, of those parts that lack it."""
     some = table.taken(one.rows)
     values = [given_column(some, figure, values) for values in (one.value, one.low, one.high)]
     name, middle = values[0]

@@ -86,7 +86,7 @@ def fit(law: Law, table: Table[Any]) -> Fit | None:
 
 
 def left_out(x: NDArray[np.float64], y: NDArray[np.float64], group: NDArray[np.str_]) -> NDArray[np.float64]:
-    """What is left of each part by a fit without its group.
+    """Residual of each part by a fit without its group.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which figure follows from which others: log-linear laws, declared once.
+"""Log-linear laws by which figures follow from others, declared once.
 
 A law ``y = exp(b_0 + b_1 ln x_1 + ...)`` holds within one class of parts. Inertia grows about as mass times diameter
 squared, heat capacity as mass, thermal resistance against the surface, friction and loss with size and stages. Several
@@ -169,7 +169,7 @@ def _identified(table: Table[Any]) -> NDArray[np.float64]:
 
 
 def members_of(table: Table[Any], of: str) -> NDArray[np.bool_]:
-    """Which parts belong to a class.
+    """Mask of the parts of a class.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def families_of(table: Table[Any]) -> NDArray[np.str_]:
 
 
 def _constructions(table: Table[Any]) -> NDArray[np.str_]:
-    """How each brushless motor is built, "" where that is not known."""
+    """Construction of each brushless motor, "" where it is not known."""
     names, back = np.unique(families_of(table), return_inverse=True)
     return np.where(table["kind"] == "brushless", np.array([_construction(n) for n in names.tolist()])[back], "")
 

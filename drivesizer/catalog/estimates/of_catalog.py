@@ -25,7 +25,7 @@ Found = dict[str, dict[str, Estimates]]
 
 
 def estimates_kept(catalog: Catalog) -> Found:
-    """What the data sheets of a catalogue's parts leave out and peers of the parts have.
+    """Estimates of figures that data sheets leave out, from peers of the parts.
 
     Parameters
     ----------

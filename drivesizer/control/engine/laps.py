@@ -21,7 +21,7 @@ _HIGHEST = [int(n) for n in (at.G_I2T, at.G_WINDING, at.G_HOUSING, at.G_V_HIGH)]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lap:
-    """What a stretch added; with heat also the temperatures at its end, affine in those at its start."""
+    """Sums over a stretch; with heat also the temperatures at its end, affine in those at its start."""
 
     g: Array  # tallies
     A: Array  # of winding, housing, copper heat and 1

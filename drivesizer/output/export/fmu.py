@@ -150,7 +150,7 @@ def _packed(files: dict[str, bytes]) -> bytes:
 
 
 def _at_first(described: Element) -> None:
-    """What is computed before the first step: all outputs; the format requires the list."""
+    """Variables that are computed before the first step: all outputs; the format requires the list."""
     structure = described.find("ModelStructure")
     assert structure is not None
     outputs = [unknown.attrib for unknown in structure.iter("Unknown")]

@@ -51,7 +51,7 @@ def torque_law(of: Export) -> TorqueLaw:
 
 
 def lacking(of: Export) -> list[str]:
-    """What of the designed controller the law has no place for, as sentences; its sampling is left to the format."""
+    """Parts of the designed controller that the law has no place for, as sentences; sampling is left to the format."""
     c = of.designed
     kd = c.kd if isinstance(c, Gains) else c.velocity_kd
     said = []

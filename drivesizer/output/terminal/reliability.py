@@ -189,7 +189,7 @@ def _summary(console: Console, found: Uncertainty, *, quiet: bool) -> None:
 
 
 def _reached(found: Uncertainty) -> str:
-    """How many reach the required confidence."""
+    """Number of drives that reach the required confidence."""
     if found.confidence is None:
         return ""
     wanted = confidence(found.confidence)

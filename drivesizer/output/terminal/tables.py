@@ -65,7 +65,7 @@ def bare(*columns: tuple[str, str], title: str = "", headed: bool = True) -> Tab
 
 
 def width_of(table: RenderableType) -> int:
-    """How wide a table is that breaks no word [characters]."""
+    """Width of a table that breaks no word [characters]."""
     wide = Console(width=1000)
     return Measurement.get(wide, wide.options, table).maximum
 
@@ -254,7 +254,7 @@ def _belt(table: Table, found: DriveSet) -> None:
 
 
 def _doubt(catalog: Catalog, section: str, part: str) -> str:
-    """How many figures are not quoted from the maker's own document; the least certain ones by name."""
+    """Number of figures that are not from the maker's own document; the least certain ones by name."""
     confidence = catalog.confidence(section, catalog.table(section).rows[part])
     figures = {
         name: confidence[name]

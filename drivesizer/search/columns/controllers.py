@@ -187,7 +187,7 @@ def controllers(
 
 
 def _belongs(catalog: Catalog, order: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Which controllers (rows) may drive which motors (columns): one inside an actuator is for its motor alone."""
+    """Controllers (rows) that may drive motors (columns): one inside an actuator is for its motor alone."""
     box, whose = catalog.motors["inside"], catalog.controllers["inside"]
     has_own = np.isin(box, np.unique(whose[whose != ""]))
     place = whose[order][:, None]

@@ -141,7 +141,7 @@ def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDAr
 
 
 def _wanted(left: list[NDArray[np.bool_]]) -> Wanted:
-    """What is to be computed where these limits are open: what the bus stores costs most."""
+    """Figures to compute where these limits are open: the energy that the bus stores costs most."""
     return "limits" if left[_BUS].any() else "power"
 
 

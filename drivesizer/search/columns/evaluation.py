@@ -51,19 +51,19 @@ class Evaluation(NamedTuple):
 
     @property
     def failed(self) -> NDArray[np.bool_]:
-        """Which candidates fail a check that is not mere advice."""
+        """Mask of the candidates that fail a check that is not mere advice."""
         found: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in self.checks if not check.advice])
         return found
 
     @property
     def unknown(self) -> NDArray[np.bool_]:
-        """Which have a check that is unknown, and fail none."""
+        """Mask of the candidates that have an unknown check, and fail none."""
         known = [c.passed if c.opened is None else c.passed | c.opened for c in self.checks if not c.advice]
         all_known: NDArray[np.bool_] = np.logical_and.reduce(known)
         return ~self.failed & ~all_known
 
     def status(self, index: int) -> Status:
-        """What the checks of one candidate amount to."""
+        """Outcome of the checks of one candidate."""
         if self.failed[index]:
             return "fail"
         if self.unknown[index]:

@@ -140,7 +140,7 @@ def most_cold_power(
 
 
 def _most_beyond(cycle: AtGearhead, demand: Demands, stresses: Stress, k_t: Array) -> Array:
-    """What power is above V I at most [W] where two constants differ (``waveform.balanced``); infinite if unknown."""
+    """Bound of the power above V I [W] where two constants differ (``waveform.balanced``); infinite if unknown."""
     found = 2.0 * np.abs(demand.surplus(k_t)) * cycle.peak_speed * stresses.current.value
     return np.where(np.isnan(found), np.inf, found)
 
@@ -237,7 +237,7 @@ def _in_blocks(
 
 
 def _beyond(work: Array) -> Array:
-    """What power is above V I [W] where constants differ, by the power of that difference (``waveform.balanced``)."""
+    """Power above V I [W] where constants differ, by the power of that difference (``waveform.balanced``)."""
     found: Array = np.maximum(-2.0 * work, 0.0)
     return found
 

@@ -131,7 +131,7 @@ def _of_own(one: OwnLimit) -> tuple[float, float]:
 
 
 def _structure(cycle: LoadCycle) -> tuple[int, bytes]:
-    """What a fit takes to be the same everywhere: the number of segments, where they rest and their directions."""
+    """Structure that a fit takes to be the same everywhere: number of segments, standstills and directions."""
     return len(cycle.duration), np.sign(cycle.speed.mean(axis=1)).tobytes()
 
 

@@ -1,4 +1,4 @@
-"""What draws from the battery, and how its charge falls over the mission."""
+"""Powers drawn from the battery, and its charge over the mission."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def is_known(budget: EnergyBudget) -> bool:
 
 
 def shown_until(budget: EnergyBudget) -> float:
-    """How long the charge is followed [s]: to the end of what is required and of what there is."""
+    """End of the charge's course [s]: where both the required and the available time are over."""
     return _BEYOND * budget.autonomy if isnan(budget.required) else max(budget.required, budget.autonomy)
 
 

@@ -130,7 +130,7 @@ def _at(frequency: float, over: NDArray[np.float64], values: NDArray[np.float64]
 
 
 def _labels(loop: Loop) -> str:
-    """What stands in the legend."""
+    """Labels of the legend."""
     if not loop.stable:
         return f"{loop_name(loop)}: unstable, largest pole {loop.pole_radius:.4g}"
     said = {figure.name: cell(figure) for figure in loop_figures(loop)}
@@ -141,7 +141,7 @@ def _labels(loop: Loop) -> str:
 
 
 def _lines(grid: Sequence[Axes]) -> None:
-    """What the marks stand on: gain 1, -180°, and 3 dB below rest."""
+    """Lines of reference for the marks: gain 1, -180°, and 3 dB below rest."""
     for axes, level in zip(grid, (0.0, -180.0, -_DOWN), strict=True):
         axes.axhline(level, color="black", linewidth=0.6, linestyle=(0, (4, 3)))
 

@@ -19,7 +19,7 @@ Limits = Sequence[tuple[str, float]]  # name and figure [SI]
 def current_and_voltage(
     cases: Sequence[tuple[str, SetCycle]], currents: Limits, voltages: Limits, form: Form = "svg"
 ) -> bytes:
-    """What the drive model says of each moment, winding as warm as it then is.
+    """Current and voltage of each moment by the drive model, with the winding as warm as it then is.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ _MARKED = 200  # ends of segments that are marked each
 
 
 class EfficiencyMap(NamedTuple):
-    """What is drawn."""
+    """Data of the figure."""
 
     torque: Array  # N*m, across
     speed: Array  # rad/s, up

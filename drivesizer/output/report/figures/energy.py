@@ -34,7 +34,7 @@ class Share(NamedTuple):
 
 
 def shares(flow: EnergyFlow) -> list[Share]:
-    """What is drawn, and then all that it goes into; what there is none of is left out."""
+    """Energy drawn, and then all that it goes into; shares of zero are left out."""
     into = [
         Share("copper of the winding", flow.copper, "loss"),
         Share("friction and iron of the motor", flow.friction, "loss"),

@@ -86,7 +86,7 @@ def _field(axes: Axes, panel: Panel) -> None:
 
 
 def _lines(axes: Axes, found: OperatingField, unit: str, reach: float) -> None:
-    """What the motor can do: continuously, by voltage hot and cold, for a while, and by speed."""
+    """Limits of the motor: continuous, by voltage hot and cold, short-time, and by speed."""
 
     def line(values: NDArray[np.float64], colour: str, dashes: Any, name: str) -> None:
         if not np.isnan(values).all():

@@ -1,4 +1,4 @@
-"""What is drawn of the motor's field: a panel for load cases that share its lines, and the paper's points."""
+"""Panels of the motor's field: one for load cases that share its lines, and the paper's points."""
 
 from __future__ import annotations
 

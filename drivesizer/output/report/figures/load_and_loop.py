@@ -43,7 +43,7 @@ class Trace(NamedTuple):
 
 
 class Row(NamedTuple):
-    """What stands in a row of a figure over time."""
+    """Content of a row of a figure over time."""
 
     column: str
     kind: str
@@ -149,7 +149,7 @@ def _over_time(axes: Axes, trace: Trace, row: Row, shown: Strip, look: tuple[str
 
 
 def stretches(cycles: Sequence[tuple[str, LoadCycle]]) -> list[Window]:
-    """What is drawn: where something changes, if that is at the same times in all load cases; else the whole time."""
+    """Stretches that are drawn: where something changes, if at the same times in all cases; else the whole time."""
     found = [_changes(cycle) for _, cycle in cycles]
     if all(one == found[0] for one in found):
         return found[0]
@@ -174,7 +174,7 @@ _ROWS = (  # columns of the series, and how the axis is called
 
 
 def closed_loop_rows(validation: Validation) -> list[tuple[tuple[str, ...], str]]:
-    """What the figure of the closed loop shows: columns of the series that are there and known, and their title.
+    """Rows of the figure of the closed loop: columns of the series that are there and known, and their title.
 
     A winding whose temperature is not known, or is not to move, is kept at one: there is nothing to show then.
     """

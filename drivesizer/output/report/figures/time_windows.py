@@ -1,4 +1,4 @@
-"""Which stretch of a long record a figure shows, and which of its samples."""
+"""Stretch of a long record that a figure shows, and the samples that it takes of it."""
 
 from __future__ import annotations
 

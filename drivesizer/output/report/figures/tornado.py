@@ -1,4 +1,4 @@
-"""What each assumption does to a set's smallest margin, the one that matters most on top: a tornado."""
+"""Effect of each assumption on a drive's smallest margin, the largest on top: a tornado."""
 
 from __future__ import annotations
 

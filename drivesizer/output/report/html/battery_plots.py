@@ -1,4 +1,4 @@
-"""What draws from the battery, and the charge that is left over time."""
+"""Powers drawn from the battery, and the charge that is left over time."""
 
 from __future__ import annotations
 

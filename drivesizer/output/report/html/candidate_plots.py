@@ -47,7 +47,7 @@ def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str) -> Plot | Non
 
 
 def _names(rows: Sequence[dict[str, Any]], up: str) -> dict[str, str]:
-    """What stands beside each point, by rank: sets in one place are named together; none where there are many."""
+    """Label of each point, by rank: drives in one place are named together; none where there are many."""
     places: dict[tuple[float, float], list[str]] = {}
     for row in rows:
         places.setdefault((row["exact"]["mass"], row["exact"][up]), []).append(row["rank"])

@@ -99,7 +99,7 @@ def _region(name: str, low: Array, high: Array, found: OperatingField, unit: str
 
 
 def _voltage_lines(found: OperatingField, unit: str, reach: float) -> list[Plot]:
-    """What the voltage gives, hot and cold; what is borne for a while, as far as that goes; permissible speed."""
+    """Lines of the voltage, hot and cold, of short-time operation as far as it goes, and of the permissible speed."""
     hot, cold = (np.where(values < 0.0, np.nan, values) for values in (found.voltage_hot, found.voltage_cold))
     given = f"{found.voltage:.3g} V, winding "
     within = np.where(found.intermittent <= found.voltage_cold, found.intermittent, np.nan)

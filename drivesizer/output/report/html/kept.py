@@ -1,4 +1,4 @@
-"""What all pages have in common, kept in the cache folder once made: the compiled template, the library as packed."""
+"""Parts that all pages share, kept in the cache folder once made: the compiled template, the library as packed."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ def _text(name: str) -> str:
 
 
 def _digest(script: str) -> str:
-    """What a content security policy calls a script by."""
+    """Digest by which a content security policy names a script."""
     return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 
 

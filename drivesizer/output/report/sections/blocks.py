@@ -1,4 +1,4 @@
-"""What a section of a report is made of: paragraphs, lists, tables, checks, figures and equations, as plain records.
+"""Blocks of a report's sections: paragraphs, lists, tables, checks, figures and equations, as plain records.
 
 PDF and HTML have one renderer for each kind of block (``typst/blocks.typ``, ``html/blocks.html``), by the name of its
 class in lower case.

@@ -1,4 +1,4 @@
-"""What would have to change in the spec for a rejected drive to pass."""
+"""Changes of the spec that would let a rejected drive pass."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a report is about: what was found, what the reported drive does over the cycles, and its figures."""
+"""Content of a report: the result, the behaviour of the reported drive over the cycles, and its figures."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Content:
 
     @cached_property
     def behaviour(self) -> Behaviour | None:
-        """What the reported drive does over the load cycles."""
+        """Behaviour of the reported drive over the load cycles."""
         return Behaviour(self.result.problem, self.drive) if self.drive else None
 
     @cached_property
@@ -67,7 +67,7 @@ class Content:
 
     @property
     def motors(self) -> int:
-        """How many drives of this kind the machine has."""
+        """Number of drives of this kind in the machine."""
         return self.result.spec.load.motors
 
     @cached_property

@@ -34,7 +34,7 @@ def _blocks(content: Content) -> Iterator[Block]:
 
 
 def parts_table(lines: Sequence[PartLine], motors: int) -> Table:
-    """What to order, with the sum of the known prices.
+    """Parts to order, with the sum of the known prices.
 
     Parameters
     ----------

@@ -54,7 +54,7 @@ def _blocks(content: Content) -> Iterator[Block]:
 
 
 def meet(count: int, of: int) -> str:
-    """How many candidates meet all limits.
+    """Number of candidates that meet all limits.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def meet(count: int, of: int) -> str:
 
 
 def _outcome(content: Content) -> Iterator[Text]:
-    """What was found, how probable it is, and whether the closed loop holds."""
+    """Result of the search, its probability, and whether the closed loop passes."""
     yield from _found(content) if content.outcome != "missed" else _missed(content)
     one, sampled = reported(content.result), content.result.uncertainty
     if sampled and one and one.reliability:

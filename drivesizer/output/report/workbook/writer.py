@@ -213,7 +213,7 @@ _ON_PAPER = 16  # columns that can still be read on one sheet
 
 
 def _set_up(page: Any, sheet: Sheet, count: int) -> None:
-    """What stays when the sheet is scrolled, the filter, and the page as it is printed."""
+    """Set up the frozen panes, the filter and the printed page."""
     page.freeze_panes(1, sheet.still)
     if sheet.filtered:
         page.autofilter(0, 0, max(count, 1), len(sheet.columns) - 1)
