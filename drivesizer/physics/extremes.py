@@ -128,13 +128,15 @@ def undominated(points: Array, most: int | None = None) -> NDArray[np.int64]:
     spread = np.ptp(points, axis=0) if len(points) else 1.0
     far = (points / np.where(spread > 0.0, spread, 1.0)).sum(axis=1)  # no column outweighs the others: few rounds
     # an earlier point cannot be exceeded by a later one; columns break ties that the digits of the sum leave
-    left = np.lexsort((*-points.T[::-1], -far))
-    found: list[int] = []
-    while len(left) and (most is None or len(found) <= most):
-        first = left[0]
-        found.append(int(first))
-        left = left[np.any(points[left] > points[first], axis=1)]
-    return np.array([*found, *left], dtype=np.int64)
+    rows = np.lexsort((*-points.T[::-1], -far))
+    left, found = np.ascontiguousarray(points[rows].T), list[int]()
+    while len(rows) and (most is None or len(found) <= most):
+        found.append(int(rows[0]))
+        higher = left[0] > left[0, 0]
+        for column in left[1:]:
+            higher |= column > column[0]
+        rows, left = rows[higher], left[:, higher]
+    return np.array([*found, *rows], dtype=np.int64)
 
 
 def _hull(points: Array) -> NDArray[np.int64]:

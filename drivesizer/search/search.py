@@ -97,7 +97,12 @@ def search(
     names, catalog = {*ranking.names_of(objective), *pareto}, problem.catalog
     kept, rejected, counts = sifted(problem, names, progress)
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
-    order = _ties_by_margin(problem, kept, *value, top)
+    order = ranking.order(catalog, kept.sets, *value, before=[kept.certainty])
+    head = order[: _tied(problem, kept, order, *value, top)]
+    closest = rejected.on(_nearest(problem, rejected))
+    nearest = closest.on(slice(misses if len(head) else top))
+    looked_at = by_physics(problem, joined([kept.sets.on(head), nearest]), True)
+    order = np.concatenate([head[_by_margin(looked_at, kept, head, *value)], order[len(head) :]])
     kept_in_machine = _passing(
         judge,
         kept.sets,
@@ -106,14 +111,14 @@ def search(
         len(order) if pareto else top,
     )
     best, short = kept_in_machine.best[:top], kept_in_machine.rejected[:top]
-    nearest = rejected.on(_nearest(problem, rejected)[: misses if len(best) else top])
+    nearest = closest.on(slice(misses if len(best) else top))  # a budget of the machine may reject all
     on_front = best[:0]
     if pareto:
         figures = {name: column[kept_in_machine.best] for name, column in kept.figures.items()}
         on_front = kept_in_machine.best[ranking.front(catalog, kept.sets.on(kept_in_machine.best), figures, pareto)]
     held = _held_back(problem, kept, *value, best)
     extra = np.concatenate([on_front[~np.isin(on_front, best)], short, held])
-    shown = evaluate(problem, joined([kept.sets.on(best), nearest, kept.sets.on(extra)]))
+    shown = _shown(looked_at, kept, nearest, (head, best, extra))
     places = {int(row): n for n, row in enumerate(best)}
     places |= {int(row): len(best) + len(nearest.motor) + n for n, row in enumerate(extra)}
     front, below = (tuple(places[int(row)] for row in rows) for rows in (on_front, short))
@@ -136,27 +141,49 @@ def _held_back(
     return rows[order[:1]]
 
 
-def _ties_by_margin(
-    problem: Problem, kept: Sifted, value: NDArray[np.float64], missing: NDArray[np.int64], top: int
-) -> NDArray[np.int64]:
-    """Drives in order: certainty, objective, and of equal ones the larger smallest margin as far as these are shown.
+def _tied(
+    problem: Problem,
+    kept: Sifted,
+    order: NDArray[np.int64],
+    value: NDArray[np.float64],
+    missing: NDArray[np.int64],
+    top: int,
+) -> int:
+    """How many of the first in order are to be ordered by margin: up to the equals of the last shown, in bounds.
 
-    Margins need the waveform: they are computed of those that are as good as the last that is shown, in bounds.
+    Margins need the waveform.
     """
-    order = ranking.order(problem.catalog, kept.sets, value, missing, before=[kept.certainty])
-    if len(order) <= 1:
-        return order
+    if not len(order):
+        return 0
     same = np.stack([kept.certainty, missing, ranking.rounded(value)])[:, order]
     last = same[:, [min(top, len(order)) - 1]]
     count = int(np.flatnonzero((same == last).all(axis=0))[-1]) + 1
     pieces = max(len(case.at_belt.warming.duration) for case in problem.cases)
-    head = order[: min(count, max(_CELLS // pieces, top))]
-    some = kept.sets.on(head)
-    margin = smallest_margin(by_physics(problem, some, True).checks)
-    placed = ranking.order(
-        problem.catalog, some, value[head], missing[head], before=[kept.certainty[head]], margin=margin
-    )
-    return np.concatenate([head[placed], order[len(head) :]])
+    return min(count, max(_CELLS // pieces, top))
+
+
+def _by_margin(
+    looked_at: Evaluation,
+    kept: Sifted,
+    head: NDArray[np.int64],
+    value: NDArray[np.float64],
+    missing: NDArray[np.int64],
+) -> NDArray[np.int64]:
+    """Order of the first that were looked at: certainty, objective, and of equal ones the larger smallest margin."""
+    few, before = slice(len(head)), [kept.certainty[head]]
+    margin, sets = smallest_margin(looked_at.checks)[few], looked_at.candidates.on(few)
+    return ranking.order(looked_at.catalog, sets, value[head], missing[head], before=before, margin=margin)
+
+
+def _shown(looked_at: Evaluation, kept: Sifted, nearest: Candidates, rows: tuple[NDArray[np.int64], ...]) -> Evaluation:
+    """The best, the closest rejected and others in full: out of what was looked at, or anew where some were not."""
+    head, best, extra = rows
+    place = {int(row): n for n, row in enumerate(head)}
+    first, last = ([place.get(int(row), -1) for row in some] for some in (best, extra))
+    behind = range(len(head), len(head) + len(nearest.motor))
+    if min([*first, *last], default=0) < 0 or len(behind) > len(looked_at.controller) - len(head):
+        return by_physics(looked_at.problem, joined([kept.sets.on(best), nearest, kept.sets.on(extra)]), True)
+    return _on(looked_at, np.array([*first, *behind, *last], dtype=np.int64))
 
 
 def _passing(

@@ -1,13 +1,14 @@
 """Of all candidates those that pass or may pass, and the closest rejected: in chunks, a belt at a time.
 
-A candidate whose figures are all printed is examined once. One with estimated figures is examined at both ends of
-their bands: it passes where it passes at both, is open where at one, and fails where at none.
+Candidates are examined at the favourable end of the bands of estimated figures; those that have any once more at the
+other end: it passes where it passes at both, is open where at one, and fails where at none.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Set
+from itertools import cycle
 from typing import NamedTuple
 
 import numpy as np
@@ -90,19 +91,20 @@ def sifted(problem: Problem, names: Set[str], progress: Progress | None) -> tupl
 
 
 def _examined(problem: Problem, every: Candidates, belts: list[float], exact: bool) -> Iterator[_Found]:
-    """One belt's chunk after the other."""
-    rows = estimated(problem, every)
-    printed = every.on(np.setdiff1d(np.arange(len(every.motor)), rows)) if len(rows) else every
-    for one in examine(problem, _chunks(printed, belts), staged=True, exact=exact, margins=exact):
-        yield _found(one, np.zeros(len(one.rows), bool))
-    if not len(rows):
-        return
-    favourable, unfavourable = (
-        examine(end, _chunks(every.on(rows), belts), staged=True, exact=exact, margins=exact)
-        for end in at_ends(problem)
+    """One belt's chunk after the other: all at the favourable end, where printed figures are as printed."""
+    uncertain = np.zeros(len(every.motor), bool)
+    uncertain[estimated(problem, every)] = True
+    favourable, unfavourable = at_ends(problem) if uncertain.any() else (problem, problem)
+    rows = [np.flatnonzero(uncertain[start : start + _CHUNK]) for start in range(0, len(uncertain), _CHUNK)]
+    easy = examine(favourable, _chunks(every, belts), staged=True, exact=exact, margins=exact)
+    some = (
+        (belt, chunk.on(few))
+        for (belt, chunk), few in zip(_chunks(every, belts), cycle(rows), strict=False)
+        if len(few)
     )
-    for easy, hard in zip(favourable, unfavourable, strict=True):
-        yield _at_both(easy, hard)
+    hard = examine(unfavourable, some, staged=True, exact=exact, margins=exact)
+    for one, few in zip(easy, cycle(rows), strict=False):
+        yield _at_both(one, few, next(hard)) if len(few) else _found(one, np.zeros(len(one.rows), bool))
 
 
 def _found(one: Examined, opened: NDArray[np.bool_]) -> _Found:
@@ -115,24 +117,27 @@ def _found(one: Examined, opened: NDArray[np.bool_]) -> _Found:
     return _Found(len(sets.motor), passing, opened, one.unknown, figures, one.failed_by, failing, bound)
 
 
-def _at_both(easy: Examined, hard: Examined) -> _Found:
-    """Candidates that pass at the unfavourable end, then those that pass at the favourable end alone."""
-    both = np.isin(hard.rows, easy.rows)
-    unknown = hard.unknown.copy()
-    unknown[both] |= easy.unknown[np.isin(easy.rows, hard.rows)]  # rows of both rise
-    left = np.flatnonzero(~np.isin(easy.rows, hard.rows))
-    rest = np.flatnonzero(~np.isin(easy.rejected, hard.rows))
-    figures = {name: np.concatenate([hard.figures[name], easy.figures[name][left]]) for name in easy.figures}
-    whole = hard._replace(
-        rows=np.concatenate([hard.rows, easy.rows[left]]),
-        unknown=np.concatenate([unknown, easy.unknown[left]]),
-        margin=np.concatenate([hard.margin, easy.margin[left]]),
-        figures=figures,
-        failed_by=easy.failed_by,
+def _at_both(easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
+    """Candidates that pass at the favourable end, then those of the other end alone; ``few`` were examined at both."""
+    passing = few[hard.rows]
+    both, alone = np.isin(easy.rows, passing), ~np.isin(passing, easy.rows)
+    opened = np.isin(easy.rows, few) & ~both
+    unknown, margin = easy.unknown.copy(), easy.margin.copy()
+    unknown[both] |= hard.unknown[~alone]  # rows of both rise
+    margin[both] = hard.margin[~alone]
+    figures = {name: column.copy() for name, column in easy.figures.items()}
+    for name, column in figures.items():
+        column[both] = hard.figures[name][~alone]
+    rest = np.flatnonzero(~np.isin(easy.rejected, passing))
+    whole = easy._replace(
+        rows=np.concatenate([easy.rows, passing[alone]]),
+        unknown=np.concatenate([unknown, hard.unknown[alone]]),
+        margin=np.concatenate([margin, hard.margin[alone]]),
+        figures={name: np.concatenate([column, hard.figures[name][alone]]) for name, column in figures.items()},
         rejected=easy.rejected[rest],
         bound=easy.bound[rest],
     )
-    return _found(whole, np.concatenate([~both, np.ones(len(left), bool)]))
+    return _found(whole, np.concatenate([opened, np.ones(np.count_nonzero(alone), bool)]))
 
 
 def _chunks(every: Candidates, belts: list[float]) -> Iterator[tuple[float, Candidates]]:

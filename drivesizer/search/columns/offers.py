@@ -1,4 +1,4 @@
-"""Columns common to all load cases: the encoders and controllers of every motor, and the worst of each check."""
+"""Columns common to all load cases: encoders, controllers and limits of every motor, and the worst of each check."""
 
 from __future__ import annotations
 
@@ -14,21 +14,24 @@ from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.controllers import Usable, usable_controllers
 from drivesizer.search.columns.encoders import Offered, offered_encoders
+from drivesizer.search.columns.limits import motor_limits
 
 __all__ = ["Offers", "offers", "unknown_where_doubtful", "worst_of_all"]
 
 
 class Offers(NamedTuple):
-    """Encoders and controllers that a problem has for every motor of its catalogues."""
+    """For every motor of the catalogues its encoders, controllers, and the limits that no load changes."""
 
     encoders: Offered
     controllers: Usable
+    motor_limits: list[CheckColumn]
 
 
 def offers(problem: Problem) -> Offers:
-    """The encoders and controllers of every motor, at the supply of all load cases."""
+    """The encoders, controllers and own limits of every motor, at the supply and ambient of all load cases."""
     spec, catalog = problem.spec, problem.catalog
-    return Offers(offered_encoders(spec, catalog), usable_controllers(spec, catalog, problem.supply))
+    own = worst_of_all(problem, lambda k: motor_limits(problem.cases[k].spec, catalog.motors))
+    return Offers(offered_encoders(spec, catalog), usable_controllers(spec, catalog, problem.supply), own)
 
 
 def unknown_where_doubtful(checks: list[CheckColumn], known: NDArray[np.bool_]) -> list[CheckColumn]:

@@ -24,7 +24,6 @@ from drivesizer.search.columns.encoders import counts_check, encoders_for
 from drivesizer.search.columns.limits import (
     gearhead_limits,
     load_limits,
-    motor_limits,
     moving_limits,
     shaft_limits,
     size_limits,
@@ -182,7 +181,7 @@ def _alone(problem: Problem, offered: Offers, cycles: Sequence[AtGearhead], stag
     return Alone(
         worst_of_all(problem, lambda k: load_limits(specs[k], cycles[k], drive)),
         worst_of_all(problem, lambda k: gearhead_limits(specs[k], cycles[k], catalog.gearheads)),
-        [*worst_of_all(problem, lambda k: motor_limits(specs[k], catalog.motors)), *counted],
+        [*offered.motor_limits, *counted],
     )
 
 

@@ -54,7 +54,7 @@ class Sieve:
             (alone.motor, sets.motor[self.rows]),
         )
         for found, owner in owners:
-            self._keep([_of(check, owner) for check in found])
+            self._keep(found, owner)
 
     def _drop(self, alone: Alone) -> None:
         """Candidates with a part that fails; those of a motor that fails too are hardly among the nearest."""
@@ -79,27 +79,28 @@ class Sieve:
         for check in found:
             self.failed_by[check.name] += int(np.count_nonzero(check.failed))
         if not self.staged or not found:
-            self._keep(found)
+            self._keep(found, _ALL)
             return _ALL
         keep: NDArray[np.bool_] = ~np.logical_or.reduce([check.failed for check in found])
         if keep.all():
-            self._keep(found)
+            self._keep(found, _ALL)
             return _ALL
         rejected, passing = np.flatnonzero(~keep), np.flatnonzero(keep)
         self.rejected.append((self.rows[rejected], _judged([check.on(rejected) for check in found])[1]))
         self.rows, self.unknown, self.margin = self.rows[passing], self.unknown[passing], self.margin[passing]
-        self._keep([check.on(passing) for check in found])
+        self._keep(found, passing)
         return keep
 
-    def _keep(self, found: Sequence[CheckColumn]) -> None:
-        """Remember checks of the rows that are left: whole, or what they amount to."""
+    def _keep(self, found: Sequence[CheckColumn], rows: NDArray[np.int64] | slice) -> None:
+        """Remember checks of the rows that are left, by their places in the checks: whole, or what they amount to."""
         if not self.staged:
-            self.checks += found
+            self.checks += [_of(check, rows) for check in found]
             return
         for check in found:
-            self.unknown |= np.where(check.passed, np.uint64(0), _BITS[check.name])
+            passed = check.passed[rows] if check.passed.ndim else check.passed
+            self.unknown |= np.where(passed, np.uint64(0), _BITS[check.name])
             if self.margins:
-                self.margin = np.minimum(self.margin, check.tightness)
+                self.margin = np.minimum(self.margin, _of(check, rows).tightness)
 
 
 class Alone(NamedTuple):
@@ -115,10 +116,17 @@ def _judged(found: Sequence[CheckColumn]) -> tuple[NDArray[np.bool_], Array]:
     if not found:
         return np.zeros(1, bool), np.full(1, np.inf)
     failed = np.logical_or.reduce([np.atleast_1d(check.failed) for check in found])
-    margins = [np.atleast_1d(np.where(np.isnan(c.margin), np.where(c.failed, -1.0, np.inf), c.margin)) for c in found]
-    return failed, np.minimum.reduce(margins)
+    return failed, np.minimum.reduce([np.atleast_1d(_at_most(check)) for check in found])
 
 
-def _of(check: CheckColumn, owner: NDArray[np.int64]) -> CheckColumn:
-    """A check of parts as one of the drives that they belong to."""
-    return check.on(owner) if check.passed.ndim else check.on_all(owner)
+def _at_most(check: CheckColumn) -> Array:
+    """Margins; where there is none, -1 of what fails, else infinite."""
+    margin = check.margin
+    return np.where(np.isnan(margin), np.where(check.failed, -1.0, np.inf), margin)
+
+
+def _of(check: CheckColumn, rows: NDArray[np.int64] | slice) -> CheckColumn:
+    """A check of parts as one of the drives that they belong to; one figure as that of all."""
+    if isinstance(rows, slice):
+        return check
+    return check.on(rows) if check.passed.ndim else check.on_all(rows)
