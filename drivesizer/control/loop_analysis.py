@@ -206,7 +206,8 @@ def _crossings(
     def one(x: float) -> complex:
         return complex(response(np.array([x]))[0])
 
-    for n in np.flatnonzero(np.sign(sampled[:-1]) * np.sign(sampled[1:]) < 0.0):
+    below = sampled < 0.0  # a figure that is 0 on the grid counts with those above: its crossing is found once
+    for n in np.flatnonzero(below[:-1] != below[1:]):
         ends = dict(zip(w[n : n + 2].tolist(), sampled[n : n + 2].tolist(), strict=True))
         at = float(brentq(lambda x, ends=ends: ends.get(x, figure(one(x))), *ends, xtol=1e-12 * w[n]))
         yield at, one(at)

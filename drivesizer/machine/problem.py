@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -60,7 +61,7 @@ def quickest_winding(catalog: Catalog) -> float:
 
 
 def changed(problem: Problem, change: Callable[[RobotSpec], RobotSpec]) -> Problem:
-    """The problem with one figure changed in the machine and in all load cases, whose cycles are made anew.
+    """The problem with one figure changed in the machine and in all load cases; cycles that depend on it made anew.
 
     Parameters
     ----------
@@ -75,9 +76,15 @@ def changed(problem: Problem, change: Callable[[RobotSpec], RobotSpec]) -> Probl
         Wheels of a platform keep the load of the trajectory that was planned.
     """
     quickest = quickest_winding(problem.catalog)
-    specs = [change(case.spec) for case in problem.cases]
-    cases = [
-        replace(case, spec=spec, at_belt=_at_belt(spec, quickest))
-        for case, spec in zip(problem.cases, specs, strict=True)
-    ]
-    return replace(problem, machine=problem.machine.changed(change), cases=tuple(cases))
+
+    def moved(case: LoadCase) -> LoadCase:
+        spec = change(case.spec)
+        kept = all(a is b for a, b in zip(_shaping(spec), _shaping(case.spec), strict=True))
+        return replace(case, spec=spec, at_belt=case.at_belt if kept else _at_belt(spec, quickest))
+
+    return replace(problem, machine=problem.machine.changed(change), cases=tuple(map(moved, problem.cases)))
+
+
+def _shaping(spec: RobotSpec) -> tuple[Any, ...]:
+    """All that a load cycle is made of; copies of a spec share the sections that they leave as they are."""
+    return spec.load, spec.motion, spec.transmission, spec.platform, spec.environment.gravity

@@ -486,3 +486,19 @@ def test_design_loads_neither_control_nor_scipy():
     code = "import sys, drivesizer.control.loop_warnings, drivesizer.control.cascade_design; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert not {"control", "scipy.signal", "scipy.linalg", "matplotlib", "numba"} & set(loaded)
+
+
+@pytest.mark.parametrize("above", [0.0, 5e-4])
+def test_a_crossover_on_the_grid_of_frequencies_is_found(above):
+    """An integrator k T / (z - 1): its gain is 1 at 2/T asin(k T / 2), its phase margin there 90° less w T / 2.
+
+    The grid is of 1500 frequencies over six decades below the Nyquist frequency; on some of them the gain is exactly 1.
+    """
+    period = 1e-3
+    grid = np.geomspace(math.pi / period * 1e-6, math.pi / period, 1500)
+    for w in grid[900:1300:20]:
+        gain = 2.0 * math.sin(w * period / 2.0) * (1.0 + above)
+        loop = loop_of("an integrator", control.ss(control.tf([gain], [1, -1], period)))
+        crossover = 2.0 / period * math.asin(gain / 2.0)
+        assert loop.crossover == pytest.approx(crossover / (2.0 * math.pi), rel=1e-9)
+        assert loop.phase_margin == pytest.approx((math.pi - crossover * period) / 2.0, rel=1e-9)

@@ -1,0 +1,135 @@
+"""The moves of single figures that would let a drive pass: which way, how far, and what they are reported as."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from specs import estimates_off
+
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.machine.problem import changed, problem
+from drivesizer.search import relaxations as module
+from drivesizer.search.relaxations import relaxations
+from drivesizer.sizing import explain
+from drivesizer.spec.robot import read_spec
+
+SPEC = """
+name: a table
+load: {kind: rotary_table, inertia: 2e-3 kg*m^2, friction_torque: 5 mN*m}
+motion: MOTION
+transmission: [{kind: gearhead}, {kind: belt, ratios: [1], efficiency: 0.9, stiffness: 50 N*m/rad}]
+supply: {nominal: 24 V, current: 5 A, power: 100 W, capacitance: 1 mF, accepts: all}
+needs: {backlash_at_load: 3 deg, resolution_at_load: 1 deg, inertia_ratio: 10, resonance: 5 Hz, diameter: 60 mm,
+        length: 200 mm, mass: 1 kg, price: 900 EUR}
+select: {catalogs: [maxon], motor: {family: DCX 22 S}, gearhead: {family: GPX 22 HP}}
+"""
+TRAPEZOID = "{profile: trapezoid, speed: 60 rpm, acceleration_time: 0.3 s, cruise_time: 1 s, rest_time: 1 s}"
+FURTHEST = {  # times what is given, in the sense that helps
+    "load.inertia": 1 / 20, "supply.nominal": 20, "supply.current": 20, "supply.power": 20,
+    "supply.capacitance": 20,
+    "needs.backlash_at_load": 20, "needs.resolution_at_load": 20, "needs.inertia_ratio": 20, "needs.resonance": 1 / 20,
+    "needs.diameter": 20, "needs.length": 20, "needs.mass": 20, "needs.price": 20,
+}  # fmt: skip
+
+
+def spec_of(motion=TRAPEZOID):
+    return estimates_off(read_spec(YamlSource(SPEC.replace("MOTION", motion), "table.yaml")))
+
+
+def figures(spec):
+    """Every figure of a spec that is a number, by its path."""
+    sections = {name: getattr(spec, name).model_dump() for name in ("load", "motion", "supply", "needs", "environment")}
+    return {f"{s}.{n}": v for s, fields in sections.items() for n, v in fields.items() if isinstance(v, float)}
+
+
+def moves(given, monkeypatch, passes=lambda _: False):
+    """The relaxations where a drive passes by a rule on the moved figures, and all factors that were tried."""
+    now, tried = figures(given.spec), {}
+
+    def best(moved, _):
+        ratios = {name: value / now[name] for name, value in figures(moved.spec).items() if value != now[name]}
+        for name, factor in ratios.items():
+            tried.setdefault(name, set()).add(factor)
+        return SimpleNamespace(label="a drive") if passes(ratios) else None
+
+    monkeypatch.setattr(module, "best_in_machine", best)
+    return {r.field: r for r in relaxations(given)}, tried
+
+
+@pytest.mark.parametrize(("motion", "furthest"), [
+    (TRAPEZOID, {"speed": 1 / 20, "acceleration_time": 20, "rest_time": 20}),
+    ("{profile: triangle, distance: 60 deg, time: 1 s, rest_time: 1 s}", {"time": 20, "rest_time": 20}),
+    ("{profile: s_curve, distance: 60 deg, speed: 60 rpm, acceleration: 20 rad/s^2, jerk: 200 rad/s^3, rest_time: 1 s}",
+     {"speed": 1 / 20, "acceleration": 1 / 20, "rest_time": 20}),
+    ("{profile: harmonic, amplitude: 60 deg, period: 2 s}", {"period": 20}),
+])  # fmt: skip
+def test_each_figure_is_moved_to_a_twentieth_or_twentyfold(motion, furthest, catalog, monkeypatch):
+    found, tried = moves(problem(spec_of(motion), catalog), monkeypatch)
+    assert not found
+    expected = FURTHEST | {f"motion.{name}": factor for name, factor in furthest.items()}
+    assert set(tried) - {"supply.min", "supply.max"} == {*expected, "environment.ambient"}
+    for name, factor in expected.items():
+        ends = (1.0, 20.0) if factor > 1 else (1 / 20, 1.0)
+        assert (min(1.0, *tried[name]), max(1.0, *tried[name])) == pytest.approx(ends, rel=1e-9), name
+
+
+@pytest.mark.parametrize(("field", "factor"), [("load.inertia", 1 / 7), ("motion.rest_time", 7), ("needs.mass", 19.9)])
+def test_the_least_factor_is_found_to_one_per_cent(field, factor, catalog, monkeypatch):
+    given = problem(spec_of(), catalog)
+
+    def passes(ratios):
+        moved = ratios.get(field, 1.0)
+        return moved >= factor if factor > 1 else moved <= factor
+
+    found, _ = moves(given, monkeypatch, passes)
+    assert list(found) == [field]
+    move = found[field]
+    moved = move.after / move.before
+    assert move.before == figures(given.spec)[field]
+    assert moved == pytest.approx(factor, rel=0.0101)
+    assert passes({field: moved})
+    assert move.share == pytest.approx(abs(moved - 1.0))
+    shown = [float(text.split()[0]) for text in (move.needed, move.now)]
+    assert shown[0] / shown[1] == pytest.approx(moved, rel=0.01)
+
+
+def test_the_ambient_falls_by_kelvins(catalog, monkeypatch):
+    """25 degC, and a drive that passes at 30 K less: found to 1 K, on the colder side."""
+    given = problem(spec_of(), catalog)
+    now = given.spec.environment.ambient
+    found, _ = moves(given, monkeypatch, lambda ratios: ratios.get("environment.ambient", 1.0) * now <= now - 30.0)
+    (move,) = found.values()
+    assert move.field == "environment.ambient"
+    assert move.before == now == pytest.approx(298.15)
+    assert now - 31.0 <= move.after <= now - 30.0
+    assert move.share == pytest.approx((now - move.after) / now)
+    assert (move.now, move.needed) == ("25 °C", f"{move.after - 273.15:.3g} °C")
+
+
+def test_the_nearest_other_reduction_of_the_family_is_named_with_its_distance(catalog):
+    """At 60 rpm a DCX 22 S of 750 rad/s permits a ratio of 119: of the family's 20 the next below 231 is 111."""
+    spec = spec_of()
+    spec = spec.model_copy(update={"needs": type(spec.needs)()})
+    (found,) = explain(spec, "DCX22S01EBKL529", "GPX22HPKLSL0231CPLW", catalog=catalog)
+    move = next(change for change in found.changes if change.field == "gearhead")
+    ratios = catalog.gearheads["ratio"][catalog.gearheads["family"] == "GPX 22 HP"]
+    assert move.before == found.gearhead.ratio == pytest.approx(231.2, abs=0.1)
+    assert move.after == max(r for r in ratios if r * 2 * math.pi < found.motor.max_speed)
+    assert move.share == pytest.approx((move.before - move.after) / move.before)
+
+
+def test_a_cycle_is_made_anew_only_where_a_figure_of_it_moves(catalog):
+    given = problem(spec_of(), catalog)
+
+    def moved(section, **update):
+        return changed(given, lambda s: s.model_copy(update={section: getattr(s, section).model_copy(update=update)}))
+
+    (before,) = given.cases
+    for other in (moved("supply", nominal=30.0), moved("needs", mass=2.0), moved("environment", ambient=280.0)):
+        assert other.cases[0].at_belt is before.at_belt
+        assert other.spec != given.spec
+    heavy, light = moved("load", inertia=3e-3), moved("environment", gravity=1.6)
+    assert heavy.cases[0].cycle.inertia == pytest.approx(before.cycle.inertia * 1.5)
+    assert light.cases[0].at_belt is not before.at_belt
