@@ -74,6 +74,15 @@ class Estimates(NamedTuple):
     fit: NDArray[np.int64]  # which of the fitted laws
 
 
+class PartEstimate(NamedTuple):
+    """One figure of one part, in SI."""
+
+    value: float
+    low: float  # 5th percentile
+    high: float  # 95th percentile
+    fit: int  # which of the fitted laws
+
+
 class Across(NamedTuple):
     """A list of what goes together that names other catalogues: (catalogue, family or part), empty for its own."""
 
@@ -183,7 +192,7 @@ class Catalog:
         estimated = (name for name in known if self.estimate_of(section, row, name))
         return found | dict.fromkeys(estimated, ESTIMATED)
 
-    def estimate_of(self, section: str, row: int, name: str) -> tuple[float, float, float] | None:
+    def estimate_of(self, section: str, row: int, name: str) -> PartEstimate | None:
         """Estimate of a figure of a part, or of the actuator that it is inside of; None where peers give none.
 
         Parameters
@@ -193,8 +202,8 @@ class Catalog:
 
         Returns
         -------
-        tuple or None
-            Value, 5th and 95th percentile [SI].
+        PartEstimate or None
+            Value with its band.
         """
         if not self.estimates:
             return None
@@ -206,7 +215,8 @@ class Catalog:
         place = np.flatnonzero(found.rows == (self.actuators.rows[inside] if inside else row))
         if not len(place):
             return None
-        return float(found.value[place[0]]), float(found.low[place[0]]), float(found.high[place[0]])
+        value, low, high, fit = (column[place[0]] for column in found[1:])
+        return PartEstimate(float(value), float(low), float(high), int(fit))
 
 
 def _is_known(value: Any, kind: str) -> bool:

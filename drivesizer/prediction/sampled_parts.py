@@ -21,7 +21,7 @@ from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Pairs, empty
 from drivesizer.catalog.tolerances.classes import Class
-from drivesizer.catalog.tolerances.distributions import END
+from drivesizer.catalog.tolerances.distributions import lognormal
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.results.estimated import EstimatedFigure
@@ -134,9 +134,7 @@ def _within(one: Estimate, hit: Hit, columns: Figures, share: Array) -> Array:
     drawn = estimates(Table(hit.section, columns, hit.table.source[row], hit.table.excluded[row]))[one.figure]
     for into, found in ((value, drawn.value), (low, drawn.low), (high, drawn.high)):
         into[drawn.rows] = found
-    deviations = ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)) / END
-    far = np.where(deviations > 0.0, np.log(high / value), np.log(value / low))
-    values = value * np.exp(far * deviations)
+    values = lognormal(low, value, high, ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)))
     values[0] = one.value
     return np.asarray(np.minimum(values, 1.0 if one.figure == "efficiency" else np.inf))
 

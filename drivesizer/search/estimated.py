@@ -48,15 +48,15 @@ def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]
 
 
 def _of_part(catalog: Catalog, section: str, row: int) -> list[EstimatedFigure]:
-    found = []
-    for name, figures in catalog.estimates.get(section, {}).items():
-        for place in np.flatnonzero(figures.rows == row).tolist():
-            column, fit = columns_of(section)[name], kept()[figures.fit[place]]
-            ends = float(figures.low[place]), float(figures.high[place])
-            found.append(EstimatedFigure(
-                _PART[section], name, float(figures.value[place]), *ends, column.kind, column.unit, in_words(fit)
-            ))  # fmt: skip
-    return found
+    names = catalog.estimates.get(section, {})
+    found = {name: one for name in names if (one := catalog.estimate_of(section, row, name)) is not None}
+    columns = columns_of(section)
+    return [
+        EstimatedFigure(
+            _PART[section], name, *one[:3], columns[name].kind, columns[name].unit, in_words(kept()[one.fit])
+        )
+        for name, one in found.items()
+    ]
 
 
 def decided(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], float]:

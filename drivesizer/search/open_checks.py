@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table, columns_of
 from drivesizer.catalog.tables import Pairs
-from drivesizer.catalog.tolerances.distributions import END
+from drivesizer.catalog.tolerances.distributions import lognormal
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
@@ -227,6 +227,5 @@ def _moved(catalog: Catalog, figure: Figure, rows: NDArray[np.int64], by: Array)
     section, name = figure
     easy, middle, hard = (c.table(section)[name][rows] for c in (catalog.ends[0], catalog, catalog.ends[1]))
     with np.errstate(invalid="ignore", divide="ignore"):
-        far = np.where(by > 0.0, np.log(hard / middle), -np.log(easy / middle))
-    moved: Array = middle * np.exp(np.nan_to_num(far) * by / END)
-    return np.minimum(moved, 1.0 if name == "efficiency" else np.inf)
+        moved = lognormal(easy, middle, hard, by)
+    return np.minimum(np.where(np.isnan(moved), middle, moved), 1.0 if name == "efficiency" else np.inf)

@@ -185,7 +185,7 @@ def test_samples_vary_an_estimated_figure_within_its_band(maxon, table):
     row, gear = view.motors.rows[MOTOR], view.gearheads.rows[GEARHEAD]
     (held,) = (c for c in holding_of_a_set(view, {}, row, gear) if c.figure == "rotor_inertia")
     assert held.why == "estimated from peers" and held.factor is not None
-    value, low, high = view.estimate_of("motors", row, "rotor_inertia") or (nan, nan, nan)
+    value, low, high, _ = view.estimate_of("motors", row, "rotor_inertia") or (nan, nan, nan, 0)
     ends = held.factor.at(np.array([0.05, 0.5, 0.95])) * value
     assert ends == pytest.approx([low, value, high], rel=1e-3)
     (printed,) = (c for c in holding_of_a_set(search_view(maxon), {}, row, gear) if c.figure == "rotor_inertia")

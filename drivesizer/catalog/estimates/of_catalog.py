@@ -6,6 +6,7 @@ import io
 import json
 from contextlib import suppress
 from importlib import resources
+from pathlib import Path
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from drivesizer.version import __version__
 
 __all__ = ["estimates_kept"]
 
-_FILES = ("fitted.json", "constructions.yaml", "assumed.py", "estimate.py", "laws.py")
+_SUFFIXES = {".json", ".py", ".yaml"}
 _SECTIONS = tuple(dict.fromkeys(law.section for law in LAWS))
 _CLASSES = ("manufacturer", "family", "kind", "gearing")  # texts that the laws read
 Found = dict[str, dict[str, Estimates]]
@@ -50,13 +51,19 @@ def estimates_kept(catalog: Catalog) -> Found:
 
 def _key(catalog: Catalog) -> str:
     """Digest of the laws and of all that they read: tables may be others than those of the catalogue's files."""
-    laws = resources.files(__package__)
-    parts = [__version__.encode(), *((laws / name).read_bytes() for name in _FILES)]
+    parts = [__version__.encode(), *_sources()]
     for section in _SECTIONS:
         columns = catalog.table(section).columns
         parts += [np.array([column for column in columns.values() if column.dtype.kind == "f"]).tobytes()]
         parts += [columns[name].tobytes() for name in _CLASSES if name in columns]
     return digest_of(*parts)
+
+
+def _sources() -> list[bytes]:
+    """Content of the files that estimates are made with: the laws, their figures, and the physics that they use."""
+    laws = [file for file in resources.files(__package__).iterdir() if Path(file.name).suffix in _SUFFIXES]
+    physics = resources.files("drivesizer.physics") / "thermal.py"
+    return [file.read_bytes() for file in (*sorted(laws, key=lambda file: file.name), physics)]
 
 
 def _written(found: Found) -> bytes:

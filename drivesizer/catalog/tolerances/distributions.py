@@ -6,17 +6,42 @@ All distributions are bounded. A normal one is truncated 4 standard deviations f
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CUT", "END", "Distribution"]
+__all__ = ["CUT", "Distribution", "lognormal"]
 
 Array = NDArray[np.float64]
 CUT = 4.0  # standard deviations from the mean, at which a normal distribution ends
-END = 1.6448536269514722  # standard deviations from the median to the 5th and to the 95th percentile
+_END = 1.6448536269514722  # standard deviations from the median to the 5th and to the 95th percentile
 _TAIL = 3.167124183311986e-05  # of a standard normal distribution, below -CUT
+
+
+def lognormal(low: Any, median: Any, high: Any, deviations: Array) -> Array:
+    """Values of a log-normal figure whose sides have deviations of their own.
+
+    Parameters
+    ----------
+    low, high
+        Its 5th and 95th percentile.
+    median
+        Between them.
+    deviations
+        Standard deviations from the median, towards ``high`` above 0.
+
+    Returns
+    -------
+    array
+        Values, in the unit of the percentiles.
+
+    Examples
+    --------
+    >>> lognormal(0.5, 1.0, 4.0, np.array([-1.6448536269514722, 0.0, 1.6448536269514722])).round(9)
+    array([0.5, 1. , 4. ])
+    """
+    return np.asarray(median * np.where(deviations > 0.0, high / median, median / low) ** (deviations / _END))
 
 
 class Distribution(NamedTuple):
@@ -37,7 +62,7 @@ class Distribution(NamedTuple):
         if self.shape == "normal":
             return (b - a) / (2 * CUT)
         if self.shape == "lognormal":
-            return float((b - a) / (2 * END))  # of narrow ones
+            return float((b - a) / (2 * _END))  # of narrow ones
         if self.shape == "uniform":
             return float((b - a) / np.sqrt(12.0))
         return float(np.sqrt((a * a + b * b + c * c - a * b - a * c - b * c) / 18.0))
@@ -64,7 +89,7 @@ class Distribution(NamedTuple):
             inner = np.clip(_TAIL + share * (1.0 - 2.0 * _TAIL), _TAIL, 1.0 - _TAIL)
             deviations: Array = ndtri(inner)
             if self.shape == "lognormal":
-                return np.asarray(c * np.where(deviations > 0.0, b / c, c / a) ** (deviations / END))
+                return lognormal(a, c, b, deviations)
             return np.clip(c + (b - a) / (2 * CUT) * deviations, a, b)
         rising = share * (b - a) * (c - a)
         falling = (1.0 - share) * (b - a) * (b - c)

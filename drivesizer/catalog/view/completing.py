@@ -20,7 +20,9 @@ __all__ = ["ENDS", "MIDDLE", "End", "completed"]
 End = Literal["middle", "favourable", "unfavourable"]
 MIDDLE: End = "middle"
 ENDS: tuple[End, End] = ("favourable", "unfavourable")
-_HARDER_WHEN_LOW = {"winding_time_constant", "motor_time_constant", "efficiency"}
+_HARDER_WHEN_LOW = {  # of which kind of parts; "": of all. A brushless motor's temperature goes with its resistances
+    "winding_time_constant": "", "motor_time_constant": "", "efficiency": "", "max_winding_temperature": "brushed",
+}  # fmt: skip
 
 
 def completed(catalog: Catalog, end: End) -> dict[str, Table[Any]]:
@@ -45,14 +47,11 @@ def _table(table: Table[Any], figures: Mapping[str, Estimates], end: End) -> Tab
     columns = dict(table.columns)
     for name, found in figures.items():
         columns[name] = columns[name].copy()
-        columns[name][found.rows] = _at(found, name, end)
-        if name == "max_winding_temperature" and end != "middle":  # of brushless motors it goes with the resistances
-            brushed = table["kind"][found.rows] == "brushed"
-            columns[name][found.rows] = np.where(brushed == (end == "unfavourable"), found.low, found.high)
+        columns[name][found.rows] = found.value if end == MIDDLE else _at_end(table, found, name, end)
     return Table(table.section, columns, table.source, table.excluded)
 
 
-def _at(found: Estimates, name: str, end: End) -> NDArray[np.float64]:
-    if end == "middle":
-        return found.value
-    return found.low if (end == "unfavourable") == (name in _HARDER_WHEN_LOW) else found.high
+def _at_end(table: Table[Any], found: Estimates, name: str, end: End) -> NDArray[np.float64]:
+    kind = _HARDER_WHEN_LOW.get(name)
+    harder_when_low = (table["kind"][found.rows] == kind) if kind else kind is not None
+    return np.where(harder_when_low == (end == "unfavourable"), found.low, found.high)

@@ -66,7 +66,7 @@ def _of_peers(catalog: Catalog, default: Class, part: str, row: int) -> Class | 
         one = catalog.estimate_of(_SECTIONS[part], row, name)
         if one is None:
             continue
-        value, low, high = (1.0 / x - 1.0 if name == "efficiency" else x for x in one)  # of losses per torque
+        value, low, high = (1.0 / x - 1.0 if name == "efficiency" else x for x in one[:3])  # of losses per torque
         least, most = sorted((low / value, high / value))
         text = f"{least:.2f} to {most:.2f} times, 5 to 95 %"
         factor = Distribution("lognormal", least, most, 1.0)
