@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.lookup import find
 from drivesizer.catalog.query import Hit, open_all
+from drivesizer.machine.part_curves import line
 from drivesizer.physics.heat_step import drive, modes, weights
 from drivesizer.physics.motor_demand import friction
-from drivesizer.physics.part_curves import line
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies
 
 __all__ = ["DC", "Thermal", "chain", "fit_thermal", "hot", "part", "sheet_free_speed", "sheet_lift", "two_body_course"]

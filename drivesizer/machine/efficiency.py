@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.machine.set_cycle import SetCycle
-from drivesizer.physics.motor_demand import BRAKING, DIRECTION, DRIVING, SPEED
+from drivesizer.physics.cycle_at_gearhead import BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.waveform import balanced, wave
 
 __all__ = ["Operation", "operation"]

@@ -16,8 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.machine.set_cycle import SetCycle, lost_in_winding, supplied
+from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.load_cycle import integral
-from drivesizer.physics.motor_demand import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED, friction, gear_loss
+from drivesizer.physics.motor_demand import friction, gear_loss
 from drivesizer.physics.waveform import energy
 
 __all__ = ["EnergyFlow", "energy_flow"]

@@ -20,17 +20,9 @@ from numpy.typing import NDArray
 
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.set_columns import OneRow
+from drivesizer.physics.cycle_at_gearhead import DIRECTION, DRIVING, SPEED, AtGearhead, at_gearhead
 from drivesizer.physics.load_cycle import Ends
-from drivesizer.physics.motor_demand import (
-    DIRECTION,
-    DRIVING,
-    SPEED,
-    AtGearhead,
-    Demands,
-    at_gearhead,
-    demands,
-    friction,
-)
+from drivesizer.physics.motor_demand import Demands, demands, friction
 from drivesizer.physics.stress import heat, housing_loss, volts_of
 from drivesizer.physics.supply_voltage import usable_voltage
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at

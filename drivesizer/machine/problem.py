@@ -12,7 +12,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_wheels import load_cases
 from drivesizer.machine.pulleys import belt_drives
-from drivesizer.physics.motor_demand import CycleAtBelt, at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt, at_gearhead
 from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.spec.robot import RobotSpec
 

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.set_columns import OneRow
+from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, at_gearhead
 from drivesizer.physics.load_cycle import mean_product
-from drivesizer.physics.motor_demand import SPEED, AtGearhead, Demands, at_gearhead, demands
+from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.stress import Heat, Stress, heat, stress, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.waveform import Wave, balanced, lost, mean_square

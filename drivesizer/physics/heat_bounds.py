@@ -55,10 +55,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.cycle_at_gearhead import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.heat_cycle import Periodic, highest, periodic
 from drivesizer.physics.heat_cycle_columns import each_figure, some_of
 from drivesizer.physics.heat_step import Array
-from drivesizer.physics.motor_demand import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, Value, steady_winding_temperature
 
 __all__ = ["Blocks", "Bracket", "blocks", "bracket"]

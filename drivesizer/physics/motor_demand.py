@@ -1,183 +1,32 @@
-"""Torque, current and speed that a load cycle requires of every candidate's motor: exact, the cycle integrated once.
+"""Torque, current and speed that a load cycle requires of every candidate's motor.
 
-For one load cycle and one belt the motor's torque is linear in six functions of time at the gearhead's output:
-driving torque, braking torque, torque at rest, acceleration, direction and speed, with coefficients that depend on
-the candidate alone. So the RMS current of every candidate is a quadratic form in one 6 x 6 matrix of exact segment
-integrals; peaks of current and voltage lie at the few ends of segments that ``extremes`` keeps. Another belt ratio
-scales the functions, so that nothing is integrated twice.
-All of it takes several load cycles too, side by side along a last axis: those of samples.
+The motor's torque is linear in the six functions of time of ``cycle_at_gearhead``, with coefficients that depend on
+the candidate alone, so that the RMS current of every candidate is a quadratic form in one matrix.
 Symbols: i ratio, e efficiency, J inertia [kg*m^2], T torque [N*m], w speed [rad/s], K total ratio.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
-from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.back_emf import back_emf_constant
-from drivesizer.physics.extremes import Extremes, extremes
-from drivesizer.physics.lasting_speed import lasting_speeds
-from drivesizer.physics.load_cycle import Figure, end_times, integral, mean_product, places, rms
-from drivesizer.physics.products import product
+from drivesizer.physics.cycle_at_gearhead import (
+    ACCELERATION,
+    AT_REST,
+    BRAKING,
+    DIRECTION,
+    DRIVING,
+    SPEED,
+    AtGearhead,
+    lacking,
+)
 
-__all__ = [
-    "ACCELERATION", "AT_REST", "BRAKING", "DIRECTION", "DRIVING", "SPEED", "AtGearhead", "CycleAtBelt", "Demands",
-    "Peak", "Pieces", "Turning", "at_gearhead", "bounded", "demands", "friction", "gear_loss", "peak", "piece_counts",
-]  # fmt: skip
+__all__ = ["Demands", "demands", "friction", "gear_loss"]
 
-_FINEST = 200  # pieces of a segment at most
-DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
 Array = NDArray[np.float64]
-
-
-class Scalars(NamedTuple):
-    """Single figures of a load cycle at the gearhead's output; of several cycles columns."""
-
-    rms_torque: Figure  # N*m, while running
-    peak_torque: Figure  # N*m
-    torque_at_rest: Figure  # N*m, largest while at rest; NaN of a cycle that never rests
-    load_torque: Figure  # N*m, largest at the load
-    peak_speed: Figure  # rad/s
-    mean_speed: Figure  # rad/s, while running; where more, what it exceeds for long
-    sustained_speed: Figure  # rad/s, what it exceeds for longer than shortly
-    mean_power: Figure  # W, transmitted in either direction while running
-    peak_power: Figure  # W
-
-
-@dataclass(frozen=True, eq=False)
-class CycleAtBelt:
-    """A load cycle, or several, through a belt of ratio 1, its efficiency included."""
-
-    load_cycle: Any  # at the load: a LoadCycle, or several with the same fields as columns
-    functions: (
-        Array  # the six at both ends of each segment: (segments, 2, 6); of several cycles (6, segments, 2, cycles)
-    )
-    acts: NDArray[np.bool_]  # which of them are ever not 0
-    moments: Array  # means of their products over the cycle: (6, 6) or (6, 6, cycles)
-    scalars: Scalars
-    quickest: float  # s, shortest time constant of the windings
-    coarse: dict[tuple[str, int], Any] = field(default_factory=dict)  # the cycle in few pieces, by use and number
-
-    @cached_property
-    def time(self) -> Array:
-        """Time at both ends of each segment [s]: shape (segments, 2, ...)."""
-        return end_times(self.load_cycle.duration)
-
-    @cached_property
-    def extremes(self) -> Extremes:
-        """Of one cycle: the points at which anything linear in the functions is largest or smallest."""
-        return extremes(self.functions, self.time)
-
-    @cached_property
-    def warming(self) -> Pieces:
-        """Of one cycle: it in pieces so fine that a winding follows the mean of each, to 0.1 %."""
-        duration, functions = self.load_cycle.duration, self.functions
-        changing = (functions[:, 0] != functions[:, 1]).any(axis=1)
-        count = piece_counts(duration, np.where(changing, self.quickest, inf), 1e-3)
-        if count.max() == 1:
-            return Pieces(duration, functions)
-        owner, place = places(count)
-        share = place / count[owner]
-        left, rise = functions[owner, 0], functions[owner, 1] - functions[owner, 0]
-        ends = [left + rise * (share + step / count[owner])[:, None] for step in (0, 1)]
-        return Pieces(duration[owner] / count[owner], np.stack(ends, axis=1))
-
-    def behind(self, ratio: float) -> AtGearhead:
-        """The cycle behind a belt of a ratio."""
-        return AtGearhead(self, ratio)
-
-
-class AtGearhead:
-    """A load cycle at the gearhead's output, behind one belt."""
-
-    def __init__(self, base: CycleAtBelt, ratio: Figure) -> None:
-        self.base, self.belt, one = base, ratio, base.scalars
-        self.scale = np.array([1 / ratio, 1 / ratio, 1 / ratio, ratio, 1.0, ratio])  # of the functions
-        by_pairs = np.outer(self.scale, self.scale).reshape(6, 6, *[1] * (base.moments.ndim - 2))
-        self.moments = base.moments * by_pairs  # means of products over the cycle
-        self.rms_torque, self.peak_torque = one.rms_torque / ratio, one.peak_torque / ratio
-        self.torque_at_rest = one.torque_at_rest / ratio
-        self.peak_speed, self.mean_speed = one.peak_speed * ratio, one.mean_speed * ratio
-        self.sustained_speed = one.sustained_speed * ratio
-        self.mean_power, self.peak_power = one.mean_power, one.peak_power
-        self.load_torque, self.load_speed = one.load_torque, one.peak_speed  # N*m, rad/s, largest at the load
-
-    @property
-    def load_cycle(self) -> Any:
-        """The load cycle at the load."""
-        return self.base.load_cycle
-
-    @property
-    def extremes(self) -> Extremes:
-        """The points of the functions at which anything linear in them is largest or smallest."""
-        return self.base.extremes
-
-    @cached_property
-    def functions(self) -> Array:
-        """The six functions at both ends of each segment: shape (segments, 2, 6)."""
-        scaled: Array = self.base.functions * self.scale
-        return scaled
-
-    def on(self, rows: Any) -> AtGearhead:
-        """Of some of the candidates, which all are behind this belt (``several_belts`` has those of several)."""
-        return self
-
-    def slope(self, c: Array) -> Array:
-        """Half of the gradient of the mean square of c f(t), by each coefficient: shape (candidates, 6)."""
-        found: Array = c @ self.moments
-        return found
-
-    @property
-    def acts(self) -> NDArray[np.bool_]:
-        """Mask of the functions that are ever not 0."""
-        return self.base.acts
-
-    def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
-        """Largest absolute value of c f(t), as ``peak`` takes it."""
-        high, low = (points * self.scale for points in (self.extremes.high, self.extremes.low))
-        values = np.concatenate([product(coefficients, high.T), -product(coefficients, low.T)], axis=1)
-        if left_out is not None and len(rows := np.flatnonzero(_any(left_out))):
-            against = np.concatenate([high < 0.0, low > 0.0]).astype(float)
-            values[rows] = np.where(left_out[rows] @ against.T > 0.0, -np.inf, values[rows])
-        worst = values.argmax(axis=1)
-        time = np.concatenate([self.extremes.high_time, self.extremes.low_time])
-        return bounded(values[np.arange(len(values)), worst], time[worst], left_out)
-
-    @cached_property
-    def warming(self) -> Pieces:
-        """The cycle in pieces of which a winding follows the mean."""
-        pieces = self.base.warming
-        return Pieces(pieces.duration, pieces.functions * self.scale)
-
-    @cached_property
-    def turning(self) -> Turning:
-        """Speed over each of those pieces, for the losses of friction and iron."""
-        functions = self.warming.functions
-        speed = functions[:, :, SPEED]
-        steady = (functions[:, 0] == functions[:, 1]).all(axis=1)
-        return Turning(speed, np.abs(speed).mean(1), mean_product(speed, speed), steady)
-
-
-class Pieces(NamedTuple):
-    """A cycle in pieces, and the functions at both ends of each."""
-
-    duration: Array  # s
-    functions: Array  # (pieces, 2, 6)
-
-
-class Turning(NamedTuple):
-    """The speed over those pieces."""
-
-    speed: Array  # rad/s, at both ends: (pieces, 2)
-    mean: Array  # rad/s, of its amount
-    square: Array  # rad^2/s^2, mean
-    steady: NDArray[np.bool_]  # nothing changes within the piece
 
 
 class Demands(NamedTuple):
@@ -194,114 +43,12 @@ class Demands(NamedTuple):
     @property
     def complete(self) -> NDArray[np.bool_]:
         """False: lower bounds, as an inertia or friction is unknown that would require more."""
-        return ~_any(self.left_out)
+        return ~lacking(self.left_out)
 
     def surplus(self, k_t: Array) -> Array:
         """Back-EMF constant less torque constant, per speed at the gearhead's output [V*s/rad]."""
         found: Array = (self.back_emf - k_t) * self.total_ratio
         return found
-
-
-class Peak(NamedTuple):
-    """The largest absolute value of something over the cycle, and when."""
-
-    value: Array
-    time: Array  # s
-
-
-def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> CycleAtBelt:
-    r"""A load cycle, or several, through a belt; the direction of power decides on which side its loss is.
-
-    .. math:: T_g = \frac{T}{i e} \; (T w > 0), \quad \frac{T e}{i} \; (T w < 0), \quad \frac{T}{i} \; (w = 0)
-
-    Parameters
-    ----------
-    cycle
-        At the load, split at changes of direction: a ``LoadCycle``, or a record with the same fields as columns, which
-        may have segments of no duration.
-    efficiency
-        Of the belt [1], the same when driven backward; one figure, or one of each cycle. The ratio comes with
-        ``behind``.
-    quickest
-        Shortest time constant of the windings [s].
-
-    Returns
-    -------
-    CycleAtBelt
-        The cycle behind a belt of ratio 1.
-    """
-    power = (cycle.torque.mean(1) * cycle.speed.mean(1))[:, None]
-    running = np.any(cycle.speed != 0.0, axis=1)[:, None]
-    torque = cycle.torque * np.where(~running, 1.0, np.where(power > 0.0, 1.0 / efficiency, efficiency))
-    direction, one = np.sign(cycle.speed.mean(1))[:, None], cycle.torque.ndim == 2
-    six = [
-        np.where(running & (power > 0.0), torque, 0.0),
-        np.where(running & (power <= 0.0), torque, 0.0),
-        np.where(~running, torque, 0.0),
-        *(np.broadcast_to(x, torque.shape) for x in (cycle.acceleration, direction, cycle.speed)),
-    ]
-    duration, total = (cycle.duration, cycle.total) if one else (cycle.duration / cycle.total, 1.0)
-    acts = np.array([function.any() for function in six])
-    return CycleAtBelt(
-        cycle, np.stack(six, axis=2 if one else 0), acts, _moments(duration, total, six, acts),
-        _scalars(cycle, torque, running[:, 0]), quickest,
-    )  # fmt: skip
-
-
-def piece_counts(duration: Array, time_constant: Array, error: float) -> NDArray[np.int64]:
-    """In how many pieces segments are cut, so that a winding follows the mean of each.
-
-    Parameters
-    ----------
-    duration
-        Of each segment [s].
-    time_constant
-        Of what follows a change within each segment [s]; infinite where nothing changes.
-    error
-        Permitted at the end of a segment, as a share of what the change within it does [1].
-
-    Returns
-    -------
-    array
-        Pieces of each segment, 1 to 200.
-
-    Notes
-    -----
-    The mean of a changing square of the current heats the end of a segment of length x time constants by x/12 of the
-    change too little; in n pieces by x/12n².
-    """
-    count = np.ceil(np.sqrt(duration / time_constant / (12.0 * error)))
-    return np.clip(count, 1, _FINEST).astype(np.int64)
-
-
-def _moments(duration: Array, total: float, six: Sequence[Array], acts: NDArray[np.bool_]) -> Array:
-    """Means of products of the functions over the cycle; of several from shares of their time, a division less each."""
-    found, active = np.zeros((6, 6, *six[0].shape[2:])), np.flatnonzero(acts).tolist()
-    for place, a in enumerate(active):
-        for b in active[: place + 1]:
-            found[a, b] = found[b, a] = integral(duration, six[a], six[b]) / total
-    return found
-
-
-def _scalars(cycle: Any, torque: Array, running: NDArray[np.bool_]) -> Scalars:
-    """Single figures of cycles; of one from the segments in which it runs, of several with the others as of no time."""
-    duration, speed, alone = cycle.duration, cycle.speed, running.ndim == 1
-    time, some = (duration[running], running) if alone else (np.where(running, duration, 0.0), slice(None))
-    total = time.sum(axis=0)
-    power = np.abs(mean_product(torque, speed)[some])
-    rests = ~running & (duration > 0.0)
-    at_rest = np.where(rests[:, None], np.abs(torque), -1.0).max(axis=(0, 1))
-    found = Scalars(
-        rms_torque=rms(time, torque[some]),
-        peak_torque=np.abs(torque).max(axis=(0, 1)),
-        torque_at_rest=np.where(at_rest >= 0.0, at_rest, np.nan),
-        load_torque=np.abs(cycle.torque).max(axis=(0, 1)),
-        peak_speed=np.abs(speed).max(axis=(0, 1)),
-        **lasting_speeds(duration, speed),
-        mean_power=(time * power).sum(axis=0) / np.where(total > 0.0, total, 1.0),
-        peak_power=np.abs(torque * speed).max(axis=(0, 1)),
-    )
-    return Scalars(*map(float, found)) if alone else found
 
 
 def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
@@ -333,8 +80,8 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     coulomb, viscous = friction(motor)
     c = np.empty((len(i), 6))
     left_out = np.zeros(c.shape, np.bool_)
-    lacking = {ACCELERATION: gearhead["inertia"] + motor["rotor_inertia"], DIRECTION: coulomb, SPEED: viscous}
-    for place, figure in lacking.items():
+    unknown = {ACCELERATION: gearhead["inertia"] + motor["rotor_inertia"], DIRECTION: coulomb, SPEED: viscous}
+    for place, figure in unknown.items():
         left_out[:, place] = np.isnan(figure) & at.acts[place]
     c[:, DRIVING] = 1 / (i * e)
     c[:, BRAKING] = e / i
@@ -398,52 +145,3 @@ def gear_loss(gearhead: Any) -> tuple[Array, Array]:
     known = ~np.isnan(idle + gearhead["continuous_torque"])
     share = 1 / e - gearhead["ratio"] * idle / gearhead["continuous_torque"]
     return np.where(known, 1 / np.maximum(share, 1.0), e), np.where(known, idle, 0.0)
-
-
-def peak(at: AtGearhead, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
-    """Largest absolute value over the cycle of what is linear in the functions, with coefficients of 0 or more.
-
-    Parameters
-    ----------
-    at
-        The load cycle at the gearhead's output.
-    coefficients
-        Of the six functions for each candidate; NaN unknown: the peak is then unknown.
-    left_out
-        Coefficients of which a part is unknown, if any. The peak is then a lower bound: of the moments at
-        which more of them makes it no smaller; unknown where there are none.
-
-    Returns
-    -------
-    Peak
-        Of each candidate.
-    """
-    return at.peak(coefficients, left_out)
-
-
-def bounded(value: Array, time: Array, left_out: NDArray[np.bool_] | None) -> Peak:
-    """A peak; unknown where something was left out and no moment is a bound.
-
-    Parameters
-    ----------
-    value
-        Largest absolute value of each candidate.
-    time
-        When it is met [s].
-    left_out
-        Coefficients of which a part is unknown, shape (candidates, 6).
-
-    Returns
-    -------
-    Peak
-        NaN where it is unknown.
-    """
-    if left_out is None:
-        return Peak(value, time)
-    return Peak(np.where(_any(left_out) & ~(value > 0.0), np.nan, value), time)
-
-
-def _any(left_out: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Whether anything was left out of a candidate's coefficients: of the three that may lack a part."""
-    found: NDArray[np.bool_] = left_out[:, ACCELERATION] | left_out[:, DIRECTION] | left_out[:, SPEED]
-    return found

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.motor_demand import AtGearhead, Peak, Turning
+from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak, Turning
 from drivesizer.physics.stress import on
 
 __all__ = ["AtGearheads", "behind_each", "put_together"]

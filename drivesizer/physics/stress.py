@@ -7,8 +7,9 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead, Peak
 from drivesizer.physics.load_cycle import Figure
-from drivesizer.physics.motor_demand import DIRECTION, SPEED, AtGearhead, Demands, Peak, friction, peak
+from drivesizer.physics.motor_demand import Demands, friction
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding_temperature
 
 __all__ = [
@@ -154,8 +155,8 @@ def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Any) -> 
     """
     k_t = motor["torque_constant"]
     cold = resistance_at(resistance_25(motor), ambient)
-    torque = peak(cycle, demands.coefficients, demands.left_out)
-    volts = peak(cycle, volts_of(demands, k_t, np.asarray(cold)), demands.left_out)
+    torque = cycle.peak(demands.coefficients, demands.left_out)
+    volts = cycle.peak(volts_of(demands, k_t, np.asarray(cold)), demands.left_out)
     return Stress(Peak(torque.value / k_t, torque.time), volts)
 
 

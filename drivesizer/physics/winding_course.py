@@ -14,11 +14,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.heat_cycle import Highest, Periodic, highest, mean_rise, periodic, tops
 from drivesizer.physics.heat_cycle_columns import some_of
 from drivesizer.physics.heat_step import Array
 from drivesizer.physics.load_cycle import Figure
-from drivesizer.physics.motor_demand import AtGearhead, Demands
+from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, volts_of
 from drivesizer.physics.thermal import TwoBodies, two_bodies

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.physics.motor_demand import CycleAtBelt
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["BeltDrives", "LoadCase", "Problem"]

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.machine.supply_power import distance_of
-from drivesizer.physics.motor_demand import SPEED, demands
+from drivesizer.physics.cycle_at_gearhead import SPEED
+from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.stress import heat
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check_kinds import BATTERY_LASTING

@@ -149,7 +149,7 @@ def _tied(
     missing: NDArray[np.int64],
     top: int,
 ) -> int:
-    """How many of the first in order are to be ordered by margin: up to the equals of the last shown, in bounds.
+    """Number of the first in order that are ordered by margin: up to the equals of the last shown, in bounds.
 
     Margins need the waveform.
     """

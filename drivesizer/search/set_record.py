@@ -11,7 +11,7 @@ import numpy as np
 from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
 from drivesizer.machine.budgets import MachineBudget
 from drivesizer.machine.problem import quickest_winding
-from drivesizer.physics.motor_demand import AT_REST
+from drivesizer.physics.cycle_at_gearhead import AT_REST
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.physics.waveform import Wave, longest_above, share_above

@@ -16,7 +16,8 @@ from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
-from drivesizer.physics.motor_demand import at_gearhead, demands
+from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.stress import Parts, heat, stress
 from drivesizer.search.columns import limits_over_time as wave
 from drivesizer.search.columns.candidates import Candidates, Rows, candidates

@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from drivesizer.physics.part_curves import overload_times
+from drivesizer.machine.part_curves import overload_times
 from drivesizer.physics.thermal import TwoBodies
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -9,9 +9,9 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
+from drivesizer.physics.cycle_at_gearhead import AT_REST, at_gearhead
 from drivesizer.physics.load_cycle import integral, rms
 from drivesizer.physics.motion_curves import local_parabola
-from drivesizer.physics.motor_demand import AT_REST, at_gearhead
 from drivesizer.spec.robot import load_spec
 
 

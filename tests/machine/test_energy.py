@@ -17,8 +17,9 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.loads.kinds import AXES
 from drivesizer.machine.problem import problem
+from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.physics.motor_demand import at_gearhead, demands, peak
+from drivesizer.physics.motor_demand import demands
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.sizing import size
@@ -136,7 +137,7 @@ def asked_of(cycle, catalog, belt=1.6):
     motor, head = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
     at = at_gearhead(cycle.split(), 0.93).behind(belt)
     found = demands(at, motor, head, Rows(catalog.encoders, np.full(3, -1)))
-    highest = peak(at, found.coefficients)
+    highest = at.peak(found.coefficients)
     gear = [at.rms_torque, at.peak_torque, at.peak_speed, at.mean_speed, at.mean_power, at.peak_power]
     return np.array(gear), np.stack([found.rms_current, highest.value, found.peak_speed])
 

@@ -12,8 +12,8 @@ import pytest
 
 from drivesizer.catalog.lookup import find
 from drivesizer.catalog.query import Hit, open_all
+from drivesizer.machine.part_curves import continuous_curve, line, overload_times, permitted_current
 from drivesizer.output.terminal import part as terminal_part
-from drivesizer.physics.part_curves import continuous_curve, line, overload_times, permitted_current
 from drivesizer.physics.thermal import COPPER
 
 RPM = pi / 30

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.extremes import extremes, undominated
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.physics.motor_demand import at_gearhead, peak
 
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
 
@@ -92,7 +92,7 @@ def test_the_peak_of_a_long_recording_is_that_of_every_moment():
     at = at_gearhead(noisy(9000).split(), 0.93).behind(1.7)
     c = coefficients(100, 3)
     values = at.functions.reshape(-1, 6) @ c.T
-    found = peak(at, c)
+    found = at.peak(c)
     assert found.value == pytest.approx(np.abs(values).max(axis=0), rel=1e-12)
     worst = np.abs(values).argmax(axis=0)
     same = at.load_cycle.time.reshape(-1)[worst] == found.time

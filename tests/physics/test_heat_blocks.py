@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from drivesizer.physics import heat_bounds
+from drivesizer.physics.cycle_at_gearhead import AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.heat_bounds import Blocks, blocks, bracket
-from drivesizer.physics.motor_demand import AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.thermal import COPPER, TwoBodies, steady_winding_temperature
 from drivesizer.physics.winding_course import winding_course
 

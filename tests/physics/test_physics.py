@@ -20,7 +20,8 @@ from drivesizer.load_cases.profile import trapezoid
 from drivesizer.loads.course import Profile
 from drivesizer.machine.problem import problem
 from drivesizer.output.json import documents as json_documents
-from drivesizer.physics.motor_demand import at_gearhead, demands, gear_loss, peak
+from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.motor_demand import demands, gear_loss
 from drivesizer.search.columns.candidates import Rows, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.limits import motor_limits
@@ -79,7 +80,7 @@ def test_random_pairs_by_hand(catalog, slope, name):
     motor, head = Rows(catalog.motors, m), Rows(catalog.gearheads, g)
     at = at_gearhead(load_cycle(spec, profile), 0.92).behind(1.35)
     asked = demands(at, motor, head, Rows(catalog.encoders, np.full(len(rows), -1)))
-    current = peak(at, asked.coefficients).value / motor["torque_constant"]
+    current = at.peak(asked.coefficients).value / motor["torque_constant"]
     compared, segments = 0, segments_by_hand(spec, profile)
     for k in range(len(rows)):
         one, other = catalog.motors.record(int(m[k])), catalog.gearheads.record(int(g[k]))

@@ -14,13 +14,13 @@ from drivesizer.catalog import columns_of, one_of
 from drivesizer.catalog.lookup import origins, partners, tolerances
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.view.search_view import CLAMPING_HUB
+from drivesizer.machine.part_curves import HEAT, Line, continuous_curve, line, overload_times, permitted_current
 from drivesizer.output.datasheet import datasheet
 from drivesizer.output.terminal.battery import discharge_tables
 from drivesizer.output.terminal.catalog import counted, figure, of_families
 from drivesizer.output.terminal.chart import Axis, Series, chart
 from drivesizer.output.terminal.estimates import print_estimates, print_family_limits
 from drivesizer.output.terminal.tables import bare, console, heading, width_of
-from drivesizer.physics.part_curves import HEAT, Line, continuous_curve, line, overload_times, permitted_current
 from drivesizer.physics.thermal import DATA_TEMPERATURE, Value, data_temperature, rated_ambient
 from drivesizer.units import from_si, label, show
 

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.motor_demand import AtGearhead, Demands
+from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import two_bodies

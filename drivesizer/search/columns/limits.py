@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from drivesizer.catalog import DIRECT, lines
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.belt import LEAST_IN_MESH, resonance
-from drivesizer.physics.motor_demand import AtGearhead, Demands
+from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
 from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit

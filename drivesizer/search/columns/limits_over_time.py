@@ -14,7 +14,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.motor_demand import AtGearhead, Demands, Peak
+from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak
+from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
 from drivesizer.physics.supply_voltage import bus_voltage, least_capacitance, usable_voltage

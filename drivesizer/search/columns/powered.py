@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.motor_demand import AtGearhead, Demands
+from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, Parts, Stress, on, stress
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem

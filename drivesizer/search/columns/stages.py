@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.motor_demand import AtGearhead, demands
+from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.several_belts import AtGearheads, put_together
 from drivesizer.physics.stress import Parts, heat, on
 from drivesizer.results.check_columns import CheckColumn, fits

@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.extremes import Envelope, envelope
 from drivesizer.physics.heat_bounds import Blocks, Bracket, blocks, bracket
 from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bounds
-from drivesizer.physics.motor_demand import DIRECTION, SPEED, AtGearhead, Demands, peak
+from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.products import product
 from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
@@ -94,7 +95,7 @@ def _resisted(
     warmest = np.fmin(np.where(np.isnan(high.winding), bound, high.winding), permitted)  # else it fails by its heat
     warmest = np.where(np.isfinite(warmest), warmest, np.nan)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
-    at_hot = np.maximum(peak(cycle, volts_of(demand, k_t, hot), demand.left_out).value, stresses.cold_voltage.value)
+    at_hot = np.maximum(cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value, stresses.cold_voltage.value)
     low = low._replace(voltage=_least_voltage(cycle, demand, cool, k_t, stresses.cold_voltage.value))
     high = high._replace(voltage=at_hot)
     keeps, same = kept_on_the_bus(spec) > 0.0, demand.surplus(k_t) == 0.0

@@ -15,8 +15,8 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_wheels import cycles_of as wheels_of
 from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of
 from drivesizer.load_cases.wheel import WheelLoad, wheel_load
+from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.physics.motor_demand import at_gearhead
 from drivesizer.results.problem import Problem
 from drivesizer.search.uncertainty.sampled_battery import Feeding, feeding
 from drivesizer.search.uncertainty.sampled_checks import Block

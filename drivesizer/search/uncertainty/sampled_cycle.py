@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.motor_demand import SPEED, AtGearhead, CycleAtBelt, Peak, bounded
+from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, CycleAtBelt, Peak, bounded
 
 __all__ = ["AtSamples"]
 

@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.cycle_at_gearhead import piece_counts
 from drivesizer.physics.heat_cycle_columns import each_figure
 from drivesizer.physics.load_cycle import mean_product, places
-from drivesizer.physics.motor_demand import Demands, piece_counts
+from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
 from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, longest_above, mean_square

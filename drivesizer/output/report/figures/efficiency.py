@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from drivesizer.machine.efficiency import Operation, operation
 from drivesizer.machine.set_cycle import SetCycle
 from drivesizer.output.report.figures.style import CASES, COLOURS, Form, drawn, named, outside, placed, torque_unit
-from drivesizer.physics.motor_demand import AT_REST, SPEED
+from drivesizer.physics.cycle_at_gearhead import AT_REST, SPEED
 from drivesizer.units import from_si, label
 
 if TYPE_CHECKING:
