@@ -89,7 +89,7 @@ def printable(text: str) -> str:
 
 
 def reason_of(error: Exception) -> str:
-    """Why the operating system refused, as it stands in a message: ``no such file or directory``."""
+    """Reason of the operating system for a refusal, as in a message: ``no such file or directory``."""
     return (getattr(error, "strerror", "") or str(error)).lower()
 
 

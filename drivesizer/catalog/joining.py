@@ -86,7 +86,7 @@ def _not_loaded(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
 
 
 def _places(table: Table[Any]) -> NDArray[np.int32]:
-    """Where each row goes when of rows with the same part number the last is left."""
+    """New place of each row when of rows with the same part number the last is left."""
     _, last = np.unique(table["part"][::-1], return_index=True)
     keep = np.zeros(len(table), bool)
     keep[len(table) - 1 - last] = True

@@ -104,7 +104,7 @@ def partners(hit: Hit) -> dict[str, dict[str, int]]:
 
 
 def origins(hit: Hit) -> dict[str, Source]:
-    """Where each known figure of a part comes from: its table's source, or that of a note on it."""
+    """Source of each known figure of a part: that of its table, or of a note on it."""
     base = hit.catalog.sources[hit.table.source[hit.row]]
     confidence = hit.catalog.confidence(hit.section, hit.row)
     by_document = {source.document: source for source in hit.catalog.sources}

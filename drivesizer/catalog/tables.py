@@ -35,7 +35,7 @@ ESTIMATED = "estimated"  # from peers: no catalogue may say so of its own figure
 
 
 class Source(NamedTuple):
-    """Where figures come from."""
+    """Source of figures."""
 
     document: str
     confidence: str  # quoted, secondary, derived or recalled

@@ -47,7 +47,7 @@ class Kernel(NamedTuple):
         return folder() / "kernels" / digest_of(version.encode(), *made_from)
 
     def folder(self, version: str) -> Path | None:
-        """Where compiled code is kept; None where nothing can be written."""
+        """Folder of compiled code; None where nothing can be written."""
         place = self._place(version)
         try:
             place.mkdir(parents=True, exist_ok=True)

@@ -49,7 +49,7 @@ class WheelLoad(Recorded):
 
     @property
     def rolling_torque(self) -> float:
-        """That the wheel itself takes to roll on a level floor, in either direction [N*m]."""
+        """Torque of rolling on a level floor, in either direction [N*m]."""
         return self._rolling
 
     @property

@@ -1,4 +1,4 @@
-r"""Where the energy of a cycle goes: from the supply through winding, motor, gearhead and belt to the load, and back.
+r"""Flow of the energy of a cycle: from the supply through winding, motor, gearhead and belt to the load, and back.
 
 .. math:: E_{drawn} = E_{load} + E_{belt} + E_{gearhead} + E_{friction} + E_{copper} + E_{rotor} + E_{returned}
 

@@ -134,7 +134,7 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settled:
-    """Where the rounds ended."""
+    """Result of the rounds."""
 
     status: Literal["settled", "cycle", "none", "unknown", "open"]
     total: float  # kg that the drive was sized for; NaN where none carries itself

@@ -139,7 +139,7 @@ def _layouts(required: Pulleys, pulleys: Array, belts: Array) -> _Layouts:
 
 
 def _fits(required: Pulleys, layouts: _Layouts) -> NDArray[np.bool_]:
-    """Where the shafts can stand as the belt wants them; without a wish, where a new drive should have them."""
+    """Mask of the layouts of the required centre distance; without one, of those of at least the recommended one."""
     a, wish = layouts.centre_distance, required.centre_distance
     least = shortest_recommended(layouts.driving, layouts.driven, required.pitch)
     fits: NDArray[np.bool_] = a >= least if wish is None else np.abs(a - wish) <= required.adjustable
@@ -182,7 +182,7 @@ def _best_of_each_ratio(required: Pulleys, layouts: _Layouts) -> _Layouts:
 
 
 def _fewer(required: Pulleys, best: _Layouts) -> _Layouts:
-    """As many ratios as are searched, spread over the range; where some keep enough teeth in mesh, of those."""
+    """The ratios that are searched, spread over the range; where some keep enough teeth in mesh, of those."""
     held = teeth_in_mesh(best.driving, best.driven, required.pitch, best.centre_distance)
     able = best.on(np.flatnonzero(held >= LEAST_IN_MESH)) if (held >= LEAST_IN_MESH).any() else best
     return able.on(spread(np.log(able.ratio), MOST_RATIOS))

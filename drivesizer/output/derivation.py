@@ -109,7 +109,7 @@ def _unit(unit: str) -> str:
 
 @cache
 def _failures() -> dict[str, str]:
-    """Why printed forms fail the unit check, by the equation's name: found once and kept, as no report needs pint."""
+    """Printed forms that fail the unit check, by name: found once and kept, so that no report needs pint."""
     kept: dict[str, str] = json.loads(resources.files(__package__).joinpath("printed_failures.json").read_bytes())
     return kept
 

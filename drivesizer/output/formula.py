@@ -225,7 +225,7 @@ def _level(node: ast.expr) -> int:
 
 
 def printed_failure(declared: Equation) -> str | None:
-    """Why the printed form fails the unit check, or None when it passes (or there is none).
+    """Failure of the printed form in the unit check, or None when it passes (or there is none).
 
     The printed expression is evaluated with pint quantities in the declared units.
     """

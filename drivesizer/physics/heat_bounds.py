@@ -193,7 +193,7 @@ def _signals(left: Array, right: Array) -> Array:
 
 
 def _farthest(time: Array, sums: Array, cuts: NDArray[np.intp]) -> tuple[NDArray[np.intp], Array]:
-    """Where each block's sums are farthest from a straight line, and how far."""
+    """Places where each block's sums are farthest from a straight line, and their distance."""
     pieces = np.diff(cuts)
     first, last = cuts[:-1], cuts[1:]
     slope = (sums[:, last] - sums[:, first]) / (time[last] - time[first])

@@ -182,7 +182,7 @@ def highest(found: Periodic, *shares: float) -> Highest:
 
 
 def _turned(found: Periodic, values: Array, slopes: Array, pulls: Array, top: Array) -> tuple[Any, Array, Array]:
-    """Where a sum of rises turns round within a segment and may be above ``top``: the places, when and how high."""
+    """Extremes of a sum of rises within segments that may be above ``top``: the places, when and how high."""
     t = np.broadcast_to(found.t, slopes.shape)
     inner = np.nonzero((slopes > 0.0) & (pulls < 0.0) & (values[:-1] + t * slopes > top))
     columns = (found.span.fast, found.span.slow, t, values[:-1], slopes, pulls)

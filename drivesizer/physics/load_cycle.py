@@ -113,7 +113,7 @@ _COLUMNS = ("speed", "acceleration", "torque")
 
 
 def cut_points(column: Ends) -> tuple[NDArray[np.int64], NDArray[np.float64], Ends]:
-    """Where a quantity changes sign within segments.
+    """Places where a quantity changes sign within segments.
 
     Parameters
     ----------

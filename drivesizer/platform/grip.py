@@ -253,7 +253,7 @@ def _allowed(d: Dynamics, unit: Array) -> Array:
 
 
 def _first_slip(before: tuple[Array, Array], after: tuple[Array, Array], friction: float) -> float:
-    """Where force first exceeds μ times load: both straight from ``before`` at 0 to ``after`` at 1; 0 where at once.
+    """Place where force first exceeds μ times load: both straight from ``before`` at 0 to ``after`` at 1; 0: at once.
 
     |A + B t| <= C + D t is a quadratic; its first root beyond 0 in the form that stays finite when it is none.
     """

@@ -63,7 +63,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Waypoint:
-    """Where the platform stands for a moment, or for a pause."""
+    """Posture at which the platform stands for a moment, or for a pause."""
 
     x: float  # m
     y: float  # m
@@ -145,7 +145,7 @@ def _pause_at(stop: _Stop) -> list[Trajectory]:
 
 
 def _stops(waypoints: Sequence[Waypoint]) -> list[_Stop]:
-    """Where the platform comes to rest, turns on the spot among them; one in the place of the one before adds to it."""
+    """Stops of the platform, turns on the spot among them; one in the place of the one before adds to it."""
     found: list[_Stop] = []
     for number, w in enumerate(waypoints, 1):
         heading = _first_heading(waypoints) if number == 1 else _next_heading(waypoints, number, found[-1].posture)

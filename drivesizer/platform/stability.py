@@ -304,7 +304,7 @@ def lift_off_slope(platform: Platform, uphill: float | None = None) -> float:
 def zero_moment_point(
     platform: Platform, theta: Any = 0.0, ground: Ground = LEVEL, accelerated: Any = (0.0, 0.0)
 ) -> Array:
-    """Where the floor must push so that the platform does not tip, in the robot's frame [m]; shape (2, ...).
+    """Point where the floor must push so that the platform does not tip, in the robot's frame [m]; shape (2, ...).
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ _FOLLOWS: dict[Figure, Figure] = {
 
 
 class Turn(NamedTuple):
-    """Where a check turns when one estimated figure moves and the others stay at the middle of their bands."""
+    """Value at which a check turns when one estimated figure moves and the others stay at the middle of their bands."""
 
     figure: Figure
     value: float  # SI

@@ -80,7 +80,7 @@ class Supply(Section):
 
 
 class Environment(Section):
-    """Where the machine works."""
+    """Surroundings in which the machine works."""
 
     ambient: Temperature = default("25 degC")
     gravity: Gravity = default("9.80665 m/s^2")

@@ -12,7 +12,7 @@ import drivesizer
 
 PACKAGE = Path(drivesizer.__file__).parent
 ROOMS = sorted(p.name for p in PACKAGE.iterdir() if (p.is_dir() and p.name != "__pycache__") or p.suffix == ".py")
-WORDY = re.compile(r"(What|How|Which)\b")
+WORDY = re.compile(r"(What|How|Which|Where|When|Why|That|As)\b")
 EXEMPT = {"commands"}  # docstrings there are --help, and each parameter is an option with a help text of its own
 
 
@@ -51,7 +51,7 @@ def test_public_functions_have_parameters_and_returns(room: str) -> None:
 
 
 def wordy(path: Path) -> list[str]:
-    """Docstrings of a module that begin with What, How or Which."""
+    """Docstrings of a module that begin with a question or a clause."""
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
     found = (n for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, documented))
     firsts = [(getattr(n, "lineno", 1), (ast.get_docstring(n) or "-").splitlines()[0]) for n in found]

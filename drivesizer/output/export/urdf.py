@@ -54,7 +54,7 @@ def _both(of: Export) -> dict[str, str]:
 
 
 def _transmission(root: Element, of: Export) -> None:
-    """As ROS 1 and MoveIt read it; ros2_control has its own."""
+    """Transmission as ROS 1 and MoveIt read it; ros2_control has its own."""
     transmission = SubElement(root, "transmission", name=f"{JOINT}_transmission")
     SubElement(transmission, "type").text = "transmission_interface/SimpleTransmission"
     joint = SubElement(transmission, "joint", name=JOINT)

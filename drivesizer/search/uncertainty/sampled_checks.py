@@ -82,7 +82,7 @@ class _Figures:
         return self.taken[name]
 
     def nominal(self, name: str, count: int = 1) -> NDArray[Any]:
-        """As the catalogue prints it."""
+        """Figure as the catalogue prints it."""
         column: NDArray[Any] = self.table[name]
         if self.row < 0:
             return np.full(count, np.nan if column.dtype.kind == "f" else "")

@@ -64,7 +64,7 @@ def span(loops: Sequence[Loop]) -> tuple[float, float]:
 
 
 def _turning(loop: Loop) -> float:
-    """Where a loop's gain is 1 for the first time [Hz], as it has crossover or not; else a share of its range."""
+    """Frequency at which a loop's gain first is 1 [Hz], with crossover or without; else a share of its range."""
     frequency = loop.bode.frequency
     below = np.flatnonzero(loop.bode.open_magnitude < 1.0)
     known = [f for f in (loop.crossover, loop.bandwidth) if f > 0.0]

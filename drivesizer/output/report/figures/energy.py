@@ -1,4 +1,4 @@
-"""Where the energy of a cycle goes, as bars that follow one another from what is drawn down to nothing."""
+"""Flow of the energy of a cycle, as bars that follow one another from the energy drawn down to nothing."""
 
 from __future__ import annotations
 

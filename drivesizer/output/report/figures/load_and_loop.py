@@ -157,7 +157,7 @@ def stretches(cycles: Sequence[tuple[str, LoadCycle]]) -> list[Window]:
 
 
 def _changes(cycle: LoadCycle) -> list[Window]:
-    """Where speed or torque changes."""
+    """Times at which speed or torque changes."""
     columns = (cycle.speed.ravel(), cycle.torque.ravel())
     steps = sum(np.abs(np.diff(x)) / (np.abs(x).max() or 1.0) for x in columns)
     return windows({"time": cycle.time.ravel(), "speed_reference": np.append(0.0, np.cumsum(steps))})

@@ -105,7 +105,7 @@ class Behaviour:
         return efficiency_map(efficiency_field(self.cycles[: len(CASES)], voltage), form)
 
     def flow(self, form: Form) -> bytes:
-        """Where the energy goes."""
+        """Flow of the energy."""
         return energy_bars(self.energy, form)
 
     # -- texts
@@ -137,7 +137,7 @@ class Behaviour:
 
     @property
     def heat_lacks(self) -> str:
-        """Why the course of the temperatures is not known."""
+        """Reason why the course of the temperatures is not known."""
         lacks = [name.replace("_", " ") for name in _BODIES if isnan(getattr(self.drive_set.motor, name))]
         if lacks:
             return f"{', '.join(lacks)} of the motor not known"

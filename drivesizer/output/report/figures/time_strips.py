@@ -28,7 +28,7 @@ class Strip(NamedTuple):
     end: float
 
     def place(self, number: int, time: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where times of a stretch are."""
+        """Places of the times of a stretch."""
         return time - self.windows[number].start + self.starts[number]
 
 

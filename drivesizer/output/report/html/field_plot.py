@@ -151,7 +151,7 @@ def _cycle(number: int, name: str, found: OperatingField, time: Array, unit: str
 
 
 def _moments(time: Array, power: Array) -> list[list[Any]]:
-    """When each point of a cycle is passed [s], and with which power of the shaft."""
+    """Time of each point of a cycle [s], and the power of the shaft then."""
     shown = (f"{watts:.4g} W at the shaft".replace("-", "−") for watts in power)
     return [[float(f"{at:.8g}"), said] for at, said in zip(time, shown, strict=True)]
 

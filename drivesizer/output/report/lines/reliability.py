@@ -21,7 +21,7 @@ def outcome(result: SizingResult) -> str:
 
 
 def none_reaches(result: SizingResult) -> str:
-    """That no drive reaches the required confidence; empty where one does, or none meets all limits."""
+    """Statement that no drive reaches the required confidence; empty where one does, or none meets all limits."""
     if outcome(result) != "unsure" or result.uncertainty is None:
         return ""
     return f"no drive reaches the confidence of {confidence(result.uncertainty.confidence)}"

@@ -62,7 +62,7 @@ class Content:
 
     @property
     def shaft(self) -> str:
-        """Where the load is given."""
+        """Shaft at which the load is given."""
         return "wheel" if self.result.spec.load.kind == "wheeled_vehicle" else "load's shaft"
 
     @property
