@@ -13,8 +13,8 @@ A gearhead may be driven faster than its continuous input speed for a while. How
   interactivepdf.uniflip.com/2/69963/302245/pub/html/7.html).
 - Of other makers no rule is known: maxon's is *assumed*, the stricter one.
 
-With any of them the mean while running must not exceed the limit. All is exact for speeds that are straight lines, and
-the cycle repeats: a run over its end continues at its start.
+``results.ratings`` has the makers by name. With any of them the mean while running must not exceed the limit. All is
+exact for speeds that are straight lines, and the cycle repeats: a run over its end continues at its start.
 """
 
 from __future__ import annotations

@@ -147,13 +147,13 @@ def _scaled(problem: Problem, passes: Passes) -> Iterator[Relaxation]:
         now = _value(problem.spec, figure.path)
         if not isinstance(now, float) or now == 0.0:
             continue
-        factor = _least_change(lambda f, at=figure.path: passes(_changed(problem, at, f)), figure.direction)  # type: ignore[misc]
-        if factor is not None:
+        found = _least_change(lambda f, at=figure.path: passes(_changed(problem, at, f)), figure.direction)  # type: ignore[misc]
+        if found is not None:
+            factor, label = found
             kind, unit = figure.rotary if turns and figure.rotary else (figure.kind, figure.unit)
             yield Relaxation(
                 field=".".join(figure.path), now=show(now, unit, kind), needed=show(now * factor, unit, kind, 3),
-                set_label=passes(_changed(problem, figure.path, factor)) or "", share=abs(factor - 1.0),
-                kind=kind, unit=unit, before=now, after=now * factor,
+                set_label=label, share=abs(factor - 1.0), kind=kind, unit=unit, before=now, after=now * factor,
             )  # fmt: skip
 
 
@@ -161,18 +161,21 @@ def _cooler(problem: Problem, passes: Passes) -> Iterator[Relaxation]:
     """The ambient, which moves by kelvins."""
     now = problem.spec.environment.ambient
 
-    def at(fall: float) -> Problem:
-        return _changed(problem, _AMBIENT, 1.0 - fall / now)
+    def label_at(fall: float) -> str | None:
+        return passes(_changed(problem, _AMBIENT, 1.0 - fall / now))
 
-    if not passes(at(_COLDEST)):
+    low, high, label = 0.0, _COLDEST, label_at(_COLDEST)
+    if not label:
         return
-    low, high = 0.0, _COLDEST
     while high - low > 1.0:
         middle = (low + high) / 2
-        low, high = (low, middle) if passes(at(middle)) else (middle, high)
+        if found := label_at(middle):
+            high, label = middle, found
+        else:
+            low = middle
     yield Relaxation(
         field=".".join(_AMBIENT), now=show(now, "degC", "temperature"),
-        needed=show(now - high, "degC", "temperature", 3), set_label=passes(at(high)) or "", share=high / now,
+        needed=show(now - high, "degC", "temperature", 3), set_label=label, share=high / now,
         kind="temperature", unit="degC", before=now, after=now - high,
     )  # fmt: skip
 
@@ -198,20 +201,23 @@ def _changed(problem: Problem, path: tuple[str, ...], factor: float) -> Problem:
     return changed(problem, moved)
 
 
-def _least_change(passes: Callable[[float], Any], direction: int) -> float | None:
-    """The factor nearest to 1 at which something passes, between 1 and 1/20 or 20; None when nothing there does.
+def _least_change(passes: Callable[[float], str | None], direction: int) -> tuple[float, str] | None:
+    """The factor nearest to 1 at which something passes, between 1 and 1/20 or 20, and what; None when nothing does.
 
     Looked for in steps first: more is not always better, as when a voltage outgrows the controllers.
     """
     near = 1.0
     for step in _STEPS:
         far = step**direction
-        if passes(far):
+        if label := passes(far):
             break
         near = far
     else:
         return None
     while max(far / near, near / far) > _NEAR_ENOUGH:
         middle = float(np.sqrt(near * far))
-        near, far = (near, middle) if passes(middle) else (middle, far)
-    return far
+        if found := passes(middle):
+            far, label = middle, found
+        else:
+            near = middle
+    return far, label
