@@ -136,22 +136,28 @@ def _of_the_battery(problem: Problem, battery: Battery, one: DriveParts) -> list
     return found
 
 
-def drive_mass(one: DriveParts, sets: int) -> float:
-    """Known mass of all drives together.
+def drive_mass(problem: Problem, one: DriveParts) -> float:
+    """Mass of all drives together that the machine must carry: what is estimated at the upper end of its band.
 
     Parameters
     ----------
+    problem
+        The machine, and the catalogues with their estimates.
     one
         The drive.
-    sets
-        How many of it the machine has.
 
     Returns
     -------
     float
         [kg], parts of unknown mass left out.
     """
-    return math.fsum(row.total for row in drive_rows(one, sets) if not isnan(row.total))
+    return math.fsum(row.ends[1] for row in _drive_rows(problem, one) if not isnan(row.each))
+
+
+def _drive_rows(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
+    spec = problem.spec
+    belt = spec.belt.mass if spec.belt else None
+    return drive_rows(one, spec.load.motors, problem.catalog, belt, spec.wants_encoder)
 
 
 def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
@@ -181,7 +187,7 @@ def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
 def _mass(problem: Problem, budget: Budget, one: DriveParts) -> MechanicalBudget:
     spec, load = problem.spec, problem.machine.load
     battery = pack_of(spec.battery, problem.catalog).mass if spec.battery else None
-    found = machine_mass(budget, one, spec.load.motors, platform=spec.platform, battery=battery)
+    found = machine_mass(budget, _drive_rows(problem, one), platform=spec.platform, battery=battery)
     return mass_part(found, load.mass if isinstance(load, WheeledVehicle) else None)
 
 

@@ -1,8 +1,8 @@
 """Mass of a machine, part by part, against its limit; and the mass at which a drive carries itself.
 
-A mass that is not known has a row of its own and no figure: the sum is that of what is known, and may break a limit but
-not keep it. Where the drive's own mass counts, a heavier machine may need a heavier drive: ``settle`` goes round until
-a drive carries itself.
+A mass that no data sheet gives is estimated, with a band. One that has no estimate either has a row of its own and no
+figure: the sum is that of what is known, and may break a limit but not keep it. Where the drive's own mass counts, a
+heavier machine may need a heavier drive: ``settle`` goes round until a drive carries itself.
 """
 
 from __future__ import annotations
@@ -10,17 +10,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from statistics import NormalDist
+from typing import Any, Literal, NamedTuple
 
+from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.mass import MassRow
 from drivesizer.units import show
 
-__all__ = ["MassBudget", "Settled", "Sized", "Step", "drive_rows", "mass_budget", "settle"]
+__all__ = ["BELT", "MassBudget", "Settled", "Sized", "Step", "drive_rows", "mass_budget", "settle"]
 
 Sized = Callable[[float], tuple[float, Hashable] | None]  # mass of the whole [kg] to mass of the drive and its name
 _GRAM = 1e-3  # kg
+_SECTIONS = {"motor": "motors", "gearhead": "gearheads", "encoder": "encoders", "controller": "controllers",
+             "actuator": "actuators"}  # fmt: skip
+_END = NormalDist().inv_cdf(0.95)  # standard deviations from the middle of a band to its end
+BELT = (0.15, (0.05, 0.45))  # kg, of belt and two pulleys of a ratio alone: assumed, a factor of 3 either way
 _HEAVIEST = 1e6  # kg, beyond which masses run away
 
 
@@ -40,6 +46,39 @@ class MassBudget:
         return math.fsum(row.total for row in self.rows if not math.isnan(row.each))
 
     @property
+    def guessed(self) -> float:
+        """Sum of what is estimated [kg]; 0 where nothing is."""
+        return math.fsum(row.total for row in self.rows if row.band)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """That sum at both ends of all bands [kg]."""
+        low, high = (math.fsum(row.ends[k] for row in self.rows if not math.isnan(row.each)) for k in (0, 1))
+        return low, high
+
+    @property
+    def estimated(self) -> tuple[str, ...]:
+        """Parts of estimated mass."""
+        return tuple(row.name for row in self.rows if row.band)
+
+    def probability(self, most: float) -> float:
+        """Probability that the sum of what is known is at most so much [kg].
+
+        Estimated masses are independent and log-normal; their sum is taken as log-normal with its mean and variance
+        (L. Fenton, *The sum of log-normal probability distributions*, IRE Trans. Commun. Syst. 8, 1960).
+        """
+        left, mean, variance = most - (self.known - self.guessed), 0.0, 0.0
+        for row in self.rows:
+            if row.band:
+                spread = (math.log(row.band[1] / row.band[0]) / (2.0 * _END)) ** 2
+                mean += row.total * math.exp(spread / 2.0)
+                variance += row.total**2 * math.exp(spread) * math.expm1(spread)
+        if left <= 0.0 or not variance:
+            return float(left >= 0.0)
+        spread = math.log1p(variance / mean**2)
+        return NormalDist(math.log(mean) - spread / 2.0, math.sqrt(spread)).cdf(math.log(left))
+
+    @property
     def unknown(self) -> tuple[str, ...]:
         """Parts of unknown mass."""
         return tuple(row.name for row in self.rows if math.isnan(row.each))
@@ -55,8 +94,10 @@ class MassBudget:
         return self.limit - self.known
 
 
-def drive_rows(drive_set: DriveParts, sets: int) -> tuple[MassRow, ...]:
-    """Masses of the parts of several drives of one kind; unknown where a part is not chosen or its mass not listed.
+def drive_rows(
+    drive_set: DriveParts, sets: int, catalog: Catalog | None = None, belt: float | None = None, encoder: bool = True
+) -> tuple[MassRow, ...]:
+    """Masses of the parts of several drives of one kind; unknown where a part is not chosen or its mass not to be had.
 
     Parameters
     ----------
@@ -64,6 +105,12 @@ def drive_rows(drive_set: DriveParts, sets: int) -> tuple[MassRow, ...]:
         The drive. Its mass alone counts motor and gearhead only; here are encoder, controller and belt too.
     sets
         How many there are.
+    catalog
+        With its estimates, where these count.
+    belt
+        Mass of belt and pulleys that are not out of the catalogues [kg].
+    encoder
+        Whether one is required: else none need be there.
 
     Returns
     -------
@@ -71,11 +118,23 @@ def drive_rows(drive_set: DriveParts, sets: int) -> tuple[MassRow, ...]:
         One row for each kind of part.
     """
     rows = [
-        MassRow(name=role, each=getattr(part, "mass", math.nan), number=sets) for role, part in drive_set.parts.items()
+        MassRow(name=role, each=getattr(part, "mass", math.nan), number=sets, band=_band(catalog, role, part))
+        for role, part in drive_set.parts.items()
+        if part is not None or role != "encoder" or encoder
     ]
     if drive_set.belt_ratio != 1.0 and drive_set.belt_drive is None:
-        rows.append(MassRow(name="belt and pulleys", each=math.nan, number=sets))
+        each, band = (math.nan, None) if catalog is None or not catalog.ends else BELT
+        own = (each, band) if belt is None else (belt, None)
+        rows.append(MassRow(name="belt and pulleys", each=own[0], number=sets, band=own[1]))
     return tuple(rows)
+
+
+def _band(catalog: Catalog | None, role: str, part: Any) -> tuple[float, float] | None:
+    """The band of a part's mass, where that is estimated."""
+    if catalog is None or part is None or role not in _SECTIONS:
+        return None
+    found = catalog.estimate_of(_SECTIONS[role], catalog.table(_SECTIONS[role]).rows[part.part], "mass")
+    return found[1:3] if found else None
 
 
 def mass_budget(

@@ -15,7 +15,7 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.mass_budget import MassBudget, drive_rows, mass_budget
+from drivesizer.machine.mass_budget import MassBudget, mass_budget
 from drivesizer.platform.contact_loads import Ground, contact_loads
 from drivesizer.platform.dynamics import Dynamics
 from drivesizer.platform.envelope import corner_width, turning_circle, width_at
@@ -24,11 +24,11 @@ from drivesizer.platform.passages import Clearance, clearances
 from drivesizer.platform.stability import carrying, support_polygon, used_footing
 from drivesizer.platform.stability_along import Moment, least_margin_share, least_share
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.results.check_columns import CheckColumn, at_most, fits
-from drivesizer.results.drive_set import DriveParts
+from drivesizer.results.check_columns import CheckColumn, at_most, fits, over_band
 from drivesizer.results.mass import MassRow
 from drivesizer.results.sizing import Check
 from drivesizer.spec.platform import Budget, PassageSection, Platform
+from drivesizer.units import show
 
 __all__ = [
     "PlatformOnFloor",
@@ -37,7 +37,6 @@ __all__ = [
     "machine_mass",
     "mass_checks",
     "mass_columns",
-    "rest_of_machine",
     "stability_checks",
 ]
 
@@ -96,30 +95,6 @@ def _unknown(column: CheckColumn, note: str) -> CheckColumn:
 
 
 def machine_mass(
-    budget: Budget, drive_set: DriveParts, sets: int, *, platform: Platform | None = None, battery: float | None = None
-) -> MassBudget:
-    """The mass budget of a machine.
-
-    Parameters
-    ----------
-    budget
-        The spec's section.
-    drive_set, sets
-        What drives it, and how many of it there are.
-    platform
-        With its payloads.
-    battery
-        Mass of it [kg]; NaN where it is unknown, None where there is none or ``others`` has it.
-
-    Returns
-    -------
-    MassBudget
-        Drives and the rest of the machine.
-    """
-    return rest_of_machine(budget, drive_rows(drive_set, sets), platform=platform, battery=battery)
-
-
-def rest_of_machine(
     budget: Budget, drive: Sequence[MassRow], *, platform: Platform | None = None, battery: float | None = None
 ) -> MassBudget:
     """The mass budget of a machine with given rows of its drives.
@@ -129,9 +104,11 @@ def rest_of_machine(
     budget
         The spec's section.
     drive
-        Rows of the drives; none for the machine beside its drive.
-    platform, battery
-        As for ``machine_mass``.
+        Rows of the drives, as of ``drive_rows``; none for the machine beside its drive.
+    platform
+        With its payloads.
+    battery
+        Mass of it [kg]; NaN where it is unknown, None where there is none or ``others`` has it.
 
     Returns
     -------
@@ -159,11 +136,27 @@ def mass_checks(found: MassBudget, sized_for: float | None = None) -> tuple[Chec
     tuple[Check, ...]
         One for each limit that is given.
     """
-    columns = mass_columns(found.known, bool(found.unknown), found.limit, sized_for)
-    if not found.unknown:
-        return _noted(columns)
-    note = f"unknown: {', '.join(dict.fromkeys(found.unknown))}"
-    return _noted([_unknown(column, note) for column in columns])
+    low, high = found.ends
+    middle, *ends = (
+        mass_columns(np.array([mass]), bool(found.unknown), found.limit, sized_for) for mass in (found.known, low, high)
+    )
+    if found.estimated:
+        one = np.array([0])
+        middle = [over_band(mid, pair, one) for mid, *pair in zip(middle, *ends, strict=True)]
+    return tuple(_mass_check(found, column) for column in middle)
+
+
+def _mass_check(found: MassBudget, column: CheckColumn) -> Check:
+    """One limit of the mass; where estimated masses decide, from where on and how probable it is that it holds."""
+    check = column.at(0, "budget")
+    if check.status == "unknown":
+        return replace(check, note=f"unknown: {', '.join(dict.fromkeys(found.unknown))}")
+    if check.status != "open":
+        return check
+    parts = ", ".join(dict.fromkeys(found.estimated))
+    room = show(check.limit / (1.0 + check.needed) - (found.known - found.guessed), check.unit, "mass", 2)
+    return replace(check, probability=found.probability(check.limit),
+                   note=f"passes where {parts}, which are estimated, have at most {room} together")  # fmt: skip
 
 
 def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:

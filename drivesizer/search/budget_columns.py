@@ -17,7 +17,8 @@ from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_checks import Load, accepted, charging, raised_voltage
 from drivesizer.machine.battery_pack import Pack, pack_of
-from drivesizer.machine.platform_checks import mass_columns, rest_of_machine
+from drivesizer.machine.mass_budget import BELT
+from drivesizer.machine.platform_checks import machine_mass, mass_columns
 from drivesizer.machine.supply_power import distance_of
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
@@ -55,14 +56,15 @@ def certain_failures(whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
 
 
 def _masses(whole: Evaluation) -> list[CheckColumn]:
-    """The known mass of the machine with each drive."""
-    spec, catalog, sets = whole.spec, whole.catalog, whole.candidates
+    """The known mass of the machine with each drive, of what is estimated the least."""
+    spec, sets = whole.spec, whole.candidates
     if spec.budget is None:
         return []
+    catalog = whole.catalog.ends[0] if whole.catalog.ends else whole.catalog
     parts = [Rows(catalog.motors, sets.motor)["mass"], *_beside(catalog, sets, whole), _belts(whole.problem, sets)]
     each = np.stack(np.broadcast_arrays(*parts))
     battery = pack_of(spec.battery, catalog).mass if spec.battery else None
-    rest = rest_of_machine(spec.budget, (), platform=spec.platform, battery=battery)
+    rest = machine_mass(spec.budget, (), platform=spec.platform, battery=battery)
     known = spec.load.motors * np.nansum(each, axis=0) + rest.known
     lacking = np.isnan(each).any(axis=0) | bool(rest.unknown)
     load = whole.problem.machine.load
@@ -74,17 +76,24 @@ def _beside(catalog: Catalog, sets: Candidates, whole: Evaluation) -> Iterator[A
     inside = Rows(catalog.motors, sets.motor)["inside"] != ""
     direct = catalog.gearheads["part"][sets.gearhead] == DIRECT
     yield np.where(inside | direct, 0.0, catalog.gearheads["mass"][sets.gearhead])
-    for table, rows in ((catalog.encoders, whole.encoder), (catalog.controllers, whole.controller)):
+    controlling = (
+        (catalog.encoders, whole.encoder, not whole.spec.wants_encoder),
+        (catalog.controllers, whole.controller, False),
+    )
+    for table, rows, needless in controlling:
         part = Rows(table, rows)
-        yield np.where(inside & (part["inside"] != "") & (rows >= 0), 0.0, part["mass"])
+        none = (inside & (part["inside"] != "") & (rows >= 0)) | (needless & (rows < 0))
+        yield np.where(none, 0.0, part["mass"])
 
 
 def _belts(problem: Problem, sets: Candidates) -> Array:
-    """Mass of belt and pulleys of each ratio; unknown where they are not out of the catalogues."""
-    mass = np.zeros(len(sets.motor))
+    """Mass of belt and pulleys of each ratio; the least where they are not out of the catalogues."""
+    mass, belt = np.zeros(len(sets.motor)), problem.spec.belt
+    least = nan if not problem.catalog.ends else BELT[1][0]
+    own = least if belt is None or belt.mass is None else belt.mass
     for ratio in np.unique(sets.belt).tolist():
         drive = problem.belt_drive(ratio)
-        bought = [part.mass for part in drive.parts.values()] if drive else [nan if ratio != 1.0 else 0.0]
+        bought = [part.mass for part in drive.parts.values()] if drive else [own if ratio != 1.0 else 0.0]
         mass[sets.belt == ratio] = np.sum(bought)
     return mass
 

@@ -17,7 +17,14 @@ from drivesizer.units import show
 
 __all__ = ["decided", "estimated"]
 
-_PART = {"motors": "motor", "gearheads": "gearhead", "encoders": "encoder", "actuators": "actuator"}
+_PART = {
+    "motors": "motor",
+    "gearheads": "gearhead",
+    "encoders": "encoder",
+    "controllers": "controller",
+    "actuators": "actuator",
+}
+_CONTROLLING = ("encoders", "controllers")  # their masses count in the budget of a machine alone
 
 
 def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]:
@@ -42,9 +49,12 @@ def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]
     inside = str(catalog.motors["inside"][motor])
     own = {"motors": motor, "gearheads": gearhead}
     places = {"actuators": catalog.actuators.rows[inside]} if inside else own
-    if evaluation.encoder[index] >= 0 and not inside:
-        places["encoders"] = int(evaluation.encoder[index])
-    return tuple(one for section, row in places.items() for one in _of_part(catalog, section, row))
+    chosen = zip(_CONTROLLING, (evaluation.encoder, evaluation.controller), strict=True)
+    rows_of = {section: int(rows[index]) for section, rows in chosen if rows[index] >= 0}
+    places |= {section: row for section, row in rows_of.items() if not catalog.table(section)["inside"][row]}
+    found = [(section, one) for section, row in places.items() for one in _of_part(catalog, section, row)]
+    weighed = evaluation.spec.budget is not None
+    return tuple(one for section, one in found if weighed or section not in _CONTROLLING or one.figure != "mass")
 
 
 def _of_part(catalog: Catalog, section: str, row: int) -> list[EstimatedFigure]:

@@ -48,8 +48,9 @@ def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog, objective: Rankin
         return spec.model_copy(update={"load": load.model_copy(update={"mass": mass})})
 
     def sized(mass: float) -> tuple[float, str] | None:
-        best = best_in_machine(problem(weighing(mass), catalog), objective, _ITERATED)
-        return (drive_mass(best, load.motors), best.label) if best else None
+        heavy = problem(weighing(mass), catalog)
+        best = best_in_machine(heavy, objective, _ITERATED)
+        return (drive_mass(heavy, best), best.label) if best else None
 
     settled = settle(sized, mass_without_drive(spec, catalog), tolerance=_SAME)
     mass = settled.total if settled.carries_itself else settled.steps[-1].total

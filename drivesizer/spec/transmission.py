@@ -10,6 +10,7 @@ from drivesizer.files.fields import (
     Force,
     Inertia,
     Length,
+    Mass,
     Ratio,
     Section,
     Share,
@@ -65,6 +66,9 @@ class BeltStage(Section):
     efficiency: Share = Field(description="in either direction of power")
     inertia: Inertia = default("0 kg*m^2", description="of belt and pulleys, seen at the load's shaft")
     stiffness: Stiffness | None = Field(default=None, description="of the belt, seen at the load's shaft")
+    mass: Mass | None = Field(
+        default=None, description="of belt and pulleys, where these are not out of the catalogues"
+    )
     pulley_diameter: Length | None = Field(
         default=None, description="of the load's pulley; with pulleys it follows from the teeth"
     )

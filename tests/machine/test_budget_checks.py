@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from math import nan
 
+import numpy as np
 import pytest
 from platform_specs import DIAGONAL, DOOR, SIZE, section, vehicle
 from platforms import MASS
@@ -12,11 +13,13 @@ from trajectories import joined, piece, straight
 from drivesizer import size
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform_record import platform_of
+from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.machine.platform_budget import mass_part, platform_part
 from drivesizer.machine.platform_checks import PlatformOnFloor, envelope_checks, grip_checks, machine_mass, mass_checks
 from drivesizer.machine.platform_checks import stability_checks as footing
 from drivesizer.platform.dynamics import dynamics
 from drivesizer.results.check_kinds import CHECKS
+from drivesizer.results.mass import MassRow
 from drivesizer.spec.platform import Budget
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
@@ -55,30 +58,50 @@ def budget(**given):
 def test_mass_against_its_limit(drive):
     """4 (130 + 77 + 10 + 80) g, 20 kg, 10.8 kg and 3 cameras of 120 g: 32.348 kg of 45 kg."""
     camera = {"name": "camera", "mass": "120 g", "number": 3}
-    found = machine_mass(budget(others=[camera]), drive, 4, battery=10.8)
+    found = machine_mass(budget(others=[camera]), drive_rows(drive, 4), battery=10.8)
     check = of(mass_checks(found, 40.0))
     assert check["mass"].demand == pytest.approx(32.348)
     assert check["mass"].margin == pytest.approx(45.0 / 32.348 - 1.0)
     assert {c.status for c in check.values()} == {"pass"}
     assert "3 x camera" in [row.name for row in found.rows]
     assert of(mass_checks(found, 32.0))["mass_sized_for"].status == "fail"
-    assert of(mass_checks(machine_mass(budget(structure="34 kg"), drive, 4, battery=10.8)))["mass"].status == "fail"
+    heavy = machine_mass(budget(structure="34 kg"), drive_rows(drive, 4), battery=10.8)
+    assert of(mass_checks(heavy))["mass"].status == "fail"
 
 
 def test_payloads_are_in_the_budget(drive):
     carried = section(payloads=[{"name": "case", "mass": "15 kg"}])
-    found = machine_mass(budget(), drive, 4, platform=carried)
+    found = machine_mass(budget(), drive_rows(drive, 4), platform=carried)
     assert found.total == pytest.approx(4 * 0.297 + 20.0 + 15.0)
 
 
 def test_an_unknown_mass_may_fail_but_not_pass(drive):
-    unknown = machine_mass(budget(), replace(drive, encoder=None), 4, battery=nan)
+    unknown = machine_mass(budget(), drive_rows(replace(drive, encoder=None), 4), battery=nan)
     check = of(mass_checks(unknown, 45.0))["mass"]
     assert (check.status, check.note) == ("unknown", "unknown: encoder, battery")
-    heavy = machine_mass(budget(structure="46 kg"), replace(drive, encoder=None), 4)
+    heavy = machine_mass(budget(structure="46 kg"), drive_rows(replace(drive, encoder=None), 4))
     check = of(mass_checks(heavy))["mass"]
     assert (check.status, check.note) == ("fail", "")
-    assert mass_checks(machine_mass(Budget(), drive, 4)) == ()  # nothing is asked
+    assert mass_checks(machine_mass(Budget(), drive_rows(drive, 4))) == ()  # nothing is asked
+
+
+def test_an_estimated_mass_leaves_a_check_open_where_its_band_meets_the_limit():
+    """4 x 20 g and 4 x 90 g, log-normal; the probability against 100 000 samples."""
+    parts = (MassRow(name="encoder", each=0.02, number=4, band=(0.005, 0.08)),
+             MassRow(name="controller", each=0.09, number=4, band=(0.018, 0.45)))  # fmt: skip
+
+    def weighed(limit):
+        return of(mass_checks(machine_mass(budget(structure="20 kg", mass=limit), parts)))["mass"]
+
+    assert [weighed(limit).status for limit in ("20.05 kg", "20.6 kg", "22.2 kg")] == ["fail", "open", "pass"]
+    found = weighed("20.6 kg")
+    assert found.band.low == pytest.approx(20.092) and found.band.high == pytest.approx(22.12)
+    assert "encoder, controller, which are estimated, have at most 0.6 kg together" in found.note
+    spread = np.array([math.log(4.0), math.log(5.0)]) / 1.6448536
+    sampled = np.exp(np.log([0.08, 0.36]) + spread * np.random.default_rng(1).normal(size=(100_000, 2))).sum(axis=1)
+    assert found.probability == pytest.approx(np.mean(sampled <= 0.6), abs=0.03)
+    wide = weighed("21.5 kg")
+    assert wide.probability == pytest.approx(np.mean(sampled <= 1.5), abs=0.03)
 
 
 # --- room -------------------------------------------------------------------------------------------------------------
@@ -270,11 +293,11 @@ def test_a_whole_platform():
 
 
 def test_mass_alone(drive):
-    found = mass_part(machine_mass(budget(), drive, 4, battery=10.8), 45.0)
+    found = mass_part(machine_mass(budget(), drive_rows(drive, 4), battery=10.8), 45.0)
     assert found.mass.total == pytest.approx(31.988) and found.status == "pass"
     assert {c.name for c in found.checks} == {"mass", "mass_sized_for"}
     assert {f.name: f.value for f in found.figures}["mass_left"] == pytest.approx(45.0 - 31.988)
-    unknown = mass_part(machine_mass(budget(), replace(drive, controller=None), 4, battery=10.8), 45.0)
+    unknown = mass_part(machine_mass(budget(), drive_rows(replace(drive, controller=None), 4), battery=10.8), 45.0)
     assert unknown.status == "unknown" and any("without controller" in s for s in unknown.assumptions)
 
 

@@ -20,7 +20,7 @@ SPEC = """
 name: something on the shaft
 motion: {speed: SPEED, acceleration_time: 10 s, cruise_time: 100000 s}
 supply: {nominal: 24 V, min: 22 V, max: 26 V}
-select: {catalogs: [parts.yaml], objective: OBJECTIVE}
+select: {catalogs: [parts.yaml], estimates: off, objective: OBJECTIVE}
 """
 BATTERY = """
 battery: {chemistry: LiFePO4, nominal_voltage: 24 V, capacity: 20 A*h, autonomy: HOURS h, charge_voltage: 26 V,

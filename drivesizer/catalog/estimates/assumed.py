@@ -1,8 +1,9 @@
-r"""Thermal figures where no peer prints any: assumed, with wide bands.
+r"""Thermal figures, and masses of encoders and controllers, where no peer prints any: assumed, with wide bands.
 
 Makers of actuators print no thermal figure. A body of mass m and mean density rho sheds heat over at least the area of
 a cube of it; a winding is a share of its motor's mass. Bands are factors of 2 either
-way, of a brushless winding's resistance 4.
+way, of a brushless winding's resistance 4. Masses of encoders and controllers are those of the 66 and 24 that ship with
+one, from the 5th to the 95th percentile and somewhat beyond.
 
 .. math:: R_{th2} = \frac{1}{h\,6\,(m/\rho)^{2/3}}, \quad C_w = c_w m, \quad C_h = c_h m
 
@@ -40,10 +41,13 @@ _WINDING, _HOUSING = "a winding like that of motors, 0.4 of the mass", "heat cap
 _ALL = (-inf, inf)
 
 
-def _law(of: str, figure: str, factor: float, terms: dict[str, float], source: str, band: float = 2.0) -> Fit:
+def _law(
+    of: str, figure: str, factor: float, terms: dict[str, float], source: str, band: float = 2.0,
+    section: str = "actuators",
+) -> Fit:  # fmt: skip
     coefficients, ranges = (log(factor), *terms.values()), (_ALL,) * len(terms)
     ends = (-log(band), log(band))
-    return Fit(Law("actuators", of, figure, tuple(terms)), coefficients, ends, ends, ranges, 0, 0, (), source)
+    return Fit(Law(section, of, figure, tuple(terms)), coefficients, ends, ends, ranges, 0, 0, (), source)
 
 
 ASSUMED: tuple[Fit, ...] = (
@@ -54,6 +58,8 @@ ASSUMED: tuple[Fit, ...] = (
     _law("brushless", "winding_time_constant", 25.0 * _MOTOR, {_R_TH[0]: 1.0, "mass": 1.0}, _WINDING),
     _law("brushed", "motor_time_constant", 390.0, {_R_TH[1]: 1.0, "mass": 1.0}, _HOUSING),
     _law("brushless", "motor_time_constant", 500.0, {_R_TH[1]: 1.0, "mass": 1.0}, _HOUSING),
+    _law("", "mass", 0.02, {}, "a motor encoder, 8 to 50 g", 2.5, "encoders"),
+    _law("", "mass", 0.045, {}, "a controller from bare module to housed, 7 to 290 g", 6.5, "controllers"),
     Fit(
         Law("", "", "max_winding_temperature", ("nominal_current", "resistance", *_R_TH)),
         (),

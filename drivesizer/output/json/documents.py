@@ -166,7 +166,8 @@ def _estimate(one: EstimatedFigure) -> schema.Estimate:
 
 def _mass(row: MassRow) -> schema.Mass:
     """A line of the masses of the machine."""
-    return {"name": row.name, "number": row.number, "each_kg": number(row.each), "total_kg": number(row.total)}
+    return {"name": row.name, "number": row.number, "each_kg": number(row.each), "total_kg": number(row.total),
+            "band_kg": list(row.band) if row.band else None}  # fmt: skip
 
 
 def _energy(budget: EnergyBudget) -> schema.Energy:

@@ -78,7 +78,9 @@ Belt = TypedDict("Belt", {
     "ratio": float, "efficiency": float, "pulleys": Pulleys | None,
     "part": Annotated[dict[str, Any], _PartOf("belts")] | None, "centre_distance_m": Number, "teeth_in_mesh": Number,
 })  # fmt: skip
-Mass = TypedDict("Mass", {"name": str, "number": Count, "each_kg": Number, "total_kg": Number})
+Mass = TypedDict("Mass", {
+    "name": str, "number": Count, "each_kg": Number, "total_kg": Number, "band_kg": list[float] | None,
+})  # fmt: skip
 Consumer = TypedDict("Consumer", {
     "name": str, "number": Count, "mean_W": Number, "peak_W": Number, "share_of_time": Number, "assumed": bool,
 })  # fmt: skip

@@ -8,7 +8,6 @@ from rich.table import Table
 from drivesizer.output.energy_table import consumer_rows
 from drivesizer.output.terminal import tables as tables
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.units import show
 
 __all__ = ["machine"]
 
@@ -17,8 +16,8 @@ def _masses(found: DriveSet) -> Table:
     """Masses of the machine, part by part."""
     table = tables.bare(("", "left"), ("", "right"), ("mass", "right"), title="Masses")
     for row in found.masses:
-        number = f"{row.number} x {show(row.each, 'g', 'mass')}" if row.number > 1 and row.each == row.each else ""
-        table.add_row(row.name, number, show(row.total, "kg", "mass"))
+        number = f"{row.number} x {row.text(row.each, 'g')}" if row.number > 1 and row.each == row.each else ""
+        table.add_row(row.name, number, row.text(row.total, "kg"))
     return table
 
 

@@ -240,7 +240,7 @@ def _part(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[Text
         shown += found.belt_running
     if section_of(part) == "pulleys" and part.bore:
         shown.append(f"bore {part.bore}")
-    doubt = _doubt(catalog, section_of(part), part.part)
+    doubt = _doubt(catalog, section_of(part), part.part, {one.figure for one in found.estimated if one.part == role})
     text = Text(" · ".join(shown)) + (Text(f"\n{doubt}", style="yellow") if doubt else Text(""))
     name = made_by(part) if len(catalog.digests) > 1 else part.family  # the maker is obvious with one catalogue
     return Text(f"{name}{reduction}", style="bold") + Text(f"\n{part.part}"), text
@@ -253,13 +253,16 @@ def _belt(table: Table, found: DriveSet) -> None:
         table.add_row("belt", f"{found.belt_ratio:g}", efficient)
 
 
-def _doubt(catalog: Catalog, section: str, part: str) -> str:
-    """Number of figures that are not from the maker's own document; the least certain ones by name."""
+def _doubt(catalog: Catalog, section: str, part: str, estimated: set[str]) -> str:
+    """Number of figures that are not from the maker's own document; the least certain ones that count by name."""
     confidence = catalog.confidence(section, catalog.table(section).rows[part])
     figures = {
         name: confidence[name]
         for name, column in columns_of(section).items()
-        if name in confidence and column.kind != "text" and name != DATA  # a condition of the others
+        if name in confidence
+        and column.kind != "text"
+        and name != DATA  # a condition of the others
+        and (confidence[name] != ESTIMATED or name in estimated)
     }
     doubts = []
     for level in ("secondary", "derived", "recalled", ESTIMATED):

@@ -20,7 +20,7 @@ from drivesizer.results.drive_set import DriveSet, Relaxation
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check, Figure, SizingResult
-from drivesizer.units import KINDS, from_si, show
+from drivesizer.units import KINDS, from_si
 
 __all__ = [
     "COLUMNS", "Row", "battery_rows", "change_row", "check_row", "closed_loop_rows", "count_rows", "figure_row",
@@ -143,7 +143,8 @@ def machine_rows(s: DriveSet) -> Iterator[Row]:
     """The masses of the machine, all pieces of a part together, and its figures with the drive."""
     for one in s.masses:
         found = _figure("mass", one.name, one.name, one.total, "mass", "kg")
-        said = f"{one.number} of {show(one.each, 'kg', 'mass')}" if one.number > 1 else ""
+        each = one.text(one.each, "kg")
+        said = f"{one.number} of {each}" if one.number > 1 else each if one.band else ""
         yield found | {"each": one.each, "how_many": one.number, "note": said,
                      "status": "unknown" if isnan(one.each) else ""}  # fmt: skip
     yield from (figure_row("machine", figure) for figure in s.machine)

@@ -56,6 +56,9 @@ def masses(best: DriveSet) -> Iterator[Block]:
     sums = [Row((f.title, "", "", f.text), total=True) for f in best.machine if f.name in _OF_MASSES]
     columns = Column("part", "name", 1.0), Column("", "number"), Column("each", "number"), Column("together", "number")
     yield Table("Masses of the machine", columns, [*rows, *sums], "masses", "figures")
+    guessed = ", ".join(f"{one.name} {one.text(one.each, 'kg')}" for one in best.masses if one.band)
+    if guessed:
+        yield Words(f"Estimated, each from the 5th to the 95th percentile: {guessed}.", "note")
     lacks = ", ".join(unknown_masses(best))
     if lacks:
         yield Words(f"Not known and not in the sum: {lacks}.", "note")
