@@ -192,8 +192,8 @@ def _assumptions(case: ClosedLoop) -> list[str]:
     assumptions = [
         f"{turns}all drives share the load equally; one is simulated",
         "a gear's efficiency is the catalogue's maximum, at any torque and in either direction of power",
-        "friction of a motor is as identified, else Coulomb's of a brushed one, viscous of a brushless one; "
-        f"its angle is {measured}",
+        "friction of a motor is as identified, else dry of a brushed one, dry and viscous of a brushless one; its "
+        f"angle is {measured}",
         "currents are those of a DC motor between two terminals",
         *_of_the_controller(case),
         "the profile starts in equilibrium at its first speed and at the ambient temperature; supply power is that of "
@@ -202,7 +202,7 @@ def _assumptions(case: ClosedLoop) -> list[str]:
     if math.isnan(case.usable_voltage):
         assumptions.append("the controller's voltage limit is unknown and taken as the lowest supply voltage")
     if case.periodic:
-        assumptions.append("friction and iron losses heat the housing, iron losses by the square of the speed")
+        assumptions.append("friction and iron losses heat the housing")
     else:
         assumptions.append(
             _STILL_COLD if spec.plant.warming else "the winding's resistance is that at 25 °C: plant.warming is off"

@@ -6,6 +6,7 @@ from importlib import resources
 from pathlib import Path
 
 import pytest
+from by_hand import friction
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases.wheel import WheelLoad
@@ -47,7 +48,7 @@ def arm_in_closed_form(s, seconds=20_000):
     """Mean Joule heat and RMS current of the sweeping arm: the trajectory itself, no segments."""
     motor, i, e = s.motor, s.gearhead.ratio, s.gearhead.efficiency
     encoder = 0.0 if s.encoder is None or math.isnan(s.encoder.inertia) else s.encoder.inertia
-    J, friction = motor.rotor_inertia + s.gearhead.inertia + encoder, motor.torque_constant * motor.no_load_current
+    J, (dry, per_speed) = motor.rotor_inertia + s.gearhead.inertia + encoder, friction(motor)
     m, length, square = 5.7182, 0.15, 0.0
     for k in range(seconds):
         t = (k + 0.5) / seconds
@@ -56,7 +57,7 @@ def arm_in_closed_form(s, seconds=20_000):
         a = math.pi**3 * math.cos(2 * math.pi * t)
         T = m * length**2 * a + m * 9.81 * length * math.cos(angle)
         forward = T / (i * e) if T * w > 0 else T * e / i
-        loss = math.copysign(friction, w) if motor.kind == "brushed" else friction * w * i / motor.no_load_speed
+        loss = math.copysign(dry, w) + per_speed * w * i
         square += (forward + J * i * a + loss) ** 2 / seconds
     return math.sqrt(square) / motor.torque_constant
 

@@ -35,6 +35,7 @@ class Motor:
     kind: str = text()  # brushed or brushless
     commutation: str = text()  # graphite, precious metal CLL, Hall sensors, integrated electronics ...
     bearing: str = text()
+    winding: str = text()  # slotless: without iron teeth, as of ironless windings
     assigned_power: float = figure("power", "W")
     nominal_voltage: float = figure("voltage", "V")
     no_load_speed: float = figure("rotary_speed", "rpm")

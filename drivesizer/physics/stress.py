@@ -72,9 +72,13 @@ class Stress(NamedTuple):
 def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
     r"""Losses of friction and iron at the housing, per speed of the gearhead's output and per square of it.
 
-    Brushed: the friction, :math:`k_t I_0 |w|` or the catalogue's own. Brushless: a loss that grows with the square of
-    the speed and, with the copper's, warms the winding to its permitted temperature at the catalogue's nominal point in
-    the ambient of that rating; not below 0. Where a figure of that point is unknown: the friction.
+    Brushed: the friction, :math:`(M_c + b w) |w|`. Brushless: friction and iron together, a loss P_N that with the
+    copper's warms the winding to its permitted temperature at the catalogue's nominal point in the ambient of that
+    rating; not below 0. Over the speed it goes as the friction does:
+
+    .. math:: P = P_N \frac{(M_c + b w) w}{(M_c + b w_N) w_N}
+
+    With unknown friction it goes as the square of the speed. Where a figure of that point is unknown: the friction.
 
     Parameters
     ----------
@@ -94,10 +98,15 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
     hot = resistance_at(resistance_25(motor), motor["max_winding_temperature"])
     copper = hot * motor["nominal_current"] ** 2
     left = (rise - (motor["thermal_resistance_winding"] + R_th2) * copper) / R_th2
-    iron = np.maximum(left, 0.0) * (ratio / motor["nominal_speed"]) ** 2
-    rubs = brushed | np.isnan(iron)
+    w_N = motor["nominal_speed"]
     coulomb, viscous = friction(motor)
-    return np.where(rubs, coulomb * ratio, 0.0), np.where(rubs, viscous * ratio**2, iron)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lost = np.maximum(left, 0.0) / ((coulomb + viscous * w_N) * w_N)  # per loss by friction
+        iron = np.maximum(left, 0.0) / w_N**2
+    rubs = brushed | np.isnan(iron)
+    shaped = np.where(rubs, 1.0, lost)
+    known = rubs | np.isfinite(lost)
+    return np.where(known, shaped * coulomb * ratio, 0.0), np.where(known, shaped * viscous, iron) * ratio**2
 
 
 def heat(

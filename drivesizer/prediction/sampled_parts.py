@@ -26,7 +26,7 @@ from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.search.uncertainty.class_of_part import holding
-from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_losses
+from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_dry_share, with_losses
 from drivesizer.search.uncertainty.sobol_sequence import sobol
 
 __all__ = ["Figures", "SampledParts", "sampled_parts"]
@@ -185,7 +185,7 @@ def _motor(bought: Figures, factors: Mapping[str, Array], estimated: set[str]) -
     times = motor_factors(factors)
     k_e = back_emf_constant(bought) * times["back_emf_constant"]
     changed = {name: bought[name] * factor for name, factor in times.items() if name not in estimated}
-    return dict(bought) | changed | {"back_emf_constant": k_e}
+    return dict(bought) | changed | {"back_emf_constant": k_e} | with_dry_share(bought, factors)
 
 
 def _gearhead(gear: Figures, factors: Mapping[str, Array], estimated: set[str]) -> Figures:

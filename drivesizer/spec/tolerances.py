@@ -30,6 +30,9 @@ class MotorTolerances(Section):
     resistance: Factor | None = Field(default=None, description=_FACTOR)
     torque_constant: Factor | None = Field(default=None, description=_FACTOR)
     friction: Factor | None = Field(default=None, description=f"of friction and iron loss: {_FACTOR}")
+    dry_friction: Factor | None = Field(
+        default=None, description=f"of the dry share of a brushless motor's no-load torque: {_FACTOR}"
+    )
     rotor_inertia: Factor | None = Field(default=None, description=_FACTOR)
     thermal_resistance: Factor | None = Field(default=None, description=f"of both: {_FACTOR}")
 
@@ -37,6 +40,9 @@ class MotorTolerances(Section):
 class GearheadTolerances(Section):
     """Of a gearhead's figures; the default class where not given."""
 
+    peak_torque: Factor | None = Field(
+        default=None, description=f"of an actuator's peak torque that is its stall torque: {_FACTOR}"
+    )
     efficiency: Factor | None = Field(default=None, description=f"of its losses: {_FACTOR}")
     inertia: Factor | None = Field(default=None, description=_FACTOR)
 

@@ -343,22 +343,25 @@ def test_the_best_sets_of_the_search_are_ranked_anew(tmp_path, monkeypatch):
     assert isinstance(refused.exception, InputError) and not (tmp_path / "x.csv").exists()
 
 
-def test_iron_warms_by_the_square_of_the_speed():
+def test_iron_warms_as_friction_brakes():
     """At its nominal point, by the datasheet, the winding of a brushless motor is as hot as it may be in 25 degC."""
     from drivesizer.catalog import load
 
     spec, catalog = spec_of(), load()
     motor = catalog.motors.record(catalog.motors.rows["309756"])  # EC-4pole 30
     heat, said = set_up._heat(spec, replace(chosen(spec), motor=motor))
-    assert heat and heat.loss_torque == 0.0 and not said
+    assert heat and not said
+    dry, per_speed = 0.37, 0.63 / motor.no_load_speed  # of a winding without slots
+    assert heat.loss_viscous / heat.loss_torque == pytest.approx(per_speed / dry, rel=1e-9)
     rise = motor.max_winding_temperature - 298.15
     copper = motor.resistance * (1.0 + 0.00392 * rise) * motor.nominal_current**2
-    iron = heat.loss_viscous * motor.nominal_speed**2
+    iron = heat.loss_torque * motor.nominal_speed + heat.loss_viscous * motor.nominal_speed**2
     R_th1, R_th2 = motor.thermal_resistance_winding, motor.thermal_resistance_housing
     assert R_th1 * copper + R_th2 * (copper + iron) == pytest.approx(rise, rel=2e-3)
     assert iron > 0.1 * copper
 
     unknown = replace(motor, nominal_speed=float("nan"))
     heat, said = set_up._heat(spec, replace(chosen(spec), motor=unknown))
-    friction = motor.torque_constant * motor.no_load_current / motor.no_load_speed
-    assert heat and heat.loss_viscous == pytest.approx(friction, rel=1e-9) and not said
+    friction = motor.torque_constant * motor.no_load_current
+    assert heat and heat.loss_torque == pytest.approx(0.37 * friction, rel=1e-9) and not said
+    assert heat.loss_viscous == pytest.approx(0.63 * friction / motor.no_load_speed, rel=1e-9)

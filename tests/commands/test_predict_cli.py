@@ -37,7 +37,7 @@ def test_json_is_of_the_printed_schema(words, run, printed_schema):
 def test_text_names_conditions_bands_and_what_is_missing(run):
     status, out, _ = run("predict", "XL330-M288-T 5 V", "--catalog", "robotis", "--voltage", "4.5 V")
     assert status == 0 and "4.5 V, 25 °C" in out and "5 %" in out
-    assert "missing: " in out and "motor resistance +- " in " ".join(out.split()).lower()
+    assert "missing: " in out and "resistance, from no load and stall -15 %..60 %" in " ".join(out.split())
 
 
 @pytest.mark.parametrize("form", ["svg", "png"])

@@ -35,6 +35,22 @@ def scaled(table: Any, row: int, factors: dict[str, float]) -> Any:
     return replace(table, columns=columns)
 
 
+def with_shares(motors: Any, row: int, factor: float) -> Any:
+    """A table with the friction of a brushless motor printed in two parts."""
+    share = min((0.37 if motors["winding"][row] == "slotless" else 0.55) * factor, 1.0)
+    lost = motors["torque_constant"][row] * motors["no_load_current"][row]
+    columns = {name: motors[name].copy() for name in ("friction_torque", "viscous_friction")}
+    columns["friction_torque"][row] = share * lost
+    columns["viscous_friction"][row] = (1.0 - share) * lost / motors["no_load_speed"][row]
+    return replace(motors, columns=motors.columns | columns)
+
+
+def peaks_at_stall(parts: Catalog, gearhead: int) -> bool:
+    """Whether a gearhead is inside an actuator whose peak torque is its stall torque."""
+    row = parts.actuators.rows.get(str(parts.gearheads["inside"][gearhead]), -1)
+    return row >= 0 and parts.actuators["peak_torque"][row] == parts.actuators["stall_torque"][row]
+
+
 def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values: Any) -> tuple[Evaluation, Catalog]:
     """One sample of a set by the plain evaluation: a spec and a catalogue of its own."""
     v = {f"{part}.{figure}": 1.0 for part, section in FACTORS.items() for figure in section.model_fields}
@@ -43,6 +59,8 @@ def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values:
     e = parts.gearheads["efficiency"][one.gearhead]
     told = np.where(np.arange(len(parts.motors)) == one.motor, back_emf_constant(parts.motors.columns), np.nan)
     motors = replace(parts.motors, columns=parts.motors.columns | {"back_emf_constant": told})
+    if motors["kind"][one.motor] != "brushed" and np.isnan(motors["friction_torque"][one.motor]):
+        motors = with_shares(motors, one.motor, v["motor.dry_friction"])
     catalog = replace(
         parts,
         motors=scaled(motors, one.motor, {
@@ -53,6 +71,7 @@ def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values:
         }),
         gearheads=scaled(parts.gearheads, one.gearhead, {
             "efficiency": 1.0 / (1.0 + (1.0 / e - 1.0) * v["gearhead.efficiency"]) / e,
+            "intermittent_torque": v["gearhead.peak_torque"] if peaks_at_stall(parts, one.gearhead) else 1.0,
             "no_load_torque": v["gearhead.efficiency"], "inertia": v["gearhead.inertia"],
         }),
     )  # fmt: skip

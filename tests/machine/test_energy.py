@@ -82,7 +82,7 @@ def test_every_joule_is_accounted_for(kind, tmp_path, catalog):
         head = catalog.gearheads.record(catalog.gearheads.rows[g])
         encoder = int(found.encoder[row])
         inertia = 0.0 if encoder < 0 else np.nan_to_num(catalog.encoders["inertia"][encoder])
-        k, i, e = motor.torque_constant, head.ratio, head.efficiency
+        i, e = head.ratio, head.efficiency
         J = motor.rotor_inertia + head.inertia + inertia
         work = belt_loss = gear_loss = copper = friction = rotor = 0.0
         for time, w, a, T in lines(segments):
@@ -95,9 +95,8 @@ def test_every_joule_is_accounted_for(kind, tmp_path, catalog):
             way = (sum(w) > 0) - (sum(w) < 0)
             W = tuple(x * belt * i for x in w)
             acceleration = tuple(x * belt * i for x in a)
-            loss = (k * motor.no_load_current * way,) * 2
-            if motor.kind == "brushless":
-                loss = tuple(k * motor.no_load_current / motor.no_load_speed * x for x in W)
+            dry, per_speed = by_hand.friction(motor)
+            loss = tuple(dry * way + per_speed * x for x in W)
             friction += by_hand.product(time, loss, W)
             rotor += J * by_hand.product(time, acceleration, W)
         losses = by_hand.drive(motor, head, inertia, belt, e_b, segments)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from math import isnan, nan
 
+import by_hand
 import numpy as np
 import pytest
 
@@ -59,15 +60,14 @@ def test_voltage_lines_follow_ohms_law_cold_and_hot(spec, several):
     for one in several:
         found, motor = field(spec, one), one.motor
         k_t, stall = motor.torque_constant, found.voltage / motor.resistance
-        lost = k_t * motor.no_load_current if motor.kind == "brushed" else 0.0
+        lost, per_speed = by_hand.friction(motor)
         for line, temperature in ((found.voltage_cold, 313.15), (found.voltage_hot, motor.max_winding_temperature)):
             R = motor.resistance * (1 + 0.0039 * (temperature - ROOM))
             assert line[0] == pytest.approx(k_t * found.voltage / R - lost, rel=1e-9)
             assert np.all(np.diff(line) < 0)
         assert found.voltage_cold[0] < k_t * stall  # 40 degC is warmer than the catalogue's 25
         rest = friction(found, one, 313.15)
-        expected = k_t * motor.no_load_current * np.where(motor.kind == "brushed", 1, found.speed / motor.no_load_speed)
-        assert rest == pytest.approx(expected, rel=1e-6, abs=1e-9 * k_t * stall)
+        assert rest == pytest.approx(lost + per_speed * found.speed, rel=1e-6, abs=1e-9 * k_t * stall)
 
 
 def test_no_load_speed_and_stall_torque_as_the_catalogue_prints_them(spec, several):
@@ -93,7 +93,9 @@ def test_continuous_torque_warms_the_winding_to_what_it_may_have(spec, several):
             R_th = motor.thermal_resistance_winding + motor.thermal_resistance_housing
             hot = motor.resistance * (1 + COPPER * (motor.max_winding_temperature - ROOM))
             left = motor.max_winding_temperature - ROOM - R_th * hot * motor.nominal_current**2
-            loss = max(left, 0) / motor.thermal_resistance_housing * (found.speed / motor.nominal_speed) ** 2
+            dry, per_speed = by_hand.friction(motor)
+            there, here = ((dry + per_speed * w) * w for w in (motor.nominal_speed, found.speed))
+            loss = max(left, 0) / motor.thermal_resistance_housing * here / there
         rows = found.continuous > 0
         current = (found.continuous + lost)[rows] / motor.torque_constant
         reached = steady_winding_temperature(

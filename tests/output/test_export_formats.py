@@ -128,8 +128,8 @@ def test_inertia_and_friction_at_the_shaft(export):
 
 def test_viscous_friction_goes_by_the_square(spec, found):
     smooth = export_of(spec, fitted(found, motor={"kind": "brushless"}))
-    assert smooth.damping == pytest.approx(FRICTION / found.motor.no_load_speed * K * K * E)
-    assert smooth.friction == pytest.approx(ROLLING)
+    assert smooth.damping == pytest.approx(0.45 * FRICTION / found.motor.no_load_speed * K * K * E)
+    assert smooth.friction == pytest.approx(ROLLING + 0.55 * FRICTION * K * E)
 
 
 # --- URDF and SDF

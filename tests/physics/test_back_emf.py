@@ -164,7 +164,7 @@ def test_the_neo_reaches_5500_rpm_at_12_v(shop):
     (one,), (printed,) = explain(spec, "NEO", "direct"), explain(spec, "NEO-K", "direct")
     w = 5500 * RPM
     k_e = (12.0 - 1.8 * 0.1143) / (5676 * RPM)
-    inertia, rub = 397e-7 + 2e-4, 0.02476 * 1.8 * 5500 / 5676
+    inertia, rub = 397e-7 + 2e-4, 0.02476 * 1.8 * (0.55 + 0.45 * 5500 / 5676)
     current = (0.03 + inertia * w / 10.0 + rub) / 0.02476
     hot = 0.1143 * (1.0 + 0.0039 * 100.0)
     voltage = check_of(one, "supply_voltage")

@@ -175,7 +175,7 @@ CASES = """cases:
   - {name: empty, load: {mass: 3 kg}}
   - {name: hot, environment: {ambient: 55 degC}, load: {mass: 9 kg}}
   - {name: quick, motion: {speed: 0.26 m/s, cruise_time: 1.4 s}, load: {mass: 6 kg}}
-  - {name: weak, supply: {nominal: 23 V, min: 17 V}, load: {mass: 8 kg}}
+  - {name: weak, supply: {nominal: 23 V, min: 17.5 V}, load: {mass: 8 kg}}
 """
 SOME = "select: {motor: {family: [RE 30, EC-max 30]}, controller: {part: CONTROLLER}}\n"
 ONE = SOME.replace("CONTROLLER", "'520885'")

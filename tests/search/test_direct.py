@@ -62,7 +62,7 @@ def test_the_motor_alone_is_a_set(direct):
     assert speed.demand * 30 / math.pi == pytest.approx(1200, rel=1e-12)
     torque = 0.3 * (1200 / 1500) ** 2 + 20e-4 * (1200 * math.pi / 30) / 2  # at the end of the ramp, by hand
     rotor = 900e-7 * (1200 * math.pi / 30) / 2
-    friction = 98e-3 * 0.3 * 1200 / 2200  # a brushless motor's, growing with speed
+    friction = 98e-3 * 0.3 * (0.55 + 0.45 * 1200 / 2200)  # a brushless motor's, part of it growing with speed
     peak = next(c for c in found.checks if c.name == "controller_peak_current").demand
     assert peak == pytest.approx((torque + rotor + friction) / 98e-3, rel=1e-9)
 
@@ -161,7 +161,7 @@ def test_any_motor_drives_the_load_or_its_belt_where_the_spec_says_so(unlisted, 
     assert speed.demand * 30 / math.pi == pytest.approx(1200 * ratio, rel=1e-12)
     load = 0.3 * (1200 / 1500) ** 2 + 20e-4 * RAMP  # N*m, at the end of the ramp, by hand
     rotor = 900e-7 * RAMP * ratio
-    friction = 98e-3 * 0.3 * 1200 * ratio / 2200  # a brushless motor's, growing with speed
+    friction = 98e-3 * 0.3 * (0.55 + 0.45 * 1200 * ratio / 2200)  # a brushless motor's, part of it by speed
     torque = load / ratio / efficiency + rotor + friction
     assert peak_current(one) == pytest.approx(torque / 98e-3, rel=1e-9)
 

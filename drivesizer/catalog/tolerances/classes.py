@@ -12,19 +12,24 @@ from functools import cache
 from importlib import resources
 from typing import NamedTuple
 
+import numpy as np
 import yaml
 
 from drivesizer.catalog.tolerances.distributions import Distribution
 from drivesizer.catalog.tolerances.factors import share
 
-__all__ = ["CLASSES", "Class", "class_of", "classes"]
+__all__ = ["CLASSES", "Class", "class_of", "classes", "losses_from_stall", "of_motor_from_stall"]
+
+_PER_STAGE = 4.0  # ratio of a pair of spur gears, where the number of stages is unknown
 
 CLASSES = {
     ("motor", "resistance"): "Motor resistance",
     ("motor", "torque_constant"): "Motor torque constant",
     ("motor", "friction"): "Motor friction and iron loss",
+    ("motor", "dry_friction"): "Dry share of motor friction",
     ("motor", "rotor_inertia"): "Rotor inertia",
     ("motor", "thermal_resistance"): "Motor thermal resistances",
+    ("gearhead", "peak_torque"): "Peak torque by stall",
     ("gearhead", "efficiency"): "Gearhead losses",
     ("gearhead", "inertia"): "Gearhead inertia",
 }
@@ -76,6 +81,38 @@ def class_of(part: str, figure: str, text: str, why: str, whose: str = "") -> Cl
     """
     title = CLASSES[part, figure] + (f", {whose}" if whose else "")
     return Class(part, figure, title, text, share(text), why, whose)
+
+
+def of_motor_from_stall(figure: str) -> Class:
+    """The class of a resistance that is nominal voltage over stall current, or of a torque constant beside it."""
+    one = _default()["from_stall"][figure]
+    return class_of("motor", figure, one["tolerance"], one["why"], "from no load and stall")
+
+
+def losses_from_stall(part: str, efficiency: float, ratio: float, stages: float) -> Class:
+    """The class of a spur gear's losses where its efficiency follows from the stall torque.
+
+    Parameters
+    ----------
+    part
+        The actuator.
+    efficiency, ratio
+        Of the gear [1].
+    stages
+        NaN unknown: by the ratio [1].
+
+    Returns
+    -------
+    Class
+        From the default class's lower end to its upper one or to the loss of plastic gears, if that is more.
+    """
+    one = _default()["from_stall"]["efficiency"]
+    usual = share(one["tolerance"])
+    assert usual is not None
+    pairs = stages if stages > 0.0 else max(1.0, round(np.log(ratio) / np.log(_PER_STAGE)))
+    plastic = (float(one["per_stage"]) ** -pairs - 1.0) / (1.0 / efficiency - 1.0)
+    text = f"{usual.low - 1.0:.0%}..{max(usual.high, plastic) - 1.0:.0%}".replace("%", " %")
+    return class_of("gearhead", "efficiency", text, one["why"], part)
 
 
 def classes(given: Mapping[tuple[str, str], str] | None = None) -> tuple[Class, ...]:

@@ -6,10 +6,19 @@ Drives of several makers are compared in one sizing, so a class may be of one ma
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.catalog.maker_tolerances import MakerTolerance, maker_tolerances_of, owner_of
-from drivesizer.catalog.tolerances.classes import CLASSES, Class, class_of, classes
+from drivesizer.catalog.tables import ESTIMATED, Table
+from drivesizer.catalog.tolerances.classes import (
+    CLASSES,
+    Class,
+    class_of,
+    classes,
+    losses_from_stall,
+    of_motor_from_stall,
+)
 from drivesizer.catalog.tolerances.distributions import Distribution
 
 __all__ = ["holding", "holding_of_a_set", "used"]
@@ -41,14 +50,68 @@ def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class,
     stated = maker_tolerances_of(catalog.tolerances, part, str(table["manufacturer"][row]), str(table["family"][row]))
     found = []
     for default in classes(given):
-        if default.part == part:
+        if default.part == part and _concerns(catalog, part, row, default.figure):
             mine = stated.get(default.figure)
             if (part, default.figure) in given:
                 found.append(default)
             else:
-                stated_or_default = _of_a_maker(catalog, mine) if mine else default
-                found.append(_of_peers(catalog, default, part, row) or stated_or_default)
+                own = _of_a_maker(catalog, mine) if mine else _of_stall(catalog, part, row, default.figure)
+                found.append(_of_peers(catalog, default, part, row) or own or default)
     return tuple(found)
+
+
+def _concerns(catalog: Catalog, part: str, row: int, figure: str) -> bool:
+    """Whether a part has the figure of a class: not a dry share where both frictions are known, nor a printed peak."""
+    table = catalog.table(_SECTIONS[part])
+    if figure == "dry_friction":
+        printed = table["friction_torque"][row] + table["viscous_friction"][row]
+        return bool(table["kind"][row] != "brushed" and printed != printed)
+    if figure == "peak_torque":
+        one = _sold_as(catalog, part, row)
+        return bool(one and one.table["peak_torque"][one.row] == one.table["stall_torque"][one.row])
+    return True
+
+
+class _Sold(NamedTuple):
+    """A part as its catalogue has it."""
+
+    section: str
+    table: Table[Any]
+    row: int
+
+
+def _sold_as(catalog: Catalog, part: str, row: int) -> _Sold | None:
+    """The actuator that a part is inside of; None of a part of its own."""
+    inside = str(catalog.table(_SECTIONS[part])["inside"][row])
+    return _Sold("actuators", catalog.actuators, catalog.actuators.rows[inside]) if inside else None
+
+
+def _of_stall(catalog: Catalog, part: str, row: int, figure: str) -> Class | None:
+    """The class of a figure that is worked out from no-load and stall figures; None of others."""
+    if figure not in ("resistance", "torque_constant", "efficiency"):
+        return None
+    sold = _sold_as(catalog, part, row) or _Sold(_SECTIONS[part], catalog.table(_SECTIONS[part]), row)
+    if "stall_current" not in sold.table.columns:
+        return None
+    one = {name: values[sold.row] for name, values in sold.table.columns.items()}
+    if not abs(one["resistance"] * one["stall_current"] / one["nominal_voltage"] - 1.0) < _ROUNDED:
+        return None
+    confidence = catalog.confidence(sold.section, sold.row)
+    k_t = "motor_torque_constant" if sold.section == "actuators" else "torque_constant"
+    column = k_t if figure == "torque_constant" else figure
+    if not {confidence["resistance"], confidence.get(column, "")} <= _WORKED_OUT:
+        return None
+    if figure == "torque_constant" and confidence.get("no_load_current", ESTIMATED) != ESTIMATED:
+        return None
+    if part == "motor":
+        return of_motor_from_stall(figure)
+    if one["gearing"] != "spur" or not one["efficiency"] < 1.0:
+        return None
+    return losses_from_stall(str(one["part"]), *(float(one[name]) for name in ("efficiency", "ratio", "stages")))
+
+
+_WORKED_OUT = {"derived", "recalled"}  # confidences of figures that are not printed
+_ROUNDED = 0.05  # of a resistance that is voltage over stall current
 
 
 _COLUMNS = {  # of a class: the columns that it varies, as far as they may be estimated

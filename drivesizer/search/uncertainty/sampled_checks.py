@@ -18,7 +18,7 @@ from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.catalog.tables import Table
 from drivesizer.catalog.tolerances.classes import Class
 from drivesizer.physics.back_emf import back_emf_constant
-from drivesizer.physics.motor_demand import Demands, demands
+from drivesizer.physics.motor_demand import Demands, demands, friction
 from drivesizer.physics.stress import Parts, heat, housing_loss, stress
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn, fits, worst_case
@@ -36,7 +36,7 @@ from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, battery
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 from drivesizer.search.uncertainty.sampled_waveform import moments
 
-__all__ = ["Block", "SetRows", "checks_of", "motor_factors", "with_losses"]
+__all__ = ["Block", "SetRows", "checks_of", "motor_factors", "with_dry_share", "with_losses"]
 
 Array = NDArray[np.float64]
 _WHOLE = ("ratio", "inertia", "no_load_current", "friction_torque", "viscous_friction")  # never as a single figure
@@ -115,6 +115,28 @@ def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def with_dry_share(motor: Any, factors: Mapping[str, Any]) -> dict[str, Any]:
+    """Friction of a motor whose dry share is sampled: at any speed, and per speed; nothing where it is not.
+
+    Parameters
+    ----------
+    motor
+        Figures by field name, without the factors.
+    factors
+        By class.
+
+    Returns
+    -------
+    dict
+        The two columns [N*m], [N*m*s/rad]; the share's factor and that of all friction in them.
+    """
+    if "dry_friction" not in factors:
+        return {}
+    coulomb, viscous = friction(motor, factors["dry_friction"])
+    factor = factors.get("friction", 1.0)
+    return {"friction_torque": coulomb * factor, "viscous_friction": viscous * factor}
+
+
 def with_losses(efficiency: Any, factor: Any) -> Any:
     """Efficiency with losses per transmitted torque, 1/e - 1, times a factor; it stays within 0 to 1.
 
@@ -144,6 +166,7 @@ def _motor(catalog: Catalog, row: int, block: Block, factors: Mapping[str, Array
         if np.ndim(factor) or name in _WHOLE
     }
     changed["back_emf_constant"] = back_emf_constant(bought) * times["back_emf_constant"]
+    changed |= {name: x * whole for name, x in with_dry_share(bought, factors).items()}
     rated = catalog.estimate_of("motors", row, "max_winding_temperature") is not None  # by its nominal current
     if rated and catalog.motors["kind"][row] != "brushed":
         one, other = (changed.get(f"thermal_resistance_{name}", printed(f"thermal_resistance_{name}"))
@@ -161,6 +184,8 @@ def _gearhead(catalog: Catalog, row: int, block: Block) -> _Figures:
     if (losses := factors.get("efficiency")) is not None:
         changed["efficiency"] = with_losses(printed("efficiency"), losses)
         changed["no_load_torque"] = printed("no_load_torque") * losses
+    if (peaks := factors.get("peak_torque")) is not None:
+        changed["intermittent_torque"] = printed("intermittent_torque") * peaks
     if (gains := factors.get("inertia")) is not None:
         changed["inertia"] = printed("inertia") * gains
     return _Figures(catalog.gearheads, row, block.size, changed)
@@ -189,11 +214,10 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
         motor, gearhead, _Figures(catalog.encoders, one.encoder, block.size, {}),
         _Figures(catalog.controllers, one.controller, block.size, {}),
     )  # fmt: skip
-    friction = factors.get("friction", 1.0)
     by_name: dict[str, list[tuple[int, CheckColumn]]] = {}
     draws = []
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
-        checks, draw = _of_a_case(spec, ats[one.belt], parts, one, friction, energies=bool(block.feeds))
+        checks, draw = _of_a_case(spec, ats[one.belt], parts, one, factors, energies=bool(block.feeds))
         checks = [*load_limits(spec, ats[one.belt], block.belts[one.belt]), *checks]
         draws.append(draw)
         for check in checks:
@@ -207,12 +231,12 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
 
 
 def _of_a_case(
-    spec: Any, at: AtSamples, parts: Parts, one: SetRows, friction: Array | float, *, energies: bool
+    spec: Any, at: AtSamples, parts: Parts, one: SetRows, factors: Mapping[str, Array], *, energies: bool
 ) -> tuple[list[CheckColumn], Draw]:
     """The checks of one load case, and the energy that its drives draw."""
     required = demands(at, parts.motor, parts.gearhead, parts.encoder)
     at.keep(required.coefficients)
-    warmth = heat(spec.environment.ambient, at, required, parts.motor, _losses(parts.motor, required, friction))
+    warmth = heat(spec.environment.ambient, at, required, parts.motor, _losses(parts.motor, required, factors))
     peaks = stress(spec.environment.ambient, at, required, parts.motor)
     found = least(moments(spec, at, required, warmth, peaks, parts, energies=energies), required, warmth, peaks)
     moving = [c for c in moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
@@ -227,13 +251,14 @@ def _of_a_case(
     ], Draw(drawn.drawn * sets, drawn.returned * sets, drawn.power * sets)
 
 
-def _losses(motor: _Figures, required: Demands, friction: Array | float) -> tuple[Array, Array]:
+def _losses(motor: _Figures, required: Demands, factors: Mapping[str, Array]) -> tuple[Array, Array]:
     """Losses at the housing; in the iron of a brushless motor by its printed figures, times the factor of friction."""
-    rubbing, growing = housing_loss(motor, required.total_ratio)
     if motor.nominal("kind")[0] == "brushed":
-        return rubbing, growing
+        return housing_loss(motor, required.total_ratio)
     printed = _Figures(motor.table, motor.row, motor.count, {})
-    return rubbing, housing_loss(printed, required.total_ratio)[1] * friction
+    shares = with_dry_share(printed, {"dry_friction": factors["dry_friction"]} if "dry_friction" in factors else {})
+    lost = housing_loss(_Figures(motor.table, motor.row, motor.count, shares), required.total_ratio)
+    return lost[0] * factors.get("friction", 1.0), lost[1] * factors.get("friction", 1.0)
 
 
 def _controller_fits(spec: Any, controller: Any, one: SetRows) -> CheckColumn:

@@ -27,7 +27,7 @@ from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.reliability import LoopShare
 from drivesizer.results.sizing import Check
-from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_losses
+from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_dry_share, with_losses
 from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
 from drivesizer.spec.robot import RobotSpec
@@ -105,7 +105,8 @@ def deviating(
             assert figure not in of_part, f"{assumption.name}: of another maker's part"
             of_part[figure] = float(values[k])
     bought = replace(one.motor, back_emf_constant=float(back_emf_constant(asdict(one.motor))))
-    motor = replace(bought, **_times(bought, motor_factors(factors["motor"])))
+    varied = _times(bought, motor_factors(factors["motor"])) | with_dry_share(asdict(bought), factors["motor"])
+    motor = replace(bought, **varied)
     losses, gains = (factors["gearhead"].get(name, 1.0) for name in ("efficiency", "inertia"))
     gearhead = replace(
         one.gearhead, **_times(one.gearhead, {"inertia": gains, "no_load_torque": losses}),

@@ -1,0 +1,86 @@
+"""Figures that are worked out from printed points at no load and at stall: which they are, and how far they may be off.
+
+Measured: Rhoban/bam at a6f2671 (MX-64 and MX-106: free speed, locked rotor, lift) and at af22604 (XL330: static lift at
+34, 51, 79 and 98 % of its supply).
+"""
+
+from __future__ import annotations
+
+from math import nan
+
+import numpy as np
+import pytest
+
+from drivesizer.catalog import load
+from drivesizer.catalog.query import Hit
+from drivesizer.catalog.view.search_view import search_view
+from drivesizer.prediction.predict import completed, predict
+from drivesizer.prediction.sampled_parts import sampled_parts
+from drivesizer.results.prediction import Conditions
+from drivesizer.search.uncertainty.class_of_part import holding
+
+GIVEN = Conditions(nan, 298.15, nan, nan, 0.0, 3600.0, nan, 0.0)
+LIFTED = [(2.53, 0.175), (3.69, 0.239), (5.79, 0.368), (6.94, 0.371)]  # V, N*m
+FREE = [(3.0, 1.70456), (12.0, 7.00109), (15.0, 8.77406)]  # MX-64: V, rad/s
+
+
+def classes_of(catalogue, part, given=None):
+    view = search_view(load([catalogue]))
+    row = view.motors.rows[part]
+    (gearhead,) = np.flatnonzero(view.gearheads["inside"] == part) if view.motors["inside"][row] else (-1,)
+    held = holding(view, given or {}, "motor", row) + holding(view, given or {}, "gearhead", int(gearhead))
+    return {f"{one.part}.{one.figure}": one.text for one in held}
+
+
+def hit(catalogue, section, part):
+    found = load((catalogue,))
+    return Hit(", ".join(found.digests), found, section, found.table(section).rows[part])
+
+
+def test_what_follows_from_stall_has_classes_of_its_own():
+    found = classes_of("robotis", "MX-64 12 V")
+    assert found["motor.resistance"] == "-15 %..60 %"
+    assert found["motor.torque_constant"] == "-20 %..10 %"  # no no-load current is printed
+    assert found["gearhead.peak_torque"] == "-50 %..10 %"
+    # 200:1 is four stages: 0.87^4 = 57 %, against 80.5 % by the sheet
+    low, high = (float(x.rstrip(" %")) for x in found["gearhead.efficiency"].split(".."))
+    assert (low, high) == pytest.approx((-15.0, 100.0 * ((0.87**-4 - 1) / (1 / 0.8052 - 1) - 1)), abs=1.0)
+
+
+def test_a_gear_that_loses_more_than_plastic_ones_has_the_usual_end():
+    assert classes_of("robotis", "MX-106 12 V")["gearhead.efficiency"] == "-15 %..50 %"
+
+
+@pytest.mark.parametrize(("catalogue", "part"), [("maxon", "118752"), ("faulhaber", "2232S024BX4")])
+def test_printed_figures_keep_the_class_of_printed_figures(catalogue, part):
+    found = classes_of(catalogue, part)
+    assert (found["motor.resistance"], found["motor.torque_constant"]) == ("+- 10 %", "+- 10 %")
+    assert "motor.dry_friction" not in found and "gearhead.peak_torque" not in found
+
+
+def test_a_motor_of_a_printed_no_load_current_keeps_the_class_of_its_constant():
+    found = classes_of("rev", "NEO V1.1")
+    assert (found["motor.resistance"], found["motor.torque_constant"]) == ("-15 %..60 %", "+- 10 %")
+    assert found["motor.dry_friction"] == "-75 %..65 %"
+
+
+def test_the_spec_comes_before_all():
+    given = {("motor", "resistance"): "+- 5 %", ("gearhead", "efficiency"): "none", ("gearhead", "peak_torque"): "none"}
+    from drivesizer.catalog.tolerances.classes import classes
+
+    named = {(one.part, one.figure): one.text for one in classes(given)}
+    found = classes_of("robotis", "MX-64 12 V", given)
+    assert all(found[f"{part}.{figure}"] == named[part, figure] == text for (part, figure), text in given.items())
+
+
+def test_measured_servos_are_within_the_bands():
+    mx = hit("robotis", "actuators", "MX-64 12 V")
+    for volts, speed in FREE:
+        band = predict(mx, None, None, completed(GIVEN._replace(voltage=volts), mx, None)).figure("free_speed").band
+        assert band.p5 < speed < band.p95
+    xl = hit("robotis", "actuators", "XL330-M288-T 6 V")
+    bands = [predict(xl, None, None, completed(GIVEN._replace(voltage=v), xl, None)).figure("stall_torque").band
+             for v, _ in LIFTED]  # fmt: skip
+    assert sum(b.p5 < torque < b.p95 for b, (_, torque) in zip(bands, LIFTED, strict=True)) >= 3
+    R = sampled_parts(hit("robotis", "actuators", "MX-106 12 V"), None, None, 9).motor["resistance"][1:]
+    assert np.quantile(R, 0.05) < 2.09 < 2.32 < np.quantile(R, 0.95)  # ohm, locked and lifting
