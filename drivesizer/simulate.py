@@ -31,6 +31,7 @@ from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.results.check import GRAVEST
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.losses import loss_assumptions
 from drivesizer.results.sizing import Check, SizingResult, verdict
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
@@ -196,8 +197,8 @@ def _assumptions(case: ClosedLoop) -> list[str]:
         f"angle is {measured}",
         "currents are those of a DC motor between two terminals",
         *_of_the_controller(case),
-        "the profile starts in equilibrium at its first speed and at the ambient temperature; supply power is that of "
-        "the motors, without the controllers' own losses",
+        "the profile starts in equilibrium at its first speed and at the ambient temperature",
+        *loss_assumptions(case.spec, case.drive_set.controller),
     ]
     if math.isnan(case.usable_voltage):
         assumptions.append("the controller's voltage limit is unknown and taken as the lowest supply voltage")

@@ -172,7 +172,7 @@ def test_bandwidth_asked_for_is_reached_or_refused(spec, chosen):
 
 @pytest.mark.parametrize("degrees", [0.0, 2.0, -6.0])
 def test_energy_balance(spec, chosen, degrees):
-    """Electrical work = copper + friction + gears + work on the load, to 0.1 % of what is turned over."""
+    """Electrical work = copper + friction + gears + power stage + work on the load, to 0.1 % of what is turned over."""
     hilly = changed(changed(spec, "load", slope=math.radians(degrees)), "motion", cruise_time=1.0, rest_time=0.5)
     proof = validate(hilly, chosen)
     train, s = drive_train(hilly, chosen, PERIOD)[0], proof.series
@@ -186,6 +186,7 @@ def test_energy_balance(spec, chosen, degrees):
         "friction": np.trapezoid(0.0234 * 0.0369 * s["motor_speed"], s["time"]),
         "gears": np.trapezoid(gears, s["time"]),
         "load": np.trapezoid(resistance, s["time"]),
+        "power stage": np.trapezoid(1.0 * np.abs(s["current"]), s["time"]),  # a drop of 1 V is printed
     }
     electrical = (figure(proof, "energy_in") - figure(proof, "energy_returned")) / 4
     assert s["speed"].min() > -1e-3  # m/s, a stop overshoots a little

@@ -66,6 +66,7 @@ class Actuator:
     buses: str = text()  # of the one inside, separated by semicolons
     supply_min: float = figure("voltage", "V")
     supply_max: float = figure("voltage", "V")
+    standby_current: float = figure("current", "mA")  # of the controller inside, whatever the motor takes
     diameter: float = figure("length", "mm")
     length: float = figure("length", "mm")
     dimensions: str = text()

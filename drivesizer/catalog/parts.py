@@ -198,6 +198,7 @@ class Controller:
     max_speed_block: float = figure("rotary_speed", "rpm")
     max_speed_sine: float = figure("rotary_speed", "rpm")
     max_efficiency: float = figure("dimensionless", "%")
+    standby_current: float = figure("current", "mA")  # of the supply, that flows whatever the motor takes
     encoder_inputs: str = text()
     choke: str = text()
     derating: str = text()

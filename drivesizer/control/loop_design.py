@@ -20,7 +20,6 @@ from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import design
 from drivesizer.errors import InputError
 from drivesizer.physics.counted_speed import MOST_PERIODS, Counts, answer
-from drivesizer.physics.supply_voltage import usable_in
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
@@ -141,7 +140,7 @@ def _counts(
     if not edges:
         lacks = "the drive has no encoder" if drive_set.encoder is None else "the encoder's resolution is unknown"
         return None, [] if spec.control.speed_from == "exact" else [f"{lacks}: speed is measured exactly"]
-    usable = usable_in(spec.supply.lowest, drive_set.controller)
+    usable = float(spec.feed_of(drive_set.controller).usable)
     volts = spec.supply.lowest if math.isnan(usable) else usable
     peak = drive_set.controller.peak_current if drive_set.controller else math.nan
     amperes = answer(volts, train.resistance, peak, drive_set.motor.nominal_current)

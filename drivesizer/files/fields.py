@@ -17,12 +17,12 @@ from pydantic_core import core_schema
 from drivesizer.units import KINDS, label, noun, to_si
 
 __all__ = [
-    "Acceleration", "Allowance", "Angle", "Area", "Axis", "Bearing", "Capacitance", "Coefficient", "Counterweight",
-    "Current", "Density", "Distance", "Duration", "Exponent", "Factor", "Force", "Frequency", "Gain", "Gravity",
-    "Incline", "Inertia", "Jerk", "Length", "Mass", "Names", "Part", "Pause", "Place", "Power", "Price", "Pull",
-    "Quantity", "Ratio", "Resistance", "Section", "Share", "SignedSpeed", "SignedTorque", "SignedVelocity", "Slope",
-    "Speed", "Stiffness", "Temperature", "Thickness", "Torque", "TorqueAbove", "Turning", "Velocity", "Voltage",
-    "default", "exactly_one",
+    "Acceleration", "Allowance", "Angle", "Area", "Axis", "Bearing", "Capacitance", "Coefficient", "Consumed",
+    "Counterweight", "Current", "Density", "Distance", "Drop", "Duration", "Exponent", "Factor", "Force", "Frequency",
+    "Gain", "Gravity", "Incline", "Inertia", "Jerk", "Length", "Mass", "Names", "Part", "Pause", "Place", "Power",
+    "Price", "Pull", "Quantity", "Ratio", "Resistance", "Section", "Share", "SignedSpeed", "SignedTorque",
+    "SignedVelocity", "Slope", "Speed", "Stiffness", "Temperature", "Thickness", "Torque", "TorqueAbove", "Turning",
+    "Velocity", "Voltage", "default", "exactly_one",
 ]  # fmt: skip
 
 Axis = Literal["linear", "rotary"]
@@ -100,8 +100,10 @@ TorqueAbove = Annotated[float, Quantity("torque", above=0.0)]
 SignedTorque = Annotated[float, Quantity("torque")]
 Stiffness = Annotated[float, Quantity("torsional_stiffness", above=0.0)]
 Voltage = Annotated[float, Quantity("voltage", above=0.0)]
+Drop = Annotated[float, Quantity("voltage", least=0.0)]
 Current = Annotated[float, Quantity("current", above=0.0)]
 Power = Annotated[float, Quantity("power", above=0.0)]
+Consumed = Annotated[float, Quantity("power", least=0.0)]
 Resistance = Annotated[float, Quantity("resistance", above=0.0)]
 Capacitance = Annotated[float, Quantity("capacitance", above=0.0)]
 Frequency = Annotated[float, Quantity("frequency", above=0.0)]

@@ -30,6 +30,7 @@ from drivesizer.machine.supply_power import DrivePower
 from drivesizer.physics.battery import current_of_power, polarised_voltage, state_of_charge, terminal_voltage
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.energy import Consumption, EnergyBudget
+from drivesizer.results.losses import loss_assumptions
 from drivesizer.results.sizing import Figure, verdict
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.robot import RobotSpec
@@ -75,11 +76,12 @@ def energy_budget(
         When the battery's part is not listed, or a consumer's time has no mission.
     """
     pack = pack_of(battery, catalog)
-    consumers = (*_of_the_drive(spec, drive_set, drive), *_of_the_equipment(spec, equipment))
-    power = _at_the_battery(spec, drive_set, drive, sum(c.mean for c in consumers[_DRIVE:]))
-    load = _load(spec, drive_set, drive, consumers, power)
+    others = _of_the_equipment(spec, equipment)
+    consumers = (*_of_the_drive(spec, drive_set, drive), *others)
+    power = _at_the_battery(spec, drive, sum(c.mean for c in others))
+    load = _load(spec, drive, others, power)
     load = _lasting(spec, battery, pack, load)
-    off = _at_the_battery(spec, drive_set, drive, 0.0, accepted(spec))
+    off = _at_the_battery(spec, drive, 0.0, accepted(spec))
     load = load._replace(
         lowest=_lowest(pack, drive.duration, power, load), highest=_highest(pack, drive.duration, off, load)
     )
@@ -106,38 +108,31 @@ def energy_budget(
 
 # --- consumers -------------------------------------------------------------------------------------------------------
 
-_DRIVE = 3  # lines of the drive: motors, regenerated power, the controllers' losses
 
-
-def _efficiency_known(drive_set: DriveParts) -> bool:
-    return drive_set.controller is not None and not isnan(drive_set.controller.max_efficiency)
-
-
-def _controller_efficiency(drive_set: DriveParts) -> float:
-    """The controller's greatest; 1 where it is unknown, which is reported."""
-    return drive_set.controller.max_efficiency if drive_set.controller and _efficiency_known(drive_set) else 1.0
-
-
-def _at_the_battery(
-    spec: RobotSpec, drive_set: DriveParts, drive: DrivePower, lasting: float, share: float | None = None
-) -> Array:
+def _at_the_battery(spec: RobotSpec, drive: DrivePower, lasting: float, share: float | None = None) -> Array:
     """Mean power from the battery in each piece [W]; lasting is that of all that is not the drive.
 
     ``share`` of regenerated power goes into it: what is stored, or all that its terminals carry.
     """
-    loss, share = _controller_efficiency(drive_set), spec.supply.regeneration if share is None else share
-    return np.asarray(drive.drawn / loss - share * drive.returned * loss + lasting)
+    return np.asarray(drive.drawn - (spec.supply.regeneration if share is None else share) * drive.returned + lasting)
 
 
 def _of_the_drive(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> tuple[Consumption, ...]:
-    loss, share, sets = _controller_efficiency(drive_set), spec.supply.regeneration, spec.load.motors
-    drawn, returned, peak = drive.mean(drive.drawn), share * drive.mean(drive.returned), float(drive.peak.max())
-    lost = drawn * (1.0 / loss - 1.0) + returned * (1.0 - loss) if _efficiency_known(drive_set) else nan
-    return (
+    share, sets = spec.supply.regeneration, spec.load.motors
+    mean = {name: drive.mean(getattr(drive, name)) for name in _MEANS}
+    drawn, returned, peak = mean["motor_drawn"], share * mean["motor_returned"], float(drive.peak.max())
+    lost = mean["drawn"] - mean["resisted"] - drawn + returned - share * mean["returned"]
+    assumed = bool(spec.feed_of(drive_set.controller).stage.assumed)
+    found = (
         Consumption("drive", sets, drawn, peak, nan, False),
         Consumption("regenerated energy", sets, -returned, 0.0, nan, False),
-        Consumption("losses of the controllers", sets, lost, peak * (1.0 / loss - 1.0) + 0.0 * lost, nan, False),
+        Consumption("losses of the controllers", sets, lost, 0.0, nan, assumed),
     )
+    cables = Consumption("resistance of the supply", 1, mean["resisted"], 0.0, nan, False)
+    return found if spec.supply.resistance is None else (*found, cables)
+
+
+_MEANS = ("drawn", "returned", "resisted", "motor_drawn", "motor_returned")
 
 
 def _of_the_equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[Consumption, ...]:
@@ -155,15 +150,12 @@ def _of_the_equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[C
 # --- load of the battery --------------------------------------------------------------------------------------------
 
 
-def _load(
-    spec: RobotSpec, drive_set: DriveParts, drive: DrivePower, consumers: Sequence[Consumption], power: Array
-) -> Load:
+def _load(spec: RobotSpec, drive: DrivePower, others: Sequence[Consumption], power: Array) -> Load:
     """Powers, and the mean speed of what travels; what depends on the battery is still unknown."""
-    loss, others = _controller_efficiency(drive_set), consumers[_DRIVE:]
-    back = accepted(spec) * float(drive.returned_peak.max()) * loss
+    back = accepted(spec) * float(drive.returned_peak.max())
     return Load(
         mean=drive.mean(power),
-        peak=float(drive.peak.max()) / loss + sum(c.peak for c in others),
+        peak=float(drive.peak.max()) + sum(c.peak for c in others),
         rms=float(np.sqrt(drive.mean(power**2))),
         back=back,  # with everything else switched off
         speed=drive.distance / drive.total,
@@ -286,8 +278,7 @@ def _assumptions(spec: RobotSpec, drive_set: DriveParts, pack: Pack, equipment: 
     guessed = [one.name for one in equipment if one.assumed]
     if guessed:
         found.append(f"power of {', '.join(guessed)} assumed")
-    if not _efficiency_known(drive_set):
-        found.append("losses of the controllers not counted: their efficiency is unknown")
+    found += loss_assumptions(spec, drive_set.controller)
     if not pack.rests:
         found.append("voltage at rest taken as the nominal one: towards the end of the charge it is less")
     if spec.supply.regeneration == 0.0:

@@ -1,6 +1,7 @@
 r"""Flow of the energy of a cycle: from the supply through winding, motor, gearhead and belt to the load, and back.
 
-.. math:: E_{drawn} = E_{load} + E_{belt} + E_{gearhead} + E_{friction} + E_{copper} + E_{rotor} + E_{returned}
+.. math:: E_{drawn} = E_{load} + E_{belt} + E_{gearhead} + E_{friction} + E_{copper} + E_{rotor}
+        + E_{controller} + E_{supply} + E_{returned}
 
 Each is the integral of a product of straight lines, exact; those at the motor's shaft are a coefficient of the drive
 model times a moment of its functions (see ``physics``). Where the makers' k_e and k_t differ, so do the electrical and
@@ -19,6 +20,7 @@ from drivesizer.machine.set_cycle import SetCycle, lost_in_winding, supplied
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.load_cycle import integral
 from drivesizer.physics.motor_demand import friction, gear_loss
+from drivesizer.physics.power_stage import at_input, lost_in_source
 from drivesizer.physics.waveform import energy
 
 __all__ = ["EnergyFlow", "energy_flow"]
@@ -27,14 +29,16 @@ __all__ = ["EnergyFlow", "energy_flow"]
 class EnergyFlow(NamedTuple):
     """Energies over one cycle, of all drives [J]; NaN is unknown."""
 
-    drawn: float  # out of the supply
+    drawn: float  # out of the source
+    supply: float  # heat of the supply's resistance
+    controller: float  # losses of the power stage, and standby power
     copper: float
     friction: float  # of the motor, iron losses included, and what its two constants differ by
     gearhead: float
     belt: float
     load: float  # work on it, below 0 where it gives more than it takes
     rotor: float  # what turns with the motor holds more of at the end than at the start
-    returned: float  # to the supply
+    returned: float  # to the supply, at the input of the controllers
     stored: float  # what the supply keeps of that
 
     @property
@@ -71,11 +75,17 @@ _OF_THE_LOAD = {"gearhead", "belt", "load"}
 
 
 def _at_the_supply(found: SetCycle) -> dict[str, float]:
-    """Electrical power, means over the cycle [W]."""
-    sums, total = energy(supplied(found), storing=False), found.cycle.load_cycle.total
-    returned = float(sums.returned[0]) / total
+    """Electrical power at source, controller and winding, means over the cycle [W]."""
+    motor, total = supplied(found), found.cycle.load_cycle.total
+    inner = at_input(motor, found.feed.stage)
+    sums, own = energy(inner, storing=False), energy(motor, storing=False)
+    returned, standby = float(sums.returned[0]) / total, float(found.feed.stage.standby)
+    heat = float(lost_in_source(inner, found.feed).sum()) / total
+    lost = float((sums.drawn - sums.returned - own.drawn + own.returned)[0]) / total
     return {
-        "drawn": float(sums.drawn[0]) / total,
+        "drawn": float(sums.drawn[0]) / total + standby + heat,
+        "supply": heat,
+        "controller": lost + standby,
         "returned": returned,
         "stored": returned * found.spec.supply.regeneration,
         "copper": found.copper,

@@ -24,7 +24,6 @@ from drivesizer.physics.cycle_at_gearhead import DIRECTION, DRIVING, SPEED, AtGe
 from drivesizer.physics.load_cycle import Ends
 from drivesizer.physics.motor_demand import Demands, demands, friction
 from drivesizer.physics.stress import heat, housing_loss, volts_of
-from drivesizer.physics.supply_voltage import usable_voltage
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
@@ -113,7 +112,7 @@ def _as_far_as_known(demand: Demands, motor: Any) -> Demands:
 def _lines(spec: RobotSpec, drive_set: DriveSet, demand: Demands, hot: float, fastest: float) -> dict[str, Any]:
     """Torque of the motor at speeds from 0 to no load, or to the fastest of the cycle [rad/s]."""
     voltage, ambient = _voltage(spec, drive_set), spec.environment.ambient
-    (cold_at_rest, cold_slope), (at_rest, slope) = (_line(demand, drive_set, voltage, T) for T in (ambient, hot))
+    (cold_at_rest, cold_slope), (at_rest, slope) = (_line(spec, demand, drive_set, voltage, T) for T in (ambient, hot))
     no_load = -cold_at_rest / cold_slope if cold_slope < 0.0 else 0.0
     w = np.linspace(0.0, np.fmax(no_load, fastest), _POINTS)  # as far as the cycle goes where friction is unknown
     continuous, thermal = _continuous(spec, demand, OneRow(drive_set.motor), w)
@@ -147,15 +146,17 @@ def _hot(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: OneRow) -> 
 
 def _voltage(spec: RobotSpec, drive_set: DriveSet) -> float:
     """Usable voltage [V]; all that the supply has where the controller's share is unknown."""
-    controller, lowest = OneRow(drive_set.controller), spec.supply.lowest
-    usable = float(usable_voltage(lowest, controller["max_duty"], controller["voltage_drop"])[0])
+    lowest, usable = spec.supply.lowest, float(spec.feed_of(drive_set.controller).usable)
     return lowest if np.isnan(usable) else usable
 
 
-def _line(demand: Demands, drive_set: DriveSet, voltage: float, temperature: float) -> tuple[float, float]:
-    """Torque at standstill [N*m] and its change with speed [N*m s/rad] at a voltage."""
+def _line(
+    spec: RobotSpec, demand: Demands, drive_set: DriveSet, voltage: float, temperature: float
+) -> tuple[float, float]:
+    """Torque at standstill [N*m] and its change with speed [N*m s/rad] at a voltage behind stage and supply."""
     k_t = drive_set.motor.torque_constant
-    resistance = float(resistance_at(resistance_25(asdict(drive_set.motor)), temperature))
+    leads = spec.feed_of(drive_set.controller).leads
+    resistance = float(resistance_at(resistance_25(asdict(drive_set.motor)), temperature) + leads)
     volts = volts_of(demand, np.array([k_t]), np.array([resistance]))[0]
     per_volt = k_t / resistance
     return float((voltage - volts[DIRECTION]) * per_volt), float(-volts[SPEED] / demand.total_ratio[0] * per_volt)

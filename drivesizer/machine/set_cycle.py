@@ -17,6 +17,7 @@ from drivesizer.machine.set_columns import OneRow
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, at_gearhead
 from drivesizer.physics.load_cycle import mean_product
 from drivesizer.physics.motor_demand import Demands, demands
+from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.stress import Heat, Stress, heat, stress, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.waveform import Wave, balanced, lost, mean_square
@@ -33,6 +34,7 @@ class SetCycle(NamedTuple):
     """A drive's parts as columns of one row, and their demands, heat and stress over a load cycle."""
 
     spec: RobotSpec
+    feed: Feed  # its power stage and supply
     motor: OneRow
     gearhead: OneRow
     cycle: AtGearhead
@@ -102,14 +104,16 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
     demand = demands(cycle, motor, gearhead, encoder)
     heating = heat(spec.environment.ambient, cycle, demand, motor)
     flows, course = current_and_winding(spec.environment.ambient, cycle, demand, heating, motor)
+    feed = spec.feed_of(drive_set.controller)
     return SetCycle(
         spec,
+        feed,
         motor,
         gearhead,
         cycle,
         demand,
         heating,
-        stress(spec.environment.ambient, cycle, demand, motor),
+        stress(spec.environment.ambient, cycle, demand, motor, feed.leads),
         flows,
         course,
     )

@@ -1,7 +1,8 @@
 """Power that the drives of a machine draw from their supply and regenerate over one cycle: columns over time.
 
 Current and voltage of the drive model are straight lines within a segment; each segment is cut into pieces, and of
-every piece the energy is exact (``waveform``). Summed up they are the energies of the drive's own record.
+every piece the energy is exact (``waveform``). Summed up they are the energies of the drive's own record. Of wheels
+with different loads each counts in the supply's resistance as if all were like it: no less than they lose together.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.set_cycle import set_cycle, supplied
 from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.physics.power_stage import at_input, lost_in_source, of_the_source
 from drivesizer.physics.waveform import Wave, energy, largest_power
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
@@ -33,10 +35,13 @@ class DrivePower(NamedTuple):
     """Electrical power of all drives together, piece by piece; unknown where the drive's demand is."""
 
     duration: Array  # s
-    drawn: Array  # W, mean of what is drawn
-    returned: Array  # W, mean of regenerated power
-    peak: Array  # W, largest at one moment
+    drawn: Array  # W, mean of what is drawn of the source: losses of controllers and supply included
+    returned: Array  # W, mean of regenerated power, at the input of the controllers
+    peak: Array  # W, largest out of the source at one moment
     returned_peak: Array  # W
+    motor_drawn: Array  # W, of these the motors'
+    motor_returned: Array  # W
+    resisted: Array  # W, heat of the supply's resistance
     distance: float  # m that a vehicle goes in the cycle, there and back; unknown of what does not travel
 
     @property
@@ -72,18 +77,25 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Dri
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
     found = set_cycle(spec, drive_set, base)
+    feed, standby = found.feed, found.feed.stage.standby
     duration, *ends = _pieces(supplied(found))
-    sums = energy(Wave(np.ones(1), *(x[:, None] for x in ends)), storing=False)  # every piece a candidate of its own
-    one = Wave(np.ones(1), *(x[:, None] for x in _pieces(supplied(found, mean=False))[1:]))
+    motor = Wave(np.ones(1), *(x[:, None] for x in ends))  # every piece a candidate of its own
+    inner = at_input(motor, feed.stage)
+    own, sums = energy(motor, storing=False), energy(inner, storing=False)
+    heat = lost_in_source(inner, feed).sum(axis=1)
+    one = at_input(Wave(np.ones(1), *(x[:, None] for x in _pieces(supplied(found, mean=False))[1:])), feed.stage)
     back = largest_power(one._replace(voltage=-one.voltage))[0]
-    peak = largest_power(one)[0]
+    peak = of_the_source(np.maximum(largest_power(one)[0], 0.0) + standby, feed)
     sets = spec.load.alike if found.demands.complete.all() else np.nan  # an incomplete demand is only a lower bound
     return DrivePower(
         duration=duration,
-        drawn=sums.drawn * sets,
+        drawn=(sums.drawn + standby + heat) * sets,
         returned=sums.returned * sets,
-        peak=np.maximum(peak, 0.0) * sets,
+        peak=peak * sets,
         returned_peak=np.maximum(back, 0.0) * sets,
+        motor_drawn=own.drawn * sets,
+        motor_returned=own.returned * sets,
+        resisted=heat * sets,
         distance=distance_of(spec, found.cycle.load_cycle),
     )
 
@@ -124,7 +136,8 @@ def together(powers: Sequence[DrivePower]) -> DrivePower:
     place = [np.clip(np.searchsorted(e, middle) - 1, 0, len(e) - 2) for e in ends]
     summed = {
         name: np.sum([getattr(p, name)[at] for p, at in zip(powers, place, strict=True)], axis=0)
-        for name in ("drawn", "returned", "peak", "returned_peak")
+        for name in DrivePower._fields
+        if name not in ("duration", "distance")
     }
     return DrivePower(duration=duration, distance=powers[0].distance, **summed)
 

@@ -143,7 +143,7 @@ def heat(
     return Heat(rubbing, iron, mean, np.asarray(winding))
 
 
-def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Any) -> Stress:
+def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Any, leads: Any = 0.0) -> Stress:
     """Largest current of candidates, and largest voltage while the winding is cold; warm: see ``limits_over_time``.
 
     Parameters
@@ -156,6 +156,8 @@ def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Any) -> 
         Required torque and current of each candidate.
     motor
         Figures of the motors by field name: columns.
+    leads
+        Resistance that takes of the voltage before the winding (``power_stage.Feed.leads``) [ohm].
 
     Returns
     -------
@@ -166,6 +168,10 @@ def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Any) -> 
     cold = resistance_at(resistance_25(motor), ambient)
     torque = cycle.peak(demands.coefficients, demands.left_out)
     volts = cycle.peak(volts_of(demands, k_t, np.asarray(cold)), demands.left_out)
+    if np.any(leads):
+        more = cycle.peak(volts_of(demands, k_t, np.asarray(cold + leads)), demands.left_out)
+        larger = more.value > volts.value
+        volts = Peak(np.where(larger, more.value, volts.value), np.where(larger, more.time, volts.time))
     return Stress(Peak(torque.value / k_t, torque.time), volts)
 
 

@@ -8,6 +8,7 @@ Symbols: I current [A], V voltage [V], t time [s], E energy [J].
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import prod
 from typing import Any, NamedTuple
 
@@ -17,8 +18,8 @@ from numpy.typing import NDArray
 from drivesizer.physics.products import product
 
 __all__ = [
-    "Energy", "Wave", "balanced", "energy", "largest_power", "longest_above", "longest_run", "lost", "mean_square",
-    "share_above", "wave",
+    "Energy", "Wave", "balanced", "crossing", "energy", "in_halves", "largest_power", "longest_above", "longest_run",
+    "lost", "mean_square", "share_above", "wave",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -115,15 +116,36 @@ def lost(found: Wave, surplus: Array, speed: Array) -> Array:
 
 def _cut(found: Wave, surplus: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
     """Duration, current, voltage and what the back-EMF is above k_t w, in halves that meet where no current flows."""
-    share = _crossing(found.current)
     emf = np.broadcast_to(surplus[:, None, None] * speed, found.current.shape)
-    duration = np.stack([found.duration * share, found.duration * (1.0 - share)], axis=2).reshape(len(share), -1)
+    duration, (current, voltage, emf) = in_halves(found.duration, found.current, (found.current, found.voltage, emf))
+    return duration, current, voltage, emf
+
+
+def in_halves(duration: Array, current: Array, lines: Sequence[Array]) -> tuple[Array, list[Array]]:
+    """Segments in halves that meet where the current changes its sign; where it does not the second has no length.
+
+    Parameters
+    ----------
+    duration
+        Of each segment [s].
+    current
+        Values at both ends of each, shape (candidates, segments, 2).
+    lines
+        What is cut, of that shape.
+
+    Returns
+    -------
+    tuple
+        Duration of the halves [s], and the lines over them, of twice as many segments.
+    """
+    share = crossing(current)
+    durations = np.stack([duration * share, duration * (1.0 - share)], axis=2).reshape(len(share), -1)
     halves = []
-    for ends in (found.current, found.voltage, emf):
+    for ends in lines:
         middle = ends[..., 0] + share * (ends[..., 1] - ends[..., 0])
         points = np.stack([ends[..., 0], middle, middle, ends[..., 1]], axis=2)
         halves.append(points.reshape(len(share), -1, 2))
-    return duration, halves[0], halves[1], halves[2]
+    return durations, halves
 
 
 def mean_square(found: Wave) -> Array:
@@ -169,7 +191,7 @@ def energy(found: Wave, kept: Any = 1.0, *, storing: bool = True) -> Energy:
         Columns over candidates [J].
     """
     I, V, dt = found.current, found.voltage, found.duration
-    cuts = np.sort(np.stack([_crossing(I), _crossing(V)], axis=2), axis=2)
+    cuts = np.sort(np.stack([crossing(I), crossing(V)], axis=2), axis=2)
     edges = np.concatenate([np.zeros((*cuts.shape[:2], 1)), cuts, np.ones((*cuts.shape[:2], 1))], axis=2)
     parts = dt[..., None] * np.diff(_work(I, V, edges), axis=2)  # one sign each
     drawn, returned = np.maximum(parts, 0.0), np.maximum(-parts, 0.0)
@@ -182,7 +204,7 @@ def energy(found: Wave, kept: Any = 1.0, *, storing: bool = True) -> Energy:
     return Energy(taken, back, stored)
 
 
-def _crossing(ends: Array) -> Array:
+def crossing(ends: Array) -> Array:
     """Share of each segment after which a quantity changes sign; 1 where it does not."""
     left, right = ends[..., 0], ends[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):

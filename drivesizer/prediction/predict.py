@@ -181,7 +181,8 @@ def _mechanical(one: SetAtVoltage, given: Conditions) -> dict[str, Array]:
     stall = one.stall_current(ambient)
     torque = np.maximum(one.k_t * stall - one.coulomb, 0.0) * one.ratio * one.efficiency
     speed, current = one.running(given.load, ambient)
-    power, drawn = given.load * speed / one.ratio, given.voltage * one.duty * current
+    power = given.load * speed / one.ratio
+    drawn = one.source_power(given.voltage, given.resistance, current)
     driving = one.inertia + given.inertia / (one.ratio**2 * one.efficiency)
     driven = one.inertia + given.inertia * one.efficiency / one.ratio**2
     stepped = (winding, one.voltage, one.coulomb, one.viscous, driving)
@@ -333,6 +334,10 @@ def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> I
         yield ("at standstill the hottest phase has 1.5 to 2 times the mean loss, by the rotor's angle, and its "
                "neighbours lead away any part of what is above it")  # fmt: skip
     yield "at rest friction and gear loss carry any part of the torque between helping and hindering"
+    if parts.controller is not None:
+        yield "the power of the supply is before its resistance, with losses and standby power of the controller"
+        if np.isnan(parts.controller["standby_current"][0]):
+            yield "standby power of the controller not counted: it is not printed"
     if parts.controller is None and not np.isfinite(one.most_current[0]):
         yield "without a controller the winding is connected to the supply: nothing limits the current"
     elif parts.controller is None:

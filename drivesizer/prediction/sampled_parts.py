@@ -24,6 +24,7 @@ from drivesizer.catalog.tolerances.classes import Class
 from drivesizer.catalog.tolerances.distributions import lognormal
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.search.uncertainty.class_of_part import holding
 from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_dry_share, with_losses
@@ -70,7 +71,7 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
         {"gearhead": gearhead} if gearhead else {}
     )
     estimated = [(role, hit.section, one) for role, hit in sold.items() for one in estimates_of(hit.table, hit.row)]
-    drawn = [one for one in _classes(motor, gearhead) if one.factor is not None]
+    drawn = [one for one in _classes(motor, gearhead, controller) if one.factor is not None]
     cube = sobol(len(estimated) + len(drawn) + 5, power, [(_SEED, 0)])
     cube = np.concatenate([np.full((1, cube.shape[1]), 0.5), cube])
     limits = [(role, hit.section, one) for role, hit in sold.items() for one in family_limits(hit.table, hit.row)]
@@ -80,14 +81,14 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
     for role, _, limit in limits:
         tables[role][limit.figure] = np.full(len(cube), limit.value)
     bought, gear = _split(motor, tables)
-    factors: dict[str, dict[str, Array]] = {part: {} for part in ("motor", "gearhead")}
+    factors: dict[str, dict[str, Array]] = {part: {} for part in ("motor", "gearhead", "controller")}
     for one, share in zip(drawn, cube.T[len(estimated) :], strict=False):
         factors[one.part][one.figure] = _factor(one, share)
     names = {one.figure for _, _, one in estimated}
     return SampledParts(
         _motor(bought, factors["motor"], names),
         _gearhead(gear, factors["gearhead"], names),
-        None if controller is None else _rows(controller, len(cube)) | _assumed(controller, cube[:, -5:-3]),
+        None if controller is None else _controller(controller, cube, factors["controller"]),
         cube[:, -3:],
         (
             *(_estimated(*one) for one in estimated),
@@ -171,8 +172,15 @@ def _inside(catalog: Catalog, columns: Figures, source: NDArray[np.int32]) -> Ca
     return split_actuators(catalog.with_tables(tables, dict.fromkeys(RELATIONS, _NO_PAIRS)))
 
 
-def _classes(motor: Hit, gearhead: Hit | None) -> tuple[Class, ...]:
-    """Tolerance classes of the figures of motor and gearhead."""
+def _classes(motor: Hit, gearhead: Hit | None, controller: Hit | None) -> tuple[Class, ...]:
+    """Tolerance classes of the figures of motor, gearhead and controller."""
+    own = _of_what_turns(motor, gearhead)
+    if controller is None or np.isnan([controller[name] for name in ("voltage_drop", "max_efficiency")]).all():
+        return own  # the drop is assumed, with a band of its own
+    return own + holding(controller.catalog, {}, "controller", controller.row)
+
+
+def _of_what_turns(motor: Hit, gearhead: Hit | None) -> tuple[Class, ...]:
     if motor.section == "actuators":
         one = _inside(motor.catalog, _rows(motor, 1), motor.table.source[motor.row : motor.row + 1])
         return holding(one, {}, "motor", 0) + holding(one, {}, "gearhead", 0)
@@ -186,6 +194,12 @@ def _motor(bought: Figures, factors: Mapping[str, Array], estimated: set[str]) -
     k_e = back_emf_constant(bought) * times["back_emf_constant"]
     changed = {name: bought[name] * factor for name, factor in times.items() if name not in estimated}
     return dict(bought) | changed | {"back_emf_constant": k_e} | with_dry_share(bought, factors)
+
+
+def _controller(controller: Hit, cube: Array, factors: Mapping[str, Array]) -> Figures:
+    """A controller's figures, its losses times their factor; what it does not print of them within assumed ends."""
+    bought = _rows(controller, len(cube)) | _assumed(controller, cube[:, -5:-3])
+    return bought | with_stage_losses(bought, factors["losses"]) if "losses" in factors else bought
 
 
 def _gearhead(gear: Figures, factors: Mapping[str, Array], estimated: set[str]) -> Figures:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.back_emf import ELECTRONICS
 from drivesizer.physics.motor_demand import friction, gear_loss
+from drivesizer.physics.power_stage import Feed, power_stage
 from drivesizer.physics.stress import housing_loss
-from drivesizer.physics.supply_voltage import usable_voltage
 from drivesizer.physics.thermal import TwoBodies, resistance_25, resistance_at, two_bodies
 from drivesizer.prediction.sampled_parts import Figures, SampledParts
 from drivesizer.results.prediction import Conditions
@@ -34,6 +34,7 @@ class SetAtVoltage(NamedTuple):
     voltage: Array  # V, that reaches the leads of the winding
     duty: Array  # share of the supply's voltage at full command
     leads: Array  # ohm, in series with the winding
+    feed: Feed | None  # of the controller; None without one
     most_current: Array  # A, of the controller; infinite without one
     R_25: Array
     k_t: Array
@@ -54,6 +55,15 @@ class SetAtVoltage(NamedTuple):
     def stall_current(self, temperature: Any) -> Array:
         """Current at standstill and full voltage [A]."""
         return np.asarray(np.minimum(self.voltage / self.winding(temperature).R, self.most_current))
+
+    def source_power(self, source: float, resistance: float, current: Array) -> Array:
+        """Power out of the source at full command [W], by ``physics.power_stage``: duty, losses, standby power."""
+        at_bus = self.duty * current
+        if self.feed is None:
+            return source * at_bus
+        stage, sagged = self.feed.stage, source - resistance * at_bus
+        drop = source - self.voltage / self.duty
+        return np.asarray(source * (at_bus + ((stage.loss - self.duty * drop) * current + stage.standby) / sagged))
 
     def motor_torque(self, torque_out: Any) -> Array:
         """Torque at the motor that drives one at the output, dry friction included [N*m]."""
@@ -94,14 +104,16 @@ def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
     dry, viscous = friction(motor)
     efficiency, idle = gear_loss(gearhead)
     duty = whole if controller is None else controller["max_duty"]
-    voltage = given.voltage * whole
+    voltage, feed = given.voltage * whole, None
     if controller is not None:
-        voltage = usable_voltage(voltage, duty, controller["voltage_drop"])  # type: ignore[arg-type]
+        feed = Feed(power_stage(controller, given.voltage), given.voltage, given.resistance, 1)
+        voltage = feed.usable
     return SetAtVoltage(
         motor=motor,
         voltage=voltage,
         duty=duty,
         leads=duty**2 * given.resistance,
+        feed=feed,
         most_current=_most_current(motor, controller, whole),
         R_25=np.asarray(resistance_25(motor)),
         k_t=motor["torque_constant"],

@@ -12,8 +12,8 @@ __all__ = ["EstimatedFigure"]
 class EstimatedFigure(NamedTuple):
     """One figure of one part."""
 
-    part: str  # motor, gearhead, encoder, actuator
-    figure: str  # column of the catalogue
+    part: str  # motor, gearhead, encoder, controller, actuator
+    figure: str  # column of the catalogue, or ``loss_voltage`` of a controller
     value: float  # SI
     low: float  # 5th percentile
     high: float  # 95th percentile

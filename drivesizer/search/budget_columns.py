@@ -106,7 +106,6 @@ def _batteries(whole: Evaluation) -> Iterator[CheckColumn]:
     problem, battery = whole.problem, whole.spec.battery
     if battery is None:
         return
-    efficiency = Rows(problem.catalog.controllers, whole.controller)["max_efficiency"]
     machines = problem.machine_cases
     for numbers in machines:
         part = replace(problem, cases=tuple(problem.cases[n] for n in numbers))
@@ -118,13 +117,12 @@ def _batteries(whole: Evaluation) -> Iterator[CheckColumn]:
         idle = draw._replace(drawn=np.zeros_like(drawn), returned=np.zeros_like(drawn))
         feeds: Feeding = feeding(case, battery, problem.catalog)
         speed = np.full_like(drawn, distance_of(case, cycle) / cycle.total)
-        yield from columns_of(case, feeds, cycle.total, speed, [draw, *([idle] * (len(numbers) - 1))], efficiency)
-        yield from _charging(case, feeds.pack, draw.returned / cycle.total, efficiency)
+        yield from columns_of(case, feeds, cycle.total, speed, [draw, *([idle] * (len(numbers) - 1))])
+        yield from _charging(case, feeds.pack, draw.returned / cycle.total)
 
 
-def _charging(case: RobotSpec, pack: Pack, returned: Array, efficiency: Array) -> tuple[CheckColumn, ...]:
+def _charging(case: RobotSpec, pack: Pack, returned: Array) -> tuple[CheckColumn, ...]:
     """Checks of the least charge power: its peak is no less than its mean over the cycle [W]."""
-    loss = np.where(np.isnan(efficiency), 1.0, efficiency)
-    back, rest = accepted(case) * returned * loss, pack.emf(pack.start)
+    back, rest = accepted(case) * returned, pack.emf(pack.start)
     least = Load(mean=nan, peak=nan, rms=nan, back=back, speed=nan, charge=pack.start)
     return charging(case, pack, least._replace(highest=raised_voltage(pack, back, rest)))

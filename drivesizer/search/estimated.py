@@ -9,6 +9,7 @@ import numpy as np
 
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.estimates.estimate import in_words, kept
+from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.results.check import Check
 from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.search.columns.evaluation import Evaluation
@@ -44,8 +45,9 @@ def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]
     """
     catalog, candidates = evaluation.catalog, evaluation.candidates
     motor, gearhead = int(candidates.motor[index]), int(candidates.gearhead[index])
+    loss = _of_the_stage(evaluation, index)
     if not catalog.ends:
-        return ()
+        return loss
     inside = str(catalog.motors["inside"][motor])
     own = {"motors": motor, "gearheads": gearhead}
     places = {"actuators": catalog.actuators.rows[inside]} if inside else own
@@ -54,7 +56,19 @@ def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]
     places |= {section: row for section, row in rows_of.items() if not catalog.table(section)["inside"][row]}
     found = [(section, one) for section, row in places.items() for one in _of_part(catalog, section, row)]
     weighed = evaluation.spec.budget is not None
-    return tuple(one for section, one in found if weighed or section not in _CONTROLLING or one.figure != "mass")
+    weighing = (one for section, one in found if weighed or section not in _CONTROLLING or one.figure != "mass")
+    return (*weighing, *loss)
+
+
+def _of_the_stage(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]:
+    """The loss of a controller of which none is printed, with its band."""
+    row = int(evaluation.controller[index])
+    controller = evaluation.catalog.controllers.record(row) if row >= 0 else None
+    if not evaluation.spec.feed_of(controller).stage.assumed:
+        return ()
+    low, high = (ASSUMED_LOSS * share for share in ASSUMED_BAND)
+    law = "assumed: of drops and efficiencies that makers print, and one measured bridge"
+    return (EstimatedFigure("controller", "loss_voltage", ASSUMED_LOSS, low, high, "voltage", "V", law),)
 
 
 def _of_part(catalog: Catalog, section: str, row: int) -> list[EstimatedFigure]:

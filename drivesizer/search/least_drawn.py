@@ -59,7 +59,7 @@ def battery_failures(problem: Problem, sets: Candidates) -> dict[str, NDArray[np
         draw, alone = Draw(energy, np.zeros_like(energy), np.full_like(energy, np.nan)), np.ones_like(energy)
         speed = alone * distance_of(case, cycle) / cycle.total
         feeds = feeding(case, battery, problem.catalog)
-        for check in columns_of(case, feeds, cycle.total, speed, [draw], alone):
+        for check in columns_of(case, feeds, cycle.total, speed, [draw]):
             if check.name in BATTERY_LASTING:
                 found[check.name] = found.get(check.name, False) | check.failed
     return found

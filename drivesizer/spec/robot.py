@@ -10,22 +10,25 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from copy import deepcopy
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
 
+from drivesizer.catalog import Controller
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.fields import Section, default
 from drivesizer.files.yaml_source import Path_, YamlSource, read
 from drivesizer.loads.kinds import AXES, Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.physics.power_stage import Feed, power_stage
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.control import Control, Plant
 from drivesizer.spec.messages import explained
 from drivesizer.spec.motions import Motion, Track, Trapezoid, Waypoints
 from drivesizer.spec.platform import Budget, Platform
-from drivesizer.spec.sections import Case, Environment, Margins, Mission, Needs, PaperFactors, Supply
+from drivesizer.spec.sections import Case, Environment, Margins, Mission, Needs, PaperFactors, PowerStage, Supply
 from drivesizer.spec.select import Select
 from drivesizer.spec.tolerance_text import Toleranced, taken
 from drivesizer.spec.tolerances import Tolerances
@@ -53,6 +56,7 @@ class RobotSpec(Section):
     paper_factors: PaperFactors = Field(default_factory=PaperFactors)
     margins: Margins = Field(default_factory=Margins)
     supply: Supply
+    power_stage: PowerStage = Field(default_factory=PowerStage)
     environment: Environment = Field(default_factory=Environment)
     needs: Needs = Field(default_factory=Needs)
     mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
@@ -159,6 +163,22 @@ class RobotSpec(Section):
     def accepts_all(self) -> bool:
         """Whether all regenerated energy leaves the bus: stored, or lost in a battery or a brake resistor."""
         return (self.supply.accepts or ("all" if self.battery else "share")) == "all"
+
+    def feed(self, controller: Any) -> Feed:
+        """The power stages of controllers, columns by field name, and what feeds as many as there are drives."""
+        supply = self.supply
+        stage = power_stage(controller, supply.nominal, self.power_stage, assume=self.select.estimates == "on")
+        ohm = 0.0 if supply.resistance is None else supply.resistance
+        return Feed(stage, supply.lowest, ohm, self.load.motors)
+
+    def feed_of(self, controller: Controller | None) -> Feed:
+        """The same of one controller; of one whose figures are unknown where there is none."""
+        return self.feed(asdict(controller or Controller()))
+
+    @property
+    def resists(self) -> bool:
+        """Whether a resistance of the supply or of power stages lowers the motors' voltage."""
+        return self.supply.resistance is not None or self.power_stage.resistance is not None
 
     @property
     def load_cases(self) -> tuple[tuple[str, RobotSpec], ...]:

@@ -10,7 +10,9 @@ from drivesizer.files.fields import (
     Allowance,
     Angle,
     Capacitance,
+    Consumed,
     Current,
+    Drop,
     Duration,
     Factor,
     Force,
@@ -30,7 +32,7 @@ from drivesizer.files.fields import (
     default,
 )
 
-__all__ = ["Case", "Environment", "Margins", "Mission", "Needs", "PaperFactors", "Supply"]
+__all__ = ["Case", "Environment", "Margins", "Mission", "Needs", "PaperFactors", "PowerStage", "Supply"]
 
 
 class PaperFactors(Section):
@@ -49,7 +51,9 @@ class Supply(Section):
     nominal: Voltage
     min: Voltage | None = Field(default=None, description="lowest voltage; nominal where not given")
     max: Voltage | None = Field(default=None, description="highest voltage; nominal where not given")
-    resistance: Resistance | None = Field(default=None, description="of source and cables, in the closed loop")
+    resistance: Resistance | None = Field(
+        default=None, description="of the source and all cables; of the cables alone where a section battery is"
+    )
     current: Current | None = Field(default=None, description="that the supply can deliver to all drives")
     power: Power | None = Field(default=None, description="that the supply can deliver to all drives")
     regeneration: Part = Field(
@@ -77,6 +81,16 @@ class Supply(Section):
     def highest(self) -> float:
         """Highest supply voltage [V]."""
         return self.nominal if self.max is None else self.max
+
+
+class PowerStage(Section):
+    """Losses of each controller, in place of what its catalogue prints or the program assumes; not inside actuators."""
+
+    voltage_drop: Drop | None = Field(
+        default=None, description="of the voltage that reaches the motor, and lost per ampere at any current"
+    )
+    resistance: Resistance | None = Field(default=None, description="in series with the winding; none where not given")
+    standby: Consumed | None = Field(default=None, description="that each draws at any time; also inside actuators")
 
 
 class Environment(Section):

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field
 from drivesizer.catalog.tolerances.factors import share
 from drivesizer.files.fields import Section, Share
 
-__all__ = ["FEWEST", "MOST", "GearheadTolerances", "MotorTolerances", "Tolerances"]
+__all__ = ["FEWEST", "MOST", "ControllerTolerances", "GearheadTolerances", "MotorTolerances", "Tolerances"]
 
 FEWEST, MOST = 64, 1_000_000  # samples of a drive
 
@@ -47,6 +47,12 @@ class GearheadTolerances(Section):
     inertia: Factor | None = Field(default=None, description=_FACTOR)
 
 
+class ControllerTolerances(Section):
+    """Of a controller's figures; the default class where not given."""
+
+    losses: Factor | None = Field(default=None, description=f"per ampere: {_FACTOR}")
+
+
 class Tolerances(Section):
     """Required confidence, and its sampling."""
 
@@ -58,11 +64,12 @@ class Tolerances(Section):
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = Field(default=1, description="the same seed, the same figures")
     motor: MotorTolerances = Field(default_factory=MotorTolerances)
     gearhead: GearheadTolerances = Field(default_factory=GearheadTolerances)
+    controller: ControllerTolerances = Field(default_factory=ControllerTolerances)
 
     @property
     def given(self) -> dict[tuple[str, str], str]:
         """Tolerances in place of the default classes, by part and figure."""
-        parts = {"motor": self.motor, "gearhead": self.gearhead}
+        parts = {"motor": self.motor, "gearhead": self.gearhead, "controller": self.controller}
         return {
             (part, figure): text
             for part, section in parts.items()

@@ -273,15 +273,35 @@ def strongest(time: float, I: Pair, V: Pair) -> float:
     return best
 
 
-def energy(pieces: list[Piece], motor: Any, temperatures: list[float], kept: float = 1.0) -> tuple[float, float, float]:
-    """Drawn and returned over a cycle, and the most in a store that takes what is kept of that and gives first."""
+def loss_per_ampere(controller: Any) -> float:
+    """Power that a power stage loses per ampere [V]: the larger of two printed figures, 1 V where there is none."""
+    duty = 1.0 if math.isnan(controller.max_duty) else controller.max_duty
+    printed = controller.voltage_drop, (1.0 / controller.max_efficiency - 1.0) * duty * controller.supply_max
+    return max((x for x in printed if not math.isnan(x)), default=1.0)
+
+
+def charge(pieces: list[Piece]) -> float:
+    """Integral of the absolute current [A s]."""
+    spans = [(p, *ends) for p in pieces for ends in itertools.pairwise(sorted({0.0, *crossing(p.current), 1.0}))]
+    return sum(abs(product(p.time * (b - a), between(p.current, a, b), (1.0, 1.0))) for p, a, b in spans)
+
+
+def energy(
+    pieces: list[Piece], motor: Any, temperatures: list[float], kept: float = 1.0, *, loss: float = 0.0
+) -> tuple[float, float, float]:
+    """Drawn and returned over a cycle, and the most in a store that takes what is kept of that and gives first.
+
+    ``loss``: of the power stage, per ampere [V].
+    """
     steps = []
     for p, T in zip(pieces, temperatures, strict=True):
         V = volts(p, motor, T)
-        cuts = sorted({0.0, *crossing(p.current), *crossing(V), 1.0})
-        for left, right in itertools.pairwise(cuts):
-            time = p.time * (right - left)
-            steps.append(product(time, between(p.current, left, right), between(V, left, right)))
+        for first, last in itertools.pairwise(sorted({0.0, *crossing(p.current), 1.0})):
+            I, U = between(p.current, first, last), between(V, first, last)
+            U = tuple(x + math.copysign(loss, sum(I)) for x in U)
+            for left, right in itertools.pairwise(sorted({0.0, *crossing(U), 1.0})):
+                time = p.time * (last - first) * (right - left)
+                steps.append(product(time, between(I, left, right), between(U, left, right)))
     if any(map(math.isnan, steps)):
         return NAN, NAN, NAN
     drawn, returned = sum(s for s in steps if s > 0), -sum(s for s in steps if s < 0)

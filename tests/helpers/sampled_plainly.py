@@ -16,9 +16,9 @@ from drivesizer.search.uncertainty.sampled_checks import SetRows
 from drivesizer.search.uncertainty.uncertain_figures import applied, case_paths
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import ControllerChoice
-from drivesizer.spec.tolerances import GearheadTolerances, MotorTolerances
+from drivesizer.spec.tolerances import ControllerTolerances, GearheadTolerances, MotorTolerances
 
-FACTORS = {"motor": MotorTolerances, "gearhead": GearheadTolerances}
+FACTORS = {"motor": MotorTolerances, "gearhead": GearheadTolerances, "controller": ControllerTolerances}
 
 
 def machine_of(spec: RobotSpec, given: Any, values: Any) -> RobotSpec:
@@ -51,6 +51,19 @@ def peaks_at_stall(parts: Catalog, gearhead: int) -> bool:
     return row >= 0 and parts.actuators["peak_torque"][row] == parts.actuators["stall_torque"][row]
 
 
+def _losing(spec: RobotSpec, table: Any, row: int, factor: float) -> Any:
+    """Controllers of which one loses so many times as much: by drop and efficiency, or 1 V where it has neither."""
+    one = {name: table[name][row] for name in ("voltage_drop", "max_efficiency", "max_duty", "supply_max", "inside")}
+    lost = (1.0 / one["max_efficiency"] - 1.0) * factor
+    if np.isnan([one["voltage_drop"], one["max_efficiency"]]).all():
+        known = spec.select.estimates == "on" and not one["inside"]
+        lost = factor / (one["supply_max"] * np.nan_to_num(one["max_duty"], nan=1.0)) if known else np.nan
+    columns = dict(table.columns) | {name: table[name].copy() for name in ("voltage_drop", "max_efficiency")}
+    columns["voltage_drop"][row] *= factor
+    columns["max_efficiency"][row] = 1.0 / (1.0 + lost)
+    return replace(table, columns=columns)
+
+
 def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values: Any) -> tuple[Evaluation, Catalog]:
     """One sample of a set by the plain evaluation: a spec and a catalogue of its own."""
     v = {f"{part}.{figure}": 1.0 for part, section in FACTORS.items() for figure in section.model_fields}
@@ -74,6 +87,7 @@ def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values:
             "intermittent_torque": v["gearhead.peak_torque"] if peaks_at_stall(parts, one.gearhead) else 1.0,
             "no_load_torque": v["gearhead.efficiency"], "inertia": v["gearhead.inertia"],
         }),
+        controllers=_losing(spec, parts.controllers, one.controller, v["controller.losses"]),
     )  # fmt: skip
     moved = machine_of(spec, given, values)
     mine = ControllerChoice(part=[str(parts.controllers["part"][one.controller])])
@@ -83,13 +97,16 @@ def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values:
 
 
 def held_alike(plainly: Evaluation, got: dict[str, Any], row: int, size: int) -> None:
-    """Demand, limit and verdict of every check: the same to 1e-5, of windings to 1e-3."""
+    """Demand, limit and verdict of every check: the same to 1e-5, of windings to 1e-3.
+
+    A bus holds what braking leaves of the losses, to 2e-3: both take a winding's resistance as constant over a piece.
+    """
     for check in plainly.checks:
         if check.name not in got:
             assert check.name in ("compatibility", "encoder_counts")
             continue
         mine = got[check.name]
-        near = 1e-3 if check.name == "winding_temperature" else 1e-5
+        near = {"winding_temperature": 1e-3, "bus_voltage": 2e-3}.get(check.name, 1e-5)
         for name in ("demand", "limit"):
             column = np.broadcast_to(getattr(mine, name), size)
             largest = np.abs(column[np.isfinite(column)]).max(initial=0.0)

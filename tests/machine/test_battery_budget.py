@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import inf, isnan
+from math import inf, isnan, nan
 from typing import Any
 
 import numpy as np
@@ -137,17 +137,33 @@ def test_consumers_add_up(robot: RobotSpec, drive: DriveSet, listed: Catalog) ->
 
 def test_losses_of_a_controller_whose_efficiency_is_known(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
     assert drive.controller is not None
-    assert isnan(drive.controller.max_efficiency)
+    assert isnan(drive.controller.max_efficiency) and drive.controller.voltage_drop == 1.0
     plain = budget(robot, drive, listed)
-    assert isnan(plain.consumers[2].mean)
-    assert "losses of the controllers not counted: their efficiency is unknown" in plain.assumptions
-    known = replace(drive, controller=replace(drive.controller, max_efficiency=0.9))
+    named = "standby power of the controllers not counted: it is not printed"
+    assert named in plain.assumptions and not any("controllers lose" in one for one in plain.assumptions)
+    known = replace(drive, controller=replace(drive.controller, max_efficiency=0.9, standby_current=0.1))
     found = budget(robot, known, listed)
-    own = drive_power(robot, drive)
-    lost = own.mean(own.drawn) / 9 + 0.1 * 0.7 * own.mean(own.returned)
-    assert found.consumers[2].mean == pytest.approx(lost)
-    assert found.mean_power == pytest.approx(plain.mean_power + lost)
-    assert not any("controllers" in one for one in found.assumptions if "assumed" not in one)
+    assert named not in found.assumptions
+    factor = (1.0 / 0.9 - 1.0) * 0.9 * 50.0  # V per ampere, of 90 % of 50 V
+    own, more = drive_power(robot, drive), drive_power(robot, known)
+    assert own.mean(own.motor_drawn) == pytest.approx(more.mean(more.motor_drawn))
+    standby = 4 * 0.1 * robot.supply.nominal
+    lost = found.consumers[2].mean - standby
+    assert plain.consumers[2].mean * factor < lost * (1 + 1e-9)  # of what is returned, less is left of all
+    assert found.mean_power == pytest.approx(plain.mean_power - plain.consumers[2].mean + lost + standby)
+    assert found.mean_power == pytest.approx(sum(one.mean for one in found.consumers))
+
+
+def test_losses_of_a_controller_of_which_nothing_is_printed(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
+    assert drive.controller is not None
+    bare = replace(drive, controller=replace(drive.controller, voltage_drop=nan))
+    on = robot.model_copy(update={"select": robot.select.model_copy(update={"estimates": "on"})})
+    found, printed = budget(on, bare, listed), budget(on, drive, listed)
+    assert found.consumers[2].assumed and found.consumers[2].mean == pytest.approx(printed.consumers[2].mean)
+    assert any(one.startswith("controllers lose 1 V times") for one in found.assumptions)
+    none = budget(robot, bare, listed)
+    assert none.consumers[2].mean == 0.0 and not none.consumers[2].assumed
+    assert "losses of the controllers not counted: neither drop nor efficiency is printed" in none.assumptions
 
 
 def test_the_charge_is_gone_when_the_time_is(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:

@@ -17,7 +17,8 @@ name: a wheel that is stopped
 load: {kind: flywheel, inertia: %s, friction_torque: 1 mN*m}
 motion: {speed: %s, acceleration_time: 1 s, cruise_time: 1 s, deceleration_time: %s, rest_time: 5 s}
 supply: {nominal: 24 V, %s}
-select: {catalogs: [maxon]}
+power_stage: {voltage_drop: 0 V}
+select: {catalogs: [maxon], controller: {part: "541718"}}
 """
 
 

@@ -71,7 +71,10 @@ def lines(segments):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_joule_is_accounted_for(kind, tmp_path, catalog):
-    """Electrical = work at the load's shaft + what belt, gearhead, winding and friction keep + what the rotor gains."""
+    """Electrical = work at the load's shaft + what belt, gearhead, winding and friction keep + what the rotor gains.
+
+    The power stage takes its loss per ampere of all current, whichever way it flows.
+    """
     spec = starter(kind, tmp_path)
     cycle, belt, e_b = load_cycle(spec), 1.6, 0.93
     segments = by_hand.segments_of(cycle)
@@ -103,7 +106,8 @@ def test_every_joule_is_accounted_for(kind, tmp_path, catalog):
         copper = by_hand.asked(losses, motor, head, spec.environment.ambient).copper * sum(p.time for p in losses)
         returned = found.figures["returned"][row] / sets
         drawn = found.figures["energy"][row] / sets + share * returned
-        balance = work + belt_loss + gear_loss + copper + friction + rotor
+        stage = by_hand.loss_per_ampere(catalog.controllers.record(int(found.controller[row]))) * by_hand.charge(losses)
+        balance = work + belt_loss + gear_loss + copper + friction + rotor + stage
         assert min(belt_loss, gear_loss, friction, copper) > 0
         if np.isnan(balance):  # a motor that runs away, and how hot it may get is unknown
             assert np.isnan(drawn - returned)

@@ -33,7 +33,7 @@ from drivesizer.spec.robot import RobotSpec, read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
-NONE = "tolerances: {motor: {resistance: none, torque_constant: none, friction: none, dry_friction: none, rotor_inertia: none, thermal_resistance: none}, gearhead: {efficiency: none, peak_torque: none, inertia: none}}\n"  # noqa: E501
+NONE = "tolerances: {motor: {resistance: none, torque_constant: none, friction: none, dry_friction: none, rotor_inertia: none, thermal_resistance: none}, gearhead: {efficiency: none, peak_torque: none, inertia: none}, controller: {losses: none}}\n"  # noqa: E501
 MOVED = {
     "mass: 45 kg ": "mass: 45 kg +- 3 kg ",
     "rolling_resistance: 0.02 ": "rolling_resistance: 0.02 in 0.015..0.03 ",

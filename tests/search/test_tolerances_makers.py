@@ -96,7 +96,9 @@ def _maker(name: str, tolerances: str = "", mass: int = 320, *, overrides: bool 
 
 def _spec(torque_constant: str = "") -> RobotSpec:
     own = f", torque_constant: {torque_constant}" if torque_constant else ""
-    return read_spec(YamlSource(f"{SPEC}tolerances: {{motor: {{{ALONE}{own}}}}}\n", "hoist.yaml"))
+    return read_spec(
+        YamlSource(f"{SPEC}tolerances: {{motor: {{{ALONE}{own}}}, controller: {{losses: none}}}}\n", "hoist.yaml")
+    )
 
 
 @pytest.fixture(scope="module")
@@ -328,7 +330,7 @@ _LINE = MAKER.count("\n") + 1
 WRONG = [
     ("no list", "tolerances: 5\n", f"{_LINE}: tolerances", "expected a list"),
     ("no figure", "tolerances:\n- {source: sheet}\n", f"{_LINE + 1}: tolerances[1]",
-     "expected motor or gearhead, e.g. motor: {resistance: +- 10 %}"),
+     "expected motor or gearhead or controller, e.g. motor: {resistance: +- 10 %}"),
     ("no source", "tolerances:\n- {motor: {resistance: +- 5 %}}\n", f"{_LINE + 1}: tolerances[1]",
      '"source" is missing'),
     ("unknown source", "tolerances:\n- {source: shet, motor: {resistance: +- 5 %}}\n",

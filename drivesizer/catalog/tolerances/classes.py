@@ -32,13 +32,14 @@ CLASSES = {
     ("gearhead", "peak_torque"): "Peak torque by stall",
     ("gearhead", "efficiency"): "Gearhead losses",
     ("gearhead", "inertia"): "Gearhead inertia",
+    ("controller", "losses"): "Controller losses",
 }
 
 
 class Class(NamedTuple):
     """Tolerance of one kind of catalogue figure."""
 
-    part: str  # motor or gearhead
+    part: str  # motor, gearhead or controller
     figure: str
     title: str
     text: str  # as written

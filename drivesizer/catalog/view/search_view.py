@@ -199,7 +199,9 @@ def _encoder(actuators: Table[Any]) -> _Inside:
 
 def _controller(actuators: Table[Any]) -> _Inside:
     free = dict.fromkeys(("max_encoder_frequency", "max_speed_sine", "max_speed_block"), np.inf)
-    figures: dict[str, Any] = {name: actuators[name] for name in ("buses", "supply_min", "supply_max", "peak_current")}
+    figures: dict[str, Any] = {
+        name: actuators[name] for name in ("buses", "supply_min", "supply_max", "peak_current", "standby_current")
+    }
     figures |= {"drives": actuators["kind"], "continuous_current": actuators["nominal_current"]}
     figures |= {"max_duty": 1.0, "voltage_drop": 0.0, "mass": 0.0, "price": 0.0}
     return _Inside(np.flatnonzero(actuators["controller"] != ""), figures | free)

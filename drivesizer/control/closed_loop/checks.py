@@ -154,9 +154,10 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
         return at_most("controller_peak_current", x, controller.peak_current)
 
     yield _check(
-        _resisted(case, "voltage_demand", lambda x: at_most("supply_voltage", x, case.usable_voltage)),
-        case.required("voltage_demand_time"),
-        f"{ideal}; limit: output of the controller at the lowest supply voltage",
+        _resisted(case, "stage_voltage", lambda x: at_most("supply_voltage", x, case.usable_voltage)),
+        case.required("stage_voltage_time"),
+        f"{ideal}; limit: output of the controller at the lowest supply voltage"
+        + (", with what resistances before the motor take of it" if case.spec.resists else ""),
     )
     yield _check(_most(case, "current_demand", peak, required=True), case.required("current_demand_time"), ideal)
     share = _peak_share(case)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from drivesizer.control.closed_loop.run import ClosedLoop
 from drivesizer.load_cases.profile import SPEED
 from drivesizer.physics.counted_speed import speed_quantum
+from drivesizer.physics.power_stage import of_the_source
 from drivesizer.results.sizing import Figure
 
 __all__ = ["figures", "quantum", "series", "series_units"]
@@ -90,7 +91,10 @@ def _loop(case: ClosedLoop) -> list[_Row]:
 
 
 def _electrical(case: ClosedLoop) -> list[_Row]:
-    motors, seen = case.spec.load.motors, case.figure
+    motors, seen, feed = case.spec.load.motors, case.figure, case.spec.feed_of(case.drive_set.controller)
+    standby = float(feed.stage.standby)
+    peak = float(of_the_source(seen("power") + standby, feed)) * motors
+    taken = (seen("energy_in") + standby * seen("time")) * motors + seen("energy_resisted")
     rows: list[_Row] = [
         ("rms_current", "Motor current, RMS", seen("rms_current"), _CURRENT, None),
         ("peak_current", "Motor current, peak", seen("current"), _CURRENT, seen("current_time")),
@@ -98,11 +102,11 @@ def _electrical(case: ClosedLoop) -> list[_Row]:
         (
             "peak_power",
             "Electrical power, peak, all drives",
-            seen("power") * motors,
+            peak,
             ("power", "W"),
             seen("power_time"),
         ),
-        ("energy_in", "Electrical energy taken, all drives", seen("energy_in") * motors, _ENERGY, None),
+        ("energy_in", "Electrical energy taken, all drives", taken, _ENERGY, None),
         ("energy_returned", "Electrical energy returned, all drives", seen("energy_returned") * motors, _ENERGY, None),
     ]
     if case.periodic:

@@ -26,8 +26,8 @@ _LEAD, _WATCHED = 1.0, 2.0  # s of a window before it is recorded, and recorded
 _EVEN = 8  # windows at even distances
 _NEAR = 0.5  # of a figure's largest value: windows that reach it are compared
 _PEAKS = (
-    "voltage_demand", "voltage", "current", "current_demand", "speed", "speed_error", "angle_error", "load_speed_error",
-    "load_angle_error", "gear_torque", "power", "bus_current",
+    "voltage_demand", "stage_voltage", "voltage", "current", "current_demand", "speed", "speed_error", "angle_error",
+    "load_speed_error", "load_angle_error", "gear_torque", "power", "bus_current",
 )  # fmt: skip
 _MEANS = ("rms_current", "rms_gear_torque_running")
 _EXCESS = 10.0  # error of the I2t integral, a difference of squares, over that of the current's square

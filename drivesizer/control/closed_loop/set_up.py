@@ -19,8 +19,8 @@ from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.load_cases.at_shaft import at_shaft, remaining_torque
 from drivesizer.loads.course import Profile
+from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.stress import housing_loss
-from drivesizer.physics.supply_voltage import usable_in
 from drivesizer.physics.thermal import TwoBodies, two_bodies
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
@@ -70,9 +70,10 @@ def prepared(
     controller = controller or own
     within_reach(train, profile)
     _sampled(controller, profile)
-    usable = usable_in(spec.supply.lowest, drive_set.controller)
+    feed = spec.feed_of(drive_set.controller)
+    usable = float(feed.usable)
     heat, lacks = _heat(spec, drive_set)
-    drive = _drive(spec, drive_set, train, controller, heat, usable)
+    drive = _drive(spec, drive_set, train, controller, heat, feed)
     return Prepared(train, controller, usable, drive, _task(spec, profile, train), (*said, *lacks))
 
 
@@ -116,10 +117,10 @@ def _drive(
     train: DriveTrain,
     own: Gains | Cascade,
     heat: MotorHeat | None,
-    usable: float,
+    feed: Feed,
 ) -> Drive:
     """The drive as the engine takes it; an unknown limit is none there, and unknown in its check."""
-    controller, known = drive_set.controller, not math.isnan(usable)
+    controller, known, stage = drive_set.controller, not math.isnan(feed.usable), feed.stage
 
     def limit(name: str) -> float:
         value = getattr(controller, name) if controller else math.nan
@@ -130,8 +131,9 @@ def _drive(
         controller=own,
         supply=Supply(
             voltage=spec.supply.lowest, resistance=spec.supply.resistance or 0.0, sets=spec.load.motors,
-            max_duty=controller.max_duty if controller and known else 1.0,
-            voltage_drop=controller.voltage_drop if controller and known else 0.0,
+            max_duty=float(stage.max_duty) if known else 1.0, voltage_drop=float(stage.drop) if known else 0.0,
+            loss=float(stage.loss), stage_resistance=float(stage.resistance), standby=float(stage.standby),
+            leads=float(feed.leads),
         ),
         current=CurrentLimit(
             peak=limit("peak_current"), continuous=limit("continuous_current"), peak_time=limit("peak_time")

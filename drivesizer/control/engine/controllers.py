@@ -12,7 +12,7 @@ from drivesizer.control.engine.layout import Array
 from drivesizer.control.engine.limits import available_voltage, permitted_current
 from drivesizer.control.engine.modes import matrix_of
 from drivesizer.control.engine.steps import step
-from drivesizer.control.engine.tallies import keep_peak
+from drivesizer.control.engine.tallies import keep_demand, keep_peak
 
 __all__ = ["feedforward_current"]
 
@@ -100,7 +100,7 @@ def outer_loops(p: Array, s: Array, ring: Array, k: int, speed: float, slope: fl
 
 def limited_voltage(p: Array, s: Array, g: Array, demand: float, t: float, weight: float) -> float:
     """A voltage demand limited by the bus [V]."""
-    keep_peak(g, at.G_U_DEMAND, demand, t)
+    keep_demand(p, g, demand, s[at.I], t)
     most = available_voltage(p, s[at.I], demand)
     u = min(max(demand, -most), most)
     s[at.U_CUT] = demand - u

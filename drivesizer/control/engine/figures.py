@@ -27,11 +27,11 @@ class Simulation:
 
 
 FIGURES = {
-    "current": "I", "voltage_demand": "U_DEMAND", "voltage": "U", "speed": "W", "speed_error": "E_W",
-    "angle_error": "E_X", "load_speed_error": "E_V", "load_angle_error": "E_Y", "gear_torque": "G",
-    "current_demand": "I_AHEAD", "power": "POWER", "bus_current": "BUS",
+    "current": "I", "voltage_demand": "U_DEMAND", "stage_voltage": "U_STAGE", "voltage": "U",
+    "speed": "W", "speed_error": "E_W", "angle_error": "E_X", "load_speed_error": "E_V",
+    "load_angle_error": "E_Y", "gear_torque": "G", "current_demand": "I_AHEAD", "power": "POWER", "bus_current": "BUS",
     "time_at_voltage_limit": "SATURATED", "time_at_current_limit": "LIMITED",
-    "energy_in": "IN", "energy_returned": "RETURNED",
+    "energy_in": "IN", "energy_returned": "RETURNED", "energy_resisted": "RESISTED",
     "speed_error_square": "E2_W", "angle_error_square": "E2_X", "load_speed_error_square": "E2_V",
     "load_angle_error_square": "E2_Y", "i2t_highest": "I2T", "winding_highest": "WINDING",
     "housing_highest": "HOUSING", "bus_lowest": "V_LOW", "bus_highest": "V_HIGH",

@@ -99,7 +99,7 @@ def simulate_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
             t, x, w, taken = k * h, s[at.X], s[at.W], g[at.G_IN] - g[at.G_RETURNED]
             u = control(p, s, g, M, work, stamp, z, ring, rows, kept, size, piece, k, k - corner < near)
             advance(p, s, g, M, work, stamp, z, u, piece[6] + piece[7] * (t - piece[2]), piece[7], t)
-            record_bus(p, g, (g[at.G_IN] - g[at.G_RETURNED] - taken) / h, t)
+            record_bus(p, g, (g[at.G_IN] - g[at.G_RETURNED] - taken) / h, t, h)
             turned, swept = turned + abs(s[at.X] - x), swept + square_of(w, s[at.W], s[at.X] - x, h)
             spent, k = spent + h, k + 1
             if k % n_v == 0 or k == end:

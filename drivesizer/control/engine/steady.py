@@ -7,7 +7,7 @@ import math
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import Array
 from drivesizer.control.engine.limits import available_voltage, record_bus
-from drivesizer.control.engine.tallies import add_electrical, keep_peak, record_gear_torque
+from drivesizer.control.engine.tallies import add_energy, add_square, keep_demand, keep_peak, record_gear_torque
 from drivesizer.control.engine.warming import heat, warm
 
 __all__: list[str] = []  # compiled into ``kernel``
@@ -23,24 +23,23 @@ def regulated(p: Array, s: Array) -> bool:
 def carry_state(p: Array, s: Array, g: Array, u: float, l: float, t: float, duration: float) -> None:
     """Carry a steady state over a duration; the controller follows the winding's resistance."""
     R, Q0 = s[at.RES], s[at.Q]
-    add_electrical(p, s, g, s[at.I] * s[at.I] * duration, 0.0, 0.0, duration)
+    square = s[at.I] * s[at.I] * duration
+    add_square(p, s, g, square, duration)
     record_gear_torque(p, s, g, int(s[at.CODE]), l, t, duration)
     heat(p, s, g, abs(s[at.W]) * duration, s[at.W] * s[at.W] * duration, duration)
     work = (u - R * s[at.I]) * s[at.I] * duration + (s[at.Q] - Q0)  # what turns into motion, and the copper's heat
-    if work > 0.0:
-        g[at.G_IN] += work
-    else:
-        g[at.G_RETURNED] -= work
+    add_energy(p, g, work, s[at.I] * duration, square)
     s[at.X] += s[at.W] * duration
     s[at.Y] += s[at.V] * duration
     rise = (s[at.RES] - R) * s[at.I] if regulated(p, s) else 0.0
     s[at.PEND] += rise
     s[at.INNER if p[at.CASCADE] != 0.0 else at.OUTER] += rise
-    record_bus(p, g, (u + rise) * s[at.I], t + duration)
+    power = (u + rise) * s[at.I] + p[at.LOSS] * abs(s[at.I]) + p[at.R_B] * s[at.I] * s[at.I]
+    record_bus(p, g, power, t + duration, duration)
     keep_peak(g, at.G_U, u + rise, t + duration)
-    keep_peak(g, at.G_U_DEMAND, u + rise + s[at.U_CUT], t + duration)
-    if (u + rise) * s[at.I] > g[at.G_POWER]:
-        keep_peak(g, at.G_POWER, (u + rise) * s[at.I], t + duration)
+    keep_demand(p, g, u + rise + s[at.U_CUT], s[at.I], t + duration)
+    if power > g[at.G_POWER]:
+        keep_peak(g, at.G_POWER, power, t + duration)
 
 
 def is_steady(p: Array, s: Array, mind: Array, lag: float) -> bool:

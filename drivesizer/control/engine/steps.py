@@ -8,7 +8,7 @@ from __future__ import annotations
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import Array
 from drivesizer.control.engine.modes import load_torque, matrix_of, mode_of
-from drivesizer.control.engine.tallies import add_electrical, keep_peak, record_gear_torque, square_of
+from drivesizer.control.engine.tallies import add_energy, add_square, keep_peak, record_gear_torque, square_of
 
 __all__: list[str] = []  # compiled into ``kernel``
 
@@ -59,10 +59,13 @@ def accept(p: Array, s: Array, g: Array, z: Array, code: int, u: float, t: float
     two = p[at.TWO] != 0.0
     q, x = (z[12], z[13]) if two else (z[10], z[11])
     first, last = s[at.I], z[8]
-    add_electrical(p, s, g, square_of(first, last, q, dt), u, q, dt)
+    square = square_of(first, last, q, dt)
+    add_square(p, s, g, square, dt)
+    add_energy(p, g, u * q, q, square)
     keep_peak(g, at.G_I, last, t)
     keep_peak(g, at.G_W, z[9], t)
-    power = u * (first if (first > last) == (u > 0.0) else last)
+    most = first if (first > last) == (u > 0.0) else last
+    power = u * most + p[at.LOSS] * abs(most) + p[at.R_B] * most * most
     if power > g[at.G_POWER]:
         keep_peak(g, at.G_POWER, power, t)
     if two:

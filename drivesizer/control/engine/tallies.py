@@ -17,22 +17,33 @@ def keep_peak(g: Array, place: int, value: float, t: float) -> None:
         g[place], g[place + 1] = abs(value), t
 
 
+def keep_demand(p: Array, g: Array, demand: float, i: float, t: float) -> None:
+    """Keep the largest voltage demand, and that at the power stage with what resistances take of its voltage."""
+    keep_peak(g, at.G_U_DEMAND, demand, t)
+    keep_peak(g, at.G_U_STAGE, abs(demand) + p[at.LEADS] * max(0.0, i if demand >= 0.0 else -i), t)
+
+
 def square_of(first: float, last: float, area: float, dt: float) -> float:
     """Integral of a square by the ends and the integral; exact for a parabola (its Legendre polynomials)."""
     mean, rise, bend = area / dt, last - first, (first + last) / 2.0 - area / dt
     return dt * (mean * mean + rise * rise / 12.0 + bend * bend / 5.0)
 
 
-def add_electrical(p: Array, s: Array, g: Array, square: float, u: float, q: float, dt: float) -> None:
-    """Add a step: square of the current, I2t integral, energy."""
+def add_energy(p: Array, g: Array, work: float, charge: float, square: float) -> None:
+    """Add energy into the power stage, by that of the motor, and charge and square of the current over that time."""
+    taken = work + p[at.LOSS] * abs(charge) + p[at.R_B] * square
+    if taken > 0.0:
+        g[at.G_IN] += taken
+    else:
+        g[at.G_RETURNED] -= taken
+
+
+def add_square(p: Array, s: Array, g: Array, square: float, dt: float) -> None:
+    """Add a step: square of the current, and its I2t integral."""
     s[at.SQUARE] += square
     s[at.I2T] = max(0.0, s[at.I2T] + square - p[at.CONT2] * dt)
     g[at.G_I2T] = max(g[at.G_I2T], s[at.I2T])
     g[at.G_SQUARE] += square
-    if u * q > 0.0:
-        g[at.G_IN] += u * q
-    else:
-        g[at.G_RETURNED] -= u * q
 
 
 def record_gear_torque(p: Array, s: Array, g: Array, code: int, l: float, t: float, dt: float) -> None:

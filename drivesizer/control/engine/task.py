@@ -24,6 +24,10 @@ class Supply:
     sets: int = 1
     max_duty: float = 1.0
     voltage_drop: float = 0.0  # V
+    loss: float = 0.0  # W/A, of each power stage
+    stage_resistance: float = 0.0  # ohm, of each power stage
+    standby: float = 0.0  # W, of each controller
+    leads: float = 0.0  # ohm, that take of the voltage at full duty (``physics.power_stage``); of its check
     raises: bool = False  # whether regenerated energy raises the bus; else a brake chopper or a battery takes it
 
 

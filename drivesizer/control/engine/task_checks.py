@@ -65,6 +65,8 @@ def _checked_drive(drive: Drive) -> None:
         raise InputError(f"controller: period {c.period:g} s: expected a time above 0")
     if not supply.voltage > supply.voltage_drop >= 0.0 or not supply.resistance >= 0.0 or not 0 < supply.max_duty <= 1:
         raise InputError("supply: expected a voltage above the drop, a resistance of 0 or more, a duty up to 1")
+    if not min(supply.loss, supply.stage_resistance, supply.standby, supply.leads) >= 0.0:
+        raise InputError("supply: expected losses of 0 or more")
     if drive.heat is not None and not drive.heat.bodies.known:
         raise InputError("heat: a thermal figure is unknown; expected all of them, or no heat")
 

@@ -31,7 +31,6 @@ from drivesizer.machine.set_cycle import set_cycle, warming
 from drivesizer.output.export.limits import Limits, limits
 from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.stress import housing_loss
-from drivesizer.physics.supply_voltage import usable_in
 from drivesizer.physics.thermal import TwoBodies, two_bodies
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
@@ -169,7 +168,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
     (_, case, spec), *_ = load_cases(spec)
     known = found.motor.rotor_inertia > 0.0
     train, controller, said = designed(spec, found) if known else _without_rotor(spec, found)
-    usable, motor = usable_in(spec.supply.lowest, found.controller), asdict(found.motor)
+    usable, motor = float(spec.feed_of(found.controller).usable), asdict(found.motor)
     voltage = spec.supply.lowest if isnan(usable) else usable
     own, bodies, lever = found.controller, two_bodies(motor), _lever(spec)
     return Export(

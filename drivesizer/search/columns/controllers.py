@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table
-from drivesizer.physics.supply_voltage import usable_voltage
+from drivesizer.physics.power_stage import STAGE_FIGURES
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice
@@ -162,13 +162,13 @@ def controllers(
     table = catalog.controllers
     order, allowed, lowest = usable or usable_controllers(spec, catalog)
     allowed = allowed[motor]
-    names = ("continuous_current", "peak_current", "peak_time", "max_duty", "voltage_drop")
+    names = ("continuous_current", "peak_current", "peak_time")
     figure = {name: table[name][order] for name in names}
     enough = allowed & ~(figure["continuous_current"] < rms_current[:, None])
     enough &= ~(figure["peak_current"] < peak_current[:, None])
     lacking = np.isnan(figure["continuous_current"]).astype(np.int8) + np.isnan(figure["peak_current"])
     if voltage is not None:
-        delivered = usable_voltage(lowest, figure["max_duty"], figure["voltage_drop"])
+        delivered = spec.feed({name: table[name][order] for name in STAGE_FIGURES})._replace(voltage=lowest).usable
         enough &= ~(np.fmin(delivered, lowest) < voltage[:, None])
         timed = figure["continuous_current"] < peak_current[:, None]
         lacking = lacking + np.isnan(delivered) + (np.isnan(figure["peak_time"]) & timed)

@@ -19,7 +19,15 @@ from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.search.columns import waveform_bounds
-from drivesizer.search.columns.limits_over_time import Moments, Pair, Wanted, exact, time_above, waveform_limits
+from drivesizer.search.columns.limits_over_time import (
+    Moments,
+    Pair,
+    Wanted,
+    exact,
+    kept_on_the_bus,
+    time_above,
+    waveform_limits,
+)
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["decided", "put"]
@@ -44,6 +52,12 @@ class _Case:
         self.told = (
             two_bodies(parts.motor).known & ~np.isnan(heating.winding) & demand.complete
         )  # whose winding is known from the waveform
+
+    @property
+    def controlled(self) -> bool:
+        """Whether more than the time of overload hangs on the controller: power and what is returned, by its losses."""
+        supply = self.spec.supply
+        return bool(self.spec.resists or supply.current or supply.power or np.any(kept_on_the_bus(self.spec) > 0.0))
 
     def some(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
         """Of some of the candidates."""
@@ -96,11 +110,18 @@ def decided(
         Lower and upper bounds, equal where they are exact.
     """
     case = _Case(spec, cycle, demand, heating, stresses, parts)
-    if before:
+    if before and not case.controlled:
         shortest, longest = behind_each(cycle, waveform_bounds.above_bounds, demand, stresses, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
     else:
         found = behind_each(cycle, partial(waveform_bounds.bounds, spec), demand, heating, stresses, parts)
+        if before:
+            known = (
+                ("winding", "winding_time") if spec.resists else ("winding", "winding_time", "voltage", "voltage_time")
+            )
+            low, high = (one._replace(**{name: getattr(old, name) for name in known})
+                         for one, old in zip(found, before, strict=True))  # fmt: skip
+            found = low, high
     left = case.open(found, alive)
     long = len(cycle.base.warming.duration) > _LONG
     if long:

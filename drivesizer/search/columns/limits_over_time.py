@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak
 from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.power_stage import bus_voltage, least_capacitance, source_energy, source_power
 from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
-from drivesizer.physics.supply_voltage import bus_voltage, least_capacitance, usable_voltage
 from drivesizer.physics.thermal import resistance_25, resistance_at
-from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, longest_above, mean_square, wave
+from drivesizer.physics.waveform import Wave, balanced, longest_above, mean_square, wave
 from drivesizer.physics.winding_course import current_and_winding
 from drivesizer.results.check_columns import CheckColumn, at_most, between
 from drivesizer.search.columns.limits import winding_limit
@@ -53,10 +53,10 @@ class Moments(NamedTuple):
     voltage: Array  # V, the larger of winding cold and as warm as it then is
     voltage_time: Array  # s
     copper: Array  # W, mean heat of the winding
-    power: Array  # W, largest that the motor draws
+    power: Array  # W, largest out of the source
     power_time: Array  # s
-    drawn: Array  # J per cycle
-    returned: Array  # J per cycle
+    drawn: Array  # J per cycle, out of the source
+    returned: Array  # J per cycle, at the input of the controllers
     stored: Array  # J, the most that is back and not drawn again
     above: Array  # s, longest uninterrupted time above the controller's continuous current
 
@@ -222,14 +222,15 @@ def _moments(
     R_25, *T = winding
     ends, means = resistance_at(R_25[:, None, None], T[0]), resistance_at(R_25[:, None], T[1])
     at_ends = flows._replace(voltage=flows.voltage + ends * flows.current)
-    voltage, when = _largest_voltage(at_ends, stresses.cold_voltage)
+    feed = spec.feed(parts.controller)
+    voltage, when = _largest_voltage(at_ends, stresses.cold_voltage, feed.leads if spec.resists else None)
     lost, total = means * mean_square(flows), flows.duration.sum()
     copper = behind_each(cycle, lambda _, some: some @ flows.duration, lost) / total
     nothing = np.full_like(voltage, np.nan)
     found = Moments(nothing, nothing, voltage, when, copper, *[nothing] * 6)
     if what == "winding":
         return found
-    power, power_time = largest_power(balanced(at_ends, *turning))
+    power, power_time = source_power(balanced(at_ends, *turning), feed)
     above = longest_above(flows, parts.controller["continuous_current"])
     found = found._replace(power=power, power_time=power_time, above=above)
     if what == "power":
@@ -238,7 +239,7 @@ def _moments(
     if what == "limits" and not kept > 0.0:
         return found._replace(stored=np.zeros_like(power))
     mean = flows._replace(voltage=flows.voltage + np.asarray(means)[:, :, None] * flows.current)
-    sums = energy(balanced(mean, *turning), kept, storing=kept > 0.0)
+    sums = source_energy(balanced(mean, *turning), feed, kept, storing=kept > 0.0)
     return found._replace(**(sums._asdict() | ({} if kept > 0.0 else {"stored": np.zeros_like(power)})))
 
 
@@ -278,9 +279,12 @@ def _slices(cycle: AtGearhead, count: int) -> list[slice]:
     return [slice(start, start + size) for start in range(0, max(count, 1), size)]
 
 
-def _largest_voltage(found: Wave, cold: Peak) -> Peak:
-    """Largest absolute voltage and when: warm, or cold at the start."""
-    values = np.abs(found.voltage).reshape(len(found.voltage), 2 * len(found.duration))
+def _largest_voltage(found: Wave, cold: Peak, leads: Array | None) -> Peak:
+    """Largest absolute voltage and when: warm, or cold at the start; with that over ``leads`` where it is more."""
+    volts = np.abs(found.voltage)
+    if leads is not None:
+        volts = np.maximum(volts, np.abs(found.voltage + np.reshape(leads, (-1, 1, 1)) * found.current))
+    values = volts.reshape(len(volts), 2 * len(found.duration))
     worst, ends = values.argmax(axis=1), np.cumsum(found.duration)
     time = np.stack([ends - found.duration, ends], axis=1).ravel()[worst]
     value = values[np.arange(len(values)), worst]
@@ -358,5 +362,5 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
 def _usable_voltage(spec: RobotSpec, controller: Any, required: Array) -> Array:
     """The usable voltage; where it is unknown, the supply's own for those that require more than that, and so fail."""
     lowest = spec.supply.lowest
-    usable = usable_voltage(lowest, controller["max_duty"], controller["voltage_drop"])
+    usable = spec.feed(controller).usable
     return np.where(np.isnan(usable) & (required > lowest), lowest, usable)

@@ -21,7 +21,7 @@ from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import Chosen, Speeds, controllers
 from drivesizer.search.columns.decided import decided, put
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed, line_frequency
-from drivesizer.search.columns.limits_over_time import Moments, Pair, exact, least, time_above, waveform_limits
+from drivesizer.search.columns.limits_over_time import Moments, Pair, exact, least, waveform_limits
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
 
 __all__ = ["Moving", "Powered", "powered"]
@@ -166,16 +166,17 @@ class _Cases(NamedTuple):
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
         specs = [case.spec for case in self.problem.cases]
         complete = [case.demand.complete for case in self.moving]
+        stresses = [self._stress(k, row) for k in range(len(specs))]
         parts = self.parts._replace(controller=Rows(self.problem.catalog.controllers, row))
 
         def electrical(k: int) -> list[CheckColumn]:
-            checks = electrical_limits(specs[k], self.cycles[k], self.moving[k].demand, self.stresses[k], parts)
+            checks = electrical_limits(specs[k], self.cycles[k], self.moving[k].demand, stresses[k], parts)
             return unknown_where_doubtful(checks, complete[k])
 
         first = worst_of_all(self.problem, electrical)
         dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in first if not check.advice])
         pairs = [
-            least(self._pair(k, parts, dead, before[k] if before else None), *self.moving[k], self.stresses[k])
+            least(self._pair(k, parts, stresses[k], dead, before[k] if before else None), *self.moving[k], stresses[k])
             for k in range(len(specs))
         ]
         limits = [waveform_limits(spec, *pair, parts) for spec, pair in zip(specs, pairs, strict=True)]
@@ -185,15 +186,18 @@ class _Cases(NamedTuple):
         fails = np.logical_or.reduce([check.failed for check in volts])
         return _Found([*first, *last], dead, weak, weak & ~fails, pairs)
 
-    def _pair(self, k: int, parts: Parts, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
+    def _stress(self, k: int, row: NDArray[np.int64]) -> Stress:
+        """The stress of one load case, with what resistances before the winding take of the voltage."""
+        spec = self.problem.cases[k].spec
+        if not spec.resists:
+            return self.stresses[k]
+        leads = spec.feed(Rows(self.problem.catalog.controllers, row)).leads
+        return stress(spec.environment.ambient, self.cycles[k], self.moving[k].demand, self.parts.motor, leads)
+
+    def _pair(self, k: int, parts: Parts, stresses: Stress, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
         """Peaks and heat over the waveform of one load case."""
-        args = (self.problem.cases[k].spec, self.cycles[k], *self.moving[k], self.stresses[k], parts)
-        if not self.exactly:
-            return decided(*args, ~dead, before)
-        if before is None:
-            return exact(*args)
-        above = time_above(self.cycles[k], self.moving[k].demand, parts)
-        return before[0]._replace(above=above), before[1]._replace(above=above)
+        args = (self.problem.cases[k].spec, self.cycles[k], *self.moving[k], stresses, parts)
+        return exact(*args) if self.exactly else decided(*args, ~dead, before)
 
 
 def _again(

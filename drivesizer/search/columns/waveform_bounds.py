@@ -18,6 +18,7 @@ from drivesizer.physics.extremes import Envelope, envelope
 from drivesizer.physics.heat_bounds import Blocks, Bracket, blocks, bracket
 from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bounds
 from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.physics.products import product
 from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
@@ -95,20 +96,26 @@ def _resisted(
     warmest = np.fmin(np.where(np.isnan(high.winding), bound, high.winding), permitted)  # else it fails by its heat
     warmest = np.where(np.isfinite(warmest), warmest, np.nan)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
-    at_hot = np.maximum(cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value, stresses.cold_voltage.value)
-    low = low._replace(voltage=_least_voltage(cycle, demand, cool, k_t, stresses.cold_voltage.value))
-    high = high._replace(voltage=at_hot)
+    leads = spec.feed(parts.controller).leads if spec.resists else 0.0
+    cold_volts, hot_volts = stresses.cold_voltage.value, cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value
+    at_hot = most_volts = np.maximum(hot_volts, cold_volts)
+    if spec.resists:
+        most_volts = np.maximum(at_hot, cycle.peak(volts_of(demand, k_t, hot + leads), demand.left_out).value)
+    low = low._replace(voltage=_least_voltage(cycle, demand, cool + leads, k_t, cold_volts))
+    high = high._replace(voltage=most_volts)
     keeps, same = kept_on_the_bus(spec) > 0.0, demand.surplus(k_t) == 0.0
     if not keeps:
         low, high = (side._replace(stored=np.zeros_like(k_t)) for side in (low, high))
     if not (spec.supply.current or spec.supply.power or keeps):
         return low, high
-    low = low._replace(power=_corner_power(cycle, demand, cool, k_t)[0])
+    feed = spec.feed(parts.controller)
+    low = low._replace(power=of_the_source(_corner_power(cycle, demand, cool, k_t, feed)[0] + feed.stage.standby, feed))
     if spec.supply.current or spec.supply.power:
         most = np.minimum(_power_bound(cycle, demand, hot, k_t), stresses.current.value * at_hot)
-        high = high._replace(power=most + _most_beyond(cycle, demand, stresses, k_t))
+        most = most + _most_beyond(cycle, demand, stresses, k_t)
+        high = high._replace(power=_at_source(most, stresses, feed))
     if keeps:
-        least, braked = (_corner_power(cycle, demand, hot, k_t)[1], braking_torque(cycle, demand.coefficients))
+        least, braked = (_corner_power(cycle, demand, hot, k_t, feed)[1], braking_torque(cycle, demand.coefficients))
         low = low._replace(stored=np.where((least < 0.0) & same, _SOME, 0.0))
         high = high._replace(stored=np.where(braked, np.inf, 0.0))
     return low, high
@@ -137,7 +144,14 @@ def most_cold_power(
     """
     k_t = parts.motor["torque_constant"]
     cold = np.asarray(resistance_at(resistance_25(parts.motor), spec.environment.ambient))
-    return _power_bound(cycle, demand, cold, k_t) + _most_beyond(cycle, demand, stresses, k_t)
+    most = _power_bound(cycle, demand, cold, k_t) + _most_beyond(cycle, demand, stresses, k_t)
+    return _at_source(most, stresses, spec.feed(parts.controller))
+
+
+def _at_source(power: Array, stresses: Stress, feed: Feed) -> Array:
+    """Upper bound of the power out of the source, of one of the motor's power [W]."""
+    found: Array = of_the_source(power + feed.lost(stresses.current.value) + feed.stage.standby, feed)
+    return found
 
 
 def _most_beyond(cycle: AtGearhead, demand: Demands, stresses: Stress, k_t: Array) -> Array:
@@ -199,8 +213,11 @@ def closer(
     T = _bracketed(cycle, demand, heating, parts, spec.environment.ambient, count)
     pair = found[0]._replace(winding=T.lower), found[1]._replace(winding=T.upper)
     low, high = _resisted(spec, cycle, demand, heating, stresses, parts, pair, T.coolest.min(axis=1))
-    least, most = _in_blocks(cycle, demand, parts.motor, T, _blocks(cycle, count))
-    most = most[0], np.maximum(most[1], stresses.cold_voltage.value)
+    feed = spec.feed(parts.controller)
+    leads = np.broadcast_to(feed.leads, T.lower.shape)
+    least, most = _in_blocks(cycle, demand, parts.motor, T, _blocks(cycle, count), leads[:, None])
+    least = of_the_source(least[0] + feed.stage.standby, feed), least[1]
+    most = _at_source(most[0], stresses, feed), np.maximum(most[1], stresses.cold_voltage.value)
     for name, one, other in zip(("power", "voltage"), least, most, strict=True):
         low = low._replace(**{name: np.fmax(getattr(low, name), one)})
         high = high._replace(**{name: np.fmin(getattr(high, name), np.where(np.isnan(other), np.inf, other))})
@@ -208,9 +225,9 @@ def closer(
 
 
 def _in_blocks(
-    cycle: AtGearhead, demand: Demands, motor: Any, T: Bracket, pieces: Blocks
+    cycle: AtGearhead, demand: Demands, motor: Any, T: Bracket, pieces: Blocks, leads: Array
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Bounds of the largest power [W] and voltage [V], the winding no cooler and no warmer than it may be there."""
+    """Bounds of the motor's largest power [W] and voltage [V], the winding no cooler and no warmer than it may be."""
     k_t = motor["torque_constant"]
     c, induced = demand.coefficients / k_t[:, None], volts_of(demand, k_t, np.zeros_like(k_t))
     R_25 = np.asarray(resistance_25(motor))[:, None]
@@ -219,20 +236,22 @@ def _in_blocks(
     with np.errstate(invalid="ignore"):  # of what runs away
         high = product(induced, pieces.most.T) + np.maximum(cool * top, hot * top)
         low = product(induced, pieces.least.T) + np.minimum(cool * bottom, hot * bottom)
+        volts_above = high + leads * np.maximum(top, 0.0)
+        volts_below = low + leads * np.minimum(bottom, 0.0)
         both = np.maximum(top, 0.0) * np.maximum(high, 0.0), np.minimum(bottom, 0.0) * np.minimum(low, 0.0)
     powers = np.maximum(*both)
     surplus = demand.surplus(k_t)
     rows = np.flatnonzero(surplus != 0.0)  # an unknown one is among them
     turning = surplus[rows, None] * pieces.most[:, SPEED], surplus[rows, None] * pieces.least[:, SPEED]
     powers[rows] += _beyond(np.minimum.reduce([a * b[rows] for a in turning for b in (top, bottom)]))
-    most = powers.max(axis=1), np.maximum(high.max(axis=1), -low.min(axis=1))
+    most = powers.max(axis=1), np.maximum(volts_above.max(axis=1), -volts_below.min(axis=1))
     points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
     time = np.concatenate([cycle.extremes.high_time, cycle.extremes.low_time])
     place = np.minimum(np.searchsorted(np.cumsum(pieces.duration), time), len(pieces.duration) - 1)
     current = product(c, points.T)
     volts = product(induced, points.T) + cool[:, place] * current
     power = current * volts
-    least = np.where(power > 0.0, np.abs(volts), 0.0).max(axis=1)
+    least = np.where(power > 0.0, np.abs(volts + leads * current), 0.0).max(axis=1)
     power[rows] += _beyond(surplus[rows, None] * points[:, SPEED] * current[rows])
     return (power.max(axis=1), least), most
 
@@ -316,10 +335,11 @@ def braking_torque(cycle: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
     return against
 
 
-def _corner_power(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array) -> tuple[Array, Array]:
-    """Largest and smallest electrical power at the extreme points [W]: between them it may be more and less."""
+def _corner_power(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array, feed: Feed) -> tuple[Array, Array]:
+    """Largest and smallest power into the stage at the extreme points [W]: between them it may be more and less."""
     points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
-    power = product(demand.coefficients / k_t[:, None], points.T) * product(volts_of(demand, k_t, hot), points.T)
+    current = product(demand.coefficients / k_t[:, None], points.T)
+    power = current * product(volts_of(demand, k_t, hot), points.T) + feed.reshaped((-1, 1)).lost(current)
     return power.max(axis=1), power.min(axis=1)
 
 

@@ -23,12 +23,12 @@ from drivesizer.catalog.tolerances.distributions import Distribution
 
 __all__ = ["holding", "holding_of_a_set", "used"]
 
-_SECTIONS = {"motor": "motors", "gearhead": "gearheads"}
+_SECTIONS = {"motor": "motors", "gearhead": "gearheads", "controller": "controllers"}
 Given = Mapping[tuple[str, str], str]
 
 
 def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class, ...]:
-    """The classes of one part's figures, one a figure; none without a gearhead.
+    """The classes of one part's figures, one a figure; none without the part, or of a controller inside an actuator.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class,
     given
         Classes of the spec, in place of any other, by part and figure.
     part, row
-        ``motor`` or ``gearhead``, and its row.
+        ``motor``, ``gearhead`` or ``controller``, and its row.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class,
         In the order of the figures.
     """
     table = catalog.table(_SECTIONS[part])
-    if row < 0 or table["part"][row] == DIRECT:
+    if row < 0 or table["part"][row] == DIRECT or (part == "controller" and table["inside"][row] != ""):
         return ()
     stated = maker_tolerances_of(catalog.tolerances, part, str(table["manufacturer"][row]), str(table["family"][row]))
     found = []
@@ -146,26 +146,26 @@ def _of_a_maker(catalog: Catalog, one: MakerTolerance) -> Class:
     return class_of(one.part, one.figure, one.tolerance, why, owner_of(catalog.tolerances, one))
 
 
-def holding_of_a_set(catalog: Catalog, given: Given, motor: int, gearhead: int) -> tuple[Class, ...]:
-    """The classes of the figures of a motor and its gearhead, by their rows.
+def holding_of_a_set(catalog: Catalog, given: Given, *rows: int) -> tuple[Class, ...]:
+    """The classes of the figures of a motor, its gearhead and its controller, by their rows.
 
     Parameters
     ----------
     catalog, given
         As in ``holding``.
-    motor, gearhead
-        Their rows.
+    rows
+        Theirs, as many as count.
 
     Returns
     -------
     tuple of Class
         Those of the motor first.
     """
-    return holding(catalog, given, "motor", motor) + holding(catalog, given, "gearhead", gearhead)
+    return tuple(one for part, row in zip(_SECTIONS, rows, strict=False) for one in holding(catalog, given, part, row))
 
 
-def used(catalog: Catalog, given: Given, rows: Iterable[tuple[int, int]]) -> tuple[Class, ...]:
-    """The classes that hold for any of some motors and gearheads, each once, in a fixed order.
+def used(catalog: Catalog, given: Given, rows: Iterable[tuple[int, ...]]) -> tuple[Class, ...]:
+    """The classes that hold for any of some motors, gearheads and controllers, each once, in a fixed order.
 
     The order is that of the figures, the default class of each first, then the makers' by name.
 
@@ -174,7 +174,7 @@ def used(catalog: Catalog, given: Given, rows: Iterable[tuple[int, int]]) -> tup
     catalog, given
         As in ``holding``.
     rows
-        Rows of motors and gearheads.
+        Rows of motors, gearheads and controllers.
 
     Returns
     -------

@@ -189,7 +189,8 @@ def unused(one: Prepared) -> list[Assumption]:
 
 
 _COLUMNS = {
-    "supply": {"nominal", "min", "max", "current", "power", "regeneration", "capacitance"},
+    "supply": {"nominal", "min", "max", "resistance", "current", "power", "regeneration", "capacitance"},
+    "power_stage": {"voltage_drop", "resistance", "standby"},
     "environment": {"ambient"},
     "needs": {"radial_load", "backlash_at_load", "inertia_ratio", "resonance", "resolution_at_load"},
     "battery": {"nominal_voltage", "capacity", "rated_time", "peukert_exponent", "resistance", "open_circuit",

@@ -203,7 +203,7 @@ def counting(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[As
     list of int
         In their order.
     """
-    held = holding_of_a_set(catalog, spec.tolerances.given, one.rows.motor, one.rows.gearhead)
+    held = holding_of_a_set(catalog, spec.tolerances.given, one.rows.motor, one.rows.gearhead, one.rows.controller)
     return [k for k, assumption in enumerate(given) if assumption.catalogue is None or assumption.catalogue in held]
 
 

@@ -52,7 +52,7 @@ def sample_drives(problem: Problem, subjects: Mapping[int, Subject], how: Sampli
     SampledDrives
         The drives with their samples.
     """
-    rows = [(one.rows.motor, one.rows.gearhead) for one in subjects.values()]
+    rows = [(one.rows.motor, one.rows.gearhead, one.rows.controller) for one in subjects.values()]
     catalog, machine = problem.catalog, problem.machine
     given = assumptions(machine, used(catalog, machine.tolerances.given, rows))
     drawn = sample(given, how.samples, how.seed, assumptions(machine))
@@ -155,8 +155,8 @@ def _uncertain(one: Assumption) -> Uncertain:
 def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
     """Notes on the basis of the probabilities."""
     notes = [
-        "limits are the catalogue's, as printed; encoder and controller are those of the nominal drive; all drives "
-        "of the machine deviate alike",
+        "limits are the catalogue's, as printed, but the voltage drop of the controller goes with its losses; "
+        "encoder and controller are those of the nominal drive; all drives of the machine deviate alike",
         "the probability is that no check of the physics fails, nor the battery's autonomy, range, peak and voltage; "
         "other budgets of the machine are at nominal figures",
     ]

@@ -20,7 +20,6 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_checks import Load, battery_columns, required_autonomy
 from drivesizer.machine.battery_pack import Pack, pack_of, run_time
 from drivesizer.physics.battery import current_of_power, terminal_voltage
-from drivesizer.physics.stress import Parts
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.check_kinds import BATTERY_LASTING, BATTERY_SAMPLED, BATTERY_VOLTAGES
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
@@ -43,7 +42,7 @@ class Feeding(NamedTuple):
 
 
 class Draw(NamedTuple):
-    """Energy that the drives of a load case draw and return over a cycle, together [J], and their peak power [W]."""
+    """Energy out of the source and returned over a cycle by the drives of a load case together [J]; peak power [W]."""
 
     drawn: Array
     returned: Array
@@ -80,7 +79,7 @@ def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
     return Feeding(pack_of(given, catalog), charge, mean, peak, isinstance(spec.load, WheeledVehicle | WheelLoad))
 
 
-def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Draw], parts: Parts) -> list[CheckColumn]:
+def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Draw]) -> list[CheckColumn]:
     """Autonomy, range, peak and voltage of the battery, as far as they are required.
 
     Parameters
@@ -94,8 +93,6 @@ def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Dra
     draws
         Of the load case; of a platform on its path of each wheel. Their peaks need not coincide, so those of
         several are not checked.
-    parts
-        Of the drive.
 
     Returns
     -------
@@ -104,12 +101,10 @@ def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Dra
     """
     total = at.load_cycle.total
     speed = _travel(spec, at) / total if feeds.travels else np.full_like(total, nan)
-    return columns_of(spec, feeds, total, speed, draws, parts.controller["max_efficiency"])
+    return columns_of(spec, feeds, total, speed, draws)
 
 
-def columns_of(
-    spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequence[Draw], efficiency: Any
-) -> list[CheckColumn]:
+def columns_of(spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequence[Draw]) -> list[CheckColumn]:
     """Autonomy, range, peak and voltage, from figures of the cycle.
 
     Parameters
@@ -120,23 +115,21 @@ def columns_of(
         Length of the cycle [s].
     speed
         Mean speed of the machine [m/s].
-    efficiency
-        Greatest efficiency of the controllers [1].
 
     Returns
     -------
     list of CheckColumn
         Columns over the samples.
     """
-    share, loss = spec.supply.regeneration, np.where(np.isnan(efficiency), 1.0, efficiency)
+    share = spec.supply.regeneration
     drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
-    mean = (drawn / loss - share * returned * loss) / total + feeds.mean
+    mean = (drawn - share * returned) / total + feeds.mean
     full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # of so many parallel strings
     required, distance = required_autonomy(spec, spec.battery), spec.battery.range
     required = np.fmax(required, nan if distance is None else distance / speed)
     drawn_share = np.where(np.isnan(required), feeds.pack.available, required / full)
     left = feeds.pack.start - np.minimum(drawn_share, feeds.pack.available)
-    peak = np.maximum(draws[0].peak, 0.0) / loss + feeds.peak
+    peak = np.maximum(draws[0].peak, 0.0) + feeds.peak
     emf, resistance = feeds.pack.emf(left), feeds.pack.resistance
     lowest = terminal_voltage(current_of_power(peak, emf, resistance), emf, resistance)
     load = Load(mean=mean, peak=peak, rms=nan, back=nan, speed=speed, full=full, charge=left, lowest=lowest)

@@ -19,6 +19,7 @@ from drivesizer.catalog.tables import Table
 from drivesizer.catalog.tolerances.classes import Class
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.motor_demand import Demands, demands, friction
+from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.physics.stress import Parts, heat, housing_loss, stress
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn, fits, worst_case
@@ -64,7 +65,7 @@ class Block(NamedTuple):
     belts: Mapping[float, BeltDrive | None]  # by ratio, where they are out of the catalogues
 
     def factors_of(self, catalog: Catalog, part: str, row: int) -> dict[str, Array]:
-        """Factors of the figures of a motor or gearhead that are sampled, by figure."""
+        """Factors of the figures of a part that are sampled, by figure."""
         held = holding(catalog, self.given, part, row)
         return {one.figure: self.factors[one] for one in held if one in self.factors}
 
@@ -191,6 +192,16 @@ def _gearhead(catalog: Catalog, row: int, block: Block) -> _Figures:
     return _Figures(catalog.gearheads, row, block.size, changed)
 
 
+def _controller(catalog: Catalog, row: int, block: Block) -> _Figures:
+    """A controller's figures, its losses times their factor."""
+    bought = _Figures(catalog.controllers, row, block.size, {})
+    factor = block.factors_of(catalog, "controller", row).get("losses")
+    if factor is None:
+        return bought
+    changed = with_stage_losses(bought, factor, assume=block.specs[0].select.estimates == "on")
+    return _Figures(catalog.controllers, row, block.size, changed)
+
+
 def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
     """Every check that samples may change, by name: columns over the samples, the worst of all load cases.
 
@@ -212,7 +223,7 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     motor, gearhead = _motor(catalog, one.motor, block, factors), _gearhead(catalog, one.gearhead, block)
     parts = Parts(
         motor, gearhead, _Figures(catalog.encoders, one.encoder, block.size, {}),
-        _Figures(catalog.controllers, one.controller, block.size, {}),
+        _controller(catalog, one.controller, block),
     )  # fmt: skip
     by_name: dict[str, list[tuple[int, CheckColumn]]] = {}
     draws = []
@@ -225,7 +236,7 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     for feeds, numbers in block.feeds:
         first = numbers[0]
         together = [draws[number] for number in numbers]
-        for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], together, parts):
+        for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], together):
             by_name.setdefault(check.name, []).append((first, check))
     return {name: worst_case(same) for name, same in by_name.items()}
 
@@ -237,8 +248,10 @@ def _of_a_case(
     required = demands(at, parts.motor, parts.gearhead, parts.encoder)
     at.keep(required.coefficients)
     warmth = heat(spec.environment.ambient, at, required, parts.motor, _losses(parts.motor, required, factors))
-    peaks = stress(spec.environment.ambient, at, required, parts.motor)
-    found = least(moments(spec, at, required, warmth, peaks, parts, energies=energies), required, warmth, peaks)
+    feed = spec.feed(parts.controller)
+    peaks = stress(spec.environment.ambient, at, required, parts.motor, feed.leads if spec.resists else 0.0)
+    figures = moments(spec, at, required, warmth, peaks, parts, feed, energies=energies)
+    found = least(figures, required, warmth, peaks)
     moving = [c for c in moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
     electrical = [*moving, *electrical_limits(spec, at, required, peaks, parts), *waveform_limits(spec, *found, parts)]
     sets = spec.load.alike if required.complete.all() else np.nan  # lower bounds are not energies

@@ -24,6 +24,7 @@ from drivesizer.load_cases.at_shaft import motion_of
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.course import Profile
 from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.reliability import LoopShare
 from drivesizer.results.sizing import Check
@@ -98,7 +99,7 @@ def deviating(
     """
     paths = case_paths(spec, None)
     moved = applied(spec, {path: float(values[k]) - given[k].nominal for k, path in paths.items()})
-    factors: dict[str, dict[str, float]] = {"motor": {}, "gearhead": {}}
+    factors: dict[str, dict[str, float]] = {"motor": {}, "gearhead": {}, "controller": {}}
     for k, assumption in enumerate(given):
         if assumption.catalogue:
             of_part, figure = factors[assumption.catalogue.part], assumption.catalogue.figure
@@ -112,7 +113,15 @@ def deviating(
         one.gearhead, **_times(one.gearhead, {"inertia": gains, "no_load_torque": losses}),
         efficiency=with_losses(one.gearhead.efficiency, losses),
     )  # fmt: skip
-    return moved, replace(one, motor=motor, gearhead=gearhead, belt_efficiency=moved.belt_efficiency)
+    controller, more = one.controller, factors["controller"].get("losses")
+    if controller and more:
+        stage = with_stage_losses(asdict(controller), more, assume=spec.select.estimates == "on")
+        controller = replace(
+            controller, voltage_drop=float(stage["voltage_drop"]), max_efficiency=float(stage["max_efficiency"])
+        )
+    return moved, replace(
+        one, motor=motor, gearhead=gearhead, controller=controller, belt_efficiency=moved.belt_efficiency
+    )
 
 
 def _times(part: Any, factors: Mapping[str, float]) -> dict[str, Any]:

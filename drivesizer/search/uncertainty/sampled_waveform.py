@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import piece_counts
 from drivesizer.physics.heat_cycle_columns import each_figure
-from drivesizer.physics.load_cycle import mean_product, places
+from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.power_stage import Feed, source_energy, source_power
 from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
-from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, longest_above, mean_square
+from drivesizer.physics.waveform import Wave, balanced, longest_above, mean_square
 from drivesizer.physics.winding_course import winding_rises
 from drivesizer.search.columns.limits_over_time import Moments, Pair, between_bounds, hottest, kept_on_the_bus
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
@@ -29,7 +30,15 @@ _AT_ONCE = 1 << 14  # pieces times samples whose heat is computed at a time: wha
 
 
 def moments(
-    spec: Any, cycles: AtSamples, demands: Demands, heat: Heat, stress: Stress, parts: Parts, *, energies: bool
+    spec: Any,
+    cycles: AtSamples,
+    demands: Demands,
+    heat: Heat,
+    stress: Stress,
+    parts: Parts,
+    feed: Feed,
+    *,
+    energies: bool,
 ) -> Pair:
     """Figures of the waveform of one drive, sample by sample.
 
@@ -41,6 +50,8 @@ def moments(
         Load cycles of the samples.
     demands, heat, stress, parts
         Columns over the samples.
+    feed
+        Power stages and supply, columns over the samples.
     energies
         Compute the energy drawn and returned; else it may be NaN.
 
@@ -58,6 +69,7 @@ def moments(
     outputs = _Outputs(
         limited or stores or energies, energies or stores, stores,
         np.broadcast_to(kept, (count,)), np.broadcast_to(demands.surplus(k_t), (count,)),
+        feed.broadcast(count), spec.resists,
     )  # fmt: skip
     top = np.broadcast_to(hottest(spec, cycles, heat, stress, parts.motor), (count,))
     sides = _sides(spec, cycles, heat, parts.motor, (current, induced), top, outputs)
@@ -79,6 +91,8 @@ class _Outputs(NamedTuple):
     stores: bool
     kept: Array  # share of the returned energy that stays on the bus
     surplus: Array  # V*s/rad, see ``Demands.surplus``
+    feed: Feed
+    resists: bool  # whether resistances take of the voltage before the winding
 
 
 def _wave(duration: Array, current: Array, voltage: Array) -> Wave:
@@ -184,37 +198,23 @@ def _moments(cut: _Cut, R_25: Array, T: tuple[Array, Array], outputs: _Outputs, 
     ends, means = (np.asarray(resistance_at(R_25, x)) for x in T)
     count = len(R_25)
     volts, nothing = cut.induced + ends * cut.current, np.full(count, np.nan)
-    found = Moments(nothing, nothing, np.abs(volts).max(axis=(0, 1)), *[nothing] * 8)
+    feed, largest = outputs.feed.on(rows), np.abs(volts)
+    if outputs.resists:
+        largest = np.maximum(largest, np.abs(volts + feed.leads * cut.current))
+    found = Moments(nothing, nothing, largest.max(axis=(0, 1)), *[nothing] * 8)
     found = found._replace(stored=nothing if outputs.stores else np.zeros(count))
     if not outputs.power:
         return found
     duration = np.broadcast_to(cut.duration, (len(volts), count))
     turning = outputs.surplus[rows], np.moveaxis(np.broadcast_to(cut.speed, cut.current.shape), -1, 0)
-    power, when = largest_power(balanced(_wave(duration, cut.current, volts), *turning))
+    power, when = source_power(balanced(_wave(duration, cut.current, volts), *turning), feed)
     found = found._replace(power=power, power_time=when)
     if not outputs.energies:
         return found
     volts = cut.induced + (means[:, None] if means.ndim == 2 else means) * cut.current
-    wave = _wave(duration, cut.current, volts)
-    taken = balanced(wave, *turning)
-    if outputs.stores:
-        return found._replace(**energy(taken, outputs.kept[rows])._asdict())
-    if taken is not wave:
-        sums = energy(taken, storing=False)
-        return found._replace(drawn=sums.drawn, returned=sums.returned)
-    drawn, returned = _energies(wave, cut.duration, cut.current, volts)
-    return found._replace(drawn=drawn, returned=returned)
-
-
-def _energies(wave: Wave, duration: Array, current: Array, volts: Array) -> tuple[Array, Array]:
-    """Energy drawn and returned over a cycle [J]; pieces are cut at a change of sign only where there is one."""
-    turns = ((current[:, 0] * current[:, 1] < 0.0) | (volts[:, 0] * volts[:, 1] < 0.0)).any(axis=-1)
-    work = (duration * mean_product(current, volts))[~turns]  # each drawn or returned, all of it
-    drawn, returned = np.maximum(work, 0.0).sum(axis=0), np.maximum(-work, 0.0).sum(axis=0)
-    if turns.any():
-        cut = energy(Wave(wave.duration[:, turns], wave.current[:, turns], wave.voltage[:, turns]), storing=False)
-        drawn, returned = drawn + cut.drawn, returned + cut.returned
-    return drawn, returned
+    taken = balanced(_wave(duration, cut.current, volts), *turning)
+    sums = source_energy(taken, feed, outputs.kept[rows], storing=outputs.stores)
+    return found._replace(**(sums._asdict() | ({} if outputs.stores else {"stored": found.stored})))
 
 
 def _pieces(at: AtSamples, current: Array, winding: float, housing: float) -> NDArray[np.int64]:

@@ -36,6 +36,8 @@ class Share(NamedTuple):
 def shares(flow: EnergyFlow) -> list[Share]:
     """Energy drawn, and then all that it goes into; shares of zero are left out."""
     into = [
+        Share("resistance of the supply", flow.supply, "loss"),
+        Share("controllers", flow.controller, "loss"),
         Share("copper of the winding", flow.copper, "loss"),
         Share("friction and iron of the motor", flow.friction, "loss"),
         Share("gearhead", flow.gearhead, "loss"),

@@ -17,7 +17,6 @@ from drivesizer.output.report.figures.energy import energy_bars, energy_unit
 from drivesizer.output.report.figures.heat import temperatures
 from drivesizer.output.report.figures.style import CASES, Form
 from drivesizer.output.report.lines.machine import first_wheel
-from drivesizer.physics.supply_voltage import usable_in
 from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
@@ -95,12 +94,12 @@ class Behaviour:
             currents += [("controller, continuous", controller.continuous_current)]
             currents += [("controller, peak", controller.peak_current)]
         return current_and_voltage(
-            self.cycles, currents, [("usable", usable_in(self.spec.supply.lowest, controller))], form
+            self.cycles, currents, [("usable", float(self.spec.feed_of(controller).usable))], form
         )
 
     def efficiency(self, form: Form) -> bytes:
         """The efficiency map with the load cycles in it."""
-        usable = usable_in(self.spec.supply.lowest, self.drive_set.controller)
+        usable = float(self.spec.feed_of(self.drive_set.controller).usable)
         voltage = usable if isfinite(usable) else self.spec.supply.lowest
         return efficiency_map(efficiency_field(self.cycles[: len(CASES)], voltage), form)
 

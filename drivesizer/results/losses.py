@@ -1,0 +1,35 @@
+"""What is assumed of the losses of a controller, or left out, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isnan
+
+from drivesizer.catalog import Controller
+from drivesizer.physics.power_stage import ASSUMED_LOSS
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
+
+__all__ = ["loss_assumptions"]
+
+
+def loss_assumptions(spec: RobotSpec, controller: Controller | None) -> Iterator[str]:
+    """Assumptions of the losses between supply and motor.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    controller
+        Of the drive, or None.
+    """
+    bought, stage = controller or Controller(), spec.feed_of(controller).stage
+    if stage.assumed:
+        loss = show(ASSUMED_LOSS, "V", "voltage")
+        yield f"controllers lose {loss} times the motor's current, assumed: neither drop nor efficiency is printed"
+    elif bought.inside and not stage.loss:
+        yield "losses of the controller inside are in the actuator's printed figures"
+    elif not stage.loss and spec.power_stage.voltage_drop is None:
+        yield "losses of the controllers not counted: neither drop nor efficiency is printed"
+    if spec.power_stage.standby is None and isnan(bought.standby_current):
+        yield "standby power of the controllers not counted: it is not printed"

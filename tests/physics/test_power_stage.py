@@ -1,0 +1,153 @@
+"""Losses between supply and motor, against closed forms and the simulation of the closed loop."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from drivesizer.catalog import Controller
+from drivesizer.control.engine.limits import available_voltage
+from drivesizer.control.engine.parameters import parameters
+from drivesizer.control.engine.task import Drive, Supply
+from drivesizer.physics.power_stage import (
+    Feed,
+    PowerStage,
+    at_input,
+    lost_in_source,
+    of_the_source,
+    power_stage,
+    source_energy,
+    source_power,
+)
+from drivesizer.physics.waveform import Wave, energy
+from drivesizer.spec.sections import PowerStage as Given
+
+
+def stage(**figures: float) -> PowerStage:
+    return PowerStage(**{"max_duty": 1.0, "drop": 0.0, "loss": 0.0, "resistance": 0.0, "standby": 0.0,
+                         "assumed": False} | figures)  # fmt: skip
+
+
+def printed(**figures: object) -> PowerStage:
+    given = figures.pop("given", None)
+    found = asdict(Controller(**figures))  # type: ignore[arg-type]
+    return power_stage(found, 24.0, given, assume=bool(figures.get("assume", True)))
+
+
+# --- figures of a stage
+
+
+def test_the_loss_is_the_larger_of_what_is_printed():
+    """EPOS4 50/5: 1 V, and 98 % at 90 % of 50 V; EPOS2 70/10: 1 V, and 94 % at 90 % of 70 V."""
+    small = printed(voltage_drop=1.0, max_efficiency=0.98, max_duty=0.9, supply_max=50.0)
+    large = printed(voltage_drop=1.0, max_efficiency=0.94, max_duty=0.9, supply_max=70.0)
+    assert small.loss == 1.0 and large.loss == pytest.approx((1 / 0.94 - 1) * 63.0)
+    assert large.drop == 1.0 and not large.assumed
+
+
+def test_what_is_not_printed_is_assumed_unless_estimates_are_off():
+    bare, off = printed(), power_stage(asdict(Controller()), 24.0, assume=False)
+    assert (float(bare.loss), bool(bare.assumed)) == (1.0, True) and math.isnan(bare.drop)
+    assert (float(off.loss), bool(off.assumed)) == (0.0, False)
+    assert (bare.resistance, bare.standby) == (0.0, 0.0)
+
+
+def test_an_actuator_loses_nothing_beside_its_printed_figures():
+    inside = printed(inside="XL430", voltage_drop=0.0, max_duty=1.0, supply_max=12.0, standby_current=0.052)
+    assert (float(inside.loss), bool(inside.assumed)) == (0.0, False)
+    assert inside.standby == pytest.approx(0.052 * 24.0)
+
+
+def test_given_figures_replace_those_of_the_catalogue():
+    given = Given(voltage_drop="0.3 V", resistance="50 mohm", standby="2 W")
+    found = printed(voltage_drop=1.0, max_efficiency=0.94, max_duty=0.9, supply_max=70.0, given=given)
+    assert (float(found.drop), float(found.loss)) == (0.3, 0.3)
+    assert (float(found.resistance), float(found.standby)) == (0.05, 2.0)
+
+
+# --- power and energy
+
+
+def test_power_at_the_input_of_a_stage_by_hand():
+    """12 V and 2 A: 24 W and 1 V 2 A + 0.1 ohm 4 A^2 = 2.4 W; returning 2 A leaves 24 - 2.4 W."""
+    steady = Wave(np.array([1.0]), np.array([[[2.0, 2.0]], [[-2.0, -2.0]]]), np.full((2, 1, 2), 12.0))
+    sums = energy(at_input(steady, stage(loss=1.0, resistance=0.1)))
+    assert sums.drawn == pytest.approx([26.4, 0.0]) and sums.returned == pytest.approx([0.0, 21.6])
+    assert at_input(steady, stage()) is steady
+
+
+def test_losses_of_a_current_that_changes_its_sign_are_exact():
+    """I = 3 - 4 t over 1 s at 10 V: cut where no current flows and where braking pays for the losses."""
+    found = Wave(np.array([1.0]), np.array([[[3.0, -1.0]]]), np.array([[[10.0, 10.0]]]))
+    feed = Feed(stage(loss=1.5, resistance=0.4, standby=0.7), 24.0, 0.0, 1)
+
+    def power(t: float) -> float:
+        i = 3.0 - 4.0 * t
+        return 10.0 * i + 1.5 * abs(i) + 0.4 * i * i
+
+    drawn, returned = (quad(lambda t, s=s: max(s * power(t), 0.0), 0, 1, points=[0.75])[0] for s in (1, -1))
+    sums = source_energy(found, feed)
+    assert sums.drawn == pytest.approx(drawn + 0.7) and sums.returned == pytest.approx(returned)
+    assert source_power(found, feed)[0] == pytest.approx(power(0.0) + 0.7)
+
+
+def test_the_source_of_a_resistance_by_hand():
+    """24 V behind 0.2 ohm, four drives: 4 x 55 W are 10 A at 22 V, and 240 W out of the source, 60 W for each."""
+    feed = Feed(stage(), 24.0, 0.2, 4)
+    assert of_the_source(55.0, feed) == pytest.approx(60.0)
+    assert of_the_source(np.array([-5.0, 0.0, 181.0]), feed).tolist() == [-5.0, 0.0, np.inf]  # at most V^2 / 4 R
+    assert of_the_source(55.0, feed._replace(resistance=0.0)) == 55.0
+
+
+def test_heat_of_the_source_against_another_integrator():
+    """Power is a parabola between its changes of sign: quadrature where it has one sign."""
+    found = Wave(np.array([2.0]), np.array([[[4.0, -3.0]]]), np.array([[[18.0, 6.0]]]))
+    feed = Feed(stage(loss=0.8, standby=2.0), 24.0, 0.2, 2)
+
+    def heat(t: float) -> float:
+        i, v = 4.0 - 3.5 * t, 18.0 - 6.0 * t
+        power = max(i * v + 0.8 * abs(i), 0.0) + 2.0
+        current = (24.0 - math.sqrt(24.0**2 - 4 * 0.2 * 2 * power)) / (2 * 0.2)  # of both drives
+        return 0.2 * current**2 / 2
+
+    by_quad = quad(heat, 0.0, 2.0, points=[8 / 7], epsabs=1e-12, limit=200)[0]
+    assert lost_in_source(at_input(found, feed.stage), feed).sum() == pytest.approx(by_quad, rel=1e-7)
+
+
+# --- voltage
+
+
+@pytest.mark.parametrize("current", [0.0, 2.0, 8.0])
+def test_the_voltage_of_the_search_is_that_of_the_closed_loop(current):
+    """Straight in the current here, by the power of all drives there: apart by the losses' share of the sag."""
+    one = stage(max_duty=0.9, drop=1.0, loss=1.0, resistance=0.05)
+    feed = Feed(one, 24.0, 0.03, 4)
+    supply = Supply(voltage=24.0, resistance=0.03, sets=4, max_duty=0.9, voltage_drop=1.0, loss=1.0,
+                    stage_resistance=0.05)  # fmt: skip
+    p = of_the_engine(supply)
+    left = feed.usable - feed.leads * current
+    assert available_voltage(p, current, 1.0) == pytest.approx(left, abs=2e-3)
+    assert available_voltage(p, -current, -1.0) == available_voltage(p, current, 1.0)
+
+
+def of_the_engine(supply: Supply) -> np.ndarray:
+    from engine_tasks import gains, machine
+
+    from drivesizer.control.engine.layout import PARAMETERS
+
+    named = parameters(Drive(train=machine(), controller=gains(), supply=supply), 1.0, 1)
+    return np.array([named.get(name, 0.0) for name in PARAMETERS])
+
+
+def test_without_loss_beyond_the_drop_both_laws_are_the_same():
+    """V_s = V_0 - n R_s D I where the stage loses what its duty leaves of the drop."""
+    one = stage(max_duty=0.9, drop=1.0, loss=0.9)
+    feed, supply = Feed(one, 24.0, 0.03, 4), Supply(voltage=24.0, resistance=0.03, sets=4, max_duty=0.9,
+                                                    voltage_drop=1.0, loss=0.9)  # fmt: skip
+    expected = 0.9 * (24.0 - 4 * 0.03 * 0.9 * 8.0 - 1.0)
+    assert feed.usable - feed.leads * 8.0 == pytest.approx(expected)
+    assert available_voltage(of_the_engine(supply), 8.0, 1.0) == pytest.approx(expected)
