@@ -228,6 +228,11 @@ def source_power(found: Wave, feed: Feed) -> tuple[Array, Array]:
         Current and voltage that make the motors' power.
     feed
         Their stages and supply.
+
+    Returns
+    -------
+    tuple of arrays
+        Of each drive.
     """
     power, when = largest_power(at_input(found, feed.stage))
     return of_the_source(power + feed.stage.standby, feed), when
@@ -282,7 +287,8 @@ def lost_in_source(inner: Wave, feed: Feed) -> Array:
     i, v = (x[..., :1, None] + at * (x[..., 1:, None] - x[..., :1, None]) for x in (I, V))
     every = feed.reshaped((-1, 1, 1, 1))
     power = np.maximum(i * v, 0.0) + every.stage.standby
-    heat = np.where(width > 0.0, (of_the_source(power, every) - power) @ _WEIGHTS / 2.0, 0.0)
+    lasting = (width > 0.0) & (inner.duration > 0.0)[..., None]
+    heat = np.where(lasting, (of_the_source(power, every) - power) @ _WEIGHTS / 2.0, 0.0)
     found: Array = inner.duration * (heat * width).sum(axis=2)
     return found
 

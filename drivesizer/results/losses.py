@@ -1,4 +1,4 @@
-"""What is assumed of the losses of a controller, or left out, in words."""
+"""Assumptions of the losses of a controller, as sentences."""
 
 from __future__ import annotations
 
@@ -22,6 +22,11 @@ def loss_assumptions(spec: RobotSpec, controller: Controller | None) -> Iterator
         The machine, or one of its load cases.
     controller
         Of the drive, or None.
+
+    Returns
+    -------
+    iterator of str
+        Sentences.
     """
     bought, stage = controller or Controller(), spec.feed_of(controller).stage
     if stage.assumed:
