@@ -98,15 +98,17 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
     hot = resistance_at(resistance_25(motor), motor["max_winding_temperature"])
     copper = hot * motor["nominal_current"] ** 2
     left = (rise - (motor["thermal_resistance_winding"] + R_th2) * copper) / R_th2
-    w_N = motor["nominal_speed"]
     coulomb, viscous = friction(motor)
+    w_N = motor["nominal_speed"]
     with np.errstate(divide="ignore", invalid="ignore"):
         lost = np.maximum(left, 0.0) / ((coulomb + viscous * w_N) * w_N)  # per loss by friction
-        iron = np.maximum(left, 0.0) / w_N**2
-    rubs = brushed | np.isnan(iron)
-    shaped = np.where(rubs, 1.0, lost)
-    known = rubs | np.isfinite(lost)
-    return np.where(known, shaped * coulomb * ratio, 0.0), np.where(known, shaped * viscous, iron) * ratio**2
+    rubs = brushed | np.isnan(left + w_N)
+    scale = np.where(rubs, 1.0, lost)
+    rubbing, growing = scale * coulomb * ratio, scale * viscous * ratio**2
+    if (shapeless := ~rubs & ~np.isfinite(lost)).any():
+        rubbing = np.where(shapeless, 0.0, rubbing)
+        growing = np.where(shapeless, np.maximum(left, 0.0) * (ratio / w_N) ** 2, growing)
+    return rubbing, growing
 
 
 def heat(
