@@ -162,7 +162,7 @@ def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
     shape = np.broadcast(demand, limit).shape
     demand, limit = (x if x.shape == shape else np.full(shape, x) for x in (demand, limit))
     zero = more.get("zero", 0.0)
-    idle = demand == zero
+    idle = (demand == zero) | (np.isposinf(limit) & (demand != np.inf))  # without a limit any demand will do
     above = demand if not more.get("needed") else zero + (demand - zero) * (1.0 + more["needed"])
     return CheckColumn(
         name=name,
@@ -286,7 +286,7 @@ def over_band(middle: CheckColumn, ends: Sequence[CheckColumn], estimated: NDArr
     Returns
     -------
     CheckColumn
-        Open where the ends disagree; unknown where it is at an end.
+        Open where the ends disagree; unknown where it is so at both and in the middle.
 
     Examples
     --------
@@ -297,7 +297,7 @@ def over_band(middle: CheckColumn, ends: Sequence[CheckColumn], estimated: NDArr
     """
     every = [middle.on(estimated), *ends]
     passed, failed = (np.logical_and.reduce([getattr(c, name) for c in every]) for name in ("passed", "failed"))
-    decided = np.logical_and.reduce([c.passed | c.failed for c in every])
+    decided = np.logical_or.reduce([c.passed | c.failed for c in every])  # at an end a winding may run away
     demands, margins = np.array([c.demand for c in every]), np.array([c.margin for c in every])
     columns = {
         "passed": passed, "failed": failed, "opened": decided & ~passed & ~failed,

@@ -7,7 +7,7 @@ One row of a catalogue made for it is one sample, so that the checks are those o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from statistics import NormalDist
@@ -20,7 +20,6 @@ from drivesizer.catalog import Catalog, Table, columns_of
 from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.tolerances.distributions import lognormal
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
-from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, at_figures
@@ -31,7 +30,8 @@ Array = NDArray[np.float64]
 Figure = tuple[str, str]  # section and column
 SAMPLES = 128
 _FARTHEST = 3.0  # standard deviations that a figure is followed
-_STEPS = 49
+_STEPS = 13
+_FINER = 9  # steps within the one in which a check turns
 _RATED = "max_winding_temperature"  # of brushless motors no figure of its own: ``catalog.estimates.assumed.by_rating``
 _FOLLOWS: dict[Figure, Figure] = {
     ("motors", name): ("gearheads", "efficiency") for name in ("torque_constant", "nominal_torque", "stall_torque")
@@ -134,35 +134,51 @@ def turns(problem: Problem, one: Candidates, names: set[str]) -> dict[str, Turn]
     figures = estimated_figures(problem, int(one.motor[0]), int(one.gearhead[0]))
     if not figures or not names:
         return {}
-    steps = np.linspace(-_FARTHEST, _FARTHEST, _STEPS)
-    points = {f: np.where(np.arange(len(figures) * _STEPS) // _STEPS == k, np.tile(steps, len(figures)), 0.0)
-              for k, f in enumerate(figures)}  # fmt: skip
-    found = at_points(problem, one, points, len(figures) * _STEPS)
+    coarse = [np.linspace(-_FARTHEST, _FARTHEST, _STEPS)] * len(figures)
+    near = {
+        name: place for name, passed in _along(problem, one, figures, coarse).items()
+        if name in names and (place := _nearest_change(coarse, passed)) is not None
+    }  # fmt: skip
+    places = list(dict.fromkeys(near.values()))
+    fine = [np.linspace(coarse[k][step], coarse[k][step + 1], _FINER) for k, step in places]
+    found = _along(problem, one, [figures[k] for k, _ in places], fine) if places else {}
+    number = {place: n for n, place in enumerate(places)}
     return {
-        check.name: turn
-        for check in found.checks
-        if check.name in names and (turn := _turn(problem, one, check, figures, steps)) is not None
+        name: _turn(problem, one, figures[place[0]], fine[number[place]], found[name][number[place]])
+        for name, place in near.items()
     }
 
 
-def _turn(problem: Problem, one: Candidates, check: CheckColumn, figures: list[Figure], steps: Array) -> Turn | None:
-    """Of the figures that make a check turn, the one that does so nearest to the middle of its band."""
-    best: tuple[float, Turn] | None = None
+def _along(
+    problem: Problem, one: Candidates, figures: list[Figure], steps: Sequence[Array]
+) -> dict[str, list[NDArray[np.bool_]]]:
+    """Whether each check passes along the steps of one figure after the other, the others at the middle."""
+    ends = np.cumsum([len(each) for each in steps])
+    owner = np.repeat(np.arange(len(steps)), np.diff(ends, prepend=0))
+    every, points = np.concatenate(steps), dict[Figure, Array]()
     for k, figure in enumerate(figures):
-        passed = check.passed[k * _STEPS : (k + 1) * _STEPS]
-        change = np.flatnonzero(passed[1:] != passed[:-1])
-        if not len(change):
-            continue
-        place = change[np.argmin(np.abs(steps[change]))]
-        at = float(steps[place] + steps[place + 1]) / 2.0
-        row = int((one.motor if figure[0] == "motors" else one.gearhead)[0])
-        values = _moved(
-            problem.catalog, figure, np.array([row, row, row]), np.array([steps[place], at, steps[place + 1]])
-        )
-        turn = Turn(figure, float(values[1]), bool(passed[place]) == bool(values[0] < values[2]))
-        if best is None or abs(at) < best[0]:
-            best = abs(at), turn
-    return best[1] if best else None
+        points[figure] = points.get(figure, 0.0) + np.where(owner == k, every, 0.0)
+    checks = at_points(problem, one, points, len(every)).checks
+    return {check.name: np.split(check.passed, ends[:-1]) for check in checks}
+
+
+def _nearest_change(steps: Sequence[Array], passed: Sequence[NDArray[np.bool_]]) -> tuple[int, int] | None:
+    """Figure and step between which a check turns nearest to the middle of the band; None where none turns it."""
+    changes = [
+        (abs(float(each[step] + each[step + 1])), k, int(step))
+        for k, (each, good) in enumerate(zip(steps, passed, strict=True))
+        for step in np.flatnonzero(good[1:] != good[:-1])
+    ]
+    return min(changes)[1:] if changes else None
+
+
+def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passed: NDArray[np.bool_]) -> Turn:
+    """The value at which a check turns, between two steps of a figure."""
+    step = int(np.flatnonzero(passed != passed[0])[0]) - 1
+    row = int((one.motor if figure[0] == "motors" else one.gearhead)[0])
+    three = np.array([steps[step], (steps[step] + steps[step + 1]) / 2.0, steps[step + 1]])
+    below, value, above = _moved(problem.catalog, figure, np.array([row, row, row]), three).tolist()
+    return Turn(figure, value, bool(passed[step]) == (below < above))
 
 
 def at_points(problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int) -> Evaluation:
@@ -194,7 +210,7 @@ def at_points(problem: Problem, one: Candidates, points: Mapping[Figure, Array],
     pairs = {"motor_encoder": Pairs(*(side.astype(np.int32) for side in sides))}
     varied = replace(catalog.with_tables(tables, pairs), ends=())
     given = one.on(np.zeros(count, np.int64))._replace(motor=every, gearhead=every)
-    return at_figures(replace(problem, catalog=varied), given, exact=True)
+    return at_figures(replace(problem, catalog=varied), given, exact=False)  # whether it passes, not by how much
 
 
 def _table(catalog: Catalog, section: str, rows: NDArray[np.int64], points: Mapping[Figure, Array]) -> Table[Any]:

@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 from shutil import copytree, ignore_patterns
 
+import numpy as np
 import openpyxl
 import pytest
 from lxml import html
@@ -215,3 +216,8 @@ def test_every_kind_of_load_has_a_starter():
     """What ``drivesizer init`` lists is these, and platforms beside them."""
     starters = {path.stem for path in (PACKAGE / "spec" / "starters").glob("*.yaml")}
     assert starters >= set(AXES)
+
+
+def test_a_demand_that_is_unknown_passes_where_there_is_no_limit():
+    found = at_most("controller_speed", np.array([np.nan, np.inf, 5.0]), np.inf)
+    assert found.passed.tolist() == [True, False, True] and found.failed.tolist() == [False, True, False]

@@ -17,10 +17,13 @@ import pytest
 from specs import estimates_off, selecting
 
 from drivesizer.catalog import Catalog, load
+from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.view.search_view import search_view
+from drivesizer.machine.problem import problem
 from drivesizer.output.json import documents
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
+from drivesizer.search.sifting import OPEN, sifted
 from drivesizer.search.uncertainty.class_of_part import holding_of_a_set
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import explain, explained, size
@@ -205,3 +208,19 @@ def test_samples_and_bands_give_the_same_probability(maxon, table, lacking):
     found = explained(spec, MOTOR, GEARHEAD, catalog=poorer, sampling=Sampling(2048, 1, None)).sets[0].reliability
     assert found is not None
     assert found.probability == pytest.approx(lacking.probability, abs=0.02)
+
+
+def test_of_open_drives_the_more_probable_come_first(maxon, table):
+    """A catalogue of open pairs alone: tenths of the probability that none fails, and the mass within."""
+    figures = ("thermal_resistance_housing", "thermal_resistance_winding", "no_load_current", "rotor_inertia")
+    columns = {**maxon.motors.columns, **{figure: np.full(len(maxon.motors), np.nan) for figure in figures}}
+    lacking = search_view(maxon.with_tables({"motors": replace(maxon.motors, columns=columns)}, {}))
+    kept, _, _ = sifted(problem(table, lacking), {"mass"}, None)
+    open_ = {(int(m), int(g)) for m, g, c in zip(*kept.sets[:2], kept.certainty, strict=True) if c == OPEN}
+    pairs = lacking.motor_gearhead
+    rows = np.array([pair in open_ for pair in zip(pairs.left.tolist(), pairs.right.tolist(), strict=True)])
+    alone = replace(lacking, motor_gearhead=Pairs(*(side[rows] for side in pairs)))
+    found = size(table, top=8, catalog=alone).sets
+    tenths = [(-int(10.0 * one.probability), round(one.mass, 9)) for one in found]
+    assert {one.status for one in found} == {"open"} and len({tenth for tenth, _ in tenths}) > 1
+    assert tenths == sorted(tenths)

@@ -51,7 +51,10 @@ def unknown_where_doubtful(checks: list[CheckColumn], known: NDArray[np.bool_]) 
     """
     if known.all():
         return checks
-    return [replace(c, passed=c.passed & known) if CHECKS["physics"][c.name].on_inertia else c for c in checks]
+    return [
+        replace(c, passed=c.passed & (known | np.isposinf(c.limit))) if CHECKS["physics"][c.name].on_inertia else c
+        for c in checks
+    ]
 
 
 def worst_of_all(problem: Problem, checks: Callable[[int], list[CheckColumn]]) -> list[CheckColumn]:
