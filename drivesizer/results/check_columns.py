@@ -168,7 +168,7 @@ def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
         name=name,
         demand=demand,
         limit=limit,
-        passed=(above <= limit) | idle,
+        passed=((above <= limit) & (demand != np.inf)) | idle,
         failed=((above > limit) | (demand == np.inf)) & ~idle,  # an unbounded demand passes no limit, known or not
         **more,
     )
