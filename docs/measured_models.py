@@ -94,7 +94,7 @@ def driver_loss(I: Array, rest: Array, warmth: Array) -> tuple[float, float]:
 def idle_current(w: Array, k_t: float, I_0: float, w_0: float, kind: str) -> Array:
     """No-load current over speed as the program reads a sheet of that kind, with I_0 at a speed w_0."""
     figures = {"torque_constant": k_t, "no_load_current": I_0, "no_load_speed": w_0, "kind": kind,
-               "friction_torque": np.nan, "viscous_friction": np.nan}  # fmt: skip
+               "winding": "", "friction_torque": np.nan, "viscous_friction": np.nan}  # fmt: skip
     coulomb, viscous = friction({name: np.array([value]) for name, value in figures.items()})
     return np.asarray((coulomb + viscous * w) / k_t)
 
