@@ -158,7 +158,13 @@ def all_by_hand(spec, catalog, sets):
         extra = 0.0 if math.isnan(extra) else extra
         pieces = by_hand.drive(motor, head, extra, belt, spec.belt_efficiency, segments)
         kept = 1.0 - spec.supply.regeneration  # the rest of what comes back
-        asked = by_hand.asked(pieces, motor, head, spec.environment.ambient, kept)
+        parts = motor, head, encoder
+
+        def losing(free, parts=parts, pieces=pieces, belt=belt):
+            controller = by_hand.checks(spec, cycle, pieces, free, parts, belt, offered)[1]
+            return by_hand.loss_per_ampere(controller, 1.0 if spec.select.estimates == "on" else 0.0)
+
+        asked = by_hand.asked(pieces, motor, head, spec.environment.ambient, kept, losing)
         checks, controller = by_hand.checks(spec, cycle, pieces, asked, (motor, head, encoder), belt, offered)
         found.append((checks, controller, asked, pieces))
     return found

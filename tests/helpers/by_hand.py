@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -163,8 +164,18 @@ def lasting(pieces: list[tuple[float, Pair]], on_end: float, share: float) -> fl
     return high
 
 
-def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float, kept: float = 1.0) -> Asked:
-    """Every demand of one set, the time above a current apart."""
+def asked(
+    pieces: list[Piece],
+    motor: Any,
+    head: Any,
+    ambient: float,
+    kept: float = 1.0,
+    losing: Callable[[Asked], float] | None = None,
+) -> Asked:
+    """Every demand of one set, the time above a current apart.
+
+    ``losing``: loss per ampere of the controller [V], by what is asked of one that loses nothing.
+    """
     total = sum(p.time for p in pieces)
     running = [p for p in pieces if p.way]
     ran = sum(p.time for p in running)
@@ -191,14 +202,8 @@ def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float, kept: floa
         largest([at_start, *(abs(v) for p, T in zip(fine, Ts, strict=True) for v in hottest_volts(p, motor, T))])
         for Ts in both
     ]
-    power = [
-        largest([strongest(p.time, p.current, hottest_volts(p, motor, T)) for p, T in zip(fine, Ts, strict=True)])
-        for Ts in both
-    ]
     if unknown and math.isfinite(steady):  # without time constants: as a cycle makes it that is short against them
         temperatures = [Warm(steady, steady, steady, steady)] * len(fine)
-    sums = energy(fine, motor, [T.mean for T in temperatures], kept)
-    coldest = energy(fine, motor, [ambient] * len(fine), kept)[2] if unknown else sums[2]
     copper = (
         sum(
             resistance(motor, T.mean) * product(p.time, p.current, p.current)
@@ -206,25 +211,48 @@ def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float, kept: floa
         )
         / total
     )
-    return Asked(
-        gear_rms=math.sqrt(sum(product(p.time, p.gear_torque, p.gear_torque) for p in running) / ran),
-        gear_peak=max(abs(T) for p in pieces for T in p.gear_torque),
-        gear_speed=fastest,
-        gear_sustained=max(mean, lasting([(p.time, p.gear_speed) for p in pieces], 1.0, 0.1)),
-        gear_mean_power=sum(abs(product(p.time, p.gear_torque, p.gear_speed)) for p in running) / ran,
-        gear_peak_power=max(abs(p.gear_torque[n] * p.gear_speed[n]) for p in pieces for n in (0, 1)),
-        speed=fastest * head.ratio,
-        I_rms=I_rms,
-        I_peak=I_peak,
-        V_peak=tuple(V),  # type: ignore[arg-type]
-        copper=copper,
-        settled=steady,
-        winding=bounds,
-        power=tuple(power),  # type: ignore[arg-type]
-        drawn=sums[0],
-        returned=sums[1],
-        stored=(sums[2], coldest),  # the colder, the more comes back
-    )
+
+    def of(loss: float) -> Asked:
+        power = [
+            largest(
+                [
+                    most
+                    for p, T in zip(fine, Ts, strict=True)
+                    for most in _strongest(p, hottest_volts(p, motor, T), loss)
+                ]
+            )
+            for Ts in both
+        ]
+        sums = energy(fine, motor, [T.mean for T in temperatures], kept, loss=loss)
+        coldest = energy(fine, motor, [ambient] * len(fine), kept, loss=loss)[2] if unknown else sums[2]
+        return Asked(
+            gear_rms=math.sqrt(sum(product(p.time, p.gear_torque, p.gear_torque) for p in running) / ran),
+            gear_peak=max(abs(T) for p in pieces for T in p.gear_torque),
+            gear_speed=fastest,
+            gear_sustained=max(mean, lasting([(p.time, p.gear_speed) for p in pieces], 1.0, 0.1)),
+            gear_mean_power=sum(abs(product(p.time, p.gear_torque, p.gear_speed)) for p in running) / ran,
+            gear_peak_power=max(abs(p.gear_torque[n] * p.gear_speed[n]) for p in pieces for n in (0, 1)),
+            speed=fastest * head.ratio,
+            I_rms=I_rms,
+            I_peak=I_peak,
+            V_peak=tuple(V),  # type: ignore[arg-type]
+            copper=copper,
+            settled=steady,
+            winding=bounds,
+            power=tuple(power),  # type: ignore[arg-type]
+            drawn=sums[0],
+            returned=sums[1],
+            stored=(sums[2], coldest),  # the colder, the more comes back
+        )
+
+    return of(losing(of(0.0))) if losing else of(0.0)
+
+
+def _strongest(piece: Piece, V: Pair, loss: float) -> Iterator[float]:
+    """Largest powers at the input of the stage, of the parts of a piece that a change of the current's sign makes."""
+    for a, b in itertools.pairwise(sorted({0.0, *crossing(piece.current), 1.0})):
+        I, U = between(piece.current, a, b), between(V, a, b)
+        yield strongest(piece.time, I, tuple(x + math.copysign(loss, sum(I)) for x in U))
 
 
 class Warm(NamedTuple):
@@ -273,11 +301,13 @@ def strongest(time: float, I: Pair, V: Pair) -> float:
     return best
 
 
-def loss_per_ampere(controller: Any) -> float:
+def loss_per_ampere(controller: Any, otherwise: float = 1.0) -> float:
     """Power that a power stage loses per ampere [V]: the larger of two printed figures, 1 V where there is none."""
+    if controller is None:
+        return otherwise
     duty = 1.0 if math.isnan(controller.max_duty) else controller.max_duty
     printed = controller.voltage_drop, (1.0 / controller.max_efficiency - 1.0) * duty * controller.supply_max
-    return max((x for x in printed if not math.isnan(x)), default=1.0)
+    return max((x for x in printed if not math.isnan(x)), default=otherwise)
 
 
 def charge(pieces: list[Piece]) -> float:
