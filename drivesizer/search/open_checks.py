@@ -77,7 +77,7 @@ def estimated_figures(problem: Problem, motor: int, gearhead: int) -> list[Figur
 
 
 def passing(problem: Problem, one: Candidates, samples: int = SAMPLES) -> dict[str, float]:
-    """Probability that each check of a drive passes, by name; under "" that none fails.
+    """Probability that each check of a drive passes, by name; under "" that all of these pass.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def passing(problem: Problem, one: Candidates, samples: int = SAMPLES) -> dict[s
     points = dict(zip(figures, _normal(samples, len(figures)).T, strict=True))
     checks = [check for check in at_points(problem, one, points, samples).checks if not check.advice]
     known = [check for check in checks if (check.passed | check.failed).any()]
-    every = np.logical_and.reduce([~check.failed for check in known])
+    every = np.logical_and.reduce([check.passed for check in known])
     return {check.name: float(check.passed.mean()) for check in known} | {"": float(every.mean())}
 
 

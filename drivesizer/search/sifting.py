@@ -123,7 +123,8 @@ def _at_both(easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
     both, alone = np.isin(easy.rows, passing), ~np.isin(passing, easy.rows)
     opened = np.isin(easy.rows, few) & ~both
     unknown, margin = easy.unknown.copy(), easy.margin.copy()
-    unknown[both] |= hard.unknown[~alone]  # rows of both rise
+    opened[both] = unknown[both] != hard.unknown[~alone]  # rows of both rise
+    unknown[both] &= hard.unknown[~alone]
     margin[both] = hard.margin[~alone]
     figures = {name: column.copy() for name, column in easy.figures.items()}
     for name, column in figures.items():
