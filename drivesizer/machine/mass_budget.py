@@ -52,7 +52,7 @@ class MassBudget:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """That sum at both ends of all bands [kg]."""
+        """Sum of what is known, at both ends of all bands [kg]."""
         low, high = (math.fsum(row.ends[k] for row in self.rows if not math.isnan(row.each)) for k in (0, 1))
         return low, high
 

@@ -100,13 +100,13 @@ def search(
     names, catalog = {*ranking.names_of(objective), *pareto}, problem.catalog
     kept, rejected, counts = sifted(problem, names, progress)
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
-    standing = _standing(problem, kept, *value, top)
-    order = ranking.order(catalog, kept.sets, *value, before=[standing])
-    head = order[: _tied(problem, standing, order, *value, top)]
+    precedence = _precedence(problem, kept, *value, top)
+    order = ranking.order(catalog, kept.sets, *value, before=[precedence])
+    head = order[: _tied(problem, precedence, order, *value, top)]
     closest = rejected.on(_nearest(problem, rejected))
     nearest = closest.on(slice(misses if len(head) else top))
     looked_at = by_physics(problem, joined([kept.sets.on(head), nearest]), True)
-    order = np.concatenate([head[_by_margin(looked_at, standing, head, *value)], order[len(head) :]])
+    order = np.concatenate([head[_by_margin(looked_at, precedence, head, *value)], order[len(head) :]])
     kept_in_machine = _passing(
         judge,
         kept.sets,
@@ -145,31 +145,31 @@ def _held_back(
     return rows[order[:1]]
 
 
-def _standing(
+def _precedence(
     problem: Problem, kept: Sifted, value: NDArray[np.float64], missing: NDArray[np.int64], top: int
 ) -> NDArray[np.int64]:
-    """What goes before the objective: certainty, and of open drives in tenths how probable it is that none fails.
+    """Order that goes before the objective: certainty, and of open drives in tenths how probable it is that none fails.
 
     Of open ones as many are sampled, the best by the objective, as an order of those that are shown may need.
     """
-    standing = _TENTHS * kept.certainty
+    precedence = _TENTHS * kept.certainty
     opened = np.flatnonzero(kept.certainty == OPEN)
     if len(opened) < 2 or np.count_nonzero(kept.certainty == PASSES) >= top:
-        return standing
-    standing[opened] += _TENTHS - 1
+        return precedence
+    precedence[opened] += _TENTHS - 1
     pieces = max(len(case.at_belt.warming.duration) for case in problem.cases)
     count = max(min(_SAMPLED, _CELLS // pieces), top)
     best = opened[ranking.order(problem.catalog, kept.sets.on(opened), value[opened], missing[opened])][:count]
     few = by_physics(problem, kept.sets.on(best), False)
     for place, row in enumerate(best.tolist()):
         one = few.candidates.on(np.array([place]))._replace(controller=few.controller[[place]])
-        standing[row] = _TENTHS * (OPEN + 1) - 1 - int(10.0 * passing(problem, one)[""])
-    return standing
+        precedence[row] = _TENTHS * (OPEN + 1) - 1 - int(10.0 * passing(problem, one)[""])
+    return precedence
 
 
 def _tied(
     problem: Problem,
-    standing: NDArray[np.int64],
+    precedence: NDArray[np.int64],
     order: NDArray[np.int64],
     value: NDArray[np.float64],
     missing: NDArray[np.int64],
@@ -181,7 +181,7 @@ def _tied(
     """
     if not len(order):
         return 0
-    same = np.stack([standing, missing, ranking.rounded(value)])[:, order]
+    same = np.stack([precedence, missing, ranking.rounded(value)])[:, order]
     last = same[:, [min(top, len(order)) - 1]]
     count = int(np.flatnonzero((same == last).all(axis=0))[-1]) + 1
     pieces = max(len(case.at_belt.warming.duration) for case in problem.cases)
@@ -190,13 +190,13 @@ def _tied(
 
 def _by_margin(
     looked_at: Evaluation,
-    standing: NDArray[np.int64],
+    precedence: NDArray[np.int64],
     head: NDArray[np.int64],
     value: NDArray[np.float64],
     missing: NDArray[np.int64],
 ) -> NDArray[np.int64]:
-    """Order of the first that were looked at: standing, objective, and of equal ones the larger smallest margin."""
-    few, before = slice(len(head)), [standing[head]]
+    """Order of the first that were looked at: precedence, objective, and of equal ones the larger smallest margin."""
+    few, before = slice(len(head)), [precedence[head]]
     margin, sets = smallest_margin(looked_at.checks)[few], looked_at.candidates.on(few)
     return ranking.order(looked_at.catalog, sets, value[head], missing[head], before=before, margin=margin)
 
