@@ -33,6 +33,7 @@ def test_the_kept_laws_are_what_the_catalogues_give(everything):
     for ours, found in zip(now, then, strict=True):
         assert ours["coefficients"] == pytest.approx(found["coefficients"], rel=1e-4, abs=1e-4)
         assert ours["band"] == pytest.approx(found["band"], rel=1e-4, abs=1e-4)
+        assert ours["width"] == pytest.approx(found["width"], rel=1e-4) == np.exp(np.diff(ours["band"]).item())
         assert (ours["parts"], ours["families"], ours["makers"]) == (found["parts"], found["families"], found["makers"])
 
 

@@ -79,8 +79,8 @@ def test_the_margins_of_a_set_have_a_bar_for_each_check(canvas, result):
 
 # -- energy
 
-FLOW = EnergyFlow(drawn=100.0, copper=20.0, friction=10.0, gearhead=15.0, belt=5.0, load=30.0, rotor=0.0, returned=20.0,
-                  stored=12.0)  # fmt: skip
+FLOW = EnergyFlow(drawn=100.0, supply=2.0, controller=3.0, copper=15.0, friction=10.0, gearhead=15.0, belt=5.0,
+                  load=30.0, rotor=0.0, returned=20.0, stored=12.0)  # fmt: skip
 
 
 def test_bars_of_energy_go_down_from_what_is_drawn_to_nothing(canvas):
@@ -88,18 +88,18 @@ def test_bars_of_energy_go_down_from_what_is_drawn_to_nothing(canvas):
     whole, *parts = axes.patches
     assert (whole.get_x(), whole.get_width()) == (0.0, 100.0)
     left = 100.0
-    for bar, value in zip(parts, (20.0, 10.0, 15.0, 5.0, 30.0, 12.0, 8.0), strict=True):
+    for bar, value in zip(parts, (2.0, 3.0, 15.0, 10.0, 15.0, 5.0, 30.0, 12.0, 8.0), strict=True):
         ends = sorted([bar.get_x(), bar.get_x() + bar.get_width()])
         assert ends == pytest.approx([left - value, left])
         left -= value
     assert left == pytest.approx(0.0)
     assert len({*hatches(axes)}) == 3
     said = labels(energy.energy_bars(FLOW))
-    assert {"energy of a cycle (J)", "20 J, 20 %", "work on the load", "regenerated, kept by the supply"} <= said
+    assert {"energy of a cycle (J)", "2 J, 2 %", "work on the load", "regenerated, kept by the supply"} <= said
 
 
 def test_a_load_that_gives_goes_up_again_and_large_energies_have_larger_units(canvas):
-    flow = EnergyFlow(*(1e3 * x for x in (40.0, 10.0, 5.0, 5.0, 0.0, -30.0, 0.0, 50.0, 50.0)))
+    flow = EnergyFlow(*(1e3 * x for x in (40.0, 0.0, 0.0, 10.0, 5.0, 5.0, 0.0, -30.0, 0.0, 50.0, 50.0)))
     (axes,) = canvas(energy, energy.energy_bars, flow).axes
     ends = [bar.get_x() + bar.get_width() for bar in axes.patches]
     assert ends == pytest.approx([40.0, 30.0, 25.0, 20.0, 50.0, 0.0])

@@ -211,13 +211,19 @@ def _read(record: dict[str, Any]) -> Fit:
 def written(fits: list[Fit]) -> str:
     """Fitted laws as ``fitted.json`` keeps them: a law a line, figures rounded to six digits.
 
+    ``width`` is the upper end of the band over the lower one, as most parts of the law have it.
+
     Parameters
     ----------
     fits
         Of all laws.
     """
-    lines = (json.dumps(_rounded(fit.law._asdict() | fit._asdict() | {"law": None, "source": None})) for fit in fits)
+    lines = (json.dumps(_rounded(fit.law._asdict() | fit._asdict() | {"width": _width(fit)})) for fit in fits)
     return "[\n" + ",\n".join(lines) + "\n]\n"
+
+
+def _width(fit: Fit) -> float:
+    return float(np.exp(fit.band[1] - fit.band[0]))
 
 
 def _rounded(record: dict[str, Any]) -> dict[str, Any]:
