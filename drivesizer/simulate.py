@@ -212,6 +212,11 @@ def _assumptions(case: ClosedLoop) -> list[str]:
     if simulated < (1.0 - _ALL) * lasts:
         assumptions.append(f"{simulated:.4g} s of {lasts:.6g} s are simulated; the rest repeats them and is added")
     assumptions += _in_windows(case)
+    if not case.profile.top_speed:
+        assumptions.append(
+            "nothing moves: the load is held at zero speed, and errors have no top speed to be a share of; while "
+            "friction holds as well, the current may fall below that of the load"
+        )
     if len(case.task.load_time):
         error = case.figure("load_angle_error")  # rad: an error of the sine of as much at most
         arm = f": an error of up to {error:.2%} of an arm's largest weight torque" if isinstance(spec.load, Arm) else ""
@@ -294,7 +299,7 @@ def _kept_at_rest(case: ClosedLoop) -> list[str]:
     still = (rows["speed_reference"] == 0.0) & (rows["motor_speed"] == 0.0)
     kept = float(np.abs(rows["current"][still]).max(initial=0.0))
     needed = abs(machine.rest_torque) / machine.ratio / machine.torque_constant
-    if not kept > needed + _KEPT * case.figure("rms_current"):
+    if not case.profile.top_speed or not kept > needed + _KEPT * case.figure("rms_current"):
         return []
     return [
         f"at rest the integral of the loop holds up to {show(kept, 'A', 'current', 3)} against friction, where holding "

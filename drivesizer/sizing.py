@@ -15,6 +15,7 @@ from drivesizer.load_cases.requirements import requirements
 from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
 from drivesizer.machine import pulleys
 from drivesizer.machine.budgets import check_battery, of_the_platform
+from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.figures_behind_checks import unknown_figures
 from drivesizer.results.objectives import objective_figure
@@ -132,7 +133,12 @@ def size(
         misses=tuple(picked.record(row, rank) for rank, row in enumerate(rejected, len(sets) + len(unsure) + 1)),
         relaxations=() if found.passing or found.short else relaxations(problem),
         counts=found.counts,
-        assumptions=(*_assumptions(problem.spec), *pulleys.assumptions(problem), *_of_data(spec, (*sets, *unsure))),
+        assumptions=(
+            *_assumptions(problem.spec),
+            *_held(problem),
+            *pulleys.assumptions(problem),
+            *_of_data(spec, (*sets, *unsure)),
+        ),
         warnings=(*picked.weighed, *_warnings(problem, sets), *_held_back(picked, sets), *budgets, *catalog.replaced),
         unrestricted=_unrestricted(problem, objective),
         front=tuple(picked.record(row, rank) for rank, row in enumerate(found.front, 1)),
@@ -195,6 +201,16 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
     return tuple(sentences)
 
 
+def _held(problem: Problem) -> tuple[str, ...]:
+    """Assumption of a load case in which nothing moves, as a sentence."""
+    if problem.spec.method != "physics" or all(case.at_belt.acts[SPEED] for case in problem.cases):
+        return ()
+    return (
+        "a load that never moves is held on and on: the motor has its torque through the ideal ratio, though gear loss "
+        "and friction may carry some, and the RMS torque at rest counts as the gearhead's continuous one",
+    )
+
+
 def _warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """Warnings: what the method leaves out, and what limits the best drive."""
     spec = problem.spec
@@ -210,6 +226,13 @@ def _warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     missing = [check.title for check in best.deciding if check.status == "unknown"]
     if missing:
         sentences.append(f"unknown for the best drive: {', '.join(missing)}")
+    sentences += [
+        "at rest the hottest phase of the best drive's motor, at the rotor's worst angle, may reach "
+        f"{show(check.demand, 'degC', 'temperature', 4)}: the winding's limit is "
+        f"{show(check.limit, 'degC', 'temperature', 4)}"
+        for check in best.own_checks
+        if check.name == "hottest_phase" and check.status == "fail"
+    ]
     figures = {figure.name: figure for figure in best.figures}
     if "current_limit" in figures and figures["current_limit"].value < figures["peak_current"].value:
         both = figures["current_limit"].text, figures["peak_current"].text

@@ -13,7 +13,7 @@ __all__ = ["SCHEMA", "fields_of", "sections"]
 SCHEMA: dict[str, Any] = RobotSpec.model_json_schema()
 _DEFS: dict[str, Any] = SCHEMA["$defs"]
 _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each with its heading
-    "motion": dict.fromkeys(("Trapezoid", "Triangle", "SCurve", "Harmonic"), "")
+    "motion": dict.fromkeys(("Trapezoid", "Triangle", "SCurve", "Harmonic", "Hold"), "")
     | {"Segments": "", "Segment": "Each of `segments`", "Csv": "", "Track": ""}
     | {"Waypoints": "", "Waypoint": "Each of `waypoints`"},
     "platform": {

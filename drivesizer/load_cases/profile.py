@@ -24,10 +24,12 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files.csv_columns import beside, columns
 from drivesizer.loads.course import Profile
 from drivesizer.physics.motion_curves import fastest_ramp
-from drivesizer.spec.motions import Csv, Harmonic, SCurve, Segments, Trapezoid, Triangle
+from drivesizer.spec.motions import Csv, Harmonic, Hold, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["SPEED", "from_csv", "harmonic", "profile", "profile_of", "s_curve", "segments", "trapezoid", "triangle"]
+__all__ = [
+    "SPEED", "from_csv", "harmonic", "hold", "profile", "profile_of", "s_curve", "segments", "trapezoid", "triangle",
+]  # fmt: skip
 
 SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
 
@@ -114,6 +116,15 @@ def harmonic(motion: Harmonic) -> Profile:
     return _checked(Profile("harmonic", time, speed, slope), "period")
 
 
+def hold(motion: Hold) -> Profile:
+    """At rest all the time.
+
+    >>> hold(Hold(profile="hold", time="1 min"))
+    Profile(name='hold', time=(0.0, 60.0), speed=(0.0, 0.0), acceleration=None)
+    """
+    return _straight("hold", [("time", motion.time, 0.0)])
+
+
 def _deceleration(motion: Trapezoid) -> tuple[str, float]:
     """The field that gives the time of deceleration, and the time [s]."""
     if motion.deceleration_time is None:
@@ -135,7 +146,7 @@ def _straight(name: str, legs: Sequence[_Leg], there_and_back: bool = False) -> 
             speed.append(to)
         elif change:
             raise InputError(f"motion.{field}: {duration:g} s is too short beside the {end:g} s before it")
-    if not any(speed):
+    if not any(speed) and any(to for _, _, to in legs):
         raise InputError(f"motion.{legs[0][0]}: the speed is too small a number to compute with")
     return Profile(name, tuple(time), tuple(speed))
 
@@ -178,6 +189,7 @@ _MADE: dict[str, Callable[[Any], Profile]] = {
     "triangle": triangle,
     "s_curve": s_curve,
     "harmonic": harmonic,
+    "hold": hold,
     "segments": segments,
 }
 

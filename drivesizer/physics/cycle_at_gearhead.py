@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 class Scalars(NamedTuple):
     """Single figures of a load cycle at the gearhead's output; of several cycles columns."""
 
-    rms_torque: Figure  # N*m, while running
+    rms_torque: Figure  # N*m, while running; of a cycle that never runs over all of it
     peak_torque: Figure  # N*m
     torque_at_rest: Figure  # N*m, largest while at rest; NaN of a cycle that never rests
     load_torque: Figure  # N*m, largest at the load
@@ -276,7 +276,8 @@ def _moments(duration: Array, total: float, six: Sequence[Array], acts: NDArray[
 def _scalars(cycle: Any, torque: Array, running: NDArray[np.bool_]) -> Scalars:
     """Single figures of cycles; of one from the segments in which it runs, of several with the others as of no time."""
     duration, speed, alone = cycle.duration, cycle.speed, running.ndim == 1
-    time, some = (duration[running], running) if alone else (np.where(running, duration, 0.0), slice(None))
+    held = running | ~running.any(axis=0)  # a cycle that never runs loads gears at rest
+    time, some = (duration[held], held) if alone else (np.where(held, duration, 0.0), slice(None))
     total = time.sum(axis=0)
     power = np.abs(mean_product(torque, speed)[some])
     rests = ~running & (duration > 0.0)

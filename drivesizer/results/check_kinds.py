@@ -77,6 +77,9 @@ _PHYSICS = {
     "winding_temperature": CheckKind(
         "Winding temperature, peak", *_CELSIUS, (*_WARM, "motor.max_winding_temperature"), on_inertia=True
     ),
+    "hottest_phase": CheckKind(
+        "Hottest phase at rest", *_CELSIUS, (*_HOT, "motor.max_winding_temperature"), on_inertia=True
+    ),
     "motor_temperature_range": CheckKind(
         "Motor temperature range", *_CELSIUS, ("motor.ambient_min", "motor.ambient_max")
     ),

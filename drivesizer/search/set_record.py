@@ -11,7 +11,9 @@ import numpy as np
 from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
 from drivesizer.machine.budgets import MachineBudget
 from drivesizer.machine.problem import quickest_winding
-from drivesizer.physics.cycle_at_gearhead import AT_REST
+from drivesizer.machine.set_cycle import set_cycle, warming
+from drivesizer.machine.warm_up import warm_up
+from drivesizer.physics.cycle_at_gearhead import AT_REST, SPEED
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.physics.waveform import Wave, longest_above, share_above
@@ -172,6 +174,7 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
     """Figures of a drive without a limit, and the settings of its controller."""
     values = {name: float(column[index]) for name, column in evaluation.figures.items()}
     found = [Figure(name=n, title=t, value=values[n], kind=k, unit=u) for n, t, k, u in _TABLE]
+    found += _held(evaluation, parts)
     motor, gearhead, controller = parts.motor, parts.gearhead, parts.controller
     if controller is None:
         return tuple(found)
@@ -184,6 +187,28 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
         *_gearhead_overload(evaluation, index, gearhead),
         *_overloads(evaluation, values, motor, controller),
     )
+
+
+_HELD = {
+    "hold_winding_cold": "Winding at the end of the hold, from cold",
+    "hold_housing_cold": "Housing at the end of the hold, from cold",
+    "hold_housing": "Housing, hold repeated",
+}
+
+
+def _held(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
+    """Temperatures of the first load case in which nothing moves; none where there is no such case."""
+    case = next((one for one in evaluation.problem.cases if not one.at_belt.acts[SPEED]), None)
+    if case is None:
+        return []
+    ambient = case.spec.environment.ambient
+    losses = warming(set_cycle(case.spec, parts, case.at_belt))
+    found = warm_up(two_bodies(asdict(parts.motor)), ambient, losses)
+    ends = (found.highest[0], found.housing[1], found.periodic.housing.max()) if found else (math.nan,) * 3
+    return [
+        Figure(name=name, title=title, value=float(value), kind="temperature", unit="degC")
+        for (name, title), value in zip(_HELD.items(), ends, strict=True)
+    ]
 
 
 def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:

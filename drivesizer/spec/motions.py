@@ -21,7 +21,7 @@ from drivesizer.files.fields import (
 )
 
 __all__ = [
-    "Csv", "Harmonic", "Motion", "SCurve", "Segment", "Segments", "Track", "Trapezoid", "Triangle", "Waypoint",
+    "Csv", "Harmonic", "Hold", "Motion", "SCurve", "Segment", "Segments", "Track", "Trapezoid", "Triangle", "Waypoint",
     "Waypoints",
 ]  # fmt: skip
 
@@ -67,6 +67,13 @@ class Harmonic(Section):
     period: Duration
 
 
+class Hold(Section):
+    """Standing still under load; repeated, so that it lasts."""
+
+    profile: Literal["hold"]
+    time: Duration = Field(description="for which energy and, in closed loop, control are computed")
+
+
 class Segment(Section):
     """A straight piece: to another speed, or at the same."""
 
@@ -83,10 +90,8 @@ class Segments(Section):
     @model_validator(mode="after")
     def _ends_at_rest(self) -> Segments:
         speeds = [s.to for s in self.segments if s.to is not None]
-        if not speeds or speeds[-1] != 0.0:
+        if speeds and speeds[-1] != 0.0:
             raise ValueError("expected the last speed to be 0: a cycle starts and ends at standstill")
-        if not any(speeds):
-            raise ValueError("expected a segment that moves")
         return self
 
 
@@ -133,7 +138,8 @@ def _named(motion: Any) -> Any:
 
 Motion = Annotated[
     Annotated[
-        Trapezoid | Triangle | SCurve | Harmonic | Segments | Csv | Track | Waypoints, Field(discriminator="profile")
+        Trapezoid | Triangle | SCurve | Harmonic | Hold | Segments | Csv | Track | Waypoints,
+        Field(discriminator="profile"),
     ],
     BeforeValidator(_named),
 ]

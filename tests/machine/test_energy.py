@@ -299,21 +299,22 @@ def test_inertia_of_a_table_out_of_range(figure, tmp_path):
 
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if k not in ("recorded", "wheeled_vehicle")])
-def test_nothing_moves(kind, tmp_path):
-    """A motion that stands still, however the load's kind names it."""
+def test_motions_without_speed_or_time(kind, tmp_path):
+    """A trapezoid needs both; what stands still is sized as any other load, and takes a drive or none in time."""
     old = re.search(r"(?ms)^motion:.*?(?=^\w|\Z)", (STARTERS / f"{kind}.yaml").read_text(encoding="utf-8")).group()
     unit = "m/s" if AXES[kind] == "linear" else "rpm"
     for motion in (
         f"{{speed: 0 {unit}, acceleration_time: 1 s, cruise_time: 2 s}}",
-        f"{{profile: segments, segments: [{{time: 1 s, to: 0 {unit}}}]}}",
         f"{{speed: 3 {unit}, acceleration_time: 0 s, cruise_time: 2 s}}",
     ):
         one_line(kind, tmp_path, (old, f"motion: {motion}\n"))
+    held = size(starter(kind, tmp_path, (old, "motion: {profile: hold, time: 1 min}\n")))
+    assert held.sets and {one.status for one in held.sets} == {"pass"}
+    for one in held.sets:
+        assert all(np.isfinite(x.value) for x in one.figures if x.name in ("power", "energy", "winding_temperature"))
 
 
-@pytest.mark.parametrize(
-    "rows", ["0,0,1\n1,0,1\n2,0,1", "0,1,1", "0,1,1\n0,2,1", "0,1,1\n1,inf,1", "0,1,1\n1,nan,1", "0,1,1\n1,1,1e999"]
-)
+@pytest.mark.parametrize("rows", ["0,1,1", "0,1,1\n0,2,1", "0,1,1\n1,inf,1", "0,1,1\n1,nan,1", "0,1,1\n1,1,1e999"])
 def test_recordings_that_are_none(rows, tmp_path):
     spec = starter("recorded", tmp_path)
     (tmp_path / "cycle.csv").write_text(f"time,speed,torque\ns,rpm,N*m\n{rows}\n", encoding="utf-8")

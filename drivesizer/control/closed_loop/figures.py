@@ -43,7 +43,7 @@ def _tracking(case: ClosedLoop) -> list[_Row]:
     peak, when = case.figure("load_speed_error") * radius, case.figure("load_speed_error_time")
     rms = math.sqrt(case.figure("load_speed_error_square") / time) * radius
     left = case.profile.distance * case.task.cycles - case.figure("load_angle") * radius
-    return [
+    rows: list[_Row] = [
         ("tracking_error_peak", "Tracking error, peak", peak, speed, when),
         ("tracking_error_peak_share", "Tracking error, peak, of top speed", peak * of_top, _SHARE, when),
         ("tracking_error_rms", "Tracking error, RMS", rms, speed, None),
@@ -57,6 +57,7 @@ def _tracking(case: ClosedLoop) -> list[_Row]:
         ("speed_quantum", "One encoder count, at the load",
          quantum(case) / case.train.motor_per_speed, speed, None),
     ]  # fmt: skip
+    return rows if top else [row for row in rows if not row[0].endswith("_share")]
 
 
 def _of_the_motor(case: ClosedLoop) -> list[_Row]:

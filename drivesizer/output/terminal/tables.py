@@ -148,7 +148,7 @@ def checks(checks: Iterable[Check], title: str) -> Table:
     for check in checks:
         status = Text(MARK[check.status], style="dim" if check.advice else STYLE[check.status])
         figures = [plain(check, check.demand), plain(check, check.limit)]
-        when = [f"{check.at_time:.3g} s" if check.at_time is not None else ""] if timed else []
+        when = [_seconds(check.at_time)] if timed else []
         where = f" ({check.case})" if check.case in worst_in and check.case else ""
         needed = f"\nneeds {percent(check.needed)}" if check.needed and not isnan(check.margin) else ""
         table.add_row(Text(check.title + where), *figures, percent(check.margin) + needed, status, *when)
@@ -156,6 +156,15 @@ def checks(checks: Iterable[Check], title: str) -> Table:
             worst = plain(check, check.band.high), plain(check, check.limit)
             table.add_row(Text("  at worst, by estimates", style="dim"), *worst, percent(check.band.least_margin), "")
     return table
+
+
+def _seconds(time: float | None) -> str:
+    """A moment to three digits, in whole seconds where there are more.
+
+    >>> _seconds(3600.0), _seconds(0.12345)
+    ('3600 s', '0.123 s')
+    """
+    return "" if time is None else f"{time:.0f} s" if time >= 1000.0 else f"{time:.3g} s"
 
 
 def hanging(found: DriveSet) -> list[str]:

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from drivesizer.catalog import DIRECT, lines
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.belt import LEAST_IN_MESH, resonance
-from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
+from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
 from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit
 from drivesizer.search.columns.encoders import angle_per_edge
@@ -220,6 +221,8 @@ def moving_limits(
         nominal_current_limit(demand.rms_current, motor, ambient, torque),
         winding_limit(spec, heating.winding, motor),
     ]  # fmt: skip
+    if not cycle.acts[SPEED]:
+        found.append(_hottest_phase(spec, demand, motor))
     return [*found, *_inertias(spec, cycle, demand, parts), *_holding(spec, cycle, parts)]
 
 
@@ -229,6 +232,21 @@ def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | Non
         "winding_temperature", winding, motor["max_winding_temperature"],
         zero=spec.environment.ambient, needed=spec.margins.temperature, time=time,
     )  # fmt: skip
+
+
+_UNEVEN = 2.0  # largest loss of a phase at rest over the mean of three, by the rotor's angle
+_UNEVEN_NOTE = "at rest the hottest phase of a brushless motor has 1.5 to 2 times the mean heat: informational"
+
+
+def _hottest_phase(spec: RobotSpec, demand: Demands, motor: Any) -> CheckColumn:
+    """The hottest phase of a motor that never turns, were none of its heat led to the others; advice."""
+    R_th1, R_th2 = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    ambient, R_25 = spec.environment.ambient, resistance_25(motor)
+    found = np.asarray(steady_winding_temperature(ambient, R_25, _UNEVEN * R_th1, R_th2, demand.rms_current))
+    limit = np.where(motor["kind"] == "brushed", np.inf, motor["max_winding_temperature"])
+    return at_most(
+        "hottest_phase", found, limit, zero=ambient, needed=spec.margins.temperature, advice=True, note=_UNEVEN_NOTE
+    )
 
 
 def _inertias(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
@@ -308,7 +326,8 @@ def electrical_speed(demand: Demands, motor: Any) -> Array:
     Array
         [rad/s], shape (rows,).
     """
-    return np.where(motor["kind"] == "brushed", 0.0, demand.peak_speed * motor["pole_pairs"])
+    turns = (motor["kind"] != "brushed") & (demand.peak_speed != 0.0)
+    return np.where(turns, demand.peak_speed * motor["pole_pairs"], 0.0)
 
 
 def line_frequency(demand: Demands, encoder: Any) -> Array:
@@ -326,7 +345,7 @@ def line_frequency(demand: Demands, encoder: Any) -> Array:
     Array
         [Hz], shape (rows,).
     """
-    return np.asarray(lines(encoder) * demand.peak_speed / (2 * np.pi))
+    return np.where(demand.peak_speed == 0.0, 0.0, lines(encoder) * demand.peak_speed / (2 * np.pi))
 
 
 def _counting(spec: RobotSpec, belt: float, demand: Demands, parts: Parts) -> list[CheckColumn]:

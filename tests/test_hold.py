@@ -1,0 +1,170 @@
+"""A motion of rest: a load that is held sizes as any other, against closed forms and against ``predict``."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+import yaml
+
+from drivesizer import size, validate
+from drivesizer.files.yaml_source import read
+from drivesizer.load_cases import load_cycle
+from drivesizer.spec.robot import read_spec
+
+HOLD = {"profile": "hold", "time": "60 min"}
+ARM = {
+    "name": "gripper", "load": {"kind": "arm", "mass": "2.5 kg", "length": "300 mm", "friction_torque": "0.3 N*m"},
+    "motion": HOLD, "supply": {"nominal": "24 V"}, "select": {"catalogs": ["maxon"], "objective": "mass"},
+}  # fmt: skip
+TORQUE = 2.5 * 9.80665 * 0.3
+
+
+@pytest.fixture(scope="module")
+def spec(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("held")
+    (folder / "still.csv").write_text("time,speed\ns,deg/s\n0,0\n3600,0\n", encoding="utf-8")
+
+    def of(**changes):
+        (folder / "robot.yaml").write_text(yaml.safe_dump(ARM | changes), encoding="utf-8")
+        return read_spec(read(folder / "robot.yaml"))
+
+    return of
+
+
+@pytest.fixture(scope="module")
+def sizing(spec):
+    return size(spec())
+
+
+def figure(one, name):
+    return next(x.value for x in one.figures if x.name == name)
+
+
+def check(one, name):
+    return next(x for x in one.checks if x.name == name)
+
+
+def test_torque_current_and_temperature_by_closed_forms(sizing):
+    """I = T/(i k_t); in the long run the winding carries off R(T) I^2 through both resistances."""
+    best = sizing.sets[0]
+    motor, gearhead = best.motor, best.gearhead
+    current = TORQUE / (gearhead.ratio * motor.torque_constant)
+    assert check(best, "motor_nominal_current").demand == pytest.approx(current, rel=1e-12)
+    assert check(best, "controller_peak_current").demand == pytest.approx(current, rel=1e-12)
+    assert check(best, "gearhead_continuous_torque").demand == pytest.approx(TORQUE, rel=1e-12)
+    assert check(best, "gearhead_continuous_speed").demand == 0.0
+    kelvin = 0.0
+    for _ in range(200):
+        loss = motor.resistance * (1.0 + 0.0039 * kelvin) * current**2
+        kelvin = (motor.thermal_resistance_winding + motor.thermal_resistance_housing) * loss
+    assert check(best, "winding_temperature").demand == pytest.approx(298.15 + kelvin, rel=1e-4)
+    assert figure(best, "joule_heat") == pytest.approx(loss, rel=2e-3)
+    assert figure(best, "energy") == pytest.approx(3600.0 * figure(best, "power"), rel=0.02)
+
+
+def test_as_at_the_bench(sizing, run):
+    """From cold, and in the long run, as ``predict --hold`` has it with two solvers of its own."""
+    best = sizing.sets[0]
+    status, out, _ = run(
+        "predict", best.motor.part, "--gearhead", best.gearhead.part, "--catalog", "maxon", "--hold",
+        f"{TORQUE!r} N*m", "--load", "0.1 N*m", "--json",
+    )  # fmt: skip
+    assert status == 0
+    bench = {name: x["value"] for name, x in json.loads(out)["figures"].items()}
+    assert figure(best, "peak_current") == pytest.approx(bench["hold_current"], rel=1e-6)
+    if best.motor.kind == "brushed":
+        assert figure(best, "hold_winding_cold") - 273.15 == pytest.approx(bench["hold_winding"], abs=0.1)
+        assert check(best, "winding_temperature").demand - 273.15 == pytest.approx(
+            bench["hold_winding_settled"], abs=0.1
+        )
+    else:  # there the hottest phase at the middle of its band: between the mean and twice the heat
+        low, high = (check(best, name).demand - 273.15 for name in ("winding_temperature", "hottest_phase"))
+        assert low < bench["hold_winding_settled"] < high
+    assert 25.0 < figure(best, "hold_housing_cold") - 273.15 < figure(best, "hold_housing") - 273.15
+
+
+@pytest.mark.parametrize(("family", "kind"), [("RE 40", "brushed"), ("EC-4pole 30", "brushless")])
+def test_the_hottest_phase_of_brushless_motors_is_advice(spec, family, kind):
+    found = size(spec(select={"catalogs": ["maxon"], "motor": {"family": family}, "objective": "mass"}))
+    assert found.sets
+    for one in found.sets:
+        hottest = [x for x in one.checks if x.name == "hottest_phase" and math.isfinite(x.limit)]
+        assert one.motor.kind == kind and bool(hottest) == (kind == "brushless")
+        assert all(x.advice and x.demand > check(one, "winding_temperature").demand for x in hottest)
+
+
+ALIKE = {
+    "segments": {"profile": "segments", "segments": [{"time": "1 h", "to": "0 deg/s"}]},
+    "dwell": {"profile": "segments", "segments": [{"time": "1 h"}]},
+    "csv": {"profile": "csv", "file": "still.csv"},
+}
+
+
+@pytest.mark.parametrize("motion", ALIKE.values(), ids=ALIKE)
+def test_other_ways_to_write_it(spec, motion):
+    one, other = load_cycle(spec()), load_cycle(spec(motion=motion))
+    assert one.total == other.total == 3600.0
+    np.testing.assert_array_equal(one.torque, other.torque)
+    assert not other.speed.any()
+
+
+@pytest.mark.parametrize("column", ["speed", "position"])
+def test_a_recording_of_rest(tmp_path, run, column):
+    """A press whose force changes while it stands."""
+    unit = {"speed": "rpm", "position": "deg"}[column]
+    rows = "".join(f"{t},{0 if column == 'speed' else 5},{T}\n" for t, T in ((0, 4), (1, 4), (2, 6), (3, 4)))
+    (tmp_path / "run.csv").write_text(f"time,{column},torque\ns,{unit},N*m\n{rows}", encoding="utf-8")
+    data = {"name": "press", "load": {"kind": "recorded", "file": "run.csv"}, "supply": {"nominal": "24 V"},
+            "select": {"catalogs": ["maxon"], "objective": "margin"}}  # fmt: skip
+    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(data), encoding="utf-8")
+    status, out, _ = run("size", tmp_path / "robot.yaml", "--json")
+    best = json.loads(out)["sets"][0]
+    checks = {x["name"]: x for x in best["checks"]}
+    rms = math.sqrt((16.0 + 2.0 * (16.0 + 24.0 + 36.0) / 3.0) / 3.0)  # N*m
+    assert status == 0 and checks["gearhead_continuous_torque"]["demand"] == pytest.approx(rms)
+    assert checks["gearhead_intermittent_torque"]["demand"] == pytest.approx(6.0)
+
+
+def test_one_load_case_stands_still_while_others_move(spec):
+    swing = {"speed": "30 deg/s", "acceleration_time": "1 s", "cruise_time": "1 s", "there_and_back": True}
+    found = size(spec(motion=swing, cases=[{"name": "held", "motion": HOLD}]))
+    best = found.sets[0]
+    assert check(best, "winding_temperature").case == "held"
+    assert check(best, "motor_speed").case != "held"
+    assert check(best, "gearhead_continuous_torque").demand >= TORQUE * (1.0 - 1e-12)
+    assert math.isfinite(figure(best, "hold_winding_cold"))
+
+
+def test_a_load_that_stands_without_torque_takes_any_drive(spec):
+    """A cart on the level: every demand is 0, and nothing is unknown for it."""
+    cart = {"kind": "wheeled_vehicle", "mass": "60 kg", "driven_wheels": 2, "wheel_diameter": "150 mm",
+            "rolling_resistance": 0.02, "inertia": "25 kg*cm^2"}  # fmt: skip
+    best = size(spec(load=cart)).sets[0]
+    assert best.status == "pass"
+    assert figure(best, "energy") == figure(best, "peak_current") == 0.0
+    assert figure(best, "winding_temperature") == 298.15
+
+
+def test_in_closed_loop_it_stays_where_it_is(spec, sizing):
+    """Friction holds with the motor: no error, no more current than by size, and no share of a top speed of 0."""
+    proof = validate(spec(motion=HOLD | {"time": "2 s"}), sizing.sets[0])
+    assert proof.status == "pass"
+    figures = {x.name: x.value for x in proof.figures}
+    assert figures["tracking_error_peak"] == figures["position_error_peak"] == 0.0
+    assert not [name for name in figures if name.endswith("_share")]
+    checks = {x.name: x for x in proof.checks}
+    assert "tracking_error" not in checks
+    assert checks["gearhead_continuous_torque"].demand == pytest.approx(TORQUE)
+    assert checks["motor_nominal_current"].demand <= figure(sizing.sets[0], "peak_current") * (1.0 + 1e-9)
+    assert any(text.startswith("nothing moves") for text in proof.assumptions)
+
+
+@pytest.mark.parametrize("ending", ["html", "xlsx", "csv"])
+def test_reports(tmp_path, run, ending):
+    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(ARM | {"motion": HOLD | {"time": "5 s"}}), encoding="utf-8")
+    status, _, err = run("report", tmp_path / "robot.yaml", "-o", tmp_path / f"out.{ending}")
+    assert status == 0, err
+    assert (tmp_path / f"out.{ending}").stat().st_size > 1000
