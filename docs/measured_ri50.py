@@ -8,6 +8,7 @@ import numpy as np
 from measured_compared import OWN_PARTS, Axis, Comparison, against, banded, part, predicted, sampled
 from measured_data import Array, Held, course, held, record
 
+from drivesizer.physics.overload import State
 from drivesizer.physics.thermal import resistance_at
 from drivesizer.prediction.set_at_voltage import SetAtVoltage, hottest_phase
 from drivesizer.prediction.warming import Heating, over_time
@@ -77,8 +78,6 @@ def _running(one: SetAtVoltage, steps: list[Held], rest: Held) -> Comparison:
 
 def _warming(key: str, folder: Path, name: str, one: SetAtVoltage, bodies: object) -> Comparison:
     """Rise of the winding while the measured current flows, by the program's two bodies."""
-    from drivesizer.physics.overload import State
-
     measured = course(folder, name)
     start = float(measured.winding[0])
     whole, still = np.ones_like(one.R_25), np.zeros_like(one.R_25)
@@ -90,5 +89,5 @@ def _warming(key: str, folder: Path, name: str, one: SetAtVoltage, bodies: objec
         state, begun = State(winding[-1], housing[-1]), end
         rises.append(winding[-1] - start)
     bands = [Band(x[0], *np.quantile(x[1:], (0.05, 0.5, 0.95), method="inverted_cdf")) for x in rises]
-    return against(key, measured.t, Axis("time", "s"), measured.winding - start, Axis("rise of the winding", "K"), bands,
-                   np.nan, _WARM, _SENSOR)  # fmt: skip
+    rise = Axis("rise of the winding", "K")
+    return against(key, measured.t, Axis("time", "s"), measured.winding - start, rise, bands, np.nan, _WARM, _SENSOR)
