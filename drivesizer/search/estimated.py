@@ -99,11 +99,11 @@ def decided(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], floa
         Checks, and the probability that none of them fails; NaN where none is open.
     """
     checks = evaluation.checks_of(index)
-    names = {check.name for check in checks if check.status == "open" and not check.advice}
+    names = evaluation.open_checks(index)
     if not names or evaluation.spec.method != "physics":
         return checks, nan
     one = evaluation.candidates.on(np.array([index]))._replace(controller=evaluation.controller[[index]])
-    probable, turning = passing(evaluation.problem, one), turns(evaluation.problem, one, names)
+    probable, turning = passing(evaluation.problem, one, names), turns(evaluation.problem, one, names)
     open_ = {name: (probable[name], _turning(turning.get(name))) for name in names}
     return tuple(_with(check, *open_[check.name]) if check.name in names else check for check in checks), probable[""]
 

@@ -162,7 +162,7 @@ def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] 
     """
     machine = of_the_platform(problem.machine)
     judge = in_machine(problem, machine, weighing(problem, machine), aside)
-    found = search(problem, top=1, objective=objective, misses=0, judge=judge)
+    found = search(problem, top=1, objective=objective, misses=None, judge=judge)
     return drive_set(found.evaluation, 0, 1, objective) if found.passing else None
 
 

@@ -7,7 +7,7 @@ One row of a catalogue made for it is one sample, so that the checks are those o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cache
 from statistics import NormalDist
@@ -76,7 +76,7 @@ def estimated_figures(problem: Problem, motor: int, gearhead: int) -> list[Figur
     return found
 
 
-def passing(problem: Problem, one: Candidates, samples: int = SAMPLES) -> dict[str, float]:
+def passing(problem: Problem, one: Candidates, names: Set[str], samples: int = SAMPLES) -> dict[str, float]:
     """Probability that each check of a drive passes, by name; under "" that all of these pass.
 
     Parameters
@@ -85,18 +85,20 @@ def passing(problem: Problem, one: Candidates, samples: int = SAMPLES) -> dict[s
         Its catalogue with both ends of the bands.
     one
         A single candidate, with its controller.
+    names
+        Of its open checks: one may be known at an end of the bands alone.
     samples
         How many.
 
     Returns
     -------
     dict
-        Of checks that are not unknown in all samples.
+        Of these, and of all checks that are not unknown in every sample.
     """
     figures = estimated_figures(problem, int(one.motor[0]), int(one.gearhead[0]))
     points = dict(zip(figures, _normal(samples, len(figures)).T, strict=True))
     checks = [check for check in at_points(problem, one, points, samples).checks if not check.advice]
-    known = [check for check in checks if (check.passed | check.failed).any()]
+    known = [check for check in checks if check.name in names or (check.passed | check.failed).any()]
     every = np.logical_and.reduce([check.passed for check in known])
     return {check.name: float(check.passed.mean()) for check in known} | {"": float(every.mean())}
 

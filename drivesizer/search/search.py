@@ -66,7 +66,7 @@ def search(
     *,
     top: int,
     objective: Ranking,
-    misses: int = 3,
+    misses: int | None = 3,
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
     judge: Judge | None = None,
@@ -82,7 +82,7 @@ def search(
     objective
         What ranks those that pass.
     misses
-        How many of the closest rejected to give as well; ``top`` of them when nothing passes.
+        How many of the closest rejected to give as well, ``top`` of them when nothing passes; None for none at all.
     pareto
         Objectives of which the front is wanted.
     progress
@@ -103,7 +103,7 @@ def search(
     precedence = _precedence(problem, kept, *value, top)
     order = ranking.order(catalog, kept.sets, *value, before=[precedence])
     head = order[: _tied(problem, precedence, order, *value, top)]
-    closest = rejected.on(_nearest(problem, rejected))
+    closest = rejected.on(slice(0) if misses is None else _nearest(problem, rejected))
     nearest = closest.on(slice(misses if len(head) else top))
     looked_at = by_physics(problem, joined([kept.sets.on(head), nearest]), True)
     order = np.concatenate([head[_by_margin(looked_at, precedence, head, *value)], order[len(head) :]])
@@ -163,7 +163,7 @@ def _precedence(
     few = by_physics(problem, kept.sets.on(best), False)
     for place, row in enumerate(best.tolist()):
         one = few.candidates.on(np.array([place]))._replace(controller=few.controller[[place]])
-        precedence[row] = _TENTHS * (OPEN + 1) - 1 - int(10.0 * passing(problem, one)[""])
+        precedence[row] = _TENTHS * (OPEN + 1) - 1 - int(10.0 * passing(problem, one, few.open_checks(place))[""])
     return precedence
 
 
@@ -282,7 +282,7 @@ def _by_the_paper(
     problem: Problem,
     top: int,
     objective: Ranking,
-    misses: int,
+    misses: int | None,
     pareto: tuple[str, ...],
     judge: Judge | None,
 ) -> Found:
@@ -304,7 +304,7 @@ def _by_the_paper(
     sets = found.candidates
     kept_in_machine = _passing(judge, sets, lambda rows: _on(found, rows), passing, len(order) if pareto else top)
     best, short = kept_in_machine.best[:top], kept_in_machine.rejected[:top]
-    near = rejected[: min(misses, max(top - len(best), 0)) if counts.feasible else top]
+    near = rejected[: 0 if misses is None else min(misses, max(top - len(best), 0)) if counts.feasible else top]
     on_front = best[:0]
     if pareto:
         of_all = ranking.front(catalog, sets.on(kept_in_machine.best), {"margin": margin[kept_in_machine.best]}, pareto)

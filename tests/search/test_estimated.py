@@ -23,6 +23,9 @@ from drivesizer.machine.problem import problem
 from drivesizer.output.json import documents
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.search.columns.evaluation import by_physics
+from drivesizer.search.open_checks import passing
 from drivesizer.search.sifting import OPEN, sifted
 from drivesizer.search.uncertainty.class_of_part import holding_of_a_set
 from drivesizer.search.uncertainty.options import Sampling
@@ -114,6 +117,20 @@ def test_the_probability_is_that_of_the_band(maxon, table, lacking):
     assert lacking.probability == pytest.approx(NormalDist().cdf(deviations), abs=0.02)
     (check,) = (c for c in lacking.checks if c.status == "open")
     assert check.probability == lacking.probability
+
+
+def test_a_check_that_is_known_at_an_end_of_the_bands_alone_passes_in_no_sample(maxon, table):
+    """As one whose demand is nothing at the favourable end and whose limit is unknown: here one that is never known."""
+    poorer = with_figure(maxon, "temperature_min", np.nan, "gearheads", GEARHEAD)
+    whole = problem(table, search_view(with_figure(poorer, "rotor_inertia", np.nan)))
+    never = "gearhead_temperature_range"
+    rows = (whole.catalog.table(s).rows[p] for s, p in (("motors", MOTOR), ("gearheads", GEARHEAD)))
+    given = Candidates(*(np.array([row]) for row in rows), np.ones(1), np.ones(1, bool))
+    found = by_physics(whole, given, False)
+    alone = found.candidates._replace(controller=found.controller)
+    left, counted = (passing(whole, alone, names, samples=16) for names in (set[str](), {never}))
+    assert never not in left and left[""] > 0.0
+    assert counted[never] == counted[""] == 0.0
 
 
 def test_without_estimates_the_figure_is_unknown_and_nothing_else_changes(maxon, table):

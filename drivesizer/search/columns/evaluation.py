@@ -68,7 +68,11 @@ class Evaluation(NamedTuple):
             return "fail"
         if self.unknown[index]:
             return "unknown"
-        return "open" if any(c.opened is not None and c.opened[index] for c in self.checks if not c.advice) else "pass"
+        return "open" if self.open_checks(index) else "pass"
+
+    def open_checks(self, index: int) -> set[str]:
+        """Names of the checks of one candidate that estimated figures leave open; informational ones do not count."""
+        return {c.name for c in self.checks if c.opened is not None and c.opened[index] and not c.advice}
 
     def checks_of(self, index: int) -> tuple[Check, ...]:
         """The checks of one candidate, but for those that have no limit to it."""

@@ -1,0 +1,151 @@
+"""What has no effect has no say: a figure that is missing and changes nothing leaves no check unknown.
+
+Each case is held against the same drive with that figure printed, whatever it is.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.sizing import explain, size
+from drivesizer.spec.robot import load_spec
+
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
+# brushed, k_t = k_e = 0.05, R 1 ohm, I_0 0.2 A
+PARTS = """catalog: 1
+manufacturer: Example
+sources: {{sheet: {{document: "sheet", confidence: quoted}}}}
+motors:
+- family: M
+  source: sheet
+  common: {{kind: brushed, nominal_voltage: 24 V, no_load_speed: 4546 rpm, no_load_current: 0.2 A, resistance: 1 ohm,
+    torque_constant: 50 mN*m/A, speed_constant: 190.986 rpm/V, nominal_current: 3 A, nominal_speed: 3800 rpm,
+    max_speed: 6000 rpm, thermal_resistance_winding: 2 K/W, thermal_resistance_housing: 6 K/W,
+    winding_time_constant: 20 s, motor_time_constant: 900 s, max_winding_temperature: 125 degC,
+    ambient_min: -30 degC, ambient_max: 85 degC}}
+  columns: [part, rotor_inertia (g*cm^2)]
+  rows: [[M, {inertia}]]
+gearheads:
+- family: G
+  source: sheet
+  common: {{kind: planetary, stages: 1, reduction: "4:1", inertia: 1 g*cm^2, continuous_torque: 2 N*m,
+    intermittent_torque: 3 N*m, continuous_input_speed: 14000 rpm, intermittent_input_speed: 15000 rpm,
+    continuous_power: 500 W, intermittent_power: 700 W, temperature_min: -30 degC, temperature_max: 100 degC}}
+  columns: [part, ratio, efficiency (%)]
+  rows: [[G, 4, {efficiency}]]
+encoders:
+- family: E
+  source: sheet
+  columns: [part, counts_per_turn, max_speed (rpm), max_frequency (kHz), inertia (g*cm^2)]
+  rows: [[E, 500, {encoder_speed}, 200, 0.1]]
+controllers:
+- family: C
+  source: sheet
+  columns: [part, drives, supply_min (V), supply_max (V), continuous_current (A), peak_current (A), peak_time (s),
+    max_duty (%), voltage_drop (V), max_encoder_frequency (MHz)]
+  rows: [[C, brushed, 6, 60, 10, 20, {peak_time}, 100, 0, 2]]
+compatibility:
+  motor_gearhead: [{{source: sheet, motors: [M], gearheads: [G, direct]}}]
+  motor_encoder: [{{source: sheet, motors: [M], encoders: [E]}}]
+"""
+PRINTED = {"inertia": "100", "efficiency": "90", "encoder_speed": "9000", "peak_time": "2"}
+LEVEL = "load: {{kind: recorded, file: level.csv, smoothing: 0 s}}"
+STOPPING = """load: {{kind: flywheel, inertia: 0.02 kg*cm^2}}
+motion: {{profile: trapezoid, speed: 300 rpm, acceleration_time: {braking}, cruise_time: 1 s, rest_time: 1 s}}"""
+REST = """
+transmission: [{{kind: gearhead}}]
+supply: {{nominal: 24 V, regeneration: 0, power: 200 W{capacitance}}}
+select: {{catalogs: [parts.yaml], estimates: {estimates}}}
+"""
+
+
+class Shop:
+    """One drive on a cycle, with any of its figures missing."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def drive(self, gearhead: str = "direct", load: str = LEVEL, torque: str = "0.1", **figures: str) -> DriveSet:
+        """As ``size`` has it; ``explain`` must say the same."""
+        settings = {"capacitance": "", "estimates": "on", "braking": "10 ms"} | figures
+        (self.folder / "parts.yaml").write_text(PARTS.format(**PRINTED | figures), encoding="utf-8")
+        rows = f"0,1000,{torque}\n10,1000,{torque}\n"
+        (self.folder / "level.csv").write_text(f"time,speed,torque\ns,rpm,N*m\n{rows}", encoding="utf-8")
+        (self.folder / "robot.yaml").write_text("name: one\n" + (load + REST).format(**settings), encoding="utf-8")
+        spec = load_spec(self.folder / "robot.yaml")
+        found = next(one for one in size(spec).sets if one.gearhead.part == gearhead)
+        (alone,) = explain(spec, "M", gearhead)
+        assert statuses(alone) == statuses(found) and alone.status == found.status
+        return found
+
+
+def statuses(one: DriveSet) -> dict[str, str]:
+    return {check.name: check.status for check in one.checks}
+
+
+def same_checks(one: DriveSet, other: DriveSet) -> bool:
+    return [repr(check) for check in one.checks] == [repr(check) for check in other.checks]
+
+
+@pytest.fixture
+def shop(tmp_path):
+    return Shop(tmp_path)
+
+
+@pytest.mark.parametrize("estimates", ["on", "off"])
+@pytest.mark.parametrize("printed", ["1", "100", "10000"])
+def test_a_rotor_inertia_at_constant_speed(shop, estimates, printed):
+    found, other = (shop.drive(inertia=figure, estimates=estimates) for figure in ("~", printed))
+    assert found.status == other.status == "pass"
+    assert same_checks(found, other)
+
+
+def test_a_rotor_inertia_that_is_accelerated_has_one(shop):
+    assert shop.drive(inertia="~", estimates="off", load=STOPPING).status == "unknown"
+
+
+@pytest.mark.parametrize("estimates", ["on", "off"])
+@pytest.mark.parametrize("printed", ["30", "95"])
+def test_the_efficiency_of_a_gear_without_torque(shop, estimates, printed):
+    """The figure counts with the torque that goes through the gear, none."""
+    found, other = (shop.drive("G", torque="0", efficiency=figure, estimates=estimates) for figure in ("~", printed))
+    assert found.status == other.status == "pass"
+    assert same_checks(found, other)
+
+
+@pytest.mark.parametrize("printed", ["0.1", "60"])
+def test_how_long_a_controller_stands_a_peak_that_never_comes(shop, printed):
+    """2.2 A of 10 A: no time is spent above the continuous current."""
+    found, other = (shop.drive(peak_time=figure) for figure in ("~", printed))
+    assert found.status == other.status == "pass"
+    assert statuses(found)["controller_peak_time"] == statuses(other)["controller_peak_time"] == "pass"
+
+
+@pytest.mark.parametrize("printed", ["100", "9000"])
+def test_an_encoder_that_is_not_required(shop, printed):
+    """Too slow, fast enough, or without a figure: the drive passes."""
+    found, other = (shop.drive(encoder_speed=figure) for figure in ("~", printed))
+    assert found.status == other.status == "pass"
+    (check,) = (check for check in found.checks if check.name == "encoder_speed")
+    assert check.advice and check.status == "unknown"
+
+
+@pytest.mark.parametrize("capacitance", ["20 uF", "1 mF", "1 F"])
+def test_a_millijoule_that_is_returned(shop, capacitance):
+    """The least capacitor of a controller of 10 A holds it: 10.4 uF from 24 V to 60 V are 15.8 mJ."""
+    found = shop.drive(load=STOPPING)
+    printed = shop.drive(load=STOPPING, capacitance=f", capacitance: {capacitance}")
+    bus, known = (next(check for check in one.checks if check.name == "bus_voltage") for one in (found, printed))
+    assert found.status == printed.status == "pass"
+    assert 24.0 < known.demand <= bus.demand <= bus.limit == 60.0
+
+
+def test_what_a_capacitor_need_not_hold_is_unknown(shop):
+    """A millijoule is held, joules are not."""
+    heavy = STOPPING.replace("0.02 kg", "2 kg").replace("300 rpm", "3000 rpm").replace("{braking}", "500 ms")
+    assert shop.drive(load=heavy).status == "unknown"
+    assert shop.drive(load=heavy, capacitance=", capacitance: 10 mF").status == "pass"
