@@ -8,6 +8,7 @@ import numpy as np
 from measured_compared import OWN_PARTS, Axis, Comparison, against, banded, part, predicted, sampled
 from measured_data import COAST, CONTEST_MOTORS, DISC, RPM, SPEEDS, STEPS, duty_curves, mapped
 
+from drivesizer.catalog.query import Hit
 from drivesizer.physics.thermal import resistance_at
 
 _VOLTAGE, _DUTY = Axis("voltage", "V"), Axis("duty times 12 V", "V")
@@ -32,7 +33,15 @@ def jameco(_: Path) -> list[Comparison]:
         plain = motor["resistance"] * (motor["rotor_inertia"] + DISC) / motor["torque_constant"] ** 2
         found.append(against(f"{colour}_step", np.arange(1.0, len(tau) + 1.0), Axis("run", ""), tau,
                              Axis("time to 63 %", "ms", 1e3), bands, plain))  # fmt: skip
-    return [*found, _coast()]
+    return [*found, _by_the_sheet(bridge), _coast()]
+
+
+def _by_the_sheet(bridge: Hit) -> Comparison:
+    """The steps of both motors, with what the sheet prints and no more: the rotor inertia is estimated."""
+    motor, tau = part(OWN_PARTS, "Jameco sheet"), np.array([*STEPS["red"], *STEPS["white"]])
+    bands = predicted(motor, "step_time_63", [{"voltage": _STEP, "inertia": DISC}], bridge) * len(tau)
+    runs = np.arange(1.0, len(tau) + 1.0)
+    return against("sheet_step", runs, Axis("run", ""), tau, Axis("time to 63 %", "ms", 1e3), bands, np.nan)
 
 
 def _coast() -> Comparison:
