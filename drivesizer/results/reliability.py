@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Driver", "LoopShare", "Reliability", "Spread", "Uncertain", "Uncertainty"]
+from drivesizer.units import show
+
+__all__ = ["Driver", "FigureSpread", "LoopShare", "Reliability", "Spread", "Uncertain", "Uncertainty"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,6 +21,24 @@ class Spread:
     low: float  # margin that 95 % of samples exceed; NaN where there is none
     middle: float  # the median
     high: float  # margin that 5 % exceed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FigureSpread:
+    """One figure over all samples."""
+
+    name: str
+    title: str
+    kind: str
+    unit: str  # of the trade
+    low: float  # SI, that 5 % of samples are below; NaN unknown
+    middle: float  # the median
+    high: float  # that 95 % are below
+
+    @property
+    def texts(self) -> list[str]:
+        """The three percentiles as they are printed."""
+        return [show(value, self.unit, self.kind) for value in (self.low, self.middle, self.high)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,6 +83,7 @@ class Reliability:
     middle: float
     high: float
     checks: tuple[Spread, ...]
+    figures: tuple[FigureSpread, ...] = ()  # of drives that are shown
     drivers: tuple[Driver, ...] = ()  # all of them, the one that matters most first
     loop: LoopShare | None = None
     no_loop: str = ""  # why it was not put through the closed loop although that was wanted

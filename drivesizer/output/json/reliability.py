@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from drivesizer.output.json.loops import number
-from drivesizer.results.reliability import Driver, LoopShare, Reliability, Spread, Uncertainty
+from drivesizer.results.reliability import Driver, FigureSpread, LoopShare, Reliability, Spread, Uncertainty
+from drivesizer.units import from_si
 
 if TYPE_CHECKING:
     from drivesizer.output.json import schema
@@ -25,6 +26,7 @@ def reliability(found: Reliability | None) -> schema.Reliability | None:
         "unknown": list(found.unknown),
         "smallest_margin": _margins(found.low, found.middle, found.high),
         "checks": [_spread(one) for one in found.checks],
+        "figures": {one.name: _figure(one) for one in found.figures},
         "drivers": [_driver(one) for one in found.drivers],
         "closed_loop": _loop(found.loop),
         "closed_loop_refused": found.no_loop or None,
@@ -43,6 +45,13 @@ def _spread(one: Spread) -> schema.Spread:
         "weakest": one.weakest,
         "margin": _margins(one.low, one.middle, one.high),
     }
+
+
+def _figure(one: FigureSpread) -> schema.SampledFigure:
+    p5, p50, p95 = (
+        number(float(from_si(x, one.unit, one.kind))) if x == x else None for x in (one.low, one.middle, one.high)
+    )
+    return {"p5": p5, "p50": p50, "p95": p95, "unit": one.unit}
 
 
 def _driver(one: Driver) -> schema.Driver:

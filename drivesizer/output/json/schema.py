@@ -97,9 +97,11 @@ LoopShare = TypedDict("LoopShare", {
     "samples": Count, "probability": Number, "none_fails": float, "error_95": float, "weakest_check": str,
     "unknown": list[str],
 })  # fmt: skip
+SampledFigure = TypedDict("SampledFigure", {"p5": Number, "p50": Number, "p95": Number, "unit": str})
 Reliability = TypedDict("Reliability", {
     "probability": Number, "none_fails": float, "error_95": float, "weakest_check": str, "unknown": list[str],
     "smallest_margin": Margins, "checks": list[Spread], "drivers": list[Driver], "closed_loop": LoopShare | None,
+    "figures": dict[str, SampledFigure],
     "closed_loop_refused": Text,
 })  # fmt: skip
 Estimate = TypedDict("Estimate", {

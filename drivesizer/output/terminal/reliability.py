@@ -147,6 +147,8 @@ def _margin(value: float) -> str:
 
 def _of_a_set(console: Console, found: Reliability, title: str) -> None:
     console.print(_spreads(found, title))
+    if found.figures:
+        console.print(_figures(found))
     if found.drivers:
         console.print(_drivers(found))
 
@@ -158,6 +160,17 @@ def _spreads(found: Reliability, title: str) -> Table:
     _unbroken(table)
     for one in moved(found):
         table.add_row(one.title, likely(one.passes), *(_margin(value) for value in (one.low, one.middle, one.high)))
+    return table
+
+
+def _figures(found: Reliability) -> Table:
+    """Percentiles of current, voltage, power, heat and temperature over the samples."""
+    table = tables.bare(
+        ("figure", "left"), *((f"{q} %", "right") for q in (5, 50, 95)), title="Figures over the samples"
+    )
+    _unbroken(table)
+    for one in found.figures:
+        table.add_row(one.title, *one.texts)
     return table
 
 

@@ -23,7 +23,7 @@ from drivesizer.search.uncertainty.sensitivity import first_order, rank_correlat
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Examined", "Subject", "at_ends", "counting", "drivers", "examined"]
+__all__ = ["Examined", "Subject", "at_ends", "counting", "drivers", "examined", "quantiles"]
 
 Array = NDArray[np.float64]
 _QUANTILES = (0.05, 0.5, 0.95)
@@ -138,7 +138,7 @@ def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
         _spread(name, titles[name], over, float(w)) for (name, over), w in zip(every.items(), weakest, strict=True)
     ]
     share = mean_and_error(~failed)
-    low, middle, high = _quantiles(smallest)
+    low, middle, high = quantiles(smallest)
     return Examined(
         Reliability(
             probability=share.value,
@@ -163,7 +163,7 @@ def _tightness(check: Check) -> float:
 
 
 def _spread(name: str, title: str, over: _Over, weakest: float) -> Spread:
-    low, middle, high = _quantiles(over.margin)
+    low, middle, high = quantiles(over.margin)
     return Spread(
         name=name, title=title, passes=np.count_nonzero(over.passed) / len(over.passed),
         fails=np.count_nonzero(over.failed) / len(over.failed),
@@ -171,8 +171,19 @@ def _spread(name: str, title: str, over: _Over, weakest: float) -> Spread:
     )  # fmt: skip
 
 
-def _quantiles(values: Array) -> tuple[float, float, float]:
-    """The values that 5 %, 50 % and 95 % of all lie below; NaN where one of them is unknown."""
+def quantiles(values: Array) -> tuple[float, float, float]:
+    """The values that 5 %, 50 % and 95 % of all lie below.
+
+    Parameters
+    ----------
+    values
+        Of all samples, shape (samples,).
+
+    Returns
+    -------
+    tuple of float
+        NaN where one of the values is unknown.
+    """
     if values.strides == (0,):  # all the same
         return (float(values[0]),) * 3
     if np.isnan(values).any():

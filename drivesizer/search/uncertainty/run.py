@@ -18,6 +18,7 @@ from drivesizer.search.uncertainty.options import POOL, Sampling
 from drivesizer.search.uncertainty.prepare import Prepared, prepared, unused
 from drivesizer.search.uncertainty.probabilities import Examined, Subject, at_ends, counting, drivers, examined
 from drivesizer.search.uncertainty.sampled_checks import SetRows
+from drivesizer.search.uncertainty.sampled_figures import figure_spreads
 from drivesizer.search.uncertainty.sampling import Sample, sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
 
@@ -113,7 +114,8 @@ def reliabilities(
     for row in rows:
         examined_, found = sampled.found[row]
         matters = drivers(examined_, sampled.ready.problem.catalog, ends, sampled.drawn, found.smallest)
-        described[row] = replace(found.reliability, drivers=matters)
+        figures = figure_spreads(sampled.ready, sampled.ready.problem.catalog, examined_.rows)
+        described[row] = replace(found.reliability, drivers=matters, figures=figures)
         if row in finalists and sampled.how.loop > 0:
             described[row] = _in_the_loop(sampled, examined_, finalists[row], described[row])
     return described

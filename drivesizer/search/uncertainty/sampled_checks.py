@@ -20,7 +20,7 @@ from drivesizer.catalog.tolerances.classes import Class
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.motor_demand import Demands, demands, friction
 from drivesizer.physics.power_stage import with_stage_losses
-from drivesizer.physics.stress import Parts, heat, housing_loss, stress
+from drivesizer.physics.stress import Heat, Parts, Stress, heat, housing_loss, stress
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn, fits, worst_case
 from drivesizer.search.columns.limits import (
@@ -30,14 +30,24 @@ from drivesizer.search.columns.limits import (
     motor_limits,
     moving_limits,
 )
-from drivesizer.search.columns.limits_over_time import least, waveform_limits
+from drivesizer.search.columns.limits_over_time import Pair, least, waveform_limits
 from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.uncertainty.class_of_part import holding
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, battery_limits
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 from drivesizer.search.uncertainty.sampled_waveform import moments
 
-__all__ = ["Block", "SetRows", "checks_of", "motor_factors", "with_dry_share", "with_losses"]
+__all__ = [
+    "Block",
+    "Loaded",
+    "SetRows",
+    "checks_of",
+    "loaded",
+    "motor_factors",
+    "parts_of",
+    "with_dry_share",
+    "with_losses",
+]
 
 Array = NDArray[np.float64]
 _WHOLE = ("ratio", "inertia", "no_load_current", "friction_torque", "viscous_friction")  # never as a single figure
@@ -202,6 +212,26 @@ def _controller(catalog: Catalog, row: int, block: Block) -> _Figures:
     return _Figures(catalog.controllers, row, block.size, changed)
 
 
+def parts_of(catalog: Catalog, one: SetRows, block: Block) -> tuple[Parts, dict[str, Array]]:
+    """The parts of a drive over samples, and the factors of its motor.
+
+    Parameters
+    ----------
+    catalog, one, block
+        As for ``checks_of``.
+
+    Returns
+    -------
+    tuple
+        Figures by field name, columns over the samples; factors by figure [1].
+    """
+    factors = block.factors_of(catalog, "motor", one.motor)
+    return Parts(
+        _motor(catalog, one.motor, block, factors), _gearhead(catalog, one.gearhead, block),
+        _Figures(catalog.encoders, one.encoder, block.size, {}), _controller(catalog, one.controller, block),
+    ), factors  # fmt: skip
+
+
 def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
     """Every check that samples may change, by name: columns over the samples, the worst of all load cases.
 
@@ -219,12 +249,7 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     dict of CheckColumn
         By name: columns over the samples.
     """
-    factors = block.factors_of(catalog, "motor", one.motor)
-    motor, gearhead = _motor(catalog, one.motor, block, factors), _gearhead(catalog, one.gearhead, block)
-    parts = Parts(
-        motor, gearhead, _Figures(catalog.encoders, one.encoder, block.size, {}),
-        _controller(catalog, one.controller, block),
-    )  # fmt: skip
+    parts, factors = parts_of(catalog, one, block)
     by_name: dict[str, list[tuple[int, CheckColumn]]] = {}
     draws = []
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
@@ -241,17 +266,46 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     return {name: worst_case(same) for name, same in by_name.items()}
 
 
-def _of_a_case(
-    spec: Any, at: AtSamples, parts: Parts, one: SetRows, factors: Mapping[str, Array], *, energies: bool
-) -> tuple[list[CheckColumn], Draw]:
-    """The checks of one load case, and the energy that its drives draw."""
+class Loaded(NamedTuple):
+    """A drive over the samples of one load case."""
+
+    required: Demands
+    warmth: Heat
+    peaks: Stress
+    over_time: Pair  # bounds of what needs the waveform
+
+
+def loaded(spec: Any, at: AtSamples, parts: Parts, factors: Mapping[str, Array], *, energies: bool) -> Loaded:
+    """Demands, heat and waveform of a drive in one load case.
+
+    Parameters
+    ----------
+    spec, at
+        The load case with columns, and its load cycles.
+    parts, factors
+        Of ``parts_of``.
+    energies
+        Compute power and energy, whatever the checks need.
+
+    Returns
+    -------
+    Loaded
+        Columns over the samples.
+    """
     required = demands(at, parts.motor, parts.gearhead, parts.encoder)
     at.keep(required.coefficients)
     warmth = heat(spec.environment.ambient, at, required, parts.motor, _losses(parts.motor, required, factors))
     feed = spec.feed(parts.controller)
     peaks = stress(spec.environment.ambient, at, required, parts.motor, feed.leads if spec.resists else 0.0)
     figures = moments(spec, at, required, warmth, peaks, parts, feed, energies=energies)
-    found = least(figures, required, warmth, peaks)
+    return Loaded(required, warmth, peaks, least(figures, required, warmth, peaks))
+
+
+def _of_a_case(
+    spec: Any, at: AtSamples, parts: Parts, one: SetRows, factors: Mapping[str, Array], *, energies: bool
+) -> tuple[list[CheckColumn], Draw]:
+    """The checks of one load case, and the energy that its drives draw."""
+    required, warmth, peaks, found = loaded(spec, at, parts, factors, energies=energies)
     moving = [c for c in moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
     electrical = [*moving, *electrical_limits(spec, at, required, peaks, parts), *waveform_limits(spec, *found, parts)]
     sets = spec.load.alike if required.complete.all() else np.nan  # lower bounds are not energies

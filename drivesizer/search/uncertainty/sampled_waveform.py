@@ -211,6 +211,8 @@ def _moments(cut: _Cut, R_25: Array, T: tuple[Array, Array], outputs: _Outputs, 
     found = found._replace(power=power, power_time=when)
     if not outputs.energies:
         return found
+    heated = means * mean_square(_wave(duration, cut.current, cut.current)).T * duration
+    found = found._replace(copper=heated.sum(axis=0) / duration.sum(axis=0))
     volts = cut.induced + (means[:, None] if means.ndim == 2 else means) * cut.current
     taken = balanced(_wave(duration, cut.current, volts), *turning)
     sums = source_energy(taken, feed, outputs.kept[rows], storing=outputs.stores)

@@ -11,9 +11,10 @@ from math import nan
 from typing import Any
 
 from drivesizer.output.probability import confidence
-from drivesizer.output.report.lines.rows import Row, plain_row, row
+from drivesizer.output.report.lines.rows import Row, figure_row, plain_row, row
+from drivesizer.results.check import Figure
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.reliability import Driver, Reliability, Spread
+from drivesizer.results.reliability import Driver, FigureSpread, Reliability, Spread
 from drivesizer.results.sizing import SizingResult
 
 __all__ = [
@@ -89,6 +90,7 @@ def reliability_rows(one: DriveSet) -> Iterator[Row]:
         title = "All checks pass in closed loop"
         yield row("reliability", "closed_loop", title, status="unknown", note=found.no_loop)
     yield from (_check(spread, one) for spread in found.checks)
+    yield from (line for spread in found.figures for line in _percentiles(spread))
     yield from (line for driver in found.drivers for line in _driver(driver))
 
 
@@ -106,6 +108,16 @@ def _check(spread: Spread, one: DriveSet) -> Row:
     said = {"status": "unknown", "note": f"unknown in {100.0 * unknown:.4g} % of samples"} if unknown > 0.0 else {}
     found = _share("reliability", spread.name, f"Passes: {spread.title}", spread.passes) | said
     return found | {"method": method_of(spread, one)} | _quantiles(spread.low, spread.middle, spread.high)
+
+
+def _percentiles(spread: FigureSpread) -> Iterator[Row]:
+    """A figure at its 5th, 50th and 95th percentile."""
+    for percent, value in ((5, spread.low), (50, spread.middle), (95, spread.high)):
+        title = f"{spread.title}, {percent} % of samples are below"
+        yield figure_row(
+            "percentile",
+            Figure(name=f"{spread.name}_{percent}", title=title, value=value, kind=spread.kind, unit=spread.unit),
+        )
 
 
 def method_of(spread: Spread, one: DriveSet) -> str:

@@ -40,6 +40,10 @@ def _blocks(content: Content) -> Iterator[Block]:
     yield Table(
         f"The checks of {best.label} that samples change: {share}", columns, rows, "probability-checks", "probability"
     )
+    columns = [Column("figure", "name", 1.0), *(Column(f"{q} %", "number") for q in (5, 50, 95))]
+    rows = [Row([one.title, *one.texts]) for one in best.reliability.figures]
+    yield Table(f"Figures of {best.label} over the samples: percentiles", columns, rows, "probability-figures",
+                "probability")  # fmt: skip
     columns = [Column("assumption", "name", 1.0), Column("share", "number"), Column("margin at 5 %", "number"),
                Column("margin at 95 %", "number")]  # fmt: skip
     rows = [Row(driver_cells(one)) for one in best.reliability.drivers[:_MOST_DRIVERS]]
