@@ -27,6 +27,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "budget": {"Budget": "", "Item": "Each of `others`"},
     "transmission": {"GearheadStage": "", "DirectStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
     "supply": {"Supply": ""},
+    "power_stage": {"PowerStage": ""},
     "battery": {
         "Battery": "", "Run": "Each line of `discharge`", "OpenCircuit": "`open_circuit`",
         "Polarisation": "`polarisation`",
@@ -41,6 +42,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     },
     "tolerances": {
         "Tolerances": "", "MotorTolerances": "`motor`", "GearheadTolerances": "`gearhead`",
+        "ControllerTolerances": "`controller`",
     },
     "cases": {"Case": ""},
     "mission": {"Mission": ""},

@@ -95,7 +95,8 @@ def _figure(name: str, title: str, value: float, kind: str, unit: str, time: flo
 
 
 def _of_mass(mass: MassBudget) -> Iterator[Figure]:
-    yield _figure("mass_known", "Mass, sum of what is known", mass.known, "mass", "kg")
+    counted = "known or estimated" if mass.estimated else "known"
+    yield _figure("mass_known", f"Mass, sum of what is {counted}", mass.known, "mass", "kg")
     if mass.limit == mass.limit:
         yield _figure("mass_left", "Mass left of what is allowed", mass.left, "mass", "kg")
 

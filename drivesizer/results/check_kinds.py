@@ -47,6 +47,7 @@ _HOT = (  # the winding at its mean temperature
 _WARM = (*_HOT, "motor.winding_time_constant", "motor.motor_time_constant")  # as warm as it is at each moment
 _EMF = ("motor.back_emf_constant", "motor.speed_constant")  # where the maker prints one
 _DRAWN = (*_WARM, *_EMF)
+_FED = (*_DRAWN, "controller.voltage_drop", "controller.max_efficiency")  # what hangs on the power out of the supply
 _CHAIN = (*_RATIO, "gearhead.efficiency", *_ROTOR)  # of the paper's torque at the motor
 _BY_CURRENT = (*_CHAIN, "motor.torque_constant", "motor.no_load_current")  # of the paper's current
 _SUPPLIES = ("controller.supply_min", "controller.supply_max")
@@ -104,9 +105,9 @@ _PHYSICS = {
     "controller_speed": CheckKind(
         "Controller electrical speed", *_SPEED, (*_RATIO, "motor.pole_pairs", "controller.max_speed_sine")
     ),
-    "supply_current": CheckKind("Supply current, all drives", *_AMPS, _DRAWN, on_inertia=True),
-    "supply_power": CheckKind("Supply power, all drives", *_WATT, _DRAWN, on_inertia=True),
-    "bus_voltage": CheckKind("Bus voltage, energy returned", *_VOLTS, (*_DRAWN, "controller.supply_max")),
+    "supply_current": CheckKind("Supply current, all drives", *_AMPS, _FED, on_inertia=True),
+    "supply_power": CheckKind("Supply power, all drives", *_WATT, _FED, on_inertia=True),
+    "bus_voltage": CheckKind("Bus voltage, energy returned", *_VOLTS, (*_FED, "controller.supply_max")),
     "encoder_counts": CheckKind("Encoder counts per turn", rests_on=("COUNTS",)),
     "encoder_speed": CheckKind("Encoder speed", *_SPEED, (*_RATIO, "encoder.max_speed")),
     "encoder_frequency": CheckKind(
@@ -159,7 +160,6 @@ _PAPER = {
     ),
 }  # fmt: skip
 
-_FED = (*_DRAWN, "controller.max_efficiency")  # all that hangs on the power which the drive draws
 _BUDGET = {  # of the machine with a drive in it
     "mass": CheckKind("Mass of the machine", "mass", "kg"),
     "mass_sized_for": CheckKind("Mass that the drive is sized for", "mass", "kg"),

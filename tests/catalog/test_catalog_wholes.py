@@ -42,7 +42,7 @@ actuators:
     max_winding_temperature: 120 degC, ambient_min: -10 degC, ambient_max: 50 degC, backlash: 0.2 deg,
     data_temperature: 20 degC, rated_ambient: 25 degC, motor_back_emf_constant: 50 mV*s/rad,
     max_radial_load: 100 N, max_axial_load: 50 N, steps_per_turn: 4096, controller: integrated, supply_min: 12 V,
-    supply_max: 48 V, diameter: 60 mm, length: 50 mm, mass: 500 g}
+    supply_max: 48 V, standby_current: 30 mA, diameter: 60 mm, length: 50 mm, mass: 500 g}
   columns: [part, reduction, ratio, stages, efficiency (%), torque_constant (N*m/A), stall_torque (N*m),
     nominal_torque (N*m), peak_torque (N*m), no_load_speed (rad/s), nominal_speed (rad/s), max_speed (rad/s),
     output_inertia (kg*m^2), price (EUR), coulomb_friction (N*m), viscous_friction (N*m*s/rad), load_friction (%)]

@@ -75,7 +75,9 @@ def shop(tmp_path, example_text):
     text = text.partition("battery:")[0] + "environment:" + text.partition("environment:")[2]  # fed by the mains
     head, _, tail = text.partition("select:")
     rest = tail.partition("\n\n")[2]
-    (tmp_path / "robot.yaml").write_text(f"{head}select: {{catalogs: [whole.yaml, pieces.yaml, maxon]}}\n\n{rest}")
+    (tmp_path / "robot.yaml").write_text(
+        f"{head}power_stage: {{voltage_drop: 0 V}}\n\nselect: {{catalogs: [whole.yaml, pieces.yaml, maxon]}}\n\n{rest}"
+    )
     (tmp_path / "whole.yaml").write_text(WHOLE % OWN_CONTROLLER)
     (tmp_path / "pieces.yaml").write_text(PIECES)
     return tmp_path

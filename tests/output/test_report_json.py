@@ -60,7 +60,7 @@ def test_without_a_set_and_without_a_loop(example_text):
 
 def test_actuators_and_what_is_unknown_obey_it(example_text):
     text = example_text[: example_text.index("select:")].replace("method: paper", "method: physics")
-    select = "{catalogs: [robstride, cubemars, maxon], motor: {family: [RobStride, AK 3.0, EC 40]}}"
+    select = "{catalogs: [robstride, cubemars, maxon], estimates: off, motor: {family: [RobStride, AK 3.0, EC 40]}}"
     spec = read_spec(YamlSource(f"{text}select: {select}\n", "robot.yaml"))
     found = size(spec, top=20, pareto=("mass", "energy"))
     told = json.loads(json_documents.as_text(json_file.document(found, None)))

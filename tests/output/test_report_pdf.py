@@ -85,7 +85,7 @@ def test_what_figures_say_can_be_searched_and_copied(text):
 
 def test_energy_heat_parts_and_what_is_not_known_are_told(text):
     for said in (
-        "Energy per cycle 5088 J", "drawn less what is regenerated and kept (70 %", "Copper loss, mean 0.3658 W",
+        "Energy per cycle 5447 J", "drawn less what is regenerated and kept (70 %", "Copper loss, mean 0.3658 W",
         "Winding in periodic steady state, mean 38.23 °C",
         "winding time constant, motor time constant of the motor not known",
         "4 × gearhead maxon GP 26 A 406764 127.73 EUR 510.92 EUR", "without motor, belt, encoder, controller",

@@ -137,6 +137,13 @@ def series_units(case: ClosedLoop) -> dict[str, tuple[str, str]]:
     return {name: unit for name, unit in units.items() if name in series(case)}
 
 
+def _supply_power(case: ClosedLoop, voltage: Any, current: Any) -> Any:
+    """Power out of the source, of all drives [W]: losses of power stages and of the supply's resistance included."""
+    feed = case.spec.feed_of(case.drive_set.controller)
+    at_stage = voltage * current + feed.lost(current) + feed.stage.standby
+    return of_the_source(at_stage, feed) * case.spec.load.motors
+
+
 def series(case: ClosedLoop) -> dict[str, NDArray[np.float64]]:
     """Recorded rows of the first cycle as columns, seen from the load and from the supply."""
     rows: Any = case.out.series
@@ -156,7 +163,7 @@ def series(case: ClosedLoop) -> dict[str, NDArray[np.float64]]:
         "motor_torque": case.train.torque_constant * rows["current"],
         "gearhead_torque": rows["gear_torque"],
         "winding_temperature": rows["winding"],
-        "supply_power": rows["voltage"] * rows["current"] * case.spec.load.motors,
+        "supply_power": _supply_power(case, rows["voltage"], rows["current"]),
     }
     if not case.periodic:
         del found["winding_temperature"]  # it is held at 25 degC

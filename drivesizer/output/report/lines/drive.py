@@ -42,7 +42,7 @@ def drive_row(best: DriveSet, catalog: Catalog) -> dict[str, Any]:
         "total_ratio": f"{best.total_ratio:.4g}",
         "mass": show(best.mass, "g", "mass"),
         "mass_of": " + ".join(best.mass_of),
-        "mass_lacks": ", ".join(not_in_mass(best)),
+        "mass_lacks": ", ".join(not_in_mass(best, catalog)),
         "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
         "price_of": " + ".join(price_over),
         "price_lacks": ", ".join(f"{name} not known" for name in unknown_of(best, price_over)),
