@@ -14,6 +14,7 @@ from statistics import NormalDist
 from typing import Any, Literal, NamedTuple
 
 from drivesizer.catalog import Catalog
+from drivesizer.catalog.tolerances.distributions import END
 from drivesizer.errors import InputError
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.mass import MassRow
@@ -25,7 +26,6 @@ Sized = Callable[[float], tuple[float, Hashable] | None]  # mass of the whole [k
 _GRAM = 1e-3  # kg
 _SECTIONS = {"motor": "motors", "gearhead": "gearheads", "encoder": "encoders", "controller": "controllers",
              "actuator": "actuators"}  # fmt: skip
-_END = NormalDist().inv_cdf(0.95)  # standard deviations from the middle of a band to its end
 BELT = (0.15, (0.05, 0.45))  # kg, of belt and two pulleys of a ratio alone: assumed, a factor of 3 either way
 _HEAVIEST = 1e6  # kg, beyond which masses run away
 
@@ -70,7 +70,7 @@ class MassBudget:
         left, mean, variance = most - (self.known - self.guessed), 0.0, 0.0
         for row in self.rows:
             if row.band:
-                spread = (math.log(row.band[1] / row.band[0]) / (2.0 * _END)) ** 2
+                spread = (math.log(row.band[1] / row.band[0]) / (2.0 * END)) ** 2
                 mean += row.total * math.exp(spread / 2.0)
                 variance += row.total**2 * math.exp(spread) * math.expm1(spread)
         if left <= 0.0 or not variance:

@@ -157,8 +157,7 @@ def _precedence(
     if len(opened) < 2 or np.count_nonzero(kept.certainty == PASSES) >= top:
         return precedence
     precedence[opened] += _TENTHS - 1
-    pieces = max(len(case.at_belt.warming.duration) for case in problem.cases)
-    count = max(min(_SAMPLED, _CELLS // pieces), top)
+    count = max(min(_SAMPLED, _in_cells(problem)), top)
     best = opened[ranking.order(problem.catalog, kept.sets.on(opened), value[opened], missing[opened])][:count]
     few = by_physics(problem, kept.sets.on(best), False)
     for place, row in enumerate(best.tolist()):
@@ -184,8 +183,12 @@ def _tied(
     same = np.stack([precedence, missing, ranking.rounded(value)])[:, order]
     last = same[:, [min(top, len(order)) - 1]]
     count = int(np.flatnonzero((same == last).all(axis=0))[-1]) + 1
-    pieces = max(len(case.at_belt.warming.duration) for case in problem.cases)
-    return min(count, max(_CELLS // pieces, top))
+    return min(count, max(_in_cells(problem), top))
+
+
+def _in_cells(problem: Problem) -> int:
+    """Drives whose waveforms may be computed to order them."""
+    return _CELLS // max(len(case.at_belt.warming.duration) for case in problem.cases)
 
 
 def _by_margin(

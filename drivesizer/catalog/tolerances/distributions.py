@@ -11,11 +11,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CUT", "Distribution", "lognormal"]
+__all__ = ["CUT", "END", "Distribution", "lognormal"]
 
 Array = NDArray[np.float64]
 CUT = 4.0  # standard deviations from the mean, at which a normal distribution ends
-_END = 1.6448536269514722  # standard deviations from the median to the 5th and to the 95th percentile
+END = 1.6448536269514722  # standard deviations from the median to the 5th and to the 95th percentile
 _TAIL = 3.167124183311986e-05  # of a standard normal distribution, below -CUT
 
 
@@ -41,7 +41,7 @@ def lognormal(low: Any, median: Any, high: Any, deviations: Array) -> Array:
     >>> lognormal(0.5, 1.0, 4.0, np.array([-1.6448536269514722, 0.0, 1.6448536269514722])).round(9)
     array([0.5, 1. , 4. ])
     """
-    return np.asarray(median * np.where(deviations > 0.0, high / median, median / low) ** (deviations / _END))
+    return np.asarray(median * np.where(deviations > 0.0, high / median, median / low) ** (deviations / END))
 
 
 class Distribution(NamedTuple):
@@ -62,7 +62,7 @@ class Distribution(NamedTuple):
         if self.shape == "normal":
             return (b - a) / (2 * CUT)
         if self.shape == "lognormal":
-            return float((b - a) / (2 * _END))  # of narrow ones
+            return float((b - a) / (2 * END))  # of narrow ones
         if self.shape == "uniform":
             return float((b - a) / np.sqrt(12.0))
         return float(np.sqrt((a * a + b * b + c * c - a * b - a * c - b * c) / 18.0))
