@@ -43,6 +43,7 @@ from drivesizer.units import show
 
 __all__ = ["explain", "explained", "load_parts", "size"]
 
+_ALTERNATIVES = 3  # drives of other motor families beside the best
 _FEW = 4  # missing figures at most that are worth a request to the maker
 
 
@@ -107,7 +108,9 @@ def size(
     """
     catalog = load_parts(spec, catalog)
     objective = objective or spec.select.objective
-    picked = shortlist(spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling)
+    picked = shortlist(
+        spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling, others=_ALTERNATIVES
+    )
     problem, found, short = picked.problem, picked.found, picked.short
 
     def passing(rows: list[int], before: int = 0) -> tuple[DriveSet, ...]:
@@ -145,6 +148,7 @@ def size(
         pareto=pareto,
         unsure=unsure,
         uncertainty=picked.uncertainty,
+        alternatives=tuple(picked.record(row, rank) for rank, row in enumerate(picked.others, 2)),
     )
 
 

@@ -41,10 +41,16 @@ def size(
     json: Json = False,
     csv: Annotated[Path | None, typer.Option(help="Also write the drives to this CSV file.")] = None,
     pdf: Annotated[Path | None, typer.Option(help="Also write the report to this PDF file.")] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only the drive, no derivation, no notes.")] = False,
+    checks: Annotated[bool, typer.Option("--checks", help="Also every check, and the operating figures.")] = False,
+    derivation: Annotated[bool, typer.Option("--derivation", help="Also the requirements.")] = False,
+    beside: Annotated[bool, typer.Option("--paper", help="Also the same drive by the other method.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="All of that, the next best, and why the others fail.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only the drive, no alternatives, no notes.")] = False,
     catalogs: More = None,
 ) -> None:
-    """Find the drive: requirements, the best drives, and why the others fail."""
+    """Find the drive: parts list, verdict, tightest checks, alternatives."""
     from drivesizer.output.report import accept, write, write_sets
 
     robot = load(spec, catalogs)
@@ -62,7 +68,9 @@ def size(
     else:
         from drivesizer.output.terminal import sizing as terminal
 
-        terminal.sizing(result, quiet=quiet)
+        chosen = {"checks": checks, "derivation": derivation, "paper": beside}
+        details = terminal.DETAILS if verbose else frozenset(name for name, wanted in chosen.items() if wanted)
+        terminal.sizing(result, details=details, spec="" if spec == DEFAULT else str(spec), quiet=quiet)
         print_notes(() if quiet else result.warnings)
     raise typer.Exit(0 if result.sets else 1)
 

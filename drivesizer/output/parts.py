@@ -13,10 +13,13 @@ from typing import Any
 from drivesizer.catalog import Belt, Catalog, Note, Pulley, Source, columns_of
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
+from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.results.drive_set import DriveSet, made_by, section_of
+from drivesizer.results.mass import MassRow
+from drivesizer.results.problem import Problem
 from drivesizer.units import show
 
-__all__ = ["HEADS", "PartLine", "Total", "ordered_as", "parts", "parts_list", "totals"]
+__all__ = ["HEADS", "PartLine", "Total", "machine_parts", "ordered_as", "parts", "parts_list", "totals"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +34,8 @@ class PartLine:
     said: str = ""  # what it is, in words
     quantity: int  # of the whole machine
     mass: float = nan  # kg, of one
+    mass_low: float = nan  # kg, 5th percentile where the mass is estimated; else NaN
+    mass_high: float = nan  # kg, 95th percentile
     price: float = nan  # of one, in the currency
     currency: str = ""
     pieces: int | None = None  # from so many on that price holds
@@ -44,7 +49,8 @@ class PartLine:
     note: str = ""  # what the catalogue remarks on number, price, mass or the part as a whole
 
 
-HEADS = {"said": "is", "mass": "mass_kg", "pieces": "price_from_pieces", "confidence": "part_confidence",
+HEADS = {"said": "is", "mass": "mass_kg", "mass_low": "mass_low_kg", "mass_high": "mass_high_kg",
+         "pieces": "price_from_pieces", "confidence": "part_confidence",
          "document": "part_source", "date": "part_source_date"}  # fmt: skip
 """Names of a line's figures in CSV and JSON, where they differ."""
 
@@ -58,9 +64,12 @@ class Total:
     unit: str  # kg or the currency
     over: tuple[str, ...]  # roles that it sums
     lacks: tuple[str, ...]  # roles that it leaves out, unknown
+    low: float  # with estimated figures at their 5th percentile
+    high: float  # and at their 95th
+    estimated: tuple[str, ...] = ()  # roles whose figure is estimated
 
 
-def parts_list(found: DriveSet, catalog: Catalog, drives: int) -> list[PartLine]:
+def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | None = None) -> list[PartLine]:
     """The parts list of a machine: a line for each part of a drive.
 
     Parameters
@@ -71,19 +80,48 @@ def parts_list(found: DriveSet, catalog: Catalog, drives: int) -> list[PartLine]
         The catalogue of its parts.
     drives
         Number of drives of the machine.
+    belt
+        Mass of belt and pulleys that are not out of the catalogues [kg]; estimated where not given.
 
     Returns
     -------
     list of PartLine
         In the order of the roles.
     """
-    lines = [_line(role, part, catalog, drives) for role, part in found.parts.items()]
+    masses = {row.name: _massed(row) for row in drive_rows(found, drives, catalog, belt)}
+    lines = [_line(role, part, catalog, drives, masses[role]) for role, part in found.parts.items()]
     if _bare_belt(found):
-        lines.insert(_behind_gearhead(found), PartLine(role="belt", said=_ratio(found), quantity=drives))
+        mass = masses.get("belt and pulleys", {})
+        lines.insert(_behind_gearhead(found), PartLine(role="belt", said=_ratio(found), quantity=drives, **mass))
     return lines
 
 
-def _line(role: str, part: Any, catalog: Catalog, quantity: int) -> PartLine:
+def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
+    """The parts list of the machine of a sizing.
+
+    Parameters
+    ----------
+    found
+        The drive.
+    problem
+        The machine and the catalogues.
+
+    Returns
+    -------
+    list of PartLine
+        Of :func:`parts_list`.
+    """
+    spec = problem.machine
+    return parts_list(found, problem.catalog, spec.load.motors, spec.belt.mass if spec.belt else None)
+
+
+def _massed(row: MassRow) -> dict[str, Any]:
+    """The mass of one part, with its band where it is estimated."""
+    low, high = row.band or (nan, nan)
+    return {"mass": row.each, "mass_low": low, "mass_high": high}
+
+
+def _line(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[str, Any]) -> PartLine:
     if part is None:
         return PartLine(role=role, quantity=quantity)
     section = section_of(part)
@@ -92,7 +130,7 @@ def _line(role: str, part: Any, catalog: Catalog, quantity: int) -> PartLine:
     return PartLine(
         role=role, maker=part.manufacturer, family=part.family, part=part.part,
         order_number=_number(catalog, part),
-        said=_SAID[role](part), quantity=quantity, mass=part.mass, **_priced(part, quantity, known),
+        said=_SAID[role](part), quantity=quantity, **mass, **_priced(part, quantity, known),
         document=source.document, date=source.date, confidence=source.confidence, url=source.url,
         note="; ".join(dict.fromkeys(map(_said_of, notes))),
     )  # fmt: skip
@@ -161,17 +199,23 @@ def totals(lines: Sequence[PartLine]) -> list[Total]:
     list of Total
         Mass [kg], then prices.
     """
-    found = [_total("mass", "kg", {line.role: line.quantity * line.mass for line in lines})]
+    masses = {x.role: (x.quantity * x.mass, x.quantity * x.mass_low, x.quantity * x.mass_high) for x in lines}
+    found = [_total("mass", "kg", masses)]
     for currency in dict.fromkeys(line.currency for line in lines if line.currency):
-        prices = {x.role: x.quantity * x.price if x.currency == currency else nan for x in lines}
+        prices = {x.role: (x.quantity * x.price if x.currency == currency else nan, nan, nan) for x in lines}
         found.append(_total("price", currency, prices))
     return [total for total in found if total.over]
 
 
-def _total(name: str, unit: str, values: dict[str, float]) -> Total:
-    over = tuple(role for role, value in values.items() if not isnan(value))
-    lacks = tuple(role for role in values if role not in over)
-    return Total(name=name, value=sum(values[role] for role in over), unit=unit, over=over, lacks=lacks)
+def _total(name: str, unit: str, values: dict[str, tuple[float, float, float]]) -> Total:
+    """Sum of value, low and high end of each role; what has no band counts at its value at both ends."""
+    over = tuple(role for role, (value, _, _) in values.items() if not isnan(value))
+    low, high = (sum(v[0] if isnan(v[end]) else v[end] for role, v in values.items() if role in over) for end in (1, 2))
+    return Total(
+        name=name, value=sum(values[role][0] for role in over), unit=unit, over=over,
+        lacks=tuple(role for role in values if role not in over), low=low, high=high,
+        estimated=tuple(role for role in over if not isnan(values[role][1])),
+    )  # fmt: skip
 
 
 def parts(found: DriveSet, catalog: Catalog) -> list[dict[str, str]]:

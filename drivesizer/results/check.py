@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 from drivesizer.units import show
 
-__all__ = ["GRAVEST", "Band", "Check", "Figure", "Status", "verdict", "worst"]
+__all__ = ["GRAVEST", "Band", "Check", "Figure", "Status", "tightest", "verdict", "worst"]
 
 Status = Literal["pass", "fail", "open", "unknown"]  # open: estimated figures decide
 
@@ -85,3 +85,22 @@ def worst(checks: tuple[Check, ...]) -> Check | None:
     Those whose margin does not depend on the load are left out.
     """
     return min((c for c in checks if c.is_comparable), default=None, key=lambda check: check.margin)
+
+
+def tightest(checks: tuple[Check, ...], count: int) -> list[Check]:
+    """The checks that a reader wants first: conditions that fail, then the smallest margins.
+
+    Parameters
+    ----------
+    checks
+        Of a drive; those whose margin does not depend on the load are left out.
+    count
+        How many at most.
+
+    Returns
+    -------
+    list of Check
+        Those that fail without a margin, then rising margins.
+    """
+    failed = [c for c in checks if c.status == "fail" and isnan(c.margin)]
+    return [*failed, *sorted((c for c in checks if c.is_comparable), key=lambda c: c.margin)][:count]

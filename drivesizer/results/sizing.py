@@ -51,6 +51,7 @@ class SizingResult:
     pareto: tuple[str, ...] = ()  # its objectives
     unsure: tuple[DriveSet, ...] = ()  # that pass with less than the required confidence; the most probable first
     uncertainty: Uncertainty | None = None  # what was uncertain, where tolerances were sampled
+    alternatives: tuple[DriveSet, ...] = ()  # the best of other motor families than the first one's, in order
 
     @property
     def spec(self) -> RobotSpec:

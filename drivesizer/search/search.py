@@ -21,6 +21,7 @@ from drivesizer.results.sizing import Counts
 from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates, candidates, joined
 from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluate
+from drivesizer.search.families import family_of, first_of_each
 from drivesizer.search.open_checks import passing
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.sifting import OPEN, PASSES, Progress, Sifted, sifted
@@ -33,6 +34,7 @@ _FIRST = 1 << 12  # drives that are judged at first
 _MOST = 1 << 16  # at a time
 _CELLS = 50_000  # drives times pieces of the load cycle, of which margins are computed to order equals
 _SAMPLED = 32  # open drives at most
+_ALIKE = 32  # drives of a family that rank alike, of which margins are computed
 _TENTHS = 12  # places for tenths of a probability, and for what is not sampled
 
 
@@ -46,6 +48,7 @@ class Found(NamedTuple):
     short: tuple[int, ...] = ()  # rows of the best that a budget of the machine rejects
     better: int = 0  # drives that fail on a budget before the first that passes
     held_back: int | None = None  # row of the best that would be better than the first, did its checks not lack figures
+    others: tuple[int, ...] = ()  # rows of the best of other motor families than the first one's, where required
 
 
 class Kept(NamedTuple):
@@ -70,6 +73,7 @@ def search(
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
     judge: Judge | None = None,
+    others: int = 0,
 ) -> Found:
     """Search all candidates.
 
@@ -89,14 +93,16 @@ def search(
         Called after each chunk.
     judge
         Which of those that pass their own checks pass the machine's budgets; all of them where not given.
+    others
+        How many drives of other motor families to give as well, the best of each.
 
     Returns
     -------
     Found
-        The best, the closest rejected, the front, and the counts.
+        The best, the closest rejected, the front, those of other families, and the counts.
     """
     if problem.spec.method == "paper":
-        return _by_the_paper(problem, top, objective, misses, pareto, judge)
+        return _by_the_paper(problem, top, objective, misses, pareto, judge, others)
     names, catalog = {*ranking.names_of(objective), *pareto}, problem.catalog
     kept, rejected, counts = sifted(problem, names, progress)
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
@@ -107,13 +113,11 @@ def search(
     nearest = closest.on(slice(misses if len(head) else top))
     looked_at = by_physics(problem, joined([kept.sets.on(head), nearest]), True)
     order = np.concatenate([head[_by_margin(looked_at, precedence, head, *value)], order[len(head) :]])
-    kept_in_machine = _passing(
-        judge,
-        kept.sets,
-        lambda rows: by_physics(problem, kept.sets.on(rows), True),
-        order,
-        len(order) if pareto else top,
-    )
+
+    def in_full(rows: NDArray[np.int64]) -> Evaluation:
+        return by_physics(problem, kept.sets.on(rows), True)
+
+    kept_in_machine = _passing(judge, kept.sets, in_full, order, len(order) if pareto else top)
     best, short = kept_in_machine.best[:top], kept_in_machine.rejected[:top]
     nearest = closest.on(slice(misses if len(best) else top))  # a budget of the machine may reject all
     on_front = best[:0]
@@ -121,15 +125,45 @@ def search(
         figures = {name: column[kept_in_machine.best] for name, column in kept.figures.items()}
         on_front = kept_in_machine.best[ranking.front(catalog, kept.sets.on(kept_in_machine.best), figures, pareto)]
     held = _held_back(problem, kept, *value, best)
-    extra = np.concatenate([on_front[~np.isin(on_front, best)], short, held])
+    rank = np.stack([precedence, value[1], ranking.rounded(value[0])])
+    unlike = _of_other_families(judge, kept.sets, in_full, order, best[:1], others, rank)
+    extra = np.concatenate([on_front[~np.isin(on_front, best)], short, held, unlike[~np.isin(unlike, best)]])
     shown = _shown(looked_at, kept, nearest, (head, best, extra))
     places = {int(row): n for n, row in enumerate(best)}
     places |= {int(row): len(best) + len(nearest.motor) + n for n, row in enumerate(extra)}
-    front, below = (tuple(places[int(row)] for row in rows) for rows in (on_front, short))
+    front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
     return Found(
         shown, len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, order),
-        next((places[int(row)] for row in held), None),
+        next((places[int(row)] for row in held), None), beside,
     )  # fmt: skip
+
+
+def _of_other_families(
+    judge: Judge | None,
+    sets: Candidates,
+    evaluated: Evaluated,
+    order: NDArray[np.int64],
+    best: NDArray[np.int64],
+    wanted: int,
+    rank: Array,
+) -> NDArray[np.int64]:
+    """The best drive of each other motor family than that of the best; of those that rank alike the largest margin.
+
+    ``rank`` has a row for each figure that orders, shape (figures, drives).
+    """
+    if not wanted or not len(best):
+        return best[:0]
+    catalog = evaluated(best).catalog
+    family, own = family_of(catalog, sets.motor[order]), family_of(catalog, sets.motor[best])[0]
+    others = family != own
+    order, family = order[others], family[others]
+    found = _passing(judge, sets, evaluated, order[first_of_each(family)], wanted).best[:wanted]
+    for n, row in enumerate(found):
+        same = (family == family[order == row]) & (rank[:, order] == rank[:, [row]]).all(axis=0)
+        alike = order[same][:_ALIKE]
+        margin = smallest_margin(evaluated(alike).checks)
+        found[n] = _passing(judge, sets, evaluated, alike[np.argsort(-margin, kind="stable")], 1).best[0]
+    return found
 
 
 def _held_back(
@@ -288,6 +322,7 @@ def _by_the_paper(
     misses: int | None,
     pareto: tuple[str, ...],
     judge: Judge | None,
+    others: int,
 ) -> Found:
     """The paper's rule over all candidates: it compares the reductions of a family, so all of them are at hand."""
     found, catalog = evaluate(problem, candidates(problem)), problem.catalog
@@ -312,9 +347,12 @@ def _by_the_paper(
     if pareto:
         of_all = ranking.front(catalog, sets.on(kept_in_machine.best), {"margin": margin[kept_in_machine.best]}, pareto)
         on_front = kept_in_machine.best[of_all]
-    few = np.concatenate([best, near, on_front[~np.isin(on_front, best)], short])
+    rank = np.stack([found.unknown, value[1], ranking.rounded(value[0])])
+    unlike = _of_other_families(judge, sets, lambda rows: _on(found, rows), passing, best[:1], others, rank)
+    few = np.concatenate([best, near, on_front[~np.isin(on_front, best)], short, unlike[~np.isin(unlike, best)]])
     places = {int(row): n for n, row in enumerate(few)}
-    front, below = (tuple(places[int(row)] for row in rows) for rows in (on_front, short))
+    front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
     return Found(
-        _on(found, few), len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, passing)
-    )
+        _on(found, few), len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, passing),
+        others=beside,
+    )  # fmt: skip

@@ -19,6 +19,7 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Reliability, Uncertainty
 from drivesizer.search.both_methods import other_checks
 from drivesizer.search.columns.controllers import offered_buses, offers
+from drivesizer.search.families import family_of, first_of_each
 from drivesizer.search.machine_filter import Weigh, divided, in_machine, weighing
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.ranking import COUNTED, Ranking, names_of
@@ -48,6 +49,7 @@ class Shortlist:
     reliability: dict[int, Reliability]  # of both, where drives were sampled
     uncertainty: Uncertainty | None  # None: nothing was sampled
     weighed: tuple[str, ...]  # how the machine's own mass was found
+    others: list[int]  # the best of other motor families than the first one's, in order
 
     @property
     def short(self) -> list[int]:
@@ -81,6 +83,7 @@ def shortlist(
     progress: Progress | None = None,
     sampling: Sampling | None = None,
     brief: bool = False,
+    others: int = 0,
 ) -> Shortlist:
     """The best drives of a spec, and the closest rejected.
 
@@ -104,6 +107,8 @@ def shortlist(
         How drives are sampled; as the spec says when not given.
     brief
         Of what is sampled the probabilities alone: not what they hang on, nor the closed loop.
+    others
+        How many drives of other motor families to give as well, the best of each.
 
     Returns
     -------
@@ -126,8 +131,9 @@ def shortlist(
     weigh = weighing(problem, machine)
     judge = in_machine(problem, machine, weigh)
     found = search(
-        problem, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress, judge=judge
-    )
+        problem, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress, judge=judge,
+        others=0 if pool else others,
+    )  # fmt: skip
     rows: Sequence[int] = range(found.passing)
     sampled = _sampled(found, rows[:pool], sampling) if sampling and pool else None
     best, _ = divided(found, weigh, top, sampled.good if sampled else rows)
@@ -146,7 +152,14 @@ def shortlist(
         reliability=_reliability(sampled, [*best, *unsure], finalists, brief),
         uncertainty=_uncertainty(sampled),
         weighed=weighed,
+        others=_of_other_families(found, best)[:others] if pool else list(found.others),
     )
+
+
+def _of_other_families(found: Found, best: list[int]) -> list[int]:
+    """The best of each other motor family among drives that reach the required probability."""
+    family = family_of(found.evaluation.catalog, found.evaluation.candidates.motor[best])
+    return [best[n] for n in first_of_each(family)[1:]]
 
 
 def _sampled(found: Found, rows: Sequence[int], how: Sampling) -> SampledDrives:

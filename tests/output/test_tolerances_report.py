@@ -25,7 +25,8 @@ from drivesizer.output.report.figures.tornado import swings, tornado
 from drivesizer.output.report.lines.reliability import drive_cells, error_and_weakest, reported
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.output.report.workbook.writer import share
-from drivesizer.output.terminal.sizing import sizing
+from drivesizer.output.terminal.sizing import DETAILS, sizing
+from drivesizer.output.terminal.tables import MARK
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.reliability import LoopShare, Reliability
 from drivesizer.results.sizing import SizingResult
@@ -100,7 +101,7 @@ def test_the_terminal_names_the_three_that_matter_most(
     result: SizingResult, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "120")
-    sizing(result)
+    sizing(result, details=DETAILS)
     said = capsys.readouterr().out
     best = result.sets[0].reliability
     assert best and result.uncertainty
@@ -175,7 +176,7 @@ def test_every_report_says_that_no_set_is_as_sure_and_shows_the_surest(unsure: S
 
 
 def told(result: SizingResult, capsys: pytest.CaptureFixture[str], *, quiet: bool = False) -> str:
-    sizing(result, quiet=quiet)
+    sizing(result, details=frozenset() if quiet else DETAILS, quiet=quiet)
     return capsys.readouterr().out
 
 
@@ -186,7 +187,7 @@ def test_nothing_reached_is_said_at_the_terminal(
     said = " ".join(told(unsure, capsys).split())
     surest = unsure.unsure[0].status  # unknown where its motor's heat is: the time constants of some are not printed
     assert "No drive reaches the confidence of 100 %." in said
-    assert f"The most probable, at nominal figures: {surest}" in said
+    assert "The most probable, at nominal figures:" in said and f"{MARK[surest]}: the tightest of" in said
     assert "none of them at or above the confidence of 100 %" in said and "No drive meets all limits" not in said
 
 

@@ -93,9 +93,9 @@ RUN = """
 from pathlib import Path
 from drivesizer import load_spec, size
 from drivesizer.output.report import write
-from drivesizer.output.terminal.sizing import sizing
+from drivesizer.output.terminal.sizing import DETAILS, sizing
 result = size(load_spec(Path("robot.yaml")), objective="idle", top=5)
-sizing(result)
+sizing(result, details=DETAILS)
 write(result, None, [Path("report.json"), Path("report.html")])
 reel = size(load_spec(Path("reel.yaml")), top=1)
 write(reel, None, [Path(f"reel.{kind}") for kind in ("json", "pdf", "html", "xlsx", "csv")])

@@ -202,6 +202,7 @@ def sizing(result: SizingResult) -> schema.Sizing:
         "objective": result.objective,
         "requirements": {r.name: requirement(r) for r in result.requirements},
         "sets": [drive_set(s) for s in result.sets],
+        "alternatives": [drive_set(s) for s in result.alternatives],
         "misses": [drive_set(s) for s in result.misses],
         "relaxations": [_relaxation(r) for r in result.relaxations],
         "pareto": {"objectives": list(result.pareto), "sets": [drive_set(s) for s in result.front]},

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.json.documents import as_text, sizing, validation
-from drivesizer.output.parts import HEADS, PartLine, parts_list
+from drivesizer.output.parts import HEADS, PartLine, machine_parts
 from drivesizer.output.thinning import on_curves
 from drivesizer.results.sizing import SizingResult
 from drivesizer.units import KINDS
@@ -62,7 +62,7 @@ def document(result: SizingResult, proof: Validation | None) -> schema.Report:
     dict
         Plain data.
     """
-    parts = parts_list(result.sets[0], result.catalog, result.spec.load.motors) if result.sets else []
+    parts = machine_parts(result.sets[0], result.problem) if result.sets else []
     simulated: schema.Validation | None = {**validation(proof), "series": _series(proof)} if proof else None
     return {**sizing(result), "parts_list": [_line(line) for line in parts], "validation": simulated}
 

@@ -68,6 +68,8 @@ Line = TypedDict("Line", {
     "role": str, "maker": Text, "family": Text, "part": Text,
     "order_number": Annotated[Text, Field(description="null: the catalogue knows none, `part` is its own name")],
     "is": Text, "quantity": Annotated[Count, Field(description="of the whole machine")], "mass_kg": Number,
+    "mass_low_kg": Annotated[Number, Field(description="5th percentile where the mass is estimated, else null")],
+    "mass_high_kg": Annotated[Number, Field(description="95th percentile")],
     "price": Annotated[float | None, Field(description="of one, in the currency; null: unknown")], "currency": Text,
     "price_from_pieces": int | None, "price_date": Text, "price_source": Text, "price_confidence": Confidence,
     "part_source": Text, "part_source_date": Text, "part_confidence": Confidence, "url": Text, "note": Text,
@@ -154,7 +156,9 @@ Counts = TypedDict("Counts", {
 Sizing = TypedDict("Sizing", {
     "schema_version": Version, "drivesizer": str, "catalogs": dict[str, str], "spec": dict[str, Any],
     "method": Method, "objective": str, "requirements": dict[str, Requirement],
-    "sets": list[Set], "misses": list[Set], "relaxations": list[Relaxation], "pareto": Pareto,
+    "sets": list[Set],
+    "alternatives": Annotated[list[Set], Field(description="the best of other motor families, in order")],
+    "misses": list[Set], "relaxations": list[Relaxation], "pareto": Pareto,
     "unrestricted": Set | None, "unsure": list[Set], "uncertainty": Uncertainty | None, "counts": Counts,
     "assumptions": list[str], "warnings": list[str],
 })  # fmt: skip

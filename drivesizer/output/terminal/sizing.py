@@ -11,6 +11,7 @@ from rich.text import Text
 from drivesizer.catalog import Catalog, Controller, Encoder
 from drivesizer.control.validation import Validation
 from drivesizer.output.terminal import tables as tables
+from drivesizer.output.terminal.answer import alternatives, next_commands, recommended
 from drivesizer.output.terminal.loops import loops
 from drivesizer.output.terminal.machine import machine
 from drivesizer.output.terminal.reliability import below_confidence, tolerances, tolerances_of
@@ -20,85 +21,95 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import Explanation, SizingResult, verdict, worst
 from drivesizer.spec.select import OBJECTIVES
-from drivesizer.units import show
 
-__all__ = ["explained", "sizing", "validation", "validations"]
+__all__ = ["DETAILS", "explained", "sizing", "validation", "validations"]
+
+DETAILS = frozenset({"derivation", "checks", "paper", "ranking"})
+"""Details that :func:`sizing` shows on request beside the answer."""
 
 
-def sizing(result: SizingResult, *, quiet: bool = False) -> None:
-    """Print a sizing: requirements, the best drive, the next best, the closest rejected, and why the others fail.
+def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec: str = "", quiet: bool = False) -> None:
+    """Print a sizing: the drive, its verdict and tightest checks, alternatives, and the commands that lead on.
 
     Parameters
     ----------
     result
         The sizing.
+    details
+        Shown beside the answer, of ``DETAILS``.
+    spec
+        The file as it was named at the command line, for the commands that lead on; empty for the default.
     quiet
-        Leave out the requirements and the checks one by one.
+        Only the drive.
     """
     console = tables.console()
-    tables.heading(console, result.spec.name, f"method: {result.method}")
-    if not quiet:
-        place = "wheel" if result.spec.load.kind == "wheeled_vehicle" else "load"
-        console.print(tables.requirements(result.requirements, f"Requirements at the {place}"))
-    if result.sets:
-        _chosen(console, result, result.sets[0], "The drive: ", quiet=quiet)
-    elif result.unsure:
-        console.print(Text(below_confidence(result), style="bold red"))
-        _chosen(console, result, result.unsure[0], "The most probable, at nominal figures: ", quiet=quiet)
+    best = next(iter((*result.sets, *result.unsure)), None)
+    tables.heading(console, result.spec.name, *((MARK[best.status], STYLE[best.status]) if best else ("no drive", "")))
+    if best is None:
+        _none(console, result, whole="checks" in details)
     else:
-        _none(console, result)
-    if len(result.sets) > 1:
+        if not result.sets:
+            said = f"{below_confidence(result)} The most probable, at nominal figures:"
+            console.print(Text(said, style="bold red"))
+        recommended(console, result, best)
+        _by_the_other(console, result, best)
+        _details(console, result, best, details)
+    if result.sets and not quiet:
+        alternatives(console, result)
+    if "ranking" in details and len(result.sets) > 1:
         console.print(_ranking(result.sets, result))
     if result.front:
         console.print(_front(result))
     elif result.pareto:
         console.print(f"No Pareto front: no drive that passes has known values of {', '.join(result.pareto)}.")
-    tolerances(console, result, quiet=quiet)
-    if result.misses:
+    tolerances(console, result, quiet="checks" not in details)
+    if result.misses and ("ranking" in details or best is None):
         console.print(_rejected(result.misses))
-    _tally(console, result)
+    _tally(console, result, whole="ranking" in details or best is None)
+    if best and not quiet:
+        next_commands(console, spec)
 
 
-def _chosen(console: Console, result: SizingResult, best: DriveSet, words: str, *, quiet: bool) -> None:
-    tight = worst(best.deciding)
-    line = Text(words, style="bold") + Text(MARK[best.status], style=STYLE[best.status])
-    console.print(line + _by_the_other(best))
-    console.print(tables.parts(best, result.catalog))
-    mass = f"{show(best.mass, 'g', 'mass')} ({' + '.join(best.mass_of)})"
-    console.print(f"total ratio {best.total_ratio:.4g} · mass {mass}")
-    if tight:
-        console.print(f"tightest: {tight.title}, margin {percent(tight.margin)}")
-    for hanging in tables.hanging(best):
-        console.print(Text(hanging, style=STYLE["open"]))
-    if not quiet:
-        console.print()
+def _by_the_other(console: Console, result: SizingResult, best: DriveSet) -> None:
+    """The verdict by physics and the checks that decide it, if the paper's rule ranked."""
+    if result.method != "paper" or not best.beside:
+        return
+    status = verdict(best.beside)
+    which = ", ".join(check.title.lower() for check in best.beside if check.status == status != "pass")
+    words = Text("Ranked by the paper's equations and rule; by physics ") + Text(MARK[status], style=STYLE[status])
+    console.print(words + Text(f" ({which})" if which else ""))
+
+
+def _details(console: Console, result: SizingResult, best: DriveSet, details: frozenset[str]) -> None:
+    """Requirements, parts in full, checks, and those of the other method, as far as they are wanted."""
+    if "derivation" in details:
+        place = "wheel" if result.spec.load.kind == "wheeled_vehicle" else "load"
+        console.print(tables.requirements(result.requirements, f"Requirements at the {place}"))
         if best.requirements:
             console.print(tables.requirements(best.requirements, "Requirements at the motor"))
-        _both_methods(console, best)
+    if "checks" in details:
+        console.print(tables.parts(best, result.catalog))
+        _checks(console, best)
+        machine(console, best)
+    if "paper" in details:
+        _beside(console, best)
 
 
 _METHODS = {"paper": "by the paper's equations and rule", "physics": "by physics, over the whole load cycle"}
 
 
-def _both_methods(console: Console, found: DriveSet) -> None:
-    """The checks of the method that ranked, those of the other, and both where the limit is the same."""
+def _checks(console: Console, found: DriveSet) -> None:
+    """The checks of the method that ranked, and figures without a limit."""
     console.print(tables.checks(found.checks, f"Checks {_METHODS[found.checks[0].method]}"))
     if found.figures:
         console.print(tables.loose(found.figures, "Operating figures"))
+
+
+def _beside(console: Console, found: DriveSet) -> None:
+    """The checks of the other method, and both where the limit is the same."""
     if found.beside:
         console.print(tables.checks(found.beside, f"The same drive {_METHODS[found.beside[0].method]}"))
         console.print(_both(found))
-    machine(console, found)
-
-
-def _by_the_other(found: DriveSet) -> Text:
-    """The other method's verdict, and the checks that decide it."""
-    if not found.beside:
-        return Text()
-    status = verdict(found.beside)
-    which = ", ".join(check.title.lower() for check in found.beside if check.status == status != "pass")
-    words = Text(f", by {found.beside[0].method} ") + Text(MARK[status], style=STYLE[status])
-    return words + Text(f" ({which})") if which else words
 
 
 def _both(found: DriveSet) -> Table:
@@ -115,7 +126,8 @@ def _both(found: DriveSet) -> Table:
     return table
 
 
-def _none(console: Console, result: SizingResult) -> None:
+def _none(console: Console, result: SizingResult, *, whole: bool) -> None:
+    """The changes that would let a drive pass, and the checks on which the closest rejected fails; or all of them."""
     console.print(Text("No drive meets all limits.", style="bold red"))
     if result.counts.failed_by:
         name, count = max(result.counts.failed_by.items(), key=lambda item: item[1])
@@ -130,9 +142,12 @@ def _none(console: Console, result: SizingResult) -> None:
     if not result.counts.considered:
         console.print("  The families and parts that the spec names leave no listed combination of motor and gearhead.")
     if result.misses:
+        closest = result.misses[0]
         console.print()
-        console.print(tables.checks(result.misses[0].checks, f"Closest rejected: {result.misses[0].label}"))
-        machine(console, result.misses[0])
+        shown = closest.checks if whole else [check for check in closest.own_checks if check.status != "pass"]
+        console.print(tables.checks(shown, f"Closest rejected: {closest.label}"))
+        if whole:
+            machine(console, closest)
 
 
 def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
@@ -148,7 +163,7 @@ def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
             _gearhead(found, sets) + (f"\n{found.gearhead.part}" if "gearhead" in found.parts else ""),
             _named(found.encoder, "unknown"),
             _named(found.controller, "none"),
-            _objective(found, result.objective),
+            tables.objective(found, result.objective),
             Text(percent(tight.margin) if tight else "–", style=STYLE[found.status]),
         )
     return table
@@ -187,17 +202,6 @@ def _rejected(misses: tuple[DriveSet, ...]) -> Table:
     return table
 
 
-def _objective(found: DriveSet, objective: str) -> str:
-    if objective == "margin":
-        return percent(found.objective)
-    if objective not in OBJECTIVES:
-        return f"{found.objective:.4g}"
-    declared = OBJECTIVES[objective]
-    text = show(found.objective, declared.unit, declared.kind)
-    whole = len(declared.over) if declared.over and not found.actuator else 1
-    return text if len(found.objective_of) in (0, whole) else f"{text}\n({found.objective_of[0]} only)"
-
-
 def _front(result: SizingResult) -> Table:
     """Drives that no other beats in all objectives."""
     heads = [(name.replace("_", " "), "right") for name in result.pareto]
@@ -210,39 +214,39 @@ def _front(result: SizingResult) -> Table:
     return table
 
 
-def _tally(console: Console, result: SizingResult) -> None:
+def _tally(console: Console, result: SizingResult, *, whole: bool) -> None:
+    """Number of drives that were considered and that meet all limits; what the others fail on, where it is wanted."""
     counts = result.counts
     drives = "1 drive" if counts.considered == 1 else f"{counts.considered:,} drives"
     meet = "meets" if counts.feasible == 1 else "meet"
-    console.print(f"{drives} considered, {counts.feasible:,} {meet} all limits.", end="")
-    if counts.failed_by:
-        console.print(" The others fail on:")
+    ranked = f", ranked by {result.objective.replace('_', ' ')}" if counts.feasible > 1 else ""
+    console.print(f"{drives} considered, {counts.feasible:,} {meet} all limits{ranked}.")
+    if whole and counts.failed_by:
+        console.print("The others fail on:")
         for name, count in sorted(counts.failed_by.items(), key=lambda item: -item[1]):
-            words = (
-                "not the largest reduction"
-                if name == "largest_reduction"
-                else CHECKS[result.method][name].title.lower()
-            )
-            console.print(f"  {count:>8,}  {words}")
-    else:
-        console.print()
-    if counts.failed_by_budget:
+            console.print(f"  {count:>8,}  {_title(name, result.method)}")
+    if whole and counts.failed_by_budget:
         console.print(f"Of {counts.judged:,} checked in the machine, best first, some fail on:")
         for name, count in sorted(counts.failed_by_budget.items(), key=lambda item: -item[1]):
             console.print(f"  {count:>8,}  {CHECKS['budget'][name].title.lower()}")
-    other = result.unrestricted
-    if other:
-        encoder = f", encoder {other.encoder.part}" if other.encoder else ""
-        controller = f", controller {other.controller.family}" if other.controller else ""
-        single = result.objective in OBJECTIVES
-        words = f"{result.objective} {_objective(other, result.objective)}".replace("_", " ").replace("\n", " ")
-        value = f": {words}" if single else ""
-        console.print(
-            Text(
-                f"Without the families and parts that the spec names, the whole catalogue gives {other.label}{encoder}"
-                f"{controller}{value}."
-            )
-        )
+    if result.unrestricted:
+        console.print(Text(_unrestricted(result.unrestricted, result.objective)))
+
+
+def _title(name: str, method: str) -> str:
+    return "not the largest reduction" if name == "largest_reduction" else CHECKS[method][name].title.lower()
+
+
+def _unrestricted(other: DriveSet, objective: str) -> str:
+    """The best drive of the whole catalogue, in a sentence."""
+    encoder = f", encoder {other.encoder.part}" if other.encoder else ""
+    controller = f", controller {other.controller.family}" if other.controller else ""
+    words = f"{objective} {tables.objective(other, objective)}".replace("_", " ").replace("\n", " ")
+    value = f": {words}" if objective in OBJECTIVES else ""
+    return (
+        f"Without the families and parts that the spec names, the whole catalogue gives {other.label}{encoder}"
+        f"{controller}{value}."
+    )
 
 
 def explained(pair: Explanation, catalog: Catalog) -> None:
@@ -261,7 +265,9 @@ def explained(pair: Explanation, catalog: Catalog) -> None:
         console.print(tables.parts(found, catalog))
         if found.requirements:
             console.print(tables.requirements(found.requirements, "Requirements at the motor"))
-        _both_methods(console, found)
+        _checks(console, found)
+        _beside(console, found)
+        machine(console, found)
         _changes(console, found)
     tolerances_of(console, pair)
 
@@ -310,7 +316,8 @@ def validations(proofs: Sequence[Validation], objective: str) -> None:
     for place, proof in enumerate(proofs, 1):
         tight = worst(proof.checks)
         table.add_row(
-            str(place), str(proof.drive_set.rank), Text(proof.drive_set.label), _objective(proof.drive_set, objective),
+            str(place), str(proof.drive_set.rank), Text(proof.drive_set.label),
+            tables.objective(proof.drive_set, objective),
             f"{tight.title} {percent(tight.margin)}" if tight else "–",
             Text(MARK[proof.status], style=STYLE[proof.status]),
         )  # fmt: skip

@@ -14,19 +14,19 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import Catalog, columns_of
-from drivesizer.catalog.catalog_file import DATA
-from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.control.validation import Validation
+from drivesizer.output.figure_confidence import LESS, confidences, not_quoted
 from drivesizer.output.loop_table import gain_rows
 from drivesizer.output.probability import about
 from drivesizer.results.drive_set import DriveSet, made_by, section_of
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.robot import AS_SPECIFIED
+from drivesizer.spec.select import OBJECTIVES
 from drivesizer.units import label, show
 
 __all__ = [
-    "MARK", "STYLE", "bare", "checks", "console", "gains", "heading", "loose", "parts", "percent", "plain",
+    "MARK", "STYLE", "bare", "checks", "console", "gains", "heading", "loose", "objective", "parts", "percent", "plain",
     "requirements", "width_of",
 ]  # fmt: skip
 
@@ -40,7 +40,7 @@ def console() -> Console:
     return Console(highlight=False, soft_wrap=False)
 
 
-def bare(*columns: tuple[str, str], title: str = "", headed: bool = True) -> Table:
+def bare(*columns: tuple[str, str], title: str = "", headed: bool = True, edged: bool = True) -> Table:
     """A plain table.
 
     Parameters
@@ -51,6 +51,8 @@ def bare(*columns: tuple[str, str], title: str = "", headed: bool = True) -> Tab
         Above the table.
     headed
         Whether the headers are shown.
+    edged
+        Whether a blank line stands above and below.
 
     Returns
     -------
@@ -58,7 +60,7 @@ def bare(*columns: tuple[str, str], title: str = "", headed: bool = True) -> Tab
         Without rows.
     """
     table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", title_style="bold", pad_edge=False,
-                  padding=(0, 2, 0, 0), show_header=headed)  # fmt: skip
+                  padding=(0, 2, 0, 0), show_header=headed, show_edge=edged)  # fmt: skip
     for header, justify in columns:
         table.add_column(header, justify=justify, overflow="fold")  # type: ignore[arg-type]
     return table
@@ -123,7 +125,7 @@ def requirements(requirements: Iterable[Requirement], title: str) -> Table:
     return table
 
 
-def checks(checks: Iterable[Check], title: str) -> Table:
+def checks(checks: Iterable[Check], title: str, *, edged: bool = True) -> Table:
     """Checks: demand, limit, margin, verdict, and the worst instant where one is known.
 
     Parameters
@@ -132,6 +134,8 @@ def checks(checks: Iterable[Check], title: str) -> Table:
         In the order of the rows.
     title
         Above the table; the load case is added where all are worst in the same one.
+    edged
+        Whether a blank line stands above and below.
 
     Returns
     -------
@@ -144,7 +148,7 @@ def checks(checks: Iterable[Check], title: str) -> Table:
     if len(worst_in) == 1 and len(checks) > 1 and "" not in worst_in:
         title += f", worst in {worst_in.pop()}"
     columns = [("check", "left"), ("demand", "right"), ("limit", "right"), ("margin", "right"), ("", "left")]
-    table = bare(*columns, *([("at", "right")] if timed else []), title=title)
+    table = bare(*columns, *([("at", "right")] if timed else []), title=title, edged=edged)
     for check in checks:
         status = Text(MARK[check.status], style="dim" if check.advice else STYLE[check.status])
         figures = [plain(check, check.demand), plain(check, check.limit)]
@@ -249,7 +253,7 @@ def _part(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[Text
         shown += found.belt_running
     if section_of(part) == "pulleys" and part.bore:
         shown.append(f"bore {part.bore}")
-    doubt = _doubt(catalog, section_of(part), part.part, {one.figure for one in found.estimated if one.part == role})
+    doubt = _doubt(part, role, found, catalog)
     text = Text(" · ".join(shown)) + (Text(f"\n{doubt}", style="yellow") if doubt else Text(""))
     name = made_by(part) if len(catalog.digests) > 1 else part.family  # the maker is obvious with one catalogue
     return Text(f"{name}{reduction}", style="bold") + Text(f"\n{part.part}"), text
@@ -262,26 +266,43 @@ def _belt(table: Table, found: DriveSet) -> None:
         table.add_row("belt", f"{found.belt_ratio:g}", efficient)
 
 
-def _doubt(catalog: Catalog, section: str, part: str, estimated: set[str]) -> str:
-    """Number of figures that are not from the maker's own document; the least certain ones that count by name."""
-    confidence = catalog.confidence(section, catalog.table(section).rows[part])
-    figures = {
-        name: confidence[name]
-        for name, column in columns_of(section).items()
-        if name in confidence
-        and column.kind != "text"
-        and name != DATA  # a condition of the others
-        and (confidence[name] != ESTIMATED or name in estimated)
-    }
+def _doubt(part: Any, role: str, found: DriveSet, catalog: Catalog) -> str:
+    """Number of figures that are not from the maker's own document; the least certain ones by name."""
+    figures = not_quoted(part, role, found, catalog)
     doubts = []
-    for level in ("secondary", "derived", "recalled", ESTIMATED):
+    for level in LESS:
         names = [name.replace("_", " ") for name, value in figures.items() if value == level]
         if names and level == "secondary":
-            doubts.append(f"{len(names)} of {len(figures)} figures secondary")
+            doubts.append(f"{len(names)} of {len(confidences(part, role, found, catalog))} figures secondary")
         elif names:
             more = f" and {len(names) - 4} more" if len(names) > 5 else ""
             doubts.append(f"{level}: {', '.join(names[: 4 if more else 5])}{more}")
     return "; ".join(doubts)
+
+
+def objective(found: DriveSet, name: str) -> str:
+    """The figure that ranked a drive, and of which part it is alone where the others' are unknown.
+
+    Parameters
+    ----------
+    found
+        The drive.
+    name
+        The objective, or the title of several with weights.
+
+    Returns
+    -------
+    str
+        The text of a cell.
+    """
+    if name == "margin":
+        return percent(found.objective)
+    if name not in OBJECTIVES:
+        return f"{found.objective:.4g}"
+    declared = OBJECTIVES[name]
+    text = show(found.objective, declared.unit, declared.kind)
+    whole = len(declared.over) if declared.over and not found.actuator else 1
+    return text if len(found.objective_of) in (0, whole) else f"{text}\n({found.objective_of[0]} only)"
 
 
 def loose(figures: Iterable[Figure], title: str) -> Table:

@@ -11,6 +11,7 @@ from drivesizer.output.json.loops import number
 from drivesizer.output.parts import parts
 from drivesizer.output.sums import not_in_mass, price_of, unknown_of
 from drivesizer.output.text import margin, use
+from drivesizer.results.check import tightest
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.robot import AS_SPECIFIED
@@ -61,8 +62,7 @@ def _tight(check: Check | None) -> dict[str, str]:
 
 def tightest_checks(drive: DriveSet) -> list[Check]:
     """Five checks: conditions that fail, then the smallest margins; those kept small by selection are left out."""
-    failed = [c for c in drive.deciding if c.status == "fail" and isnan(c.margin)]
-    return [*failed, *sorted((c for c in drive.deciding if c.is_comparable), key=lambda c: c.margin)][:5]
+    return tightest(drive.deciding, 5)
 
 
 def check_row(c: Check) -> dict[str, Any]:

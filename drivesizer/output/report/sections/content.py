@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.parts import PartLine, parts_list
+from drivesizer.output.parts import PartLine, machine_parts
 from drivesizer.output.report.figures.all_figures import Drawing, report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.lines.machine import first_wheel
@@ -73,4 +73,4 @@ class Content:
     @cached_property
     def bought(self) -> list[PartLine]:
         """The parts list of the best drive; a rejected one is not bought."""
-        return parts_list(self.result.sets[0], self.result.catalog, self.motors) if self.result.sets else []
+        return machine_parts(self.result.sets[0], self.result.problem) if self.result.sets else []

@@ -10,7 +10,7 @@ from drivesizer.catalog import Catalog, columns_of, one_of
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
 from drivesizer.output.datasheet import datasheets
-from drivesizer.output.parts import PartLine, ordered_as, parts_list, totals
+from drivesizer.output.parts import PartLine, machine_parts, ordered_as, totals
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.sections.blocks import Block, Column, Fragment, Row, Table, Words
 from drivesizer.output.report.sections.content import Content
@@ -28,7 +28,7 @@ __all__ = ["DATA_SHEETS", "PARTS", "parts_table"]
 def _blocks(content: Content) -> Iterator[Block]:
     if content.drive is None:
         return
-    yield parts_table(parts_list(content.drive, content.result.catalog, content.motors), content.motors)
+    yield parts_table(machine_parts(content.drive, content.result.problem), content.motors)
     yield Words("Cables, connectors, couplings and mounting parts are not in the catalogues: unknown, and to be "
                 "ordered beside these.", "note")  # fmt: skip
 

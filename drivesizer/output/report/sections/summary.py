@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from drivesizer.output.parts import parts_list, totals
+from drivesizer.output.parts import machine_parts, totals
 from drivesizer.output.probability import confidence, likely
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import case_of, check_row, drive_row, tightest_checks
@@ -211,7 +211,7 @@ def _verdict(content: Content) -> Iterator[table.Row]:
 
 def _drive(best: DriveSet, content: Content) -> Iterator[table.Row]:
     """Its parts in words, then ratio, mass and price."""
-    for line in parts_list(best, content.result.catalog, content.motors):
+    for line in machine_parts(best, content.result.problem):
         named = line.part if line.part.startswith(line.family) else f"{line.family} {line.part}"
         note = ": ".join(filter(None, (f"{line.maker} {named}".strip(), line.said)))
         yield {"title": line.role.capitalize(), "status": "" if note else "unknown", "note": note}

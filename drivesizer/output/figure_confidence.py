@@ -1,0 +1,63 @@
+"""Figures of a drive's parts that are not out of the makers' own documents."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drivesizer.catalog import Catalog, columns_of
+from drivesizer.catalog.catalog_file import DATA
+from drivesizer.catalog.tables import ESTIMATED
+from drivesizer.results.drive_set import DriveSet, section_of
+
+__all__ = ["LESS", "confidences", "not_quoted"]
+
+
+def confidences(part: Any, role: str, found: DriveSet, catalog: Catalog) -> dict[str, str]:
+    """Confidence of each known figure of a part; of estimated ones those that the drive's checks rest on.
+
+    Parameters
+    ----------
+    part, role
+        A part of the drive, and which one it is.
+    found
+        The drive.
+    catalog
+        The catalogue of its parts.
+
+    Returns
+    -------
+    dict of str to str
+        By the name of the figure.
+    """
+    section = section_of(part)
+    known = catalog.confidence(section, catalog.table(section).rows[part.part])
+    estimated = {one.figure for one in found.estimated if one.part == role}
+    return {
+        name: known[name]
+        for name, column in columns_of(section).items()
+        if name in known
+        and column.kind != "text"
+        and name != DATA  # a condition of the others
+        and (known[name] != ESTIMATED or name in estimated)
+    }
+
+
+def not_quoted(part: Any, role: str, found: DriveSet, catalog: Catalog) -> dict[str, str]:
+    """Figures of less confidence than quoted, those of the highest confidence first.
+
+    Parameters
+    ----------
+    part, role, found, catalog
+        As for :func:`confidences`.
+
+    Returns
+    -------
+    dict of str to str
+        Confidence by the name of the figure.
+    """
+    figures = confidences(part, role, found, catalog)
+    return {name: level for one in LESS for name, level in figures.items() if level == one}
+
+
+LESS = ("secondary", "derived", "recalled", ESTIMATED)
+"""Levels of confidence below quoted, the highest first."""

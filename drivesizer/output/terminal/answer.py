@@ -1,0 +1,239 @@
+"""The answer of a sizing at the terminal: the drive to buy, its verdict and margins, its certainty, alternatives."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from math import isnan
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from drivesizer.catalog import Catalog
+from drivesizer.output.figure_confidence import not_quoted
+from drivesizer.output.parts import PartLine, Total, machine_parts, totals
+from drivesizer.output.probability import likely
+from drivesizer.output.sums import price_of, unknown_of
+from drivesizer.output.terminal import tables as tables
+from drivesizer.output.terminal.tables import MARK, STYLE, percent
+from drivesizer.results.check import tightest
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.objectives import objective_figure
+from drivesizer.results.sizing import SizingResult, worst
+from drivesizer.units import show
+
+__all__ = ["WIDE", "alternatives", "next_commands", "recommended"]
+
+WIDE = 110  # columns from which on a part has a single line
+_TIGHT = 3  # checks with the smallest margins that are shown
+
+
+def recommended(console: Console, result: SizingResult, best: DriveSet) -> None:
+    """Print a drive as a parts list with its totals, its tightest checks, and the confidence of its figures.
+
+    Parameters
+    ----------
+    console
+        The terminal.
+    result
+        The sizing.
+    best
+        Its drive that is recommended.
+    """
+    lines = machine_parts(best, result.problem)
+    console.print(_parts(lines, best, wide=console.width >= WIDE))
+    console.print(Text.assemble(("total: ", "bold"), "; ".join(map(_summed, totals(lines))), _unpriced(lines)))
+    console.print()
+    title = f"{MARK[best.status]}: the tightest of {len(best.deciding)} checks"
+    console.print(tables.checks(tightest(best.deciding, _TIGHT), title, edged=False))
+    for line in _certainty(best, result.catalog):
+        console.print(line)
+
+
+# --- the parts list ---------------------------------------------------------------------------------------------------
+
+
+def _parts(lines: list[PartLine], best: DriveSet, *, wide: bool) -> Table:
+    """A row for each part: quantity, part, prices and mass."""
+    several = lines[0].quantity > 1
+    more = [("price", "right"), ("all", "right")] if several else [("price", "right")]
+    heads = [("", "right"), ("", "left"), ("part", "left"), *([("", "left")] if wide else []), *more, ("mass", "right")]
+    table = tables.bare(*heads, edged=False)
+    for line in lines:
+        number = [_number(line)] if wide else []
+        name = _named(line, best) if wide else Text("\n").join([_named(line, best), *_second(line)])
+        prices = [_money(line.price, line), *([_money(line.quantity * line.price, line)] if several else [])]
+        table.add_row(f"{line.quantity} ×", line.role, name, *number, *prices, _massed(line))
+    for column in table.columns:
+        column.no_wrap = True
+    return table
+
+
+def _named(line: PartLine, best: DriveSet) -> Text:
+    """Maker and family, with the reduction of a gearhead or the ratio of a belt."""
+    if not line.part:
+        return Text(line.said or "none is listed for this motor", style="" if line.said else "yellow")
+    reduction = best.gearhead.reduction if line.role in ("gearhead", "actuator") else ""
+    maker = "" if line.maker in line.family else line.maker
+    return Text(" ".join(filter(None, (maker, line.family, reduction))), style="bold")
+
+
+def _second(line: PartLine) -> list[Text]:
+    """The order number below a part's name, unless it is the name."""
+    return [_number(line)] if line.part and line.part != line.family else []
+
+
+def _number(line: PartLine) -> Text:
+    """The order number; a name that is the catalogue's own is dim."""
+    return Text(line.part, style="" if line.order_number else "dim")
+
+
+def _money(price: float, line: PartLine) -> Text:
+    return Text("unknown", style="yellow") if isnan(price) else Text(f"{price:.2f} {line.currency}")
+
+
+def _massed(line: PartLine) -> Text:
+    """The mass of all pieces, marked where it is estimated."""
+    if isnan(line.mass):
+        return Text("unknown", style="yellow")
+    mass = line.quantity * line.mass
+    if isnan(line.mass_low):
+        return Text(show(mass, "g", "mass"))
+    return Text(f"≈ {show(mass, 'g', 'mass', 2)}", style="yellow")
+
+
+def _summed(total: Total) -> str:
+    """A total: at least, where something is unknown; with its band, where something is estimated."""
+    least = "at least " if total.lacks else ""
+    if total.name == "price":
+        return f"{least}{total.value:.2f} {total.unit}"
+    text = least + show(total.value, "kg", "mass", 3)
+    if not total.estimated:
+        return text
+    band = f"{show(total.low, 'kg', 'mass', 2).removesuffix(' kg')} to {show(total.high, 'kg', 'mass', 2)}"
+    return f"{text} ({band}; ≈ estimated)"
+
+
+def _unpriced(lines: list[PartLine]) -> str:
+    """The parts whose price is unknown."""
+    lacks = [line.role for line in lines if isnan(line.price)]
+    if len(lacks) == len(lines):
+        return "; no price is known"
+    return f"; without the price of {', '.join(lacks)}" if lacks else ""
+
+
+# --- certainty --------------------------------------------------------------------------------------------------------
+
+
+def _certainty(best: DriveSet, catalog: Catalog) -> Iterator[Text]:
+    """Open and unknown checks, the probability that all pass, and the figures that are not the makers' own."""
+    for hanging in tables.hanging(best):
+        yield Text(hanging, style=STYLE["open"])
+    unknown = [check.title for check in best.deciding if check.status == "unknown"]
+    if unknown:
+        yield Text(f"unknown: {', '.join(unknown)}", style=STYLE["unknown"])
+    if best.reliability:
+        claim = "no known check fails" if best.reliability.unknown else "all checks pass"
+        yield Text(f"With tolerances {claim} with a probability of {likely(best.reliability.probability)}.")
+    if best.estimated and best.status == "pass":
+        names = dict.fromkeys(f"{one.part} {one.figure.removeprefix(f'{one.part}_')}" for one in best.estimated)
+        yield Text(f"holds over the whole band of what is estimated: {', '.join(names).replace('_', ' ')}")
+    counts = {role: not_quoted(part, role, best, catalog) for role, part in best.parts.items() if part is not None}
+    doubts = [f"{role} {_counted(found)}" for role, found in counts.items() if found]
+    if doubts:
+        yield Text(f"figures not out of the maker's own document: {'; '.join(doubts)}", style="dim")
+
+
+def _counted(found: dict[str, str]) -> str:
+    """Number of figures at each level of confidence.
+
+    >>> _counted({"mass": "secondary", "k_t": "derived", "price": "secondary"})
+    '2 secondary, 1 derived'
+    """
+    return ", ".join(f"{count} {level}" for level, count in Counter(found.values()).items())
+
+
+# --- alternatives -----------------------------------------------------------------------------------------------------
+
+
+def alternatives(console: Console, result: SizingResult) -> None:
+    """Print the best drives of other motor families beside the recommended one; nothing without any.
+
+    Parameters
+    ----------
+    console
+        The terminal.
+    result
+        The sizing.
+    """
+    if not result.alternatives:
+        return
+    shown = (*result.sets[:1], *result.alternatives)
+    own = result.objective not in _SHOWN
+    heads = [("", "left"), *([(result.objective.replace("_", " "), "right")] if own else [])]
+    heads += [("mass", "right"), ("price", "right"), ("energy", "right"), ("margin", "right")]
+    table = tables.bare(*heads, edged=False)
+    for found in shown:
+        value = [tables.objective(found, result.objective)] if own else []
+        table.add_row(_drive(found, wide=console.width >= WIDE), *value, *_compared(found))
+    for column in table.columns:
+        column.no_wrap = True
+    over = "" if all(found.actuator for found in shown) else ", mass of motor and gearhead"
+    console.print(Text(f"\nBeside other motor families: one drive each{over}", style="bold"))
+    console.print(table)
+
+
+_SHOWN = {"mass", "price", "energy", "margin"}  # objectives that have a column whatever ranks
+
+
+def _drive(found: DriveSet, *, wide: bool) -> Text:
+    """Motor and gearhead, their part numbers, and the checks that are unknown or open."""
+    gearhead = f" {found.gearhead.reduction}" if found.actuator else f" + {found.gearhead_name}"
+    gearhead = "" if found.gearhead_name == "none" else gearhead
+    belt = f" × {found.belt_name}" if found.belt_name else ""
+    family = found.motor.family if found.motor.part != found.motor.family else found.motor.part
+    numbers = " ".join(part.part for role, part in found.parts.items() if part and role in _TURNING)
+    text = Text(f"{family}{gearhead}{belt}", style="bold" if found.rank == 1 else "")
+    text.append(f"{'  ' if wide else chr(10)}{numbers}", style="dim")
+    for status in ("unknown", "open"):
+        titles = [check.title for check in found.deciding if check.status == status]
+        if titles:
+            text.append(f"\n{status}: {titles[0]}{f' and {len(titles) - 1} more' if titles[1:] else ''}", STYLE[status])
+    return text
+
+
+_TURNING = {"motor", "gearhead", "actuator"}
+
+
+def _compared(found: DriveSet) -> tuple[str | Text, ...]:
+    """Mass, price, energy and smallest margin of a drive; a sum that lacks a part is at least that."""
+    price, known = price_of(found)
+    least = "≥ " if unknown_of(found, known) else ""
+    tight = worst(found.deciding)
+    energy = objective_figure(found, "energy")
+    return (
+        show(found.mass, "g", "mass"),
+        "unknown" if isnan(price) else f"{least}{price:.0f} EUR",
+        "–" if isnan(energy.value) else energy.text,
+        Text(percent(tight.margin) if tight else "–", style=STYLE[found.status]),
+    )
+
+
+# --- what next --------------------------------------------------------------------------------------------------------
+
+
+def next_commands(console: Console, spec: str) -> None:
+    """Print the commands that lead on.
+
+    Parameters
+    ----------
+    console
+        The terminal.
+    spec
+        The file as it was named at the command line; empty for the default.
+    """
+    behind = f" {spec}" if spec else ""
+    console.print(f"\nnext: drivesizer size{behind} --checks, or -v for all", soft_wrap=True)
+    console.print(f"      drivesizer validate{behind} simulates the drive in closed loop", soft_wrap=True)
+    console.print(f"      drivesizer report{behind} -o report.pdf, or .html, .xlsx, .csv, .json", soft_wrap=True)
