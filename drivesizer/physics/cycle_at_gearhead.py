@@ -19,10 +19,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.extremes import Extremes, extremes
+from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes
 from drivesizer.physics.lasting_speed import lasting_speeds
 from drivesizer.physics.load_cycle import Figure, end_times, integral, mean_product, places, rms
 from drivesizer.physics.products import product
+from drivesizer.physics.waveform import Wave, energy
 
 __all__ = [
     "ACCELERATION", "AT_REST", "BRAKING", "DIRECTION", "DRIVING", "SPEED", "AtGearhead", "CycleAtBelt", "Peak",
@@ -73,6 +74,13 @@ class CycleAtBelt:
         return extremes(self.functions, self.time)
 
     @cached_property
+    def braked(self) -> Array:
+        """Of one cycle: work of each function against the motion, of torques [J]: shape (6,)."""
+        each = np.moveaxis(self.functions, 2, 0)
+        speed = np.broadcast_to(each[SPEED], each.shape)
+        return energy(Wave(self.load_cycle.duration, each, speed), storing=False).returned
+
+    @cached_property
     def warming(self) -> Pieces:
         """Of one cycle: it in pieces so fine that a winding follows the mean of each, to 0.1 %."""
         duration, functions = self.load_cycle.duration, self.functions
@@ -116,11 +124,25 @@ class AtGearhead:
         """The points of the functions at which anything linear in them is largest or smallest."""
         return self.base.extremes
 
+    @property
+    def braked(self) -> Array:
+        """Work of each function against the motion over the cycle: shape (6,)."""
+        found: Array = self.base.braked * self.scale * self.scale[SPEED]
+        return found
+
     @cached_property
     def functions(self) -> Array:
         """The six functions at both ends of each segment: shape (segments, 2, 6)."""
         scaled: Array = self.base.functions * self.scale
         return scaled
+
+    def envelope(self, pieces: int) -> Envelope:
+        """The cycle behind a belt of ratio 1 in so many pieces at most."""
+        store, name = self.base.coarse, ("envelope", pieces)
+        if name not in store:
+            store[name] = envelope(self.load_cycle.duration, self.base.functions, pieces)
+        found: Envelope = store[name]
+        return found
 
     def on(self, rows: Any) -> AtGearhead:
         """Of some of the candidates, which all are behind this belt (``several_belts`` has those of several)."""

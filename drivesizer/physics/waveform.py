@@ -19,7 +19,7 @@ from drivesizer.physics.products import product
 
 __all__ = [
     "Energy", "Wave", "balanced", "crossing", "energy", "in_halves", "largest_power", "longest_above", "longest_run",
-    "lost", "mean_square", "share_above", "wave",
+    "lost", "mean_square", "most_stored", "share_above", "wave",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -200,7 +200,7 @@ def energy(found: Wave, kept: Any = 1.0, *, storing: bool = True) -> Energy:
         return Energy(taken, back, np.full_like(back, np.nan))
     share = np.broadcast_to(kept, back.shape)
     steps = (returned * share[:, None, None] - drawn).reshape(len(parts), prod(parts.shape[1:]))
-    stored = np.where(share * back > taken, np.inf, _most_stored(steps))  # more with every cycle
+    stored = np.where(share * back > taken, np.inf, most_stored(steps))  # more with every cycle
     return Energy(taken, back, stored)
 
 
@@ -219,8 +219,24 @@ def _work(I: Array, V: Array, at: Array) -> Array:
     return work
 
 
-def _most_stored(steps: Array) -> Array:
-    """Largest rise of a periodic running sum: peak of an initially empty store."""
+def most_stored(steps: Array) -> Array:
+    """Largest rise of a periodic running sum: peak of an initially empty store.
+
+    Parameters
+    ----------
+    steps
+        What comes in, one step after the other, and what goes out below 0: shape (candidates, steps).
+
+    Returns
+    -------
+    array
+        Of each candidate.
+
+    Examples
+    --------
+    >>> most_stored(np.array([[8.0, -5.0, 4.0, -9.0]])).tolist()
+    [8.0]
+    """
     twice = np.cumsum(np.concatenate([np.zeros((len(steps), 1)), steps, steps], axis=1), axis=1)
     risen = (twice - np.minimum.accumulate(twice, axis=1)).max(axis=1)
     stored: Array = np.minimum(risen, np.maximum(steps, 0.0).sum(axis=1))

@@ -20,6 +20,7 @@ from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.stress import Parts, heat, stress
 from drivesizer.search.columns import limits_over_time as wave
+from drivesizer.search.columns.bus_bounds import closer_stored
 from drivesizer.search.columns.candidates import Candidates, Rows, candidates
 from drivesizer.search.columns.controllers import controllers
 from drivesizer.search.columns.encoders import encoders_for, offered_encoders
@@ -365,6 +366,12 @@ def test_bounds_hold_and_decide_nothing_wrongly(name, folder, catalog):
     known &= ~(exact.winding > motor["max_winding_temperature"])  # what fails by its heat needs no other bound
     np.testing.assert_array_equal(exact.voltage[known], same_again.voltage[known])
     assert known.sum() > 200
+    for pair in ((low, high), *(closer_stored(spec, at, asked, warm, under, parts, (low, high), n) for n in (9, 999))):
+        assert_between(spec, parts, pair, exact, known)
+
+
+def assert_between(spec, parts, bounds_, exact, known):
+    low, high = bounds_
     for figure in ("winding", "voltage", "power", "stored", "above"):
         least, middle, most = (getattr(m, figure)[known] for m in (low, exact, high))
         if np.isnan(least).all() or np.isnan(most).all():  # a bound that no limit of this spec asks for

@@ -19,6 +19,7 @@ from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.search.columns import waveform_bounds
+from drivesizer.search.columns.bus_bounds import closer_stored
 from drivesizer.search.columns.limits_over_time import (
     Moments,
     Pair,
@@ -35,7 +36,7 @@ __all__ = ["decided", "put"]
 Array = NDArray[np.float64]
 _LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
 _BLOCKS = (64, 1024)
-_PIECES = 8192
+_FEW_PIECES, _PIECES = 256, 8192
 _WINDING = 2  # so many of the limits are those of the winding
 _BUS = 3  # the voltage of the bus
 _POWER = 4  # from here on they are those of the supply's power
@@ -74,6 +75,7 @@ class _Case:
             most = found[0]._replace(power=self.coldest)
             colds = waveform_limits(self.spec, most, most, self.columns[3])[_POWER:]
             masks[_POWER:] = [m & ~(unknown & ~c.failed) for m, c in zip(masks[_POWER:], colds, strict=True)]
+        masks = [mask & self.columns[0].complete for mask in masks]  # else it stays unknown whatever the waveform says
         return [mask & self.told for mask in masks[:_WINDING]] + masks[_WINDING:]
 
     @cached_property
@@ -175,6 +177,12 @@ def _closer(
         mask = np.logical_or.reduce([x for k, x in enumerate(left) if k not in _NOT_BY_HEAT]) & case.told
         if mask.any():
             few = waveform_bounds.closer(*case.some(mask), (on(found[0], mask), on(found[1], mask)), count)
+            found = _replaced(found, mask, few)
+            left = case.open(found, alive)
+    for count in (_FEW_PIECES, _PIECES):
+        mask = left[_BUS]
+        if mask.any():
+            few = closer_stored(*case.some(mask), (on(found[0], mask), on(found[1], mask)), count)
             found = _replaced(found, mask, few)
             left = case.open(found, alive)
     mask = left[_WINDING]

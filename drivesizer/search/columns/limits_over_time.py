@@ -36,6 +36,7 @@ __all__ = [
     "kept_on_the_bus",
     "least",
     "time_above",
+    "warmest_passing",
     "waveform_limits",
 ]
 
@@ -203,6 +204,28 @@ def hottest(spec: RobotSpec, cycle: AtGearhead, heating: Heat, stresses: Stress,
     found = temperature_at_most(spec.environment.ambient, cycle, heating, stresses, motor)
     bound: Array = np.fmin(np.where(np.isfinite(found), found, np.nan), motor["max_winding_temperature"])
     return bound
+
+
+def warmest_passing(
+    spec: RobotSpec, cycle: AtGearhead, heating: Heat, stresses: Stress, motor: Any, peak: Array
+) -> Array:
+    """Temperature that a winding does not exceed, or fails by its heat.
+
+    Parameters
+    ----------
+    spec, cycle, heating, stresses, motor
+        As in ``hottest``.
+    peak
+        An upper bound of the winding's peak [K]; NaN unknown.
+
+    Returns
+    -------
+    Array
+        [K], shape (rows,); NaN where it is unknown.
+    """
+    bound = hottest(spec, cycle, heating, stresses, motor)
+    found = np.fmin(np.where(np.isnan(peak), bound, peak), motor["max_winding_temperature"])
+    return np.where(np.isfinite(found), found, np.nan)
 
 
 def _moments(

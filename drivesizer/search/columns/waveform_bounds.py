@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
-from drivesizer.physics.extremes import Envelope, envelope
+from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
+from drivesizer.physics.extremes import Envelope
 from drivesizer.physics.heat_bounds import Blocks, Bracket, blocks, bracket
 from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bounds
 from drivesizer.physics.motor_demand import Demands
@@ -23,7 +23,8 @@ from drivesizer.physics.products import product
 from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.physics.waveform import longest_run
-from drivesizer.search.columns.limits_over_time import Moments, Pair, hottest, kept_on_the_bus
+from drivesizer.search.columns.bus_bounds import most_kept
+from drivesizer.search.columns.limits_over_time import Moments, Pair, warmest_passing
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["above_bounds", "bounds", "closer", "most_cold_power"]
@@ -91,10 +92,8 @@ def _resisted(
         A temperature below which the winding is at no moment [K].
     """
     motor, (low, high) = parts.motor, found
-    k_t, permitted = motor["torque_constant"], motor["max_winding_temperature"]
-    bound = hottest(spec, cycle, heating, stresses, motor)
-    warmest = np.fmin(np.where(np.isnan(high.winding), bound, high.winding), permitted)  # else it fails by its heat
-    warmest = np.where(np.isfinite(warmest), warmest, np.nan)
+    k_t = motor["torque_constant"]
+    warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
     leads = spec.feed(parts.controller).leads if spec.resists else 0.0
     cold_volts, hot_volts = stresses.cold_voltage.value, cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value
@@ -103,21 +102,15 @@ def _resisted(
         most_volts = np.maximum(at_hot, cycle.peak(volts_of(demand, k_t, hot + leads), demand.left_out).value)
     low = low._replace(voltage=_least_voltage(cycle, demand, cool + leads, k_t, cold_volts))
     high = high._replace(voltage=most_volts)
-    keeps, same = kept_on_the_bus(spec) > 0.0, demand.surplus(k_t) == 0.0
-    if not keeps:
-        low, high = (side._replace(stored=np.zeros_like(k_t)) for side in (low, high))
-    if not (spec.supply.current or spec.supply.power or keeps):
+    low, high = low._replace(stored=np.zeros_like(k_t)), high._replace(stored=most_kept(spec, cycle, demand, motor))
+    if not (spec.supply.current or spec.supply.power):
         return low, high
     feed = spec.feed(parts.controller)
-    low = low._replace(power=of_the_source(_corner_power(cycle, demand, cool, k_t, feed)[0] + feed.stage.standby, feed))
-    if spec.supply.current or spec.supply.power:
-        most = np.minimum(_power_bound(cycle, demand, hot, k_t), stresses.current.value * at_hot)
-        most = most + _most_beyond(cycle, demand, stresses, k_t)
-        high = high._replace(power=_at_source(most, stresses, feed))
-    if keeps:
-        least, braked = (_corner_power(cycle, demand, hot, k_t, feed)[1], braking_torque(cycle, demand.coefficients))
-        low = low._replace(stored=np.where((least < 0.0) & same, _SOME, 0.0))
-        high = high._replace(stored=np.where(braked, np.inf, 0.0))
+    least = _corner_power(cycle, demand, cool, k_t, feed) + feed.stage.standby
+    most = np.minimum(_power_bound(cycle, demand, hot, k_t), stresses.current.value * at_hot)
+    most = most + _most_beyond(cycle, demand, stresses, k_t)
+    low = low._replace(power=of_the_source(least, feed))
+    high = high._replace(power=_at_source(most, stresses, feed))
     return low, high
 
 
@@ -301,10 +294,7 @@ def above_bounds(
     tuple[Array, Array]
         Lower and upper bound [s], each of shape (rows,).
     """
-    store, name = cycle.base.coarse, ("envelope", pieces)
-    if name not in store:
-        store[name] = envelope(cycle.load_cycle.duration, cycle.base.functions, pieces)
-    found: Envelope = store[name]
+    found = cycle.envelope(pieces)
     peak = stresses.current.value
     k_t, limit = parts.motor["torque_constant"], parts.controller["continuous_current"]
     low = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0)
@@ -325,22 +315,13 @@ def _runs_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, A
     return np.maximum(longest_run(*pieces, certainly), _SOME), longest_run(*pieces, perhaps)
 
 
-def braking_torque(cycle: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
-    """Whether the motor's torque is ever against its motion: otherwise nothing is regenerated."""
-    against = np.zeros(len(coefficients), bool)
-    for points, sign in ((cycle.extremes.low, +1.0), (cycle.extremes.high, -1.0)):
-        moving = points[points[:, DIRECTION] == sign] * cycle.scale
-        if len(moving):
-            against |= (sign * product(coefficients, moving.T) < 0.0).any(axis=1)
-    return against
-
-
-def _corner_power(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array, feed: Feed) -> tuple[Array, Array]:
-    """Largest and smallest power into the stage at the extreme points [W]: between them it may be more and less."""
+def _corner_power(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array, feed: Feed) -> Array:
+    """Largest power into the stage at the extreme points [W]: between them it may be more."""
     points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
     current = product(demand.coefficients / k_t[:, None], points.T)
     power = current * product(volts_of(demand, k_t, hot), points.T) + feed.reshaped((-1, 1)).lost(current)
-    return power.max(axis=1), power.min(axis=1)
+    found: Array = power.max(axis=1)
+    return found
 
 
 def _power_bound(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array) -> Array:

@@ -1,0 +1,149 @@
+r"""Bounds of the energy that stays on the bus, without a waveform: they decide most drives whose supply takes not all.
+
+What a motor returns is no more than what its load and its masses give back, function by function: the coefficients of
+its torque are 0 or more (``motor_demand``). In pieces of the cycle current and speed bound the power on either side,
+
+.. math:: P = R I^2 + k_t w I + |k_e - k_t|\,|w I| + V_l |I|,
+
+the winding nowhere cooler and nowhere warmer than it may be.
+Symbols: R resistance [ohm], I current [A], w speed [rad/s], V_l loss of the stage per ampere [V].
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
+from drivesizer.physics.extremes import Envelope
+from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.products import product
+from drivesizer.physics.stress import Heat, Parts, Stress
+from drivesizer.physics.thermal import resistance_25, resistance_at
+from drivesizer.physics.waveform import most_stored
+from drivesizer.search.columns.limits_over_time import Pair, kept_on_the_bus, warmest_passing
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["closer_stored", "most_kept"]
+
+Array = NDArray[np.float64]
+_CELLS = 1 << 16  # candidates times pieces in a block: what stays in the processor's cache
+_ROUNDING = 1e-9  # of a figure
+
+
+def most_kept(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: Any) -> Array:
+    """Upper bound of the energy that stays on the bus: all that is returned over a cycle and not accepted.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    cycle
+        The load cycle at the gearhead's output.
+    demand
+        Columns over candidates, of ``demands``.
+    motor
+        Columns over candidates by field name.
+
+    Returns
+    -------
+    Array
+        [J], shape (rows,); infinite where more may be returned than is drawn, or that is unknown.
+    """
+    kept, nothing = kept_on_the_bus(spec), np.zeros_like(demand.rms_current)
+    if not kept > 0.0:
+        return nothing
+    ratio, c, acting = demand.total_ratio, demand.coefficients, np.flatnonzero(cycle.braked)
+    returned = ratio * product(c[:, acting], cycle.braked[acting, None])[:, 0]
+    heat = np.asarray(resistance_at(resistance_25(motor), spec.environment.ambient)) * demand.rms_current**2
+    work = ratio * product(c, cycle.moments[:, SPEED, None])[:, 0]
+    draws = heat + work > _ROUNDING * (heat + np.abs(work))  # mean power at least, see ``least_drawn``
+    most = np.where(draws, kept * returned * (1.0 + _ROUNDING), np.inf)
+    return np.where(_brakes(cycle, c), most, nothing)
+
+
+def _brakes(cycle: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
+    """Whether the motor's torque is ever against its motion: otherwise nothing is regenerated."""
+    against = np.zeros(len(coefficients), bool)
+    for points, sign in ((cycle.extremes.low, +1.0), (cycle.extremes.high, -1.0)):
+        moving = points[points[:, DIRECTION] == sign] * cycle.scale
+        if len(moving):
+            against |= (sign * product(coefficients, moving.T) < 0.0).any(axis=1)
+    return against
+
+
+def closer_stored(
+    spec: RobotSpec,
+    cycle: AtGearhead,
+    demand: Demands,
+    heating: Heat,
+    stresses: Stress,
+    parts: Parts,
+    found: Pair,
+    count: int,
+) -> Pair:
+    """Bounds of the energy that stays on the bus from a cycle in so many pieces, no wider than they are.
+
+    Parameters
+    ----------
+    spec, cycle, demand, heating, stresses, parts
+        As ``limits_over_time.exact`` takes them.
+    found
+        Bounds over the waveform, of ``waveform_bounds.bounds``.
+    count
+        Of pieces at most.
+
+    Returns
+    -------
+    Pair
+        Lower and upper bounds.
+    """
+    low, high = found
+    motor, stage = parts.motor, spec.feed(parts.controller).stage
+    warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
+    cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (spec.environment.ambient, warmest))
+    k_t, ohm, loss = np.broadcast_arrays(motor["torque_constant"], stage.resistance, stage.loss)
+    losing = _Losing(cool + ohm, hot + ohm, k_t, np.abs(demand.back_emf - k_t), loss)
+    least, most = _stored(cycle, cycle.envelope(count), demand, losing, kept_on_the_bus(spec))
+    most = np.where(np.isfinite(high.stored), np.fmin(most, high.stored), high.stored)
+    return low._replace(stored=np.fmax(least, low.stored)), high._replace(stored=most)
+
+
+class _Losing(NamedTuple):
+    """Constants of the motor, and losses on the way to the bus: columns over candidates."""
+
+    cool: Array  # ohm, of winding and stage at least
+    hot: Array  # ohm, at most
+    k_t: Array  # N*m/A
+    surplus: Array  # V*s/rad, by what the back-EMF constant differs
+    loss: Array  # W per ampere, of the stage
+
+    def on(self, rows: slice) -> _Losing:
+        """Of some of the candidates, as columns over their pieces."""
+        return _Losing(*(column[rows, None] for column in self))
+
+
+def _stored(cycle: AtGearhead, pieces: Envelope, demand: Demands, losing: _Losing, kept: float) -> tuple[Array, Array]:
+    """Bounds of the energy that is stored at most, of drives that return less than they draw [J]; NaN unknown."""
+    low, high = (points * cycle.scale for points in (pieces.low, pieces.high))
+    found, size = np.empty((2, len(losing.k_t))), max(_CELLS // len(low), 1)
+    for some in (slice(start, start + size) for start in range(0, found.shape[1], size)):
+        of, ratio = losing.on(some), demand.total_ratio[some, None]
+        c = demand.coefficients[some] / of.k_t
+        current, speed = [product(c, x.T) for x in (low, high)], [ratio * x[:, SPEED] for x in (low, high)]
+        for side, power in zip(found, reversed(_powers(current, speed, of)), strict=True):
+            side[some] = most_stored(np.minimum(-power, -kept * power) * pieces.duration)
+    return found[0] * (1.0 - _ROUNDING), found[1] * (1.0 + _ROUNDING)
+
+
+def _powers(current: list[Array], speed: list[Array], of: _Losing) -> tuple[Array, Array]:
+    """Least and largest power into the stage in each piece [W], with the ends of current and of speed in it."""
+    products = [a * b for a in current for b in speed]
+    work = np.minimum.reduce(products), np.maximum.reduce(products)
+    turning = [of.k_t * x + of.surplus * np.abs(x) for x in work]
+    idle = np.where((work[0] < 0.0) & (work[1] > 0.0), 0.0, np.inf)  # between them one may turn nothing
+    least, most = np.minimum.reduce([*turning, idle]), np.maximum(*turning)
+    low, high = np.maximum(np.maximum(current[0], -current[1]), 0.0), np.maximum(current[1], -current[0])
+    return least + (of.cool * low + of.loss) * low, most + (of.hot * high + of.loss) * high
