@@ -17,6 +17,7 @@ from drivesizer.catalog import PARTS, RELATIONS, Catalog, Table, columns_of
 from drivesizer.catalog.estimates import Estimate, estimates_of
 from drivesizer.catalog.estimates.estimate import estimates, in_words
 from drivesizer.catalog.estimates.family_limits import SAME_FAMILY, FamilyLimit, family_limits
+from drivesizer.catalog.estimates.fit import Fit
 from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Pairs, empty
@@ -76,8 +77,9 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
     cube = np.concatenate([np.full((1, cube.shape[1]), 0.5), cube])
     limits = [(role, hit.section, one) for role, hit in sold.items() for one in family_limits(hit.table, hit.row)]
     tables = {role: _rows(hit, len(cube)) for role, hit in sold.items()}
+    laws = {role: {one.fit for other, _, one in estimated if other == role} for role in sold}
     for (role, _, figure), share in zip(estimated, cube.T, strict=False):
-        tables[role][figure.figure] = _within(figure, sold[role], tables[role], share)
+        tables[role][figure.figure] = _within(figure, laws[role], sold[role], tables[role], share)
     for role, _, limit in limits:
         tables[role][limit.figure] = np.full(len(cube), limit.value)
     bought, gear = _split(motor, tables)
@@ -126,13 +128,16 @@ def _of_a_stage(name: str) -> EstimatedFigure:
     return EstimatedFigure("controller", name, middle, middle - wide, middle + wide, column.kind, column.unit, law)
 
 
-def _within(one: Estimate, hit: Hit, columns: Figures, share: Array) -> Array:
-    """Log-normal values of an estimated figure, by its law where terms of it were drawn before: errors go together."""
+def _within(one: Estimate, laws: set[Fit], hit: Hit, columns: Figures, share: Array) -> Array:
+    """Log-normal values of an estimated figure, by its law where terms of it were drawn before: errors go together.
+
+    The laws are those of the part: another may be narrower where a term was drawn far from its middle.
+    """
     from scipy.special import ndtri
 
     value, low, high = (np.full(len(share), x) for x in (one.value, one.low, one.high))
     row = np.full(len(share), hit.row)
-    drawn = estimates(Table(hit.section, columns, hit.table.source[row], hit.table.excluded[row]))[one.figure]
+    drawn = estimates(Table(hit.section, columns, hit.table.source[row], hit.table.excluded[row]), laws)[one.figure]
     for into, found in ((value, drawn.value), (low, drawn.low), (high, drawn.high)):
         into[drawn.rows] = found
     values = lognormal(low, value, high, ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)))

@@ -14,8 +14,8 @@ import pytest
 from drivesizer.catalog import Catalog, Table, load, shipped
 from drivesizer.catalog.estimates import of_catalog
 from drivesizer.catalog.estimates.estimate import estimates, estimates_of, kept, written
-from drivesizer.catalog.estimates.fit import fit, fits, left_out
-from drivesizer.catalog.estimates.laws import LAWS, Law, column, members_of
+from drivesizer.catalog.estimates.fit import fit, fits, left_out, widening
+from drivesizer.catalog.estimates.laws import LAWS, Law, column, constructions_of, members_of
 
 
 @pytest.fixture(scope="module")
@@ -33,12 +33,19 @@ def test_the_kept_laws_are_what_the_catalogues_give(everything):
     for ours, found in zip(now, then, strict=True):
         assert ours["coefficients"] == pytest.approx(found["coefficients"], rel=1e-4, abs=1e-4)
         assert ours["band"] == pytest.approx(found["band"], rel=1e-4, abs=1e-4)
-        assert ours["width"] == pytest.approx(found["width"], rel=1e-4) == np.exp(np.diff(ours["band"]).item())
-        assert (ours["parts"], ours["families"], ours["makers"]) == (found["parts"], found["families"], found["makers"])
+        assert ours["width"] == pytest.approx(found["width"], rel=1e-4)
+        assert ours["width"] > np.exp(np.diff(ours["band"]).item())
+        assert ours["centre"] == pytest.approx(found["centre"], rel=1e-4, abs=1e-4)
+        assert np.array(ours["precision"]) == pytest.approx(np.array(found["precision"]), rel=1e-4, abs=1e-4)
+        for name in ("parts", "families", "makers", "constructions"):
+            assert ours[name] == found[name]
 
 
 def test_nine_in_ten_parts_of_families_never_seen_lie_in_the_band(everything):
-    """Each family is estimated by a fit without it (numpy's own lstsq here, not the program's), law by law."""
+    """Each family is estimated by a fit without it (numpy's own lstsq here, not the program's), law by law.
+
+    The interval is that of prediction, x' (X' W X)^-1 x, with the column of ones in X and 1 / parts of the family in W.
+    """
     for law in (law for law in kept() if not law.source):
         table = everything.table(law.law.section)
         terms = [np.log(column(table, name)) for name in law.law.terms]
@@ -51,11 +58,13 @@ def test_nine_in_ten_parts_of_families_never_seen_lie_in_the_band(everything):
             seen.add(alike)
         x, y = np.column_stack([np.ones(rows.sum()), *(t[rows] for t in terms)]), y[rows]
         family = [f"{m} {f}" for m, f in zip(table["manufacturer"][rows], table["family"][rows], strict=True)]
-        inside = 0.0
+        inside, weight = 0.0, np.array([1.0 / family.count(name) for name in family])
         for name in dict.fromkeys(family):
             own = np.array([one == name for one in family])
             found = np.linalg.lstsq(x[~own], y[~own], rcond=None)[0]
-            left = y[own] - x[own] @ found
+            seen = x[~own] * np.sqrt(weight[~own])[:, None]
+            wide = np.sqrt(1.0 + (np.linalg.lstsq(seen.T, x[own].T, rcond=None)[0] ** 2).sum(axis=0))
+            left = (y[own] - x[own] @ found) / wide
             for edge in (-1e-5, 1e-5):  # those that lie on an end, as variants of one winding do together, count half
                 inside += np.count_nonzero((left >= law.band[0] - edge) & (left <= law.band[1] + edge)) / 2
         assert 0.86 <= inside / len(y) <= 0.94, law.law
@@ -127,7 +136,79 @@ def test_a_printed_figure_wins_and_an_unknown_one_is_estimated(everything):
     known = {"mass": 0.13, "diameter": 0.025, "motor_constant": 0.0234**2 / 2.32, "length": 0.0545}
     terms = sum(b * log(known[name]) for b, name in zip(by.coefficients[1:], by.law.terms, strict=True))
     assert found.value[0] == pytest.approx(exp(by.coefficients[0] + terms), rel=2e-3)
-    assert found.low[0] / found.value[0] == pytest.approx(exp(by.band[0]), rel=1e-9)
+    assert by.peers is not None
+    wide = widening(by.peers, np.array([[log(known[name]) for name in by.law.terms]])).item()
+    assert 1.0 < wide < 1.1  # in the midst of its peers
+    assert found.low[0] / found.value[0] == pytest.approx(exp(wide * by.band[0]), rel=1e-3)
+
+
+def test_distance_from_the_peers_widens_the_band():
+    """Ordinary regression y = a + b x: the interval of prediction grows by 1 + 1/n + (x - mean)^2 / sum of squares."""
+    law, table = Law("motors", "brushed", "rotor_inertia", ("mass",)), made(40, spread=0.2)
+    table = replace(table, columns={**table.columns, "family": np.array([f"family {i}" for i in range(40)])})
+    found = fit(law, table)
+    assert found is not None and found.peers is not None
+    x = np.log(table["mass"])
+    for away in (0.0, 3.0):
+        expected = 1.0 + 1.0 / 40 + away**2 / np.square(x - x.mean()).sum()
+        assert widening(found.peers, np.array([[x.mean() + away]])) ** 2 == pytest.approx(expected, rel=1e-9)
+
+
+def test_families_count_alike_however_many_parts_they_have():
+    """Forty variants of one winding tell no more than one."""
+    table = made(40, spread=0.2)
+    twice = np.concatenate([np.arange(40), np.repeat(np.arange(5), 8)])
+    many = replace(table.taken(twice), columns={n: v[twice] for n, v in table.columns.items()})
+    many.columns["rotor_inertia"][40:] *= np.linspace(1.01, 1.02, 40)  # those that are alike count once anyhow
+    one, other = fit(LAW, table), fit(LAW, many)
+    assert one is not None and one.peers is not None and other is not None and other.peers is not None
+    x = np.array([[0.0, -3.0]])
+    assert widening(one.peers, x) == pytest.approx(widening(other.peers, x), rel=1e-9)
+    assert other.parts == 80
+
+
+def frameless(everything: Catalog) -> Table:
+    motors = everything.motors
+    return motors.taken(np.flatnonzero(constructions_of(motors)[0] == "frameless"))
+
+
+def test_a_law_serves_constructions_among_its_peers(everything):
+    """RI50 is frameless: the law of nominal torque, narrower but without frameless peers, gives no friction for it."""
+    table = frameless(everything)
+    found = estimates(table)["no_load_current"]
+    weighed = np.isfinite(table["mass"][found.rows])
+    assert len(set(table["manufacturer"][found.rows][weighed])) == 4
+    for number in set(found.fit[weighed].tolist()):
+        assert "frameless" in kept()[number].constructions, kept()[number].law
+
+
+def test_where_no_law_has_seen_a_construction_the_band_is_twice_as_wide(everything):
+    """No frameless motor prints the thermal resistance of its winding, and two without mass have friction by torque."""
+    table = frameless(everything)
+    table.columns["nominal_current"][:] = np.nan  # which would limit thermal resistances
+    found = estimates(table)
+    seen = 0
+    for figure in ("no_load_current", "thermal_resistance_winding"):
+        for place, row in enumerate(found[figure].rows):
+            by = kept()[found[figure].fit[place]]
+            if "frameless" in by.constructions:
+                continue
+            assert by.constructions == ("inrunner", "outrunner") and by.peers is not None
+            x = np.log([[column(table, name)[row] for name in by.law.terms]])
+            ends = 2.0 * widening(by.peers, x).item() * np.array(by.band)
+            assert found[figure].low[place] == pytest.approx(found[figure].value[place] * exp(ends[0]), rel=1e-9)
+            assert found[figure].high[place] == pytest.approx(found[figure].value[place] * exp(ends[1]), rel=1e-9)
+            seen += 1
+    assert seen > 10
+
+
+def test_laws_to_choose_among_can_be_given():
+    """As samples of one part do, for which a term drawn far off must not call for another law."""
+    table = made(1)
+    table.columns["rotor_inertia"][:] = np.nan
+    free = kept()[estimates(table)["rotor_inertia"].fit[0]]
+    other = next(one for one in kept() if one.law.figure == "rotor_inertia" and one.law.of == "brushed" and one != free)
+    assert kept()[estimates(table, {other})["rotor_inertia"].fit[0]] == other
 
 
 def test_a_part_far_from_all_that_were_fitted_is_not_estimated():
@@ -148,7 +229,9 @@ def test_another_maker_gets_the_wider_band():
     found = estimates(replace(table, columns=unknown))["rotor_inertia"]
     by = kept()[found.fit[0]]
     ends = by.other_makers or (2 * by.band[0], 2 * by.band[1])
-    assert log(found.high[0] / found.low[0]) == pytest.approx(ends[1] - ends[0], rel=1e-9)
+    assert by.peers is not None
+    wide = widening(by.peers, np.log([[{"mass": 0.1, "diameter": 0.025}[name] for name in by.law.terms]])).item()
+    assert log(found.high[0] / found.low[0]) == pytest.approx(wide * (ends[1] - ends[0]), rel=1e-9)
 
 
 def test_limits_are_not_estimated():

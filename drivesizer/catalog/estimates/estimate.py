@@ -6,6 +6,7 @@ A figure that is printed always wins. What decides a limit (largest speed, torqu
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 from functools import cache
 from importlib import resources
 from typing import Any, NamedTuple
@@ -14,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.estimates.assumed import ASSUMED, by_rating
-from drivesizer.catalog.estimates.fit import Fit
-from drivesizer.catalog.estimates.laws import Law, column, given_column, members_of
+from drivesizer.catalog.estimates.fit import Fit, Peers, widening
+from drivesizer.catalog.estimates.laws import Law, column, constructions_of, given_column, members_of
 from drivesizer.catalog.tables import Estimates, Table
 
 __all__ = [
@@ -29,7 +30,8 @@ __all__ = [
 ]
 
 _BEYOND = np.log(2.0)  # a term may lie this far outside the parts that the law was fitted to
-_STRANGER = 2.0  # times the band, in logarithms, of a maker that no fit has seen: assumed where too few have it
+_STRANGER = 2.0  # times the band, in logarithms, of a maker or construction not seen: assumed where too few have it
+_LAST = 1e3  # added to widths, in logarithms, of laws without peers of a part's construction
 Array = NDArray[np.float64]
 
 
@@ -51,15 +53,18 @@ class _Term(NamedTuple):
     above: Array
 
 
-def estimates(table: Table[Any]) -> dict[str, Estimates]:
+def estimates(table: Table[Any], only: Collection[Fit] = ()) -> dict[str, Estimates]:
     """Every figure that parts of a table lack, by the narrowest law whose terms the part has.
 
+    Laws with parts of its construction among their peers go before all others.
     A term may be an estimate itself, of a figure that is declared before: its band then widens that of the result.
 
     Parameters
     ----------
     table
         Parts of one kind.
+    only
+        Laws to choose among for the figures that they give.
 
     Returns
     -------
@@ -68,8 +73,11 @@ def estimates(table: Table[Any]) -> dict[str, Estimates]:
     """
     found: dict[str, Estimates] = {}
     terms: dict[str, _Term] = {}
-    for figure in dict.fromkeys(fit.law.figure for fit in kept() if fit.law.section == table.section):
-        one = _estimate(table, figure, terms)
+    laws = [(number, fit) for number, fit in enumerate(kept()) if fit.law.section == table.section]
+    given = {fit.law.figure for fit in only}
+    laws = [(number, fit) for number, fit in laws if fit in only or fit.law.figure not in given]
+    for figure in dict.fromkeys(fit.law.figure for _, fit in laws):
+        one = _estimate(table, figure, [law for law in laws if law[1].law.figure == figure], terms)
         if len(one.rows):
             name, found_of = _of_column(table, figure, one)
             found |= {name: found_of} if len(found_of.rows) else {}
@@ -87,15 +95,14 @@ def _of_column(table: Table[Any], figure: str, one: Estimates) -> tuple[str, Est
     return name, Estimates(one.rows[keep], middle[keep], ends[0], ends[1], one.fit[keep])
 
 
-def _estimate(table: Table[Any], figure: str, terms: dict[str, _Term]) -> Estimates:
-    count = len(table)
+def _estimate(table: Table[Any], figure: str, laws: list[tuple[int, Fit]], terms: dict[str, _Term]) -> Estimates:
+    count, constructions = len(table), constructions_of(table)
     band, by = np.full((3, count), np.nan), np.full(count, -1)
     missing, width = np.isnan(column(table, figure)), np.full(count, np.inf)
-    for number, law in enumerate(kept()):
-        if (law.law.section, law.law.figure) != (table.section, figure) or not missing.any():
-            continue
-        found = _by(law, table, terms)
-        spread = found.above - found.below
+    for number, law in laws if missing.any() else ():
+        stranger = ~_of_construction(law, constructions)
+        found = _by(law, table, terms, stranger)
+        spread = found.above - found.below + np.where(stranger, _LAST, 0.0)
         better = missing & (spread < width) & ((by < 0) | (law.source == ""))
         for place, side in enumerate((np.zeros(count), found.below, found.above)):
             band[place][better] = np.exp(found.middle + side)[better]
@@ -105,19 +112,36 @@ def _estimate(table: Table[Any], figure: str, terms: dict[str, _Term]) -> Estima
     return Estimates(rows, value, low, high, by[rows])
 
 
-def _by(fit: Fit, table: Table[Any], terms: dict[str, _Term]) -> _Term:
+def _of_construction(fit: Fit, constructions: NDArray[np.str_]) -> NDArray[np.bool_]:
+    """Mask of the parts that are built as some peers of a law are; all where either is not known."""
+    known = constructions if fit.constructions else np.full_like(constructions, "")
+    return np.asarray(np.isin(known, ("", *fit.constructions)).all(axis=0))
+
+
+def _by(fit: Fit, table: Table[Any], terms: dict[str, _Term], stranger: NDArray[np.bool_]) -> _Term:
     """The figure by one law; NaN where the law does not reach. Errors of terms add to it as independent ones."""
+    taken = [terms[name] if name in terms else _printed(table, name) for name in fit.law.terms]
+    x = np.column_stack([np.zeros((len(table), 0)), *(term.middle for term in taken)])
+    wider = widening(fit.peers, x) if fit.peers else np.ones(len(table))
     middle: Array = np.where(members_of(table, fit.law.of), fit.coefficients[0], np.nan)
-    known = np.isin(table["manufacturer"], fit.makers)
-    other = np.array(fit.other_makers or (_STRANGER * fit.band[0], _STRANGER * fit.band[1]))
-    below, above = (np.where(known, one, far) ** 2 for one, far in zip(fit.band, other, strict=True))
-    for factor, name, (low, high) in zip(fit.coefficients[1:], fit.law.terms, fit.ranges, strict=True):
-        term = terms[name] if name in terms else _printed(table, name)
+    below, above = ((wider * end) ** 2 for end in _ends(fit, table, stranger))
+    for factor, term, (low, high) in zip(fit.coefficients[1:], taken, fit.ranges, strict=True):
         inside = (term.middle > low - _BEYOND) & (term.middle < high + _BEYOND)
         middle += factor * np.where(inside, term.middle, np.nan)
         ends = (term.below, term.above) if factor > 0.0 else (term.above, term.below)
         below, above = below + (factor * ends[0]) ** 2, above + (factor * ends[1]) ** 2
     return _Term(middle, -np.sqrt(below) + 0.0 * middle, np.sqrt(above) + 0.0 * middle)
+
+
+def _ends(fit: Fit, table: Table[Any], stranger: NDArray[np.bool_]) -> Array:
+    """Ends of the band at the peers' centre: the widest band that maker and construction of a part call for."""
+    twice = (_STRANGER * fit.band[0], _STRANGER * fit.band[1])
+    maker = ~np.isin(table["manufacturer"], fit.makers)
+    found = np.tile(np.array(fit.band)[:, None], len(table))
+    for other, ends in ((maker, fit.other_makers or twice), (stranger, twice)):
+        wider = other & (ends[1] - ends[0] > found[1] - found[0])
+        found[:, wider] = np.array(ends)[:, None]
+    return found
 
 
 def _printed(table: Table[Any], name: str) -> _Term:
@@ -204,30 +228,34 @@ def _read(record: dict[str, Any]) -> Fit:
     law = Law(record["section"], record["of"], record["figure"], tuple(record["terms"]))
     beyond = tuple(record["other_makers"]) if record["other_makers"] else None
     ranges = tuple((low, high) for low, high in record["ranges"])
+    peers = Peers(record["families"], tuple(record["centre"]), tuple(map(tuple, record["precision"])))
     return Fit(law, tuple(record["coefficients"]), tuple(record["band"]), beyond, ranges, record["parts"],
-               record["families"], tuple(record["makers"]))  # fmt: skip
+               record["families"], tuple(record["makers"]), constructions=tuple(record["constructions"]),
+               peers=peers)  # fmt: skip
 
 
 def written(fits: list[Fit]) -> str:
     """Fitted laws as ``fitted.json`` keeps them: a law a line, figures rounded to six digits.
 
-    ``width`` is the upper end of the band over the lower one, as most parts of the law have it.
+    ``width`` is the upper end of the band over the lower one, median over the parts of the law.
 
     Parameters
     ----------
     fits
         Of all laws.
     """
-    lines = (json.dumps(_rounded(fit.law._asdict() | fit._asdict() | {"width": _width(fit)})) for fit in fits)
+    lines = (json.dumps(_rounded(_record(fit))) for fit in fits)
     return "[\n" + ",\n".join(lines) + "\n]\n"
 
 
-def _width(fit: Fit) -> float:
-    return float(np.exp(fit.band[1] - fit.band[0]))
+def _record(fit: Fit) -> dict[str, Any]:
+    centre = fit.peers._asdict() if fit.peers else {}
+    width = float(np.exp(fit.width * (fit.band[1] - fit.band[0])))
+    return fit.law._asdict() | fit._asdict() | centre | {"width": width}
 
 
 def _rounded(record: dict[str, Any]) -> dict[str, Any]:
-    return {name: _six(value) for name, value in record.items() if name not in ("law", "source")}
+    return {name: _six(value) for name, value in record.items() if name not in ("law", "source", "peers")}
 
 
 def _six(value: Any) -> Any:

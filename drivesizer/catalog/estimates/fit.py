@@ -1,8 +1,18 @@
-"""Laws fitted over the catalogues, and how far each is off for a family that it has not seen.
+r"""Laws fitted over the catalogues, and how far each is off for a family that it has not seen.
 
 Least squares in logarithms. The residual of a part is that of a fit without its whole family, for parts of one family
-are hardly independent; the band is the 5th and 95th percentile of these residuals. Where three makers or more have
-the figure, a second band leaves the whole maker out: it serves parts of makers that are not among them.
+are hardly independent. Away from the centre of its peers a law knows less, as an interval of prediction says:
+
+.. math:: w = \sqrt{1 + h}, \quad h = 1/n + (x - c)^T S^{-1} (x - c)
+
+with n families, each of weight 1 however many parts it has, their centre c and scatter S. The band is the 5th and 95th
+percentile of the residuals over w, each with the peers that its fit has seen, and a part's band is w times that. Where
+three makers or more have the figure, a second band leaves the whole maker out: it serves parts of makers that are not
+among the peers.
+
+References
+----------
+.. [1] N. Draper, H. Smith, *Applied Regression Analysis*, 3rd ed., Wiley 1998, section 3.1: interval of prediction.
 """
 
 from __future__ import annotations
@@ -12,13 +22,23 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.estimates.laws import LAWS, Law, column, families_of, members_of
+from drivesizer.catalog.estimates.laws import LAWS, Law, column, constructions_of, families_of, members_of
 from drivesizer.catalog.tables import Catalog, Table
 
-__all__ = ["Fit", "fit", "fits", "left_out"]
+__all__ = ["Fit", "Peers", "fit", "fits", "left_out", "widening"]
 
 _PARTS, _FAMILIES, _MAKERS = 30, 4, 3  # fewer are no law: the ends of the band would be single parts
+_OF_ONE = 2  # families that make a construction one of the peers: with one left out the law has still seen it
 _LEVELS = (0.05, 0.95)
+Array = NDArray[np.float64]
+
+
+class Peers(NamedTuple):
+    """Centre and scatter of the parts of a law, each family of weight 1."""
+
+    families: int
+    centre: tuple[float, ...]  # mean logarithm of each term
+    precision: tuple[tuple[float, ...], ...]  # inverse of their scatter, the sum of products of deviations
 
 
 class Fit(NamedTuple):
@@ -26,13 +46,16 @@ class Fit(NamedTuple):
 
     law: Law
     coefficients: tuple[float, ...]  # the constant first
-    band: tuple[float, float]  # 5th and 95th percentile of what is left, families left out
+    band: tuple[float, float]  # 5th and 95th percentile of what is left at the peers' centre, families left out
     other_makers: tuple[float, float] | None  # the same, makers left out; None where too few have the figure
     ranges: tuple[tuple[float, float], ...]  # of each term, over the parts fitted
     parts: int
     families: int
     makers: tuple[str, ...]
     source: str = ""  # of a law that is assumed, not fitted
+    constructions: tuple[str, ...] = ()  # of its peers, as ``constructions_of`` names them
+    peers: Peers | None = None  # None of a law that is assumed: its band is the same everywhere
+    width: float = 1.0  # median widening over the parts fitted
 
 
 def fits(catalog: Catalog) -> list[Fit]:
@@ -68,24 +91,29 @@ def fit(law: Law, table: Table[Any]) -> Fit | None:
     """
     x, y, rows = _logarithms(law, table)
     maker = table["manufacturer"][rows].astype(str)
-    family = families_of(table)[rows]
+    family, built = families_of(table)[rows], constructions_of(table)[:, rows]
     families, makers = np.unique(family), np.unique(maker)
     if len(y) < _PARTS or len(families) < _FAMILIES:
         return None
-    beyond = _band(left_out(x, y, maker)) if len(makers) >= _MAKERS else None
+    weight = _weights(family)
+    peers = _peers(x[:, 1:], weight)
+    wide = widening(peers, x[:, 1:])  # what a whole maker is off by is not for the others' scatter to explain
     return Fit(
         law,
         tuple(_solved(x, y).tolist()),
-        _band(left_out(x, y, family)),
-        beyond,
+        _band(left_out(x, y, family) / _widening_left_out(x[:, 1:], family, weight)),
+        _band(left_out(x, y, maker) / wide) if len(makers) >= _MAKERS else None,
         tuple((float(low), float(high)) for low, high in zip(x[:, 1:].min(0), x[:, 1:].max(0), strict=True)),
         len(y),
         len(families),
         tuple(makers.tolist()),
+        constructions=_seen(built, family),
+        peers=peers,
+        width=float(np.median(wide)),
     )
 
 
-def left_out(x: NDArray[np.float64], y: NDArray[np.float64], group: NDArray[np.str_]) -> NDArray[np.float64]:
+def left_out(x: Array, y: Array, group: NDArray[np.str_]) -> Array:
     """Residual of each part by a fit without its group.
 
     Parameters
@@ -109,7 +137,56 @@ def left_out(x: NDArray[np.float64], y: NDArray[np.float64], group: NDArray[np.s
     return left
 
 
-def _logarithms(law: Law, table: Table[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+def _widening_left_out(x: Array, group: NDArray[np.str_], weight: Array) -> Array:
+    """Widening for each part by the peers outside its group."""
+    wide = np.empty(len(x))
+    for name in np.unique(group):
+        own = group == name
+        wide[own] = widening(_peers(x[~own], weight[~own]), x[own])
+    return wide
+
+
+def widening(peers: Peers, x: Array) -> Array:
+    """Factor of the band for distance from the peers, at least 1.
+
+    Parameters
+    ----------
+    peers
+        Of a law.
+    x
+        Logarithms of the law's terms, shape (parts, terms).
+
+    Returns
+    -------
+    NDArray
+        Shape (parts,).
+    """
+    away = x - np.array(peers.centre)
+    precision = np.array(peers.precision).reshape(2 * x.shape[1:])
+    return np.asarray(np.sqrt(1.0 + 1.0 / peers.families + np.einsum("pi,ij,pj->p", away, precision, away)))
+
+
+def _peers(x: Array, weight: Array) -> Peers:
+    centre = weight @ x / weight.sum()
+    away = x - centre
+    precision = np.linalg.pinv((weight[:, None] * away).T @ away, hermitian=True)
+    return Peers(round(weight.sum()), tuple(centre.tolist()), tuple(map(tuple, precision.tolist())))
+
+
+def _weights(family: NDArray[np.str_]) -> Array:
+    """One over the members of each part's family."""
+    _, back, count = np.unique(family, return_inverse=True, return_counts=True)
+    return np.asarray(1.0 / count[back])
+
+
+def _seen(built: NDArray[np.str_], family: NDArray[np.str_]) -> tuple[str, ...]:
+    """Constructions with families enough among the peers."""
+    names = (name for name in np.unique(built).tolist() if name)
+    having = {name: np.unique(family[(built == name).any(axis=0)]) for name in names}
+    return tuple(name for name, families in having.items() if len(families) >= _OF_ONE)
+
+
+def _logarithms(law: Law, table: Table[Any]) -> tuple[Array, Array, NDArray[np.int64]]:
     """Terms and figure in logarithms, and the rows that have both; variants of one family that are alike count once."""
     y = np.log(column(table, law.figure))
     terms = [np.log(column(table, term)) for term in law.terms]
@@ -123,10 +200,10 @@ def _logarithms(law: Law, table: Table[Any]) -> tuple[NDArray[np.float64], NDArr
     return x[one_each], y[listed[one_each]], listed[one_each]
 
 
-def _solved(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+def _solved(x: Array, y: Array) -> Array:
     return np.asarray(np.linalg.lstsq(x, y, rcond=None)[0], np.float64)
 
 
-def _band(left: NDArray[np.float64]) -> tuple[float, float]:
+def _band(left: Array) -> tuple[float, float]:
     low, high = np.quantile(left, _LEVELS)
     return float(low), float(high)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.tables import Table
 
-__all__ = ["LAWS", "Law", "column", "families_of", "given_column", "members_of"]
+__all__ = ["LAWS", "Law", "column", "constructions_of", "families_of", "given_column", "members_of"]
 
 
 class Law(NamedTuple):
@@ -53,7 +53,8 @@ diameter | continuous_torque stages; continuous_torque
 backlash | diameter stages; stages
 """
 _ACTUATOR = """
-mass | nominal_torque; motor_constant; stall_torque; diameter
+mass | nominal_torque; motor_constant; stall_torque; diameter; torque_at_rotor
+mass | nominal_torque motor_constant; stall_torque motor_constant
 inertia_at_rotor | mass; mass ratio; mass diameter; motor_constant; mass motor_constant; mass torque_at_rotor
 friction | motor_constant; torque_at_rotor
 loss | ratio; -
@@ -187,7 +188,7 @@ def members_of(table: Table[Any], of: str) -> NDArray[np.bool_]:
     if not of:
         return np.ones(len(table), bool)
     if table.section == "motors" and of not in ("brushed", "brushless"):
-        return np.asarray(_constructions(table) == of, np.bool_)
+        return np.asarray(_motor_constructions(table) == of, np.bool_)
     by_gearing = table.section == "actuators" and of not in ("brushed", "brushless")
     rows: NDArray[np.bool_] = table["gearing" if by_gearing else "kind"] == of
     if table.section == "gearheads":
@@ -200,10 +201,31 @@ def families_of(table: Table[Any]) -> NDArray[np.str_]:
     return np.char.add(np.char.add(table["manufacturer"].astype(str), "\n"), table["family"].astype(str))
 
 
-def _constructions(table: Table[Any]) -> NDArray[np.str_]:
-    """Construction of each brushless motor, "" where it is not known."""
+def constructions_of(table: Table[Any]) -> NDArray[np.str_]:
+    """Construction of each part, finer than most classes of laws.
+
+    Parameters
+    ----------
+    table
+        Parts of one kind.
+
+    Returns
+    -------
+    NDArray
+        For motors ``brushed``, ``inrunner``, ``outrunner`` or ``frameless``, for gearheads their kind, for actuators
+        kind and gearing, for others nothing; "" where it is not known, shape (features, parts).
+    """
+    names = {"gearheads": ("kind",), "actuators": ("kind", "gearing")}.get(table.section, ())
+    columns = [table[name].astype(str) for name in names]
+    if table.section == "motors":
+        columns = [_motor_constructions(table)]
+    return np.array(columns, np.str_).reshape(len(columns), len(table))
+
+
+def _motor_constructions(table: Table[Any]) -> NDArray[np.str_]:
+    kind = table["kind"].astype(str)
     names, back = np.unique(families_of(table), return_inverse=True)
-    return np.where(table["kind"] == "brushless", np.array([_construction(n) for n in names.tolist()])[back], "")
+    return np.where(kind == "brushless", np.array([_construction(n) for n in names.tolist()])[back], kind)
 
 
 @cache
