@@ -2,7 +2,9 @@
 
 Every estimated figure is a random factor of its own, log-normal with the band as its 5th and 95th percentile; those of
 motor and gearhead are independent, and an actuator's torque constant at the rotor follows the loss of its gears.
-One row of a catalogue made for it is one sample, so that the checks are those of the search.
+One row of a catalogue made for it is one sample, so that the checks are those of the search. These bounds hold only for
+samples that fail on nothing else (a winding no hotter than permitted): else the waveform is computed, so that each
+check is judged by itself.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from drivesizer.catalog import Catalog, Table, columns_of
 from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.tolerances.distributions import lognormal
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
+from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, at_figures
@@ -76,7 +79,9 @@ def estimated_figures(problem: Problem, motor: int, gearhead: int) -> list[Figur
     return found
 
 
-def passing(problem: Problem, one: Candidates, names: Set[str], samples: int = SAMPLES) -> dict[str, float]:
+def passing(
+    problem: Problem, one: Candidates, names: Set[str], samples: int = SAMPLES, *, each: bool = True
+) -> dict[str, float]:
     """Probability that each check of a drive passes, by name; under "" that all of these pass.
 
     Parameters
@@ -89,6 +94,8 @@ def passing(problem: Problem, one: Candidates, names: Set[str], samples: int = S
         Of its open checks: one may be known at an end of the bands alone.
     samples
         How many.
+    each
+        Judge each of these checks by itself; else only as far as the probability that all pass needs.
 
     Returns
     -------
@@ -97,7 +104,8 @@ def passing(problem: Problem, one: Candidates, names: Set[str], samples: int = S
     """
     figures = estimated_figures(problem, int(one.motor[0]), int(one.gearhead[0]))
     points = dict(zip(figures, _normal(samples, len(figures)).T, strict=True))
-    checks = [check for check in at_points(problem, one, points, samples).checks if not check.advice]
+    every_check = _judged(problem, one, points, samples, names if each else frozenset[str]())
+    checks = [check for check in every_check if not check.advice]
     known = [check for check in checks if check.name in names or (check.passed | check.failed).any()]
     every = np.logical_and.reduce([check.passed for check in known])
     return {check.name: float(check.passed.mean()) for check in known} | {"": float(every.mean())}
@@ -118,7 +126,7 @@ def _normal(samples: int, figures: int) -> Array:
     return np.array([[NormalDist().inv_cdf(p) for p in row] for row in cube.tolist()]).reshape(samples, figures)
 
 
-def turns(problem: Problem, one: Candidates, names: set[str]) -> dict[str, Turn]:
+def turns(problem: Problem, one: Candidates, names: Set[str]) -> dict[str, Turn]:
     """For some checks of a drive the estimated figure that moves each most, and the value at which it turns.
 
     Parameters
@@ -138,12 +146,12 @@ def turns(problem: Problem, one: Candidates, names: set[str]) -> dict[str, Turn]
         return {}
     coarse = [np.linspace(-_FARTHEST, _FARTHEST, _STEPS)] * len(figures)
     near = {
-        name: place for name, passed in _along(problem, one, figures, coarse).items()
+        name: place for name, passed in _along(problem, one, figures, coarse, names).items()
         if name in names and (place := _nearest_change(coarse, passed)) is not None
     }  # fmt: skip
     places = list(dict.fromkeys(near.values()))
     fine = [np.linspace(coarse[k][step], coarse[k][step + 1], _FINER) for k, step in places]
-    found = _along(problem, one, [figures[k] for k, _ in places], fine) if places else {}
+    found = _along(problem, one, [figures[k] for k, _ in places], fine, names) if places else {}
     number = {place: n for n, place in enumerate(places)}
     return {
         name: _turn(problem, one, figures[place[0]], fine[number[place]], found[name][number[place]])
@@ -152,7 +160,7 @@ def turns(problem: Problem, one: Candidates, names: set[str]) -> dict[str, Turn]
 
 
 def _along(
-    problem: Problem, one: Candidates, figures: list[Figure], steps: Sequence[Array]
+    problem: Problem, one: Candidates, figures: list[Figure], steps: Sequence[Array], names: Set[str]
 ) -> dict[str, list[NDArray[np.bool_]]]:
     """Whether each check passes along the steps of one figure after the other, the others at the middle."""
     ends = np.cumsum([len(each) for each in steps])
@@ -160,8 +168,23 @@ def _along(
     every, points = np.concatenate(steps), dict[Figure, Array]()
     for k, figure in enumerate(figures):
         points[figure] = points.get(figure, 0.0) + np.where(owner == k, every, 0.0)
-    checks = at_points(problem, one, points, len(every)).checks
+    checks = _judged(problem, one, points, len(every), names)
     return {check.name: np.split(check.passed, ends[:-1]) for check in checks}
+
+
+def _judged(
+    problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int, names: Set[str]
+) -> list[CheckColumn]:
+    """Checks at points of the bands; those of some names from the waveform where bounds are not enough."""
+    checks = at_points(problem, one, points, count).checks
+    failures = np.sum([check.failed for check in checks if not check.advice], axis=0)
+    unsafe = [(failures > check.failed) | ~(check.passed | check.failed) for check in checks if check.name in names]
+    rows = np.flatnonzero(np.logical_or.reduce(unsafe)) if unsafe else np.zeros(0, np.int64)
+    if not len(rows):
+        return checks
+    some = {figure: by[rows] for figure, by in points.items()}
+    few = at_points(problem, one, some, len(rows), exact=True).checks
+    return [check.with_rows(rows, other) for check, other in zip(checks, few, strict=True)]
 
 
 def _nearest_change(steps: Sequence[Array], passed: Sequence[NDArray[np.bool_]]) -> tuple[int, int] | None:
@@ -183,7 +206,9 @@ def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passe
     return Turn(figure, value, bool(passed[step]) == (below < above))
 
 
-def at_points(problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int) -> Evaluation:
+def at_points(
+    problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int, *, exact: bool = False
+) -> Evaluation:
     """A drive with its estimated figures at several points of their bands, a row each.
 
     Parameters
@@ -194,6 +219,8 @@ def at_points(problem: Problem, one: Candidates, points: Mapping[Figure, Array],
         By figure: standard deviations from the middle of the band, towards its unfavourable end; shape (count,).
     count
         Number of points.
+    exact
+        Compute the waveform of all; else only of those that safe bounds leave undecided.
 
     Returns
     -------
@@ -212,7 +239,7 @@ def at_points(problem: Problem, one: Candidates, points: Mapping[Figure, Array],
     pairs = {"motor_encoder": Pairs(*(side.astype(np.int32) for side in sides))}
     varied = replace(catalog.with_tables(tables, pairs), ends=())
     given = one.on(np.zeros(count, np.int64))._replace(motor=every, gearhead=every)
-    return at_figures(replace(problem, catalog=varied), given, exact=False)  # whether it passes, not by how much
+    return at_figures(replace(problem, catalog=varied), given, exact)
 
 
 def _table(catalog: Catalog, section: str, rows: NDArray[np.int64], points: Mapping[Figure, Array]) -> Table[Any]:

@@ -196,7 +196,8 @@ def _precedence(
     few = by_physics(problem, kept.sets.on(best), False)
     for place, row in enumerate(best.tolist()):
         one = few.candidates.on(np.array([place]))._replace(controller=few.controller[[place]])
-        precedence[row] = _TENTHS * (OPEN + 1) - 1 - int(10.0 * passing(problem, one, few.open_checks(place))[""])
+        together = passing(problem, one, few.open_checks(place), each=False)[""]
+        precedence[row] = _TENTHS * (OPEN + 1) - 1 - int(10.0 * together)
     return precedence
 
 

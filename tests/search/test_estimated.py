@@ -119,6 +119,25 @@ def test_the_probability_is_that_of_the_band(maxon, table, lacking):
     assert check.probability == lacking.probability
 
 
+def test_the_probability_of_a_check_is_its_own(maxon, table):
+    """The current of the supply grows with the rotor's inertia; a winding that is too hot in most samples has no say.
+
+    Where it turns is worked out from three drives with the figure printed: the demand is a parabola over so little.
+    """
+    limited = with_figure(maxon, "max_winding_temperature", 387.0)
+    weak = table.model_copy(update={"supply": table.supply.model_copy(update={"current": 2.21})})
+    found = one(weak, with_figure(limited, "rotor_inertia", np.nan))
+    inertia = np.array([2.5e-7, 2.9e-7, 3.3e-7])
+    printed = [one(weak, with_figure(limited, "rotor_inertia", J)) for J in inertia]
+    demand = [next(c.demand for c in drive.checks if c.name == "supply_current") for drive in printed]
+    (turn,) = (J for J in np.roots(np.polyfit(inertia, demand, 2) - [0.0, 0.0, 2.21]) if 2.5e-7 < J < 3.3e-7)
+    (estimate,) = (e for e in found.estimated if e.figure == "rotor_inertia")
+    deviations = 1.6449 * log(turn / estimate.value) / log(estimate.high / estimate.value)
+    probable = {check.name: check.probability for check in found.checks if check.status == "open"}
+    assert probable["supply_current"] == pytest.approx(NormalDist().cdf(deviations), abs=0.01)
+    assert found.probability == probable["winding_temperature"] < 0.3  # what turns first decides for all together
+
+
 def test_a_check_that_is_known_at_an_end_of_the_bands_alone_passes_in_no_sample(maxon, table):
     """As one whose demand is nothing at the favourable end and whose limit is unknown: here one that is never known."""
     poorer = with_figure(maxon, "temperature_min", np.nan, "gearheads", GEARHEAD)
