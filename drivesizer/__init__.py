@@ -23,6 +23,7 @@ __all__ = [
     "InputError",
     "RobotSpec",
     "SizingResult",
+    "explain",
     "load_catalog",
     "load_spec",
     "size",
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from drivesizer.errors import CatalogError, DrivesizerError, InputError
     from drivesizer.results.sizing import SizingResult
     from drivesizer.simulate import validate
-    from drivesizer.sizing import size
+    from drivesizer.sizing import explain, size
     from drivesizer.spec.robot import RobotSpec, load_spec
 
 _HOME = {
@@ -45,6 +46,7 @@ _HOME = {
     "InputError": "errors",
     "RobotSpec": "spec.robot",
     "SizingResult": "results.sizing",
+    "explain": "sizing",
     "load_catalog": "catalog:load",
     "load_spec": "spec.robot",
     "size": "sizing",

@@ -38,7 +38,7 @@ from drivesizer.search.shortlist import Shortlist, shortlist
 from drivesizer.search.sifting import Progress
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.select import Choice, ControllerChoice, EncoderChoice
+from drivesizer.spec.select import Choice, ControllerChoice, EncoderChoice, MotorChoice
 from drivesizer.units import show
 
 __all__ = ["explain", "explained", "load_parts", "size"]
@@ -280,7 +280,7 @@ def _unrestricted(problem: Problem, objective: Ranking) -> DriveSet | None:
     if not select.is_restricted:
         return None
     free = {
-        "motor": Choice(),
+        "motor": MotorChoice(kind=select.motor.kind),
         "gearhead": Choice(),
         "encoder": EncoderChoice(min_counts=select.encoder.min_counts),
         "controller": ControllerChoice(bus=select.controller.bus),
@@ -348,7 +348,7 @@ def explained(
     problem, _ = problem_with_drive_mass(spec, catalog, objective)
     rows = _pair(catalog, motor, gearhead)
     family = str(catalog.gearheads["family"][rows[1]])
-    select = spec.select.model_copy(update={"motor": Choice(part=[motor]), "gearhead": Choice(family=[family])})
+    select = spec.select.model_copy(update={"motor": MotorChoice(part=[motor]), "gearhead": Choice(family=[family])})
     narrowed = problem.with_sections(select=select, transmission=spec.behind(gearhead).transmission)
     combinations: Candidates = candidates(narrowed, also=rows)
     evaluation = evaluate(narrowed, combinations)

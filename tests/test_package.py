@@ -58,6 +58,7 @@ def test_the_public_names() -> None:
         "InputError",
         "RobotSpec",
         "SizingResult",
+        "explain",
         "load_catalog",
         "load_spec",
         "size",

@@ -37,14 +37,15 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "margins": {"Margins": ""},
     "needs": {"Needs": ""},
     "select": {
-        "Select": "", "Choice": "`motor`, `gearhead`", "EncoderChoice": "`encoder`", "ControllerChoice": "`controller`",
-        "Weighted": "Each of several objectives",
+        "Select": "", "MotorChoice": "`motor`", "Choice": "`gearhead`", "EncoderChoice": "`encoder`",
+        "ControllerChoice": "`controller`", "Weighted": "Each of several objectives",
     },
     "tolerances": {
         "Tolerances": "", "MotorTolerances": "`motor`", "GearheadTolerances": "`gearhead`",
         "ControllerTolerances": "`controller`",
     },
     "cases": {"Case": ""},
+    "report": {"TitleBlock": ""},
     "mission": {"Mission": ""},
     "control": {
         "Control": "", "CurrentLoop": "`current`", "VelocityLoop": "`velocity`", "PositionLoop": "`position`",

@@ -26,6 +26,7 @@ __all__ = [
 ]  # fmt: skip
 
 Axis = Literal["linear", "rotary"]
+_OR_GRADE = ", or a grade such as 5 %"
 _WRITTEN = 1e-5  # relative: how far five digits are off
 
 
@@ -38,12 +39,16 @@ class Quantity:
     least: float = -math.inf
     most: float = math.inf
     rotary: str = ""  # the kind in its place where the load turns about an axis
+    grade: bool = False  # an angle that may be written in per cent: rise over distance travelled on the level
 
     def read(self, text: object, info: ValidationInfo) -> float:
         """The SI value of a text; a value outside the range is a ValueError."""
         turns = bool(self.rotary) and (info.context or {}).get("axis") == "rotary"
         kind = KINDS[self.rotary if turns else self.kind]
-        value = self._rounded(to_si(text, self.rotary if turns else self.kind))
+        if self.grade and isinstance(text, str) and text.rstrip().endswith("%"):
+            value = self._rounded(math.atan(to_si(text, "dimensionless")))
+        else:
+            value = self._rounded(to_si(text, self.rotary if turns else self.kind))
         for bad, words in (
             (not value > self.above, f"above {self.above:g}"),
             (not value >= self.least, f"at least {self.least:g}"),
@@ -70,7 +75,7 @@ class Quantity:
         kinds = [self.kind, self.rotary] if self.rotary else [self.kind]
         return {
             "type": "string",
-            "description": f"{' or '.join(noun(kind) for kind in kinds)} with unit",
+            "description": f"{' or '.join(noun(kind) for kind in kinds)} with unit{_OR_GRADE * self.grade}",
             "examples": [KINDS[kind].example for kind in kinds],
         }
 
@@ -87,8 +92,8 @@ Turning = Annotated[float, Quantity("rotary_speed", above=0.0)]
 Duration = Annotated[float, Quantity("time", above=0.0)]
 Pause = Annotated[float, Quantity("time", least=0.0)]
 Gravity = Annotated[float, Quantity("acceleration", above=0.0)]
-Slope = Annotated[float, Quantity("angle", least=-math.pi / 3, most=math.pi / 3)]
-Incline = Annotated[float, Quantity("angle", least=-math.pi / 2, most=math.pi / 2)]
+Slope = Annotated[float, Quantity("angle", least=-math.pi / 3, most=math.pi / 3, grade=True)]
+Incline = Annotated[float, Quantity("angle", least=-math.pi / 2, most=math.pi / 2, grade=True)]
 Angle = Annotated[float, Quantity("angle", above=0.0)]
 Bearing = Annotated[float, Quantity("angle", least=-2 * math.pi, most=2 * math.pi)]
 Area = Annotated[float, Quantity("area", least=0.0)]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ import yaml
 from drivesizer.errors import InputError, printable, quoted
 from drivesizer.files.text import read_text
 
-__all__ = ["Path_", "YamlSource", "read"]
+__all__ = ["Path_", "YamlSource", "read", "written"]
 
 Path_ = tuple[str | int, ...]  # keys and indices from the top of the document to a field
 
@@ -40,14 +40,17 @@ _UNSEEN = re.compile(
 class YamlSource:
     """A YAML document: its data, and the line of any field in it."""
 
-    def __init__(self, text: str, name: str) -> None:
+    def __init__(self, text: str, name: str, *, numbered: bool = True) -> None:
         self.text = text
         self.name = name
+        self.numbered = numbered  # whether its lines are those of a file
         self.data = _build(text, name, lambda path, line: None)
         self._lines: dict[Path_, int] = {}
 
     def line(self, path: Path_) -> int | None:
         """Line of the field at a path, or of the nearest field above it (parsed again on the first call)."""
+        if not self.numbered:
+            return None
         if not self._lines:
             _build(self.text, self.name, self._lines.setdefault)
         for length in range(len(path), 0, -1):
@@ -84,6 +87,43 @@ def read(path: Path, largest: int = _LARGEST) -> YamlSource:
         When the file cannot be read, is too large, is not UTF-8, or is not the YAML that is accepted here.
     """
     return YamlSource(read_text(path, largest), str(path))
+
+
+def written(data: Mapping[str, Any], name: str = "spec") -> YamlSource:
+    """Fields of a program as the YAML document that has them, read as strictly as a file.
+
+    Parameters
+    ----------
+    data
+        Texts, numbers, lists and dicts.
+    name
+        What messages call the document.
+
+    Returns
+    -------
+    YamlSource
+        The data; messages name its fields without a line.
+
+    Raises
+    ------
+    InputError
+        When the fields are not those of a YAML document.
+    """
+    try:
+        text = yaml.dump(dict(data), Dumper=_Unshared, sort_keys=False, allow_unicode=True, width=math.inf)
+    except yaml.representer.RepresenterError as error:
+        found = f"{type(error.args[-1]).__name__} {quoted(str(error.args[-1]))}"
+        raise InputError(
+            f"{name}: {found}: expected text with a unit, a number, a list or a dict, e.g. '45 kg'"
+        ) from None
+    return YamlSource(text, name, numbered=False)
+
+
+class _Unshared(yaml.SafeDumper):
+    """Writes an object twice that two fields share, without an anchor."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
 
 
 def _scalar(event: Any) -> Any:

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from math import isnan, nan
+from math import isnan
 
 from drivesizer.catalog import Catalog
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.results.drive_set import DriveSet
 
-__all__ = ["not_in_mass", "price_of", "unknown_of"]
-
-
-def price_of(drive_set: DriveSet) -> tuple[float, tuple[str, ...]]:
-    """The sum of the prices that are known [EUR], and of which parts it is; NaN when none is known."""
-    prices = {name: part.price for name, part in drive_set.parts.items() if part is not None and not isnan(part.price)}
-    return (sum(prices.values()) if prices else nan), tuple(prices)
+__all__ = ["not_in_mass", "unknown_of"]
 
 
 def unknown_of(drive_set: DriveSet, known: tuple[str, ...]) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from drivesizer.results.check import Check, Figure, Status
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.results.mass import MassRow
+from drivesizer.results.notebook import checks_table, html_table
 from drivesizer.results.reliability import Reliability
 from drivesizer.results.requirement import Requirement
 from drivesizer.units import show
@@ -143,6 +144,17 @@ class DriveSet(DriveParts):
     probability: float = nan  # that none of its checks fails, where estimated figures leave one open
 
     @property
+    def price(self) -> float:
+        """Sum of the known prices of its parts [EUR]; NaN where none is known."""
+        known = [self.parts[role].price for role in self.price_of]
+        return sum(known) if known else nan
+
+    @property
+    def price_of(self) -> tuple[str, ...]:
+        """Roles of the parts whose price is known."""
+        return tuple(role for role, part in self.parts.items() if part is not None and part.price == part.price)
+
+    @property
     def own_checks(self) -> tuple[Check, ...]:
         """The checks of the method that ranked and of the machine."""
         return (*self.checks, *self.budget)
@@ -151,6 +163,14 @@ class DriveSet(DriveParts):
     def deciding(self) -> tuple[Check, ...]:
         """Those that decide the status: not the informational ones."""
         return tuple(check for check in self.own_checks if not check.advice)
+
+    def _repr_html_(self) -> str:
+        """The drive as a table of a notebook: parts, then checks."""
+        parts = [
+            (role, part.manufacturer, part.family, part.part) if part else (role, "unknown", "", "")
+            for role, part in self.parts.items()
+        ]
+        return html_table(("", "maker", "family", "part"), parts) + checks_table(self.own_checks)
 
     @property
     def every_check(self) -> tuple[Check, ...]:

@@ -12,10 +12,12 @@ from typing import NamedTuple
 from drivesizer.catalog import Catalog
 from drivesizer.results.check import Check, Figure, Status, verdict, worst
 from drivesizer.results.drive_set import DriveSet, Relaxation
+from drivesizer.results.notebook import html_table, share
 from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Uncertainty
 from drivesizer.results.requirement import Requirement
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
 
 __all__ = ["Check", "Counts", "Explanation", "Figure", "SizingResult", "Status", "verdict", "worst"]
 
@@ -53,6 +55,11 @@ class SizingResult:
     uncertainty: Uncertainty | None = None  # what was uncertain, where tolerances were sampled
     alternatives: tuple[DriveSet, ...] = ()  # the best of other motor families than the first one's, in order
 
+    def _repr_html_(self) -> str:
+        """The drives as a table of a notebook, best first."""
+        heads = ("", "motor", "gearhead", "mass", "price", "smallest margin", "")
+        return html_table(heads, map(_row, self.sets or self.misses))
+
     @property
     def spec(self) -> RobotSpec:
         """The machine, of the mass that it was sized for."""
@@ -67,6 +74,15 @@ class SizingResult:
     def shown(self) -> DriveSet | None:
         """The drive that is reported in full: the best, else the most probable, else the closest rejected; or None."""
         return next(iter((*self.sets, *self.unsure, *self.misses)), None)
+
+
+def _row(one: DriveSet) -> tuple[str, ...]:
+    """A drive of a table; a price that lacks a part is at least that."""
+    least = "" if len(one.price_of) == len(one.parts) else "at least "
+    price = f"{least}{one.price:.2f} EUR" if one.price_of else "unknown"
+    tight = worst(one.deciding)
+    margin = f"{share(tight.margin)} {tight.title}" if tight else ""
+    return str(one.rank), one.motor_name, one.gearhead_name, show(one.mass, "g", "mass"), price, margin, one.status
 
 
 class Explanation(NamedTuple):

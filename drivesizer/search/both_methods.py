@@ -14,7 +14,7 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Check
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
-from drivesizer.spec.select import Choice
+from drivesizer.spec.select import Choice, MotorChoice
 
 __all__ = ["compared", "other_checks"]
 
@@ -60,7 +60,7 @@ def other_checks(problem: Problem, one: DriveParts) -> tuple[Check, ...]:
     if not problem.spec.paper_applies:
         return ()
     fixed = {
-        "motor": Choice(part=[one.motor.part]),
+        "motor": MotorChoice(part=[one.motor.part]),
         "gearhead": Choice(family=[one.gearhead.family]),
     }
     method = "physics" if problem.spec.method == "paper" else "paper"

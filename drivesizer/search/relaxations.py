@@ -18,7 +18,7 @@ from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.machine_filter import best_in_machine, passes_budgets
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.select import Choice
+from drivesizer.spec.select import Choice, MotorChoice
 from drivesizer.units import show
 
 __all__ = ["changes_for", "relaxations"]
@@ -109,7 +109,7 @@ def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]
     """The nearest reduction of the same family that passes with the same motor and belt; not of an actuator."""
     if one.actuator:
         return
-    fixed = {"motor": Choice(part=[one.motor.part]), "gearhead": Choice(family=[one.gearhead.family])}
+    fixed = {"motor": MotorChoice(part=[one.motor.part]), "gearhead": Choice(family=[one.gearhead.family])}
     narrowed, catalog = problem.with_sections(select=problem.spec.select.model_copy(update=fixed)), problem.catalog
     found = candidates(narrowed)
     if not len(found.motor):

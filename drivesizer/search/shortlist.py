@@ -18,7 +18,7 @@ from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Reliability, Uncertainty
 from drivesizer.search.both_methods import other_checks
-from drivesizer.search.columns.controllers import offered_buses, offers
+from drivesizer.search.columns.controllers import matching, offered_buses, offers
 from drivesizer.search.families import family_of, first_of_each
 from drivesizer.search.machine_filter import Weigh, divided, in_machine, weighing
 from drivesizer.search.own_mass import problem_with_drive_mass
@@ -207,10 +207,10 @@ def _known_choices(spec: RobotSpec, catalog: Catalog) -> None:
     unlisted = not spec.is_direct and not np.any(catalog.motor_gearhead.right == none)
     for section in ("motor", "gearhead", "encoder", "controller"):
         choice, table = getattr(spec.select, section), catalog.table(f"{section}s")
-        for key, wanted in (("family", choice.family or []), ("part", choice.part or [])):
+        for key, wanted in choice.named.items():
             known = set(table[key].tolist()) - ({DIRECT} if unlisted else set())
             for name in wanted:
-                if name not in known:
+                if not known.intersection(matching(name, table, key)):
                     where = spec.where(("select", section, key))
                     hint = "; expected transmission: [{kind: direct}]" if name == DIRECT else nearest(name, known)
                     raise InputError(f"{where}: {quoted(name)} is in no catalogue that the spec names{hint}")

@@ -8,7 +8,7 @@ that ``drivesizer schema`` prints.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import asdict
 from pathlib import Path
@@ -19,7 +19,7 @@ from pydantic import Field, PrivateAttr, ValidationError, field_validator, model
 from drivesizer.catalog import Controller
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.fields import Section, default
-from drivesizer.files.yaml_source import Path_, YamlSource, read
+from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.loads.kinds import AXES, Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.power_stage import Feed, power_stage
@@ -28,7 +28,17 @@ from drivesizer.spec.control import Control, Plant
 from drivesizer.spec.messages import explained
 from drivesizer.spec.motions import Motion, Track, Trapezoid, Waypoints
 from drivesizer.spec.platform import Budget, Platform
-from drivesizer.spec.sections import Case, Environment, Margins, Mission, Needs, PaperFactors, PowerStage, Supply
+from drivesizer.spec.sections import (
+    Case,
+    Environment,
+    Margins,
+    Mission,
+    Needs,
+    PaperFactors,
+    PowerStage,
+    Supply,
+    TitleBlock,
+)
 from drivesizer.spec.select import Select
 from drivesizer.spec.tolerance_text import Toleranced, taken
 from drivesizer.spec.tolerances import Tolerances
@@ -70,6 +80,7 @@ class RobotSpec(Section):
     plant: Plant = Field(default_factory=Plant)
     select: Select = Field(default_factory=Select)
     tolerances: Tolerances = Field(default_factory=Tolerances)
+    report: TitleBlock = Field(default_factory=TitleBlock, description="for the head of reports")
     cases: Annotated[list[Case], Field(max_length=100)] = Field(
         default_factory=list, description="further load cases; a drive must pass all"
     )
@@ -83,8 +94,8 @@ class RobotSpec(Section):
         kinds = [stage.kind for stage in self.transmission]
         if kinds[0] == "belt" or kinds[1:] not in ([], ["belt"]):
             raise ValueError("transmission must be a gearhead or direct, or one of them and then a belt")
-        named = [*(self.select.gearhead.family or []), *(self.select.gearhead.part or [])]
-        if self.is_direct and set(named) - {DIRECT}:
+        named = self.select.gearhead.named.values()
+        if self.is_direct and {name for names in named for name in names} - {DIRECT}:
             raise ValueError(f"select: with kind: {DIRECT} as transmission there is none; leave gearhead out")
         return self
 
@@ -157,7 +168,7 @@ class RobotSpec(Section):
     def wants_encoder(self) -> bool:
         """Whether counts, resolution, family or part of an encoder are required; else the encoder is a proposal."""
         needs, choice = self.needs, self.select.encoder
-        return any((needs.encoder_counts, needs.resolution_at_load, choice.min_counts, choice.family, choice.part))
+        return any((needs.encoder_counts, needs.resolution_at_load, choice.min_counts, choice.named))
 
     @property
     def accepts_all(self) -> bool:
@@ -308,12 +319,33 @@ def _case(source: YamlSource, whole: dict[str, Any], number: int) -> RobotSpec:
     return _validated(source, data, ("cases", number))
 
 
-def load_spec(path: str | Path) -> RobotSpec:
-    """A spec from a file.
+def load_spec(given: str | Path | Mapping[str, Any]) -> RobotSpec:
+    """A spec from a file, or from the same fields as a dict.
+
+    Parameters
+    ----------
+    given
+        Path of the file, or fields: texts with units, numbers, lists and dicts, as a file has them.
+
+    Returns
+    -------
+    RobotSpec
+        The spec; paths in a dict count from the current folder.
 
     Raises
     ------
     InputError
         When the file cannot be read or something in it is wrong: one line with place and reason.
+
+    Examples
+    --------
+    >>> spec = load_spec({
+    ...     "name": "turntable",
+    ...     "load": {"kind": "flywheel", "inertia": "0.2 kg*m^2"},
+    ...     "motion": {"speed": "60 rpm", "acceleration_time": "1 s", "cruise_time": "5 s"},
+    ...     "supply": {"nominal": "24 V", "current": "10 A"},
+    ... })
+    >>> round(spec.motion.speed, 3)
+    6.283
     """
-    return read_spec(read(Path(path)))
+    return read_spec(written(given) if isinstance(given, Mapping) else read(Path(given)))

@@ -32,7 +32,7 @@ from drivesizer.files.fields import (
     default,
 )
 
-__all__ = ["Case", "Environment", "Margins", "Mission", "Needs", "PaperFactors", "PowerStage", "Supply"]
+__all__ = ["Case", "Environment", "Margins", "Mission", "Needs", "PaperFactors", "PowerStage", "Supply", "TitleBlock"]
 
 
 class PaperFactors(Section):
@@ -142,3 +142,15 @@ class Case(Section):
     supply: dict[str, Any] = Field(default_factory=dict)
     environment: dict[str, Any] = Field(default_factory=dict)
     platform: dict[str, Any] = Field(default_factory=dict)
+
+
+_Line = Annotated[str, Field(min_length=1, max_length=200)]
+
+
+class TitleBlock(Section):
+    """Whom a report is for, and whose it is."""
+
+    customer: _Line | None = None
+    project: _Line | None = None
+    author: _Line | None = None
+    revision: _Line | None = Field(default=None, description='such as "B" or "2.1"; quoted where it is a number')

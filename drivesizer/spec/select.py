@@ -10,7 +10,8 @@ from pydantic import Field
 from drivesizer.files.fields import Names, Ratio, Section
 
 __all__ = [
-    "OBJECTIVES", "Choice", "ControllerChoice", "EncoderChoice", "Objective", "ObjectiveKind", "Select", "Weighted",
+    "OBJECTIVES", "Choice", "ControllerChoice", "EncoderChoice", "MotorChoice", "Objective", "ObjectiveKind", "Select",
+    "Weighted",
 ]  # fmt: skip
 
 
@@ -51,10 +52,21 @@ OBJECTIVES: dict[str, ObjectiveKind] = {
 
 
 class Choice(Section):
-    """Restricts a kind of part to some families or part numbers."""
+    """Restricts a kind of part to some families or part numbers; * stands for any text."""
 
-    family: Names | None = None
+    family: Names | None = Field(default=None, description='such as "EC 45 flat" or "EC*"')
     part: Names | None = None
+
+    @property
+    def named(self) -> dict[str, list[str]]:
+        """Names or patterns by the catalogue's column, as far as given."""
+        return {key: names for key, names in (("family", self.family), ("part", self.part)) if names}
+
+
+class MotorChoice(Choice):
+    """Restricts the motor."""
+
+    kind: Literal["brushed", "brushless"] | None = None
 
 
 class EncoderChoice(Choice):
@@ -86,7 +98,7 @@ class Select(Section):
     """Permitted parts, and the objective of the ranking."""
 
     catalogs: Names = Field(default=["maxon"])
-    motor: Choice = Field(default_factory=Choice)
+    motor: MotorChoice = Field(default_factory=MotorChoice)
     gearhead: Choice = Field(default_factory=Choice)
     encoder: EncoderChoice = Field(default_factory=EncoderChoice)
     controller: ControllerChoice = Field(default_factory=ControllerChoice)
@@ -100,4 +112,4 @@ class Select(Section):
     @property
     def is_restricted(self) -> bool:
         """Whether families or parts are named."""
-        return any(c.family or c.part for c in (self.motor, self.gearhead, self.encoder, self.controller))
+        return any(c.named for c in (self.motor, self.gearhead, self.encoder, self.controller))

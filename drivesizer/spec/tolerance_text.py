@@ -30,7 +30,21 @@ SHAPES = "normal(24 V, 0.5 V), uniform(23 V, 25 V) or triangular(23 V, 24 V, 26 
 _WIDTH = re.compile(r"(?P<nominal>.*?)\s*(?:\+\s?/?\s?[-−]|±)\s*(?P<width>.*)")
 _ENDS = re.compile(r"(?P<nominal>.+)\s+in\s+(?P<low>.+?)\s*\.\.\s*(?P<high>.+)")
 _SHAPE = re.compile(r"(?P<shape>[A-Za-z_]\w*)\s*\(\s*(?P<arguments>[-+.]?[0-9].*?)\s*\)")
-_NAMES = {"name", "file", "part", "trajectory", "chemistry", "profile", "family", "title", "note"}
+_NAMES = {
+    "name",
+    "file",
+    "part",
+    "trajectory",
+    "chemistry",
+    "profile",
+    "family",
+    "title",
+    "note",
+    "customer",
+    "project",
+    "author",
+    "revision",
+}
 
 
 class Toleranced(NamedTuple):

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from math import isnan, nan
 from typing import Any, Literal, NamedTuple
 
-from drivesizer.output.sums import price_of, unknown_of
+from drivesizer.output.sums import unknown_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import worst
 from drivesizer.study.best import Best
@@ -55,7 +55,7 @@ def _mass_lacks(one: DriveSet) -> str:
 
 
 def _price_lacks(one: DriveSet) -> str:
-    return " + ".join(unknown_of(one, price_of(one)[1]))
+    return " + ".join(unknown_of(one, one.price_of))
 
 
 def _figure(name: str) -> Callable[[DriveSet], float]:
@@ -78,7 +78,7 @@ _DRIVE: tuple[_Of, ...] = (
     _number("total_ratio", lambda one: one.total_ratio, "1"),
     _number("mass_kg", lambda one: one.mass, "kg"),  # of motor and gearhead, as the objective counts it
     _text("mass_lacks", _mass_lacks),
-    _number("price_EUR", lambda one: price_of(one)[0], "EUR"),  # of all parts whose price is known
+    _number("price_EUR", lambda one: one.price, "EUR"),  # of all parts whose price is known
     _text("price_lacks", _price_lacks),
     _number("objective_si", lambda one: one.objective),
     _number("energy_J", _figure("energy"), "J"),

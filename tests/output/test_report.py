@@ -18,7 +18,6 @@ from drivesizer.files.writing import put
 from drivesizer.output.derivation import found_failures, step
 from drivesizer.output.report import pdf, write, write_series, write_sets
 from drivesizer.output.report.table import csv as csv_tables
-from drivesizer.output.sums import price_of
 from drivesizer.results.drive_set import Relaxation
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult
@@ -103,9 +102,9 @@ def test_negative_numbers_stay_numbers(result):
 def test_a_price_sums_what_is_known(result):
     best = result.sets[0]
     known = replace(best, motor=replace(best.motor, price=100.0), gearhead=replace(best.gearhead, price=27.5))
-    assert price_of(known) == (127.5, ("motor", "gearhead"))
+    assert (known.price, known.price_of) == (127.5, ("motor", "gearhead"))
     nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None, controller=None)
-    assert isnan(price_of(nothing)[0])
+    assert isnan(nothing.price)
 
 
 # -- PDF

@@ -13,7 +13,6 @@ from studies import CHEAP, EXAMPLE, FEW, MANY, ROOT, laid
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.sums import price_of
 from drivesizer.results.sizing import worst
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec
@@ -288,7 +287,7 @@ def test_a_row_is_what_size_finds(tmp_path):
             tight = worst(one.deciding)
             assert (row["smallest_margin"], row["smallest_margin_check"]) == (float(f"{tight.margin:.12g}"), tight.name)
             assert (row["motor_part"], row["gearhead_part"]) == (one.motor.part, one.gearhead.part)
-            assert row["price_EUR"] == price_of(one)[0]
+            assert row["price_EUR"] == one.price
             assert row["sets_examined"] == found.counts.considered
 
 

@@ -14,7 +14,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.output.figure_confidence import not_quoted
 from drivesizer.output.parts import PartLine, Total, machine_parts, totals
 from drivesizer.output.probability import likely
-from drivesizer.output.sums import price_of, unknown_of
+from drivesizer.output.sums import unknown_of
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
 from drivesizer.results.check import tightest
@@ -208,13 +208,12 @@ _TURNING = {"motor", "gearhead", "actuator"}
 
 def _compared(found: DriveSet) -> tuple[str | Text, ...]:
     """Mass, price, energy and smallest margin of a drive; a sum that lacks a part is at least that."""
-    price, known = price_of(found)
-    least = "≥ " if unknown_of(found, known) else ""
+    least = "≥ " if unknown_of(found, found.price_of) else ""
     tight = worst(found.deciding)
     energy = objective_figure(found, "energy")
     return (
         show(found.mass, "g", "mass"),
-        "unknown" if isnan(price) else f"{least}{price:.0f} EUR",
+        "unknown" if isnan(found.price) else f"{least}{found.price:.0f} EUR",
         "–" if isnan(energy.value) else energy.text,
         Text(percent(tight.margin) if tight else "–", style=STYLE[found.status]),
     )

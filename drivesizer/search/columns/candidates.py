@@ -84,6 +84,8 @@ def pairs(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:
     spec, catalog = problem.spec, problem.catalog
     left, right = _alone(catalog) if spec.is_direct else catalog.motor_gearhead[:2]
     keep = selected(catalog.motors, spec.select.motor)[left]
+    if spec.select.motor.kind:
+        keep &= (catalog.motors["kind"] == spec.select.motor.kind)[left]
     keep &= selected(catalog.gearheads, spec.select.gearhead)[right]
     motor, gearhead = left[keep].astype(np.int64), right[keep].astype(np.int64)
     listed = np.ones(len(motor), bool)

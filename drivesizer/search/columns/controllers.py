@@ -7,6 +7,7 @@ nearest is named, so that its check can say by how much it falls short.
 
 from __future__ import annotations
 
+import fnmatch
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ __all__ = [
     "Usable",
     "controllers",
     "in_order",
+    "matching",
     "offered_buses",
     "offers",
     "selected",
@@ -53,7 +55,7 @@ def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
     table
         A section of the catalogue.
     choice
-        Families and part numbers; empty ones allow all.
+        Families and part numbers, or patterns of them; empty ones allow all.
 
     Returns
     -------
@@ -61,11 +63,30 @@ def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
         Shape (rows,).
     """
     keep = ~table.excluded
-    if choice.family:
-        keep &= np.isin(table["family"], choice.family)
-    if choice.part:
-        keep &= np.isin(table["part"], choice.part)
+    for key, names in choice.named.items():
+        keep &= np.isin(table[key], [known for name in names for known in matching(name, table, key)])
     return keep
+
+
+def matching(name: str, table: Table[Any], key: str) -> list[str]:
+    """Families or part numbers of a catalogue that a name in the spec means.
+
+    Parameters
+    ----------
+    name
+        One of them, or a pattern in which ``*`` stands for any text and ``?`` for a character.
+    table
+        A section of the catalogue.
+    key
+        ``family`` or ``part``.
+
+    Returns
+    -------
+    list of str
+        Empty where the catalogue has none.
+    """
+    known = set(table[key].tolist())
+    return [name] if name in known else sorted(fnmatch.filter(known, name)) if set(name) & set("*?") else []
 
 
 def in_order(table: Table[Any], figure: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -149,7 +149,7 @@ def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> l
     """
     choice = spec.select.encoder
     least = max(spec.needs.encoder_counts or 0, choice.min_counts or 0)
-    if not (least or choice.family or choice.part):
+    if not (least or choice.named):
         return []
     counts = np.where(row >= 0, np.append(lines(catalog.encoders), np.nan)[row], 0.0)
     return [at_least("encoder_counts", float(least or 1), counts, by_choice=True)]

@@ -9,7 +9,7 @@ from typing import Any
 from drivesizer.catalog import Catalog
 from drivesizer.output.json.loops import number
 from drivesizer.output.parts import parts
-from drivesizer.output.sums import not_in_mass, price_of, unknown_of
+from drivesizer.output.sums import not_in_mass, unknown_of
 from drivesizer.output.text import margin, use
 from drivesizer.results.check import tightest
 from drivesizer.results.drive_set import DriveSet
@@ -36,7 +36,6 @@ def drive_row(best: DriveSet, catalog: Catalog) -> dict[str, Any]:
         Texts: ``label``, ``parts``, ``total_ratio``, ``mass`` and ``price`` with the parts that they cover and lack,
         and ``tight``, the smallest margin.
     """
-    price, price_over = price_of(best)
     return {
         "label": best.label,
         "parts": parts(best, catalog),
@@ -44,9 +43,9 @@ def drive_row(best: DriveSet, catalog: Catalog) -> dict[str, Any]:
         "mass": show(best.mass, "g", "mass"),
         "mass_of": " + ".join(best.mass_of),
         "mass_lacks": ", ".join(not_in_mass(best, catalog)),
-        "price": "unknown" if isnan(price) else f"{price:.2f} EUR",
-        "price_of": " + ".join(price_over),
-        "price_lacks": ", ".join(f"{name} not known" for name in unknown_of(best, price_over)),
+        "price": "unknown" if isnan(best.price) else f"{best.price:.2f} EUR",
+        "price_of": " + ".join(best.price_of),
+        "price_lacks": ", ".join(f"{name} not known" for name in unknown_of(best, best.price_of)),
         "tight": _tight(next(iter(tightest_checks(best)), None)),
     }
 

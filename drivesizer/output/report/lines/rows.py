@@ -14,7 +14,6 @@ from drivesizer.control.validation import Validation
 from drivesizer.output.loop_table import gain_rows, loop_figures
 from drivesizer.output.parts import PartLine, Total
 from drivesizer.output.report.lines.machine import driven_over
-from drivesizer.output.sums import price_of
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet, Relaxation
 from drivesizer.results.objectives import objective_figure
@@ -216,9 +215,8 @@ def set_rows(s: DriveSet, objective: str) -> Iterator[Row]:
     yield _figure("set", "gearhead_ratio", "Ratio of the gearhead", s.gearhead.ratio, "dimensionless", "1")
     yield _figure("set", "belt_ratio", "Ratio of the belt", s.belt_ratio, "dimensionless", "1")
     yield _figure("set", "total_ratio", "Total ratio", s.total_ratio, "dimensionless", "1")
-    price, priced = price_of(s)
     yield _figure("set", "mass", "Mass", s.mass, "mass", "g") | _over("sum of", s.mass_of)
-    yield _figure("set", "price", "Price", price, "price", "EUR") | _over("sum of", priced)
+    yield _figure("set", "price", "Price", s.price, "price", "EUR") | _over("sum of", s.price_of)
     yield row("set", "objective", f"Objective: {objective}", si_value=s.objective) | _over("of", s.objective_of)
     yield row("set", "verdict", "All checks", status=s.status)
 

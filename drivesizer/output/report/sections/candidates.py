@@ -17,7 +17,6 @@ from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn, headed
 from drivesizer.output.report.sections.sheets import RANK, STATUS
 from drivesizer.output.report.sections.texts import Number, Status, Strong
-from drivesizer.output.sums import price_of
 from drivesizer.output.text import margin
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
@@ -87,16 +86,17 @@ def candidate_numbers(content: Content) -> list[dict[str, Any]]:
 
 
 def _candidate(one: DriveSet) -> dict[str, Any]:
-    tight, (price, _) = worst(one.deciding), price_of(one)
+    tight = worst(one.deciding)
     smallest = number(tight.margin) if tight else None
     failed = [c.title for c in one.deciding if c.status == "fail"]
     return {
         "rank": str(one.rank), "motor": one.motor_name, "gearhead": _gearhead(one, belt=False),
         "ratio": f"{one.total_ratio:.4g}", "mass": show(one.mass, "g", "mass"),
-        "price": "unknown" if isnan(price) else f"{price:.2f} EUR", "margin": margin(tight.margin) if tight else "",
+        "price": "unknown" if isnan(one.price) else f"{one.price:.2f} EUR",
+        "margin": margin(tight.margin) if tight else "",
         "check": _first(failed) if failed else tight.title if tight else "", "status": one.status,
         "exact": {
-            "ratio": one.total_ratio, "mass": number(float(from_si(one.mass, "g", "mass"))), "price": number(price),
+            "ratio": one.total_ratio, "mass": number(float(from_si(one.mass, "g", "mass"))), "price": number(one.price),
             "margin": smallest, "percent": None if smallest is None else 100.0 * smallest,
         },
     }  # fmt: skip
@@ -180,7 +180,7 @@ def _sheet(content: Content) -> list[Sheet]:
 
 
 def _sheet_row(s: DriveSet, pareto: tuple[str, ...]) -> table.Row:
-    tight, (price, priced) = worst(s.deciding), price_of(s)
+    tight = worst(s.deciding)
     separate = {
         role: f"{p.family} {p.part}" if p else "" for role, p in s.parts.items() if role in ("encoder", "controller")
     }
@@ -191,7 +191,7 @@ def _sheet_row(s: DriveSet, pareto: tuple[str, ...]) -> table.Row:
         "belt": s.belt_name, "encoder": separate.get("encoder", "inside"),
         "controller": separate.get("controller", "inside"), "gearhead_ratio": s.gearhead.ratio,
         "belt_ratio": s.belt_ratio, "total_ratio": s.total_ratio, "mass": from_si(s.mass, "g", "mass"),
-        "mass_of": " + ".join(s.mass_of), "price": price, "price_of": " + ".join(priced),
+        "mass_of": " + ".join(s.mass_of), "price": s.price, "price_of": " + ".join(s.price_of),
         "margin": tight.margin if tight else nan, "tightest": tight.title if tight else "",
         "failed": "; ".join(c.title for c in s.deciding if c.status == "fail"),
         "unknown": "; ".join(c.title for c in s.deciding if c.status == "unknown"),

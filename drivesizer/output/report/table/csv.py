@@ -23,7 +23,6 @@ from drivesizer.output.report.lines.rows import COLUMNS, Row
 from drivesizer.output.report.sections import SECTIONS
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import rows_of
-from drivesizer.output.sums import price_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult, worst
 from drivesizer.units import KINDS, from_si
@@ -85,8 +84,9 @@ def _rows(result: SizingResult, validation: Validation | None) -> Iterator[Row]:
 
 
 _PARTS = (
-    "role", "maker", "family", "part", "order_number", "said", "quantity", "mass", "price", "currency", "pieces",
-    "price_date", "price_confidence", "price_source", "confidence", "document", "date", "url", "note",
+    "role", "maker", "family", "part", "order_number", "said", "quantity", "mass", "mass_low", "mass_high", "price",
+    "currency", "pieces", "price_date", "price_confidence", "price_source", "confidence", "document",
+    "date", "url", "note",
 )  # fmt: skip
 
 
@@ -143,12 +143,13 @@ _SET_HEADS = (
 
 
 def _set_row(s: DriveSet, checks: list[str], figures: list[str]) -> list[Any]:
-    tightest, (price, price_over) = worst(s.deciding), price_of(s)
+    tightest = worst(s.deciding)
     margins, does = {c.name: c.margin for c in s.own_checks}, {f.name: f.value for f in s.figures}
     chosen = [text for part in (s.encoder, s.controller) for text in ((part.family, part.part) if part else ("", ""))]
     return [
         s.rank, s.status, s.motor.family, s.motor.part, s.gearhead.family, s.gearhead.part, s.gearhead.ratio,
-        s.belt_ratio, *_belt(s), *chosen, s.total_ratio, s.mass, " + ".join(s.mass_of), price, " + ".join(price_over),
+        s.belt_ratio, *_belt(s), *chosen, s.total_ratio, s.mass, " + ".join(s.mass_of), s.price,
+        " + ".join(s.price_of),
         s.objective, tightest.margin if tightest else "", tightest.name if tightest else "",
         *(margins.get(name, "") for name in checks), *(does.get(name, "") for name in figures),
     ]  # fmt: skip
