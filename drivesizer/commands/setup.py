@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from drivesizer.commands.common import DEFAULT, Json
+from drivesizer.commands.starting import KINDS, at_terminal, by_questions, copy_example, starter
 from drivesizer.errors import InputError, quoted
 
-__all__ = ["doctor", "equations", "init", "schema"]
-
-
-_STARTERS = Path(__file__).parents[1] / "spec" / "starters"
-_KINDS = sorted(path.stem for path in _STARTERS.glob("*.yaml"))
+__all__ = ["doctor", "equations", "init", "schema", "start_by_questions"]
 
 
 def equations(
@@ -39,29 +37,48 @@ def equations(
 
 
 def init(
-    kind: Annotated[str, typer.Option(help=f"Kind of load: {', '.join(_KINDS)}.")] = "wheeled_vehicle",
+    kind: Annotated[str | None, typer.Option(help=f"Kind of load: {', '.join(KINDS)}.")] = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
+    example: Annotated[str | None, typer.Option(metavar="NAME", help="An example, such as sps_robot.")] = None,
     urdf: Annotated[
         Path | None, typer.Option("--from-urdf", metavar="FILE", help="Masses, wheels and limits of a URDF.")
     ] = None,
     joint: Annotated[str | None, typer.Option(metavar="NAME", help="With --from-urdf: the joint of an arm.")] = None,
 ) -> None:
-    """Write a commented robot.yaml to start from."""
+    """Write a commented robot.yaml to start from: by kind of load, or at a terminal by a few questions."""
     if joint is not None and urdf is None:
         raise InputError("--joint: it names a joint of --from-urdf; expected both")
+    chosen = [name for name, given in (("--kind", kind), ("--example", example), ("--from-urdf", urdf)) if given]
+    if len(chosen) > 1:
+        raise InputError(f"{' and '.join(chosen)}: each gives the whole spec; expected one of them")
     if urdf is not None:
         from drivesizer.spec.from_urdf import spec_of
 
         _start(spec_of(urdf, joint), output)
-        return
-    _start(_starter(kind), output)
+    elif example is not None:
+        _written(copy_example(example, output))
+    elif kind is None and str(output) != "-" and at_terminal():
+        start_by_questions(output)
+    else:
+        _start(starter(kind or "wheeled_vehicle"), output)
 
 
-def _starter(kind: str) -> str:
-    """The text that ships for a kind of load."""
-    if kind not in _KINDS:
-        raise InputError(f"--kind: {quoted(kind)} is not known; expected {', '.join(_KINDS)}")
-    return (_STARTERS / f"{kind}.yaml").read_text(encoding="utf-8")
+def start_by_questions(output: Path) -> None:
+    """Write the spec that the answers at a terminal give.
+
+    Parameters
+    ----------
+    output
+        The file, which must not exist yet.
+
+    Raises
+    ------
+    InputError
+        When it exists.
+    """
+    if os.path.lexists(output):  # before the first question
+        raise InputError(f"{output}: the file exists and is left alone; name another with -o")
+    _start(by_questions(), output)
 
 
 def _start(text: str, output: Path) -> None:
@@ -72,7 +89,14 @@ def _start(text: str, output: Path) -> None:
     from drivesizer.files.writing import new
 
     new(output, text.encode())
-    typer.echo(f"{output} written; now: drivesizer size{'' if output == DEFAULT else f' {output}'}")
+    _written([output])
+
+
+def _written(paths: list[Path]) -> None:
+    """Name the files that were written, and the next command."""
+    spec = paths[0]
+    behind = "" if spec == DEFAULT else f" {spec}"
+    typer.echo(f"{', '.join(map(str, paths))} written; now: drivesizer size{behind}")
 
 
 def schema(

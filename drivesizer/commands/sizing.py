@@ -9,6 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from drivesizer.commands.common import DEFAULT, Json, More, Profile, Spec, Top, load, print_notes, progress, working
+from drivesizer.commands.setup import start_by_questions
+from drivesizer.commands.starting import at_terminal
 from drivesizer.errors import InputError, NoLoopError, quoted
 
 __all__ = ["explain", "report", "size"]
@@ -53,6 +55,8 @@ def size(
     """Find the drive: parts list, verdict, tightest checks, alternatives."""
     from drivesizer.output.report import accept, write, write_sets
 
+    if spec == DEFAULT and not spec.exists() and not json and at_terminal():
+        start_by_questions(spec)
     robot = load(spec, catalogs)
     accept([pdf] if pdf else [], tables=[csv] if csv else [])
     result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))

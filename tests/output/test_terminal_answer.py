@@ -2,20 +2,22 @@
 
 from dataclasses import replace
 from math import nan
+from pathlib import Path
 
 import pytest
 
+import drivesizer
 from drivesizer.output.parts import machine_parts, totals
 from drivesizer.output.terminal.sizing import DETAILS, sizing
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
 
+STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"
+
 
 @pytest.fixture(scope="module")
 def starter():
-    from drivesizer.commands.setup import _STARTERS
-
-    return size(load_spec(_STARTERS / "wheeled_vehicle.yaml"))
+    return size(load_spec(STARTERS / "wheeled_vehicle.yaml"))
 
 
 def told(result, capsys, monkeypatch, columns=80, **options):
