@@ -63,6 +63,11 @@ class PowerStage(NamedTuple):
     standby: Any  # W
     assumed: Any  # whether the loss is
 
+    @property
+    def least_loss(self) -> Any:
+        """Loss per ampere that leaves most of what is returned [V]: the lower end of the band where it is assumed."""
+        return np.where(self.assumed, ASSUMED_BAND[0] * self.loss, self.loss)
+
 
 class Feed(NamedTuple):
     """A power stage, and the supply that feeds it with others alike."""
@@ -241,7 +246,8 @@ def source_power(found: Wave, feed: Feed) -> tuple[Array, Array]:
 def source_energy(found: Wave, feed: Feed, kept: Any = 1.0, *, storing: bool = True) -> Energy:
     """Energy out of the source and what is returned at the input of the stage, over one cycle.
 
-    Standby power is always drawn. What the resistance of the supply turns to heat is counted while power is drawn.
+    Standby power is always drawn. What the resistance of the supply turns to heat is counted while power is drawn. An
+    assumed loss is the lower end of its band for the energy that is stored, on which a limit hangs.
 
     Parameters
     ----------
@@ -258,7 +264,11 @@ def source_energy(found: Wave, feed: Feed, kept: Any = 1.0, *, storing: bool = T
         Of each drive [J].
     """
     inner = at_input(found, feed.stage)
-    sums = energy(inner, kept, storing=storing)
+    apart = storing and bool(np.any(feed.stage.assumed))
+    sums = energy(inner, kept, storing=storing and not apart)
+    if apart:
+        most = at_input(found, feed.stage._replace(loss=feed.stage.least_loss))
+        sums = sums._replace(stored=energy(most, kept).stored)
     more = feed.stage.standby * inner.duration.sum(axis=-1)
     return sums._replace(drawn=sums.drawn + more + lost_in_source(inner, feed).sum(axis=-1))
 

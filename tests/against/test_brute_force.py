@@ -164,7 +164,8 @@ def all_by_hand(spec, catalog, sets):
 
         def losing(free, parts=parts, pieces=pieces, belt=belt):
             controller = by_hand.checks(spec, cycle, pieces, free, parts, belt, offered)[1]
-            return by_hand.loss_per_ampere(controller, 1.0 if spec.select.estimates == "on" else 0.0)
+            assumed = 1.0 if spec.select.estimates == "on" else 0.0  # at least half of that
+            return tuple(by_hand.loss_per_ampere(controller, share * assumed) for share in (1.0, 0.5))
 
         asked = by_hand.asked(pieces, motor, head, spec.environment.ambient, kept, losing)
         checks, controller = by_hand.checks(spec, cycle, pieces, asked, (motor, head, encoder), belt, offered)

@@ -170,11 +170,12 @@ def asked(
     head: Any,
     ambient: float,
     kept: float = 1.0,
-    losing: Callable[[Asked], float] | None = None,
+    losing: Callable[[Asked], tuple[float, float]] | None = None,
 ) -> Asked:
     """Every demand of one set, the time above a current apart.
 
-    ``losing``: loss per ampere of the controller [V], by what is asked of one that loses nothing.
+    ``losing``: loss per ampere of the controller [V] and the least that it may be, by what is asked of one that loses
+    nothing.
     """
     total = sum(p.time for p in pieces)
     running = [p for p in pieces if p.way]
@@ -212,7 +213,7 @@ def asked(
         / total
     )
 
-    def of(loss: float) -> Asked:
+    def of(loss: float, least: float) -> Asked:
         power = [
             largest(
                 [
@@ -224,7 +225,8 @@ def asked(
             for Ts in both
         ]
         sums = energy(fine, motor, [T.mean for T in temperatures], kept, loss=loss)
-        coldest = energy(fine, motor, [ambient] * len(fine), kept, loss=loss)[2] if unknown else sums[2]
+        stored = energy(fine, motor, [T.mean for T in temperatures], kept, loss=least)[2]
+        coldest = energy(fine, motor, [ambient] * len(fine), kept, loss=least)[2] if unknown else stored
         return Asked(
             gear_rms=math.sqrt(sum(product(p.time, p.gear_torque, p.gear_torque) for p in running) / ran),
             gear_peak=max(abs(T) for p in pieces for T in p.gear_torque),
@@ -242,10 +244,10 @@ def asked(
             power=tuple(power),  # type: ignore[arg-type]
             drawn=sums[0],
             returned=sums[1],
-            stored=(sums[2], coldest),  # the colder, the more comes back
+            stored=(stored, coldest),  # the colder, the more comes back
         )
 
-    return of(losing(of(0.0))) if losing else of(0.0)
+    return of(*losing(of(0.0, 0.0))) if losing else of(0.0, 0.0)
 
 
 def _strongest(piece: Piece, V: Pair, loss: float) -> Iterator[float]:

@@ -95,6 +95,14 @@ def test_losses_of_a_current_that_changes_its_sign_are_exact():
     assert source_power(found, feed)[0] == pytest.approx(power(0.0) + 0.7)
 
 
+def test_an_assumed_loss_takes_least_of_what_the_bus_stores():
+    """A motor that brakes at 2 A and 10 V for 1 s: 16 W s are left of 20 by 2 V per ampere, 18 by the least of that."""
+    found = Wave(np.array([1.0, 1.0]), np.array([[[-2.0, -2.0], [3.0, 3.0]]]), np.full((1, 2, 2), 10.0))
+    for assumed, stored in ((False, 16.0), (True, 18.0)):
+        sums = source_energy(found, Feed(stage(loss=2.0, assumed=assumed), 24.0, 0.0, 1))
+        assert (sums.returned, sums.stored) == (pytest.approx(16.0), pytest.approx(stored))
+
+
 def test_the_source_of_a_resistance_by_hand():
     """24 V behind 0.2 ohm, four drives: 4 x 55 W are 10 A at 22 V, and 240 W out of the source, 60 W for each."""
     feed = Feed(stage(), 24.0, 0.2, 4)

@@ -104,7 +104,7 @@ def closer_stored(
     motor, stage = parts.motor, spec.feed(parts.controller).stage
     warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (spec.environment.ambient, warmest))
-    k_t, ohm, loss = np.broadcast_arrays(motor["torque_constant"], stage.resistance, stage.loss)
+    k_t, ohm, loss = np.broadcast_arrays(motor["torque_constant"], stage.resistance, stage.least_loss)
     losing = _Losing(cool + ohm, hot + ohm, k_t, np.abs(demand.back_emf - k_t), loss)
     least, most = _stored(cycle, cycle.envelope(count), demand, losing, kept_on_the_bus(spec))
     most = np.where(np.isfinite(high.stored), np.fmin(most, high.stored), high.stored)
