@@ -2,9 +2,9 @@
 
 Every estimated figure is a random factor of its own, log-normal with the band as its 5th and 95th percentile; those of
 motor and gearhead are independent, and an actuator's torque constant at the rotor follows the loss of its gears.
-One row of a catalogue made for it is one sample, so that the checks are those of the search. These bounds hold only for
-samples that fail on nothing else (a winding no hotter than permitted): else the waveform is computed, so that each
-check is judged by itself.
+One row of a catalogue made for it is one sample, so that the checks are those of the search. Its bounds may leave a
+check open of a sample that fails on something else, and take no winding as hotter than permitted: of such samples the
+waveform is computed, so that each check is judged by itself.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.tolerances.distributions import lognormal
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, at_figures
@@ -36,6 +37,7 @@ _FARTHEST = 3.0  # standard deviations that a figure is followed
 _STEPS = 13
 _FINER = 9  # steps within the one in which a check turns
 _RATED = "max_winding_temperature"  # of brushless motors no figure of its own: ``catalog.estimates.assumed.by_rating``
+_WINDING = "winding_temperature"
 _FOLLOWS: dict[Figure, Figure] = {
     ("motors", name): ("gearheads", "efficiency") for name in ("torque_constant", "nominal_torque", "stall_torque")
 }
@@ -177,14 +179,20 @@ def _judged(
 ) -> list[CheckColumn]:
     """Checks at points of the bands; those of some names from the waveform where bounds are not enough."""
     checks = at_points(problem, one, points, count).checks
-    failures = np.sum([check.failed for check in checks if not check.advice], axis=0)
-    unsafe = [(failures > check.failed) | ~(check.passed | check.failed) for check in checks if check.name in names]
+    hot = np.logical_or.reduce([check.failed for check in checks if check.name == _WINDING])
+    unsafe = [_unsafe(check, hot) for check in checks if check.name in names]
     rows = np.flatnonzero(np.logical_or.reduce(unsafe)) if unsafe else np.zeros(0, np.int64)
     if not len(rows):
         return checks
     some = {figure: by[rows] for figure, by in points.items()}
     few = at_points(problem, one, some, len(rows), exact=True).checks
     return [check.with_rows(rows, other) for check, other in zip(checks, few, strict=True)]
+
+
+def _unsafe(check: CheckColumn, hot: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Samples in which bounds do not decide, or let pass at a winding no hotter than permitted where it is hotter."""
+    warm = check.name != _WINDING and "motor.winding_time_constant" in CHECKS["physics"][check.name].rests_on
+    return ~check.failed & (~check.passed | (hot & warm))
 
 
 def _nearest_change(steps: Sequence[Array], passed: Sequence[NDArray[np.bool_]]) -> tuple[int, int] | None:
