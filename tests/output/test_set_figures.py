@@ -17,7 +17,7 @@ from drivesizer.output.parts import parts_list
 from drivesizer.output.report.figures import demand, efficiency, energy, heat, load_and_loop, margins, pareto_front
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.output.report.sections.parts import parts_table
+from drivesizer.output.report.sections.part_lines import parts_table
 from drivesizer.results.sizing import Check, SizingResult
 from drivesizer.sizing import size
 
@@ -267,12 +267,14 @@ def test_figures_that_hang_on_an_unknown_one_are_left_out(result):
 
 def test_the_parts_list_multiplies_and_sums_what_is_known(result):
     best = result.sets[0]
-    *lines, total = [row.cells for row in parts_table(parts_list(best, result.catalog, 4), 4).rows]
-    rows = {role: cells for _, role, *cells in lines}  # family, number, each, together, date
+    made = parts_table(parts_list(best, result.catalog, 4), 4, "the selected drive")
+    *lines, total = [row.cells for row in made.rows]
+    rows = {role: cells for _, role, *cells in lines}  # family, number, mass, each, together
     counts = {role: count for count, role, *_ in lines}
-    assert rows["gearhead"][2:4] == ["127.73 EUR", "510.92 EUR"] and rows["gearhead"][4].startswith("2019-09")
-    assert counts["gearhead"] == "4 ×" and rows["motor"][1:3] == ["118752", "unknown"]
-    assert total[5:] == ("510.92 EUR", "without motor, belt, encoder, controller")
+    assert rows["gearhead"][3:] == ["127.73 EUR", "510.92 EUR"] and "2019-09" in made.caption
+    assert rows["gearhead"][2] == "308 g"  # 4 of 77 g
+    assert counts["gearhead"] == "4 ×" and rows["motor"][1] == "118752" and rows["motor"][3:] == ["unknown"] * 2
+    assert total[1] == "total" and total[6] == "at least 510.92 EUR" and total[4].startswith("at least ")
     nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None)
-    *lines, total = [row.cells for row in parts_table(parts_list(nothing, result.catalog, 1), 1).rows]
-    assert total[5] == "unknown" and {role: family for _, role, family, *_ in lines}["encoder"] == "unknown"
+    *lines, total = [row.cells for row in parts_table(parts_list(nothing, result.catalog, 1), 1, "").rows]
+    assert total[6] == "unknown" and {role: family for _, role, family, *_ in lines}["encoder"] == "unknown"

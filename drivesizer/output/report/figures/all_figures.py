@@ -9,8 +9,8 @@ import drivesizer.output.report.figures.load_and_loop as figures
 from drivesizer.control.validation import Validation
 from drivesizer.output.report.figures.battery import battery, is_known
 from drivesizer.output.report.figures.bode_and_step import bode, step
-from drivesizer.output.report.figures.field import torque_speed
-from drivesizer.output.report.figures.field_panels import panels
+from drivesizer.output.report.figures.field import torque_speed, torque_speed_each
+from drivesizer.output.report.figures.field_panels import alone, leading, panels
 from drivesizer.output.report.figures.margins import margins
 from drivesizer.output.report.figures.motion import speed_profile
 from drivesizer.output.report.figures.pareto_front import trade_off
@@ -21,6 +21,7 @@ from drivesizer.output.report.figures.tornado import swings, tornado
 from drivesizer.output.report.figures.wheels import wheels_over_time
 from drivesizer.output.report.lines.machine import first_wheel
 from drivesizer.output.report.lines.reliability import reported
+from drivesizer.results.check_parts import by_part
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult
@@ -50,7 +51,8 @@ def report_drawings(
     -------
     dict
         Functions that draw, by name: ``way``, the path of a platform, ``profile``, ``cycle``; of a drive ``margins``,
-        ``field``, ``efficiency``, ``demand``, ``heat``, ``energy`` and ``battery``, as far as its figures are known;
+        ``field``, ``fields`` (each load case alone), ``efficiency``, ``demand``, ``heat``, ``energy`` and ``battery``,
+        as far as its figures are known;
         ``front``; ``tornado``; ``loop``, ``bode`` and ``step``.
     """
     best = result.shown
@@ -77,9 +79,11 @@ def report_drawings(
 def _of_set(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, Drawing]:
     """The figures of a drive; those that depend on figures that the catalogue does not know are left out."""
     fields = panels(result.problem, best, result.requirements)
-    made: dict[str, Drawing] = {"margins": lambda form: margins(best.every_check, form)}
+    made: dict[str, Drawing] = {"margins": lambda form: margins(by_part(best.own_checks), form)}
     if fields:
-        made["field"] = lambda form: torque_speed(fields, form)
+        made["field"] = lambda form: torque_speed([leading(fields)], form)
+    if each := alone(fields):
+        made["fields"] = lambda form: torque_speed_each(each, form)
     if does.known:
         made |= {"efficiency": does.efficiency, "demand": does.demand}
     if does.hottest:

@@ -8,8 +8,10 @@ from math import isfinite
 import numpy as np
 
 from drivesizer.machine.set_cycle import SetCycle, waveform
+from drivesizer.output.report.figures.field_panels import TOGETHER
 from drivesizer.output.report.figures.load_and_loop import Row, Trace, over_time, stretches
-from drivesizer.output.report.figures.style import CASES, Form
+from drivesizer.output.report.figures.style import Form
+from drivesizer.output.report.figures.wheels import MOST_WHEELS, each_over_time
 
 __all__ = ["Limits", "current_and_voltage"]
 
@@ -24,7 +26,7 @@ def current_and_voltage(
     Parameters
     ----------
     cases
-        Load cases by name, the set over each; the first few are drawn.
+        Load cases by name, the set over each; the first few are drawn, more than two in diagrams of their own.
     currents, voltages
         Limits by name; unknown ones are left out.
 
@@ -33,7 +35,7 @@ def current_and_voltage(
     bytes
         The file in that form.
     """
-    cases = cases[: len(CASES)]
+    cases = cases[:MOST_WHEELS]
     traces, cycles = [], []
     for name, found in cases:
         ends, cycle = waveform(found), found.cycle.load_cycle
@@ -42,7 +44,8 @@ def current_and_voltage(
         traces.append(Trace(name, np.stack([time - ends.duration, time], axis=1).ravel(), columns))
         cycles.append((name, cycle))
     rows = (Row("current", "current", "A", _known(currents)), Row("voltage", "voltage", "V", _known(voltages)))
-    return over_time(traces, rows, stretches(cycles), form)
+    draw = each_over_time if len(cases) > TOGETHER else over_time
+    return draw(traces, rows, stretches(cycles), form)
 
 
 def _known(limits: Limits) -> tuple[tuple[str, float], ...]:

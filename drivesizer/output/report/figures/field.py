@@ -10,14 +10,24 @@ from numpy.typing import NDArray
 
 from drivesizer.machine.operating_field import OperatingField, hot_winding
 from drivesizer.output.report.figures.field_panels import Panel, reach_of, signed
-from drivesizer.output.report.figures.style import CASES, COLOURS, Form, drawn, named, outside, placed, torque_unit
+from drivesizer.output.report.figures.style import (
+    CASES,
+    COLOURS,
+    Form,
+    drawn,
+    heading,
+    named,
+    outside,
+    placed,
+    torque_unit,
+)  # fmt: skip
 from drivesizer.units import from_si, label, show
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["MOST_PANELS", "torque_speed"]
+__all__ = ["MOST_FIELDS", "conditions", "torque_speed", "torque_speed_each"]
 
 
 def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
@@ -26,29 +36,68 @@ def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
     Parameters
     ----------
     panels
-        One for each usable voltage and ambient; the first few are drawn.
+        One for each usable voltage and ambient.
 
     Returns
     -------
     bytes
         The file in that form.
     """
-    shown = panels[:MOST_PANELS]
-    heights = [_height(panel) for panel in shown]
+    heights = [_height(panel) for panel in panels]
 
     def draw(figure: Figure) -> None:
-        grid = placed(figure, len(shown), right=_LEGEND, top=0.2, gaps=(0.6, 0.0), heights=heights, shared=False)
-        for (axes,), panel in zip(grid, shown, strict=True):
+        grid = placed(figure, len(panels), right=_LEGEND, top=0.2, gaps=(0.6, 0.0), heights=heights, shared=False)
+        for (axes,), panel in zip(grid, panels, strict=True):
             _field(axes, panel)
-            if len(shown) > 1:
-                lines = panel.cases[0][-1]
-                given = show(lines.voltage, "V", "voltage"), show(lines.ambient, "degC", "temperature")
-                axes.set_title(f"{given[0]} usable, ambient {given[1]}")
+            outside(axes)
+            if len(panels) > 1:
+                axes.set_title(conditions(panel))
 
-    return drawn(draw, sum(heights) + 0.6 * len(shown), form)
+    return drawn(draw, sum(heights) + 0.6 * len(panels), form)
 
 
-MOST_PANELS = 3
+def conditions(panel: Panel) -> str:
+    """Usable voltage and ambient of a panel."""
+    lines = panel.cases[0][-1]
+    return f"{show(lines.voltage, 'V', 'voltage')} usable, ambient {show(lines.ambient, 'degC', 'temperature')}"
+
+
+MOST_FIELDS = 8
+_ABREAST = 2  # small diagrams
+_SMALL = 1.75  # in, of a small diagram
+
+
+def torque_speed_each(panels: Sequence[Panel], form: Form = "svg") -> bytes:
+    """The motor's field once for each load case, as small diagrams with one legend.
+
+    Parameters
+    ----------
+    panels
+        Of one load case each; the first few are drawn.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
+    """
+    shown = panels[:MOST_FIELDS]
+    rows = -(-len(shown) // _ABREAST)
+    several = len({conditions(panel) for panel in shown}) > 1
+
+    def draw(figure: Figure) -> None:
+        grid = placed(figure, rows, _ABREAST, top=0.52, gaps=(0.62, 0.62), shared=False)
+        places = [axes for row in grid for axes in row]
+        for axes, panel in zip(places, shown, strict=False):
+            _field(axes, panel, plain=True)
+            name = named(panel.cases[0][1]).strip()
+            axes.set_title(f"{name}: {conditions(panel)}" if several else name)
+        for axes in places[len(shown) :]:
+            axes.set_visible(False)
+        heading(figure, *places[0].get_legend_handles_labels(), 5)
+
+    return drawn(draw, (_SMALL + 0.62) * rows + 0.32, form)
+
+
 _LEGEND = 2.05  # in, of room beside the field
 _LOWEST = 2.3  # in, of a field
 
@@ -66,14 +115,16 @@ _ROOM = 1.12  # of an axis beyond what must be seen
 _HEADROOM = 1.06  # above the highest speed
 
 
-def _field(axes: Axes, panel: Panel) -> None:
+def _field(axes: Axes, panel: Panel, *, plain: bool = False) -> None:
+    """Limits of the motor and load cycles; plain: names without figures, for a legend that several diagrams share."""
     first = panel.cases[0][-1]
     reach = reach_of(panel)
     unit = torque_unit(reach)
-    _lines(axes, first, unit, reach)
+    _lines(axes, first, unit, reach, plain=plain)
     for number, name, found in panel.cases:
-        if number < len(CASES):
-            _trace(axes, found, unit, *CASES[number], f"load cycle,\n{named(name)}" if name else "load cycle")
+        if plain or number < len(CASES):
+            said = "load cycle" if plain or not name else f"load cycle,\n{named(name)}"
+            _trace(axes, found, unit, *CASES[0 if plain else number], said, plain=plain)
     _mark(axes, panel, unit)
     right = float(from_si(_ROOM * reach, unit, "torque"))
     left = min(0.0, *(np.nan_to_num(signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
@@ -82,10 +133,9 @@ def _field(axes: Axes, panel: Panel) -> None:
     axes.set_ylim(0, float(from_si(_HEADROOM * top, "rpm", "rotary_speed")))
     axes.axvline(0, color="black", linewidth=0.6)
     axes.set(xlabel=f"torque at the motor's shaft ({label(unit)})", ylabel="motor speed (rpm)")
-    outside(axes)
 
 
-def _lines(axes: Axes, found: OperatingField, unit: str, reach: float) -> None:
+def _lines(axes: Axes, found: OperatingField, unit: str, reach: float, *, plain: bool) -> None:
     """Limits of the motor: continuous, by voltage hot and cold, short-time, and by speed."""
 
     def line(values: NDArray[np.float64], colour: str, dashes: Any, name: str) -> None:
@@ -97,7 +147,11 @@ def _lines(axes: Axes, found: OperatingField, unit: str, reach: float) -> None:
     hot, cold = (np.where(values < 0.0, np.nan, values) for values in (found.voltage_hot, found.voltage_cold))
     ambient = show(found.ambient, "degC", "temperature", 3)
     for values, winding, dashes in ((hot, hot_winding(found), "solid"), (cold, ambient, (0, (5, 2)))):
-        said = f"{found.voltage:.3g} V, winding {winding}"
+        said = (
+            f"winding {'hot' if dashes == 'solid' else 'cold'}"
+            if plain
+            else f"{found.voltage:.3g} V, winding {winding}"
+        )
         line(values, "blue", dashes, said.replace("-", "−"))
     within = np.fmin(found.voltage_cold, _ROOM * reach)  # beyond that it limits nothing, or is not in sight
     intermittent = np.where(found.intermittent <= within, found.intermittent, np.nan)
@@ -122,7 +176,7 @@ def _continuous(axes: Axes, found: OperatingField, unit: str) -> None:
 _MOST_SEGMENTS = 1500  # of a trace: finer than print
 
 
-def _trace(axes: Axes, found: OperatingField, unit: str, colour: str, dashes: Any, name: str) -> None:
+def _trace(axes: Axes, found: OperatingField, unit: str, colour: str, dashes: Any, name: str, *, plain: bool) -> None:
     speed, torque = signed(found)
     if np.isnan(torque).any():
         return
@@ -134,7 +188,7 @@ def _trace(axes: Axes, found: OperatingField, unit: str, colour: str, dashes: An
         return
     rms = found.rms_torque, found.rms_speed, unit
     axes.plot(*_at(*rms), marker="o", markersize=5.5, color=COLOURS[colour], linestyle="none", zorder=5,
-              label=_marked("RMS current and speed", *rms))  # fmt: skip
+              label="RMS current and speed" if plain else _marked("RMS current and speed", *rms))  # fmt: skip
 
 
 def _at(torque: float, speed: float, unit: str) -> tuple[float, float]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import isnan
 
 import numpy as np
@@ -14,8 +15,9 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.requirement import Requirement
 
-__all__ = ["OperatingPoint", "Panel", "panels", "paper_points", "reach_of", "signed"]
+__all__ = ["TOGETHER", "OperatingPoint", "Panel", "alone", "leading", "panels", "paper_points", "reach_of", "signed"]
 
+TOGETHER = 2  # load cases that can be told apart in one diagram; more are drawn one by one
 _FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room
 
 
@@ -58,6 +60,18 @@ def panels(problem: Problem, drive_set: DriveSet, requirements: tuple[Requiremen
         alike.setdefault((found.voltage, found.ambient), []).append((number, case.name, found))
     points = paper_points(drive_set, requirements) if problem.spec.method == "paper" else ()
     return [Panel(cases=tuple(cases), points=points) for cases in alike.values()]
+
+
+def leading(found: Sequence[Panel]) -> Panel:
+    """The first panel with as many load cases as one diagram shows: all of them, or the first alone."""
+    first = found[0]
+    return first if len(first.cases) <= TOGETHER else replace(first, cases=first.cases[:1])
+
+
+def alone(found: Sequence[Panel]) -> list[Panel]:
+    """A panel for each load case, where they are more than one diagram shows; else none."""
+    single = [replace(panel, cases=(case,), points=()) for panel in found for case in panel.cases]
+    return single if len(found) > 1 or len(single) > TOGETHER else []
 
 
 def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> tuple[OperatingPoint, ...]:

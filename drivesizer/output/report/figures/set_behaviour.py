@@ -14,8 +14,10 @@ from drivesizer.machine.warm_up import WarmUp, warm_up
 from drivesizer.output.report.figures.demand import current_and_voltage
 from drivesizer.output.report.figures.efficiency import efficiency_field, efficiency_map
 from drivesizer.output.report.figures.energy import energy_bars, energy_unit
+from drivesizer.output.report.figures.field_panels import TOGETHER
 from drivesizer.output.report.figures.heat import temperatures
-from drivesizer.output.report.figures.style import CASES, Form
+from drivesizer.output.report.figures.style import Form
+from drivesizer.output.report.figures.wheels import MOST_WHEELS
 from drivesizer.output.report.lines.machine import first_wheel
 from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
 from drivesizer.results.drive_set import DriveSet
@@ -61,7 +63,7 @@ class Behaviour:
     @cached_property
     def known(self) -> bool:
         """Whether the motor's current is, in all that is drawn."""
-        return all(found.known for _, found in self.cycles[: len(CASES)])
+        return all(found.known for _, found in self.cycles[:MOST_WHEELS])
 
     @cached_property
     def hottest(self) -> tuple[str, WarmUp] | None:
@@ -98,10 +100,11 @@ class Behaviour:
         )
 
     def efficiency(self, form: Form) -> bytes:
-        """The efficiency map with the load cycles in it."""
+        """The efficiency map with the load cycles in it, or with the first where they would cover one another."""
         usable = float(self.spec.feed_of(self.drive_set.controller).usable)
         voltage = usable if isfinite(usable) else self.spec.supply.lowest
-        return efficiency_map(efficiency_field(self.cycles[: len(CASES)], voltage), form)
+        shown = self.cycles if len(self.cycles) <= TOGETHER else self.cycles[:1]
+        return efficiency_map(efficiency_field(shown, voltage), form)
 
     def flow(self, form: Form) -> bytes:
         """Flow of the energy."""

@@ -16,8 +16,8 @@ from typing import Any
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.report.figures.all_figures import Drawing
-from drivesizer.output.report.figures.field import MOST_PANELS
-from drivesizer.output.report.figures.field_panels import Panel, panels
+from drivesizer.output.report.figures.field import conditions
+from drivesizer.output.report.figures.field_panels import panels
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.html.battery_plots import charge_plot, consumers_plot
 from drivesizer.output.report.html.candidate_plots import front_plot, sets_plot
@@ -30,12 +30,20 @@ from drivesizer.output.report.sections.candidates import candidate_numbers
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
 from drivesizer.results.sizing import SizingResult
-from drivesizer.units import show
 
 __all__ = ["render", "report_html"]
 
 _FILES = resources.files("drivesizer.output.report.html")
-_STILL = ("way", "tornado", "efficiency", "demand", "heat", "energy")  # figures that the page shows as the PDF does
+_STILL = (
+    "way",
+    "tornado",
+    "fields",
+    "efficiency",
+    "demand",
+    "heat",
+    "energy",
+)  # figures that the page shows as the PDF does
+_MOST_PANELS = 6  # of the motor's field that can be moved
 _BREAK = "\u200b"  # where a PDF may end a line; a browser finds such places itself
 
 
@@ -171,10 +179,10 @@ def _figures(content: Content) -> dict[str, Plot]:
         "sets-price": sets_plot(drives, "price", "price (EUR)"),
         "front": front_plot(result) if result.front else None,
     }
-    fields = panels(result.problem, best, result.requirements)[:MOST_PANELS] if best else []
+    fields = panels(result.problem, best, result.requirements) if best else []
     times = [cycle.time for _, cycle in content.cycles]
-    for n, panel in enumerate(fields, 1):
-        made[f"field-{n}"] = field_plot(panel, times) | {"title": _conditions(panel) if len(fields) > 1 else ""}
+    for n, panel in enumerate(fields[:_MOST_PANELS]):  # the first is in the summary
+        made[f"fields-{n}" if n else "field"] = field_plot(panel, times) | {"title": conditions(panel) if n else ""}
     budget = best.energy if best else None
     made |= {"consumers": consumers_plot(budget), "charge": charge_plot(budget)}
     if validation:
@@ -184,8 +192,3 @@ def _figures(content: Content) -> dict[str, Plot]:
             for n, (title, plot) in enumerate(step_plots(validation.loops).items(), 1):
                 made[f"step-{n}"] = plot | {"title": title}
     return {name: plot for name, plot in made.items() if plot}
-
-
-def _conditions(panel: Panel) -> str:
-    lines = panel.cases[0][-1]
-    return f"{show(lines.voltage, 'V', 'voltage')} usable, ambient {show(lines.ambient, 'degC', 'temperature')}"

@@ -12,12 +12,13 @@ from drivesizer.output.parts import parts
 from drivesizer.output.sums import not_in_mass, unknown_of
 from drivesizer.output.text import margin, use
 from drivesizer.results.check import tightest
+from drivesizer.results.check_parts import part_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.robot import AS_SPECIFIED
 from drivesizer.units import from_si, show
 
-__all__ = ["case_of", "check_row", "drive_row", "figure_row", "tightest_checks"]
+__all__ = ["case_of", "check_row", "drive_row", "figure_row", "tight_of", "tightest_checks"]
 
 
 def drive_row(best: DriveSet, catalog: Catalog) -> dict[str, Any]:
@@ -46,12 +47,13 @@ def drive_row(best: DriveSet, catalog: Catalog) -> dict[str, Any]:
         "price": "unknown" if isnan(best.price) else f"{best.price:.2f} EUR",
         "price_of": " + ".join(best.price_of),
         "price_lacks": ", ".join(f"{name} not known" for name in unknown_of(best, best.price_of)),
-        "tight": _tight(next(iter(tightest_checks(best)), None)),
+        "tight": tight_of(best),
     }
 
 
-def _tight(check: Check | None) -> dict[str, str]:
-    """The one margin of the summary; a condition that fails has none."""
+def tight_of(drive: DriveSet) -> dict[str, str]:
+    """The smallest margin of a drive with its check; a condition that fails has none."""
+    check = next(iter(tightest_checks(drive)), None)
     if check is None:
         return {"margin": "unknown", "title": ""}
     if isnan(check.margin):
@@ -59,9 +61,12 @@ def _tight(check: Check | None) -> dict[str, str]:
     return {"margin": margin(check.margin), "title": check.title}
 
 
+_TIGHTEST = 3
+
+
 def tightest_checks(drive: DriveSet) -> list[Check]:
-    """Five checks: conditions that fail, then the smallest margins; those kept small by selection are left out."""
-    return tightest(drive.deciding, 5)
+    """Three checks: conditions that fail, then the smallest margins; those kept small by selection are left out."""
+    return tightest(drive.deciding, _TIGHTEST)
 
 
 def check_row(c: Check) -> dict[str, Any]:
@@ -69,6 +74,7 @@ def check_row(c: Check) -> dict[str, Any]:
     bare = isnan(c.demand) and isnan(c.limit)  # a condition without figures
     return {
         "title": c.title,
+        "part": part_of(c.name),
         "case": "" if bare or c.case == AS_SPECIFIED else case_of(c),
         "demand": "" if bare else c.shown(c.demand),
         "limit": "" if bare else c.shown(c.limit),

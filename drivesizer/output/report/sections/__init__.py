@@ -10,7 +10,7 @@ from drivesizer.output.report.sections.appendix import REPEAT, SPEC_FILE
 from drivesizer.output.report.sections.assumptions import ASSUMPTIONS
 from drivesizer.output.report.sections.candidates import CANDIDATES
 from drivesizer.output.report.sections.changes import CHANGES
-from drivesizer.output.report.sections.checks import CHECKS, DRIVE
+from drivesizer.output.report.sections.checks import CHECKS, DRIVE, PHYSICS
 from drivesizer.output.report.sections.cycle import CYCLE, ENERGY, HEAT
 from drivesizer.output.report.sections.derivation import DERIVATION
 from drivesizer.output.report.sections.estimates import ESTIMATES
@@ -23,26 +23,27 @@ from drivesizer.output.report.sections.summary import SUMMARY
 
 __all__ = ["SECTIONS"]
 
-SECTIONS = (
+SECTIONS = (  # what to buy, whether it holds, how close others come, why; then what it rests on
     SUMMARY,
-    SPECIFICATION,
-    DERIVATION,
-    CANDIDATES,
-    RELIABILITY,
+    PARTS,
     DRIVE,
     CHECKS,
+    CHANGES,
     ESTIMATES,
     CYCLE,
     HEAT,
     ENERGY,
-    PARTS,
-    DATA_SHEETS,
+    RELIABILITY,
     MACHINE,
     BATTERY,
-    CHANGES,
     LOOP,
     LINEAR_LOOPS,
+    CANDIDATES,
+    SPECIFICATION,
+    DERIVATION,
     ASSUMPTIONS,
+    PHYSICS,
+    DATA_SHEETS,
     REPEAT,
     SPEC_FILE,
 )

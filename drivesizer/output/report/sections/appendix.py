@@ -15,7 +15,7 @@ from drivesizer.version import __version__
 
 __all__ = ["REPEAT", "SPEC_FILE", "about"]
 
-_FEW = 4  # catalogues in the table
+_FEW = 4  # catalogues in the table; more are listed in a file of their own
 
 
 def _repeat(content: Content) -> Iterator[Block]:
@@ -27,15 +27,17 @@ def _repeat(content: Content) -> Iterator[Block]:
     yield Table("", (Column("", "name"), Column("", width=1.0)), rows, look="figures")
     if len(digests) > _FEW:
         yield Fragment("digests", [list(one) for one in digests])
+    lines = content.result.spec.text.splitlines()
+    if lines:
+        yield Fragment("file", [file_name(content) or "spec.yaml", *lines])
 
 
 REPEAT = Section(name="repeat", title="How to repeat this", blocks=_repeat, appendix=True, tabled=False)
 
 
-def _file(content: Content) -> Iterator[Block]:
-    lines = content.result.spec.text.splitlines()
-    if lines:
-        yield Fragment("file", lines)
+def _no_blocks(_: Content) -> tuple[()]:
+    """None: the file is part of how to repeat the report."""
+    return ()
 
 
 def _sheet(content: Content) -> list[Sheet]:
@@ -49,7 +51,7 @@ def _sheet(content: Content) -> list[Sheet]:
     return [Sheet(name="Spec", columns=columns, rows=rows, filtered=False)]
 
 
-SPEC_FILE = Section(name="file", title="The spec file", blocks=_file, appendix=True, sheets=_sheet, tabled=False)
+SPEC_FILE = Section(name="file", title="The spec file", blocks=_no_blocks, appendix=True, sheets=_sheet, tabled=False)
 
 
 _MEANING = (

@@ -93,6 +93,7 @@ class Checks:
     caption: Text
     rows: Sequence[dict[str, Any]]  # of ``rows.check_row``
     name: str = ""
+    grouped: bool = False  # under the part that they concern; the rows are in that order
 
 
 @dataclass(frozen=True, slots=True)

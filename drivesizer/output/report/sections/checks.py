@@ -1,4 +1,4 @@
-"""The checks of the reported drive by both methods, and the figures without a limit."""
+"""The checks of the reported drive by part, and by physics where the method of the paper ranked."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.sheets import LIMITS, RANK, ranked
 from drivesizer.output.report.sections.texts import Status
+from drivesizer.results.check_parts import by_part
 from drivesizer.results.drive_set import Comparison, DriveSet
 
-__all__ = ["CHECKS", "DRIVE"]
+__all__ = ["CHECKS", "DRIVE", "PHYSICS"]
 
 
 _TITLES = {"found": "The selected drive", "unsure": "The most probable drive", "missed": "The closest rejected drive"}
@@ -37,18 +38,27 @@ def _blocks(content: Content) -> Iterator[Block]:
     yield Checks(
         f"All checks of {best.label}{worst}. The bar is the used share of the limit, the long tick 100 %, a "
         "short one where the margin begins that the spec requires",
-        [*map(check_row, best.checks)],
+        [*map(check_row, by_part(best.checks))],
         "checks",
+        grouped=True,
     )
-    if best.beside:
-        physics = "The same drive by physics: the whole load cycle, no factors of the paper"
-        paper = "The same drive by the method of the paper"
-        yield Checks(physics if content.result.method == "paper" else paper, [*map(check_row, best.beside)], "beside")
-        columns = (Column("demand", "name"), Column("paper", "number"), Column("", "status"),
-                   Column("physics", "number"), Column("", "status"),
-                   Column("why they differ", "small", 1.0))  # fmt: skip
-        rows = [_compared(one) for one in best.comparison]
-        yield Table("Both methods where they check the same limit", columns, rows)
+
+
+def _physics(content: Content) -> Iterator[Block]:
+    """The drive by physics, where the method of the paper ranked; the other way round it is left out."""
+    best = content.drive
+    if best is None or content.result.method != "paper" or not best.beside:
+        return
+    yield Words("The drive was ranked by the method of the paper, and its verdict is that method's. Here the same "
+                "drive by physics: the whole load cycle, no factors of the paper.")  # fmt: skip
+    yield Checks("Checks by physics", [*map(check_row, by_part(best.beside))], "beside", grouped=True)
+    columns = (Column("demand", "name"), Column("paper", "number"), Column("", "status"),
+               Column("physics", "number"), Column("", "status"),
+               Column("why they differ", "small", 1.0))  # fmt: skip
+    yield Table("Both methods where they check the same limit", columns, [_compared(one) for one in best.comparison])
+
+
+PHYSICS = Section(name="physics", title="The same drive by physics", blocks=_physics, appendix=True, tabled=False)
 
 
 def _compared(pair: Comparison) -> Row:

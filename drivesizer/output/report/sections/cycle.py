@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from drivesizer.output.report.figures.field import MOST_PANELS
-from drivesizer.output.report.figures.field_panels import panels
+from drivesizer.output.report.figures.field_panels import TOGETHER
 from drivesizer.output.report.figures.load_and_loop import stretches
+from drivesizer.output.report.figures.wheels import MOST_WHEELS
 from drivesizer.output.report.lines.drive import figure_row
 from drivesizer.output.report.sections.blocks import Block, Facts, Picture, Words
 from drivesizer.output.report.sections.content import Content
@@ -14,7 +14,7 @@ from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.texts import TableLink, Text
 from drivesizer.units import show
 
-__all__ = ["CYCLE", "ENERGY", "HEAT"]
+__all__ = ["CYCLE", "ENERGY", "HEAT", "field_picture"]
 
 
 def _unknown(subject: str) -> Text:
@@ -34,10 +34,6 @@ _VOLTAGE = (
     "Voltage is what the controller can give at the lowest voltage of the supply, with the winding at its highest "
     "temperature and at the ambient. Torque is that of the motor's shaft, its rotor's acceleration included; below 0 "
     "it brakes."
-)
-_SHORT = (
-    "Intermittent is what controller and gearhead are rated for over short times, drawn where the voltage reaches that "
-    "far."
 )
 _DOT = "The dot draws the RMS current of the cycle at its RMS speed."
 _ON_PAGE = (
@@ -63,11 +59,15 @@ def _cycle(content: Content) -> Iterator[Block]:
         cases = "; energy is that of the case as specified, the rest of the worst case"
         of = _by_machine(content, wheel, cases)
         yield Facts(f"Figures of the drive over the cycle{of}", [*map(figure_row, best.figures)], halves=True)
-    yield _field(content)
-    yield Picture("efficiency", _EFFICIENCY,
+    if "fields" in content.drawings:
+        yield Picture("fields", f"The motor's torque-speed field with each load case alone. {_VOLTAGE} {_DOT}",
+                      "torque-speed field of the motor with each load cycle",
+                      about="sets each load case against the limits of the motor.")  # fmt: skip
+    first = f" The load cycle is that of {content.cycles[0][0]}." if len(content.cycles) > TOGETHER else ""
+    yield Picture("efficiency", _EFFICIENCY + first,
                   "efficiency of motor and gearhead over torque and speed with the load cycle",
                   about="shows the share of the power that arrives.")  # fmt: skip
-    cases = ", in the first four load cases" if len(content.cases) > 4 else ""
+    cases = f", in the first {MOST_WHEELS} load cases" if len(content.cases) > MOST_WHEELS else ""
     of = "" if content.wheel else " those of the case as specified,"
     cut = " The longest stretch without change is left out." if len(stretches(content.cycles)) > 1 else ""
     yield Picture("demand", "Current and voltage of the motor over the cycle, at the mean temperature of the winding "
@@ -76,18 +76,27 @@ def _cycle(content: Content) -> Iterator[Block]:
                   about="shows current and voltage over time, as the checks by physics use them.")  # fmt: skip
 
 
-def _field(content: Content) -> Picture:
-    result = content.result
-    hidden = len(panels(result.problem, content.drive, result.requirements)[MOST_PANELS:]) if content.drive else 0
-    more = f" Further supplies and ambients ({hidden}) are not drawn." if hidden else ""
-    if result.method == "paper":
+def field_picture(content: Content) -> Picture:
+    """The motor's torque-speed field with the load cycle in it.
+
+    Parameters
+    ----------
+    content
+        With a drive.
+
+    Returns
+    -------
+    Picture
+    """
+    more = ""
+    if content.result.method == "paper":
         more += " The points of the paper are brought to the shaft as in (18), their speeds with the reserve of (1)."
-    first = " The first four load cases are drawn." if len(content.cases) > 4 else ""
+    if "fields" in content.drawings and content.cycles[0][0]:
+        more += f" The load cycle is that of {content.cycles[0][0]}; each load case has a diagram of its own below."
     return Picture(
-        "field", "The motor's torque-speed field. The shaded field is allowed continuously. "
-        f"{_VOLTAGE} {_SHORT} {_DOT}{first}{more}", "torque-speed field of the motor with the load cycle",
-        about="sets the load cycle against the limits of the motor.",
-        on_page=f"{_ON_PAGE} {_VOLTAGE} {_DOT}{more}")  # fmt: skip
+        "field", f"Torque and speed of the motor: the shaded field is allowed continuously. {_VOLTAGE} {_DOT}{more}",
+        "torque-speed field of the motor with the load cycle",
+        on_page=f"Torque and speed of the motor. {_ON_PAGE} {_VOLTAGE} {_DOT}{more}", place="here")  # fmt: skip
 
 
 CYCLE = Section(name="cycle", title="Over the cycle", level=2, blocks=_cycle, tabled=False)

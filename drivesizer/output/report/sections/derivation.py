@@ -57,11 +57,7 @@ _OF_WHEELS = (
     "needs, those of the least sum of squares. Each driven wheel is a load case, and the drive is sized for the worst "
     "of them; the worst is {wheel} by its RMS torque."
 )
-_OF_CYCLE = (
-    "Figures of the load cycle, segment by segment, at the {shaft}. The equations of the paper (C. Prados Sesmero et "
-    "al., Appl. Sci. 2021, 11, 6631), for a wheeled vehicle on a trapezoid in one load case, belong to the paper's own "
-    "method; they are left out here."
-)
+_OF_CYCLE = "Figures of the load cycle, segment by segment, at the {shaft}."
 
 
 def _equations(content: Content) -> Iterator[Block]:

@@ -29,6 +29,7 @@ from drivesizer.output.report.sections.sheet import Sheet, SheetColumn, headed
 from drivesizer.output.report.sections.sheets import LIMITS
 from drivesizer.output.report.sections.texts import Code, Status, Strong
 from drivesizer.output.thinning import on_curves
+from drivesizer.results.check_parts import by_part
 from drivesizer.units import from_si
 
 __all__ = ["LINEAR_LOOPS", "LOOP", "MOST_SAMPLES"]
@@ -42,7 +43,8 @@ def _blocks(content: Content) -> Iterator[Block]:
         return
     yield Words((f"{v.drive_set.label} over {driven_over(v)}: ", Status(v.status)))
     if v.checks:
-        yield Checks("Checks of the closed loop", [*map(check_row, v.checks)], "loop-checks")
+        yield Checks("Checks of the closed loop", [*map(check_row, by_part(v.checks))], "loop-checks",
+                     grouped=True)  # fmt: skip
     *first, last = [title for _, title in closed_loop_rows(v)]
     shown = f"In closed loop: {', '.join(first)} and {last}." if first else f"In closed loop: {last}."
     cut = " Stretches in which the reference does not change are left out." if len(windows(v.series)) > 1 else ""

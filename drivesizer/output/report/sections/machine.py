@@ -25,6 +25,7 @@ from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.sheets import RANK, STATUS, VALUES, ranked
 from drivesizer.output.report.sections.texts import Number, quantity
+from drivesizer.results.check_parts import by_part
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
 
@@ -39,7 +40,7 @@ def _blocks(content: Content) -> Iterator[Block]:
         return
     cases = "; each in its worst load case" if content.cases else ""
     yield Checks(f"The machine's budgets, which more than the choice of the motor decides{cases}",
-                 [*map(check_row, best.budget)], "budget")  # fmt: skip
+                 [*map(check_row, by_part(best.budget))], "budget", grouped=True)  # fmt: skip
     others = [figure_row(f) for f in best.machine if f.name not in _OF_MASSES]
     figures = [Facts("Figures of the machine without a limit", others)] if others else []
     if best.masses:

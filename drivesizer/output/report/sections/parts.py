@@ -1,18 +1,17 @@
-"""The parts list with prices, and the data sheets of the parts."""
+"""The sheet and the CSV rows of the parts list, and the data sheets of the parts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from math import isnan
+from collections.abc import Iterator
 from typing import Any
 
 from drivesizer.catalog import Catalog, columns_of, one_of
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
 from drivesizer.output.datasheet import datasheets
-from drivesizer.output.parts import PartLine, machine_parts, ordered_as, totals
+from drivesizer.output.parts import PartLine, totals
 from drivesizer.output.report.lines import rows as table
-from drivesizer.output.report.sections.blocks import Block, Column, Fragment, Row, Table, Words
+from drivesizer.output.report.sections.blocks import Block, Fragment, Words
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
@@ -22,54 +21,7 @@ from drivesizer.output.report.sections.texts import Mark
 from drivesizer.results.drive_set import section_of
 from drivesizer.units import KINDS, from_si
 
-__all__ = ["DATA_SHEETS", "PARTS", "parts_table"]
-
-
-def _blocks(content: Content) -> Iterator[Block]:
-    if content.drive is None:
-        return
-    yield parts_table(machine_parts(content.drive, content.result.problem), content.motors)
-    yield Words("Cables, connectors, couplings and mounting parts are not in the catalogues: unknown, and to be "
-                "ordered beside these.", "note")  # fmt: skip
-
-
-def parts_table(lines: Sequence[PartLine], motors: int) -> Table:
-    """Parts to order, with the sum of the known prices.
-
-    Parameters
-    ----------
-    lines
-        Of :func:`drivesizer.output.parts.parts_list`.
-    motors
-        How many drives the machine has.
-
-    Returns
-    -------
-    Table
-    """
-    drives = "the one drive" if motors == 1 else f"all {motors} drives"
-    columns = (Column("", "number"), Column("part", "name"), Column("maker and family", width=1.3),
-               Column("order number", "strong", 1.0), Column("each", "number"), Column("together", "number"),
-               Column("price of", "small", 1.2))  # fmt: skip
-    prices = [f"{total.value:.2f} {total.unit}" for total in totals(lines) if total.name == "price"]
-    lacks = [line.role for line in lines if isnan(line.price)]
-    total = ("", "sum", "of the known prices", "", "", " + ".join(prices) or "unknown",
-             f"without {', '.join(lacks)}" if lacks else "")  # fmt: skip
-    return Table(f"Parts to order for {drives}; prices are those of that many pieces", columns,
-                 [*map(_row, lines), Row(total, total=True)], name="parts")  # fmt: skip
-
-
-def _row(line: PartLine) -> Row:
-    maker = line.family if line.maker in line.family else f"{line.maker} {line.family}"
-    dated = [*(["no date"] if not isnan(line.price) and not line.price_date else []), line.price_date,
-             *([f"from {line.pieces} pieces"] if (line.pieces or 1) > 1 else [])]  # fmt: skip
-    return Row((f"{line.quantity} ×", line.role, maker or line.said or "unknown",
-                ordered_as(line.part, line.order_number), _money(line.price, line.currency),
-                _money(line.quantity * line.price, line.currency), " ".join(dated).strip()))  # fmt: skip
-
-
-def _money(price: float, currency: str) -> str:
-    return "unknown" if isnan(price) else f"{price:.2f} {currency}"
+__all__ = ["DATA_SHEETS", "PARTS"]
 
 
 _PARTS = (
@@ -106,7 +58,12 @@ def _csv(content: Content) -> Iterator[table.Row]:
     yield from (row | {"set_rank": 1} for row in (*rows, *table.total_rows(totals(content.bought))))
 
 
-PARTS = Section(name="parts", title="Parts list", level=2, blocks=_blocks, sheets=_sheet, csv=CsvRows(after=_csv))
+def _no_blocks(_: Content) -> tuple[()]:
+    """None: its table is in the summary."""
+    return ()
+
+
+PARTS = Section(name="parts", title="Parts list", level=2, blocks=_no_blocks, sheets=_sheet, csv=CsvRows(after=_csv))
 
 
 # -- data sheets
@@ -175,5 +132,10 @@ def _sourced(source: Any) -> table.Row:
 
 
 DATA_SHEETS = Section(
-    name="datasheets", title="Data sheets", level=2, blocks=_datasheets, sheets=_figures_sheet, tabled=False
+    name="datasheets",
+    title="Data sheets",
+    blocks=_datasheets,
+    sheets=_figures_sheet,
+    appendix=True,
+    tabled=False,
 )

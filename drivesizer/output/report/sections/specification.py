@@ -19,7 +19,7 @@ def _blocks(content: Content) -> Iterator[Block]:
     if groups:
         yield Words((
             "The figures as they were entered", *((" in ", Code(file)) if file else ()),
-            ". The file itself, comments included, closes this report.",
+            ".",
         ))  # fmt: skip
     yield Fragment("spec", groups)
     yield Picture("way", "The path from above, to scale, and the robot with its heading at intervals.",
@@ -69,4 +69,4 @@ def _scalar(value: Any) -> str:
     return "" if value is None else str(value)
 
 
-SPECIFICATION = Section(name="specification", title="Specification", blocks=_blocks, new_page=True, tabled=False)
+SPECIFICATION = Section(name="specification", title="Specification", blocks=_blocks, tabled=False)

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
-from drivesizer.output.parts import machine_parts, totals
-from drivesizer.output.probability import confidence, likely
+from drivesizer.output.parts import PartLine, machine_parts, totals
+from drivesizer.output.probability import confidence
 from drivesizer.output.report.lines import rows as table
-from drivesizer.output.report.lines.drive import case_of, check_row, drive_row, tightest_checks
+from drivesizer.output.report.lines.drive import case_of, check_row, tight_of, tightest_checks
 from drivesizer.output.report.lines.machine import driven_over, machine_words
-from drivesizer.output.report.lines.reliability import error_and_weakest, none_reaches, reported
-from drivesizer.output.report.sections.blocks import Block, Checks, Column, Row, Table, Tiles, Verdict, Words
+from drivesizer.output.report.lines.reliability import error_and_weakest, none_reaches
+from drivesizer.output.report.sections.blocks import Block, Checks, Tiles, Verdict, Words
 from drivesizer.output.report.sections.changes import changes_table
+from drivesizer.output.report.sections.confidence import confidence_table
 from drivesizer.output.report.sections.content import Content
+from drivesizer.output.report.sections.cycle import field_picture
+from drivesizer.output.report.sections.part_lines import LEAST, parts_table, total_text
 from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
 from drivesizer.output.report.sections.texts import Status, Strong, TableLink, Text
-from drivesizer.output.text import margin
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, worst
 from drivesizer.units import KINDS
@@ -35,18 +36,24 @@ def _blocks(content: Content) -> Iterator[Block]:
     result, best = content.result, content.drive
     yield Verdict(bool(result.sets), [*_outcome(content)])
     if best:
-        row = drive_row(best, result.catalog)
-        yield Tiles(_tiles(content, row))
-        alike = f", one of {content.motors} identical" if content.motors > 1 and result.sets else ""
-        columns = (Column("", "name"), Column("family", width=1.5), Column("order number", "strong", 1.15),
-                   Column("is", width=1.2))  # fmt: skip
-        parts = [Row((p["role"], p["family"], p["part"], p["said"])) for p in row["parts"]]
-        yield Table(OUTCOMES[content.outcome].capitalize() + alike, columns, parts, name="selected", look="parts")
+        lines = machine_parts(best, result.problem)
+        yield parts_table(lines, content.motors, OUTCOMES[content.outcome])
+        yield Tiles(_tiles(content, lines))
         yield Checks(
             ("The smallest margins; all checks are in ", TableLink("checks")),
             [*map(check_row, tightest_checks(best))],
             "tightest",
         )
+        yield from _changes(content)
+        yield confidence_table(content)
+        yield field_picture(content)
+    else:
+        yield from _changes(content)
+
+
+def _changes(content: Content) -> Iterator[Block]:
+    """Changes of the spec after which a drive passes, where none does."""
+    result = content.result
     if content.outcome == "missed" and result.relaxations:
         yield changes_table("Changes after which a drive passes, one figure at a time", result.relaxations)
     elif content.outcome == "missed" and result.counts.considered:
@@ -75,42 +82,30 @@ def meet(count: int, of: int) -> str:
 
 
 def _outcome(content: Content) -> Iterator[Text]:
-    """Result of the search, its probability, and whether the closed loop passes."""
+    """Result of the search, and whether the closed loop passes."""
     yield from _found(content) if content.outcome != "missed" else _missed(content)
-    one, sampled = reported(content.result), content.result.uncertainty
-    if sampled and one and one.reliability:
-        claim = "no check fails" if one.reliability.unknown else "all checks pass"
-        chance = Strong(likely(one.reliability.probability))
-        yield f"With tolerances {claim} with a probability of ", chance, f" {error_and_weakest(one.reliability)}."
     v = content.validation
     if v:
-        tight, unknown = worst(v.checks), ", ".join(c.title for c in v.checks if c.status == "unknown")
-        said = f" smallest margin: {tight.title} {margin(tight.margin)}" if tight else ""
-        yield (
-            f"Closed loop over {driven_over(v)}: ",
-            Status(v.status),
-            said + (f"; unknown: {unknown}" if unknown else ""),
-        )
+        yield f"Closed loop over {driven_over(v)}: ", Status(v.status)
 
 
 def _found(content: Content) -> Iterator[Text]:
     result, best, sampled = content.result, content.drive, content.result.uncertainty
     assert best is not None
     numbers = meet(result.counts.feasible, result.counts.considered)
-    unknown = ", ".join(c.title for c in best.deciding if c.status == "unknown")
-    lacks = f" Unknown: {unknown}." if unknown else ""
     required = confidence(sampled.confidence) if sampled and sampled.confidence is not None else ""
     if content.outcome == "unsure":
         yield (Strong(f"No drive reaches the confidence of {required}."),
-               f" {numbers} at nominal figures; {best.label} is the most probable.{lacks}")  # fmt: skip
+               f" {numbers} at nominal figures; {best.label} is the most probable.")  # fmt: skip
         return
-    head = Strong(f"A drive was found{', with figures unknown' if result.sets[0].status == 'unknown' else ''}.")
+    head = Strong(f"A drive was found{', with figures unknown' if best.status == 'unknown' else ''}.")
     if sampled and required:
         reach = "reaches" if sampled.reached == 1 else "reach"
         numbers += (
             f" at nominal figures, {sampled.reached} of {sampled.examined} sampled {reach} the confidence of {required}"
         )
-    yield head, f" {numbers}; {best.label} is the best of them by {result.objective.replace('_', ' ')}.{lacks}"
+    ranked = result.objective.replace("_", " ")
+    yield Status(best.status), " ", head, f" {numbers}; {best.label} is the best of them by {ranked}."
 
 
 def _missed(content: Content) -> Iterator[Text]:
@@ -122,26 +117,32 @@ def _missed(content: Content) -> Iterator[Text]:
     yield Strong("No drive."), f" {meet(0, counts.considered)}. {said}"
 
 
-def _tiles(content: Content, row: dict[str, Any]) -> list[tuple[str, str, str]]:
+def _tiles(content: Content, lines: Sequence[PartLine]) -> list[tuple[str, str, str]]:
     """The figures that a reader wants first."""
-    behaviour = content.behaviour
-    assert behaviour is not None
+    behaviour, best = content.behaviour, content.drive
+    assert behaviour is not None and best is not None
     several = ", as specified" if len(content.result.problem.cases) > 1 else ""
     drives = "the one drive" if content.motors == 1 else f"all {content.motors} drives"
+    tight = tight_of(best)
     return [
-        ("Smallest margin", row["tight"]["margin"], row["tight"]["title"]),
-        ("Mass of one drive", row["mass"], _covered(row["mass_of"], row["mass_lacks"])),
-        ("Price of one drive", row["price"], _covered(row["price_of"], row["price_lacks"])),
+        ("Smallest margin", tight["margin"], tight["title"]),
+        _summed(lines, "mass", drives),
+        _summed(lines, "price", drives),
         ("Energy per cycle", behaviour.cost,
          f"drawn from the supply, {drives}" + (", each at its wheel" if content.wheel else several)),
-        ("Total ratio", row["total_ratio"], f"motor turns per turn of the {content.shaft}"),
+        ("Total ratio", f"{best.total_ratio:.4g}", f"motor turns per turn of the {content.shaft}"),
     ]  # fmt: skip
 
 
-def _covered(parts: str, lacks: str) -> str:
-    if not parts:
-        return "unknown for all parts"
-    return f"sum of {parts}" + (f"; not in the sum: {lacks}" if lacks else "")
+def _summed(lines: Sequence[PartLine], name: str, drives: str) -> tuple[str, str, str]:
+    """A total of the parts list: its name, its value, and the parts that it leaves out or estimates."""
+    found = [total for total in totals(lines) if total.name == name]
+    lacks = [role for role in dict.fromkeys(line.role for line in lines) if all(role in t.lacks for t in found)]
+    least = ", at least" if found and lacks else ""
+    notes = [f"without {', '.join(lacks)}"] if least else []
+    notes += [f"estimated: {', '.join(total.estimated)}" for total in found if total.estimated]
+    value = " + ".join(total_text(total).removeprefix(LEAST) for total in found) or "unknown"
+    return f"{name.capitalize()} of {drives}{least}", value, "; ".join(notes)
 
 
 # -- the sheet
