@@ -21,9 +21,9 @@ from drivesizer.simulate import validate
 from drivesizer.sizing import size
 
 SECTIONS = (
-    "Specification", "Derivation", "The vehicle and its wheels", "At the motor shaft", "Candidates",
-    "The selected drive", "Checks", "Over the cycle", "Heat", "Energy", "Parts list", "Data sheets", "Closed loop",
-    "The loops by linear theory", "Assumptions and unknowns", "How to repeat this", "The spec file",
+    "The selected drive", "Checks", "Over the cycle", "Heat", "Energy", "Closed loop", "The loops by linear theory",
+    "Candidates", "Specification", "Derivation", "The vehicle and its wheels", "At the motor shaft",
+    "Assumptions and unknowns", "The same drive by physics", "Data sheets", "How to repeat this",
 )  # fmt: skip
 
 
@@ -69,7 +69,7 @@ def test_every_section_figure_and_table_is_there_and_numbered(sheets, text):
         assert len(re.findall(re.escape(section), text)) >= 2, section  # in the contents as well
     captions = [int(n) for n in re.findall(r"Figure (\d+): ", text)]
     assert sorted(captions) == list(range(1, len(captions) + 1)) and len(captions) == 10
-    for n in captions:
+    for n in {*captions} - {1}:  # the first is on the first page
         assert len(re.findall(rf"Figure {n}\b", text)) >= 2, f"figure {n} is not referred to"
     tables = [int(n) for n in re.findall(r"Table (\d+): ", text)]
     assert sorted(tables) == list(range(1, len(tables) + 1))
@@ -88,8 +88,9 @@ def test_energy_heat_parts_and_what_is_not_known_are_told(text):
         "Energy per cycle 5447 J", "drawn less what is regenerated and kept (70 %", "Copper loss, mean 0.3658 W",
         "Winding in periodic steady state, mean 38.23 °C",
         "winding time constant, motor time constant of the motor not known",
-        "4 × gearhead maxon GP 26 A 406764 127.73 EUR 510.92 EUR", "without motor, belt, encoder, controller",
-        "Cables, connectors", "Motor permissible speed motor max speed", "encoder max speed 24000 rpm recalled",
+        "4 × gearhead maxon GP 26 A, 27:1, exactly 26.851 406764 308 g 127.73 EUR 510.92 EUR", "at least 510.92 EUR",
+        "without motor, belt, encoder, controller", "Cables, connectors",
+        "Motor permissible speed motor max speed", "encoder max speed 24000 rpm recalled",
     ):  # fmt: skip
         assert said in text, said
 
@@ -157,7 +158,7 @@ def test_a_set_of_unknown_figures_says_which_and_draws_the_rest(result):
     assert_within_margins(made.pictures, "a4")
     text = text_of(made.content)
     assert "Energy per cycle unknown" in text and "current over time is unknown" in text
-    assert "sum of the known prices unknown" in text and not re.search(r"\bnan\b", text)
+    assert re.search(r"total (at least )?[\d.]+ kg unknown", text) and not re.search(r"\bnan\b", text)
 
 
 def test_misses_are_reported_with_bars_and_what_would_have_to_move(example_text, tmp_path):

@@ -28,8 +28,8 @@ from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import registry, show
 
-NAMES = ["Summary", "Requirements", "Candidates", "Checks", "Parts list", "Selected drive", "Machine", "Battery",
-         "Closed loop", "Time series", "Spec", "About"]  # fmt: skip
+NAMES = ["Summary", "Parts list", "Checks", "Machine", "Battery", "Closed loop", "Time series", "Candidates",
+         "Requirements", "Selected drive", "Spec", "About"]  # fmt: skip
 FORMULAS = ("=1+1", "+1", "-1+1", "@SUM(A1)", '=HYPERLINK("http://x")', "http://example.org/a", "{=1}", "\t=1", "＝1")
 
 

@@ -154,7 +154,7 @@ def test_every_report_says_that_no_set_is_as_sure_and_shows_the_surest(unsure: S
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     for said in (text, page):
         assert "No drive reaches the confidence of 100 %." in said
-        assert "The most probable drive: below the required confidence" in said
+        assert "the most probable drive: below the required confidence" in said
         assert "all limits at nominal figures" in said and "closest rejected drive is" not in said
         assert all(one.label in said for one in unsure.unsure)
     book = openpyxl.load_workbook(tmp_path / "report.xlsx")

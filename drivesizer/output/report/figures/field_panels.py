@@ -17,7 +17,7 @@ from drivesizer.results.requirement import Requirement
 
 __all__ = ["TOGETHER", "OperatingPoint", "Panel", "alone", "leading", "panels", "paper_points", "reach_of", "signed"]
 
-TOGETHER = 2  # load cases that can be told apart in one diagram; more are drawn one by one
+TOGETHER = 2  # load cases that one diagram shows apart; more are drawn one by one
 _FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room
 
 

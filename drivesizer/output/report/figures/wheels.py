@@ -90,8 +90,8 @@ def each_over_time(traces: Sequence[Trace], sides: Sequence[Row], shown: Sequenc
                 axes.set_title(f"{named(trace.name)}: {side.column} ({label(side.unit)})", pad=2.5)
             grid[-1][column].set_xlabel("time (s)")
         if names:
-            found = [axes.get_legend_handles_labels() for axes in grid[0]]
-            heading(figure, *([one for side in found for one in side[part]] for part in (0, 1)), 4)
+            left, right = (axes.get_legend_handles_labels() for axes in grid[0])
+            heading(figure, [*left[0], *right[0]], [*left[1], *right[1]], 4)
 
     return drawn(draw, (_ROW + _NAME) * len(traces) + 0.46 + names, form)
 

@@ -1,4 +1,4 @@
-"""How far the verdict can be trusted: checks by status, estimated figures, tolerances and the closed loop."""
+"""Confidence in the verdict: checks by status, estimated figures, tolerances and the closed loop."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["confidence_table"]
 
 
 def confidence_table(content: Content) -> Table:
-    """What the verdict rests on.
+    """Grounds of the verdict.
 
     Parameters
     ----------
