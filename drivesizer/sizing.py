@@ -134,7 +134,7 @@ def size(
         requirements=_requirements(found, next(iter((*picked.best, *picked.unsure, *short)), 0)),
         sets=sets,
         misses=tuple(picked.record(row, rank) for rank, row in enumerate(rejected, len(sets) + len(unsure) + 1)),
-        relaxations=() if found.passing or found.short else relaxations(problem),
+        relaxations=() if found.passing or found.short else relaxations(problem, objective),
         counts=found.counts,
         assumptions=(
             *_assumptions(problem.spec),

@@ -17,6 +17,8 @@ __all__ = ["Envelope", "Extremes", "envelope", "extremes", "undominated"]
 Array = NDArray[np.float64]
 
 _FRONT = 300  # points that may be left of a group before its convex hull is computed
+_BLOCK = 64  # points that the others are held against at a time, at most
+_NOT_BEFORE = np.triu(np.ones((_BLOCK, _BLOCK), bool))  # in a row's place those that do not come before it
 _FREE = (0, 1, 2, 3, 5)  # the functions that vary within a group: the three torques, acceleration, speed
 
 
@@ -129,14 +131,25 @@ def undominated(points: Array, most: int | None = None) -> NDArray[np.int64]:
     far = (points / np.where(spread > 0.0, spread, 1.0)).sum(axis=1)  # no column outweighs the others: few rounds
     # an earlier point cannot be exceeded by a later one; columns break ties that the digits of the sum leave
     rows = np.lexsort((*-points.T[::-1], -far))
-    left, found = np.ascontiguousarray(points[rows].T), list[int]()
-    while len(rows) and (most is None or len(found) <= most):
-        found.append(int(rows[0]))
-        higher = left[0] > left[0, 0]
-        for column in left[1:]:
-            higher |= column > column[0]
-        rows, left = rows[higher], left[:, higher]
-    return np.array([*found, *rows], dtype=np.int64)
+    left, found, size = np.ascontiguousarray(points[rows].T), list[NDArray[np.int64]](), 1
+    count, enough = 0, len(rows) if most is None else most + 1
+    while len(rows) and count < enough:
+        block = left[:, :size]
+        first = np.flatnonzero((_exceeding(block, block) | _NOT_BEFORE[: block.shape[1], : block.shape[1]]).all(axis=1))
+        first = first[: enough - count]
+        found.append(rows[first])
+        count, size = count + len(first), min(2 * size, _BLOCK)
+        after = _exceeding(left, left[:, first]).all(axis=1)
+        rows, left = rows[after], left[:, after]
+    return np.concatenate([*found, rows]).astype(np.int64)
+
+
+def _exceeding(points: Array, others: Array) -> NDArray[np.bool_]:
+    """Whether each point exceeds each of others in any figure: shape (points, others), of (figures, points)."""
+    higher: NDArray[np.bool_] = points[0][:, None] > others[0]
+    for mine, its in zip(points[1:], others[1:], strict=True):
+        higher |= mine[:, None] > its
+    return higher
 
 
 def _hull(points: Array) -> NDArray[np.int64]:

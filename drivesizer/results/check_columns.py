@@ -318,25 +318,39 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     found
         The checks, each with the number of its load case.
     """
-    checks = [check for _, check in found]
+    numbers, checks = [number for number, _ in found], [check for _, check in found]
     if len(checks) == 1:
-        return checks[0] if found[0][0] == 0 else replace(checks[0], case=np.full(checks[0].passed.shape, found[0][0]))
+        return checks[0] if numbers[0] == 0 else replace(checks[0], case=np.full(checks[0].passed.shape, numbers[0]))
     shape = np.broadcast_shapes(*(c.passed.shape for c in checks))
-    margin = np.stack([np.broadcast_to(np.nan_to_num(c.margin, nan=np.inf), shape) for c in checks])
-    order = np.stack([np.broadcast_to(np.where(c.failed, 0, np.where(c.passed, 2, 1)), shape) for c in checks])
-    worst = np.lexsort((margin, order), axis=0)[:1]
+    order, margin = _standing(checks[0])
+    worst = np.zeros(shape, np.int64)
+    for number, check in enumerate(checks[1:], 1):
+        its_order, its_margin = _standing(check)
+        worse = (its_order < order) | ((its_order == order) & (its_margin < margin))
+        if worse.any():
+            worst = np.where(worse, number, worst)
+            order, margin = np.where(worse, its_order, order), np.where(worse, its_margin, margin)
+    owned = [(number, rows) for number in range(1, len(checks)) if (rows := worst == number).any()]
 
     def picked(name: str) -> NDArray[Any] | None:
         columns = [getattr(c, name) for c in checks]
         if columns[0] is None:
             return None
-        stacked = np.stack([np.broadcast_to(c, shape) for c in columns])
-        taken: NDArray[Any] = np.take_along_axis(stacked, worst, axis=0)[0]
+        taken = np.asarray(columns[0])
+        taken = taken if taken.shape == shape else np.full(shape, taken)
+        for number, rows in owned:
+            taken = np.where(rows, columns[number], taken)
         return taken
 
     columns = {name: picked(name) for name in (*_COLUMNS, "zero") if name != "case"}
-    numbers = np.array([number for number, _ in found])
-    return replace(checks[0], **columns, case=numbers[worst[0]])  # type: ignore[arg-type]
+    return replace(checks[0], **columns, case=np.array(numbers)[worst])  # type: ignore[arg-type]
+
+
+def _standing(check: CheckColumn) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Outcome, the worst first, and margin: what is smaller goes before."""
+    margin = check.margin
+    order = np.where(check.failed, 0, np.where(check.passed, 2, 1))
+    return order, np.where(np.isnan(margin), np.inf, margin)
 
 
 PROPOSAL: dict[str, Any] = {  # of an encoder that is a proposal

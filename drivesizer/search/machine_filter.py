@@ -18,11 +18,12 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.least_drawn import battery_failures
 from drivesizer.search.ranking import Ranking
-from drivesizer.search.search import Evaluated, Found, Judge, Kept, search
+from drivesizer.search.search import Evaluated, Found, Judge, Kept, any_found, search
 from drivesizer.search.set_record import drive_parts, drive_set
 
 __all__ = [
     "Weigh",
+    "any_in_machine",
     "best_in_machine",
     "divided",
     "in_machine",
@@ -143,6 +144,23 @@ def _pieces(rows: NDArray[np.int64], first: int) -> Iterator[NDArray[np.int64]]:
     while len(rows):
         yield rows[:size]
         rows, size = rows[size:], min(_MORE * size, _MOST)
+
+
+def any_in_machine(problem: Problem) -> bool:
+    """Whether any drive passes by itself and in its machine.
+
+    Parameters
+    ----------
+    problem
+        As ``search`` takes it.
+
+    Returns
+    -------
+    bool
+        Whether ``best_in_machine`` would find one, by any objective.
+    """
+    machine = of_the_platform(problem.machine)
+    return any_found(problem, in_machine(problem, machine, weighing(problem, machine)))
 
 
 def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] = frozenset()) -> DriveSet | None:

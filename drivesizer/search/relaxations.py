@@ -15,7 +15,8 @@ from drivesizer.results.drive_set import DriveParts, Relaxation
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
-from drivesizer.search.machine_filter import best_in_machine, passes_budgets
+from drivesizer.search.machine_filter import any_in_machine, best_in_machine, passes_budgets
+from drivesizer.search.ranking import Ranking
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, MotorChoice
@@ -26,7 +27,13 @@ __all__ = ["changes_for", "relaxations"]
 _STEPS = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)  # times
 _NEAR_ENOUGH = 1.01
 _COLDEST = 100.0  # K below what is given
-Passes = Callable[[Problem], str | None]  # the label of a drive that meets all limits of a problem, if any does
+
+
+class _Passing(NamedTuple):
+    """Drives that meet all limits of a problem."""
+
+    any: Callable[[Problem], bool]  # whether one does
+    label: Callable[[Problem], str]  # of the best one
 
 
 class _Figure(NamedTuple):
@@ -64,16 +71,31 @@ _FIGURES = (
 _AMBIENT = ("environment", "ambient")
 
 
-def relaxations(problem: Problem) -> tuple[Relaxation, ...]:
-    """The changes that would let some drive pass where none does, the least change first."""
+def relaxations(problem: Problem, objective: Ranking) -> tuple[Relaxation, ...]:
+    """The changes that would let some drive pass where none does.
+
+    Parameters
+    ----------
+    problem
+        The machine with its load cycles, and the catalogues.
+    objective
+        What ranks drives: the best that then passes is named.
+
+    Returns
+    -------
+    tuple
+        The least change first.
+    """
     if not len(candidates(problem).motor):
         return ()
 
-    def best(moved: Problem) -> str | None:
-        found = best_in_machine(moved, problem.spec.select.objective)
-        return found.label if found else None
+    def best(moved: Problem) -> str:
+        found = best_in_machine(moved, objective)
+        if found is None:
+            raise AssertionError("a drive that passes ranks nowhere")
+        return found.label
 
-    return tuple(_found(problem, best))
+    return tuple(_found(problem, _Passing(any_in_machine, best)))
 
 
 def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:
@@ -95,14 +117,13 @@ def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:
     motor, gearhead = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
     only = Candidates(np.array([motor]), np.array([gearhead]), np.array([one.belt_ratio]), np.array([True]))
 
-    def passes(moved: Problem) -> str | None:
+    def passes(moved: Problem) -> bool:
         found = evaluate(moved, only)
-        good = not found.failed[0] and passes_budgets(moved, drive_parts(found, 0))
-        return one.label if good else None
+        return not found.failed[0] and passes_budgets(moved, drive_parts(found, 0))
 
     if problem.spec.method == "paper":  # its rule looks at the other reductions of the family: those come along
         return tuple(_other_reductions(problem, one))
-    return (*_other_reductions(problem, one), *_found(problem, passes))
+    return (*_other_reductions(problem, one), *_found(problem, _Passing(passes, lambda _: one.label)))
 
 
 def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]:
@@ -135,47 +156,47 @@ def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]
         )
 
 
-def _found(problem: Problem, passes: Passes) -> list[Relaxation]:
+def _found(problem: Problem, passing: _Passing) -> list[Relaxation]:
     """Each figure that helps when it moves alone."""
-    found = [*_scaled(problem, passes), *_cooler(problem, passes)]
+    found = [*_scaled(problem, passing), *_cooler(problem, passing)]
     return sorted(found, key=lambda r: (r.share, r.field))
 
 
-def _scaled(problem: Problem, passes: Passes) -> Iterator[Relaxation]:
+def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
     turns = problem.spec.load.axis == "rotary"
     for figure in _FIGURES:
         now = _value(problem.spec, figure.path)
         if not isinstance(now, float) or now == 0.0:
             continue
-        found = _least_change(lambda f, at=figure.path: passes(_changed(problem, at, f)), figure.direction)  # type: ignore[misc]
-        if found is not None:
-            factor, label = found
+        factor = _least_change(lambda f, at=figure.path: passing.any(_changed(problem, at, f)), figure.direction)  # type: ignore[misc]
+        if factor is not None:
             kind, unit = figure.rotary if turns and figure.rotary else (figure.kind, figure.unit)
             yield Relaxation(
                 field=".".join(figure.path), now=show(now, unit, kind), needed=show(now * factor, unit, kind, 3),
-                set_label=label, share=abs(factor - 1.0), kind=kind, unit=unit, before=now, after=now * factor,
+                set_label=passing.label(_changed(problem, figure.path, factor)), share=abs(factor - 1.0),
+                kind=kind, unit=unit, before=now, after=now * factor,
             )  # fmt: skip
 
 
-def _cooler(problem: Problem, passes: Passes) -> Iterator[Relaxation]:
+def _cooler(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
     """The ambient, which moves by kelvins."""
     now = problem.spec.environment.ambient
 
-    def label_at(fall: float) -> str | None:
-        return passes(_changed(problem, _AMBIENT, 1.0 - fall / now))
+    def cooled(fall: float) -> Problem:
+        return _changed(problem, _AMBIENT, 1.0 - fall / now)
 
-    low, high, label = 0.0, _COLDEST, label_at(_COLDEST)
-    if not label:
+    low, high = 0.0, _COLDEST
+    if not passing.any(cooled(high)):
         return
     while high - low > 1.0:
         middle = (low + high) / 2
-        if found := label_at(middle):
-            high, label = middle, found
+        if passing.any(cooled(middle)):
+            high = middle
         else:
             low = middle
     yield Relaxation(
         field=".".join(_AMBIENT), now=show(now, "degC", "temperature"),
-        needed=show(now - high, "degC", "temperature", 3), set_label=label, share=high / now,
+        needed=show(now - high, "degC", "temperature", 3), set_label=passing.label(cooled(high)), share=high / now,
         kind="temperature", unit="degC", before=now, after=now - high,
     )  # fmt: skip
 
@@ -201,23 +222,23 @@ def _changed(problem: Problem, path: tuple[str, ...], factor: float) -> Problem:
     return changed(problem, moved)
 
 
-def _least_change(passes: Callable[[float], str | None], direction: int) -> tuple[float, str] | None:
-    """The factor nearest to 1 at which something passes, between 1 and 1/20 or 20, and what; None when nothing does.
+def _least_change(passes: Callable[[float], bool], direction: int) -> float | None:
+    """The factor nearest to 1 at which something passes, between 1 and 1/20 or 20; None where nothing does.
 
     Looked for in steps first: more is not always better, as when a voltage outgrows the controllers.
     """
     near = 1.0
     for step in _STEPS:
         far = step**direction
-        if label := passes(far):
+        if passes(far):
             break
         near = far
     else:
         return None
     while max(far / near, near / far) > _NEAR_ENOUGH:
         middle = float(np.sqrt(near * far))
-        if found := passes(middle):
-            far, label = middle, found
+        if passes(middle):
+            far = middle
         else:
             near = middle
-    return far, label
+    return far

@@ -24,9 +24,9 @@ from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluat
 from drivesizer.search.families import family_of, first_of_each
 from drivesizer.search.open_checks import passing
 from drivesizer.search.ranking import Ranking
-from drivesizer.search.sifting import OPEN, PASSES, Progress, Sifted, sifted
+from drivesizer.search.sifting import OPEN, PASSES, Progress, Sifted, any_passes, sifted
 
-__all__ = ["Evaluated", "Found", "Judge", "Kept", "search", "smallest_margin"]
+__all__ = ["Evaluated", "Found", "Judge", "Kept", "any_found", "search", "smallest_margin"]
 
 Array = NDArray[np.float64]
 
@@ -35,6 +35,7 @@ _MOST = 1 << 16  # at a time
 _CELLS = 50_000  # drives times pieces of the load cycle, of which margins are computed to order equals
 _SAMPLED = 32  # open drives at most
 _ALIKE = 32  # drives of a family that rank alike, of which margins are computed
+_QUICK = "mass"  # objective that needs no waveform
 _TENTHS = 12  # places for tenths of a probability, and for what is not sampled
 
 
@@ -164,6 +165,30 @@ def _of_other_families(
         margin = smallest_margin(evaluated(alike).checks)
         found[n] = _passing(judge, sets, evaluated, alike[np.argsort(-margin, kind="stable")], 1).best[0]
     return found
+
+
+def any_found(problem: Problem, judge: Judge | None) -> bool:
+    """Whether a search finds a drive, whatever ranks it: without waveforms of all, and no more examined than needed.
+
+    Parameters
+    ----------
+    problem, judge
+        As for ``search``.
+
+    Returns
+    -------
+    bool
+        Whether any passes or may pass.
+    """
+    if problem.spec.method == "paper":
+        return _by_the_paper(problem, 1, _QUICK, None, (), judge, 0).passing > 0
+    if judge is None:
+        return any_passes(problem)
+    kept, _, _ = sifted(problem, {_QUICK}, None)
+    value = ranking.values(problem.catalog, kept.sets, kept.figures, _QUICK)
+    order = ranking.order(problem.catalog, kept.sets, *value, before=[kept.certainty])
+    found = _passing(judge, kept.sets, lambda rows: by_physics(problem, kept.sets.on(rows), True), order, 1)
+    return len(found.best) > 0
 
 
 def _held_back(

@@ -23,7 +23,7 @@ from drivesizer.search.columns.stages import Examined, examine
 from drivesizer.search.ranking import COUNTED
 from drivesizer.spec.select import OBJECTIVES
 
-__all__ = ["OPEN", "PASSES", "Progress", "Sifted", "sifted"]
+__all__ = ["OPEN", "PASSES", "Progress", "Sifted", "any_passes", "sifted"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]  # drives examined, drives in all
@@ -88,6 +88,29 @@ def sifted(problem: Problem, names: Set[str], progress: Progress | None) -> tupl
     opened = int(np.count_nonzero(passing.certainty == OPEN))
     counts = Counts(considered=total, feasible=len(passing.sets.motor), open=opened, failed_by=tally)
     return passing, rejected[0][0], counts
+
+
+def any_passes(problem: Problem) -> bool:
+    """Whether any candidate passes or may pass: no more of them are examined than answer that.
+
+    Parameters
+    ----------
+    problem
+        The machine with its load cycles, and the catalogues.
+
+    Returns
+    -------
+    bool
+        Whether ``sifted`` would find one.
+    """
+    every, belts = pairs(problem), problem.belt_ratios
+    if problem.spec.select.unknown == "reject":
+        return any((one.unknown == 0).any() for one in _examined(problem, every, belts, False))
+    uncertain = every.on(estimated(problem, every))
+    favourable, unfavourable = at_ends(problem) if len(uncertain.motor) else (problem, problem)
+    sides = ((favourable, every), (unfavourable, uncertain))
+    found = (one for side, sets in sides for one in examine(side, _chunks(sets, belts), staged=True, exact=False))
+    return any(len(one.rows) for one in found)
 
 
 def _examined(problem: Problem, every: Candidates, belts: list[float], exact: bool) -> Iterator[_Found]:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from types import SimpleNamespace
 
 import pytest
-from specs import estimates_off
+from specs import estimates_off, selecting
 
+from drivesizer.catalog.view.search_view import search_view
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import changed, problem
 from drivesizer.search import relaxations as module
+from drivesizer.search.machine_filter import any_in_machine, best_in_machine
 from drivesizer.search.relaxations import relaxations
-from drivesizer.sizing import explain
+from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
 
 SPEC = """
@@ -48,14 +51,21 @@ def moves(given, monkeypatch, passes=lambda _: False):
     """The relaxations where a drive passes by a rule on the moved figures, and all factors that were tried."""
     now, tried = figures(given.spec), {}
 
-    def best(moved, _):
-        ratios = {name: value / now[name] for name, value in figures(moved.spec).items() if value != now[name]}
-        for name, factor in ratios.items():
-            tried.setdefault(name, set()).add(factor)
-        return SimpleNamespace(label="a drive") if passes(ratios) else None
+    def ratios(moved):
+        return {name: value / now[name] for name, value in figures(moved.spec).items() if value != now[name]}
 
+    def found(moved):
+        for name, factor in ratios(moved).items():
+            tried.setdefault(name, set()).add(factor)
+        return passes(ratios(moved))
+
+    def best(moved, objective):
+        assert passes(ratios(moved)) and objective == "price"
+        return SimpleNamespace(label="a drive")
+
+    monkeypatch.setattr(module, "any_in_machine", found)
     monkeypatch.setattr(module, "best_in_machine", best)
-    return {r.field: r for r in relaxations(given)}, tried
+    return {r.field: r for r in relaxations(given, "price")}, tried
 
 
 @pytest.mark.parametrize(("motion", "furthest"), [
@@ -91,6 +101,7 @@ def test_the_least_factor_is_found_to_one_per_cent(field, factor, catalog, monke
     assert moved == pytest.approx(factor, rel=0.0101)
     assert passes({field: moved})
     assert move.share == pytest.approx(abs(moved - 1.0))
+    assert move.set_label == "a drive"
     shown = [float(text.split()[0]) for text in (move.needed, move.now)]
     assert shown[0] / shown[1] == pytest.approx(moved, rel=0.01)
 
@@ -133,3 +144,41 @@ def test_a_cycle_is_made_anew_only_where_a_figure_of_it_moves(catalog):
     heavy, light = moved("load", inertia=3e-3), moved("environment", gravity=1.6)
     assert heavy.cases[0].cycle.inertia == pytest.approx(before.cycle.inertia * 1.5)
     assert light.cases[0].at_belt is not before.at_belt
+
+
+@pytest.mark.parametrize("unknown", ["allow", "reject"])
+@pytest.mark.parametrize("estimates", ["on", "off"])
+def test_a_drive_is_found_where_a_search_finds_one(estimates, unknown, catalog):
+    """From a budget of mass and an ambient at which nothing passes to one at which much does."""
+    spec = selecting(spec_of(), estimates=estimates, unknown=unknown)
+    given = problem(spec, search_view(catalog, estimates == "on"))
+    some = set()
+    for mass, volts in itertools.product((0.02, 0.15, 1.0), (12.0, 24.0)):
+        moved = with_(given, needs={"mass": mass}, supply={"nominal": volts})
+        found = best_in_machine(moved, "mass")
+        assert any_in_machine(moved) == (found is not None)
+        some.add(found is not None)
+    assert some == {True, False}
+
+
+def with_(given, **sections):
+    update = {name: getattr(given.spec, name).model_copy(update=fields) for name, fields in sections.items()}
+    return changed(given, lambda spec: spec.model_copy(update=update))
+
+
+def test_the_drive_that_is_named_is_the_best_of_the_objective_once_the_figure_has_moved(catalog, monkeypatch):
+    """Of several motors with the gearhead of the least backlash the lightest, or that of the least energy."""
+    spec = spec_of()
+    spec = spec.model_copy(update={"needs": type(spec.needs)(backlash_at_load="0.1 deg")})
+    path, named = ("needs", "backlash_at_load"), {}
+    monkeypatch.setattr(module, "_FIGURES", [figure for figure in module._FIGURES if figure.path == path])
+    for objective in ("mass", "energy"):
+        (move,) = (
+            one for one in relaxations(problem(spec, catalog), objective) if one.field == "needs.backlash_at_load"
+        )
+        needs = spec.needs.model_copy(update={"backlash_at_load": move.after})
+        found = size(spec.model_copy(update={"needs": needs}), catalog=catalog, objective=objective, top=1)
+        assert move.set_label == found.sets[0].label
+        named[objective] = move
+    assert named["mass"].needed == named["energy"].needed
+    assert named["mass"].set_label != named["energy"].set_label
