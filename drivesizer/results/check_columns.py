@@ -322,15 +322,15 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     if len(checks) == 1:
         return checks[0] if numbers[0] == 0 else replace(checks[0], case=np.full(checks[0].passed.shape, numbers[0]))
     shape = np.broadcast_shapes(*(c.passed.shape for c in checks))
-    order, margin = _standing(checks[0])
+    order, margin = _precedence(checks[0])
     worst = np.zeros(shape, np.int64)
     for number, check in enumerate(checks[1:], 1):
-        its_order, its_margin = _standing(check)
+        its_order, its_margin = _precedence(check)
         worse = (its_order < order) | ((its_order == order) & (its_margin < margin))
         if worse.any():
             worst = np.where(worse, number, worst)
             order, margin = np.where(worse, its_order, order), np.where(worse, its_margin, margin)
-    owned = [(number, rows) for number in range(1, len(checks)) if (rows := worst == number).any()]
+    others = [(number, rows) for number in range(1, len(checks)) if (rows := worst == number).any()]
 
     def picked(name: str) -> NDArray[Any] | None:
         columns = [getattr(c, name) for c in checks]
@@ -338,7 +338,7 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
             return None
         taken = np.asarray(columns[0])
         taken = taken if taken.shape == shape else np.full(shape, taken)
-        for number, rows in owned:
+        for number, rows in others:
             taken = np.where(rows, columns[number], taken)
         return taken
 
@@ -346,7 +346,7 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     return replace(checks[0], **columns, case=np.array(numbers)[worst])  # type: ignore[arg-type]
 
 
-def _standing(check: CheckColumn) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _precedence(check: CheckColumn) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Outcome, the worst first, and margin: what is smaller goes before."""
     margin = check.margin
     order = np.where(check.failed, 0, np.where(check.passed, 2, 1))
