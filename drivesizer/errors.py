@@ -3,6 +3,7 @@
     DrivesizerError
     ├── InputError      the user's text, file or option is wrong (also a ValueError)
     │   ├── FieldError      a field of the spec, before its file and line are added
+    │   ├── UnknownCatalogError  no catalogue has that name
     │   └── NoLoopError     this set cannot be driven in closed loop; everything else about it can be reported
     └── CatalogError    a catalogue file is wrong (also a ValueError)
 
@@ -20,6 +21,7 @@ __all__ = [
     "FieldError",
     "InputError",
     "NoLoopError",
+    "UnknownCatalogError",
     "nearest",
     "printable",
     "quoted",
@@ -34,7 +36,11 @@ class DrivesizerError(Exception):
 
 
 class InputError(DrivesizerError, ValueError):
-    """Something that the user gave cannot be used."""
+    """Something that the user gave cannot be used; ``lines`` has a line for each of several faults in one file."""
+
+    def __init__(self, message: str, lines: Iterable[str] = ()) -> None:
+        super().__init__(message)
+        self.lines = tuple(lines) or (message,)
 
 
 class FieldError(InputError):
@@ -43,6 +49,10 @@ class FieldError(InputError):
     def __init__(self, field: tuple[str | int, ...], message: str) -> None:
         super().__init__(message)
         self.field = field
+
+
+class UnknownCatalogError(InputError):
+    """No catalogue has that name; who knows the file that names it adds file and line."""
 
 
 class NoLoopError(InputError):

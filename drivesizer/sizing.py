@@ -10,7 +10,7 @@ import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
 from drivesizer.catalog.view.search_view import search_view
-from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.load_cases.requirements import requirements
 from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
 from drivesizer.machine import pulleys
@@ -62,7 +62,11 @@ def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
     Catalog
         Actuators split, gearheads on every shaft, with estimates.
     """
-    catalog = catalog or load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None)
+    if catalog is None:
+        try:
+            catalog = load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None)
+        except UnknownCatalogError as error:
+            raise InputError(f"{spec.where(('select', 'catalogs'))}: {error}") from None
     return search_view(catalog, estimates=spec.select.estimates == "on")
 
 

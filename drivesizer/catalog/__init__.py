@@ -31,7 +31,7 @@ from drivesizer.catalog.parts import (
     one_of,
 )
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
-from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.files.cache import CacheWarning, digest_of, folder
 from drivesizer.files.text import decoded, read_bytes
 from drivesizer.units.ranges import AT_MOST, MAY_BE_ZERO, RANGES
@@ -104,7 +104,9 @@ def _path(name: str, beside: Path | None, known: Mapping[str, Path]) -> Path:
     if path.suffix in (".yaml", ".yml"):
         return path
     hint = nearest(name, known, 1)
-    raise InputError(f"no catalogue is called {quoted(name)}{hint}; expected a maker's, such as maxon, or a .yaml file")
+    raise UnknownCatalogError(
+        f"no catalogue is called {quoted(name)}{hint}; expected a maker's, such as maxon, or a .yaml file"
+    )
 
 
 def _key(raw: bytes) -> str:

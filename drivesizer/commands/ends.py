@@ -15,7 +15,7 @@ from pathlib import Path
 import typer
 
 from drivesizer.commands.common import NothingFitsError
-from drivesizer.errors import DrivesizerError, printable, reason_of
+from drivesizer.errors import DrivesizerError, InputError, printable, reason_of
 
 __all__ = ["FAULT", "STOPPED", "TRACEBACK", "ended"]
 
@@ -39,7 +39,8 @@ def ended(command: Callable[[], int | None]) -> int:
 
             traceback.print_exc()
         message, status = _reported(error)
-        _say(message)
+        for line in error.lines if isinstance(error, InputError) else [message]:
+            _say(line)
         _forget_output()
     return status
 
@@ -50,6 +51,9 @@ def _reported(error: BaseException) -> tuple[str, int]:
         return str(error), 1
     if isinstance(error, DrivesizerError):
         return str(error), 2
+    if type(error).__name__ == "NoArgsIsHelpError":  # as typer's click names it: the help, readable
+        print(error.ctx.get_help())  # type: ignore[attr-defined]
+        return "", 0
     if isinstance(error, _Usage):
         return f"{error.format_message()} (try drivesizer --help)", 2  # type: ignore[attr-defined]
     if isinstance(error, KeyboardInterrupt | typer.Abort):

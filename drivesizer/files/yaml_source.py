@@ -162,8 +162,24 @@ def _not_yaml(error: yaml.MarkedYAMLError, text: str) -> str:
             f"{problem} {error.context or ''}, which begins here".replace(" ,", ","),
         )
     line = min(line, max(len(lines) - 1, 0))
-    hint = "; indent with blanks, not tabs" if lines and "\t" in lines[line] else ""
-    return f"{line + 1}: not YAML: {problem}{hint}"
+    return f"{line + 1}: not YAML: {problem}{_hint(lines, line, problem)}"
+
+
+def _hint(lines: list[str], line: int, problem: str) -> str:
+    """The likely cause of a syntax error, by its line and the one above that says something."""
+    if not lines:
+        return ""
+    if "\t" in lines[line]:
+        return "; indent with blanks, not tabs"
+    above = next((text for text in reversed(lines[:line]) if text.split("#")[0].strip()), "")
+    here, before = (len(text) - len(text.lstrip(" ")) for text in (lines[line], above))
+    if here != before and ("mapping values" in problem or "expected" in problem):
+        where = "deeper" if here > before else "less deep"
+        by = f"{here} blank{'s' * (here != 1)}, {where} than the line above"
+        return f"; indented by {by}: fields of one group stand below each other"
+    if "mapping values" in problem:
+        return "; a text with a colon and a blank in it needs quotes"
+    return ""
 
 
 def _build(text: str, name: str, note: Callable[[Path_, int], object]) -> Any:

@@ -29,6 +29,7 @@ class Counts:
     considered: int
     feasible: int
     failed_by: dict[str, int]
+    left_out: int = 0  # that meet all limits that are known, and ``select: {unknown: reject}`` leaves out
     open: int = 0  # of the feasible, how many pass or fail by estimated figures
     judged: int = 0  # of those that meet all limits of the drive, the best that were checked in the machine
     failed_by_budget: dict[str, int] = field(default_factory=dict)  # of these, how many failed on which budget

@@ -363,7 +363,8 @@ def _by_the_paper(
     ])  # fmt: skip
     passes = ~found.failed if problem.spec.select.unknown == "allow" else ~found.failed & ~found.unknown
     tally = {check.name: int(check.failed.sum()) for check in found.checks if check.failed.any()}
-    counts = Counts(considered=len(passes), feasible=int(passes.sum()), failed_by=tally)
+    left_out = int(np.count_nonzero(~found.failed & ~passes))
+    counts = Counts(considered=len(passes), feasible=int(passes.sum()), left_out=left_out, failed_by=tally)
     passing, rejected = order[passes[order]], order[~passes[order]]
     sets = found.candidates
     kept_in_machine = _passing(judge, sets, lambda rows: _on(found, rows), passing, len(order) if pareto else top)

@@ -86,7 +86,8 @@ def sifted(problem: Problem, names: Set[str], progress: Progress | None) -> tupl
     passing = _joined(problem, kept, every, names)
     tally = {name: count for name, count in failed_by.items() if count}
     opened = int(np.count_nonzero(passing.certainty == OPEN))
-    counts = Counts(considered=total, feasible=len(passing.sets.motor), open=opened, failed_by=tally)
+    left_out = sum(len(one.unknown) for one in kept) - len(passing.sets.motor)
+    counts = Counts(considered=total, feasible=len(passing.sets.motor), left_out=left_out, open=opened, failed_by=tally)
     return passing, rejected[0][0], counts
 
 

@@ -1,7 +1,4 @@
-"""Validation errors of a spec as one line: ``file:line: field: found; expected, example``.
-
-The first error in the file is reported, with the number of the others at the end.
-"""
+"""Validation errors of a spec, a line each: ``file:line: field: found; expected, example``."""
 
 from __future__ import annotations
 
@@ -11,7 +8,7 @@ from typing import Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from drivesizer.errors import quoted
+from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.units import KINDS, noun
 
@@ -23,10 +20,13 @@ _ALONE = (
 )  # fmt: skip
 
 
+_MOST = 5  # faults that are reported at once
+
+
 def explained(
     error: ValidationError, source: YamlSource, model: type[BaseModel], data: Any = None, at: Path_ = ()
-) -> str:
-    """One line for a validation error.
+) -> InputError:
+    """The error that a user reads: the first fault in the file as its message, up to five as its lines.
 
     Parameters
     ----------
@@ -43,17 +43,31 @@ def explained(
 
     Returns
     -------
-    str
-        The message, without a line break.
+    InputError
+        Without line breaks in its lines.
     """
     data = source.data if data is None else data
     faults = [(_path(dict(fault), data), dict(fault)) for fault in error.errors(include_url=False)]
     # A misspelt key also leaves the right one missing: the misspelling is reported.
+    unknown = {path[:-1] for path, fault in faults if fault["type"] == "extra_forbidden"}
+    faults = [(path, fault) for path, fault in faults if fault["type"] != "missing" or path[:-1] not in unknown]
     faults.sort(key=lambda pair: (pair[1]["type"] != "extra_forbidden", source.line(pair[0]) or 0))
-    path, fault = faults[0]
-    more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
-    where = source.where(at + path if _changed(source.data, at, path) else path)
-    return f"{where}: {_message(fault, path, data, model)}{more}"
+    lines = []
+    for path, fault in faults:
+        where = source.where(at + path if _changed(source.data, at, path) else path)
+        lines.append(f"{where}: {_message(fault, path, data, model)}")
+    lines = list(dict.fromkeys(lines))
+    shown = [*lines[: _MOST - 1], lines[_MOST - 1] + _more(lines, _MOST)] if len(lines) >= _MOST else lines
+    return InputError(lines[0] + _more(lines, 1), shown)
+
+
+def _more(lines: list[str], shown: int) -> str:
+    """The number of faults that are not shown.
+
+    >>> _more(["a", "b", "c"], 1), _more(["a"], 1)
+    (' (and 2 more)', '')
+    """
+    return f" (and {len(lines) - shown} more)" if len(lines) > shown else ""
 
 
 def _changed(data: Any, at: Path_, path: Path_) -> bool:
@@ -94,7 +108,10 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
         case "greater_than_equal" | "less_than_equal":
             return f"{found} must be {fault['msg'].removeprefix('Input should be ')}"
         case "extra_forbidden":
-            return f"unknown key; {_nearest(str(path[-1]), known_keys(model, path[:-1], data))}"
+            other = _elsewhere(model, path)
+            return f"unknown key; {other or _nearest(str(path[-1]), known_keys(model, path[:-1], data))}"
+        case "too_short":
+            return f"{found} is too short; expected at least {fault['ctx']['min_length']}{_default(model, path, data)}"
         case "value_error":
             text = str(fault["ctx"]["error"])
             own = text.removeprefix(f"{path[-1]}: ") if len(path) == 1 else text
@@ -116,7 +133,7 @@ def _brief(value: Any) -> Any:
     if isinstance(value, dict):
         return "{" + ", ".join(value) + "}"
     if isinstance(value, list):
-        return f"a list of {len(value)}"
+        return f"a list of {len(value)}" if value else "an empty list"
     return "nothing" if value is None else value
 
 
@@ -136,6 +153,27 @@ def _example(model: type[BaseModel], path: Path_, data: Any) -> str:
 def _nearest(key: str, known: list[str]) -> str:
     close = difflib.get_close_matches(key, known, 1, 0.5)
     return f"did you mean {quoted(close[0])}?" if close else f"expected one of {', '.join(known)}"
+
+
+def _elsewhere(model: type[BaseModel], path: Path_) -> str:
+    """The profiles or kinds with a key that the one of the file lacks; empty where none has it."""
+    owners = [model] if len(path) == 2 else []  # of load and motion, each one of several models
+    fields = [m.model_fields[str(path[0])] for m in owners if path[0] in m.model_fields]
+    models = [m for field in fields for m in _models_in(field.annotation) if path[-1] in m.model_fields]
+    for name in ("profile", "kind"):
+        having = [m.model_fields[name].annotation for m in models if name in m.model_fields]
+        named = [str(kind) for annotation in having for kind in get_args(annotation)]
+        if named:
+            return f"it belongs to {name}: {' or '.join(named)}"
+    return ""
+
+
+def _default(model: type[BaseModel], path: Path_, data: Any) -> str:
+    """The default of a list as an example."""
+    owners = models_at(model, path[:-1], data)
+    field = next((m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields), None)
+    example = field.default if field and isinstance(field.default, list) and field.default else None
+    return f", e.g. {str(example).replace(chr(39), '')}" if example else ""
 
 
 def _some(model: type[BaseModel], path: Path_) -> str:

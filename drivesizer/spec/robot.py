@@ -303,7 +303,7 @@ def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> Robo
     try:
         spec = RobotSpec.model_validate(data, context={"axis": AXES.get(str(kind), "linear")})
     except ValidationError as error:
-        raise InputError(explained(error, source, RobotSpec, data, at)) from None
+        raise explained(error, source, RobotSpec, data, at) from None
     spec._source = source
     return spec
 

@@ -91,4 +91,4 @@ def schema_of(source: YamlSource) -> StudyFile:
     try:
         return StudyFile.model_validate(source.data)
     except ValidationError as error:
-        raise InputError(explained(error, source, StudyFile)) from None
+        raise explained(error, source, StudyFile) from None

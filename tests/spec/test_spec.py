@@ -55,8 +55,8 @@ WRONG = [
     ("supply:", "supply: 5\nsuply:", ":48:", ["suply", '"supply"']),
     ("load:\n", "load: 5\nload2:\n", ":9:", ["load2"]),
     ("  - kind: gearhead", "  - kind: belt\n    ratio: 2\n    efficiency: 0.9", "robot.yaml", ["gearhead"]),
-    ("catalogs: [maxon]", "catalogs: []", ":90:", ["at least 1 item"]),
-    ("family: GP 26 A", "family: []", ":92:", ["at least 1 item"]),
+    ("catalogs: [maxon]", "catalogs: []", ":90:", ["expected at least 1"]),
+    ("family: GP 26 A", "family: []", ":92:", ["expected at least 1"]),
     ("slope: 0 deg", "slope: 80 deg", ":15:", ["at most"]),
 ]
 

@@ -51,7 +51,9 @@ def accept(form: str, path: Path) -> None:
         One line that says what is expected.
     """
     if form not in FORMATS:
-        raise InputError(f"--format: {quoted(form)} is not known; expected {', '.join(FORMATS)}")
+        readers = {one.said.lower(): f"; {one.said} reads {name}" for name, one in FORMATS.items()}
+        read_by = readers.get(form.lower(), "")
+        raise InputError(f"--format: {quoted(form)} is not known{read_by}; expected {', '.join(FORMATS)}")
     if path.suffix.lower() not in FORMATS[form].suffixes:
         wanted = " or ".join(FORMATS[form].suffixes)
         raise InputError(f"--output: {quoted(path)} is no name for {form}; expected a file that ends in {wanted}")

@@ -212,6 +212,7 @@ def sizing(result: SizingResult) -> schema.Sizing:
         "counts": {
             "considered": result.counts.considered,
             "feasible": result.counts.feasible,
+            "left_out": result.counts.left_out,
             "failed_by": result.counts.failed_by,
             "judged": result.counts.judged,
             "failed_by_budget": result.counts.failed_by_budget,

@@ -221,6 +221,10 @@ def _tally(console: Console, result: SizingResult, *, whole: bool) -> None:
     meet = "meets" if counts.feasible == 1 else "meet"
     ranked = f", ranked by {result.objective.replace('_', ' ')}" if counts.feasible > 1 else ""
     console.print(f"{drives} considered, {counts.feasible:,} {meet} all limits{ranked}.")
+    if counts.left_out:
+        console.print(
+            f"{counts.left_out:,} more meet all limits that are known; select: {{unknown: reject}} leaves them out."
+        )
     if whole and counts.failed_by:
         console.print("The others fail on:")
         for name, count in sorted(counts.failed_by.items(), key=lambda item: -item[1]):

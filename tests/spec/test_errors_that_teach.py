@@ -1,0 +1,120 @@
+"""Wrong specs as people write them: every fault of a file at once, each with its line and its cure."""
+
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from drivesizer.cli import app
+from drivesizer.commands.ends import ended
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.sizing import load_parts, size
+from drivesizer.spec.robot import read_spec
+
+SPEC = """name: cart
+load:
+  kind: wheeled_vehicle
+  mass: 30 kg
+  driven_wheels: 2
+  wheel_diameter: 150 mm
+  rolling_resistance: 2 %
+  inertia: 1 kg*cm^2
+motion:
+  speed: 0.5 m/s
+  acceleration_time: 1 s
+  cruise_time: 10 s
+transmission:
+  - kind: gearhead
+supply: {nominal: 24 V, current: 20 A}
+select: {catalogs: [maxon], gearhead: {family: GPX 22 HP}}
+"""
+
+
+def lines(*changes):
+    """The messages for the spec with some of its text changed."""
+    text = SPEC
+    for old, new in changes:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    with pytest.raises(InputError) as caught:
+        load_parts(read_spec(YamlSource(text, "robot.yaml")))
+    assert all("\n" not in line for line in (str(caught.value), *caught.value.lines))
+    return caught.value.lines
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("  - kind: gearhead", "  []", r"^robot.yaml:1[34]: transmission: .*at least 1, e.g. \[\{kind: gearhead"),
+        ("  mass", "   mass", "^robot.yaml:4: .*indented by 3 blanks, deeper than the line above"),
+        ("  speed", "speed", "^robot.yaml:11: .*indented by 2 blanks, deeper than the line above"),
+        ("  driven", " driven", "^robot.yaml:5: .*indented by 1 blank, less deep than"),
+        ("name: cart", "name: my: cart", "^robot.yaml:1: .*needs quotes"),
+        ("[maxon]", "[maxxon]", r'^robot.yaml:16: select.catalogs: .*"maxxon"; the nearest is maxon'),
+        ("  speed: 0.5 m/s", "  distance: 2 m", r"^robot.yaml:10: motion.distance: .*belongs to profile: .*triangle"),
+        ("  rolling_resistance", "  drum_diameter", r"^robot.yaml:7: load.drum_diameter: .*kind: conveyor or hoist"),
+    ],
+)  # fmt: skip
+def test_the_line_and_the_cure(old, new, said):
+    assert re.search(said, lines((old, new))[0])
+
+
+def test_all_faults_at_once_in_the_order_of_the_file():
+    found = lines(("30 kg", "30"), ("150 mm", "150 s"), ("24 V", "24"))
+    assert [line.split(": ")[0] for line in found] == ["robot.yaml:4", "robot.yaml:6", "robot.yaml:15"]
+
+
+def test_five_at_most_and_the_number_of_the_others():
+    found = lines(
+        ("30 kg", "1"),
+        (" 2\n", " two\n"),
+        ("150 mm", "1"),
+        ("2 %", "x"),
+        ("0.5 m/s", "1"),
+        ("10 s", "1"),
+        ("24 V", "1"),
+    )
+    assert len(found) == 5 and found[-1].endswith(" (and 2 more)")
+
+
+def test_a_misspelt_key_is_not_also_missing():
+    (found,) = lines(("  speed:", "  speeed:"))
+    assert found.endswith('unknown key; did you mean "speed"?')
+
+
+def test_each_fault_is_a_line_of_stderr(tmp_path, capsys):
+    file = tmp_path / "robot.yaml"
+    file.write_text(SPEC.replace("30 kg", "30").replace("24 V", "24"), encoding="utf-8")
+    assert ended(lambda: app(["size", str(file)], standalone_mode=False)) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and [line.startswith("drivesizer: ") for line in err.splitlines()] == [True, True]
+
+
+@pytest.mark.parametrize("command", [[], ["catalog"]])
+def test_a_bare_command_shows_its_commands(command, capsys):
+    assert ended(lambda: app(command, standalone_mode=False)) == 0
+    out, err = capsys.readouterr()
+    assert err == "" and len(out.splitlines()) > 10 and re.search(r"^  \w+ +[A-Z].*\.$", out, re.MULTILINE)
+
+
+def test_the_format_of_a_simulator_is_named_by_the_simulator(tmp_path):
+    file = tmp_path / "robot.yaml"
+    file.write_text(SPEC, encoding="utf-8")
+    found = CliRunner().invoke(app, ["export", str(file), "--format", "mujoco", "-o", str(tmp_path / "a.xml")])
+    assert "MuJoCo reads mjcf" in str(found.exception)
+
+
+def test_what_unknown_reject_leaves_out_is_counted():
+    """Against the same search that allows them: those with an unknown check that nothing rejects."""
+    free = read_spec(
+        YamlSource(
+            SPEC.replace("{family: GPX 22 HP}", "{family: GP 26 A}, motor: {family: [RE 25, A-max 26]}"), "robot.yaml"
+        )
+    )
+    strict = free.model_copy(update={"select": free.select.model_copy(update={"unknown": "reject"})})
+    allowed, rejected = size(free, top=1000), size(strict, top=1)
+    unknown = sum(one.status == "unknown" for one in allowed.sets)
+    assert len(allowed.sets) == allowed.counts.feasible
+    assert unknown and (rejected.counts.left_out, allowed.counts.left_out) == (unknown, 0)
+    assert rejected.counts.feasible == allowed.counts.feasible - unknown
