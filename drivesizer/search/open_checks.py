@@ -2,14 +2,13 @@
 
 Every estimated figure is a random factor of its own, log-normal with the band as its 5th and 95th percentile; those of
 motor and gearhead are independent, and an actuator's torque constant at the rotor follows the loss of its gears.
-One row of a catalogue made for it is one sample, so that the checks are those of the search. Its bounds may leave a
-check open of a sample that fails on something else, and take no winding as hotter than permitted: of such samples the
-waveform is computed, so that each check is judged by itself.
+One row of a catalogue made for it is one sample, so that the checks are those of the search; open ones are judged by
+themselves, of samples that fail on something else as well.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cache
 from statistics import NormalDist
@@ -22,8 +21,6 @@ from drivesizer.catalog import Catalog, Table, columns_of
 from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.tolerances.distributions import lognormal
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
-from drivesizer.results.check_columns import CheckColumn
-from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, at_figures
@@ -37,7 +34,6 @@ _FARTHEST = 3.0  # standard deviations that a figure is followed
 _STEPS = 13
 _FINER = 9  # steps within the one in which a check turns
 _RATED = "max_winding_temperature"  # of brushless motors no figure of its own: ``catalog.estimates.assumed.by_rating``
-_WINDING = "winding_temperature"
 _FOLLOWS: dict[Figure, Figure] = {
     ("motors", name): ("gearheads", "efficiency") for name in ("torque_constant", "nominal_torque", "stall_torque")
 }
@@ -97,7 +93,7 @@ def passing(
     samples
         How many.
     each
-        Judge each of these checks by itself; else only as far as the probability that all pass needs.
+        Judge each of these checks by itself; else only as far as it takes to say whether all pass.
 
     Returns
     -------
@@ -106,8 +102,9 @@ def passing(
     """
     figures = estimated_figures(problem, int(one.motor[0]), int(one.gearhead[0]))
     points = dict(zip(figures, _normal(samples, len(figures)).T, strict=True))
-    every_check = _judged(problem, one, points, samples, names if each else frozenset[str]())
-    checks = [check for check in every_check if not check.advice]
+    checks = [
+        check for check in at_points(problem, one, points, samples, names if each else ()).checks if not check.advice
+    ]
     known = [check for check in checks if check.name in names or (check.passed | check.failed).any()]
     every = np.logical_and.reduce([check.passed for check in known])
     return {check.name: float(check.passed.mean()) for check in known} | {"": float(every.mean())}
@@ -170,29 +167,8 @@ def _along(
     every, points = np.concatenate(steps), dict[Figure, Array]()
     for k, figure in enumerate(figures):
         points[figure] = points.get(figure, 0.0) + np.where(owner == k, every, 0.0)
-    checks = _judged(problem, one, points, len(every), names)
+    checks = at_points(problem, one, points, len(every), names).checks
     return {check.name: np.split(check.passed, ends[:-1]) for check in checks}
-
-
-def _judged(
-    problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int, names: Set[str]
-) -> list[CheckColumn]:
-    """Checks at points of the bands; those of some names from the waveform where bounds are not enough."""
-    checks = at_points(problem, one, points, count).checks
-    hot = np.logical_or.reduce([check.failed for check in checks if check.name == _WINDING])
-    unsafe = [_unsafe(check, hot) for check in checks if check.name in names]
-    rows = np.flatnonzero(np.logical_or.reduce(unsafe)) if unsafe else np.zeros(0, np.int64)
-    if not len(rows):
-        return checks
-    some = {figure: by[rows] for figure, by in points.items()}
-    few = at_points(problem, one, some, len(rows), exact=True).checks
-    return [check.with_rows(rows, other) for check, other in zip(checks, few, strict=True)]
-
-
-def _unsafe(check: CheckColumn, hot: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Samples in which bounds do not decide, or let pass at a winding no hotter than permitted where it is hotter."""
-    warm = check.name != _WINDING and "motor.winding_time_constant" in CHECKS["physics"][check.name].rests_on
-    return ~check.failed & (~check.passed | (hot & warm))
 
 
 def _nearest_change(steps: Sequence[Array], passed: Sequence[NDArray[np.bool_]]) -> tuple[int, int] | None:
@@ -215,7 +191,7 @@ def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passe
 
 
 def at_points(
-    problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int, *, exact: bool = False
+    problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int, names: Collection[str]
 ) -> Evaluation:
     """A drive with its estimated figures at several points of their bands, a row each.
 
@@ -227,8 +203,8 @@ def at_points(
         By figure: standard deviations from the middle of the band, towards its unfavourable end; shape (count,).
     count
         Number of points.
-    exact
-        Compute the waveform of all; else only of those that safe bounds leave undecided.
+    names
+        Checks that are judged by themselves, whatever else fails at a point.
 
     Returns
     -------
@@ -247,7 +223,7 @@ def at_points(
     pairs = {"motor_encoder": Pairs(*(side.astype(np.int32) for side in sides))}
     varied = replace(catalog.with_tables(tables, pairs), ends=())
     given = one.on(np.zeros(count, np.int64))._replace(motor=every, gearhead=every)
-    return at_figures(replace(problem, catalog=varied), given, exact)
+    return at_figures(replace(problem, catalog=varied), given, exact=False, each=names)
 
 
 def _table(catalog: Catalog, section: str, rows: NDArray[np.int64], points: Mapping[Figure, Array]) -> Table[Any]:

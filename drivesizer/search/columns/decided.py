@@ -6,7 +6,8 @@ the cycle itself.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -20,6 +21,7 @@ from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.search.columns import waveform_bounds
 from drivesizer.search.columns.bus_bounds import closer_stored
+from drivesizer.search.columns.candidates import Rows
 from drivesizer.search.columns.limits_over_time import (
     Moments,
     Pair,
@@ -47,9 +49,16 @@ class _Case:
     """One load case and its candidates: what all bounds and the waveform are computed from."""
 
     def __init__(
-        self, spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
+        self,
+        spec: RobotSpec,
+        cycle: AtGearhead,
+        demand: Demands,
+        heating: Heat,
+        stresses: Stress,
+        parts: Parts,
+        each: Collection[str],
     ) -> None:
-        self.spec, self.cycle, self.columns = spec, cycle, (demand, heating, stresses, parts)
+        self.spec, self.cycle, self.columns, self.each = spec, cycle, (demand, heating, stresses, parts), each
         self.told = (
             two_bodies(parts.motor).known & ~np.isnan(heating.winding) & demand.complete
         )  # whose winding is known from the waveform
@@ -65,11 +74,33 @@ class _Case:
         demand, heating, stresses, parts = self.columns
         return (self.spec, self.cycle.on(mask), on(demand, mask), on(heating, mask), on(stresses, mask), parts.on(mask))
 
+    @cached_property
+    def bounding(self) -> Parts:
+        """The parts that bounds are computed of: where a limit is judged by itself a winding may be hotter."""
+        parts = self.columns[3]
+        if not self.each:
+            return parts
+        some = parts.motor.table.taken(parts.motor.rows)
+        permitted = np.where(self.told, np.inf, some["max_winding_temperature"])
+        table = replace(some, columns={**some.columns, "max_winding_temperature": permitted})
+        return parts._replace(motor=Rows(table, np.arange(len(permitted))))
+
+    def bounded(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
+        """Of some of the candidates, for bounds."""
+        return (*self.some(mask)[:-1], self.bounding.on(mask))
+
     def open(self, found: Pair, alive: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
-        """Of each limit, where the two bounds differ in the status of a candidate that passes so far."""
+        """Of each limit, where the two bounds differ in the status of a candidate that passes so far.
+
+        Of any candidate where the limit is judged by itself.
+        """
         low, high = (waveform_limits(self.spec, side, side, self.columns[3]) for side in found)
-        passing = alive & ~np.logical_or.reduce([a.failed & b.failed for a, b in zip(low, high, strict=True)])
-        masks = [passing & ((a.passed != b.passed) | (a.failed != b.failed)) for a, b in zip(low, high, strict=True)]
+        fails = np.logical_or.reduce([a.failed & b.failed for a, b in zip(low, high, strict=True)])
+        passing = alive & ~fails
+        masks = [
+            (passing | (a.name in self.each)) & ((a.passed != b.passed) | (a.failed != b.failed))
+            for a, b in zip(low, high, strict=True)
+        ]
         unknown = np.isnan(found[1].power) & ~self.told  # temperature unknown: at most a failure while cold
         if len(masks) > _POWER and (passing & unknown).any():
             most = found[0]._replace(power=self.coldest)
@@ -94,6 +125,8 @@ def decided(
     parts: Parts,
     alive: NDArray[np.bool_],
     before: Pair | None,
+    *,
+    each: Collection[str] = (),
 ) -> Pair:
     """Peaks and heat over the waveform, exact where bounds do not decide.
 
@@ -105,18 +138,20 @@ def decided(
         Candidates that have failed on nothing so far.
     before
         What was found with another controller.
+    each
+        Names of checks to decide of candidates that fail on another as well.
 
     Returns
     -------
     Pair
         Lower and upper bounds, equal where they are exact.
     """
-    case = _Case(spec, cycle, demand, heating, stresses, parts)
+    case = _Case(spec, cycle, demand, heating, stresses, parts, each)
     if before and not case.controlled:
         shortest, longest = behind_each(cycle, waveform_bounds.above_bounds, demand, stresses, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
     else:
-        found = behind_each(cycle, partial(waveform_bounds.bounds, spec), demand, heating, stresses, parts)
+        found = behind_each(cycle, partial(waveform_bounds.bounds, spec), demand, heating, stresses, case.bounding)
         if before:
             known = (
                 ("winding", "winding_time") if spec.resists else ("winding", "winding_time", "voltage", "voltage_time")
@@ -176,13 +211,13 @@ def _closer(
     for count in _BLOCKS:
         mask = np.logical_or.reduce([x for k, x in enumerate(left) if k not in _NOT_BY_HEAT]) & case.told
         if mask.any():
-            few = waveform_bounds.closer(*case.some(mask), (on(found[0], mask), on(found[1], mask)), count)
+            few = waveform_bounds.closer(*case.bounded(mask), (on(found[0], mask), on(found[1], mask)), count)
             found = _replaced(found, mask, few)
             left = case.open(found, alive)
     for count in (_FEW_PIECES, _PIECES):
         mask = left[_BUS]
         if mask.any():
-            few = closer_stored(*case.some(mask), (on(found[0], mask), on(found[1], mask)), count)
+            few = closer_stored(*case.bounded(mask), (on(found[0], mask), on(found[1], mask)), count)
             found = _replaced(found, mask, few)
             left = case.open(found, alive)
     mask = left[_WINDING]

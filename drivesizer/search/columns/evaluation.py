@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -162,13 +162,15 @@ def _over_bands(
     return middle._replace(candidates=candidates, checks=[over_band(m, (e, h), rows) for m, e, h in every])
 
 
-def at_figures(problem: Problem, candidates: Candidates, exact: bool) -> Evaluation:
+def at_figures(problem: Problem, candidates: Candidates, exact: bool, each: Collection[str] = ()) -> Evaluation:
     """Every limit at the figures of the problem's catalogue, as they are.
 
     Parameters
     ----------
     problem, candidates, exact
         As :func:`evaluate` takes them.
+    each
+        Names of checks to decide of candidates that fail on another as well.
 
     Returns
     -------
@@ -177,7 +179,7 @@ def at_figures(problem: Problem, candidates: Candidates, exact: bool) -> Evaluat
     """
     belts = [np.flatnonzero(candidates.belt == belt) for belt in np.unique(candidates.belt)]
     several = [(float(candidates.belt[rows[0]]), candidates.on(rows)) for rows in belts]
-    found = list(zip(belts, examine(problem, several, staged=False, exact=exact), strict=True))
+    found = list(zip(belts, examine(problem, several, staged=False, exact=exact, each=each), strict=True))
     count = len(candidates.motor)
     names = found[0][1].figures if found else {}
     figures = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}

@@ -6,7 +6,7 @@ computed; so a controller is chosen for a cold winding first, and another where 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -58,6 +58,7 @@ def powered(
     parts: Parts,
     *,
     exactly: bool,
+    each: Collection[str] = (),
 ) -> Powered:
     """Controllers, and every check that hangs on current, voltage and heat.
 
@@ -71,6 +72,8 @@ def powered(
         Columns over candidates; the controllers are chosen but where a row is given.
     exactly
         Compute the waveform of all; else only of those that safe bounds leave undecided.
+    each
+        Names of checks to decide of candidates that fail on another as well.
 
     Returns
     -------
@@ -81,7 +84,7 @@ def powered(
     stresses = [
         stress(ambient, cycle, c.demand, parts.motor) for ambient, cycle, c in zip(ambients, cycles, cases, strict=True)
     ]
-    case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly)
+    case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each)
     continuous = np.zeros(len(parts.motor.rows), bool)
     chosen = case.controllers([u.cold_voltage.value for u in case.stresses], continuous)
     free = np.ones_like(continuous) if parts.controller is None else parts.controller.rows == FREE
@@ -141,6 +144,7 @@ class _Cases(NamedTuple):
     stresses: Sequence[Stress]
     parts: Parts
     exactly: bool
+    each: Collection[str]
 
     def some(self, rows: NDArray[np.int64]) -> _Cases:
         """Some of the candidates."""
@@ -197,7 +201,7 @@ class _Cases(NamedTuple):
     def _pair(self, k: int, parts: Parts, stresses: Stress, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
         """Peaks and heat over the waveform of one load case."""
         args = (self.problem.cases[k].spec, self.cycles[k], *self.moving[k], stresses, parts)
-        return exact(*args) if self.exactly else decided(*args, ~dead, before)
+        return exact(*args) if self.exactly else decided(*args, ~dead, before, each=self.each)
 
 
 def _again(

@@ -8,7 +8,7 @@ controller must do for all of them.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -63,6 +63,7 @@ def examine(
     *,
     staged: bool,
     exact: bool = True,
+    each: Collection[str] = (),
     margins: bool = False,
 ) -> Iterator[Examined]:
     """Candidates behind one belt after the other against every limit.
@@ -79,6 +80,8 @@ def examine(
         Drop what fails at each stage.
     exact
         Compute the waveform of all that come so far; else only of those that safe bounds leave undecided.
+    each
+        Names of checks to decide of candidates that fail on another as well.
     margins
         Compute the smallest margin of each.
 
@@ -91,11 +94,11 @@ def examine(
     for belt, sets in several:
         moved = _moved(problem, offered, belt, sets, staged, margins)
         if waiting and not _together([*waiting, moved]):
-            yield from _powered(problem, offered, waiting, exact)
+            yield from _powered(problem, offered, waiting, exact, each)
             waiting = []
         waiting.append(moved)
     if waiting:
-        yield from _powered(problem, offered, waiting, exact)
+        yield from _powered(problem, offered, waiting, exact, each)
 
 
 class _Moved(NamedTuple):
@@ -186,11 +189,13 @@ def _alone(problem: Problem, offered: Offers, cycles: Sequence[AtGearhead], stag
     )
 
 
-def _powered(problem: Problem, offered: Offers, moved: Sequence[_Moved], exact: bool) -> list[Examined]:
+def _powered(
+    problem: Problem, offered: Offers, moved: Sequence[_Moved], exact: bool, each: Collection[str]
+) -> list[Examined]:
     """Current, and what needs the waveform, with the smallest controller that does for all cases."""
     counts = [len(one.parts.motor.rows) for one in moved]
     cycles, cases, parts = _joined(moved, np.repeat(np.arange(len(moved)), counts))
-    found = powered(problem, offered, cycles, cases, parts, exactly=exact)
+    found = powered(problem, offered, cycles, cases, parts, exactly=exact, each=each)
     if len(moved) == 1:
         return [_examined(moved[0], found)]
     ends = np.cumsum(counts).tolist()
