@@ -194,7 +194,7 @@ def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
             "by the mean while running; Apex Dynamics, Harmonic Drive and Wittenstein limit that mean alone",
         ]
         if spec.paper_applies:
-            sentences.append("the paper's method is shown beside it; its factors enter neither requirements nor checks")
+            sentences.append("the paper's factors enter neither requirements nor checks")
         return tuple(sentences)
     sentences = [
         "J_m of (10) is each candidate's own rotor inertia at the motor shaft, without K², as the paper has it",

@@ -11,7 +11,7 @@ from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult
 from drivesizer.units import from_si, label
 
-__all__ = ["front_plot", "sets_plot"]
+__all__ = ["apart", "front_plot", "sets_plot"]
 
 _LOOKS = {  # of a drive by its status: colour and mark
     "pass": ("blue", "circle"),
@@ -42,7 +42,11 @@ def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str) -> Plot | Non
     if len(known) < 2:
         return None
     names = _names(known, up)
-    data = [_of_status(status, [row for row in known if row["status"] == status], up, names) for status in _LOOKS]
+    named = {row["rank"]: (row["exact"]["mass"], row["exact"][up]) for row in known if row["rank"] in names}
+    sides = dict(zip(named, apart([*named.values()]), strict=True))
+    data = [
+        _of_status(status, [row for row in known if row["status"] == status], up, names, sides) for status in _LOOKS
+    ]
     return figure([trace for trace in data if trace["x"]], _layout("mass (g)", title))
 
 
@@ -56,7 +60,42 @@ def _names(rows: Sequence[dict[str, Any]], up: str) -> dict[str, str]:
     return {ranks[0]: ", ".join(ranks[:3]) + (" …" if len(ranks) > 3 else "") for ranks in places.values()}
 
 
-def _of_status(status: str, rows: Sequence[dict[str, Any]], up: str, names: dict[str, str]) -> Plot:
+def apart(points: Sequence[tuple[float, float]]) -> list[str]:
+    """Side of each point at which its label covers no other: above, below where one is close above, else beside it.
+
+    Parameters
+    ----------
+    points
+        Places in the units of the axes.
+
+    Returns
+    -------
+    list of str
+        As plotly names them.
+
+    Examples
+    --------
+    >>> apart([(207.0, 2.1), (207.0, -0.4), (192.7, -29.0)])
+    ['top center', 'bottom center', 'top center']
+    """
+    wide, high = (max(axis) - min(axis) or 1.0 for axis in zip(*points, strict=True)) if points else (1.0, 1.0)
+
+    def near(point: tuple[float, float], sign: float) -> bool:
+        steps = [((x - point[0]) / wide, sign * (y - point[1]) / high) for x, y in points if (x, y) != point]
+        return any(abs(across) < _CLOSE[0] and 0.0 <= up < _CLOSE[1] for across, up in steps)
+
+    return [
+        "top center" if not near(one, 1.0) else "bottom center" if not near(one, -1.0) else "middle right"
+        for one in points
+    ]
+
+
+_CLOSE = (0.1, 0.14)  # of the axes: room of a label across and up
+
+
+def _of_status(
+    status: str, rows: Sequence[dict[str, Any]], up: str, names: dict[str, str], sides: dict[str, str]
+) -> Plot:
     colour, symbol = _LOOKS[status]
     fields = ("rank", "motor", "gearhead", "ratio", "mass", "price", "margin", "check")
     hover = (
@@ -68,7 +107,7 @@ def _of_status(status: str, rows: Sequence[dict[str, Any]], up: str, names: dict
         "mode": "markers+text" if names else "markers",
         "marker": {"symbol": symbol, "size": 9, "color": colour, "line": {"width": 2 if "open" in symbol else 0}},
         "text": [names.get(row["rank"], "") for row in rows],
-        "textposition": "top center",
+        "textposition": [sides.get(row["rank"], "top center") for row in rows],
         "cliponaxis": False,
         "customdata": [[plain(row[name]) for name in fields] for row in rows],
         "hovertemplate": hover,
@@ -97,7 +136,7 @@ def front_plot(result: SizingResult) -> Plot | None:
         "mode": "markers+text" if len(known) <= _FEW else "markers",
         "marker": {"symbol": "circle", "size": 8, "color": "blue"},
         "text": [str(result.front[n].rank) for n in known],
-        "textposition": "top center",
+        "textposition": apart([(places[n][0], places[n][1]) for n in known]),
         "cliponaxis": False,
         "customdata": [[str(result.front[n].rank), plain(result.front[n].label),
                         "<br>".join(f"{f.title} {plain(f.text)}" for f in found[n])] for n in known],

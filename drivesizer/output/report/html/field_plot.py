@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.machine.operating_field import OperatingField, hot_winding
-from drivesizer.output.report.figures.field_panels import Panel, reach_of, signed
+from drivesizer.output.report.figures.field_panels import TOGETHER, Panel, reach_of, signed
 from drivesizer.output.report.figures.style import torque_unit
 from drivesizer.output.report.html.curves import Plot, above, dashes, figure, line
 from drivesizer.output.report.html.load_plots import case_look
@@ -31,7 +31,7 @@ def field_plot(panel: Panel, times: Sequence[Array]) -> Plot:
     Parameters
     ----------
     panel
-        The cases that share the motor's lines.
+        The cases that share the motor's lines; of more than two the first is shown, the others when selected.
     times
         Times at both ends of each segment of the cycle of each load case of the spec [s].
 
@@ -43,8 +43,10 @@ def field_plot(panel: Panel, times: Sequence[Array]) -> Plot:
     first, reach = panel.cases[0][-1], reach_of(panel)
     unit = torque_unit(reach)
     data = [*_regions(first, unit), *_voltage_lines(first, unit, reach)]
-    for number, name, found in panel.cases:
-        data += _cycle(number, name, found, times[number], unit)
+    first_alone = len(panel.cases) > TOGETHER
+    for place, (number, name, found) in enumerate(panel.cases):
+        hidden = {"visible": "legendonly"} if first_alone and place else {}
+        data += [trace | hidden for trace in _cycle(number, name, found, times[number], unit)]
     data += [_spot(f"paper: {point.name}", point.torque, point.speed, unit, *look)
              for point, look in zip(panel.points, _PAPER, strict=False)]  # fmt: skip
     return figure(data, _layout(panel, unit, reach))

@@ -36,6 +36,19 @@ for (const button of document.querySelectorAll(".sortable thead button")) {
   button.addEventListener("click", () => sortBy(button.closest("th")));
 }
 
+/** Shows at which side a table goes on. */
+function cue(box) {
+  const rest = box.scrollWidth - box.clientWidth - box.scrollLeft;
+  box.parentElement.classList.toggle("more", rest > 1);
+  box.parentElement.classList.toggle("before", box.scrollLeft > 1);
+}
+
+const resized = new ResizeObserver((entries) => { for (const { target } of entries) cue(target); });
+for (const box of document.querySelectorAll(".scroll")) {
+  box.addEventListener("scroll", () => cue(box), { passive: true });
+  resized.observe(box);
+}
+
 // -- colours -----------------------------------------------------------------------------------------------------
 
 const NAMES = ["blue", "vermillion", "green", "purple", "grey", "orange", "ink", "soft", "hair", "grid", "page"];
@@ -69,7 +82,9 @@ function dressed(plot, printing) {
 
 const plots = JSON.parse(document.getElementById("figures").textContent);
 const drawings = [...document.querySelectorAll(".drawing")];
-const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+// The buttons by name, so that none that a later plotly.js adds appears: one of them sends the figure to a server.
+const CONFIG = { responsive: true, displaylogo: false, plotlyServerURL: "",
+  modeBarButtons: [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]] };
 
 /** Shows or hides the traces of a button. */
 function toggle(drawing, button) {

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.field import conditions
 from drivesizer.output.report.figures.field_panels import panels
 from drivesizer.output.report.figures.style import COLOURS
@@ -26,6 +25,7 @@ from drivesizer.output.report.html.field_plot import field_plot
 from drivesizer.output.report.html.load_plots import cycle_plot, motion_plot
 from drivesizer.output.report.html.loop_plots import bode_plot, closed_loop_plot, step_plots
 from drivesizer.output.report.html.mathematics import mathml
+from drivesizer.output.report.html.stills import image
 from drivesizer.output.report.sections.candidates import candidate_numbers
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
@@ -94,7 +94,7 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
     filled = _template(mathml(_mathematics(doc["sections"]))).render(
         doc=doc,
         figures=_figures(content),
-        pictures={name: _picture(content.drawings[name]) for name in _STILL if name in content.drawings},
+        pictures={name: image(content.drawings[name]("svg")) for name in _STILL if name in content.drawings},
         colours=COLOURS,
         style=Markup(_text("style.css")),  # noqa: S704 - our own file
         script=Markup(script),  # noqa: S704 - our own file
@@ -104,11 +104,6 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
     )
     made: bytes = filled.encode()
     return made
-
-
-def _picture(draw: Drawing) -> str:
-    """A drawing as the address of an image."""
-    return f"data:image/svg+xml;base64,{base64.b64encode(draw('svg')).decode()}"
 
 
 def _text(name: str) -> str:

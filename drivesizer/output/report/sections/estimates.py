@@ -24,7 +24,13 @@ def _blocks(content: Content) -> Iterator[Block]:
     columns = (Column("figure", "name"), Column("estimate", "number"), Column("from", "number"), Column("to", "number"),
                Column("terms; peers", "small", 1.0))  # fmt: skip
     rows = [
-        Row((one.title, *(quantity(value, one.unit, one.kind) for value in (one.value, one.low, one.high)), one.law))
+        Row(
+            (
+                one.title,
+                *(quantity(value, one.unit, one.kind) for value in (one.value, one.low, one.high)),
+                one.law.removeprefix("; "),
+            )
+        )
         for one in drive.estimated
     ]
     yield Table("Estimated figures", columns, rows)

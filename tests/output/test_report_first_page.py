@@ -1,0 +1,206 @@
+"""The first page of a report and the order of the rest: one verdict, totals, tightest checks, confidence, a picture."""
+
+from __future__ import annotations
+
+import io
+import re
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pypdf
+import pytest
+from pdf_text import texts_of
+from printed import blank_figures
+from synthetic_validation import labels
+
+from drivesizer.load_cases import load_cycle
+from drivesizer.output.parts import machine_parts
+from drivesizer.output.report.figures.field import torque_speed_each
+from drivesizer.output.report.figures.field_panels import TOGETHER, Panel, alone, leading, panels
+from drivesizer.output.report.figures.load_and_loop import Row, Trace
+from drivesizer.output.report.figures.time_windows import Window
+from drivesizer.output.report.figures.wheels import each_over_time
+from drivesizer.output.report.html.candidate_plots import apart
+from drivesizer.output.report.html.page import report_html
+from drivesizer.output.report.html.stills import both_schemes
+from drivesizer.output.report.pdf import report_pdf
+from drivesizer.output.report.sections.content import Content
+from drivesizer.output.report.sections.document import document
+from drivesizer.results.check_kinds import CHECKS
+from drivesizer.results.check_parts import PARTS, by_part, part_of
+from drivesizer.results.sizing import SizingResult
+
+HTML = Path(report_html.__code__.co_filename).parent
+
+
+@pytest.fixture(scope="module")
+def by_physics(result: SizingResult) -> SizingResult:
+    """The robot as if physics had ranked: the checks of both methods changed over."""
+    best = result.sets[0]
+    spec = result.problem.machine.model_copy(update={"method": "physics"})
+    other = replace(best, checks=best.beside, beside=best.checks)
+    problem = replace(result.problem, machine=spec)
+    counts = replace(result.counts, failed_by={})
+    return replace(result, problem=problem, method="physics", sets=(other,), misses=(), counts=counts)
+
+
+def sections(result: SizingResult) -> dict:
+    return {section["name"]: section for section in document(Content(result))["sections"]}
+
+
+def blocks(result: SizingResult, name: str) -> dict:
+    """Blocks of a section by their name, else their kind."""
+    return {block.get("name") or block["kind"]: block for block in sections(result)[name]["blocks"]}
+
+
+# -- the order, and one verdict
+
+
+def test_the_summary_has_the_answer_in_its_order(result):
+    assert [*blocks(result, "summary")] == ["verdict", "parts", "tiles", "tightest", "confidence", "field"]
+    made = blocks(result, "summary")
+    assert len(made["tightest"]["rows"]) == 3
+    margins = [row["exact"]["margin"] for row in made["tightest"]["rows"]]
+    assert margins == sorted(margins) and margins[0] == min(
+        c.margin for c in result.sets[0].deciding if c.is_comparable
+    )
+    assert made["verdict"]["paragraphs"][0][0] == {"kind": "status", "text": result.sets[0].status}
+
+
+def test_the_grounds_follow_the_answer_and_what_is_seldom_read_is_appendix(result):
+    order = [*sections(result)]
+    wanted = ["summary", "drive", "checks", "cycle", "machine", "candidates", "specification", "derivation",
+              "assumptions", "physics", "datasheets", "repeat"]  # fmt: skip
+    assert [name for name in order if name in wanted] == wanted
+    assert [name for name, one in sections(result).items() if one["appendix"]] == ["physics", "datasheets", "repeat"]
+
+
+def test_the_method_that_did_not_rank_has_no_verdict(by_physics, result):
+    """The paper's verdict is printed only where its method ranks; physics beside it only in the appendix."""
+    assert "beside" in blocks(result, "physics") and "beside" not in blocks(result, "checks")
+    assert "physics" not in sections(by_physics)
+    shown = {row["exact"]["name"] for row in blocks(by_physics, "checks")["checks"]["rows"]}
+    own = {check.name for check in by_physics.sets[0].checks}
+    assert shown == own and own != {check.name for check in by_physics.sets[0].beside}
+
+
+def test_totals_of_the_first_page_are_those_of_the_parts_list(result):
+    lines = machine_parts(result.sets[0], result.problem)
+    prices = sum(line.quantity * line.price for line in lines if line.price == line.price)
+    (price,) = [value for name, value, _ in blocks(result, "summary")["tiles"]["rows"] if name.startswith("Price")]
+    assert price == f"{prices:.2f} EUR"
+    *_, total = blocks(result, "summary")["parts"]["rows"]
+    assert total["total"] and total["cells"][-1] == f"at least {prices:.2f} EUR"  # the motor's is unknown
+
+
+def test_the_first_page_of_a_pdf_holds_all_of_it_and_files_go_with_it(result):
+    digests = {f"maker {n}": f"{n:032x}" for n in range(80)}
+    many = replace(result, problem=replace(result.problem, catalog=replace(result.catalog, digests=digests)))
+    with blank_figures():
+        content = report_pdf(many, None, paper="us-letter")
+    first, *others = (re.sub(r"\s+", " ", text) for text in texts_of(content))
+    for said in ("A drive was found", "total", "smallest margins", "Confidence in the verdict", "Figure 1", "CONTENTS"):
+        assert said in first, said
+    attached = pypdf.PdfReader(io.BytesIO(content)).attachments
+    assert attached["sps_robot.yaml"][0].decode().splitlines() == result.spec.text.splitlines()
+    lines = attached["catalogues.txt"][0].decode().splitlines()  # digests of many catalogues are no page
+    assert dict(line.split("  ") for line in lines) == digests
+    assert not any(f"{79:032x}" in page for page in others)
+
+
+# -- groups
+
+
+def test_every_check_has_a_part():
+    names = {name for declared in CHECKS.values() for name in declared}
+    found = {name: part_of(name) for name in names}
+    assert {*found.values()} == {*PARTS}
+    for name, part in found.items():
+        first = name.split("_")[0]
+        assert part == first.capitalize() or first not in {"motor", "gearhead", "encoder", "controller", "battery"}
+
+
+def test_checks_are_grouped_by_part_and_keep_their_order_within(result):
+    best = result.sets[0]
+    ordered = by_part(best.checks)
+    places = [PARTS.index(part_of(check.name)) for check in ordered]
+    assert places == sorted(places)
+    for part in PARTS:
+        assert [c for c in ordered if part_of(c.name) == part] == [c for c in best.checks if part_of(c.name) == part]
+    heads = re.findall(r'<tr class="part"><th colspan="6" scope="colgroup">(.*?)</th>', checks_of(result))
+    assert heads == [part for part in PARTS if any(part_of(check.name) == part for check in best.checks)]
+
+
+def checks_of(result: SizingResult) -> str:
+    """The table of checks on the page."""
+    with blank_figures():
+        page = report_html(result, None).decode()
+    return page.partition('id="checks"')[2].partition("</table>")[0]
+
+
+# -- small diagrams in place of lines over one another
+
+
+def test_four_load_cases_have_a_diagram_each(result):
+    (panel,) = panels(result.problem, result.sets[0], result.requirements)
+    number, _, field = panel.cases[0]
+    four = [Panel(cases=tuple((number, f"wheel {n}", field) for n in range(1, 5)))]
+    assert len(leading(four).cases) == 1 and len(leading([panel]).cases) == 1 and alone([panel]) == []
+    assert [[name for _, name, _ in one.cases] for one in alone(four)] == [[f"wheel {n}"] for n in range(1, 5)]
+    said = labels(torque_speed_each(alone(four)))
+    assert {f"wheel {n}" for n in range(1, 5)} | {"winding hot", "winding cold", "load cycle"} <= said
+    two = [Panel(cases=four[0].cases[:TOGETHER])]
+    assert leading(two) is two[0] and alone(two) == []
+
+
+def test_limits_are_named_once_above_small_diagrams(result):
+    cycle = load_cycle(result.spec)
+    columns = {"current": cycle.torque.ravel(), "voltage": cycle.speed.ravel()}
+    traces = [Trace(f"wheel {n}", cycle.time.ravel(), columns) for n in range(3)]
+    top = float(abs(cycle.torque).max())
+    sides = (Row("current", "current", "A", (("near", 1.5 * top), ("far", 9.0 * top))), Row("voltage", "voltage", "V"))
+    svg = each_over_time(traces, sides, [Window("", 0.0, cycle.total)])
+    named = [text.text or "" for text in ElementTree.fromstring(svg).iter() if "near" in (text.text or "")]
+    assert len([said for said in labels(svg) if said.startswith("near ")]) == 1 and len(named) <= 1
+    assert not [said for said in labels(svg) if said.startswith("far ")]  # out of sight
+
+
+# -- the page
+
+
+def test_no_button_of_a_figure_sends_it_anywhere():
+    script = (HTML / "page.js").read_text(encoding="utf-8")
+    (buttons,) = re.findall(r"modeBarButtons: (\[\[.*?\]\])", script)
+    known = {"toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"}
+    assert {*re.findall(r'"(\w+)"', buttons)} == known  # by name: none that plotly.js adds appears
+    assert 'plotlyServerURL: ""' in script and "displaylogo: false" in script
+
+
+def test_still_figures_follow_light_and_dark():
+    drawing = '<svg xmlns="x"><g style="fill: #ffffff; stroke: #0072b2"/><g style="fill: #cfe3f1"/></svg>'
+    made = both_schemes(drawing)
+    style, rest = made.partition("<style>")[2].split("</style>")
+    assert not re.search(r"#[0-9a-f]{6}", rest) and rest.count("var(--") == 3
+    light, dark = style.split("@media screen and (prefers-color-scheme:dark)")
+    values = [dict(re.findall(r"--(\w{6}):(#\w{6})", part)) for part in (light, dark)]
+    assert values[0] == {colour: f"#{colour}" for colour in ("000000", "0072b2", "cfe3f1", "ffffff")}
+    bright = [sum(int(one[n : n + 2], 16) for n in (1, 3, 5)) for one in (values[1]["ffffff"], values[1]["000000"])]
+    assert bright[0] < 150 < 600 < bright[1]  # paper dark, letters light
+    assert values[1].keys() == values[0].keys()
+
+
+def test_style_of_chips_tables_and_paper():
+    style = (HTML / "style.css").read_text(encoding="utf-8")
+    (chip,) = re.findall(r"^\.pill \{(.*?)\}", style, re.M)
+    assert "white-space: nowrap" in chip
+    assert re.search(r"\.framed\.more::after[^}]*content: \"→\"", style)  # a table that goes on says so
+    assert ".framed" in (HTML / "blocks.html").read_text(encoding="utf-8").replace('class="framed"', ".framed")
+    paper = style.partition("@media print")[2]
+    assert "@page" in paper and ".framed::after" in paper and "prefers-color-scheme" not in paper
+
+
+def test_labels_of_points_close_together_go_to_other_sides():
+    upper, lower = apart([(207.0, 2.1), (207.0, -0.4), (190.0, -29.0)])[:2]
+    assert (upper, lower) == ("top center", "bottom center")
+    assert apart([]) == [] and apart([(1.0, 1.0)]) == ["top center"]
