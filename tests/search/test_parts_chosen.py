@@ -1,6 +1,7 @@
 """Which encoder and controller go with a motor: those that are known to do, and advice where nobody asked for any."""
 
 import pytest
+from specs import estimates_off
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json.documents import sizing
@@ -138,6 +139,19 @@ def test_the_controller_that_is_known_to_commutate_fast_enough(fan):
     )
     found = size(fan(catalog=without)).sets[0]
     assert (found.controller.part, found.status) == ("small unknown", "unknown")
+
+
+@pytest.mark.parametrize(("heat", "volts"), [("155 degC, 1.1, 2.3", "pass"), ("null, null, null", "unknown")])
+def test_a_controller_that_bears_its_peak_too_briefly_gives_way_to_a_larger_one(fan, heat, volts):
+    """3.6 A at the end of 2 s, of which 3 A last and more 0.1 s: 10 A do, however warm the winding may be."""
+    brief = PARTS.replace("peak_time: 10 s", "peak_time: 100 ms").replace("[known, 8, 20,", "[known, 3, 20,")
+    limit, *resistances = heat.split(", ")
+    brief = brief.replace("max_winding_temperature: 155 degC,", f"max_winding_temperature: {limit},")
+    brief = brief.replace(", 98, 900, 1.1, 2.3, ", f", 98, 900, {', '.join(resistances)}, ")
+    found = size(estimates_off(fan(catalog=brief)), top=1).sets[0]
+    status = {check.name: check.status for check in found.checks}
+    assert status["supply_voltage"] == volts  # with neither known nothing bounds the winding's resistance
+    assert (found.controller.part, status["controller_peak_time"]) == ("large", "pass")
 
 
 def test_both_say_the_same_of_a_set(fan):

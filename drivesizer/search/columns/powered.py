@@ -92,13 +92,14 @@ def powered(
     found = case.judged(row, None)
     tried, changed = np.zeros_like(continuous), free
     for _ in range(_TRIES):  # what has not changed would be given the same again
-        short = found.check("controller_peak_time").failed & ~found.weak & ~found.dead
-        again = changed & ((found.weak & ~found.dead & ~tried) | short)
+        settled = ~found.weak | (found.open & tried)  # a voltage that stays open is no reason to overload a controller
+        short = free & ~continuous & found.check("controller_peak_time").failed & ~found.dead & settled
+        again = short | (changed & found.weak & ~found.dead & ~tried)
+        if not again.any():
+            break
         continuous |= short
         tried |= found.open
-        row, found, changed = _again(case, row, found, continuous, np.flatnonzero(again))
-        if not changed.any():
-            break
+        row, found, changed = _again(case, row, found, continuous, short, np.flatnonzero(again))
     figures = _figures(problem, [low.agreed(high) for low, high in found.pairs], case.stresses)
     return Powered(row, [chosen.checks[0], *found.checks], _where_known(figures, cases))
 
@@ -205,13 +206,16 @@ class _Cases(NamedTuple):
 
 
 def _again(
-    case: _Cases, row: NDArray[np.int64], found: _Found, continuous: NDArray[np.bool_], rows: NDArray[np.int64]
+    case: _Cases,
+    row: NDArray[np.int64],
+    found: _Found,
+    continuous: NDArray[np.bool_],
+    short: NDArray[np.bool_],
+    rows: NDArray[np.int64],
 ) -> tuple[NDArray[np.int64], _Found, NDArray[np.bool_]]:
     """Other controllers for some candidates, where there are, what is found with them, and who changed."""
     changed = np.zeros(len(row), bool)
-    if not len(rows):
-        return row, found, changed
-    some, opened = case.some(rows), found.open[rows]
+    some, opened = case.some(rows), found.open[rows] & ~short[rows]
     volts = [np.where(opened, high.voltage[rows], low.voltage[rows]) for low, high in found.pairs]
     chosen = some.controllers(volts, continuous[rows]).row
     other = np.flatnonzero(chosen != row[rows])
