@@ -4,8 +4,9 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# One stamp per Python: another PYTHON makes the environment anew.
+# One stamp per Python: another PYTHON makes the environment anew. What only developers need comes with the second.
 READY := $(VENV)/.ready-$(notdir $(PYTHON))
+TOOLS := $(VENV)/.tools-$(notdir $(PYTHON))
 WHEEL := build/wheel
 
 .PHONY: run test test-all mutants lint docs wheel bench clean
@@ -16,26 +17,26 @@ run: $(READY)
 # What guards right answers. Browsers, killed processes, the built site and every command of the pages: test-all.
 PARALLEL := --numprocesses auto --dist worksteal
 
-test: $(READY)
+test: $(TOOLS)
 	$(BIN)/pytest $(PARALLEL) -m "not slow"
 
-test-all: $(READY)
+test-all: $(TOOLS)
 	$(BIN)/pytest $(PARALLEL)
 
-mutants: $(READY)
+mutants: $(TOOLS)
 	$(BIN)/python tests/tools/mutants.py
 
-lint: $(READY)
+lint: $(TOOLS)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
 # The documentation as a site; a warning is a failure.
-docs: $(READY)
+docs: $(TOOLS)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 # The wheel, built out of the source archive, at work in an empty environment and in another folder.
-wheel: $(READY)
+wheel: $(TOOLS)
 	rm -rf dist $(WHEEL)
 	$(BIN)/python -m build --outdir dist > /dev/null
 	$(PYTHON) -m venv $(WHEEL)
@@ -46,7 +47,7 @@ wheel: $(READY)
 	"$$bin/drivesizer" report -o report.pdf -o report.html && test -s report.pdf && test -s report.html && \
 	"$$bin/drivesizer" doctor
 
-bench: $(READY)
+bench: $(TOOLS)
 	$(BIN)/python benchmarks/size_start.py
 	$(BIN)/python benchmarks/catalog_load.py
 	$(BIN)/python benchmarks/search_sets.py
@@ -63,6 +64,12 @@ clean:
 
 $(READY): pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "drivesizer needs Python 3.11 or later; try make PYTHON=python3.12")'
+	@echo "installing drivesizer and its libraries into $(VENV) (about 800 MB, half a minute or more) ..."
 	$(PYTHON) -m venv --clear $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile -e .
+	touch $@
+
+$(TOOLS): $(READY)
+	@echo "installing the tools of developers into $(VENV) ..."
 	$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev]'
 	touch $@

@@ -6,7 +6,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,7 +16,7 @@ from drivesizer.errors import DrivesizerError, InputError
 
 __all__ = [
     "DEFAULT", "Chosen", "Json", "More", "NothingFitsError", "Profile", "Spec", "Top", "load", "print_notes",
-    "progress", "working",
+    "progress", "simulating", "working",
 ]  # fmt: skip
 
 Spec = Annotated[Path, typer.Argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
@@ -98,6 +98,24 @@ def progress() -> Iterator[Callable[[int, int], None]]:
     finally:
         if bar is not None:
             bar.stop()
+
+
+def simulating(on: str) -> AbstractContextManager[None]:
+    """Status line of a simulation; the first one on a machine says that it is compiled before.
+
+    Parameters
+    ----------
+    on
+        The work, such as ``simulating the drive in closed loop``.
+
+    Returns
+    -------
+    context manager
+        Of :func:`working`.
+    """
+    from drivesizer.control.engine import kept
+
+    return working(on if kept() else f"{on}; compiling the simulation first, once on this machine, some 10 s")
 
 
 @contextmanager

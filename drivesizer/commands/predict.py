@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drivesizer.commands.catalog_files import Names, open_named
-from drivesizer.commands.common import Json, print_notes
+from drivesizer.commands.common import Json, print_notes, working
 from drivesizer.errors import InputError, quoted
 
 if TYPE_CHECKING:
@@ -62,7 +62,8 @@ def predict(
     form = _form(figure)
     sold, gear, drive = _set(open_named(catalogs), motor, gearhead, controller)
     given = completed(given, sold, gear)
-    found = predicted(sold, gear, drive, given)
+    with working("predicting"):
+        found = predicted(sold, gear, drive, given)
     if figure:
         from drivesizer.files.writing import put
         from drivesizer.output.report.figures.prediction import bench

@@ -8,7 +8,19 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, Json, More, Profile, Spec, Top, load, print_notes, progress, working
+from drivesizer.commands.common import (
+    DEFAULT,
+    Json,
+    More,
+    Profile,
+    Spec,
+    Top,
+    load,
+    print_notes,
+    progress,
+    simulating,
+    working,
+)
 from drivesizer.commands.setup import start_by_questions
 from drivesizer.commands.starting import at_terminal
 from drivesizer.errors import InputError, NoLoopError, quoted
@@ -131,7 +143,7 @@ def report(
     robot = load(spec, catalogs)
     accept(output)
     result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))
-    with working("simulating the drive in closed loop"):
+    with simulating("simulating the drive in closed loop"):
         result, proof = _proven(result, profile)
     with working("writing the report"):
         written = write(result, proof, output, paper=paper, date=date)
@@ -159,7 +171,8 @@ def explain(
     robot = load(spec, catalogs)
     sampling = sampling_of(robot, samples=samples, seed=seed, loop=loop_samples)
     catalog = load_parts(robot)
-    found = explained(robot, motor, gearhead, catalog=catalog, sampling=sampling)
+    with working("examining the drive"):
+        found = explained(robot, motor, gearhead, catalog=catalog, sampling=sampling)
     if json:
         from drivesizer.output.json import documents as json_documents
 

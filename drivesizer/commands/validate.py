@@ -18,7 +18,7 @@ from drivesizer.commands.common import (
     load,
     print_notes,
     progress,
-    working,
+    simulating,
 )
 from drivesizer.errors import InputError, quoted
 
@@ -54,7 +54,7 @@ def validate(
             raise InputError("--all: it takes the drives of the search; --set, --csv and --figures are for one of them")
         raise typer.Exit(_all_of(robot, case, profile, top, json))
     found = pick(robot, chosen)
-    with working("simulating the drive in closed loop"):
+    with simulating("simulating the drive in closed loop"):
         proof = validated(robot, found, profile=profile, load_case=case or hardest_case(robot, found))
     if drawings:
         from drivesizer.output.report import write_loop_figures
@@ -95,7 +95,7 @@ def _all_of(robot: Any, case: str | None, profile: str | None, top: int, json: b
         result = sized(robot, top=top, progress=advance)
     if not result.sets:
         raise NothingFitsError("no drive meets all limits; `drivesizer size` shows the closest rejected")
-    with working("simulating the drives in closed loop"):
+    with simulating("simulating the drives in closed loop"):
         proofs, notes = validate_all(result, profile=profile, load_case=case)
     if json:
         from drivesizer.output.json import documents as json_documents
