@@ -34,7 +34,7 @@ __all__ = [
 
 
 _FIRST = 4  # times as many drives as are wanted are computed in full at first
-_FEWEST, _MORE, _MOST = 64, 8, 1 << 16  # at first at least, times as many each time, at most
+_FEWEST, _MORE, _MOST = 8, 8, 1 << 16  # at first at least, times as many each time, at most
 Weigh = Callable[[Evaluation, int], MachineBudget]  # of the drive in a row of an evaluation
 
 
