@@ -33,6 +33,7 @@ _STATUS = re.compile(r"\s+# exit status (\d)$")
 _PLAIN = ("cat", "cd", "cp", "head", "ls", "mkdir", "sed", "tail")  # besides drivesizer
 _ELSEWHERE = {  # what makes or builds the project: it must be there; the gate runs it
     "pip install .": "pyproject.toml", "mkdocs build --strict": "mkdocs.yml", ".ci/run": ".ci/run",
+    "python docs/generate.py": "docs/generate.py", "python docs/generate.py figures": "docs/generate.py",
 }  # fmt: skip
 _CUT = "..."
 

@@ -1,29 +1,16 @@
-"""Hooks of mkdocs beside the written pages: generated parts, the project's own files, mathematics, its font."""
+"""Hooks of mkdocs: the project's own files as pages, mathematics as MathML, and its font."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import mathematics
-from command_page import commands
-from equation_page import equations
-from figures_of import at_the_bench, closed_loop, followed
-from following_page import sensitivities
-from load_page import loads
 from mkdocs.structure.files import File
-from platform_page import platform_equations
-from spec_tables import sections
 
 ROOT = Path(__file__).resolve().parents[2]
 _PROJECT = {"ARCHITECTURE.md": "architecture.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
-_GENERATED: dict[str, Callable[[], str]] = {
-    "commands": commands, "equations": equations, "loads": loads, "platform_equations": platform_equations,
-    "sensitivities": sensitivities, "spec": sections,
-}  # fmt: skip
-_PLACE = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
 _LINK = re.compile(r"\[([^\]]+)\]\(([^)#]+)(#[^)]*)?\)")
 
 
@@ -32,9 +19,6 @@ def on_files(files: Any, config: Any) -> Any:
     for name, page in _PROJECT.items():
         text = _LINK.sub(_relinked, (ROOT / name).read_text(encoding="utf-8"))
         files.append(File.generated(config, page, content=text))
-    drawn = {"at_the_bench": at_the_bench, "closed_loop": closed_loop, "followed": followed}
-    for name, figure in drawn.items():
-        files.append(File.generated(config, f"figures/{name}.svg", content=figure(ROOT)))
     return files
 
 
@@ -45,11 +29,6 @@ def _relinked(link: re.Match[str]) -> str:
     if target.startswith("http"):
         return link[0]
     return f"[{text}]({page}{place})" if page.endswith(".md") else text
-
-
-def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Put the generated parts in."""
-    return _PLACE.sub(lambda m: _GENERATED[m[1]](), markdown)
 
 
 def on_page_content(html: str, **_: Any) -> str:

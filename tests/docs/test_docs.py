@@ -100,7 +100,7 @@ def test_what_is_linked_is_there(name):
 def test_lines_of_code_fit_the_page():
     for page in PAGES:
         for block in blocks(text_of(page)):
-            if page.name != "catalogues.md" and block.language in ("yaml", "python"):
+            if page.name not in ("catalogues.md", "loads.md") and block.language in ("yaml", "python"):
                 assert max(map(len, block.text.splitlines())) <= 92, f"{page.name}:{block.line}"
 
 

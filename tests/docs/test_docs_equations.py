@@ -11,6 +11,7 @@ from drivesizer.platform import matrix_equation
 from drivesizer.platform.matrix_equation import PLATFORM
 
 mathematics = pytest.importorskip("mathematics", reason="the documentation's own packages are not installed")
+latex = pytest.importorskip("latex")
 EVERY = [*EQUATIONS.values(), *COMPANIONS.values()]
 MATRICES = [PLATFORM[number] for number in sorted(PLATFORM)]
 
@@ -20,14 +21,14 @@ def test_an_equation_on_the_page_is_the_one_at_the_terminal(declared):
     """Another notation of the same syntax tree: what is read from left to right and from top to bottom is the same."""
     for form, paper in ((formula.computed(declared), False), (declared.printed, True)):
         if form:
-            made = mathematics.mathml(mathematics.expression(form, paper=paper), "block")
+            made = mathematics.mathml(latex.expression(form, paper=paper), "block")
             assert signs(made) == signs(formula.text(form, paper=paper))
             assert made.count("<mfrac>") >= (1 if "/" in form and "1 / 2" not in form else 0)
             assert made.count("<msqrt>") == form.count("sqrt(") + form.count("(1 / 2)")
 
 
 def test_fractions_stand_as_they_are_written():
-    fraction = mathematics.expression
+    fraction = latex.expression
     assert fraction("a / b / c") == r"\frac{a}{b\,c}"
     assert fraction("a / (b / c)") == r"\frac{a}{b}\,c"
     assert fraction("a * (b + c) / d") == r"\frac{a\,\left(b + c\right)}{d}"

@@ -1,6 +1,6 @@
 """The site: built with warnings fatal, nothing from elsewhere, and what it says of the program is so.
 
-Tables that people wrote are held against the program's own records; what hooks make is held against another way to it.
+Tables that people wrote are held against the program's own records, generated parts against another way to them.
 """
 
 from __future__ import annotations
@@ -44,11 +44,12 @@ def site(tmp_path_factory):
     return folder
 
 
-def test_the_examples_of_the_hooks():
+def test_the_examples_of_the_pages_own_modules():
     import docstrings
+    import latex
     import matrices
 
-    for module in (mathematics, docstrings, matrices):
+    for module in (latex, docstrings, matrices):
         found = doctest.testmod(module)
         assert found.attempted and not found.failed
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-sys.path[:0] = [str(DOCS), str(DOCS / "hooks")]
+sys.path[:0] = [str(DOCS), str(DOCS / "hooks"), str(DOCS / "generated")]
 
 from blocks import blocks  # noqa: E402
 

@@ -56,5 +56,5 @@ def _starter(kind: str) -> str:
     """The spec that ``drivesizer init --kind`` writes."""
     text = (resources.files("drivesizer.spec") / "starters" / f"{kind}.yaml").read_text(encoding="utf-8")
     assert yaml.safe_load(text)["load"]["kind"] == kind
-    body = "\n".join(f"    {line}" if line else "" for line in text.rstrip().splitlines())
-    return f'??? example "`drivesizer init --kind {kind}` writes"\n    ```yaml\n{body}\n    ```'
+    head = f'<details markdown="1"><summary><code>drivesizer init --kind {kind}</code> writes</summary>'
+    return f"{head}\n\n```yaml\n{text.rstrip()}\n```\n\n</details>"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mathematics import displayed, expression, mathml, symbol
+from latex import displayed, expression, inline, symbol
 
 import drivesizer.equations
 from drivesizer.output import formula
@@ -28,9 +28,9 @@ def _in_order() -> list[Equation]:
 def _equation(e: Equation) -> str:
     number = f"({e.number})" if e.number else "–"
     anchor = f"eq-{e.number}" if e.number else e.name.replace("_", "-")
-    parts = [f'### <span class="number">{number}</span> {e.title} {{#{anchor}}}', *_forms(e)]
+    parts = [f'### <a id="{anchor}"></a>{number} {e.title}', *_forms(e)]
     if e.note:
-        parts.append(f'!!! note ""\n    {escaped(e.note)}')
+        parts.append(f"> {escaped(e.note)}")
     parts.append(_terms(e))
     return "\n\n".join(parts)
 
@@ -54,8 +54,8 @@ def _terms(e: Equation) -> str:
     shown = label(e.shown)
     si = label(e.result.unit)
     unit = f"{si}, shown in {shown}" if shown and shown != si else si
-    rows = [(mathml(symbol(e.symbol)), e.result.meaning, unit)]
-    rows += [(mathml(symbol(formula.symbol_text(t.name))), t.meaning, label(t.unit)) for t in e.terms]
+    rows = [(inline(symbol(e.symbol)), e.result.meaning, unit)]
+    rows += [(inline(symbol(formula.symbol_text(t.name))), t.meaning, label(t.unit)) for t in e.terms]
     table = "\n".join(f"| {s} | {escaped(meaning)} | {unit or '1'} |" for s, meaning, unit in rows)
     return f"| | | unit |\n|---|---|---|\n{table}"
 

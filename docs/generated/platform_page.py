@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import matrices
 from equation_page import escaped
-from mathematics import displayed, mathml
+from latex import displayed, inline
 
 from drivesizer.physics.equation import Term
 from drivesizer.platform import matrix_equation, printed_forms
@@ -19,8 +19,8 @@ def platform_equations() -> str:
 
 
 def _equation(e: MatrixEquation) -> str:
-    heading = f'### <span class="number">({e.number})</span> {e.title} {{#eq-{e.number}}}'
-    note = [f'!!! note ""\n    {escaped(e.note)}'] if e.note else []
+    heading = f'### <a id="eq-{e.number}"></a>({e.number}) {e.title}'
+    note = [f"> {escaped(e.note)}"] if e.note else []
     return "\n\n".join([heading, *_forms(e), *note, _terms(e)])
 
 
@@ -41,7 +41,7 @@ def _forms(e: MatrixEquation) -> list[str]:
 
 def _terms(e: MatrixEquation) -> str:
     rows = [(_given(e), e.result.meaning, unit(e.result))]
-    rows += [(mathml(matrices.term(t.name)), t.meaning, unit(t)) for t in e.terms]
+    rows += [(inline(matrices.term(t.name)), t.meaning, unit(t)) for t in e.terms]
     table = "\n".join(f"| {s} | {escaped(meaning)} | {of} |" for s, meaning, of in rows)
     return f"| | | unit |\n|---|---|---|\n{table}"
 
@@ -49,7 +49,7 @@ def _terms(e: MatrixEquation) -> str:
 def _given(e: MatrixEquation) -> str:
     """The result's symbol; where the left side is a 0 or has several, it needs none."""
     plain = "[" not in e.symbol or e.symbol.startswith("[T]")
-    return mathml(matrices.text(e.symbol)) if plain and e.symbol != "0" else "–"
+    return inline(matrices.text(e.symbol)) if plain and e.symbol != "0" else "–"
 
 
 def unit(term: Term) -> str:

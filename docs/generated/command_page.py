@@ -32,7 +32,7 @@ def _command(path: tuple[str, ...], command: Any, depth: int) -> str:
     parts = [f"{'#' * (depth + len(path) - 1)} {name}", _text(command.help or "")]
     if getattr(command, "commands", None):
         return "\n\n".join(parts)
-    parts.append(f"```text\n{name} {usage}\n```")
+    parts.append(f"`{name} {usage}`")
     rows = [_row(p, context) for p in command.params if not p.hidden]
     if rows:
         parts.append("\n".join(["| | what it is | default |", "|---|---|---|", *rows]))
