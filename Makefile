@@ -40,7 +40,7 @@ wheel: $(TOOLS)
 	rm -rf dist $(WHEEL)
 	$(BIN)/python -m build --outdir dist > /dev/null
 	$(PYTHON) -m venv $(WHEEL)
-	$(WHEEL)/bin/pip install --quiet --disable-pip-version-check dist/*.whl
+	$(WHEEL)/bin/pip install --quiet --disable-pip-version-check --no-compile dist/*.whl
 	bin="$$PWD/$(WHEEL)/bin" && spec="$$PWD/examples/sps_robot.yaml" && away=$$(mktemp -d) && \
 	trap 'rm -rf "$$away"' EXIT && cd "$$away" && export DRIVESIZER_CACHE="$$away/cache" && \
 	cp "$$spec" robot.yaml && "$$bin/drivesizer" size --quiet && "$$bin/drivesizer" validate && \
@@ -71,5 +71,5 @@ $(READY): pyproject.toml
 
 $(TOOLS): $(READY)
 	@echo "installing the tools of developers into $(VENV) ..."
-	$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev]'
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile -e '.[dev]'
 	touch $@
