@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -113,9 +114,9 @@ def take_in(
     date: Stated = None,
     url: Stated = None,
 ) -> None:
-    """Make a catalogue file out of another program's table."""
+    """Make a catalogue file out of another program's table; without a map its columns are guessed and shown."""
     from drivesizer.catalog.exchange.import_map import plan
-    from drivesizer.catalog.exchange.importing import import_table
+    from drivesizer.catalog.exchange.importing import heads_of, import_table
     from drivesizer.files.text import read_text
     from drivesizer.files.writing import new
     from drivesizer.output.terminal import findings as terminal_findings
@@ -123,8 +124,20 @@ def take_in(
     target = _target(output, dry_run)
     stated = {"manufacturer": manufacturer, "family": family, "name": name, "document": document,
               "confidence": confidence, "date": date, "url": url}  # fmt: skip
-    imported = import_table(read_text(file), file, plan(section, map_, stated), target)
-    terminal_findings.taken(imported)
+    text, planned, guess = read_text(file), plan(section, map_, stated), {}
+    if map_ is None:
+        from drivesizer.catalog.exchange.guessing import guessed, map_text
+
+        header, units = heads_of(text, file)
+        guess = guessed(header, units, section)
+        planned = replace(planned, columns=guess)
+    imported = import_table(text, file, planned, target)
+    terminal_findings.taken(imported, guessed=bool(guess))
+    if guess and not dry_run:
+        beside = target.with_suffix(".map.yaml")
+        named = {theirs: theirs for theirs in header if theirs in imported.columns.values()}
+        new(beside, map_text(named | guess, header, stated).encode())
+        typer.echo(f"{beside} written: mend it where the guess is wrong, and import again with --map {beside}")
     if not dry_run:
         new(target, imported.text.encode())
         typer.echo(f"{target} written; it states no compatibility yet: add it at its end")

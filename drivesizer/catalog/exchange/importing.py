@@ -22,7 +22,7 @@ from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.units import number, scale
 
-__all__ = ["Imported", "import_table"]
+__all__ = ["Imported", "heads_of", "import_table"]
 
 _FRACTION = re.compile(r"[0-9]{1,15}/[1-9][0-9]{0,14}")
 _BARE = re.compile(r"[A-Za-z][A-Za-z0-9_ ()*/^.%+-]*[A-Za-z0-9_)%]|[A-Za-z]")
@@ -89,6 +89,28 @@ def import_table(text: str, path: Path, plan: Plan, target: Path) -> Imported:
     )
     _loads(imported.text, target)
     return imported
+
+
+def heads_of(text: str, path: Path) -> tuple[list[str], list[str]]:
+    """Header and units of a table.
+
+    Parameters
+    ----------
+    text, path
+        The CSV, and its name for messages.
+
+    Returns
+    -------
+    tuple of lists of str
+        The cells of its first two rows.
+
+    Raises
+    ------
+    InputError
+        When it is no table.
+    """
+    sheet = _sheet(text, path)
+    return sheet.header, sheet.units
 
 
 def _rows(

@@ -115,10 +115,20 @@ def _share(count: int, total: int) -> str:
     return f"{percent:.0f} %"
 
 
-def taken(found: Imported) -> None:
-    """Print the parts and columns that an import read, and those that it left out."""
+def taken(found: Imported, *, guessed: bool = False) -> None:
+    """Print the parts and columns that an import read, and those that it left out.
+
+    Parameters
+    ----------
+    found
+        The import.
+    guessed
+        Whether its columns were guessed.
+    """
     out = console()
     out.print(counted(found.families, out.width, f"{found.parts} parts in {of_families(len(found.families))}: "))
+    if guessed:
+        out.print(Text("columns guessed by name and unit, to be looked at:", style="yellow"))
     for theirs, ours in found.columns.items():
         if theirs != ours:
             out.print(Text(f"  {theirs} → {ours}"))
