@@ -224,7 +224,7 @@ def pointed(page: Any, name: str, curve: str, point: int) -> str:
 
 def test_the_pointer_finds_an_operating_point(page, result):
     found, cycle = field(result.spec, result.sets[0]), load_cycle(result.spec)
-    end = pointed(page, "field-1", "load cycle", 1)  # the end of the acceleration
+    end = pointed(page, "field", "load cycle", 1)  # the end of the acceleration
     rpm, torque = found.cycle_speed[0, 1] * 9.5492966, 1e3 * found.cycle_torque[0, 1]
     assert "load cycle" in end and f"{rpm:.0f} rpm, {torque:.4g} mN·m" in end
     assert f"at {cycle.time[0, 1]:g} s of the cycle" in end
@@ -232,8 +232,14 @@ def test_the_pointer_finds_an_operating_point(page, result):
 
 
 def test_the_pointer_finds_the_load_case_by_its_name_letter_by_letter(wild, hoist):
-    told = pointed(wild, "field-1", f"load cycle, {CASE}", 3)
+    told = pointed(wild, "field", f"load cycle, {CASE}", 3)
     assert f"load cycle, {CASE}" in told and "rpm" in told
+
+
+def test_the_buttons_of_a_figure_are_the_known_ones(page):
+    """One of plotly.js's own sends the figure to a server."""
+    found = page.evaluate("[...document.querySelectorAll('.modebar-btn')].map((e) => e.dataset.title)")
+    assert {*found} == {"Download plot as a PNG", "Zoom", "Pan", "Zoom in", "Zoom out", "Reset axes"}
 
 
 def test_one_pointer_for_all_diagrams_of_the_loop(page):
@@ -289,7 +295,7 @@ def changed(page, element, before):
 
 
 def test_arrow_keys_go_from_point_to_point(page, result):
-    drawing = page.locator("[data-plot='field-1']")
+    drawing = page.locator("[data-plot='field']")
     drawing.focus()
     labels = []
     for key in ("ArrowRight", "ArrowRight", "ArrowDown"):
