@@ -64,9 +64,15 @@ def unknown_figures(drive_set: DriveSet) -> list[list[str]]:
     """For each unknown check its title, and which figures are not known."""
     return [
         [check.title, ", ".join(_lacking(check, drive_set)) or _stated(check)]
-        for check in drive_set.every_check
+        for check in _reported(drive_set)
         if check.status == "unknown"
     ]
+
+
+def _reported(drive_set: DriveSet) -> tuple[Check, ...]:
+    """Checks that a report prints: those of the method that ranked, and by physics too where that is the paper's."""
+    by_paper = any(check.method == "paper" for check in drive_set.checks)
+    return drive_set.every_check if by_paper else drive_set.own_checks
 
 
 def _lacking(check: Check, drive_set: DriveSet) -> list[str]:
@@ -119,7 +125,7 @@ def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
         Name, value, confidence and titles of checks, as texts.
     """
     resting: dict[str, list[str]] = {}
-    for check in drive_set.every_check:
+    for check in _reported(drive_set):
         for name in rests_on(check, drive_set):
             resting.setdefault(name, []).append(check.title)
     found = []

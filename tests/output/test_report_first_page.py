@@ -25,11 +25,13 @@ from drivesizer.output.report.html.candidate_plots import apart
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.html.stills import both_schemes
 from drivesizer.output.report.pdf import report_pdf
+from drivesizer.output.report.sections import SECTIONS
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.check_parts import PARTS, by_part, part_of
 from drivesizer.results.sizing import SizingResult
+from drivesizer.spec.sections import TitleBlock
 
 HTML = Path(report_html.__code__.co_filename).parent
 
@@ -100,13 +102,39 @@ def test_the_first_page_of_a_pdf_holds_all_of_it_and_files_go_with_it(result):
     with blank_figures():
         content = report_pdf(many, None, paper="us-letter")
     first, *others = (re.sub(r"\s+", " ", text) for text in texts_of(content))
-    for said in ("A drive was found", "total", "smallest margins", "Confidence in the verdict", "Figure 1", "CONTENTS"):
+    for said in ("A drive was found", "total", "smallest margins", "Confidence in the verdict", "Figure 1"):
         assert said in first, said
+    last = 1 + len(others)
+    assert all(f"page {n} of {last}" in text for n, text in enumerate((first, *others), 1))  # the layout converged
     attached = pypdf.PdfReader(io.BytesIO(content)).attachments
     assert attached["sps_robot.yaml"][0].decode().splitlines() == result.spec.text.splitlines()
     lines = attached["catalogues.txt"][0].decode().splitlines()  # digests of many catalogues are no page
     assert dict(line.split("  ") for line in lines) == digests
     assert not any(f"{79:032x}" in page for page in others)
+
+
+def test_the_title_block_is_what_the_spec_gives(result):
+    given = {"customer": "Muster <AG>", "project": "AGV 12", "revision": "B"}
+    spec = result.problem.machine.model_copy(update={"report": TitleBlock(**given)})
+    titled = replace(result, problem=replace(result.problem, machine=spec))
+    with blank_figures():
+        pages = [re.sub(r"\s+", " ", text) for text in texts_of(report_pdf(titled, None))]
+        page = report_html(titled, None).decode()
+    assert all(text in pages[0] for text in given.values())
+    assert all("SPS surveillance robot, AGV 12, revision B" in text for text in pages[1:])
+    assert "<dt>Customer</dt><dd>Muster &lt;AG&gt;</dd>" in page and "Author" not in pages[0]
+    assert document(Content(result))["block"] == []
+    summary = next(section for section in SECTIONS if section.name == "summary")
+    assert summary.sheets is not None
+    rows = [row for sheet in summary.sheets(Content(titled)) for row in sheet.rows]
+    assert {row.get("title"): row.get("note") for row in rows}["Project"] == "AGV 12"
+
+
+def test_of_unknown_checks_no_more_is_said_than_that_none_fails(result):
+    best = replace(result.sets[0], status="unknown")
+    said = str(blocks(replace(result, sets=(best,)), "summary")["verdict"])
+    assert "fails no check" in said and "limits" not in said
+    assert "meets all limits" in str(blocks(result, "summary")["verdict"])
 
 
 # -- groups

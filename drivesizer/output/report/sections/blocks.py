@@ -105,7 +105,7 @@ class Picture:
     alt: str
     about: str = ""  # a sentence that points at it, without its subject, where figures float
     on_page: Text = ""  # the caption of a figure that can be moved and zoomed, where it differs
-    place: str = ""  # "bottom" of the page, on paper
+    floats: bool = False  # on paper: to the top or the bottom of a page, so that the text goes on beside it
 
 
 @dataclass(frozen=True, slots=True)

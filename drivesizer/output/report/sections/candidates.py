@@ -17,6 +17,7 @@ from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn, headed
 from drivesizer.output.report.sections.sheets import RANK, STATUS
 from drivesizer.output.report.sections.texts import Number, Status, Strong
+from drivesizer.output.sums import unknown_of
 from drivesizer.output.text import margin
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
@@ -33,8 +34,10 @@ def _blocks(content: Content) -> Iterator[Block]:
     result = content.result
     counts = result.counts
     yield Words(f"{counts.considered} combinations of motor and gearhead, with the belt, were examined; "
-                f"{counts.feasible} of them {'meets' if counts.feasible == 1 else 'meet'} all limits. "
+                f"{_passing(content)}. "
                 f"Ranked by {result.objective.replace('_', ' ')}.")  # fmt: skip
+    if result.alternatives:
+        yield _alternatives(content)
     if result.sets or result.misses:
         yield _drives(content)
         yield Pair([Picture("sets-margin", "The drives by mass and smallest margin, numbered as in the table; those of "
@@ -54,6 +57,35 @@ def _blocks(content: Content) -> Iterator[Block]:
         price = f"{row['price']}, sum of {row['price_of']}" if row["price_of"] else row["price"]
         yield Words(("Without the families and parts that the spec names, the whole catalogue would give ",
                      Strong(other.label), f" ({row['mass']}, sum of {row['mass_of']}; {price})."))  # fmt: skip
+
+
+def _passing(content: Content) -> str:
+    """Number of candidates that pass, or that fail no check where the best has unknown ones."""
+    count, sets = content.result.counts.feasible, content.result.sets
+    if sets and sets[0].status != "pass":
+        return f"{count} of them {'fails' if count == 1 else 'fail'} no check"
+    return f"{count} of them {'meets' if count == 1 else 'meet'} all limits"
+
+
+def _alternatives(content: Content) -> Table:
+    """The best drive of each other motor family beside the selected one."""
+    result = content.result
+    columns = (Column("drive", "name", 1.3), Column("mass", "number"), Column("price", "number"),
+               Column("energy", "number"), Column("margin", "number"), Column("smallest margin; unknown", "small", 1.0),
+               Column("", "status"))  # fmt: skip
+    rows = [Row(_beside(one), status=one.status) for one in (*result.sets[:1], *result.alternatives)]
+    return Table("Beside the best drives of other motor families: mass, price and energy per cycle of one drive, as "
+                 "far as they are known", columns, rows, "alternatives", "alternatives", dense=True)  # fmt: skip
+
+
+def _beside(one: DriveSet) -> tuple[Any, ...]:
+    tight, energy = worst(one.deciding), objective_figure(one, "energy")
+    price = "unknown" if isnan(one.price) else f"{one.price:.2f} EUR"
+    least = "≥ " if unknown_of(one, one.price_of) and one.price_of else ""
+    lacks = [f"{c.status}: {c.title}" for c in one.deciding if c.status in ("unknown", "open")]
+    grounds = "; ".join([*([tight.title] if tight else []), *([_first(lacks)] if lacks else [])])
+    return (one.label, show(one.mass, "g", "mass"), least + price, energy.text, margin(tight.margin) if tight else "",
+            grounds, (Status(one.status),))  # fmt: skip
 
 
 def _drives(content: Content) -> Table:

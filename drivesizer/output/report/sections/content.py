@@ -66,6 +66,12 @@ class Content:
         return "wheel" if self.result.spec.load.kind == "wheeled_vehicle" else "load's shaft"
 
     @property
+    def title_block(self) -> list[tuple[str, str]]:
+        """Names and texts of the customer, project, author and revision, as far as the spec gives them."""
+        given = self.result.spec.report.model_dump(exclude_none=True)
+        return [(name.replace("_", " ").capitalize(), str(text)) for name, text in given.items()]
+
+    @property
     def motors(self) -> int:
         """Number of drives of this kind in the machine."""
         return self.result.spec.load.motors

@@ -66,14 +66,15 @@ def _cycle(content: Content) -> Iterator[Block]:
     first = f" The load cycle is that of {content.cycles[0][0]}." if len(content.cycles) > TOGETHER else ""
     yield Picture("efficiency", _EFFICIENCY + first,
                   "efficiency of motor and gearhead over torque and speed with the load cycle",
-                  about="shows the share of the power that arrives.")  # fmt: skip
+                  about="shows the share of the power that arrives.", floats=True)  # fmt: skip
     cases = f", in the first {MOST_WHEELS} load cases" if len(content.cases) > MOST_WHEELS else ""
     of = "" if content.wheel else " those of the case as specified,"
     cut = " The longest stretch without change is left out." if len(stretches(content.cycles)) > 1 else ""
     yield Picture("demand", "Current and voltage of the motor over the cycle, at the mean temperature of the winding "
                   f"over the cycle{cases}. Limits are{of} without the margins that the spec requires.{cut}",
                   "current and voltage over the cycle with their limits",
-                  about="shows current and voltage over time, as the checks by physics use them.")  # fmt: skip
+                  about="shows current and voltage over time, as the checks by physics use them.",
+                  floats=True)  # fmt: skip
 
 
 def field_picture(content: Content) -> Picture:
@@ -96,7 +97,7 @@ def field_picture(content: Content) -> Picture:
     return Picture(
         "field", f"Torque and speed of the motor: the shaded field is allowed continuously. {_VOLTAGE} {_DOT}{more}",
         "torque-speed field of the motor with the load cycle",
-        on_page=f"Torque and speed of the motor. {_ON_PAGE} {_VOLTAGE} {_DOT}{more}", place="here")  # fmt: skip
+        on_page=f"Torque and speed of the motor. {_ON_PAGE} {_VOLTAGE} {_DOT}{more}")  # fmt: skip
 
 
 CYCLE = Section(name="cycle", title="Over the cycle", level=2, blocks=_cycle, tabled=False)

@@ -17,6 +17,13 @@ from drivesizer.version import __version__
 __all__ = ["document"]
 
 
+def _header(content: Content) -> str:
+    """The machine's name, and the project with its revision where they are given."""
+    given = dict(content.title_block)
+    revision = f"revision {given['Revision']}" if "Revision" in given else ""
+    return ", ".join(filter(None, (content.result.spec.name, given.get("Project", ""), revision)))
+
+
 def document(content: Content, date: str | None = None) -> dict[str, Any]:
     """Everything that a report prints but its figures.
 
@@ -39,7 +46,8 @@ def document(content: Content, date: str | None = None) -> dict[str, Any]:
          "appendix": section.appendix, "blocks": as_data(blocks)} for section, blocks in printed if blocks
     ]  # fmt: skip
     made: dict[str, Any] = cleaned({
-        "name": result.spec.name, "header": short(result.spec.name), "machine": machine_words(result.spec),
+        "name": result.spec.name, "header": short(_header(content)), "block": content.title_block,
+        "machine": machine_words(result.spec),
         "version": __version__, "date": short(date or "", 40), "found": bool(result.sets), "sections": sections,
     })  # fmt: skip
     return made

@@ -49,7 +49,7 @@ def _blocks(content: Content) -> Iterator[Block]:
     shown = f"In closed loop: {', '.join(first)} and {last}." if first else f"In closed loop: {last}."
     cut = " Stretches in which the reference does not change are left out." if len(windows(v.series)) > 1 else ""
     yield Picture("loop", shown + cut, "closed loop over time", about="shows it over time.",
-                  on_page=f"{shown} All diagrams share the axis of time.")  # fmt: skip
+                  on_page=f"{shown} All diagrams share the axis of time.", floats=True)  # fmt: skip
     gains = [Row((row.title, gain(row))) for row in gain_rows(v.gains)]
     columns = Column("gain", "name", 1.0), Column("value", "number")
     yield Pair([Facts("Figures of the closed loop", [*map(figure_row, v.figures)])],

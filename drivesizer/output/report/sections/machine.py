@@ -99,7 +99,7 @@ def _battery(content: Content) -> Iterator[Block]:
     mean = f"Mean power that the consumers draw from the battery ({budget.battery}).{lacks}"
     charge = "The charge that is left over time, from full."
     yield Picture("battery", f"{mean} {charge}", "consumers, and the battery's charge over time",
-                  about="shows the consumers and the battery's charge over time.", place="here")  # fmt: skip
+                  about="shows the consumers and the battery's charge over time.")  # fmt: skip
     yield Pair([Picture("consumers", mean, "consumers of the battery, mean power")],
                [Picture("charge", charge, "charge of the battery over time")])  # fmt: skip
     yield Pair([consumers(budget)], [Facts("The battery", [*map(figure_row, budget.figures)])])

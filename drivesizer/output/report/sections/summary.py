@@ -60,13 +60,15 @@ def _changes(content: Content) -> Iterator[Block]:
         yield Words("No single figure of the spec, changed up to 20 times, is enough for a drive to pass.")
 
 
-def meet(count: int, of: int) -> str:
+def meet(count: int, of: int, status: str = "pass") -> str:
     """Number of candidates that meet all limits.
 
     Parameters
     ----------
     count, of
         Those that do, and all.
+    status
+        Of the best of them: where its checks are not all known, no more is said than that none fails.
 
     Returns
     -------
@@ -77,7 +79,11 @@ def meet(count: int, of: int) -> str:
     --------
     >>> meet(1, 35), meet(7, 35)
     ('1 of 35 candidates meets all limits', '7 of 35 candidates meet all limits')
+    >>> meet(7, 35, "unknown")
+    '7 of 35 candidates fail no check'
     """
+    if status != "pass":
+        return f"{count or 'None'} of {of} candidates {'fails' if count < 2 else 'fail'} no check"
     return f"{count or 'None'} of {of} candidates {'meets' if count < 2 else 'meet'} all limits"
 
 
@@ -92,7 +98,7 @@ def _outcome(content: Content) -> Iterator[Text]:
 def _found(content: Content) -> Iterator[Text]:
     result, best, sampled = content.result, content.drive, content.result.uncertainty
     assert best is not None
-    numbers = meet(result.counts.feasible, result.counts.considered)
+    numbers = meet(result.counts.feasible, result.counts.considered, best.status)
     required = confidence(sampled.confidence) if sampled and sampled.confidence is not None else ""
     if content.outcome == "unsure":
         yield (Strong(f"No drive reaches the confidence of {required}."),
@@ -202,6 +208,7 @@ def _verdict(content: Content) -> Iterator[table.Row]:
     result, best = content.result, content.drive
     status = result.sets[0].status if result.sets else "fail"
     yield {"title": "Machine", "note": result.spec.name}
+    yield from ({"title": name, "note": value} for name, value in content.title_block)
     yield {"title": "Kind", "note": machine_words(result.spec)}
     none = none_reaches(result)
     said = f"{none}, the most probable" if none else "a drive was found" if result.sets else "no drive meets all limits"
