@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 from drivesizer.units import show
 
-__all__ = ["GRAVEST", "Band", "Check", "Figure", "Status", "tightest", "verdict", "worst"]
+__all__ = ["GRAVEST", "Band", "Check", "Figure", "Status", "in_a_sentence", "tightest", "verdict", "worst"]
 
 Status = Literal["pass", "fail", "open", "unknown"]  # open: estimated figures decide
 
@@ -71,6 +71,15 @@ class Figure:
     def text(self) -> str:
         """The value as it is printed."""
         return show(self.value, self.unit, self.kind)
+
+
+def in_a_sentence(title: str) -> str:
+    """A title within a sentence: its first letter small, abbreviations as they are.
+
+    >>> in_a_sentence("Motor nominal current (RMS)"), in_a_sentence("RMS torque")
+    ('motor nominal current (RMS)', 'RMS torque')
+    """
+    return title if title[1:2].isupper() else title[:1].lower() + title[1:]
 
 
 def verdict(checks: tuple[Check, ...]) -> Status:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drivesizer.machine.budgets import MachineBudget, machine_budget, of_the_platform
 from drivesizer.machine.platform_budget import MechanicalBudget
+from drivesizer.results.check import in_a_sentence
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Check, verdict
@@ -259,7 +260,7 @@ def shortfall(short: Iterable[MachineBudget], better: int) -> list[str]:
     list[str]
         One sentence or none.
     """
-    names = sorted({check.title.lower() for one in short for check in one.checks if check.status == "fail"})
+    names = sorted({in_a_sentence(check.title) for one in short for check in one.checks if check.status == "fail"})
     if not better or not names:
         return []
     drives = "1 better drive is" if better == 1 else f"{better} better drives are"

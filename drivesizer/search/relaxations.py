@@ -26,7 +26,7 @@ __all__ = ["changes_for", "relaxations"]
 
 _STEPS = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)  # times
 _NEAR_ENOUGH = 1.01
-_COLDEST = 100.0  # K below what is given
+_ROOM = 298.15  # K, 25 degC: the ambient of data sheets
 
 
 class _Passing(NamedTuple):
@@ -179,14 +179,14 @@ def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
 
 
 def _cooler(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
-    """The ambient, which moves by kelvins."""
+    """The ambient, which moves by kelvins; below that of a room it is no remedy."""
     now = problem.spec.environment.ambient
 
     def cooled(fall: float) -> Problem:
         return _changed(problem, _AMBIENT, 1.0 - fall / now)
 
-    low, high = 0.0, _COLDEST
-    if not passing.any(cooled(high)):
+    low, high = 0.0, now - _ROOM
+    if high <= 0.0 or not passing.any(cooled(high)):
         return
     while high - low > 1.0:
         middle = (low + high) / 2

@@ -79,7 +79,7 @@ def test_each_figure_is_moved_to_a_twentieth_or_twentyfold(motion, furthest, cat
     found, tried = moves(problem(spec_of(motion), catalog), monkeypatch)
     assert not found
     expected = FURTHEST | {f"motion.{name}": factor for name, factor in furthest.items()}
-    assert set(tried) - {"supply.min", "supply.max"} == {*expected, "environment.ambient"}
+    assert set(tried) - {"supply.min", "supply.max"} == set(expected)  # 25 degC is that of a room: no remedy
     for name, factor in expected.items():
         ends = (1.0, 20.0) if factor > 1 else (1 / 20, 1.0)
         assert (min(1.0, *tried[name]), max(1.0, *tried[name])) == pytest.approx(ends, rel=1e-9), name
@@ -107,16 +107,25 @@ def test_the_least_factor_is_found_to_one_per_cent(field, factor, catalog, monke
 
 
 def test_the_ambient_falls_by_kelvins(catalog, monkeypatch):
-    """25 degC, and a drive that passes at 30 K less: found to 1 K, on the colder side."""
-    given = problem(spec_of(), catalog)
+    """60 degC, and a drive that passes at 30 K less: found to 1 K, on the colder side."""
+    hot = spec_of()
+    given = problem(hot.model_copy(update={"environment": type(hot.environment)(ambient="60 degC")}), catalog)
     now = given.spec.environment.ambient
     found, _ = moves(given, monkeypatch, lambda ratios: ratios.get("environment.ambient", 1.0) * now <= now - 30.0)
     (move,) = found.values()
     assert move.field == "environment.ambient"
-    assert move.before == now == pytest.approx(298.15)
+    assert move.before == now == pytest.approx(333.15)
     assert now - 31.0 <= move.after <= now - 30.0
     assert move.share == pytest.approx((now - move.after) / now)
-    assert (move.now, move.needed) == ("25 °C", f"{move.after - 273.15:.3g} °C")
+    assert (move.now, move.needed) == ("60 °C", f"{move.after - 273.15:.3g} °C")
+
+
+def test_a_room_colder_than_a_room_is_no_remedy(catalog, monkeypatch):
+    """30 degC, and a drive that passes at 10 K less, 20 degC: data sheets are of 25 degC."""
+    warm = spec_of()
+    given = problem(warm.model_copy(update={"environment": type(warm.environment)(ambient="30 degC")}), catalog)
+    found, _ = moves(given, monkeypatch, lambda ratios: ratios.get("environment.ambient", 1.0) * 303.15 <= 293.15)
+    assert not found
 
 
 def test_the_nearest_other_reduction_of_the_family_is_named_with_its_distance(catalog):

@@ -16,6 +16,7 @@ from drivesizer.output.terminal.loops import loops
 from drivesizer.output.terminal.machine import machine
 from drivesizer.output.terminal.reliability import below_confidence, tolerances, tolerances_of
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
+from drivesizer.results.check import in_a_sentence
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.objectives import objective_figure
@@ -75,7 +76,7 @@ def _by_the_other(console: Console, result: SizingResult, best: DriveSet) -> Non
     if result.method != "paper" or not best.beside:
         return
     status = verdict(best.beside)
-    which = ", ".join(check.title.lower() for check in best.beside if check.status == status != "pass")
+    which = ", ".join(in_a_sentence(check.title) for check in best.beside if check.status == status != "pass")
     words = Text("Ranked by the paper's equations and rule; by physics ") + Text(MARK[status], style=STYLE[status])
     console.print(words + Text(f" ({which})" if which else ""))
 
@@ -131,7 +132,7 @@ def _none(console: Console, result: SizingResult, *, whole: bool) -> None:
     console.print(Text("No drive meets all limits.", style="bold red"))
     if result.counts.failed_by:
         name, count = max(result.counts.failed_by.items(), key=lambda item: item[1])
-        title = CHECKS[result.method][name].title.lower()
+        title = in_a_sentence(CHECKS[result.method][name].title)
         console.print(f"Most frequent failure: {title}, in {count:,} of {result.counts.considered:,} drives.")
     if result.relaxations:
         console.print("Any one of these changes alone would let a drive pass:")
@@ -144,7 +145,8 @@ def _none(console: Console, result: SizingResult, *, whole: bool) -> None:
     if result.misses:
         closest = result.misses[0]
         console.print()
-        shown = closest.checks if whole else [check for check in closest.own_checks if check.status != "pass"]
+        failed = [check for check in closest.own_checks if check.status == "fail"]
+        shown = closest.checks if whole else failed or [c for c in closest.own_checks if c.status != "pass"]
         console.print(tables.checks(shown, f"Closest rejected: {closest.label}"))
         if whole:
             machine(console, closest)
@@ -226,19 +228,19 @@ def _tally(console: Console, result: SizingResult, *, whole: bool) -> None:
             f"{counts.left_out:,} more meet all limits that are known; select: {{unknown: reject}} leaves them out."
         )
     if whole and counts.failed_by:
-        console.print("The others fail on:")
+        console.print("The others fail on:" if counts.feasible else "They fail on:")
         for name, count in sorted(counts.failed_by.items(), key=lambda item: -item[1]):
             console.print(f"  {count:>8,}  {_title(name, result.method)}")
     if whole and counts.failed_by_budget:
         console.print(f"Of {counts.judged:,} checked in the machine, best first, some fail on:")
         for name, count in sorted(counts.failed_by_budget.items(), key=lambda item: -item[1]):
-            console.print(f"  {count:>8,}  {CHECKS['budget'][name].title.lower()}")
+            console.print(f"  {count:>8,}  {in_a_sentence(CHECKS['budget'][name].title)}")
     if result.unrestricted:
         console.print(Text(_unrestricted(result.unrestricted, result.objective)))
 
 
 def _title(name: str, method: str) -> str:
-    return "not the largest reduction" if name == "largest_reduction" else CHECKS[method][name].title.lower()
+    return "not the largest reduction" if name == "largest_reduction" else in_a_sentence(CHECKS[method][name].title)
 
 
 def _unrestricted(other: DriveSet, objective: str) -> str:
