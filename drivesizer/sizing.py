@@ -231,9 +231,6 @@ def _warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     if not sets:
         return tuple(sentences)
     best = sets[0]
-    missing = [check.title for check in best.deciding if check.status == "unknown"]
-    if missing:
-        sentences.append(f"unknown for the best drive: {', '.join(missing)}")
     sentences += [
         "at rest the hottest phase of the best drive's motor, at the rotor's worst angle, may reach "
         f"{show(check.demand, 'degC', 'temperature', 4)}: the winding's limit is "

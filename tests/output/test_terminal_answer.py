@@ -9,8 +9,11 @@ import pytest
 import drivesizer
 from drivesizer.output.parts import machine_parts, totals
 from drivesizer.output.terminal.sizing import DETAILS, sizing
+from drivesizer.output.terminal.tables import checks
+from drivesizer.results.check import Band, Check
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
+from drivesizer.spec.select import Select
 
 STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"
 
@@ -91,3 +94,25 @@ def test_alternatives_are_the_best_of_other_families(starter):
 
 def test_alternatives_by_the_papers_rule_and_where_there_is_one_family(spec):
     assert size(spec, top=1).alternatives == ()
+
+
+def test_no_figure_is_cut_where_much_is_unknown(capsys, monkeypatch):
+    """Faulhaber's catalogue alone lists no encoder and no controller for most motors."""
+    spec = load_spec(STARTERS / "arm.yaml")
+    result = size(spec.model_copy(update={"select": Select(catalogs=["faulhaber"])}), top=1)
+    lines = [line.rstrip() for line in told(result, capsys, monkeypatch).splitlines()]
+    assert max(map(len, lines)) <= 80 and "…" not in "".join(lines)
+    unknown = [check.title for check in result.sets[0].deciding if check.status == "unknown"]
+    assert len(unknown) > 5 and f"and {len(unknown) - 4} more (--checks)" in " ".join(lines)
+    for one in (*result.sets, *result.alternatives):
+        assert any(line.startswith(f"{one.motor.part} {one.gearhead.part}") for line in lines)
+    assert sum(line.endswith("%") and " J " in line for line in lines) == 4
+
+
+def test_the_unfavourable_end_shows_figures_only_where_they_give_its_margin():
+    """A winding of estimated limit: 161 degC against the nominal 103 degC would contradict a margin of 5 %."""
+    check = Check(name="a", title="A", method="physics", demand=1.0, limit=2.0, kind="current", unit="A", margin=1.0,
+                  status="pass", band=Band(0.9, 1.9, 2.0 / 1.9 - 1.0))  # fmt: skip
+    both = (replace(check, band=Band(0.9, 2.5, 0.05)), check)
+    shown = [[str(cell) for cell in column.cells] for column in checks(both, "").columns[1:3]]
+    assert shown == [["1 A", "", "1 A", "1.9 A"], ["2 A", "", "2 A", "2 A"]]

@@ -26,6 +26,7 @@ from drivesizer.units import show
 __all__ = ["WIDE", "alternatives", "next_commands", "recommended"]
 
 WIDE = 110  # columns from which on a part has a single line
+_NAMED = 4  # unknown checks at most that are named
 _TIGHT = 3  # checks with the smallest margins that are shown
 
 
@@ -132,7 +133,8 @@ def _certainty(best: DriveSet, catalog: Catalog) -> Iterator[Text]:
         yield Text(hanging, style=STYLE["open"])
     unknown = [check.title for check in best.deciding if check.status == "unknown"]
     if unknown:
-        yield Text(f"unknown: {', '.join(unknown)}", style=STYLE["unknown"])
+        more = f" and {len(unknown) - _NAMED} more (--checks)" if len(unknown) > _NAMED + 1 else ""
+        yield Text(f"unknown: {', '.join(unknown[: _NAMED if more else None])}{more}", style=STYLE["unknown"])
     if best.reliability:
         claim = "no known check fails" if best.reliability.unknown else "all checks pass"
         yield Text(f"With tolerances {claim} with a probability of {likely(best.reliability.probability)}.")
@@ -177,8 +179,9 @@ def alternatives(console: Console, result: SizingResult) -> None:
     for found in shown:
         value = [tables.objective(found, result.objective)] if own else []
         table.add_row(_drive(found, wide=console.width >= WIDE), *value, *_compared(found))
-    for column in table.columns:
+    for column in table.columns[1:]:
         column.no_wrap = True
+    table.columns[0].min_width = max(_widest(found, wide=console.width >= WIDE) for found in shown)
     over = "" if all(found.actuator for found in shown) else ", mass of motor and gearhead"
     console.print(Text(f"\nBeside other motor families: one drive each{over}", style="bold"))
     console.print(table)
@@ -188,19 +191,29 @@ _SHOWN = {"mass", "price", "energy", "margin"}  # objectives that have a column 
 
 
 def _drive(found: DriveSet, *, wide: bool) -> Text:
-    """Motor and gearhead, their part numbers, and the checks that are unknown or open."""
+    """Motor and gearhead with their part numbers, then the checks that are unknown or open."""
+    text = _names(found, wide=wide)
+    said = []
+    for status in ("unknown", "open"):
+        titles = [check.title for check in found.deciding if check.status == status]
+        said += [f"{status}: {titles[0] if len(titles) == 1 else f'{len(titles)} checks'}"] if titles else []
+    return text.append(f"\n{', '.join(said)}", STYLE["unknown"]) if said else text
+
+
+def _widest(found: DriveSet, *, wide: bool) -> int:
+    """Characters of the longest of a drive's lines that does not wrap."""
+    return max(map(len, _names(found, wide=wide).plain.splitlines()))
+
+
+def _names(found: DriveSet, *, wide: bool) -> Text:
+    """Motor and gearhead, and their part numbers; on one line where there is room."""
     gearhead = f" {found.gearhead.reduction}" if found.actuator else f" + {found.gearhead_name}"
     gearhead = "" if found.gearhead_name == "none" else gearhead
     belt = f" × {found.belt_name}" if found.belt_name else ""
     family = found.motor.family if found.motor.part != found.motor.family else found.motor.part
     numbers = " ".join(part.part for role, part in found.parts.items() if part and role in _TURNING)
     text = Text(f"{family}{gearhead}{belt}", style="bold" if found.rank == 1 else "")
-    text.append(f"{'  ' if wide else chr(10)}{numbers}", style="dim")
-    for status in ("unknown", "open"):
-        titles = [check.title for check in found.deciding if check.status == status]
-        if titles:
-            text.append(f"\n{status}: {titles[0]}{f' and {len(titles) - 1} more' if titles[1:] else ''}", STYLE[status])
-    return text
+    return text.append(f"{'  ' if wide else chr(10)}{numbers}", style="dim")
 
 
 _TURNING = {"motor", "gearhead", "actuator"}

@@ -30,6 +30,7 @@ __all__ = [
     "requirements", "width_of",
 ]  # fmt: skip
 
+_ALIKE = 0.01  # of a margin, within which it is that of two figures
 _CLOSE = 0.2  # least margin at the ends of the band of estimates, below which the band is shown
 STYLE = {"pass": "green", "fail": "bold red", "open": "yellow", "unknown": "yellow"}
 MARK = {"pass": "pass", "fail": "FAIL", "open": "open", "unknown": "unknown"}
@@ -157,9 +158,16 @@ def checks(checks: Iterable[Check], title: str, *, edged: bool = True) -> Table:
         needed = f"\nneeds {percent(check.needed)}" if check.needed and not isnan(check.margin) else ""
         table.add_row(Text(check.title + where), *figures, percent(check.margin) + needed, status, *when)
         if check.band and check.status in ("open", "pass") and check.band.least_margin < _CLOSE:
-            worst = plain(check, check.band.high), plain(check, check.limit)
+            worst = _at_worst(check)
             table.add_row(Text("  at worst, by estimates", style="dim"), *worst, percent(check.band.least_margin), "")
     return table
+
+
+def _at_worst(check: Check) -> tuple[str, str]:
+    """Demand and limit at the unfavourable end; nothing where the limit is estimated too, and moves with the demand."""
+    high, limit, least = check.band.high, check.limit, check.band.least_margin  # type: ignore[union-attr]
+    alike = high > 0.0 and abs(limit / high - 1.0 - least) < _ALIKE
+    return (plain(check, high), plain(check, limit)) if alike else ("", "")
 
 
 def _seconds(time: float | None) -> str:
