@@ -83,8 +83,9 @@ def _charge(axes: Axes, budget: EnergyBudget) -> None:
     if not isnan(budget.required):
         end = float(from_si(budget.required, "h", "time"))
         axes.axvline(end, color="black", linewidth=0.7, linestyle=(0, (2, 1.5)), zorder=2)
-        axes.annotate("required", (end, 1.0), xycoords=("data", "axes fraction"), xytext=(-2, -2),
-                      textcoords="offset points", ha="right", va="top", fontsize=6.5)  # fmt: skip
+        early = end < 0.5 * float(from_si(lasts, "h", "time"))  # its name on the side that has room for it
+        axes.annotate("required", (end, 1.0), xycoords=("data", "axes fraction"), xytext=(2 if early else -2, -2),
+                      textcoords="offset points", ha="left" if early else "right", va="top", fontsize=6.5)  # fmt: skip
     axes.set(xlim=(0.0, float(from_si(lasts, "h", "time")) * 1.02), ylim=(0.0, 103.0), xlabel="time (h)")
     axes.set_ylabel("charge (%)")
     axes.yaxis.set_label_coords(-0.2, 0.5)

@@ -109,7 +109,7 @@ def efficiency_map(found: EfficiencyMap, form: Form = "svg") -> bytes:
                               textcoords="offset points")  # fmt: skip
         outside(axes)
 
-    return drawn(draw, 2.5, form)
+    return drawn(draw, 2.3, form)
 
 
 def _shown(torque: Array, unit: str) -> Array:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Share", "energy_bars", "energy_unit", "shares"]
 
-_ROW = 0.2  # in
+_ROW = 0.17  # in
 _SMALLEST = 1e-6  # of what is drawn: less is none, or the rounding of a trajectory
 _LOOKS: dict[str, dict[str, Any]] = {  # distinct in grey as well
     "drawn": {"facecolor": "#BBBBBB", "edgecolor": "black"},

@@ -65,7 +65,7 @@ def temperatures(found: WarmUp, ambient: float, permitted: float, form: Form = "
         way.set_ylabel("temperature (°C)")
         heading(figure, *way.get_legend_handles_labels(), 3)
 
-    return drawn(draw, 2.3, form)
+    return drawn(draw, 2.05, form)
 
 
 def _celsius(kelvin: Any) -> Any:

@@ -241,10 +241,12 @@ def part_rows(line: PartLine) -> Iterator[Row]:
 def total_rows(totals: Iterable[Total]) -> Iterator[Row]:
     """The sums of a parts list, with the roles that they cover."""
     for total in totals:
-        named = "part", f"total_{total.name}", f"All parts, {total.name}", total.value
+        least = ", at least" if total.lacks else ""
+        named = "part", f"total_{total.name}", f"All parts, {total.name}{least}", total.value
         lacks = f"; not known and not in the sum: {', '.join(total.lacks)}" if total.lacks else ""
         found = _figure(*named, "mass", "g") if total.name == "mass" else plain_row(*named, total.unit)
-        yield found | {"note": f"sum of {', '.join(total.over)}{lacks}"}
+        guessed = f"; estimated: {', '.join(total.estimated)}" if total.estimated else ""
+        yield found | {"note": f"sum of {', '.join(total.over)}{lacks}{guessed}"}
 
 
 def closed_loop_rows(v: Validation) -> Iterator[Row]:

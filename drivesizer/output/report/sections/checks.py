@@ -12,7 +12,7 @@ from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.sheets import LIMITS, RANK, ranked
 from drivesizer.output.report.sections.texts import Status
-from drivesizer.results.check_parts import by_part
+from drivesizer.results.check_parts import by_part, part_of
 from drivesizer.results.drive_set import Comparison, DriveSet
 
 __all__ = ["CHECKS", "DRIVE", "PHYSICS"]
@@ -69,10 +69,14 @@ def _compared(pair: Comparison) -> Row:
 
 def _sheet(content: Content) -> list[Sheet]:
     """Every check of every drive, by both methods."""
-    columns = (RANK, SheetColumn("check", "title"), SheetColumn("method", "method"), SheetColumn("load case", "case"),
-               *LIMITS)  # fmt: skip
-    rows = ranked(content, lambda drive: (table.check_row("check", c) for c in drive.every_check))
-    return [Sheet(name="Checks", columns=columns, rows=list(rows), still=2)]
+    columns = (RANK, SheetColumn("part", "part"), SheetColumn("check", "title"), SheetColumn("method", "method"),
+               SheetColumn("load case", "case"), *LIMITS)  # fmt: skip
+    rows = ranked(content, _rows)
+    return [Sheet(name="Checks", columns=columns, rows=list(rows), still=3)]
+
+
+def _rows(drive: DriveSet) -> Iterator[table.Row]:
+    yield from (table.check_row("check", c) | {"part": part_of(c.name)} for c in drive.every_check)
 
 
 def _of_drive(_: Content, __: str, drive: DriveSet) -> Iterator[table.Row]:

@@ -38,7 +38,7 @@ def parts_table(lines: Sequence[PartLine], motors: int, outcome: str) -> Table:
     total = Row(("", "total", "", "", sums["mass"] or "unknown", "", sums["price"] or "unknown"), total=True)
     dates = ", ".join(dict.fromkeys(line.price_date for line in lines if line.price_date))
     dated = f"; prices of {dates}" if dates else ""
-    caption = f"Parts of {drives}: {outcome}{dated}. Cables, connectors and couplings are not among them"
+    caption = f"Parts of {drives}: {outcome}{dated}; without cables, connectors and couplings"
     caption += "; ≈ estimated" if any(total.estimated for total in totals(lines)) else ""
     return Table(caption, columns, [*map(_row, lines), total], name="parts", look="parts")
 

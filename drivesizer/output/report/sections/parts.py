@@ -28,6 +28,7 @@ _PARTS = (
     SheetColumn("role", "role"), SheetColumn("maker", "maker"), SheetColumn("family", "family"),
     SheetColumn("part", "part"), SheetColumn("order number", "order_number"), STATUS, SheetColumn("is", "said"),
     SheetColumn("quantity", "quantity", "count"), SheetColumn("mass of one (g)", "mass_g"),
+    SheetColumn("from (g)", "mass_low_g"), SheetColumn("to (g)", "mass_high_g"),
     SheetColumn("mass of all (g)", "masses_g"), SheetColumn("price of one", "price", "money"),
     SheetColumn("price of all", "prices", "money"), SheetColumn("currency", "currency"),
     SheetColumn("price from (pieces)", "pieces", "count"), SheetColumn("price date", "price_date"),
@@ -40,16 +41,16 @@ _PARTS = (
 
 def _sheet(content: Content) -> list[Sheet]:
     rows = [_sheet_row(line) for line in content.bought]
-    note = (
-        "mass and price are empty where no catalogue has them" if rows else "no drive meets all limits: nothing to buy"
-    )
+    known = "mass and price are empty where no catalogue has them; a mass with from and to is estimated"
+    note = known if rows else "no drive meets all limits: nothing to buy"
     return [Sheet(name="Parts list", columns=_PARTS, rows=rows, note=note, still=1)]
 
 
 def _sheet_row(line: PartLine) -> table.Row:
-    grams = from_si(line.mass, "g", "mass")
+    grams, low, high = (from_si(mass, "g", "mass") for mass in (line.mass, line.mass_low, line.mass_high))
     row = {name: getattr(line, name) for name in line.__slots__}
-    return row | {"status": "" if line.order_number else "unknown", "mass_g": grams, "masses_g": line.quantity * grams,
+    return row | {"status": "" if line.order_number else "unknown", "mass_g": grams, "mass_low_g": low,
+                  "mass_high_g": high, "masses_g": line.quantity * grams,
                   "prices": line.quantity * line.price}  # fmt: skip
 
 

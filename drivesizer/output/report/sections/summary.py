@@ -10,7 +10,7 @@ from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import case_of, check_row, tight_of, tightest_checks
 from drivesizer.output.report.lines.machine import driven_over, machine_words
 from drivesizer.output.report.lines.reliability import error_and_weakest, none_reaches
-from drivesizer.output.report.sections.blocks import Block, Checks, Tiles, Verdict, Words
+from drivesizer.output.report.sections.blocks import Block, Checks, Table, Tiles, Verdict, Words
 from drivesizer.output.report.sections.changes import changes_table
 from drivesizer.output.report.sections.confidence import confidence_table
 from drivesizer.output.report.sections.content import Content
@@ -18,7 +18,7 @@ from drivesizer.output.report.sections.cycle import field_picture
 from drivesizer.output.report.sections.part_lines import LEAST, parts_table, total_text
 from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
-from drivesizer.output.report.sections.texts import Status, Strong, TableLink, Text
+from drivesizer.output.report.sections.texts import Status, Strong, TableLink, Text, text_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, worst
 from drivesizer.units import KINDS
@@ -166,6 +166,8 @@ def _sheet(content: Content) -> list[Sheet]:
     if best:
         rows += [_part(OUTCOMES[content.outcome].capitalize()), *_drive(best, content)]
         rows += [_part("Its smallest margins"), *map(_tight, tightest_checks(best))]
+        grounds = confidence_table(content)
+        rows += [_part(text_of(grounds.caption)), *_grounds(grounds)]
     if content.bought:
         rows += [_part(f"All parts of the machine, {content.motors} of each")]
         rows += map(_priced, table.total_rows(totals(content.bought)))
@@ -179,6 +181,10 @@ def _sheet(content: Content) -> list[Sheet]:
         rows += texts("Basis of the probabilities", result.uncertainty.notes)
     rows += [*texts("Assumptions", result.assumptions), *texts("Warnings", result.warnings)]
     return [Sheet(name="Summary", columns=_COLUMNS, rows=rows, filtered=False)]
+
+
+def _grounds(of: Table) -> Iterator[table.Row]:
+    yield from ({"title": text_of(name), "note": text_of(said)} for name, said in (row.cells for row in of.rows))
 
 
 def _part(title: str) -> table.Row:
