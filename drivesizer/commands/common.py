@@ -15,7 +15,7 @@ import typer
 from drivesizer.errors import DrivesizerError, InputError
 
 __all__ = [
-    "DEFAULT", "Chosen", "Json", "More", "NothingFitsError", "Profile", "Spec", "Top", "load", "print_notes",
+    "DEFAULT", "TOP", "Chosen", "Json", "More", "NothingFitsError", "Profile", "Spec", "Top", "load", "print_notes",
     "progress", "simulating", "working",
 ]  # fmt: skip
 
@@ -30,6 +30,7 @@ More = Annotated[
     typer.Option("--catalog", metavar="NAME_OR_FILE", help="A catalogue beside the spec's, e.g. my_parts.yaml or all."),
 ]
 DEFAULT = Path("robot.yaml")
+TOP = 5  # drives of a sizing without --top
 Profile = Annotated[
     str | None, typer.Option(help="trapezoid, s-curve, or a CSV file of time and speed; else the spec's.")
 ]

@@ -10,6 +10,7 @@ import typer
 
 from drivesizer.commands.common import (
     DEFAULT,
+    TOP,
     Json,
     More,
     Profile,
@@ -44,7 +45,7 @@ Processes = Annotated[int, typer.Option(min=1, max=64, help="Processes that shar
 
 def size(
     spec: Spec = DEFAULT,
-    top: Top = 5,
+    top: Top = TOP,
     objective: Objective = None,
     pareto: Pareto = None,
     confidence: Confidence = None,
@@ -85,6 +86,7 @@ def size(
         from drivesizer.output.terminal import sizing as terminal
 
         chosen = {"checks": checks, "derivation": derivation, "paper": beside}
+        chosen["ranking"] = top != TOP
         details = terminal.DETAILS if verbose else frozenset(name for name, wanted in chosen.items() if wanted)
         terminal.sizing(result, details=details, spec="" if spec == DEFAULT else str(spec), quiet=quiet)
         print_notes(() if quiet else result.warnings)

@@ -64,7 +64,7 @@ def test_an_unknown_price_is_unknown_and_not_nothing(starter, capsys, monkeypatc
 @pytest.mark.parametrize("detail", sorted(DETAILS))
 def test_details_come_on_request_alone(detail, starter, capsys, monkeypatch):
     words = {"checks": "Gearhead temperature range", "derivation": "Largest speed of the load's shaft",
-             "paper": "Both methods", "ranking": "Best first"}  # fmt: skip
+             "paper": "Both methods", "ranking": "Best first", "rejected": "Closest rejected"}  # fmt: skip
     out = told(starter, capsys, monkeypatch, details=frozenset({detail}))
     assert {name for name, said in words.items() if said in out} == {detail}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import isnan
 
 from rich.console import Console
@@ -23,9 +23,9 @@ from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult, worst
 from drivesizer.units import show
 
-__all__ = ["WIDE", "alternatives", "next_commands", "recommended"]
+__all__ = ["next_commands", "recommended", "side_by_side"]
 
-WIDE = 110  # columns from which on a part has a single line
+_WIDE = 110  # columns from which on a part has a single line
 _NAMED = 4  # unknown checks at most that are named
 _TIGHT = 3  # checks with the smallest margins that are shown
 
@@ -43,7 +43,7 @@ def recommended(console: Console, result: SizingResult, best: DriveSet) -> None:
         Its drive that is recommended.
     """
     lines = machine_parts(best, result.problem)
-    console.print(_parts(lines, best, wide=console.width >= WIDE))
+    console.print(_parts(lines, best, wide=console.width >= _WIDE))
     console.print(Text.assemble(("total: ", "bold"), "; ".join(map(_summed, totals(lines))), _unpriced(lines)))
     console.print()
     title = f"{MARK[best.status]}: the tightest of {len(best.deciding)} checks"
@@ -159,31 +159,34 @@ def _counted(found: dict[str, str]) -> str:
 # --- alternatives -----------------------------------------------------------------------------------------------------
 
 
-def alternatives(console: Console, result: SizingResult) -> None:
-    """Print the best drives of other motor families beside the recommended one; nothing without any.
+def side_by_side(console: Console, sets: Sequence[DriveSet], objective: str, title: str) -> None:
+    """Print drives with mass, price, energy and smallest margin, a row each; nothing without any.
 
     Parameters
     ----------
     console
         The terminal.
-    result
-        The sizing.
+    sets
+        The drives.
+    objective
+        What ranked them; it has a column where it is none of those.
+    title
+        Above the table.
     """
-    if not result.alternatives:
+    if not sets:
         return
-    shown = (*result.sets[:1], *result.alternatives)
-    own = result.objective not in _SHOWN
-    heads = [("", "left"), *([(result.objective.replace("_", " "), "right")] if own else [])]
+    own, wide = objective not in _SHOWN, console.width >= _WIDE
+    heads = [("", "left"), *([(objective.replace("_", " "), "right")] if own else [])]
     heads += [("mass", "right"), ("price", "right"), ("energy", "right"), ("margin", "right")]
     table = tables.bare(*heads, edged=False)
-    for found in shown:
-        value = [tables.objective(found, result.objective)] if own else []
-        table.add_row(_drive(found, wide=console.width >= WIDE), *value, *_compared(found))
+    for found in sets:
+        value = [tables.objective(found, objective)] if own else []
+        table.add_row(_drive(found, wide=wide), *value, *_compared(found))
     for column in table.columns[1:]:
         column.no_wrap = True
-    table.columns[0].min_width = max(_widest(found, wide=console.width >= WIDE) for found in shown)
-    over = "" if all(found.actuator for found in shown) else ", mass of motor and gearhead"
-    console.print(Text(f"\nBeside other motor families: one drive each{over}", style="bold"))
+    table.columns[0].min_width = max(_widest(found, wide=wide) for found in sets)
+    over = "" if all(found.actuator for found in sets) else ", mass of motor and gearhead"
+    console.print(Text(f"\n{title}: one drive each{over}", style="bold"))
     console.print(table)
 
 

@@ -8,10 +8,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.catalog import Catalog, Controller, Encoder
+from drivesizer.catalog import Catalog
 from drivesizer.control.validation import Validation
 from drivesizer.output.terminal import tables as tables
-from drivesizer.output.terminal.answer import alternatives, next_commands, recommended
+from drivesizer.output.terminal.answer import next_commands, recommended, side_by_side
 from drivesizer.output.terminal.loops import loops
 from drivesizer.output.terminal.machine import machine
 from drivesizer.output.terminal.reliability import below_confidence, tolerances, tolerances_of
@@ -25,7 +25,7 @@ from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["DETAILS", "explained", "sizing", "validation", "validations"]
 
-DETAILS = frozenset({"derivation", "checks", "paper", "ranking"})
+DETAILS = frozenset({"derivation", "checks", "paper", "ranking", "rejected"})
 """Details that :func:`sizing` shows on request beside the answer."""
 
 
@@ -56,17 +56,18 @@ def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec:
         _by_the_other(console, result, best)
         _details(console, result, best, details)
     if result.sets and not quiet:
-        alternatives(console, result)
+        shown = (*result.sets[:1], *result.alternatives) if result.alternatives else ()
+        side_by_side(console, shown, result.objective, "Beside other motor families")
     if "ranking" in details and len(result.sets) > 1:
-        console.print(_ranking(result.sets, result))
+        side_by_side(console, result.sets, result.objective, "Best first")
     if result.front:
         console.print(_front(result))
     elif result.pareto:
         console.print(f"No Pareto front: no drive that passes has known values of {', '.join(result.pareto)}.")
     tolerances(console, result, quiet="checks" not in details)
-    if result.misses and ("ranking" in details or best is None):
+    if result.misses and ("rejected" in details or best is None):
         console.print(_rejected(result.misses))
-    _tally(console, result, whole="ranking" in details or best is None)
+    _tally(console, result, whole="rejected" in details or best is None)
     if best and not quiet:
         next_commands(console, spec)
 
@@ -152,36 +153,10 @@ def _none(console: Console, result: SizingResult, *, whole: bool) -> None:
             machine(console, closest)
 
 
-def _ranking(sets: tuple[DriveSet, ...], result: SizingResult) -> Table:
-    table = tables.bare(
-        ("", "right"), ("motor", "left"), ("gearhead", "left"), ("encoder", "left"), ("controller", "left"),
-        (result.objective.replace("_", " "), "right"), ("tightest", "right"), title="Best first",
-    )  # fmt: skip
-    for found in sets:
-        tight = worst(found.deciding)
-        table.add_row(
-            str(found.rank),
-            f"{found.motor.family}\n{found.motor.part}",
-            _gearhead(found, sets) + (f"\n{found.gearhead.part}" if "gearhead" in found.parts else ""),
-            _named(found.encoder, "unknown"),
-            _named(found.controller, "none"),
-            tables.objective(found, result.objective),
-            Text(percent(tight.margin) if tight else "–", style=STYLE[found.status]),
-        )
-    return table
-
-
 def _gearhead(found: DriveSet, among: tuple[DriveSet, ...]) -> str:
     """Gearhead and its reduction, with the belt's ratio where the drives differ in it."""
     belt = f" × {found.belt_name or 1}" if len({s.belt_ratio for s in among}) > 1 else ""
     return f"{found.gearhead_name}{belt}"
-
-
-def _named(part: Encoder | Controller | None, otherwise: str) -> str:
-    """Family and number of a part; "inside" where the actuator contains it."""
-    if part is None:
-        return otherwise
-    return "inside" if part.inside else f"{part.family}\n{part.part}"
 
 
 def _rejected(misses: tuple[DriveSet, ...]) -> Table:
