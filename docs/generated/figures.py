@@ -101,7 +101,7 @@ FIGURES: dict[str, Callable[[], Drawing]] = {
     "closed_loop": lambda: _robot()["loop"],
     "way": lambda: _platform()["way"],
     "wheels": lambda: _platform()["cycle"],
-    "fields": lambda: _vehicle()["fields"],
+    "cases": lambda: _vehicle()["field"],
     "front": lambda: _vehicle()["front"],
     "tornado": lambda: _conveyor()["tornado"],
     "at_the_bench": lambda: _at_the_bench,

@@ -11,6 +11,8 @@ pytest.importorskip("mathematics", reason="the documentation's own packages are 
 
 import generate
 
+figures = pytest.importorskip("figures")
+
 PARTS = {
     (path, name)
     for path in DOCS.rglob("*.md")
@@ -41,3 +43,44 @@ def test_nothing_but_the_part_between_its_marks_is_written(monkeypatch):
     monkeypatch.setattr(generate, "made", lambda name: f"new {name}")
     page = "by hand\n\n<!-- generated: spec -->\nold\n<!-- end: spec -->\n\nby hand\n"
     assert generate.renewed(page) == page.replace("\nold\n", "\n\nnew spec\n\n")
+
+
+# --- figures
+
+
+def linked():
+    """Pictures of all pages and of the README, as paths."""
+    pages = [*DOCS.rglob("*.md"), DOCS.parent / "README.md"]
+    return {
+        (path.parent / target).resolve()
+        for path in pages
+        for target in re.findall(r"!\[[^\]]*\]\(([^)#]+)\)", path.read_text(encoding="utf-8"))
+    }
+
+
+def test_every_picture_of_a_page_is_there_and_every_figure_on_a_page():
+    drawn = set((DOCS / "figures").glob("*.svg"))
+    assert linked() == drawn
+    made = {path.stem for path in drawn if not path.stem.startswith("measured-")}
+    assert made == set(figures.FIGURES)
+
+
+def test_the_figures_are_small():
+    made = [path.stat().st_size for path in (DOCS / "figures").glob("*.svg") if not path.stem.startswith("measured-")]
+    assert sum(made) < 600_000
+
+
+def test_a_figure_is_made_smaller_without_a_change_of_what_it_shows():
+    path = '<metadata>x</metadata>\n<path d="M 0.04 -0.04 \nL 12.345678 100.0 "/>\n '
+    small = figures.compact(f'<svg>\n{path}<text x="1.26">1.2345 m</text></svg>')
+    assert small == '<svg>\n<path d="M 0 0 L 12.3 100"/>\n<text x="1.3">1.2345 m</text></svg>'
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", figures.FIGURES)
+def test_a_figure_says_what_the_program_says_now(name):
+    """After a change: python docs/generate.py figures. Lines depend on matplotlib's version, words on the program."""
+    committed = (DOCS / "figures" / f"{name}.svg").read_text(encoding="utf-8")
+    now = figures.drawn(name)
+    assert now == figures.drawn(name)
+    assert re.findall(r"<text[^>]*>([^<]*)", now) == re.findall(r"<text[^>]*>([^<]*)", committed)
