@@ -6,7 +6,7 @@ What no catalogue gives is left open: an order number, a price, a cable.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isnan, nan
 from typing import Any
 
@@ -90,6 +90,7 @@ def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | Non
     """
     masses = {row.name: _massed(row) for row in drive_rows(found, drives, catalog, belt)}
     lines = [_line(role, part, catalog, drives, masses[role]) for role, part in found.parts.items()]
+    lines = [replace(x, said=", ".join((x.said, *found.belt_running))) if x.role == "belt" else x for x in lines]
     if _bare_belt(found):
         mass = masses.get("belt and pulleys", {})
         lines.insert(_behind_gearhead(found), PartLine(role="belt", said=_ratio(found), quantity=drives, **mass))
