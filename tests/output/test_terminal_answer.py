@@ -54,6 +54,17 @@ def test_totals_are_sums_of_the_lines_and_say_what_they_lack(starter, capsys, mo
     assert "≈ 90 g" in out
 
 
+def test_no_column_is_cut_where_a_part_is_not_listed(starter, capsys, monkeypatch):
+    """That none is listed takes more room than any part's name: it goes on below."""
+    best = starter.sets[0]
+    dear = replace(best, motor=replace(best.motor, price=12345.67), encoder=None)
+    lines = told(replace(starter, sets=(dear,), alternatives=()), capsys, monkeypatch).splitlines()
+    assert sum(line.startswith("2 ×   ") for line in lines) == 4 and max(map(len, lines)) <= 80
+    assert any("12345.67 EUR" in line and "24691.34 EUR" in line and line.rstrip().endswith(" g") for line in lines)
+    (controller,) = (line for line in lines if "controller  " in line and "unknown" in line)
+    assert controller.count("unknown") == 2 and "≈ 90 g" in controller
+
+
 def test_an_unknown_price_is_unknown_and_not_nothing(starter, capsys, monkeypatch):
     best = starter.sets[0]
     bare = replace(best, motor=replace(best.motor, price=nan), gearhead=replace(best.gearhead, price=nan))

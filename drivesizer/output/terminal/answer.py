@@ -67,7 +67,9 @@ def _parts(lines: list[PartLine], best: DriveSet, *, wide: bool) -> Table:
         prices = [_money(line.price, line), *([_money(line.quantity * line.price, line)] if several else [])]
         table.add_row(f"{line.quantity} ×", line.role, name, *number, *prices, _massed(line))
     for column in table.columns:
-        column.no_wrap = True
+        column.no_wrap = column.header != "part"
+    known = [line for line in lines if line.part]
+    table.columns[2].min_width = max(max(len(_named(line, best)), 0 if wide else len(line.part)) for line in known)
     return table
 
 
