@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -73,9 +74,9 @@ def test_the_summary_has_the_answer_in_its_order(result):
 def test_the_grounds_follow_the_answer_and_what_is_seldom_read_is_appendix(result):
     order = [*sections(result)]
     wanted = ["summary", "drive", "checks", "cycle", "machine", "candidates", "specification", "derivation",
-              "assumptions", "physics", "datasheets", "repeat"]  # fmt: skip
+              "assumptions", "physics", "repeat", "datasheets"]  # fmt: skip
     assert [name for name in order if name in wanted] == wanted
-    assert [name for name, one in sections(result).items() if one["appendix"]] == ["physics", "datasheets", "repeat"]
+    assert [name for name, one in sections(result).items() if one["appendix"]] == ["physics", "repeat", "datasheets"]
 
 
 def test_the_method_that_did_not_rank_has_no_verdict(by_physics, result):
@@ -229,6 +230,15 @@ def test_style_of_chips_tables_and_paper():
 
 
 def test_labels_of_points_close_together_go_to_other_sides():
-    upper, lower = apart([(207.0, 2.1), (207.0, -0.4), (190.0, -29.0)])[:2]
-    assert (upper, lower) == ("top center", "bottom center")
-    assert apart([]) == [] and apart([(1.0, 1.0)]) == ["top center"]
+    assert apart([], []) == [] and apart([(1.0, 1.0)], ["1"]) == ["top center"]
+    assert apart([(207.0, 2.1), (207.0, 0.9), (190.0, -29.0)], ["1", "2", "3"])[:2] == ["top center", "bottom center"]
+
+
+def test_no_label_covers_another_and_the_crowded_ones_are_left_to_the_pointer():
+    points = [(740.0, -50.0 - n) for n in range(30)]
+    sides = apart(points, [str(n) for n in range(30)])
+    assert "" in sides and len({*sides}) > 2
+    steps = {"top center": 0.065, "bottom center": -0.065, "middle right": 0.0, "middle left": 0.0}
+    for one in ("middle right", "middle left"):
+        ups = [y / 29.0 + steps[side] for (_, y), side in zip(points, sides, strict=True) if side == one]
+        assert all(abs(a - b) > 0.05 for a, b in pairwise(ups))

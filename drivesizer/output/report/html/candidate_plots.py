@@ -43,7 +43,8 @@ def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str) -> Plot | Non
         return None
     names = _names(known, up)
     named = {row["rank"]: (row["exact"]["mass"], row["exact"][up]) for row in known if row["rank"] in names}
-    sides = dict(zip(named, apart([*named.values()]), strict=True))
+    sides = dict(zip(named, apart([*named.values()], [names[rank] for rank in named]), strict=True))
+    names = {rank: name for rank, name in names.items() if sides[rank]}
     data = [
         _of_status(status, [row for row in known if row["status"] == status], up, names, sides) for status in _LOOKS
     ]
@@ -60,37 +61,56 @@ def _names(rows: Sequence[dict[str, Any]], up: str) -> dict[str, str]:
     return {ranks[0]: ", ".join(ranks[:3]) + (" …" if len(ranks) > 3 else "") for ranks in places.values()}
 
 
-def apart(points: Sequence[tuple[float, float]]) -> list[str]:
-    """Side of each point at which its label covers no other: above, below where one is close above, else beside it.
+def apart(points: Sequence[tuple[float, float]], names: Sequence[str]) -> list[str]:
+    """Side of each point at which its label covers neither another label nor a point; empty where there is none.
 
     Parameters
     ----------
     points
         Places in the units of the axes.
+    names
+        Their labels.
 
     Returns
     -------
     list of str
-        As plotly names them.
+        As plotly names the sides.
 
     Examples
     --------
-    >>> apart([(207.0, 2.1), (207.0, -0.4), (192.7, -29.0)])
+    >>> apart([(207.0, 2.1), (207.0, 0.9), (192.7, -29.0)], ["1", "2", "3"])
     ['top center', 'bottom center', 'top center']
     """
-    wide, high = (max(axis) - min(axis) or 1.0 for axis in zip(*points, strict=True)) if points else (1.0, 1.0)
+    spans = [max(axis) - min(axis) or 1.0 for axis in zip(*points, strict=True)]
+    places = [(x / spans[0], y / spans[1]) for x, y in points]
+    taken: list[tuple[float, float, float]] = [(x, y, _POINT) for x, y in places]  # middle and half width
+    chosen = []
+    for own, name in zip(places, names, strict=True):
+        half = _LETTER * len(name) / 2.0
+        free = (
+            side for side, step in _SIDES.items() if _is_free(own, (step[0] * (half + _POINT), step[1]), half, taken)
+        )
+        side = next(free, "")
+        chosen.append(side)
+        if side:
+            across, up = _SIDES[side]
+            taken.append((own[0] + across * (half + _POINT), own[1] + up, half))
+    return chosen
 
-    def near(point: tuple[float, float], sign: float) -> bool:
-        steps = [((x - point[0]) / wide, sign * (y - point[1]) / high) for x, y in points if (x, y) != point]
-        return any(abs(across) < _CLOSE[0] and 0.0 <= up < _CLOSE[1] for across, up in steps)
 
-    return [
-        "top center" if not near(one, 1.0) else "bottom center" if not near(one, -1.0) else "middle right"
-        for one in points
-    ]
+def _is_free(
+    own: tuple[float, float], step: tuple[float, float], half: float, taken: Sequence[tuple[float, float, float]]
+) -> bool:
+    """Whether a label beside a point covers nothing but that point's surroundings."""
+    x, y = own[0] + step[0], own[1] + step[1]
+    return not any(
+        abs(x - other) < half + wide and abs(y - up) < _HIGH for other, up, wide in taken if (other, up) != own
+    )
 
 
-_CLOSE = (0.1, 0.14)  # of the axes: room of a label across and up
+_LETTER, _POINT, _HIGH = 0.024, 0.018, 0.06  # shares of the axes: width of a letter, half a point, height of a label
+_SIDES = {"top center": (0.0, 0.065), "bottom center": (0.0, -0.065), "middle right": (1.0, 0.0),
+          "middle left": (-1.0, 0.0)}  # fmt: skip
 
 
 def _of_status(
@@ -107,7 +127,7 @@ def _of_status(
         "mode": "markers+text" if names else "markers",
         "marker": {"symbol": symbol, "size": 9, "color": colour, "line": {"width": 2 if "open" in symbol else 0}},
         "text": [names.get(row["rank"], "") for row in rows],
-        "textposition": [sides.get(row["rank"], "top center") for row in rows],
+        "textposition": [sides.get(row["rank"]) or "top center" for row in rows],
         "cliponaxis": False,
         "customdata": [[plain(row[name]) for name in fields] for row in rows],
         "hovertemplate": hover,
@@ -132,11 +152,13 @@ def front_plot(result: SizingResult) -> Plot | None:
     if len(known) < 2:
         return None
     points = line([places[n][0] for n in known], [places[n][1] for n in known], "front", "blue")
+    ranks = [str(result.front[n].rank) for n in known]
+    sides = apart([(places[n][0], places[n][1]) for n in known], ranks)
     points |= {
         "mode": "markers+text" if len(known) <= _FEW else "markers",
         "marker": {"symbol": "circle", "size": 8, "color": "blue"},
-        "text": [str(result.front[n].rank) for n in known],
-        "textposition": apart([(places[n][0], places[n][1]) for n in known]),
+        "text": [rank if side else "" for rank, side in zip(ranks, sides, strict=True)],
+        "textposition": [side or "top center" for side in sides],
         "cliponaxis": False,
         "customdata": [[str(result.front[n].rank), plain(result.front[n].label),
                         "<br>".join(f"{f.title} {plain(f.text)}" for f in found[n])] for n in known],

@@ -65,7 +65,7 @@ def _dark(colour: str) -> str:
     """A colour on a dark page: as given, else of the opposite lightness.
 
     >>> _dark("#ffffff"), _dark("#cfe3f1")
-    ('#14171a', '#1e435c')
+    ('#14171a', '#153449')
     """
     if colour in _DARK:
         return _DARK[colour]

@@ -43,7 +43,7 @@ SECTIONS = (  # what to buy, whether it holds, how close others come, why; then 
     DERIVATION,
     ASSUMPTIONS,
     PHYSICS,
-    DATA_SHEETS,
     REPEAT,
     SPEC_FILE,
+    DATA_SHEETS,
 )
