@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from drivesizer.catalog import Catalog, Note, columns_of, one_of
+from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.units import show
 
@@ -72,7 +73,8 @@ def _row(part: Any, name: str, section: str, confidence: dict[str, str]) -> dict
     if column.kind.startswith("price") and value == value:
         text = f"{value:.2f} {column.unit}"  # to the cent, as money is
     else:
-        text = value if column.kind == "text" else show(value, column.unit, column.kind, 6)
+        digits = 3 if confidence[name] == ESTIMATED else 6  # its band is wide
+        text = value if column.kind == "text" else show(value, column.unit, column.kind, digits)
     mark = "" if confidence[name] == "quoted" else confidence[name]
     return {"name": name.replace("_", " "), "text": text, "mark": mark}
 

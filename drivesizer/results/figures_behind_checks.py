@@ -138,6 +138,6 @@ def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
         mark = catalog.confidence(section, table.rows[part.part]).get(field, "")
         if mark in ("derived", "recalled", ESTIMATED):
             column = columns_of(section)[field]
-            value = show(getattr(part, field), column.unit, column.kind, 6)
+            value = show(getattr(part, field), column.unit, column.kind, 3 if mark == ESTIMATED else 6)
             found.append([_named(role, field), value, mark, "; ".join(dict.fromkeys(titles))])
     return found

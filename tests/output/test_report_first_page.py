@@ -16,6 +16,7 @@ from printed import blank_figures
 from synthetic_validation import labels
 
 from drivesizer.load_cases import load_cycle
+from drivesizer.output.datasheet import _row
 from drivesizer.output.parts import machine_parts
 from drivesizer.output.report.figures.field import torque_speed_each
 from drivesizer.output.report.figures.field_panels import TOGETHER, Panel, alone, leading, panels
@@ -242,3 +243,15 @@ def test_no_label_covers_another_and_the_crowded_ones_are_left_to_the_pointer():
     for one in ("middle right", "middle left"):
         ups = [y / 29.0 + steps[side] for (_, y), side in zip(points, sides, strict=True) if side == one]
         assert all(abs(a - b) > 0.05 for a, b in pairwise(ups))
+
+
+def test_an_estimated_figure_has_three_digits(result):
+    """Three digits of an estimate, six of a printed figure."""
+    best = result.sets[0]
+    motors = result.catalog.motors
+    row = motors.rows[best.motor.part]
+    part = replace(best.motor, thermal_resistance_housing=14.123456)
+    known = dict.fromkeys(result.catalog.confidence("motors", row), "estimated")
+    made = _row(part, "thermal_resistance_housing", "motors", known)
+    assert made == {"name": "thermal resistance housing", "text": "14.1 K/W", "mark": "estimated"}
+    assert _row(part, "thermal_resistance_housing", "motors", dict.fromkeys(known, "quoted"))["text"] == "14.1235 K/W"
