@@ -20,6 +20,7 @@ from drivesizer.equations import nominal_speed
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output import formula
 from drivesizer.output.json import documents as json_documents
+from drivesizer.output.json import file as json_file
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS
 from drivesizer.platform import printed_forms
 from drivesizer.platform.matrix_equation import PLATFORM
@@ -262,6 +263,10 @@ def documents(spec, catalog, proofs):
     document["explained"] = json.loads(json_documents.as_text(json_documents.drive_set(found)))
     assert document["misses"] and document["explained"]["changes"]
     return document, json.loads(json_documents.as_text(json_documents.validation(proofs[1])))
+
+
+def test_the_table_of_the_parts_list_is_the_document(result):
+    held_against_the_page("Line", json_file.document(result, None)["parts_list"])
 
 
 def test_the_tables_of_a_prediction_are_the_document(run):

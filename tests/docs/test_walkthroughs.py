@@ -7,10 +7,12 @@ import re
 
 import pytest
 from docs_pages import DOCS, ROOT, blocks
+from pdf_text import texts_of
 
 from drivesizer import size
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.parts import machine_parts, totals
+from drivesizer.output.report import write
 from drivesizer.spec.robot import read_spec
 
 PAGES = sorted((DOCS / "tutorials").glob("*.md"))
@@ -65,6 +67,17 @@ def test_the_agv_gets_brushless_motors_with_controllers_and_totals_of_four_wheel
     assert mass.value == pytest.approx(4 * (sum(weights) + 0.020)) and mass.estimated == ("encoder",)
     screen = "\n".join(first_screen(page))
     assert "4 ×   motor        maxon EC 40" in screen and f"at least {price.value:.2f} EUR" in screen
+
+
+@pytest.mark.slow
+def test_the_first_page_of_the_report_of_the_agv_has_nothing_unknown_in_its_box(tmp_path):
+    """Mass and price are sums of what is known or estimated, and say what they lack; every other figure is there."""
+    result = size(read_spec(YamlSource(spec_of(DOCS / "tutorials" / "agv.md"), "robot.yaml")), top=1)
+    write(result, None, [tmp_path / "agv.pdf"])
+    (page,) = texts_of((tmp_path / "agv.pdf").read_bytes(), 1)
+    box = page.split("Smallest margin", 1)[1].split("Table 2", 1)[0]
+    assert "5.56 kg" in box and "3032.00 EUR" in box and "3045 J" in box
+    assert "unknown" not in box
 
 
 def test_the_robot_of_the_paper_is_the_example():
