@@ -89,7 +89,7 @@ def test_energy_heat_parts_and_what_is_not_known_are_told(text):
         "Winding in periodic steady state, mean 38.23 °C",
         "winding time constant, motor time constant of the motor not known",
         "4 × gearhead maxon GP 26 A, 27:1, exactly 26.851 406764 308 g 127.73 EUR 510.92 EUR", "at least 510.92 EUR",
-        "without motor, belt, encoder, controller", "Cables, connectors",
+        "without motor, belt, encoder, controller", "cables, connectors",
         "Motor permissible speed motor max speed", "encoder max speed 24000 rpm recalled",
     ):  # fmt: skip
         assert said in text, said

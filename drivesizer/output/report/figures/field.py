@@ -62,7 +62,13 @@ def conditions(panel: Panel) -> str:
     return f"{show(lines.voltage, 'V', 'voltage')} usable, ambient {show(lines.ambient, 'degC', 'temperature')}"
 
 
+def _given(panel: Panel) -> str:
+    """Usable voltage and ambient, without words."""
+    return conditions(panel).replace(" usable, ambient", ",")
+
+
 MOST_FIELDS = 8
+_NAME = 88.0  # pt, of a name above a small diagram
 _ABREAST = 2  # small diagrams
 _SMALL = 1.75  # in, of a small diagram
 
@@ -89,8 +95,8 @@ def torque_speed_each(panels: Sequence[Panel], form: Form = "svg") -> bytes:
         places = [axes for row in grid for axes in row]
         for axes, panel in zip(places, shown, strict=False):
             _field(axes, panel, plain=True)
-            name = named(panel.cases[0][1]).strip()
-            axes.set_title(f"{name}: {conditions(panel)}" if several else name)
+            name = named(panel.cases[0][1], _NAME).strip()
+            axes.set_title(f"{name}: {_given(panel)}" if several else name)
         for axes in places[len(shown) :]:
             axes.set_visible(False)
         heading(figure, *places[0].get_legend_handles_labels(), 5)
