@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drivesizer.cli import main
-from drivesizer.control.path_following.runs import follow_all
+from drivesizer.control.path_following.runs import FollowingRun, follow_all, follow_case
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
@@ -374,7 +374,7 @@ def test_the_spec_says_how_soft_the_loops_are(folder):
     for more, behind in ((soft, lag), (soft.replace("P,", "PI,"), 0.0)):
         found = driving(with_trajectory(spec_of(level, PLATFORM, more, AHEAD), None))
         assert found.trajectory.total == pytest.approx(12.0)
-        run = follow_all(found, None)["kinematic model"]
+        run = follow_case(found, None, FollowingRun("kinematic", "PI" in more, False, False))
         assert run.planned.posture[0, -1] - run.posture[0, -1] == pytest.approx(behind, rel=0.02, abs=lag / 10)
     with pytest.raises(InputError, match="speed_integral: a speed_loop P has none"):
         spec_of(level, PLATFORM, soft.replace("P,", "P, speed_integral: 1 N*m/rad,"), AHEAD)

@@ -108,7 +108,7 @@ def test_the_probability_is_that_of_the_band(maxon, table, lacking):
     """One figure decides: the share of the log-normal distribution up to the value at which the check turns."""
     (estimate,) = (e for e in lacking.estimated if e.figure == "rotor_inertia")
     low, high = 1e-7, 1e-6
-    for _ in range(30):  # where it turns, by drives with the figure printed
+    for _ in range(14):  # where it turns to 1e-4, by drives with the figure printed
         middle = (low * high) ** 0.5
         status = one(table, with_figure(maxon, "rotor_inertia", middle)).status
         low, high = (middle, high) if status == "pass" else (low, middle)

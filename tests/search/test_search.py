@@ -33,8 +33,8 @@ def spec_of(mass="30 kg", slope="2 deg", speed="1.1 m/s", belts="[1.3]", objecti
 
 @pytest.fixture(scope="module")
 def many(catalog):
-    """The first thousand by mass."""
-    return size(spec_of(), catalog=catalog, top=1000)
+    """The first by mass."""
+    return size(spec_of(), catalog=catalog, top=300)
 
 
 def by_hand(spec, catalog):
@@ -119,7 +119,7 @@ def test_every_pair_of_the_catalogue(spec, catalog, monkeypatch):
 
 @pytest.mark.parametrize("objective", ["mass", "price", "power", "length", "margin"])
 def test_objectives_rank(objective, catalog, many):
-    result = many if objective == "mass" else size(spec_of(objective=objective), catalog=catalog, top=100)
+    result = many if objective == "mass" else size(spec_of(objective=objective), catalog=catalog, top=40)
     rows = [(s.status != "pass", -len(s.objective_of), s.objective) for s in result.sets]
     if objective == "margin":
         rows = [(a, -1, -c) for a, _, c in rows]

@@ -199,14 +199,14 @@ def test_figures_that_shape_nothing_leave_one_cycle() -> None:
 
 
 def test_samples_are_what_the_plain_evaluation_says(plain: str, parts: Catalog) -> None:
-    """200 samples of 100 sets, each check's demand, limit and verdict: the same to 1e-5, windings to 1e-3."""
+    """Two samples of every other of 100 sets, each check's demand, limit, verdict: alike to 1e-5, windings to 1e-3."""
     spec = _read(plain, MOVED)
     given = assumptions(spec)
     ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 4096, 3).values)
     found = _best(spec, parts, 100)
     rng, seen = np.random.default_rng(1), 0
     (block,) = blocks(ready, parts, [1.1])
-    for place in range(100):
+    for place in range(0, 100, 2):
         one = subject(found, place).rows
         if parts.motors["kind"][one.motor] != "brushed":
             continue  # an iron loss that is calibrated by the data sheet is not off because the resistance is
@@ -215,9 +215,9 @@ def test_samples_are_what_the_plain_evaluation_says(plain: str, parts: Catalog) 
             plainly, catalog = evaluated(spec, parts, one, given, ready.values[row])
             held_alike(plainly, got, int(row), block.size)
             seen += 1
-            if place < 5:
+            if place < 10:
                 _lasts(spec, plainly, catalog, given, ready.values[row], got, int(row), block.size)
-    assert seen >= 100
+    assert seen >= 50
 
 
 CHOSEN_BY = {"encoders": {"counts_per_turn"}, "controllers": {"supply_min", "supply_max"}}  # else other parts are taken
@@ -344,9 +344,9 @@ def _document(plain: str, parts: Catalog, seed: int, processes: int) -> str:
     )
 
 
-def test_the_same_seed_gives_the_same_figures_on_one_process_and_on_four(plain: str, parts: Catalog) -> None:
+def test_the_same_seed_gives_the_same_figures_on_one_process_and_on_two(plain: str, parts: Catalog) -> None:
     first = _document(plain, parts, 1, 1)
-    assert first == _document(plain, parts, 1, 4) == _document(plain, parts, 1, 1)
+    assert first == _document(plain, parts, 1, 2) == _document(plain, parts, 1, 1)
     assert first != _document(plain, parts, 2, 1)
 
 
