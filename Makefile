@@ -31,9 +31,9 @@ lint: $(TOOLS)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# The documentation as a site; a warning is a failure.
+# The documentation as a site; a warning is a failure (with --quiet none is counted).
 docs: $(TOOLS)
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 # The wheel, built out of the source archive, at work in an empty environment and in another folder.
 wheel: $(TOOLS)
