@@ -262,7 +262,7 @@ def written(page: str, folder: Path, text_block: Callable[[Block, str], None]) -
 
 def main(names: list[str]) -> None:
     """Bring pages up to date."""
-    pages = [Path(name) for name in names] or sorted((ROOT / "docs").glob("*.md"))
+    pages = [Path(name) for name in names] or sorted((ROOT / "docs").rglob("*.md"))
     for path in pages:
         text = path.read_text(encoding="utf-8")
         found: list[tuple[Block, str]] = []
