@@ -197,7 +197,10 @@ def _tally(console: Console, result: SizingResult, *, whole: bool) -> None:
     drives = "1 drive" if counts.considered == 1 else f"{counts.considered:,} drives"
     meet = "meets" if counts.feasible == 1 else "meet"
     ranked = f", ranked by {result.objective.replace('_', ' ')}" if counts.feasible > 1 else ""
-    console.print(f"{drives} considered, {counts.feasible:,} {meet} all limits{ranked}.")
+    alone = (
+        f" of the drive, {counts.judged:,} were checked in the machine" if 0 < counts.judged < counts.feasible else ""
+    )
+    console.print(f"{drives} considered, {counts.feasible:,} {meet} all limits{alone}{ranked}.")
     if counts.left_out:
         console.print(
             f"{counts.left_out:,} more meet all limits that are known; select: {{unknown: reject}} leaves them out."
