@@ -46,7 +46,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Leave what is imported by now out of garbage collections, which take a tenth of the time of the tests else."""
+    """Leave what is imported by now out of garbage collections: 7 % of the time of two files of tests."""
     gc.collect()
     gc.freeze()
     gc.set_threshold(50_000, 20, 50)
