@@ -36,7 +36,4 @@ def first_of_each(family: NDArray[np.int64]) -> NDArray[np.int64]:
     >>> first_of_each(np.array([7, 2, 7, 7, 0, 2])).tolist()
     [0, 1, 4]
     """
-    first = np.full(family.max(initial=-1) + 1, len(family))
-    first[family[::-1]] = np.arange(len(family))[::-1]  # of equal indices the last one written stays
-    found: NDArray[np.int64] = np.sort(first[first < len(family)])
-    return found
+    return np.sort(np.unique(family, return_index=True)[1])

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog import Catalog
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
@@ -127,7 +128,7 @@ def search(
         on_front = kept_in_machine.best[ranking.front(catalog, kept.sets.on(kept_in_machine.best), figures, pareto)]
     held = _held_back(problem, kept, *value, best)
     rank = np.stack([precedence, value[1], ranking.rounded(value[0])])
-    unlike = _of_other_families(judge, kept.sets, in_full, order, best[:1], others, rank)
+    unlike = _of_other_families(judge, kept.sets, in_full, order, best[:1], catalog, others, rank)
     extra = np.concatenate([on_front[~np.isin(on_front, best)], short, held, unlike[~np.isin(unlike, best)]])
     shown = _shown(looked_at, kept, nearest, (head, best, extra))
     places = {int(row): n for n, row in enumerate(best)}
@@ -145,6 +146,7 @@ def _of_other_families(
     evaluated: Evaluated,
     order: NDArray[np.int64],
     best: NDArray[np.int64],
+    catalog: Catalog,
     wanted: int,
     rank: Array,
 ) -> NDArray[np.int64]:
@@ -154,7 +156,6 @@ def _of_other_families(
     """
     if not wanted or not len(best):
         return best[:0]
-    catalog = evaluated(best).catalog
     family, own = family_of(catalog, sets.motor[order]), family_of(catalog, sets.motor[best])[0]
     others = family != own
     order, family = order[others], family[others]
@@ -375,7 +376,7 @@ def _by_the_paper(
         of_all = ranking.front(catalog, sets.on(kept_in_machine.best), {"margin": margin[kept_in_machine.best]}, pareto)
         on_front = kept_in_machine.best[of_all]
     rank = np.stack([found.unknown, value[1], ranking.rounded(value[0])])
-    unlike = _of_other_families(judge, sets, lambda rows: _on(found, rows), passing, best[:1], others, rank)
+    unlike = _of_other_families(judge, sets, lambda rows: _on(found, rows), passing, best[:1], catalog, others, rank)
     few = np.concatenate([best, near, on_front[~np.isin(on_front, best)], short, unlike[~np.isin(unlike, best)]])
     places = {int(row): n for n, row in enumerate(few)}
     front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
